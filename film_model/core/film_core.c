@@ -1,0 +1,966 @@
+/* The march: lines that replace the law between nodes, and the exact motion on each line. See film_core.h. */
+#include "film_core.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+/* How a line, or a leg, ends. PART and STOP end between two nodes. */
+enum { ENDS_NODE, ENDS_EDGE, ENDS_TURN, ENDS_NEVER, ENDS_PART, ENDS_STOP };
+enum { GRADING_COARSE = -1 };                          /* nodes of a trial leg: 3 s^2 - 2 s^3, no table needed */
+
+static const double TURN_TOLERANCE = 1e-14;       /* of the length of the last segment: rounding */
+static const double TURN_ROUNDING = 2e-15;        /* of the depth: a short segment's mean force is not known better */
+static const double TRIAL_TURN_TOLERANCE = 1e-3;  /* a trial only aims the nodes */
+static const double REST_LENGTH = 1e-9;           /* of the contact's depth: curvature changes the force by 1e-18 */
+static const double REST_SPEED = 1e-13;           /* of the impactor's: rounding of y = nu - gamma f */
+enum { TURN_ITERATIONS = 60, HALVINGS = 60, ROOT_ITERATIONS = 200, DOUBLINGS = 2100 };
+
+/* ---------------------------------------------------------------- functions of a curve */
+
+static double raised(double x, double exponent) {
+    if (exponent == 1.5) return x * sqrt(x);
+    if (exponent == 1.0) return x;
+    if (exponent == 2.0) return x * x;
+    return pow(x, exponent);
+}
+
+static double chebyshev(const film_function *g, double z) {
+    double b1 = 0.0, b2 = 0.0;
+    for (int k = g->terms - 1; k > 0; k--) {
+        double b = 2.0 * z * b1 - b2 + g->series[k];
+        b2 = b1;
+        b1 = b;
+    }
+    return z * b1 - b2 + g->series[0];
+}
+
+static double variable(const film_function *g, double xi) {
+    double x = (xi - g->origin) / g->span;
+    return x > 0.0 ? x : 0.0;
+}
+
+static double value(const film_function *g, double xi) {
+    double x = variable(g, xi);
+    if (g->form == FILM_SERIES) return chebyshev(g, 2.0 * x - 1.0);
+    if (g->form == FILM_ROOT_SERIES) return chebyshev(g, 2.0 * sqrt(x) - 1.0);
+    double f = g->constant + g->slope * x;
+    return g->coefficient == 0.0 ? f : f + g->coefficient * raised(x, g->exponent);
+}
+
+static const film_piece *piece_at(const film_curve *curve, int32_t stage, double xi) {
+    const film_piece *piece = &curve->piece[curve->stage[stage].first];
+    const film_piece *last = piece + curve->stage[stage].count - 1;
+    while (piece < last && xi > piece->end) piece++;
+    return piece;
+}
+
+void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work) {
+    const film_piece *piece = piece_at(curve, stage, xi);
+    const film_function *g = &piece->force;
+    if (g->form == FILM_POWER) {
+        double x = variable(g, xi);
+        double power = g->coefficient == 0.0 ? 0.0 : g->coefficient * raised(x, g->exponent);
+        *force = g->constant + g->slope * x + power;
+        *work = g->span * x * (g->constant + 0.5 * g->slope * x + power / (g->exponent + 1.0)) - piece->work_at_begin;
+    } else {
+        *force = value(g, xi);
+        *work = value(&piece->work, xi);
+    }
+}
+
+/* The true law where a line lives: a loading stage, the unloading branch, or no contact. */
+static void law_at(const film_curve *curve, const film_line *line, double xi, double *force, double *work) {
+    if (line->branch >= 0) {
+        film_law(curve, line->branch, xi, force, work);
+    } else if (line->branch == FILM_BRANCH) {
+        double x = (xi - line->xi_free) / line->recovery;
+        *force = x > 0.0 ? line->f_max * raised(x, line->exponent) : 0.0;
+        *work = *force * x * line->recovery / (line->exponent + 1.0);
+    } else {
+        *force = *work = 0.0;
+    }
+}
+
+/* ---------------------------------------------------------------- motion on one line
+ * With phi = phi_0 + kappa x the relative velocity y = xi' = nu - gamma phi obeys y'' + 2 a y' + kappa y = 0,
+ * a = kappa gamma/2, y'(0) = -(phi_0 - p) - 2 a y_0: one formula for every damping regime, and kappa = 0 and
+ * kappa = a^2 are regular points. Written for motion towards positive x; motion outwards is its mirror image. */
+typedef struct {
+    double y0, phi, kappa, a; /* phi: the line's force at x = 0, less the load */
+} motion;
+
+/* x and y after tau. Short times: the Taylor series of the equation, y_k = -(2a tau) y_{k-1}/k - kappa tau^2 y_{k-2}/(k(k-1));
+ * long ones: s, the response to a unit velocity, s' and its integral sigma; y = y0 s' - phi s, x = y0 s - phi sigma. */
+static void move(const motion *m, double tau, double *x, double *y) {
+    static const double over[26] = {0.0,      1.0,      1.0 / 2,  1.0 / 3,  1.0 / 4,  1.0 / 5,  1.0 / 6,
+                                    1.0 / 7,  1.0 / 8,  1.0 / 9,  1.0 / 10, 1.0 / 11, 1.0 / 12, 1.0 / 13,
+                                    1.0 / 14, 1.0 / 15, 1.0 / 16, 1.0 / 17, 1.0 / 18, 1.0 / 19, 1.0 / 20,
+                                    1.0 / 21, 1.0 / 22, 1.0 / 23, 1.0 / 24, 1.0 / 25};
+    double b = -2.0 * m->a * tau, c = -m->kappa * tau * tau;
+    if (fabs(b) <= 1.0 && fabs(c) <= 1.0) {
+        double before = m->y0, term = (-m->phi - 2.0 * m->a * m->y0) * tau;
+        double small = 1e-18 * (fabs(before) + fabs(term));
+        double sum_y = before + term, sum_x = before + 0.5 * term;
+        for (int k = 2; k < 25; k++) {
+            double next = (b * term + c * before * over[k - 1]) * over[k];
+            sum_y += next;
+            sum_x += next * over[k + 1];
+            if (fabs(next) + fabs(term) <= small) break;
+            before = term;
+            term = next;
+        }
+        *x = sum_x * tau;
+        *y = sum_y;
+        return;
+    }
+    double a = m->a, square = a * a - m->kappa, reach = square * tau * tau;
+    double s, ds, sigma;
+    if (fabs(reach) < 0.01) { /* around critical damping: even series in (a^2 - kappa) tau^2 */
+        double even = 1.0 + reach / 2.0 * (1.0 + reach / 12.0 * (1.0 + reach / 30.0 * (1.0 + reach / 56.0 * (1.0 + reach / 90.0))));
+        double odd = tau * (1.0 + reach / 6.0 * (1.0 + reach / 20.0 * (1.0 + reach / 42.0 * (1.0 + reach / 72.0 * (1.0 + reach / 110.0)))));
+        double decay = exp(-a * tau);
+        s = decay * odd;
+        ds = decay * (even - a * odd);
+        sigma = (1.0 - decay * (even + a * odd)) / m->kappa;
+    } else if (square < 0.0) { /* under-damped */
+        double omega = sqrt(-square), decay = exp(-a * tau);
+        double even = cos(omega * tau), odd = sin(omega * tau) / omega;
+        s = decay * odd;
+        ds = decay * (even - a * odd);
+        sigma = (1.0 - decay * (even + a * odd)) / m->kappa;
+    } else { /* over-damped: rates kappa/(a + d) and a + d, neither found by a difference */
+        double d = sqrt(square), fast = a + d, slow = m->kappa / fast;
+        double e_slow = exp(-slow * tau), e_fast = exp(-fast * tau);
+        double grown = m->kappa == 0.0 ? tau / fast : -expm1(-slow * tau) / m->kappa;
+        s = (e_slow - e_fast) / (2.0 * d);
+        ds = (fast * e_fast - slow * e_slow) / (2.0 * d);
+        sigma = grown * fast / (2.0 * d) + expm1(-fast * tau) / (2.0 * d * fast);
+    }
+    *x = m->y0 * s - m->phi * sigma;
+    *y = m->y0 * ds - m->phi * s;
+}
+
+/* atan(sqrt z)/sqrt z, and atanh for z < 0. */
+static double arc(double z) {
+    if (fabs(z) < 0.04) {
+        double sum = 0.0;
+        for (int k = 10; k >= 0; k--) sum = 1.0 / (2 * k + 1) - z * sum;
+        return sum;
+    }
+    if (z > 0.0) return atan(sqrt(z)) / sqrt(z);
+    return z > -1.0 ? atanh(sqrt(-z)) / sqrt(-z) : INFINITY;
+}
+
+/* First time with y = 0 after the start: tan(sqrt(D) tau)/sqrt(D) = y0/(phi + a y0), D = kappa - a^2. */
+static double turn_time(const motion *m) {
+    double rate = m->phi + m->a * m->y0, square = m->kappa - m->a * m->a;
+    if (m->y0 > 0.0 && rate > 0.0) {
+        double r = m->y0 / rate;
+        return r * arc(square * r * r);
+    }
+    return square > 0.0 ? atan2(sqrt(square) * m->y0, rate) / sqrt(square) : INFINITY;
+}
+
+/* First time with x = length > 0, and y then. 0: it turns before; ENDS_NEVER: it comes to rest before. */
+static int leave_slowly(const motion *m, double length, double *tau, double *y) {
+    double low = 0.0, high = turn_time(m), x;
+    if (m->y0 <= 0.0 && m->phi >= 0.0) return m->phi > 0.0 || m->y0 < 0.0 ? 0 : ENDS_NEVER;
+    if (m->y0 == 0.0) high = m->kappa > m->a * m->a ? PI / sqrt(m->kappa - m->a * m->a) : INFINITY;
+    if (high < INFINITY) {
+        move(m, high, &x, y);
+        if (x < length) return 0;
+    } else {
+        if (m->kappa > 0.0 && -m->phi <= m->kappa * length * (1.0 + 1e-13)) return ENDS_NEVER;
+        high = m->y0 > 0.0 ? length / m->y0 : sqrt(-2.0 * length / m->phi);
+        for (int k = 0; k < DOUBLINGS; k++, high *= 2.0) {
+            move(m, high, &x, y);
+            if (!(x < length)) break;
+            if (k == DOUBLINGS - 1 || high > 1e300) return ENDS_NEVER;
+        }
+    }
+    double t = 0.5 * (low + high);
+    for (int k = 0; k < ROOT_ITERATIONS; k++) {
+        move(m, t, &x, y);
+        if (x < length) low = t; else high = t;
+        double next = *y > 0.0 ? t - (x - length) / *y : low;
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        if (fabs(next - t) <= 4e-16 * t) break;
+        t = next;
+    }
+    *tau = t;
+    return 1;
+}
+
+static int leave(const motion *m, double length, double *tau, double *y) {
+    double drag = m->a * length, before = m->y0 - drag;
+    double square = before * before - length * (2.0 * m->phi + m->kappa * length);
+    if (m->a == 0.0) { /* energy gives y, and tan(omega tau/2) = omega length/(y0 + y) */
+        if (square < 0.0 || m->y0 < 0.0) return 0;
+        *y = sqrt(square);
+        double mean = m->y0 + *y;
+        if (mean <= 0.0) return m->phi == 0.0 ? ENDS_NEVER : 0;
+        double h = length / mean;
+        *tau = 2.0 * h * arc(m->kappa * h * h);
+        return 1;
+    }
+    double guess = square > 0.0 && m->y0 >= 0.0 ? sqrt(square) - drag : 0.0;
+    if (!(guess > 0.1 * m->y0 && before > 0.0 ) && !(m->y0 == 0.0 && guess > 0.0)) return leave_slowly(m, length, tau, y);
+    double t = 2.0 * length / (m->y0 + guess);
+    t -= t * t * t * (m->kappa + 2.0 * m->a * (guess - m->y0) / length) / 12.0;
+    for (int k = 0; k < 8; k++) { /* Halley: the error is cubed at each turn */
+        double x;
+        move(m, t, &x, y);
+        if (!(*y > 0.0)) break;
+        double slope = -(m->phi + m->kappa * x) - 2.0 * m->a * *y;
+        double newton = (x - length) / *y, d = newton / (1.0 - 0.5 * newton * slope / *y);
+        if (!(d < t)) break;
+        t -= d;
+        if (fabs(d) <= 1e-5 * t) {
+            *y -= d * (slope + 0.5 * d * (2.0 * m->a * slope + m->kappa * *y));
+            *tau = t;
+            return 1;
+        }
+    }
+    return leave_slowly(m, length, tau, y);
+}
+
+/* ---------------------------------------------------------------- lines */
+
+static motion on_line(const film_state *s, double phi, double kappa) {
+    double d = s->direction;
+    motion m = {d * (s->nu - s->gamma * phi), d * (phi - s->load), kappa, 0.5 * kappa * s->gamma};
+    return m;
+}
+
+/* Where the current run must end at the latest: the edge of its stage or branch. */
+static double limit_of(const film_curve *curve, const film_state *s) {
+    if (s->branch == FILM_BRANCH) return s->direction > 0 ? s->xi_max : s->xi_free;
+    return s->direction > 0 ? curve->stage[s->branch].end : curve->stage[s->branch].begin;
+}
+
+/* The line from the current point over `length` that meets the law's force at the far end: it does the law's work, or
+ * it is the chord. */
+static void line_to_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double length) {
+    double h = s->direction * length;
+    law_at(curve, &s->line, s->xi + h, &s->force_end, &s->work_end);
+    double near = mesh->linearisation == FILM_CHORD ? s->force : 2.0 * (s->work_end - s->work) / h - s->force_end;
+    s->line.kappa = (s->force_end - near) / h;
+    s->line.phi = near;
+}
+
+/* The last line must pass through the law's force where the motion turns, since y = nu - gamma f there: the length h
+ * for which the line over h turns after exactly h. Secant steps inside a bracket; `length` is the first guess and
+ * becomes the answer. 0: no turn up to `limit`. */
+static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double *length, double limit,
+                     double tolerance) {
+    double low = 0.0, high = INFINITY, h = *length < limit ? *length : limit;
+    double last_h = 0.0, last_miss = 0.0;
+    for (int k = 0; k < TURN_ITERATIONS; k++) {
+        line_to_turn(curve, mesh, s, h);
+        motion m = on_line(s, s->line.phi, s->line.kappa);
+        double reach = INFINITY, tau = INFINITY, y;
+        if (!(m.y0 > 0.0)) {
+            reach = tau = 0.0;
+        } else if (m.a == 0.0) {
+            double root = m.phi * m.phi + m.kappa * m.y0 * m.y0;
+            if (root >= 0.0 && m.phi + sqrt(root) > 0.0) {
+                reach = m.y0 * m.y0 / (m.phi + sqrt(root));
+                double ratio = reach / m.y0;
+                tau = 2.0 * ratio * arc(m.kappa * ratio * ratio);
+            }
+        } else if ((tau = turn_time(&m)) < INFINITY) {
+            move(&m, tau, &reach, &y);
+        }
+        double miss = reach - h;
+        s->tau_end = tau;
+        *length = h;
+        if (fabs(miss) <= tolerance * h + TURN_ROUNDING * (fabs(s->xi) + h)) return 1;
+        if (miss > 0.0) low = h; else high = h;
+        if (miss > 0.0 && h >= limit) return 0;
+        double next = reach;
+        if (k > 0 && reach < INFINITY && miss != last_miss) next = h - miss * (h - last_h) / (miss - last_miss);
+        last_h = h;
+        last_miss = miss;
+        double top = high < limit ? high : limit;
+        if (!(next > low && next < high)) next = high < INFINITY ? 0.5 * (low + high) : 2.0 * h;
+        if (k > 20 && high < INFINITY) next = 0.5 * (low + high);
+        h = next < top ? next : top;
+    }
+    return 1;
+}
+
+static double node(const film_mesh *mesh, const film_state *s, int32_t i) {
+    if (s->leg_grading == GRADING_COARSE) {
+        double f = (double)i / s->leg_nodes;
+        return f * f * (3.0 - 2.0 * f);
+    }
+    return (s->direction > 0 ? mesh->loading_nodes : mesh->unloading_nodes)[s->leg_grading][i];
+}
+
+static void free_line(film_state *s) {
+    double gap = s->xi_free - s->xi, p = s->load, nu = s->nu;
+    s->line.phi = s->line.kappa = 0.0;
+    s->direction = 1;
+    s->line_ends = ENDS_NEVER;
+    s->tau_end = INFINITY;
+    double square = nu * nu + 2.0 * p * gap;
+    if (gap <= 0.0 && (nu > 0.0 || (nu == 0.0 && p > 0.0))) {
+        s->tau_end = 0.0;
+    } else if (p > 0.0) { /* falls, after rising if nu < 0 */
+        s->tau_end = nu >= 0.0 ? 2.0 * gap / (nu + sqrt(square)) : (sqrt(square) - nu) / p;
+    } else if (nu > 0.0 && square > 0.0) {
+        s->tau_end = 2.0 * gap / (nu + sqrt(square));
+    }
+    if (!(s->tau_end < INFINITY)) return;
+    s->line_ends = ENDS_EDGE;
+    s->xi_end = s->xi_free;
+    s->nu_end = nu + p * s->tau_end;
+}
+
+/* The motion stops here, at once. */
+static void end_here(film_state *s, int ends) {
+    s->line.phi = s->force;
+    s->line.kappa = s->tau_end = 0.0;
+    s->line_ends = ends;
+    s->xi_end = s->xi;
+    s->nu_end = s->nu;
+    s->force_end = s->force;
+    s->work_end = s->work;
+}
+
+/* The line over the next `length`, and the motion on it. Whatever its ends, it does the work of the law; chords do not. */
+static motion draw(const film_curve *curve, const film_mesh *mesh, film_state *s, double length) {
+    double h = s->direction * length;
+    law_at(curve, &s->line, s->xi + h, &s->force_end, &s->work_end);
+    double mean = (s->work_end - s->work) / h;
+    int at_rest = s->from_turn && s->leg_node == 0;
+    s->line.kappa = (s->force_end - s->force) / h;
+    s->line.phi = mean - 0.5 * s->line.kappa * h;
+    if (mesh->linearisation == FILM_CHORD) {
+        s->line.phi = s->force;
+    } else if (at_rest) { /* y = nu - gamma f is 0 there */
+        s->line.phi = s->force;
+        s->line.kappa = 2.0 * (mean - s->force) / h;
+    } else if (s->line_ends == ENDS_NEVER) { /* balance where the law balances */
+        s->line.kappa = 2.0 * (s->force_end - mean) / h;
+        s->line.phi = 2.0 * mean - s->force_end;
+    }
+    motion m = on_line(s, s->line.phi, s->line.kappa);
+    if (at_rest && fabs(m.y0) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->force)) m.y0 = 0.0;
+    return m;
+}
+
+static void land(film_state *s, double length, double y) {
+    double h = s->direction * length;
+    s->xi_end = s->xi + h;
+    s->nu_end = s->direction * y + s->gamma * (s->line.phi + s->line.kappa * h);
+}
+
+/* The next line of the leg: replaces the law from the current point to the next node. */
+static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, double turn_tolerance) {
+    int last = s->leg_node + 1 >= s->leg_nodes, at_rest = s->from_turn && s->leg_node == 0;
+    int own_turn = at_rest || (mesh->linearisation == FILM_CHORD && s->gamma == 0.0);
+    double d = s->direction, limit = limit_of(curve, s), x, y;
+    double to = last ? s->leg_to : s->leg_from + (s->leg_to - s->leg_from) * node(mesh, s, s->leg_node + 1);
+    double length = d * (to - s->xi), edge = d * (limit - s->xi);
+    s->line_ends = last ? s->leg_ends : ENDS_NODE;
+    if (s->line_ends != ENDS_TURN || own_turn) {
+        if (!(length > 0.0)) {
+            end_here(s, s->line_ends);
+            return FILM_OK;
+        }
+        motion m = draw(curve, mesh, s, length);
+        int left = leave(&m, length, &s->tau_end, &y);
+        /* A line may dip below zero where the law only touches it, and would hold the contact shut for ever. Without
+         * a load nothing does: go halfway, and again, until the law is flat enough to let go. */
+        for (int k = 0; left != 1 && k < HALVINGS && d < 0.0 && s->load <= 0.0; k++) {
+            if (!(s->line.phi + s->line.kappa * d * length < -1e-12 * s->force)) break;
+            length *= 0.5;
+            s->line_ends = ENDS_PART;
+            m = draw(curve, mesh, s, length);
+            left = leave(&m, length, &s->tau_end, &y);
+        }
+        if (left == 1) {
+            land(s, length, y);
+            if (s->line_ends == ENDS_TURN) s->line_ends = ENDS_NODE; /* it turns a little later: plan afresh */
+            else if (s->line_ends != ENDS_PART) s->xi_end = to;
+            return FILM_OK;
+        }
+        if (left == ENDS_NEVER) {
+            s->line_ends = ENDS_NEVER;
+            s->tau_end = INFINITY;
+            return FILM_OK;
+        }
+        if (own_turn) { /* the line's own turn; on a chord as in the paper, with the law's force there */
+            s->tau_end = turn_time(&m);
+            if (!(m.y0 >= 0.0 && s->tau_end > 0.0 && s->tau_end < INFINITY)) {
+                end_here(s, ENDS_TURN);
+                return FILM_OK;
+            }
+            move(&m, s->tau_end, &x, &y);
+            s->line_ends = ENDS_TURN;
+            land(s, x, 0.0);
+            law_at(curve, &s->line, s->xi_end, &s->force_end, &s->work_end);
+            return FILM_OK;
+        }
+        length *= 0.5;
+    }
+    if (!(d * (s->nu - s->gamma * s->force) > 0.0)) {
+        end_here(s, ENDS_TURN);
+        return FILM_OK;
+    }
+    if (!(length > 0.0)) length = 1e-3 * fabs(s->leg_to - s->leg_from);
+    if (find_turn(curve, mesh, s, &length, edge, turn_tolerance)) {
+        s->line_ends = ENDS_TURN;
+        s->xi_end = s->xi + d * length;
+        s->nu_end = s->gamma * s->force_end;
+        return FILM_OK;
+    }
+    if (!(edge < INFINITY)) return FILM_BEYOND_LAW;
+    line_to_turn(curve, mesh, s, edge); /* it does not turn before the edge: this line was tried and passes it */
+    motion m = on_line(s, s->line.phi, s->line.kappa);
+    s->leg_node = s->leg_nodes - 1;
+    s->leg_to = limit;
+    s->leg_ends = s->line_ends = ENDS_EDGE;
+    if (leave(&m, edge, &s->tau_end, &y) != 1) {
+        s->tau_end = turn_time(&m);
+        y = 0.0;
+    }
+    land(s, edge, y);
+    s->xi_end = limit;
+    return s->tau_end < INFINITY ? FILM_OK : FILM_BEYOND_LAW;
+}
+
+/* The impactor stops on the line just cut: end the line there, as at a node. A length is sought over which the line
+ * brings nu down to stop_velocity: Newton's method with dnu/dxi = (load - phi)/y. */
+static void cut_at_stop(const film_curve *curve, const film_mesh *mesh, film_state *s) {
+    film_state whole = *s;
+    double full = s->direction * (s->xi_end - s->xi), low = 0.0, high = full, y = 0.0;
+    double length = full * (s->nu - s->stop_velocity) / (s->nu - s->nu_end);
+    s->line_ends = ENDS_STOP;
+    for (int k = 0; k < TURN_ITERATIONS; k++) {
+        motion m = draw(curve, mesh, s, length);
+        if (leave(&m, length, &s->tau_end, &y) != 1) break;
+        land(s, length, y);
+        double excess = s->nu_end - s->stop_velocity, phi = s->line.phi + s->line.kappa * s->direction * length;
+        if (excess > 0.0) low = length; else high = length;
+        double next = length + excess * y / (phi - s->load);
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        if (fabs(next - length) <= 1e-14 * full) {
+            s->nu_end = s->stop_velocity;
+            return;
+        }
+        length = next;
+    }
+    *s = whole;
+}
+
+/* To the end of the current line. */
+static void follow(film_state *s) {
+    s->shift = s->line.shift + s->gamma * (s->load * s->tau_end - (s->nu_end - s->line.nu));
+    s->spent = s->line.spent + (s->work_end - s->line.work);
+    s->xi = s->xi_end;
+    s->nu = s->nu_end;
+    s->force = s->force_end;
+    s->work = s->work_end;
+    if (s->force > s->force_peak) s->force_peak = s->force;
+    s->leg_node += s->line_ends != ENDS_PART && s->line_ends != ENDS_STOP;
+}
+
+/* ---------------------------------------------------------------- legs */
+
+/* Kinetic energy left at xi when the target does not move. */
+static double energy_at(const film_curve *curve, const film_state *s, double xi, double *slope) {
+    double force, work;
+    law_at(curve, &s->line, xi, &force, &work);
+    *slope = s->load - force;
+    return 0.5 * s->nu * s->nu - (work - s->work) + s->load * (xi - s->xi);
+}
+
+/* Where a leg on a fixed target ends: the edge if there is energy to reach it, else where the energy is spent. */
+static int aim_by_energy(const film_curve *curve, film_state *s) {
+    double limit = limit_of(curve, s), d = s->direction, slope, inner = s->xi, outer = limit;
+    if (limit < INFINITY) {
+        if (energy_at(curve, s, limit, &slope) >= 0.0) {
+            s->leg_to = limit;
+            s->leg_ends = ENDS_EDGE;
+            return FILM_OK;
+        }
+    } else {
+        const film_piece *piece = piece_at(curve, s->branch, INFINITY);
+        const film_function *g = &piece->force;
+        double energy = 0.5 * s->nu * s->nu + s->work + piece->work_at_begin, reach = INFINITY;
+        if (g->coefficient > 0.0 && g->slope >= 0.0 && g->constant >= 0.0 && s->load <= 0.0)
+            reach = pow((g->exponent + 1.0) * energy / (g->coefficient * g->span), 1.0 / (g->exponent + 1.0)) * g->span;
+        outer = reach < INFINITY ? g->origin + reach * (1.0 + 1e-12) : s->xi + g->span;
+        for (int k = 0; energy_at(curve, s, outer, &slope) > 0.0; k++) {
+            if (k >= DOUBLINGS || !(outer < 1e300)) return FILM_BEYOND_LAW;
+            inner = outer;
+            outer = s->xi + 2.0 * (outer - s->xi);
+        }
+    }
+    double xi = outer;
+    for (int k = 0; k < ROOT_ITERATIONS; k++) {
+        double energy = energy_at(curve, s, xi, &slope);
+        if (energy >= 0.0) inner = xi; else outer = xi;
+        double next = xi - energy / slope;
+        if (!(d * (next - inner) > 0.0 && d * (outer - next) > 0.0)) {
+            if (fabs(next - xi) <= 4e-16 * fabs(xi)) break;
+            next = 0.5 * (inner + outer);
+        }
+        if (fabs(next - xi) <= 2e-16 * fabs(xi)) break;
+        xi = next;
+    }
+    s->leg_to = xi;
+    s->leg_ends = ENDS_TURN;
+    return FILM_OK;
+}
+
+/* Where the true law balances the load, between the current point and the limit. */
+static double balance(const film_curve *curve, const film_state *s) {
+    double low = s->xi, high = limit_of(curve, s), force, work;
+    double side = s->force - s->load;
+    for (int k = 0; k < 100; k++) {
+        double middle = 0.5 * (low + high);
+        law_at(curve, &s->line, middle, &force, &work);
+        if ((force - s->load) * side > 0.0) low = middle; else high = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+/* Where a leg on a compliant target ends, from trial legs of 1, 4, 16 ... segments, each aimed by the one before. */
+static int aim_by_trial(const film_curve *curve, const film_mesh *mesh, film_state *s) {
+    double limit = limit_of(curve, s);
+    s->leg_to = limit;
+    s->leg_ends = ENDS_EDGE;
+    if (s->direction < 0 && s->load <= 0.0) return FILM_OK; /* nothing stops it before contact ends */
+    if (!(limit < INFINITY)) {
+        film_state still = *s; /* a fixed target stops the impactor later than one that gives way */
+        int status = aim_by_energy(curve, &still);
+        if (status < 0) return status;
+        s->leg_to = still.leg_to;
+        s->leg_ends = ENDS_TURN;
+    }
+    for (int32_t nodes = 1; nodes == 1 || 3 * nodes <= s->leg_nodes; nodes *= 4) {
+        film_state trial = *s;
+        trial.leg_nodes = nodes;
+        trial.leg_grading = GRADING_COARSE;
+        if (nodes == 1) trial.leg_ends = s->from_turn ? ENDS_EDGE : ENDS_TURN;
+        for (int k = 0; k < 4 * nodes + 4; k++) {
+            int status = cut(curve, mesh, &trial, TRIAL_TURN_TOLERANCE);
+            if (status < 0) return status;
+            if (trial.line_ends != ENDS_NODE) break;
+            if (trial.leg_node >= trial.leg_nodes - 1) break;
+            follow(&trial);
+        }
+        s->leg_ends = trial.line_ends == ENDS_NODE ? ENDS_TURN : trial.line_ends;
+        s->leg_to = s->leg_ends == ENDS_EDGE ? limit : s->leg_ends == ENDS_NEVER ? balance(curve, s) : trial.xi_end;
+        if (s->leg_ends == ENDS_EDGE) break;
+    }
+    return FILM_OK;
+}
+
+/* The contact turns on the loading curve: remember the spot, and choose the branch that leads back. */
+static int remember(const film_curve *curve, film_state *s) {
+    const film_piece *piece = piece_at(curve, s->branch, s->xi);
+    int unloading = curve->stage[s->branch].unloading;
+    s->xi_max = s->xi;
+    s->f_max = s->force;
+    s->stage_max = s->branch;
+    if (unloading == FILM_RETRACE) return FILM_OK;
+    s->exponent = value(&piece->exponent, s->xi);
+    if (unloading == FILM_RADIUS) {
+        double load = s->f_max / sqrt(value(&piece->recovery, s->xi));
+        s->recovery = s->exponent == 1.5 ? cbrt(load * load) : pow(load, 1.0 / s->exponent);
+        s->xi_free = s->xi - s->recovery;
+    } else {
+        s->xi_free = value(&piece->recovery, s->xi);
+        s->recovery = s->xi - s->xi_free;
+    }
+    if (!(s->recovery > 0.0 && s->recovery < INFINITY && s->exponent > 0.0)) return FILM_BAD_UNLOADING;
+    s->branch = FILM_BRANCH;
+    s->work = s->force * s->recovery / (s->exponent + 1.0);
+    return FILM_OK;
+}
+
+static void sync_line(film_state *s) {
+    film_line *line = &s->line;
+    line->time = s->time;
+    line->xi = s->xi;
+    line->nu = s->nu;
+    line->shift = s->shift;
+    line->work = s->work;
+    line->spent = s->spent;
+    line->load = s->load;
+    line->gamma = s->gamma;
+    line->xi_free = s->xi_free;
+    line->recovery = s->recovery;
+    line->f_max = s->f_max;
+    line->exponent = s->exponent;
+    line->branch = s->branch;
+    line->phase = s->phase;
+}
+
+/* So close to balance that the law is straight: one line for all time to come, in either direction. */
+static void rest(const film_curve *curve, film_state *s, double reach) {
+    double f_low, f_high, work;
+    law_at(curve, &s->line, s->xi - reach, &f_low, &work);
+    law_at(curve, &s->line, s->xi + reach, &f_high, &work);
+    s->line.phi = s->force;
+    s->line.kappa = (f_high - f_low) / (2.0 * reach);
+    s->line_ends = ENDS_NEVER;
+    s->tau_end = INFINITY;
+    s->phase = s->line.phase = FILM_RESTING;
+}
+
+/* Direction, number of nodes and end of the run that starts here. FILM_EVENT: the direction has changed. */
+static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
+    sync_line(s);
+    if (s->branch == FILM_FREE) return FILM_OK;
+    double y = s->nu - s->gamma * s->force, excess = s->force - s->load;
+    if (!s->from_turn && fabs(y) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->force)) {
+        s->from_turn = 1;
+        s->direction = excess < 0.0 ? 1 : -1;
+    }
+    if (!s->from_turn) {
+        int direction = y > 0.0 ? 1 : -1;
+        if (s->branch >= 0 && s->direction > 0 && direction < 0 && s->xi >= s->xi_max) {
+            s->event = FILM_MAXIMUM_INDENTATION;
+            s->direction = -1;
+            s->phase = FILM_UNLOADING;
+            int status = remember(curve, s);
+            return status < 0 ? status : FILM_EVENT;
+        }
+        s->direction = direction;
+        s->phase = direction < 0 ? FILM_UNLOADING : s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
+    }
+    sync_line(s);
+    double depth = s->branch == FILM_BRANCH ? s->recovery : s->xi;
+    s->leg_from = s->xi;
+    s->leg_node = 0;
+    s->leg_nodes = s->direction > 0 ? mesh->loading : mesh->unloading;
+    int status = s->gamma == 0.0 ? aim_by_energy(curve, s) : aim_by_trial(curve, mesh, s);
+    if (status < 0) return status;
+    if (s->leg_ends != ENDS_EDGE && fabs(s->leg_to - s->leg_from) < REST_LENGTH * depth &&
+        fabs(s->leg_to - s->leg_from) < REST_LENGTH * fabs(s->xi - s->xi_free)) {
+        rest(curve, s, 1e-6 * depth);
+        return FILM_OK;
+    }
+    if (mesh->linearisation == FILM_CHORD) {
+        s->leg_grading = FILM_EQUAL;
+    } else if (s->gamma == 0.0) {
+        s->leg_grading = FILM_COSINE;
+    } else if (s->direction > 0) {
+        s->leg_grading = FILM_PLATE_IN;
+    } else {
+        double slowness = s->gamma * sqrt(s->f_max / depth);
+        s->leg_grading = slowness < 1.2 ? FILM_PLATE_OUT : slowness < 1.75 ? FILM_PLATE_SLOW : FILM_PLATE_CREEP;
+    }
+    s->has_leg = 1;
+    return FILM_OK;
+}
+
+static int stopped(film_state *s) {
+    s->moving_in = 0;
+    s->event = FILM_IMPACTOR_STOPS;
+    return FILM_EVENT;
+}
+
+/* A line to march on, whatever came before. */
+static int prepare(const film_curve *curve, const film_mesh *mesh, film_state *s) {
+    if (s->moving_in && s->nu <= s->stop_velocity) return stopped(s);
+    if (!s->has_leg) {
+        int status = plan(curve, mesh, s);
+        if (status != FILM_OK) return status;
+    }
+    if (s->branch == FILM_FREE) {
+        free_line(s);
+    } else if (s->has_leg) {
+        sync_line(s);
+        int status = cut(curve, mesh, s, TURN_TOLERANCE);
+        if (status < 0) return status;
+    }
+    s->tau = s->tau_low = 0.0;
+    if (s->moving_in && s->branch != FILM_FREE && s->tau_end < INFINITY && s->nu_end < s->stop_velocity)
+        cut_at_stop(curve, mesh, s);
+    s->has_line = 1;
+    s->lines++;
+    return FILM_OK;
+}
+
+/* What follows when a line has been walked to its end: the next line, leg, stage or branch. */
+static int finish(const film_curve *curve, film_state *s) {
+    int ends = s->line_ends, status = FILM_OK;
+    if (s->branch == FILM_FREE) {
+        s->xi = s->xi_end;
+        s->nu = s->nu_end;
+    } else {
+        follow(s);
+    }
+    s->has_line = 0;
+    if (s->nu > s->stop_velocity) s->moving_in = 1;
+    s->event = FILM_NO_EVENT;
+    if (ends == ENDS_STOP) return stopped(s);
+    if (ends == ENDS_PART || (ends == ENDS_NODE && s->leg_node < s->leg_nodes)) return FILM_OK;
+    s->has_leg = 0;
+    s->from_turn = ends == ENDS_TURN;
+    if (ends == ENDS_TURN) {
+        s->event = s->direction > 0 ? FILM_MAXIMUM_INDENTATION : FILM_RELOADING_BEGINS;
+        if (s->direction > 0 && s->branch >= 0) status = remember(curve, s);
+        s->direction = -s->direction;
+        s->phase = s->direction < 0 ? FILM_UNLOADING : s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
+    } else if (ends == ENDS_EDGE && s->branch == FILM_FREE) {
+        s->contacts++;
+        s->force_peak = 0.0;
+        s->event = FILM_CONTACT_BEGINS;
+        s->direction = 1;
+        s->branch = s->stage_max >= 0 && curve->stage[s->stage_max].unloading != FILM_RETRACE ? FILM_BRANCH : 0;
+        s->phase = s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
+        sync_line(s);
+        law_at(curve, &s->line, s->xi, &s->force, &s->work);
+    } else if (ends == ENDS_EDGE && s->direction < 0 && s->branch <= 0) {
+        s->event = FILM_CONTACT_ENDS;
+        s->branch = FILM_FREE;
+        s->phase = FILM_SEPARATED;
+        s->force = s->work = 0.0;
+    } else if (ends == ENDS_EDGE) {
+        s->event = FILM_STAGE_CHANGES;
+        if (s->direction < 0) s->branch--;
+        else if (s->branch != FILM_BRANCH) s->branch++;
+        else s->branch = s->xi >= curve->stage[s->stage_max].end ? s->stage_max + 1 : s->stage_max;
+        if (s->branch >= curve->stages) return FILM_BEYOND_LAW;
+        if (s->direction > 0) s->phase = FILM_LOADING;
+        sync_line(s);
+        law_at(curve, &s->line, s->xi, &s->force, &s->work);
+    }
+    if (status < 0) return status;
+    return s->event == FILM_NO_EVENT ? FILM_OK : FILM_EVENT;
+}
+
+/* ---------------------------------------------------------------- what the header promises */
+
+static void add(double *sum, double *low, double x) { /* with the remainder that rounding drops */
+    double t = *sum + (x + *low);
+    *low = (*sum - t) + (x + *low);
+    *sum = t;
+}
+
+void film_evaluate(const film_curve *curve, const film_line *line, double tau, double values[5]) {
+    motion m = {line->nu - line->gamma * line->phi, line->phi - line->load, line->kappa, 0.5 * line->kappa * line->gamma};
+    double x, y, work;
+    move(&m, tau, &x, &y);
+    double nu = y + line->gamma * (line->phi + line->kappa * x);
+    values[0] = line->xi + x;
+    law_at(curve, line, values[0], &values[2], &work);
+    values[1] = nu - line->gamma * values[2];
+    values[3] = nu;
+    values[4] = line->shift + (line->branch == FILM_FREE ? 0.0 : line->gamma * (line->load * tau - (nu - line->nu)));
+}
+
+/* The current point, tau along the line. */
+static void stand(const film_curve *curve, film_state *s, double tau) {
+    double values[5];
+    film_evaluate(curve, &s->line, tau, values);
+    s->xi = values[0];
+    s->nu = values[3];
+    s->shift = values[4];
+    law_at(curve, &s->line, s->xi, &s->force, &s->work);
+    s->spent = s->line.spent + (s->work - s->line.work);
+}
+
+/* Forward by *dt at most, within one line; *dt becomes what is left. */
+static int advance(const film_curve *curve, film_state *s, double *dt) {
+    double left = (s->tau_end - s->tau) - s->tau_low;
+    if (*dt < left) {
+        add(&s->tau, &s->tau_low, *dt);
+        add(&s->time, &s->time_low, *dt);
+        *dt = 0.0;
+        stand(curve, s, s->tau);
+        s->event = FILM_NO_EVENT;
+        return FILM_OK;
+    }
+    if (left == INFINITY) return FILM_ENDLESS;
+    if (left > 0.0) {
+        add(&s->time, &s->time_low, left);
+        *dt -= left;
+    }
+    return finish(curve, s);
+}
+
+static int ready(const film_mesh *mesh, const film_state *s) {
+    if (mesh->loading < 1 || mesh->unloading < 1 || mesh->loading > FILM_MAX_SEGMENTS ||
+        mesh->unloading > FILM_MAX_SEGMENTS)
+        return FILM_BAD_MESH;
+    return isfinite(s->xi) && isfinite(s->nu) && isfinite(s->load) ? FILM_OK : FILM_BAD_NUMBER;
+}
+
+int film_step(const film_curve *curve, const film_mesh *mesh, film_state *s, double dt) {
+    int status = dt >= 0.0 ? ready(mesh, s) : FILM_BAD_NUMBER;
+    for (int32_t k = 0; status == FILM_OK; k++) {
+        if (k >= FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
+        if (!s->has_line) status = prepare(curve, mesh, s);
+        if (status != FILM_OK) break;
+        status = advance(curve, s, &dt);
+        if (status == FILM_OK && dt == 0.0) return FILM_OK;
+    }
+    return status;
+}
+
+int film_record(const film_curve *curve, const film_mesh *mesh, film_state *s, double time_limit, film_line *lines,
+                int32_t line_room, int32_t *line_count, film_state *events, int32_t event_room, int32_t *event_count) {
+    int status = ready(mesh, s);
+    double dt = time_limit - s->time;
+    *line_count = *event_count = 0;
+    while (status >= 0) {
+        if (!s->has_line) {
+            status = prepare(curve, mesh, s);
+            if (status == FILM_OK) {
+                if (*line_count >= line_room) return FILM_FULL;
+                lines[(*line_count)++] = s->line;
+            }
+        }
+        if (status == FILM_OK) {
+            status = advance(curve, s, &dt);
+            if (status == FILM_ENDLESS || (status == FILM_OK && dt == 0.0)) return status;
+        }
+        if (status == FILM_EVENT) {
+            if (*event_count >= event_room) return FILM_FULL;
+            events[(*event_count)++] = *s;
+            if (s->event == FILM_CONTACT_ENDS) {
+                s->line.time = s->time; /* the flight that follows, for those who ask beyond the end */
+                if (prepare(curve, mesh, s) == FILM_OK && *line_count < line_room) lines[(*line_count)++] = s->line;
+                return FILM_EVENT;
+            }
+            status = FILM_OK;
+        }
+    }
+    return status;
+}
+
+void film_sample(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times,
+                 int64_t count, double *values, int8_t *stages, int8_t *phases) {
+    int32_t at = 0;
+    for (int64_t i = 0; i < count; i++) {
+        while (at + 1 < line_count && lines[at + 1].time <= times[i]) at++;
+        film_evaluate(curve, &lines[at], times[i] - lines[at].time, values + 5 * i);
+        stages[i] = (int8_t)lines[at].branch;
+        phases[i] = (int8_t)lines[at].phase;
+    }
+}
+
+static int bad_function(const film_function *g) {
+    if (g->form == FILM_POWER)
+        return !(isfinite(g->constant) && isfinite(g->slope) && isfinite(g->coefficient) && g->exponent > 0.0 &&
+                 isfinite(g->exponent) && isfinite(g->origin) && g->span > 0.0);
+    if (g->form != FILM_SERIES && g->form != FILM_ROOT_SERIES) return 1;
+    if (g->terms < 1 || g->terms > FILM_MAX_TERMS || !(g->span > 0.0) || !isfinite(g->origin)) return 1;
+    for (int k = 0; k < g->terms; k++)
+        if (!isfinite(g->series[k])) return 1;
+    return 0;
+}
+
+static int bad_piece(const film_curve *curve, const film_stage *stage, const film_piece *piece) {
+    int last = piece == &curve->piece[stage->first + stage->count - 1];
+    if (bad_function(&piece->force) || !isfinite(piece->work_at_begin)) return 1;
+    if (piece->force.form != FILM_POWER && bad_function(&piece->work)) return 1;
+    if (stage->unloading != FILM_RETRACE && (bad_function(&piece->recovery) || bad_function(&piece->exponent))) return 1;
+    if (last && piece->end != stage->end) return 1;
+    return !(piece->end < INFINITY) && !(last && stage == &curve->stage[curve->stages - 1] && piece->force.form == FILM_POWER);
+}
+
+int film_check_curve(const film_curve *curve) {
+    int32_t pieces = 0;
+    if (curve->stages < 1 || curve->stages > FILM_MAX_STAGES || curve->stage[0].begin != 0.0) return FILM_BAD_CURVE;
+    for (int32_t k = 0; k < curve->stages; k++) {
+        const film_stage *stage = &curve->stage[k];
+        double begin = stage->begin;
+        if (k > 0 && begin != curve->stage[k - 1].end) return FILM_BAD_CURVE;
+        if (stage->first != pieces || stage->count < 1 || stage->count > FILM_MAX_PIECES - pieces) return FILM_BAD_CURVE;
+        if (stage->unloading < FILM_RETRACE || stage->unloading > FILM_RESIDUAL) return FILM_BAD_CURVE;
+        pieces += stage->count;
+        for (int32_t i = stage->first; i < pieces; i++) {
+            if (!(curve->piece[i].end > begin) || bad_piece(curve, stage, &curve->piece[i])) return FILM_BAD_CURVE;
+            begin = curve->piece[i].end;
+        }
+    }
+    return pieces == curve->pieces ? FILM_OK : FILM_BAD_CURVE;
+}
+
+/* ---------------------------------------------------------------- meshes and states */
+
+static double graded(int grading, double s) {
+    static const double a[FILM_GRADINGS] = {1.0, 0.0, 1.75, 1.5, 1.25, 1.0};
+    static const double b[FILM_GRADINGS] = {1.0, 0.0, 1.75, 1.8, 2.0, 3.0};
+    if (grading == FILM_EQUAL || s <= 0.0 || s >= 1.0) return s;
+    if (grading == FILM_COSINE) return 0.5 * (1.0 - cos(PI * s));
+    double from = pow(s, a[grading]);
+    return from / (from + pow(1.0 - s, b[grading]));
+}
+
+static const int LOADING_GRADINGS[] = {FILM_EQUAL, FILM_COSINE, FILM_PLATE_IN};
+static const int UNLOADING_GRADINGS[] = {FILM_EQUAL, FILM_COSINE, FILM_PLATE_OUT, FILM_PLATE_SLOW, FILM_PLATE_CREEP};
+
+size_t film_mesh_size(int32_t loading, int32_t unloading) {
+    return 3 * ((size_t)loading + 1) + 5 * ((size_t)unloading + 1);
+}
+
+static double *fill(const double **nodes, const int *gradings, int count, int32_t segments, double *memory) {
+    for (int g = 0; g < count; g++) {
+        nodes[gradings[g]] = memory;
+        for (int32_t i = 0; i <= segments; i++) *memory++ = graded(gradings[g], (double)i / segments);
+    }
+    return memory;
+}
+
+int film_mesh_init(film_mesh *mesh, int32_t linearisation, int32_t loading, int32_t unloading, double *memory) {
+    memset(mesh, 0, sizeof *mesh);
+    if (loading < 1 || unloading < 1 || loading > FILM_MAX_SEGMENTS || unloading > FILM_MAX_SEGMENTS)
+        return FILM_BAD_MESH;
+    if (linearisation != FILM_CHORD && linearisation != FILM_WORK_PRESERVING) return FILM_BAD_MESH;
+    mesh->linearisation = linearisation;
+    mesh->loading = loading;
+    mesh->unloading = unloading;
+    memory = fill(mesh->loading_nodes, LOADING_GRADINGS, 3, loading, memory);
+    fill(mesh->unloading_nodes, UNLOADING_GRADINGS, 5, unloading, memory);
+    return FILM_OK;
+}
+
+int film_init(const film_curve *curve, film_state *s, double xi, double nu, double gamma, double load,
+              double stop_velocity) {
+    memset(s, 0, sizeof *s);
+    if (!isfinite(xi) || !isfinite(nu) || !isfinite(gamma) || !isfinite(load) || !isfinite(stop_velocity) ||
+        gamma < 0.0 || xi > 0.0)
+        return FILM_BAD_NUMBER;
+    if (curve->stages < 1) return FILM_BAD_CURVE;
+    s->xi = xi;
+    s->nu = nu;
+    s->gamma = gamma;
+    s->load = load;
+    s->stop_velocity = stop_velocity;
+    s->moving_in = nu > stop_velocity;
+    s->branch = FILM_FREE;
+    s->stage_max = -1;
+    s->phase = FILM_APPROACHING;
+    return FILM_OK;
+}
+
+int film_input(film_state *s, double load, double nu_change, double stop_velocity) {
+    if (!isfinite(load) || !isfinite(nu_change) || !isfinite(stop_velocity)) return FILM_BAD_NUMBER;
+    if (load == s->load && nu_change == 0.0 && stop_velocity == s->stop_velocity) return FILM_OK;
+    s->load = load;
+    s->nu += nu_change;
+    s->stop_velocity = stop_velocity;
+    if (s->nu > stop_velocity) s->moving_in = 1;
+    s->has_line = s->has_leg = s->from_turn = 0;
+    return FILM_OK;
+}
+
+void film_sizes(int64_t sizes[5]) {
+    sizes[0] = (int64_t)sizeof(film_curve);
+    sizes[1] = (int64_t)sizeof(film_mesh);
+    sizes[2] = (int64_t)sizeof(film_line);
+    sizes[3] = (int64_t)sizeof(film_state);
+    sizes[4] = (int64_t)sizeof(film_summary);
+}

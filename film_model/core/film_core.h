@@ -1,0 +1,241 @@
+/* The FILM march: contact between an impactor and a target, in dimensionless form.
+ *
+ *     nu' = p - f(xi)          impactor velocity nu, load p held over a step
+ *     xi' = nu - gamma f(xi)   indentation xi; gamma = 0 for a target that does not move
+ *
+ * Every number here is dimensionless: indentation in units of the law's delta_s, force in F_s, time in
+ * t_s = sqrt(m delta_s/F_s), velocity in delta_s/t_s; gamma = F_s/(Z v_s), Z the target's impedance.
+ * The core knows no law by name, no unit and no file. It allocates nothing, has no globals, calls nothing but
+ * libm, and every loop in it is bounded. A film_state holds no pointer: copying it saves it. */
+#ifndef FILM_CORE_H
+#define FILM_CORE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(_WIN32)
+#define FILM_API __declspec(dllexport)
+#elif defined(__GNUC__)
+#define FILM_API __attribute__((visibility("default")))
+#else
+#define FILM_API
+#endif
+
+enum {
+    FILM_MAX_STAGES = 12, /* loading stages of a curve */
+    FILM_MAX_PIECES = 64, /* pieces of all its stages: a fitted stage is halved until its series converge */
+    FILM_MAX_TERMS = 28   /* Chebyshev terms of a fitted function (force degree <= 25: work has two more) */
+};
+
+/* How a function of indentation is written, with x = (xi - origin)/span. */
+enum {
+    FILM_POWER = 0,      /* constant + slope x + coefficient x^exponent,  x >= 0, exponent > 0 */
+    FILM_SERIES = 1,     /* Chebyshev series in 2x - 1,        0 <= x <= 1 */
+    FILM_ROOT_SERIES = 2 /* Chebyshev series in 2 sqrt(x) - 1, 0 <= x <= 1 */
+};
+
+typedef struct {
+    int32_t form;
+    int32_t terms;
+    double origin, span; /* span > 0 */
+    double constant, slope, coefficient, exponent;
+    double series[FILM_MAX_TERMS];
+} film_function;
+
+/* What a contact does when it turns at depth xi_m in a stage. */
+enum {
+    FILM_RETRACE = 0, /* goes back along the loading curve */
+    FILM_RADIUS = 1,  /* recovery() is R_d/R: xi_m - xi_f = (f_m/sqrt(R_d/R))^(1/q) */
+    FILM_RESIDUAL = 2 /* recovery() is xi_f itself */
+};
+
+typedef struct {
+    double end;             /* indentation up to which this piece of its stage serves */
+    double work_at_begin;   /* subtracted from the closed-form work of a power, so that a stage's work starts at 0 */
+    film_function force;    /* f >= 0 */
+    film_function work;     /* of a series: its integral from the stage's beginning; of a power: unused */
+    film_function recovery; /* of xi_m */
+    film_function exponent; /* of xi_m: the unloading branch is f = f_m ((xi - xi_f)/(xi_m - xi_f))^q */
+} film_piece;
+
+typedef struct {
+    double begin, end; /* indentation; end may be INFINITY in the last stage, whose last piece must then be a power */
+    int32_t first, count; /* its pieces */
+    int32_t unloading;    /* FILM_RETRACE, FILM_RADIUS, FILM_RESIDUAL */
+    int32_t reserved;
+} film_stage;
+
+typedef struct {
+    int32_t stages, pieces;
+    film_stage stage[FILM_MAX_STAGES];
+    film_piece piece[FILM_MAX_PIECES];
+} film_curve;
+
+enum { FILM_CHORD = 0, FILM_WORK_PRESERVING = 1 };
+
+/* Gradings of the nodes of a leg, s the fraction of segments, from the start of the leg to its end. */
+enum {
+    FILM_EQUAL = 0,       /* s                          chords */
+    FILM_COSINE = 1,      /* sin^2(pi s/2)              half-space */
+    FILM_PLATE_IN = 2,    /* a = b = 1.75 in s^a/(s^a + (1 - s)^b), loading on a compliant target */
+    FILM_PLATE_OUT = 3,   /* a = 1.5,  b = 1.8          unloading, gamma sqrt(f_m/(xi_m - xi_f)) below 1.2 */
+    FILM_PLATE_SLOW = 4,  /* a = 1.25, b = 2            ... below 1.75 */
+    FILM_PLATE_CREEP = 5, /* a = 1,    b = 3            ... above */
+    FILM_GRADINGS = 6
+};
+
+/* How legs are cut: number of segments and fractions of their nodes, shared by any number of states.
+ * fractions[g] points at loading + 1 (unloading + 1 for the three unloading gradings) numbers inside the
+ * caller's memory, filled by film_mesh_init; fractions for both counts exist for EQUAL and COSINE. */
+typedef struct {
+    int32_t linearisation; /* FILM_CHORD or FILM_WORK_PRESERVING */
+    int32_t loading;       /* segments of a loading leg in one stage, 1 .. FILM_MAX_SEGMENTS */
+    int32_t unloading;     /* segments of an unloading leg */
+    int32_t reserved;
+    const double *loading_nodes[FILM_GRADINGS];
+    const double *unloading_nodes[FILM_GRADINGS];
+} film_mesh;
+
+enum { FILM_MAX_SEGMENTS = 4000000 };
+
+/* Where the impactor is. */
+enum {
+    FILM_APPROACHING = 0, /* no contact yet */
+    FILM_LOADING = 1,     /* indentation grows along the law's loading curve */
+    FILM_UNLOADING = 2,   /* indentation shrinks */
+    FILM_RELOADING = 3,   /* indentation grows along the unloading branch */
+    FILM_RESTING = 4,     /* in contact, closer to equilibrium than the law's curvature can be seen */
+    FILM_SEPARATED = 5    /* contact has ended */
+};
+
+enum {
+    FILM_NO_EVENT = 0,
+    FILM_CONTACT_BEGINS = 1,
+    FILM_STAGE_CHANGES = 2,
+    FILM_MAXIMUM_INDENTATION = 3, /* indentation stops growing */
+    FILM_IMPACTOR_STOPS = 4,      /* impactor velocity falls to stop_velocity */
+    FILM_CONTACT_ENDS = 5,
+    FILM_RELOADING_BEGINS = 6     /* indentation stops shrinking: the load pushes the impactor back in */
+};
+
+enum {
+    FILM_OK = 0,             /* the time asked for was reached */
+    FILM_ENDLESS = 2,        /* no event will ever come: at rest, or flying away */
+    FILM_EVENT = 1,          /* stopped at an event, state.event says which */
+    FILM_BAD_NUMBER = -1,    /* NaN, a negative step, a negative gamma ... */
+    FILM_BAD_CURVE = -2,     /* stages that do not follow each other, no stage, unknown form */
+    FILM_BAD_MESH = -3,      /* segment counts out of range */
+    FILM_BEYOND_LAW = -4,    /* indentation passed the end of the law's last stage */
+    FILM_TOO_MANY = -5,      /* more than FILM_MAX_STEP_LINES lines in one call: ask for a shorter step */
+    FILM_BAD_UNLOADING = -6, /* the unloading rule gives a branch of no length */
+    FILM_FULL = -7           /* the caller's array is too short */
+};
+
+enum { FILM_MAX_STEP_LINES = 50000000 };
+
+/* One straight piece of the force: everything about the motion in it is closed-form. */
+typedef struct {
+    double time;            /* when it begins */
+    double xi, nu, shift;   /* indentation, impactor velocity and target displacement there */
+    double phi, kappa;      /* the line's force there, and its slope */
+    double work, spent;     /* of the true law there, from the beginning of its stage; in all, since contact began */
+    double load;            /* p */
+    double gamma;
+    double xi_free, recovery, f_max, exponent; /* the unloading branch, where branch is FILM_BRANCH */
+    int32_t branch;         /* loading stage, or FILM_BRANCH, or FILM_FREE */
+    int32_t phase;
+} film_line;
+
+enum { FILM_BRANCH = -1, FILM_FREE = -2 };
+
+typedef struct {
+    /* now */
+    double time, time_low; /* time and its rounding remainder */
+    double xi, nu;         /* indentation (negative: gap), impactor velocity relative to the support */
+    double shift;          /* target displacement relative to the support */
+    double force, work;    /* of the true law at xi; work from the beginning of its stage or branch */
+    double spent;          /* work done on the indentation so far */
+    double force_peak;     /* largest force of this contact, at nodes and ends of stages */
+    /* settings */
+    double gamma, load, stop_velocity;
+    /* memory of the spot: deepest point so far, its force, and the branch that leads back from it */
+    double xi_max, f_max, xi_free, recovery, exponent;
+    /* the leg: one run in one direction along one stage or branch, cut into lines at its nodes */
+    double leg_from, leg_to;
+    int32_t leg_node, leg_nodes, leg_grading, leg_ends;
+    /* the line: where the motion is on it and where it ends */
+    double tau, tau_low, tau_end;
+    double xi_end, nu_end, force_end, work_end;
+    film_line line;
+    int32_t line_ends, has_line, has_leg, from_turn;
+    int32_t direction;         /* +1 deeper, -1 out */
+    int32_t branch, stage_max; /* loading stage, FILM_BRANCH or FILM_FREE; the stage of xi_max */
+    int32_t moving_in;         /* nu is above stop_velocity */
+    /* reports */
+    int32_t phase, event, contacts, lines;
+} film_state;
+
+/* How one contact starts: at first touch, with velocity nu > 0 of the impactor relative to the support. */
+typedef struct {
+    double nu, gamma, load, stop_velocity;
+    double time_limit; /* a contact that the load holds shut is left then; INFINITY allowed */
+} film_start;
+
+/* What one contact did. Times count from first touch; NaN stands for what did not happen. */
+typedef struct {
+    double maximum_force, maximum_indentation, time_of_maximum_indentation;
+    double time_impactor_stops;
+    double contact_duration, permanent_indentation, final_velocity;
+    double shift; /* of the target, at the end */
+    double work;  /* done on the indentation and not given back */
+    int32_t stage, lines;
+} film_summary;
+
+/* 0, or FILM_BAD_CURVE / FILM_BAD_NUMBER. */
+FILM_API int film_check_curve(const film_curve *curve);
+
+/* Numbers of doubles film_mesh_init needs, and the mesh itself. memory must outlive the mesh. */
+FILM_API size_t film_mesh_size(int32_t loading, int32_t unloading);
+FILM_API int film_mesh_init(film_mesh *mesh, int32_t linearisation, int32_t loading, int32_t unloading, double *memory);
+
+/* A state at indentation xi (<= 0: a gap) with impactor velocity nu, on a spot without a dent.
+ * gamma >= 0, finite; stop_velocity: the velocity at which FILM_IMPACTOR_STOPS is reported (0 for a support at rest). */
+FILM_API int film_init(const film_curve *curve, film_state *state, double xi, double nu, double gamma, double load,
+                       double stop_velocity);
+
+/* A new load or a new support: nu is relative to the support, so a support that gains velocity u costs nu - u. */
+FILM_API int film_input(film_state *state, double load, double nu_change, double stop_velocity);
+
+/* Forward by dt >= 0 (INFINITY allowed) or to the next event, whichever is first: FILM_OK, FILM_EVENT (state->event says
+ * which), FILM_ENDLESS, or a failure. The state is at state->time either way. */
+FILM_API int film_step(const film_curve *curve, const film_mesh *mesh, film_state *state, double dt);
+
+/* From state to the end of the next contact, or until time_limit: every line, and the state at every event; after
+ * the end of contact one more line, the flight that follows. FILM_OK at the limit, FILM_EVENT at the end of contact,
+ * FILM_ENDLESS, or a failure. */
+FILM_API int film_record(const film_curve *curve, const film_mesh *mesh, film_state *state, double time_limit,
+                         film_line *lines, int32_t line_room, int32_t *line_count, film_state *events,
+                         int32_t event_room, int32_t *event_count);
+
+/* The state on a line, tau after its beginning. values: xi, relative velocity, force, nu, shift - of the true law. */
+FILM_API void film_evaluate(const film_curve *curve, const film_line *line, double tau, double values[5]);
+
+/* Samples at count times, ascending, from lines; stages[i] the line's branch, phases[i] its phase. */
+FILM_API void film_sample(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times,
+                          int64_t count, double *values, int8_t *stages, int8_t *phases);
+
+/* The true law: force and work (from the stage's beginning) of loading stage `stage` at xi. */
+FILM_API void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work);
+
+/* One contact: FILM_EVENT when it has ended, FILM_OK at the time limit, FILM_ENDLESS, or a failure. */
+FILM_API int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start,
+                         film_summary *summary);
+
+/* count contacts; status[i] is what film_impact returns for start[i]. */
+FILM_API void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                         film_summary *summary, int32_t *status);
+
+/* sizeof film_curve, film_mesh, film_line, film_state, film_summary: checked by those who mirror them. */
+FILM_API void film_sizes(int64_t sizes[5]);
+
+#endif

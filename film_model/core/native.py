@@ -1,0 +1,268 @@
+"""The compiled core, seen from Python. Nothing else loads the library or knows its structures (film_core.h)."""
+
+from __future__ import annotations
+
+import ctypes as c
+import sys
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+MAX_STAGES = 12
+MAX_PIECES = 64
+MAX_TERMS = 28
+MAX_SEGMENTS = 4_000_000
+POWER, SERIES, ROOT_SERIES = range(3)
+RETRACE, RADIUS, RESIDUAL = range(3)
+CHORD, WORK_PRESERVING = range(2)
+BRANCH, FREE = -1, -2
+
+EVENTS = (
+    "",
+    "contact_begins",
+    "stage_changes",
+    "maximum_indentation",
+    "impactor_stops",
+    "contact_ends",
+    "reloading_begins",
+)
+PHASES = ("approaching", "loading", "unloading", "reloading", "resting", "separated")
+OK, EVENT, ENDLESS = range(3)
+BAD_NUMBER, BAD_CURVE, BAD_MESH, BEYOND_LAW, TOO_MANY, BAD_UNLOADING, FULL = range(-1, -8, -1)
+
+_D, _I = c.c_double, c.c_int32
+_GRADINGS = 6
+
+
+class Function(c.Structure):
+    """film_function: a function of indentation that the core can evaluate."""
+
+    _fields_ = (
+        [("form", _I), ("terms", _I)]
+        + [(name, _D) for name in ("origin", "span", "constant", "slope", "coefficient", "exponent")]
+        + [("series", _D * MAX_TERMS)]
+    )
+
+
+class Piece(c.Structure):
+    """film_piece: one piece of a stage, and how a contact that turns in it opens."""
+
+    _fields_ = [
+        ("end", _D),
+        ("work_at_begin", _D),
+        ("force", Function),
+        ("work", Function),
+        ("recovery", Function),
+        ("exponent", Function),
+    ]
+
+
+class Stage(c.Structure):
+    """film_stage: one loading stage."""
+
+    _fields_ = [("begin", _D), ("end", _D), ("first", _I), ("count", _I), ("unloading", _I), ("reserved", _I)]
+
+
+class Curve(c.Structure):
+    """film_curve: a law as the core sees it."""
+
+    _fields_ = [("stages", _I), ("pieces", _I), ("stage", Stage * MAX_STAGES), ("piece", Piece * MAX_PIECES)]
+
+
+class Mesh(c.Structure):
+    """film_mesh: how legs are cut into lines. `memory` is kept alive by the owner."""
+
+    _fields_ = [
+        ("linearisation", _I),
+        ("loading", _I),
+        ("unloading", _I),
+        ("reserved", _I),
+        ("loading_nodes", c.c_void_p * _GRADINGS),
+        ("unloading_nodes", c.c_void_p * _GRADINGS),
+    ]
+
+
+_LINE = (
+    *((name, _D) for name in ("time", "xi", "nu", "shift", "phi", "kappa", "work", "spent", "load", "gamma")),
+    *((name, _D) for name in ("xi_free", "recovery", "f_max", "exponent")),
+    ("branch", _I),
+    ("phase", _I),
+)
+
+
+class Line(c.Structure):
+    """film_line: one straight piece of the force, on which the motion is closed-form."""
+
+    _fields_ = list(_LINE)
+
+
+class State(c.Structure):
+    """film_state: everything about an impact at one moment; copying it saves it."""
+
+    _fields_ = (
+        [(name, _D) for name in ("time", "time_low", "xi", "nu", "shift", "force", "work", "spent", "force_peak")]
+        + [(name, _D) for name in ("gamma", "load", "stop_velocity")]
+        + [(name, _D) for name in ("xi_max", "f_max", "xi_free", "recovery", "exponent")]
+        + [("leg_from", _D), ("leg_to", _D)]
+        + [(name, _I) for name in ("leg_node", "leg_nodes", "leg_grading", "leg_ends")]
+        + [(name, _D) for name in ("tau", "tau_low", "tau_end")]
+        + [(name, _D) for name in ("xi_end", "nu_end", "force_end", "work_end")]
+        + [("line", Line)]
+        + [(name, _I) for name in ("line_ends", "has_line", "has_leg", "from_turn", "direction", "branch")]
+        + [(name, _I) for name in ("stage_max", "moving_in", "phase", "event", "contacts", "lines")]
+    )
+
+
+SUMMARY = (
+    "maximum_force",
+    "maximum_indentation",
+    "time_of_maximum_indentation",
+    "time_impactor_stops",
+    "contact_duration",
+    "permanent_indentation",
+    "final_velocity",
+    "shift",
+    "work",
+)
+
+
+class Start(c.Structure):
+    """film_start: how one contact starts."""
+
+    _fields_ = [(name, _D) for name in ("nu", "gamma", "load", "stop_velocity", "time_limit")]
+
+
+class Summary(c.Structure):
+    """film_summary: what one contact did."""
+
+    _fields_ = [(name, _D) for name in SUMMARY] + [("stage", _I), ("lines", _I)]
+
+
+START_DTYPE = np.dtype(Start)
+LINE_DTYPE = np.dtype(Line)
+STATE_DTYPE = np.dtype(State)
+SUMMARY_DTYPE = np.dtype(Summary)
+
+
+def _library_path() -> Path:
+    suffix = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+    return Path(__file__).with_name("_film_core" + suffix)
+
+
+@lru_cache(maxsize=1)
+def library() -> Any:
+    """The shared library, loaded once and checked against the structures above.
+
+    Raises ImportError with the way to build it when it is missing or was built from other sources.
+    """
+    path = _library_path()
+    if not path.exists():
+        raise ImportError(f"{path} is missing: install the package (pip install .), which compiles it")
+    lib = c.CDLL(str(path))
+    sizes = (c.c_int64 * 5)()
+    lib.film_sizes(sizes)
+    if list(sizes) != [c.sizeof(t) for t in (Curve, Mesh, Line, State, Summary)]:
+        raise ImportError(f"{path} was built from other sources: install the package again (pip install .)")
+    pointer, i64 = c.c_void_p, c.c_int64
+    signatures: dict[str, tuple[list[Any], Any]] = {
+        "film_check_curve": ([pointer], c.c_int),
+        "film_mesh_size": ([_I, _I], c.c_size_t),
+        "film_mesh_init": ([pointer, _I, _I, _I, pointer], c.c_int),
+        "film_init": ([pointer, pointer, _D, _D, _D, _D, _D], c.c_int),
+        "film_input": ([pointer, _D, _D, _D], c.c_int),
+        "film_step": ([pointer, pointer, pointer, _D], c.c_int),
+        "film_record": ([pointer, pointer, pointer, _D, pointer, _I, pointer, pointer, _I, pointer], c.c_int),
+        "film_sample": ([pointer, pointer, _I, pointer, i64, pointer, pointer, pointer], None),
+        "film_law": ([pointer, _I, _D, pointer, pointer], None),
+        "film_impact": ([pointer, pointer, pointer, pointer], c.c_int),
+        "film_batch": ([pointer, pointer, i64, pointer, pointer, pointer], None),
+    }
+    for name, (arguments, result) in signatures.items():
+        function = getattr(lib, name)
+        function.argtypes = arguments
+        function.restype = result
+    return lib
+
+
+@lru_cache(maxsize=64)
+def mesh(linearisation: int, loading: int, unloading: int) -> Mesh:
+    """The mesh for these segment counts (1 to MAX_SEGMENTS each)."""
+    lib = library()
+    made = Mesh()
+    memory = np.empty(lib.film_mesh_size(loading, unloading))
+    status = lib.film_mesh_init(c.byref(made), linearisation, loading, unloading, memory.ctypes.data)
+    if status != OK:
+        raise ValueError(f"segments {loading} and {unloading} must be 1 to {MAX_SEGMENTS}")
+    made.memory = memory
+    return made
+
+
+def record(
+    curve: Curve, cut: Mesh, state: State, limit: float, room: int
+) -> tuple[int, NDArray[Any], NDArray[Any]]:
+    """Status, lines and event states from `state` to the end of the next contact or to the time `limit`."""
+    lines, events = np.empty(room, LINE_DTYPE), np.empty(room, STATE_DTYPE)
+    counts = (_I * 2)()
+    begun = State.from_buffer_copy(state)
+    status = library().film_record(
+        c.byref(curve),
+        c.byref(cut),
+        c.byref(state),
+        limit,
+        lines.ctypes.data,
+        room,
+        c.byref(counts, 0),
+        events.ctypes.data,
+        room,
+        c.byref(counts, 4),
+    )
+    if status == FULL:
+        return record(curve, cut, begun, limit, 4 * room)
+    return status, lines[: counts[0]].copy(), events[: counts[1]].copy()
+
+
+def sample(
+    curve: Curve, lines: NDArray[Any], times: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int8], NDArray[np.int8]]:
+    """(count, 5) values ξ, ξ', f, ν, target displacement at ascending times; branch and phase of each."""
+    times = np.ascontiguousarray(times, dtype=np.float64)
+    values = np.empty((times.size, 5))
+    stages, phases = np.empty(times.size, np.int8), np.empty(times.size, np.int8)
+    lib = library()
+    lib.film_sample(
+        c.byref(curve),
+        lines.ctypes.data,
+        len(lines),
+        times.ctypes.data,
+        times.size,
+        values.ctypes.data,
+        stages.ctypes.data,
+        phases.ctypes.data,
+    )
+    return values, stages, phases
+
+
+def impact(curve: Curve, cut: Mesh, start: Start) -> tuple[int, Summary]:
+    """Status and summary of one contact."""
+    summary = Summary()
+    return library().film_impact(c.byref(curve), c.byref(cut), c.byref(start), c.byref(summary)), summary
+
+
+def batch(curve: Curve, cut: Mesh, start: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[Any]]:
+    """Statuses and summaries (SUMMARY_DTYPE) of many contacts on one curve (START_DTYPE); the GIL is released."""
+    start = np.ascontiguousarray(start, dtype=START_DTYPE)
+    summary, status = np.empty(start.size, SUMMARY_DTYPE), np.empty(start.size, np.int32)
+    library().film_batch(
+        c.byref(curve), c.byref(cut), start.size, start.ctypes.data, summary.ctypes.data, status.ctypes.data
+    )
+    return status, summary
+
+
+def stage_law(curve: Curve, stage: int, xi: float) -> tuple[float, float]:
+    """Force and work (from the stage's beginning) as the core evaluates them."""
+    force, work = _D(), _D()
+    library().film_law(c.byref(curve), stage, xi, c.byref(force), c.byref(work))
+    return force.value, work.value

@@ -1,0 +1,297 @@
+"""Contact law → Curve: the dimensionless stages that the core evaluates.
+
+A :class:`~film_model.laws.law.Power` goes over as it is. Any other function becomes Chebyshev series in ξ, or in
+√(ξ − ξ_b) for a stage marked `root`; a stage is halved until every series in it meets `FIT_TOLERANCE`.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from film_model.core import native
+from film_model.laws.law import AbstractLaw, Array, Function, Power, Stage
+
+FIT_TOLERANCE = 1e-13
+"""Largest difference between a fitted function and the law, relative to the function's largest value in the stage."""
+
+FIT_LIMIT = 1e-6
+"""A law that cannot be fitted better than this within the core's room is refused."""
+
+_TERMS = native.MAX_TERMS - 2  # the work of a root series has two more terms than its force
+_CHECKS = 157  # points between the nodes at which a fit is checked; shares no factor with the number of nodes
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A law ready for the core.
+
+    law: where it comes from. native: the core's structure. stage_names: one a stage. fit_error: largest relative
+    difference between a fitted function and the law (0 when nothing had to be fitted). warnings: what a user of the
+    law should know, in sentences.
+    """
+
+    law: AbstractLaw
+    native: native.Curve = field(repr=False, compare=False)
+    stage_names: tuple[str, ...]
+    fit_error: float
+    warnings: tuple[str, ...]
+
+    def force(self, xi: float) -> float:
+        """f(ξ) in loading, as the core evaluates it."""
+        return native.stage_law(self.native, self._stage_at(xi), xi)[0]
+
+    def work(self, xi: float) -> float:
+        """∫f dξ from 0 to ξ in loading, as the core evaluates it."""
+        last = self._stage_at(xi)
+        ends = (self.native.stage[k].end for k in range(last))
+        return sum(native.stage_law(self.native, k, end)[1] for k, end in enumerate(ends)) + (
+            native.stage_law(self.native, last, xi)[1]
+        )
+
+    def _stage_at(self, xi: float) -> int:
+        stages = [self.native.stage[k].end for k in range(self.native.stages)]
+        return min(sum(end < xi for end in stages), len(stages) - 1)
+
+
+@lru_cache(maxsize=256)
+def curve_of(law: AbstractLaw) -> Curve:
+    """The curve of a law.
+
+    Raises ValueError when stages do not follow each other, a force is negative or not finite, a stage that has to be
+    fitted has no end, or a fit does not come within `FIT_LIMIT`; the message names the law, the stage and the value.
+    """
+    stages = _checked(law)
+    made = native.Curve()
+    made.stages = len(stages)
+    error, pieces = 0.0, 0
+    for index, stage in enumerate(stages):
+        functions = _functions(stage)
+        room = native.MAX_PIECES - pieces - (len(stages) - index - 1)
+        spans, worst = _split(stage, functions, room)
+        error = max(error, worst)
+        if worst > FIT_LIMIT:
+            raise ValueError(
+                f"{_name(law)}: stage {stage.name!r} cannot be fitted: the series still differ by {worst:.1e}; "
+                "split it where its force has a kink, or set root=True if it begins like a root"
+            )
+        entry = made.stage[index]
+        entry.begin, entry.end, entry.first, entry.count = stage.begin, stage.end, pieces, len(spans)
+        entry.unloading = _unloading_kind(stage)
+        work = 0.0
+        for span in spans:
+            work = _fill(made.piece[pieces], stage, functions, span, work)
+            pieces += 1
+    made.pieces = pieces
+    if native.library().film_check_curve(ctypes.byref(made)) != native.OK:
+        raise ValueError(f"{_name(law)}: its stages do not make a curve; each must end beyond where it begins")
+    return Curve(law, made, tuple(stage.name for stage in stages), error, tuple(_jumps(law, stages)))
+
+
+def _name(law: AbstractLaw) -> str:
+    return f"law {getattr(law, 'name', type(law).__name__)!r}"
+
+
+def _checked(law: AbstractLaw) -> list[Stage]:
+    stages = [part for stage in law.stages() for part in _split_at_peak(stage)]
+    if not 1 <= len(stages) <= native.MAX_STAGES:
+        raise ValueError(f"{_name(law)}: {len(stages)} stages; 1 to {native.MAX_STAGES} are allowed")
+    begin = 0.0
+    for stage in stages:
+        if stage.begin != begin or not stage.end > stage.begin:
+            raise ValueError(
+                f"{_name(law)}: stage {stage.name!r} runs from {stage.begin!r} to {stage.end!r}; it must begin at "
+                f"{begin!r}, where the stage before ends, and end beyond that"
+            )
+        begin = stage.end
+        if math.isinf(stage.end) and not all(isinstance(f, Power) for f in _functions(stage).values()):
+            raise ValueError(
+                f"{_name(law)}: stage {stage.name!r} has no end, so all its functions must be Power(...); "
+                "give the others an end beyond the deepest indentation you expect"
+            )
+        end = stage.end if math.isfinite(stage.end) else 10.0 * (stage.begin + 1.0)
+        force = _values(stage.force, np.linspace(stage.begin, end, _CHECKS), stage)
+        if not (np.isfinite(force).all() and (force >= -1e-12 * np.abs(force).max()).all()):
+            raise ValueError(
+                f"{_name(law)}: stage {stage.name!r} has a force of {np.nanmin(force):g}; it must be finite and >= 0"
+            )
+    return stages
+
+
+def _functions(stage: Stage) -> dict[str, Function]:
+    """The functions of a stage that the core needs, by the names of the core's fields."""
+    functions: dict[str, Function] = {"force": stage.force}
+    unloading = stage.unloading
+    if unloading is not None:
+        recovery = unloading.radius_ratio if unloading.radius_ratio is not None else unloading.residual
+        assert recovery is not None
+        exponent = unloading.exponent
+        functions["recovery"] = recovery
+        functions["exponent"] = Power(constant=float(exponent)) if isinstance(exponent, (int, float)) else exponent
+    return functions
+
+
+def _unloading_kind(stage: Stage) -> int:
+    if stage.unloading is None:
+        return native.RETRACE
+    return native.RADIUS if stage.unloading.radius_ratio is not None else native.RESIDUAL
+
+
+def _values(function: Function, xi: Array, stage: Stage) -> Array:
+    if isinstance(function, Power):
+        x = np.maximum((xi - _origin(function, stage)) / function.span, 0.0)
+        return function.constant + function.slope * x + function.coefficient * x**function.exponent
+    return np.broadcast_to(np.asarray(function(xi), dtype=np.float64), xi.shape)
+
+
+def _origin(power: Power, stage: Stage) -> float:
+    return stage.begin if power.origin is None else power.origin
+
+
+def _split_at_peak(stage: Stage) -> list[Stage]:
+    """The stage cut where its force turns from rising to falling or back, so that extremes lie at its ends."""
+    if isinstance(stage.force, Power) and stage.force.slope >= 0.0 and stage.force.coefficient >= 0.0:
+        return [stage]
+    end = stage.end if math.isfinite(stage.end) else stage.begin + 1e3
+    grid = np.linspace(stage.begin, end, 20 * _CHECKS)
+    rises = np.sign(np.diff(_values(stage.force, grid, stage)))
+    cuts = [stage.begin]
+    for k in np.flatnonzero(rises[:-1] * rises[1:] < 0):
+        cuts.append(_extreme(stage, float(grid[k]), float(grid[k + 2]), float(rises[k])))
+    edges = [*cuts, stage.end]
+    if len(edges) == 2:
+        return [stage]
+    force = replace(stage.force, origin=_origin(stage.force, stage)) if isinstance(stage.force, Power) else stage.force
+    return [replace(stage, begin=a, end=b, force=force, work=None) for a, b in zip(edges, edges[1:], strict=False)]
+
+
+def _extreme(stage: Stage, low: float, high: float, sign: float) -> float:
+    """Golden-section search for the extreme of the force between low and high."""
+    ratio = 0.5 * (math.sqrt(5.0) - 1.0)
+    for _ in range(80):
+        a, b = high - ratio * (high - low), low + ratio * (high - low)
+        f_a, f_b = sign * _values(stage.force, np.array([a, b]), stage)
+        low, high = (a, high) if f_a < f_b else (low, b)
+    return 0.5 * (low + high)
+
+
+def _split(
+    stage: Stage, functions: dict[str, Function], room: int
+) -> tuple[list[tuple[float, float, bool, dict[str, Any]]], float]:
+    """The stage in pieces (begin, end, root, series by name), the piece that fits worst halved while there is room."""
+    fitted = {name: f for name, f in functions.items() if not isinstance(f, Power)}
+    whole = _fit(stage, fitted, stage.begin, stage.end, stage.root)
+    pieces = [(stage.begin, stage.end, stage.root, *whole)]
+    while pieces[0][4] != 0.0 and len(pieces) < room:
+        worst = max(range(len(pieces)), key=lambda k: pieces[k][4])
+        begin, end, root, _, error = pieces[worst]
+        if error <= FIT_TOLERANCE:
+            break
+        # the first piece of a root stage shrinks towards its singular point, so that the rest is smooth
+        middle = begin + (0.25 if root else 0.5) * (end - begin)
+        pieces[worst : worst + 1] = [
+            (begin, middle, root, *_fit(stage, fitted, begin, middle, root)),
+            (middle, end, False, *_fit(stage, fitted, middle, end, False)),
+        ]
+    return [(a, b, root, series) for a, b, root, series, _ in pieces], max(piece[4] for piece in pieces)
+
+
+def _fit(
+    stage: Stage, functions: dict[str, Function], begin: float, end: float, root: bool
+) -> tuple[dict[str, Any], float]:
+    """Series of each function on [begin, end] and the largest relative difference, seen between their nodes."""
+    series: dict[str, Any] = {}
+    worst = 0.0
+    nodes, checks = chebyshev.chebpts1(_TERMS), np.cos(np.pi * np.arange(_CHECKS) / (_CHECKS - 1))
+    for name, function in functions.items():
+
+        def on(z: Array, function: Function = function) -> Array:
+            x = 0.5 * (1.0 + z)
+            return _values(function, begin + (end - begin) * (x * x if root else x), stage)
+
+        terms = chebyshev.chebfit(nodes, on(nodes), _TERMS - 1)
+        scale = max(float(np.abs(on(checks)).max()), 1e-300)
+        worst = max(worst, float(np.abs(chebyshev.chebval(checks, terms) - on(checks)).max()) / scale)
+        series[name] = chebyshev.chebtrim(terms, 1e-17 * scale)
+    return series, worst
+
+
+def _fill(
+    piece: native.Piece,
+    stage: Stage,
+    functions: dict[str, Function],
+    span: tuple[float, float, bool, dict[str, Any]],
+    work: float,
+) -> float:
+    """Write one piece; `work` is the stage's up to its beginning, and the return value up to its end."""
+    begin, end, root, series = span
+    piece.end = end
+    for name, function in functions.items():
+        target = getattr(piece, name)
+        if isinstance(function, Power):
+            target.form, target.origin, target.span = native.POWER, _origin(function, stage), function.span
+            target.constant, target.slope = function.constant, function.slope
+            target.coefficient, target.exponent = function.coefficient, function.exponent
+        else:
+            _write(target, series[name], begin, end, root)
+    if isinstance(stage.force, Power):
+        at_begin = _power_work(stage.force, begin - _origin(stage.force, stage))
+        piece.work_at_begin = at_begin - work
+        return work + _power_work(stage.force, end - _origin(stage.force, stage)) - at_begin if end < math.inf else work
+    length = end - begin
+    density = chebyshev.chebmul(series["force"], [0.5 * length, 0.5 * length] if root else [0.5 * length])
+    integral = chebyshev.chebint(density, lbnd=-1.0)
+    integral[0] += work
+    _write(piece.work, integral, begin, end, root)
+    return float(chebyshev.chebval(1.0, integral))
+
+
+def _power_work(power: Power, reach: float) -> float:
+    x = max(reach / power.span, 0.0)
+    return power.span * x * (
+        power.constant + 0.5 * power.slope * x + power.coefficient * x**power.exponent / (power.exponent + 1.0)
+    )
+
+
+def _write(target: native.Function, series: Any, begin: float, end: float, root: bool) -> None:
+    target.form = native.ROOT_SERIES if root else native.SERIES
+    target.terms, target.origin, target.span = len(series), begin, end - begin
+    target.exponent = 1.0
+    target.series[: len(series)] = [float(term) for term in series]
+
+
+def _jumps(law: AbstractLaw, stages: list[Stage]) -> list[str]:
+    """Sentences about forces that jump between stages and closed-form works that are not the force's integral."""
+    said: list[str] = []
+    for before, after in zip(stages, stages[1:], strict=False):
+        left, right = (float(_values(s.force, np.array([after.begin]), s)[0]) for s in (before, after))
+        if abs(right - left) > 1e-9 * max(abs(left), abs(right)):
+            said.append(
+                f"{_name(law)}: the force jumps by {100 * (right - left) / max(left, 1e-300):+.2f} % where stage "
+                f"{after.name!r} begins"
+            )
+    for stage in stages:
+        if stage.work is not None and math.isfinite(stage.end):
+            difference = _work_difference(stage.work, stage)
+            if difference > 1e-9:
+                said.append(
+                    f"{_name(law)}: the work given for stage {stage.name!r} differs from the integral of its force by "
+                    f"{difference:.1e}; the integral is used"
+                )
+    return said
+
+
+def _work_difference(work: Callable[[Array], Array], stage: Stage) -> float:
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    x = 0.5 * (nodes + 1.0)  # squared: also exact enough for a force that begins like a root
+    length = stage.end - stage.begin
+    integral = float(np.sum(weights * x * length * _values(stage.force, stage.begin + length * x * x, stage)))
+    given = float(work(np.array([stage.end]))[0])
+    return abs(given - integral) / max(abs(integral), 1e-300)

@@ -1,0 +1,87 @@
+"""Big-Alabo, Harrison and Cartmell's elastoplastic law: four loading stages of Meyer's form."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from film_model.laws.law import AbstractLaw, Parameter, Power, Stage, Unloading
+from film_model.laws.yielding import yield_point
+
+TRANSITION = 13.93  # δ_tep/δ_y
+FULLY_PLASTIC = 82.5  # δ_p/δ_y
+LINEAR_SLOPE = 5.40  # K_l/(K √δ_y)
+PLASTIC_SLOPE = 4.6 / 1.1  # K_p δ_y/F_y, from K_p = 4.6 π R S_y and F_y = 1.1 π R S_y δ_y
+
+
+@dataclass(frozen=True)
+class BigAlabo(AbstractLaw):
+    """Equations (19a–e) and (20) of Big-Alabo, Cartmell & Harrison 2017, with d = δ/δ_y and f = F/F_y:
+
+    f = d^{3/2} (d ≤ 1); 1 + (d − 1)^{3/2} (d ≤ 13.93); f_tep + 5.40 (d − 13.93) (d ≤ 82.5); f_p + (4.6/1.1)(d − 82.5),
+    and Hertz's unloading with the deformed radius R_d of (20).
+
+    constants: "continuous" (default) chains the stages: f_tep = 1 + 12.93^{3/2}, f_p = f_tep + 5.40 · 68.57.
+    "printed" uses the paper's F(δ_p) = 70.0 K_l δ_y + 47.6 K δ_y^{3/2}, which jumps up by 1.9 % at δ_p, and
+    δ_tep − δ_y = 11.93 δ_y in (20), which its Table 3 was computed with (1.78 µm).
+
+    The force has a plateau just above yield, so the coefficient of restitution is not monotone in velocity: it has a
+    minimum near 1.7 V_Y and recovers until 8.5 V_Y.
+    """
+
+    name: ClassVar[str] = "big-alabo"
+    summary: ClassVar[str] = "elastic, two elastoplastic and a fully plastic stage; Hertz unloading with R_d"
+    source: ClassVar[str] = "Big-Alabo, Cartmell & Harrison 2017, equations (19) and (20)"
+    parameters: ClassVar[Mapping[str, Parameter]] = {
+        "constants": Parameter(
+            "stage constants: continuous force, or as printed in the paper",
+            choices=("continuous", "printed"),
+            required=False,
+        )
+    }
+
+    effective_modulus: float
+    radius: float
+    yield_strength: float
+    constants: str = "continuous"
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        return yield_point(self.effective_modulus, self.radius, self.yield_strength)
+
+    def stages(self) -> tuple[Stage, ...]:
+        printed = self.constants == "printed"
+        f_transition = 1.0 + (TRANSITION - 1.0) ** 1.5
+        f_plastic = f_transition + LINEAR_SLOPE * (FULLY_PLASTIC - TRANSITION)
+        if printed:
+            f_plastic = 70.0 * LINEAR_SLOPE + 47.6
+        width = 11.93 if printed else TRANSITION - 1.0
+        radius = (
+            Power(constant=1.0, coefficient=width**-1.5, exponent=1.5),
+            Power(constant=2.0, slope=0.8 / (FULLY_PLASTIC - TRANSITION)),
+            Power(constant=2.8),
+        )
+        return (
+            Stage("elastic", 0.0, 1.0, Power(coefficient=1.0, exponent=1.5)),
+            Stage(
+                "elastoplastic",
+                1.0,
+                TRANSITION,
+                Power(constant=1.0, coefficient=1.0, exponent=1.5),
+                Unloading(radius_ratio=radius[0]),
+            ),
+            Stage(
+                "linear elastoplastic",
+                TRANSITION,
+                FULLY_PLASTIC,
+                Power(constant=f_transition, slope=LINEAR_SLOPE),
+                Unloading(radius_ratio=radius[1]),
+            ),
+            Stage(
+                "fully plastic",
+                FULLY_PLASTIC,
+                float("inf"),
+                Power(constant=f_plastic, slope=PLASTIC_SLOPE),
+                Unloading(radius_ratio=radius[2]),
+            ),
+        )

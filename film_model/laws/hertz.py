@@ -1,0 +1,36 @@
+"""Hertz: the elastic contact of a sphere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from film_model.laws.law import AbstractLaw, Power, Stage
+
+
+def hertz_stiffness(effective_modulus: float, radius: float) -> float:
+    """K = (4/3) E √R [N/m^1.5], from the effective modulus [Pa] and the effective radius [m]."""
+    return 4.0 / 3.0 * effective_modulus * radius**0.5
+
+
+@dataclass(frozen=True)
+class Hertz(AbstractLaw):
+    """F = K δ^{3/2}, K = (4/3) E √R (Hertz 1882). Reversible; valid while a/R = √(δ/R) is below about 0.1 to 0.2.
+
+    effective_modulus: Pa. radius: effective radius, m.
+    """
+
+    name: ClassVar[str] = "hertz"
+    summary: ClassVar[str] = "elastic sphere, F = K δ^1.5; never yields"
+    source: ClassVar[str] = "Hertz 1882"
+
+    effective_modulus: float
+    radius: float
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        stiffness = hertz_stiffness(self.effective_modulus, self.radius)
+        indentation = (energy / stiffness) ** 0.4
+        return indentation, stiffness * indentation**1.5
+
+    def stages(self) -> tuple[Stage, ...]:
+        return (Stage("elastic", 0.0, float("inf"), Power(coefficient=1.0, exponent=1.5)),)

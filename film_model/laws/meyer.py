@@ -1,0 +1,48 @@
+"""Meyer's power law, with an offset in force and indentation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from film_model.laws.law import AbstractLaw, Parameter, Power, Stage
+
+
+@dataclass(frozen=True)
+class Meyer(AbstractLaw):
+    """F = F_0 + K_c (δ − δ_0)^q for δ ≥ δ_0, and no force before: (1) and (9) of Big-Alabo, Cartmell & Harrison 2017.
+
+    stiffness: K_c, N/m^q. exponent: q > 0 (1 linear or flat punch, 1.5 sphere, 2 cone). initial_force: F_0 ≥ 0, N.
+    initial_indentation: δ_0 ≥ 0, m, a clearance that is closed without force after the bodies meet. Reversible.
+    """
+
+    name: ClassVar[str] = "meyer"
+    summary: ClassVar[str] = "power law F = F0 + K (δ − δ0)^q, reversible"
+    source: ClassVar[str] = "Meyer 1908; Big-Alabo, Cartmell & Harrison 2017, equations (1) and (9)"
+    parameters: ClassVar[Mapping[str, Parameter]] = {
+        "stiffness": Parameter("K_c, in N/m^q with the exponent q", dimension="meyer_stiffness"),
+        "exponent": Parameter("q"),
+        "initial_force": Parameter("F0", dimension="force", required=False, above=None, minimum=0.0),
+        "initial_indentation": Parameter("δ0", dimension="length", required=False, above=None, minimum=0.0),
+    }
+
+    stiffness: float
+    exponent: float
+    initial_force: float = 0.0
+    initial_indentation: float = 0.0
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        if self.initial_force > 0.0:
+            return (self.initial_force / self.stiffness) ** (1.0 / self.exponent), self.initial_force
+        indentation = self.initial_indentation or (energy / self.stiffness) ** (1.0 / (self.exponent + 1.0))
+        return indentation, self.stiffness * indentation**self.exponent
+
+    def stages(self) -> tuple[Stage, ...]:
+        scale, _ = self.scales(1.0)
+        offset = 1.0 if self.initial_force > 0.0 else 0.0
+        force = Power(constant=offset, coefficient=1.0, exponent=self.exponent)
+        if self.initial_indentation == 0.0:
+            return (Stage("power", 0.0, float("inf"), force),)
+        begin = self.initial_indentation / scale
+        return Stage("clearance", 0.0, begin, Power()), Stage("power", begin, float("inf"), force)

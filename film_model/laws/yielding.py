@@ -1,0 +1,27 @@
+"""What the elastoplastic laws of spheres share: the yield point."""
+
+from __future__ import annotations
+
+import math
+
+from film_model.laws.hertz import hertz_stiffness
+
+YIELD_PRESSURE_RATIO = 1.1
+"""Mean contact pressure at first yield over the yield strength, p_m = 1.1 S_y."""
+
+
+def yield_point(effective_modulus: float, radius: float, yield_strength: float) -> tuple[float, float]:
+    """Indentation δ_y [m] and force F_y [N] at first yield.
+
+    δ_y = (1.1 π R S_y/K)², F_y = K δ_y^{3/2}; R is the effective radius, K Hertz's stiffness.
+    Source: Big-Alabo, Cartmell & Harrison 2017, after (19).
+    """
+    stiffness = hertz_stiffness(effective_modulus, radius)
+    indentation = (YIELD_PRESSURE_RATIO * math.pi * radius * yield_strength / stiffness) ** 2
+    return indentation, stiffness * indentation**1.5
+
+
+def yield_velocity(effective_modulus: float, radius: float, yield_strength: float, mass: float) -> float:
+    """Velocity [m/s] above which a half-space impact of `mass` [kg] yields: √(0.8 F_y δ_y/m)."""
+    indentation, force = yield_point(effective_modulus, radius, yield_strength)
+    return math.sqrt(0.8 * force * indentation / mass)

@@ -200,6 +200,27 @@ def mesh(linearisation: int, loading: int, unloading: int) -> Mesh:
     return made
 
 
+def initial_state(curve: Curve, start: Start, gap: float = 0.0) -> State:
+    """The state at `gap` before first touch, on a spot without a dent."""
+    state = State()
+    status = library().film_init(
+        c.byref(curve), c.byref(state), -gap, start.nu, start.gamma, start.load, start.stop_velocity
+    )
+    if status != OK:
+        raise ValueError(f"the core refuses nu={start.nu!r}, gamma={start.gamma!r}, load={start.load!r}, gap={gap!r}")
+    return state
+
+
+def step(curve: Curve, cut: Mesh, state: State, dt: float) -> int:
+    """Advance `state` in place by dt or to the next event; the core's status."""
+    return library().film_step(c.byref(curve), c.byref(cut), c.byref(state), dt)
+
+
+def set_input(state: State, load: float, nu_change: float, stop_velocity: float) -> int:
+    """Change load, velocity (by a step of the support) and stop velocity in place; the core's status."""
+    return library().film_input(c.byref(state), load, nu_change, stop_velocity)
+
+
 def record(
     curve: Curve, cut: Mesh, state: State, limit: float, room: int
 ) -> tuple[int, NDArray[Any], NDArray[Any]]:

@@ -1,0 +1,313 @@
+"""What collides: the impactor and the targets. Quantities go in, SI floats are stored."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, TypeAlias
+
+from film_model import targets
+from film_model.errors import Mistake, raise_all
+from film_model.fields import Field, choice, fill, measure, part, several
+from film_model.materials import Material, material
+from film_model.units import Value
+
+STANDARD_GRAVITY = 9.80665  # m/s²
+
+_RADIUS = measure("length", 1e-10, 1e3)
+_LENGTH = measure("length", 1e-10, 1e5)
+_MASS = measure("mass", 1e-28, 1e12)
+_STIFFNESS = measure("bending_stiffness", 1e-30, 1e18, required=True)
+_MATERIAL = part(Material, by_name=material)
+
+MaterialLike: TypeAlias = Material | str | Mapping[str, Any]
+"""A material, its name in the catalogue, or a table of its values."""
+
+
+def _mistake(owner: object, name: str, message: str) -> Mistake:
+    return Mistake(None, None, f"{type(owner).__name__}.{name}", message)
+
+
+def _ball_mass(mass: float | None, radius: float, of: Material | None) -> float | None:
+    """The mass given, or else density × sphere volume; None if there is no way to know."""
+    if mass is not None or of is None:
+        return mass
+    return of.density * 4 / 3 * math.pi * radius**3
+
+
+@dataclass(frozen=True, init=False)
+class Sphere:
+    """The impactor.
+
+    radius: of the contacting surface, m. velocity: towards the target, m/s; or drop_height: of a fall from rest, m.
+    mass: kg; left out, density × sphere volume.
+    """
+
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "radius": measure("length", 1e-10, 1e3, required=True),
+        "velocity": measure("velocity", 0, 2e4),
+        "drop_height": measure("length", 0, 1e5),
+        "mass": _MASS,
+        "material": _MATERIAL,
+    }
+
+    radius: float
+    velocity: float | None
+    drop_height: float | None
+    mass: float | None
+    material: Material | None
+
+    def __init__(
+        self,
+        radius: Value | None = None,
+        velocity: Value | None = None,
+        drop_height: Value | None = None,
+        mass: Value | None = None,
+        material: MaterialLike | None = None,
+    ) -> None:
+        mistakes = fill(self, locals())
+        if velocity is None and drop_height is None:
+            mistakes.append(
+                _mistake(self, "velocity", 'missing: a velocity (e.g. "0.25 m/s") or drop_height is needed')
+            )
+        if velocity is not None and drop_height is not None:
+            mistakes.append(_mistake(self, "drop_height", "give velocity or drop_height, not both"))
+        raise_all(mistakes)
+
+    @property
+    def speed(self) -> float:
+        """Velocity at the beginning of contact, m/s: as given, or √(2 g h)."""
+        if self.velocity is not None:
+            return self.velocity
+        return math.sqrt(2 * STANDARD_GRAVITY * (self.drop_height or 0))
+
+    @property
+    def own_mass(self) -> float | None:
+        """The mass given, or density × sphere volume, kg; None if there is no way to know."""
+        return _ball_mass(self.mass, self.radius, self.material)
+
+
+@dataclass(frozen=True, init=False)
+class HalfSpace:
+    """A target too thick and wide to move. radius: of a curved surface, m."""
+
+    kind: ClassVar[str] = "half-space"
+    FIELDS: ClassVar[Mapping[str, Field]] = {"material": _MATERIAL, "radius": _RADIUS}
+
+    material: Material | None
+    radius: float
+
+    def __init__(self, material: MaterialLike | None = None, radius: Value | None = None) -> None:
+        raise_all(_fill_target(self, locals()))
+
+    @property
+    def impedance(self) -> float:
+        """Infinite."""
+        return math.inf
+
+
+@dataclass(frozen=True, init=False)
+class BendingStiffness:
+    """Bending stiffnesses of an orthotropic plate, N·m."""
+
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "D11": _STIFFNESS,
+        "D12": measure("bending_stiffness", -1e18, 1e18, required=True),
+        "D22": _STIFFNESS,
+        "D66": _STIFFNESS,
+    }
+
+    D11: float
+    D12: float
+    D22: float
+    D66: float
+
+    def __init__(
+        self,
+        D11: Value | None = None,
+        D12: Value | None = None,
+        D22: Value | None = None,
+        D66: Value | None = None,
+    ) -> None:
+        mistakes = fill(self, locals())
+        raise_all(mistakes)
+        if self.D12**2 >= self.D11 * self.D22:
+            raise_all([_mistake(self, "D12", "must be smaller than √(D11 D22): such a plate would bend by itself")])
+
+
+@dataclass(frozen=True, init=False)
+class Plate:
+    """A thin plate, struck so briefly that no wave comes back from its edges.
+
+    Isotropic: material and thickness [m]. Otherwise: mass_per_area [kg/m²] and bending_stiffness [N·m]. size: the
+    two sides, m, by which reflections are judged. impedance_formula: "exact", or "paper" to reproduce published
+    results. radius: of a curved surface, m.
+    """
+
+    kind: ClassVar[str] = "plate"
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "material": _MATERIAL,
+        "thickness": measure("length", 1e-10, 1e3),
+        "mass_per_area": measure("mass_per_area", 1e-9, 1e9),
+        "bending_stiffness": part(BendingStiffness),
+        "size": several(_LENGTH, 2),
+        "impedance_formula": choice("exact", "paper"),
+        "radius": _RADIUS,
+    }
+
+    material: Material | None
+    thickness: float | None
+    mass_per_area: float | None
+    bending_stiffness: BendingStiffness | None
+    size: tuple[float, float] | None
+    impedance_formula: Literal["exact", "paper"]
+    radius: float
+
+    def __init__(
+        self,
+        material: MaterialLike | None = None,
+        thickness: Value | None = None,
+        mass_per_area: Value | None = None,
+        bending_stiffness: BendingStiffness | Mapping[str, Any] | None = None,
+        size: Sequence[Value] | None = None,
+        impedance_formula: Literal["exact", "paper"] = "exact",
+        radius: Value | None = None,
+    ) -> None:
+        mistakes = _fill_target(self, locals())
+        either = "give thickness (isotropic), or mass_per_area and bending_stiffness"
+        pair = {"mass_per_area": mass_per_area, "bending_stiffness": bending_stiffness}
+        given = [name for name, value in pair.items() if value is not None]
+        if thickness is None and len(given) < 2:
+            missing = "thickness" if not given else next(name for name in pair if name not in given)
+            mistakes.append(_mistake(self, missing, f"missing: {either}"))
+        if thickness is not None:
+            mistakes += [_mistake(self, name, f"{either}, not both") for name in given]
+            if material is None:
+                mistakes.append(_mistake(self, "material", f"missing: a plate of given thickness needs it; {either}"))
+        raise_all(mistakes)
+
+    @property
+    def surface_density(self) -> float:
+        """Mass per area, kg/m²."""
+        if self.mass_per_area is not None:
+            return self.mass_per_area
+        assert self.material is not None and self.thickness is not None
+        return self.material.density * self.thickness
+
+    @property
+    def stiffness(self) -> tuple[float, float, float, float]:
+        """D11, D12, D22 and D66, N·m."""
+        given = self.bending_stiffness
+        if given is not None:
+            return given.D11, given.D12, given.D22, given.D66
+        assert self.material is not None and self.thickness is not None
+        ratio = self.material.poissons_ratio
+        d = targets.plate_stiffness(self.material.youngs_modulus, ratio, self.thickness)
+        return d, ratio * d, d, (1 - ratio) / 2 * d
+
+    @property
+    def impedance(self) -> float:
+        """Wave impedance, N·s/m."""
+        if self.bending_stiffness is None:
+            return targets.plate_impedance(self.surface_density, self.stiffness[0])
+        exact = self.impedance_formula == "exact"
+        formula = targets.orthotropic_plate_impedance if exact else targets.paper_plate_impedance
+        return formula(self.surface_density, *self.stiffness)
+
+
+@dataclass(frozen=True, init=False)
+class Rod:
+    """A long thin rod struck on its end.
+
+    diameter: m; or area: of the cross-section, m². length: m, by which reflections are judged. radius: of a rounded
+    end, m.
+    """
+
+    kind: ClassVar[str] = "rod"
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "material": part(Material, by_name=material, required=True),
+        "diameter": _LENGTH,
+        "area": measure("area", 1e-20, 1e10),
+        "length": _LENGTH,
+        "radius": _RADIUS,
+    }
+
+    material: Material
+    diameter: float | None
+    area: float | None
+    length: float | None
+    radius: float
+
+    def __init__(
+        self,
+        material: MaterialLike | None = None,
+        diameter: Value | None = None,
+        area: Value | None = None,
+        length: Value | None = None,
+        radius: Value | None = None,
+    ) -> None:
+        mistakes = _fill_target(self, locals())
+        if diameter is None and area is None:
+            mistakes.append(_mistake(self, "diameter", 'missing: a diameter (e.g. "20 mm") or area is needed'))
+        if diameter is not None and area is not None:
+            mistakes.append(_mistake(self, "area", "give diameter or area, not both"))
+        raise_all(mistakes)
+
+    @property
+    def cross_section(self) -> float:
+        """Area of the cross-section, m²."""
+        return self.area if self.area is not None else math.pi / 4 * (self.diameter or 0) ** 2
+
+    @property
+    def impedance(self) -> float:
+        """Wave impedance, N·s/m."""
+        return targets.rod_impedance(self.material.youngs_modulus, self.material.density, self.cross_section)
+
+
+@dataclass(frozen=True, init=False)
+class Body:
+    """A free body: a second ball. velocity: m/s, positive in the impactor's direction, at rest if left out."""
+
+    kind: ClassVar[str] = "body"
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "material": _MATERIAL,
+        "radius": measure("length", 1e-10, 1e3, required=True),
+        "mass": _MASS,
+        "velocity": measure("velocity", -2e4, 2e4, required=True),
+    }
+
+    material: Material | None
+    radius: float
+    mass: float | None
+    velocity: float
+
+    def __init__(
+        self,
+        material: MaterialLike | None = None,
+        radius: Value | None = None,
+        mass: Value | None = None,
+        velocity: Value = "0 m/s",
+    ) -> None:
+        raise_all(fill(self, locals()))
+
+    @property
+    def own_mass(self) -> float | None:
+        """The mass given, or density × sphere volume, kg; None if there is no way to know."""
+        return _ball_mass(self.mass, self.radius, self.material)
+
+    @property
+    def impedance(self) -> float:
+        """Infinite: the body moves as a whole, which is in the effective mass."""
+        return math.inf
+
+
+Target: TypeAlias = HalfSpace | Plate | Rod | Body
+
+
+def _fill_target(target: HalfSpace | Plate | Rod, values: Mapping[str, object]) -> list[Mistake]:
+    """As :func:`fill`; a target is flat, of infinite radius, if no radius is given."""
+    mistakes = fill(target, values)
+    if values["radius"] is None:
+        object.__setattr__(target, "radius", math.inf)
+    return mistakes

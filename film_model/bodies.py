@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, TypeAlias
+from typing import Any, ClassVar, Literal, TypeAlias, cast
 
 from film_model import targets
 from film_model.errors import Mistake, raise_all
@@ -27,6 +27,16 @@ MaterialLike: TypeAlias = Material | str | Mapping[str, Any]
 
 def _mistake(owner: object, name: str, message: str) -> Mistake:
     return Mistake(None, None, f"{type(owner).__name__}.{name}", message)
+
+
+def _one_of(owner: object, **values: object) -> list[Mistake]:
+    """The mistake of giving neither or both of two values."""
+    first, second = values
+    given = [name for name, value in values.items() if value is not None]
+    if len(given) == 1:
+        return []
+    message = f"give {first} or {second}, not both" if given else f"missing: {first} or {second} is needed"
+    return [_mistake(owner, second if given else first, message)]
 
 
 def _ball_mass(mass: float | None, radius: float, of: Material | None) -> float | None:
@@ -67,13 +77,7 @@ class Sphere:
         material: MaterialLike | None = None,
     ) -> None:
         mistakes = fill(self, locals())
-        if velocity is None and drop_height is None:
-            mistakes.append(
-                _mistake(self, "velocity", 'missing: a velocity (e.g. "0.25 m/s") or drop_height is needed')
-            )
-        if velocity is not None and drop_height is not None:
-            mistakes.append(_mistake(self, "drop_height", "give velocity or drop_height, not both"))
-        raise_all(mistakes)
+        raise_all(mistakes + _one_of(self, velocity=velocity, drop_height=drop_height))
 
     @property
     def speed(self) -> float:
@@ -101,11 +105,6 @@ class HalfSpace:
     def __init__(self, material: MaterialLike | None = None, radius: Value | None = None) -> None:
         raise_all(_fill_target(self, locals()))
 
-    @property
-    def impedance(self) -> float:
-        """Infinite."""
-        return math.inf
-
 
 @dataclass(frozen=True, init=False)
 class BendingStiffness:
@@ -124,14 +123,9 @@ class BendingStiffness:
     D66: float
 
     def __init__(
-        self,
-        D11: Value | None = None,
-        D12: Value | None = None,
-        D22: Value | None = None,
-        D66: Value | None = None,
+        self, D11: Value | None = None, D12: Value | None = None, D22: Value | None = None, D66: Value | None = None
     ) -> None:
-        mistakes = fill(self, locals())
-        raise_all(mistakes)
+        raise_all(fill(self, locals()))
         if self.D12**2 >= self.D11 * self.D22:
             raise_all([_mistake(self, "D12", "must be smaller than √(D11 D22): such a plate would bend by itself")])
 
@@ -192,8 +186,7 @@ class Plate:
         """Mass per area, kg/m²."""
         if self.mass_per_area is not None:
             return self.mass_per_area
-        assert self.material is not None and self.thickness is not None
-        return self.material.density * self.thickness
+        return cast("Material", self.material).density * cast("float", self.thickness)
 
     @property
     def stiffness(self) -> tuple[float, float, float, float]:
@@ -201,9 +194,9 @@ class Plate:
         given = self.bending_stiffness
         if given is not None:
             return given.D11, given.D12, given.D22, given.D66
-        assert self.material is not None and self.thickness is not None
-        ratio = self.material.poissons_ratio
-        d = targets.plate_stiffness(self.material.youngs_modulus, ratio, self.thickness)
+        material, thickness = cast("Material", self.material), cast("float", self.thickness)
+        ratio = material.poissons_ratio
+        d = targets.plate_stiffness(material.youngs_modulus, ratio, thickness)
         return d, ratio * d, d, (1 - ratio) / 2 * d
 
     @property
@@ -248,11 +241,7 @@ class Rod:
         radius: Value | None = None,
     ) -> None:
         mistakes = _fill_target(self, locals())
-        if diameter is None and area is None:
-            mistakes.append(_mistake(self, "diameter", 'missing: a diameter (e.g. "20 mm") or area is needed'))
-        if diameter is not None and area is not None:
-            mistakes.append(_mistake(self, "area", "give diameter or area, not both"))
-        raise_all(mistakes)
+        raise_all(mistakes + _one_of(self, diameter=diameter, area=area))
 
     @property
     def cross_section(self) -> float:
@@ -295,11 +284,6 @@ class Body:
     def own_mass(self) -> float | None:
         """The mass given, or density × sphere volume, kg; None if there is no way to know."""
         return _ball_mass(self.mass, self.radius, self.material)
-
-    @property
-    def impedance(self) -> float:
-        """Infinite: the body moves as a whole, which is in the effective mass."""
-        return math.inf
 
 
 Target: TypeAlias = HalfSpace | Plate | Rod | Body

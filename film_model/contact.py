@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from film_model.errors import Mistake, did_you_mean, raise_all, shown
 from film_model.fields import Field, choice, fill, key_text, measure, table_of, written
-from film_model.units import Value, needed, power_stiffness_to_si, to_si
+from film_model.units import Value, power_stiffness_to_si, to_si
 
 if TYPE_CHECKING:
     from film_model.laws import AbstractLaw, Parameter

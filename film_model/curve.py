@@ -146,7 +146,7 @@ def _unloading_kind(stage: Stage) -> int:
 
 def _values(function: Function, xi: Array, stage: Stage) -> Array:
     if isinstance(function, Power):
-        x = np.maximum((xi - _origin(function, stage)) / function.span, 0.0)
+        x = np.maximum(xi - _origin(function, stage), 0.0)
         return function.constant + function.slope * x + function.coefficient * x**function.exponent
     return np.broadcast_to(np.asarray(function(xi), dtype=np.float64), xi.shape)
 
@@ -236,7 +236,7 @@ def _fill(
     for name, function in functions.items():
         target = getattr(piece, name)
         if isinstance(function, Power):
-            target.form, target.origin, target.span = native.POWER, _origin(function, stage), function.span
+            target.form, target.origin, target.per_span = native.POWER, _origin(function, stage), 1.0
             target.constant, target.slope = function.constant, function.slope
             target.coefficient, target.exponent = function.coefficient, function.exponent
         else:
@@ -254,15 +254,15 @@ def _fill(
 
 
 def _power_work(power: Power, reach: float) -> float:
-    x = max(reach / power.span, 0.0)
-    return power.span * x * (
+    x = max(reach, 0.0)
+    return x * (
         power.constant + 0.5 * power.slope * x + power.coefficient * x**power.exponent / (power.exponent + 1.0)
     )
 
 
 def _write(target: native.Function, series: Any, begin: float, end: float, root: bool) -> None:
     target.form = native.ROOT_SERIES if root else native.SERIES
-    target.terms, target.origin, target.span = len(series), begin, end - begin
+    target.terms, target.origin, target.per_span = len(series), begin, 1.0 / (end - begin)
     target.exponent = 1.0
     target.series[: len(series)] = [float(term) for term in series]
 

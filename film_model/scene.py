@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal, TypeAlias
 
 from film_model.bodies import STANDARD_GRAVITY, BendingStiffness, Body, HalfSpace, Plate, Rod, Sphere, Target
@@ -89,9 +89,9 @@ class Scene:
 
     impactor: Sphere
     target: Target
-    contact: Contact = Contact()
-    effects: Effects = Effects()
-    solver: Solver = Solver()
+    contact: Contact = field(default_factory=Contact)
+    effects: Effects = field(default_factory=Effects)
+    solver: Solver = field(default_factory=Solver)
     title: str = ""
 
     def __post_init__(self) -> None:
@@ -185,8 +185,8 @@ class Scene:
 
     @property
     def target_impedance(self) -> float:
-        """Wave impedance of the target, N·s/m; infinite for a half-space and a free body."""
-        return self.target.impedance
+        """Wave impedance of the target, N·s/m; infinite for a half-space, and for a body, which moves as a whole."""
+        return self.target.impedance if isinstance(self.target, Plate | Rod) else math.inf
 
     @property
     def kinetic_energy(self) -> float:

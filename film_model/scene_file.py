@@ -166,7 +166,6 @@ def _toml(value: object) -> str:
 
 _PART = r"""(?:"(?:[^"\\]|\\.)*"|'[^']*'|[A-Za-z0-9_-]+)"""
 _PATH = re.compile(rf"{_PART}(?:\s*\.\s*{_PART})*")
-_LONGEST_LINE = 1000  # characters looked at; a header or key is shorter
 
 
 def _lines(text: str) -> dict[str, int]:
@@ -174,7 +173,7 @@ def _lines(text: str) -> dict[str, int]:
     lines: dict[str, int] = {}
     section, quotes = "", ""
     for number, whole_line in enumerate(text.split("\n"), 1):
-        line = whole_line[:_LONGEST_LINE].strip()
+        line = whole_line.strip()
         if quotes:  # inside a text of several lines
             quotes = "" if quotes in line else quotes
             continue
@@ -182,12 +181,12 @@ def _lines(text: str) -> dict[str, int]:
         path = _PATH.match(line, header.end() if header else 0)
         if path is not None:
             rest = line[path.end() :].lstrip()
-            key = ".".join(key_text(_unquoted(part)) for part in re.findall(_PART, path[0]))
-            if header and rest.startswith("]"):
-                section = key
-                lines.setdefault(section, number)
-            elif not header and rest.startswith("="):
-                lines.setdefault(f"{section}.{key}".lstrip("."), number)
+            keys = [key_text(_unquoted(part)) for part in re.findall(_PART, path[0])]
+            if rest.startswith("]" if header else "="):
+                section = "" if header else section
+                for key in (keys[0], ".".join(keys)):
+                    lines.setdefault(f"{section}.{key}".lstrip("."), number)
+                section = ".".join(keys) if header else section
         quotes = next((q for q in ('"""', "'''") if line.count(q) % 2), "")
     return lines
 

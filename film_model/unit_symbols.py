@@ -84,7 +84,8 @@ def _from_pint(word: str) -> tuple[Decimal, Powers]:
 
 
 def _hint(word: str) -> str:
-    near = [f"{word[:i]}*{word[i:]}" for i in range(1, len(word)) if word[:i] in SYMBOLS and word[i:] in SYMBOLS]
+    cuts = [(word[:i], word[i:]) for i in range(1, len(word))]
+    near = [f"{a}*{b}" for a, b in cuts if a in SYMBOLS and b in SYMBOLS and a != "m"]  # "mPa" is no m*Pa
     near += [symbol for symbol in SYMBOLS if symbol.lower() == word.lower()]
     return f' (did you mean "{near[0]}"?)' if near else ""
 

@@ -180,7 +180,7 @@ def _read(text: str, powers: Powers, need: str, bare: bool) -> float:
     return float(Decimal(number) * factor)
 
 
-_MISREAD = re.compile(r"[,−±]|\+/-|\+-|inf|nan", re.IGNORECASE)
+_MISREAD = re.compile(r"[,−±]|\+/-|\+-|\b(?:inf|nan)\b", re.IGNORECASE)
 
 
 def _misread(text: str) -> str:

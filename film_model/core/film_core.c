@@ -1,230 +1,20 @@
-/* The march: lines that replace the law between nodes, and the exact motion on each line. See film_core.h. */
+/* The march: legs, the lines that replace the law on them, and what happens where a line ends. See film_core.h. */
 #include "film_core.h"
 
-#include <math.h>
-#include <string.h>
+#include "film_line.h"
 
-static const double PI = 3.14159265358979323846;
+#include <string.h>
 
 /* How a line, or a leg, ends. PART and STOP end between two nodes. */
 enum { ENDS_NODE, ENDS_EDGE, ENDS_TURN, ENDS_NEVER, ENDS_PART, ENDS_STOP };
 enum { GRADING_COARSE = -1 };                          /* nodes of a trial leg: 3 s^2 - 2 s^3, no table needed */
 
-static const double TURN_TOLERANCE = 1e-14;       /* of the length of the last segment: rounding */
+static const double TURN_TOLERANCE = 1e-12;       /* of the length of the last segment, itself a small part of the depth */
 static const double TURN_ROUNDING = 2e-15;        /* of the depth: a short segment's mean force is not known better */
-static const double TRIAL_TURN_TOLERANCE = 1e-3;  /* a trial only aims the nodes */
+static const double TRIAL_TURN_TOLERANCE = 1e-2;  /* a trial only aims the nodes */
 static const double REST_LENGTH = 1e-9;           /* of the contact's depth: curvature changes the force by 1e-18 */
 static const double REST_SPEED = 1e-13;           /* of the impactor's: rounding of y = nu - gamma f */
-enum { TURN_ITERATIONS = 60, HALVINGS = 60, ROOT_ITERATIONS = 200, DOUBLINGS = 2100 };
-
-/* ---------------------------------------------------------------- functions of a curve */
-
-static double raised(double x, double exponent) {
-    if (exponent == 1.5) return x * sqrt(x);
-    if (exponent == 1.0) return x;
-    if (exponent == 2.0) return x * x;
-    return pow(x, exponent);
-}
-
-static double chebyshev(const film_function *g, double z) {
-    double b1 = 0.0, b2 = 0.0;
-    for (int k = g->terms - 1; k > 0; k--) {
-        double b = 2.0 * z * b1 - b2 + g->series[k];
-        b2 = b1;
-        b1 = b;
-    }
-    return z * b1 - b2 + g->series[0];
-}
-
-static double variable(const film_function *g, double xi) {
-    double x = (xi - g->origin) / g->span;
-    return x > 0.0 ? x : 0.0;
-}
-
-static double value(const film_function *g, double xi) {
-    double x = variable(g, xi);
-    if (g->form == FILM_SERIES) return chebyshev(g, 2.0 * x - 1.0);
-    if (g->form == FILM_ROOT_SERIES) return chebyshev(g, 2.0 * sqrt(x) - 1.0);
-    double f = g->constant + g->slope * x;
-    return g->coefficient == 0.0 ? f : f + g->coefficient * raised(x, g->exponent);
-}
-
-static const film_piece *piece_at(const film_curve *curve, int32_t stage, double xi) {
-    const film_piece *piece = &curve->piece[curve->stage[stage].first];
-    const film_piece *last = piece + curve->stage[stage].count - 1;
-    while (piece < last && xi > piece->end) piece++;
-    return piece;
-}
-
-void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work) {
-    const film_piece *piece = piece_at(curve, stage, xi);
-    const film_function *g = &piece->force;
-    if (g->form == FILM_POWER) {
-        double x = variable(g, xi);
-        double power = g->coefficient == 0.0 ? 0.0 : g->coefficient * raised(x, g->exponent);
-        *force = g->constant + g->slope * x + power;
-        *work = g->span * x * (g->constant + 0.5 * g->slope * x + power / (g->exponent + 1.0)) - piece->work_at_begin;
-    } else {
-        *force = value(g, xi);
-        *work = value(&piece->work, xi);
-    }
-}
-
-/* The true law where a line lives: a loading stage, the unloading branch, or no contact. */
-static void law_at(const film_curve *curve, const film_line *line, double xi, double *force, double *work) {
-    if (line->branch >= 0) {
-        film_law(curve, line->branch, xi, force, work);
-    } else if (line->branch == FILM_BRANCH) {
-        double x = (xi - line->xi_free) / line->recovery;
-        *force = x > 0.0 ? line->f_max * raised(x, line->exponent) : 0.0;
-        *work = *force * x * line->recovery / (line->exponent + 1.0);
-    } else {
-        *force = *work = 0.0;
-    }
-}
-
-/* ---------------------------------------------------------------- motion on one line
- * With phi = phi_0 + kappa x the relative velocity y = xi' = nu - gamma phi obeys y'' + 2 a y' + kappa y = 0,
- * a = kappa gamma/2, y'(0) = -(phi_0 - p) - 2 a y_0: one formula for every damping regime, and kappa = 0 and
- * kappa = a^2 are regular points. Written for motion towards positive x; motion outwards is its mirror image. */
-typedef struct {
-    double y0, phi, kappa, a; /* phi: the line's force at x = 0, less the load */
-} motion;
-
-/* x and y after tau. Short times: the Taylor series of the equation, y_k = -(2a tau) y_{k-1}/k - kappa tau^2 y_{k-2}/(k(k-1));
- * long ones: s, the response to a unit velocity, s' and its integral sigma; y = y0 s' - phi s, x = y0 s - phi sigma. */
-static void move(const motion *m, double tau, double *x, double *y) {
-    static const double over[26] = {0.0,      1.0,      1.0 / 2,  1.0 / 3,  1.0 / 4,  1.0 / 5,  1.0 / 6,
-                                    1.0 / 7,  1.0 / 8,  1.0 / 9,  1.0 / 10, 1.0 / 11, 1.0 / 12, 1.0 / 13,
-                                    1.0 / 14, 1.0 / 15, 1.0 / 16, 1.0 / 17, 1.0 / 18, 1.0 / 19, 1.0 / 20,
-                                    1.0 / 21, 1.0 / 22, 1.0 / 23, 1.0 / 24, 1.0 / 25};
-    double b = -2.0 * m->a * tau, c = -m->kappa * tau * tau;
-    if (fabs(b) <= 1.0 && fabs(c) <= 1.0) {
-        double before = m->y0, term = (-m->phi - 2.0 * m->a * m->y0) * tau;
-        double small = 1e-18 * (fabs(before) + fabs(term));
-        double sum_y = before + term, sum_x = before + 0.5 * term;
-        for (int k = 2; k < 25; k++) {
-            double next = (b * term + c * before * over[k - 1]) * over[k];
-            sum_y += next;
-            sum_x += next * over[k + 1];
-            if (fabs(next) + fabs(term) <= small) break;
-            before = term;
-            term = next;
-        }
-        *x = sum_x * tau;
-        *y = sum_y;
-        return;
-    }
-    double a = m->a, square = a * a - m->kappa, reach = square * tau * tau;
-    double s, ds, sigma;
-    if (fabs(reach) < 0.01) { /* around critical damping: even series in (a^2 - kappa) tau^2 */
-        double even = 1.0 + reach / 2.0 * (1.0 + reach / 12.0 * (1.0 + reach / 30.0 * (1.0 + reach / 56.0 * (1.0 + reach / 90.0))));
-        double odd = tau * (1.0 + reach / 6.0 * (1.0 + reach / 20.0 * (1.0 + reach / 42.0 * (1.0 + reach / 72.0 * (1.0 + reach / 110.0)))));
-        double decay = exp(-a * tau);
-        s = decay * odd;
-        ds = decay * (even - a * odd);
-        sigma = (1.0 - decay * (even + a * odd)) / m->kappa;
-    } else if (square < 0.0) { /* under-damped */
-        double omega = sqrt(-square), decay = exp(-a * tau);
-        double even = cos(omega * tau), odd = sin(omega * tau) / omega;
-        s = decay * odd;
-        ds = decay * (even - a * odd);
-        sigma = (1.0 - decay * (even + a * odd)) / m->kappa;
-    } else { /* over-damped: rates kappa/(a + d) and a + d, neither found by a difference */
-        double d = sqrt(square), fast = a + d, slow = m->kappa / fast;
-        double e_slow = exp(-slow * tau), e_fast = exp(-fast * tau);
-        double grown = m->kappa == 0.0 ? tau / fast : -expm1(-slow * tau) / m->kappa;
-        s = (e_slow - e_fast) / (2.0 * d);
-        ds = (fast * e_fast - slow * e_slow) / (2.0 * d);
-        sigma = grown * fast / (2.0 * d) + expm1(-fast * tau) / (2.0 * d * fast);
-    }
-    *x = m->y0 * s - m->phi * sigma;
-    *y = m->y0 * ds - m->phi * s;
-}
-
-/* atan(sqrt z)/sqrt z, and atanh for z < 0. */
-static double arc(double z) {
-    if (fabs(z) < 0.04) {
-        double sum = 0.0;
-        for (int k = 10; k >= 0; k--) sum = 1.0 / (2 * k + 1) - z * sum;
-        return sum;
-    }
-    if (z > 0.0) return atan(sqrt(z)) / sqrt(z);
-    return z > -1.0 ? atanh(sqrt(-z)) / sqrt(-z) : INFINITY;
-}
-
-/* First time with y = 0 after the start: tan(sqrt(D) tau)/sqrt(D) = y0/(phi + a y0), D = kappa - a^2. */
-static double turn_time(const motion *m) {
-    double rate = m->phi + m->a * m->y0, square = m->kappa - m->a * m->a;
-    if (m->y0 > 0.0 && rate > 0.0) {
-        double r = m->y0 / rate;
-        return r * arc(square * r * r);
-    }
-    return square > 0.0 ? atan2(sqrt(square) * m->y0, rate) / sqrt(square) : INFINITY;
-}
-
-/* First time with x = length > 0, and y then. 0: it turns before; ENDS_NEVER: it comes to rest before. */
-static int leave_slowly(const motion *m, double length, double *tau, double *y) {
-    double low = 0.0, high = turn_time(m), x;
-    if (m->y0 <= 0.0 && m->phi >= 0.0) return m->phi > 0.0 || m->y0 < 0.0 ? 0 : ENDS_NEVER;
-    if (m->y0 == 0.0) high = m->kappa > m->a * m->a ? PI / sqrt(m->kappa - m->a * m->a) : INFINITY;
-    if (high < INFINITY) {
-        move(m, high, &x, y);
-        if (x < length) return 0;
-    } else {
-        if (m->kappa > 0.0 && -m->phi <= m->kappa * length * (1.0 + 1e-13)) return ENDS_NEVER;
-        high = m->y0 > 0.0 ? length / m->y0 : sqrt(-2.0 * length / m->phi);
-        for (int k = 0; k < DOUBLINGS; k++, high *= 2.0) {
-            move(m, high, &x, y);
-            if (!(x < length)) break;
-            if (k == DOUBLINGS - 1 || high > 1e300) return ENDS_NEVER;
-        }
-    }
-    double t = 0.5 * (low + high);
-    for (int k = 0; k < ROOT_ITERATIONS; k++) {
-        move(m, t, &x, y);
-        if (x < length) low = t; else high = t;
-        double next = *y > 0.0 ? t - (x - length) / *y : low;
-        if (!(next > low && next < high)) next = 0.5 * (low + high);
-        if (fabs(next - t) <= 4e-16 * t) break;
-        t = next;
-    }
-    *tau = t;
-    return 1;
-}
-
-static int leave(const motion *m, double length, double *tau, double *y) {
-    double drag = m->a * length, before = m->y0 - drag;
-    double square = before * before - length * (2.0 * m->phi + m->kappa * length);
-    if (m->a == 0.0) { /* energy gives y, and tan(omega tau/2) = omega length/(y0 + y) */
-        if (square < 0.0 || m->y0 < 0.0) return 0;
-        *y = sqrt(square);
-        double mean = m->y0 + *y;
-        if (mean <= 0.0) return m->phi == 0.0 ? ENDS_NEVER : 0;
-        double h = length / mean;
-        *tau = 2.0 * h * arc(m->kappa * h * h);
-        return 1;
-    }
-    double guess = square > 0.0 && m->y0 >= 0.0 ? sqrt(square) - drag : 0.0;
-    if (!(guess > 0.1 * m->y0 && before > 0.0 ) && !(m->y0 == 0.0 && guess > 0.0)) return leave_slowly(m, length, tau, y);
-    double t = 2.0 * length / (m->y0 + guess);
-    t -= t * t * t * (m->kappa + 2.0 * m->a * (guess - m->y0) / length) / 12.0;
-    for (int k = 0; k < 8; k++) { /* Halley: the error is cubed at each turn */
-        double x;
-        move(m, t, &x, y);
-        if (!(*y > 0.0)) break;
-        double slope = -(m->phi + m->kappa * x) - 2.0 * m->a * *y;
-        double newton = (x - length) / *y, d = newton / (1.0 - 0.5 * newton * slope / *y);
-        if (!(d < t)) break;
-        t -= d;
-        if (fabs(d) <= 1e-5 * t) {
-            *y -= d * (slope + 0.5 * d * (2.0 * m->a * slope + m->kappa * *y));
-            *tau = t;
-            return 1;
-        }
-    }
-    return leave_slowly(m, length, tau, y);
-}
+enum { TURN_ITERATIONS = 60, HALVINGS = 60 };
 
 /* ---------------------------------------------------------------- lines */
 
@@ -332,19 +122,19 @@ static void end_here(film_state *s, int ends) {
 
 /* The line over the next `length`, and the motion on it. Whatever its ends, it does the work of the law; chords do not. */
 static motion draw(const film_curve *curve, const film_mesh *mesh, film_state *s, double length) {
-    double h = s->direction * length;
+    double h = s->direction * length, per_h = 1.0 / h;
     law_at(curve, &s->line, s->xi + h, &s->force_end, &s->work_end);
-    double mean = (s->work_end - s->work) / h;
+    double mean = (s->work_end - s->work) * per_h;
     int at_rest = s->from_turn && s->leg_node == 0;
-    s->line.kappa = (s->force_end - s->force) / h;
+    s->line.kappa = (s->force_end - s->force) * per_h;
     s->line.phi = mean - 0.5 * s->line.kappa * h;
     if (mesh->linearisation == FILM_CHORD) {
         s->line.phi = s->force;
     } else if (at_rest) { /* y = nu - gamma f is 0 there */
         s->line.phi = s->force;
-        s->line.kappa = 2.0 * (mean - s->force) / h;
+        s->line.kappa = 2.0 * (mean - s->force) * per_h;
     } else if (s->line_ends == ENDS_NEVER) { /* balance where the law balances */
-        s->line.kappa = 2.0 * (s->force_end - mean) / h;
+        s->line.kappa = 2.0 * (s->force_end - mean) * per_h;
         s->line.phi = 2.0 * mean - s->force_end;
     }
     motion m = on_line(s, s->line.phi, s->line.kappa);
@@ -375,20 +165,20 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         int left = leave(&m, length, &s->tau_end, &y);
         /* A line may dip below zero where the law only touches it, and would hold the contact shut for ever. Without
          * a load nothing does: go halfway, and again, until the law is flat enough to let go. */
-        for (int k = 0; left != 1 && k < HALVINGS && d < 0.0 && s->load <= 0.0; k++) {
+        for (int k = 0; left != LEFT && k < HALVINGS && d < 0.0 && s->load <= 0.0; k++) {
             if (!(s->line.phi + s->line.kappa * d * length < -1e-12 * s->force)) break;
             length *= 0.5;
             s->line_ends = ENDS_PART;
             m = draw(curve, mesh, s, length);
             left = leave(&m, length, &s->tau_end, &y);
         }
-        if (left == 1) {
+        if (left == LEFT) {
             land(s, length, y);
             if (s->line_ends == ENDS_TURN) s->line_ends = ENDS_NODE; /* it turns a little later: plan afresh */
             else if (s->line_ends != ENDS_PART) s->xi_end = to;
             return FILM_OK;
         }
-        if (left == ENDS_NEVER) {
+        if (left == LEFT_NEVER) {
             s->line_ends = ENDS_NEVER;
             s->tau_end = INFINITY;
             return FILM_OK;
@@ -424,7 +214,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
     s->leg_node = s->leg_nodes - 1;
     s->leg_to = limit;
     s->leg_ends = s->line_ends = ENDS_EDGE;
-    if (leave(&m, edge, &s->tau_end, &y) != 1) {
+    if (leave(&m, edge, &s->tau_end, &y) != LEFT) {
         s->tau_end = turn_time(&m);
         y = 0.0;
     }
@@ -442,7 +232,7 @@ static void cut_at_stop(const film_curve *curve, const film_mesh *mesh, film_sta
     s->line_ends = ENDS_STOP;
     for (int k = 0; k < TURN_ITERATIONS; k++) {
         motion m = draw(curve, mesh, s, length);
-        if (leave(&m, length, &s->tau_end, &y) != 1) break;
+        if (leave(&m, length, &s->tau_end, &y) != LEFT) break;
         land(s, length, y);
         double excess = s->nu_end - s->stop_velocity, phi = s->line.phi + s->line.kappa * s->direction * length;
         if (excess > 0.0) low = length; else high = length;
@@ -472,50 +262,51 @@ static void follow(film_state *s) {
 /* ---------------------------------------------------------------- legs */
 
 /* Kinetic energy left at xi when the target does not move. */
-static double energy_at(const film_curve *curve, const film_state *s, double xi, double *slope) {
+static double energy_at(const film_curve *curve, const film_line *run, double energy, double load, double xi,
+                        double *slope) {
     double force, work;
-    law_at(curve, &s->line, xi, &force, &work);
-    *slope = s->load - force;
-    return 0.5 * s->nu * s->nu - (work - s->work) + s->load * (xi - s->xi);
+    law_at(curve, run, xi, &force, &work);
+    *slope = load - force;
+    return energy - work + load * xi;
 }
 
-/* Where a leg on a fixed target ends: the edge if there is energy to reach it, else where the energy is spent. */
-static int aim_by_energy(const film_curve *curve, film_state *s) {
-    double limit = limit_of(curve, s), d = s->direction, slope, inner = s->xi, outer = limit;
+int film_turning_point(const film_curve *curve, const film_line *run, double xi, double work, double nu, double load,
+                       double limit, double *to) {
+    double total = 0.5 * nu * nu + work - load * xi, slope, inner = xi, outer = limit;
     if (limit < INFINITY) {
-        if (energy_at(curve, s, limit, &slope) >= 0.0) {
-            s->leg_to = limit;
-            s->leg_ends = ENDS_EDGE;
+        if (energy_at(curve, run, total, load, limit, &slope) >= 0.0) {
+            *to = limit;
             return FILM_OK;
         }
     } else {
-        const film_piece *piece = piece_at(curve, s->branch, INFINITY);
+        const film_piece *piece = piece_at(curve, run->branch, INFINITY);
         const film_function *g = &piece->force;
-        double energy = 0.5 * s->nu * s->nu + s->work + piece->work_at_begin, reach = INFINITY;
-        if (g->coefficient > 0.0 && g->slope >= 0.0 && g->constant >= 0.0 && s->load <= 0.0)
-            reach = pow((g->exponent + 1.0) * energy / (g->coefficient * g->span), 1.0 / (g->exponent + 1.0)) * g->span;
-        outer = reach < INFINITY ? g->origin + reach * (1.0 + 1e-12) : s->xi + g->span;
-        for (int k = 0; energy_at(curve, s, outer, &slope) > 0.0; k++) {
+        double reach = INFINITY;
+        if (g->coefficient > 0.0 && g->slope >= 0.0 && g->constant >= 0.0 && load <= 0.0)
+            reach = pow((g->exponent + 1.0) * (total + piece->work_at_begin) / g->coefficient, work_of(g->exponent));
+        outer = reach < INFINITY ? g->origin + reach * (1.0 + 1e-12) : xi + 1.0;
+        for (int k = 0; energy_at(curve, run, total, load, outer, &slope) > 0.0; k++) {
             if (k >= DOUBLINGS || !(outer < 1e300)) return FILM_BEYOND_LAW;
             inner = outer;
-            outer = s->xi + 2.0 * (outer - s->xi);
+            outer = xi + 2.0 * (outer - xi);
         }
     }
-    double xi = outer;
-    for (int k = 0; k < ROOT_ITERATIONS; k++) {
-        double energy = energy_at(curve, s, xi, &slope);
-        if (energy >= 0.0) inner = xi; else outer = xi;
-        double next = xi - energy / slope;
-        if (!(d * (next - inner) > 0.0 && d * (outer - next) > 0.0)) {
-            if (fabs(next - xi) <= 4e-16 * fabs(xi)) break;
-            next = 0.5 * (inner + outer);
-        }
-        if (fabs(next - xi) <= 2e-16 * fabs(xi)) break;
-        xi = next;
+    double at = outer, d = outer > inner ? 1.0 : -1.0;
+    for (int k = 0; k < ROOT_ITERATIONS; k++) { /* Newton from outside, where the energy is concave; halving guards it */
+        double energy = energy_at(curve, run, total, load, at, &slope);
+        if (energy >= 0.0) inner = at; else outer = at;
+        double next = at - energy / slope;
+        if (fabs(next - at) <= 4e-16 * fabs(at)) break;
+        at = d * (next - inner) > 0.0 && d * (outer - next) > 0.0 ? next : 0.5 * (inner + outer);
     }
-    s->leg_to = xi;
-    s->leg_ends = ENDS_TURN;
-    return FILM_OK;
+    *to = at;
+    return FILM_EVENT;
+}
+
+static int aim_by_energy(const film_curve *curve, film_state *s) {
+    int status = film_turning_point(curve, &s->line, s->xi, s->work, s->nu, s->load, limit_of(curve, s), &s->leg_to);
+    s->leg_ends = status == FILM_EVENT ? ENDS_TURN : ENDS_EDGE;
+    return status < 0 ? status : FILM_OK;
 }
 
 /* Where the true law balances the load, between the current point and the limit. */
@@ -562,30 +353,36 @@ static int aim_by_trial(const film_curve *curve, const film_mesh *mesh, film_sta
     return FILM_OK;
 }
 
-/* The contact turns on the loading curve: remember the spot, and choose the branch that leads back. */
+/* The contact turns on the loading curve: remember the spot, and take the branch that leads back. */
 static int remember(const film_curve *curve, film_state *s) {
-    const film_piece *piece = piece_at(curve, s->branch, s->xi);
-    int unloading = curve->stage[s->branch].unloading;
     s->xi_max = s->xi;
     s->f_max = s->force;
     s->stage_max = s->branch;
-    if (unloading == FILM_RETRACE) return FILM_OK;
-    s->exponent = value(&piece->exponent, s->xi);
-    if (unloading == FILM_RADIUS) {
-        double load = s->f_max / sqrt(value(&piece->recovery, s->xi));
-        s->recovery = s->exponent == 1.5 ? cbrt(load * load) : pow(load, 1.0 / s->exponent);
-        s->xi_free = s->xi - s->recovery;
-    } else {
-        s->xi_free = value(&piece->recovery, s->xi);
-        s->recovery = s->xi - s->xi_free;
-    }
-    if (!(s->recovery > 0.0 && s->recovery < INFINITY && s->exponent > 0.0)) return FILM_BAD_UNLOADING;
+    s->line.branch = s->branch;
+    int status = open_branch(curve, &s->line, s->xi, s->force);
+    if (status < 0 || s->line.branch == s->branch) return status;
     s->branch = FILM_BRANCH;
-    s->work = s->force * s->recovery / (s->exponent + 1.0);
+    s->xi_free = s->line.xi_free;
+    s->recovery = s->xi - s->xi_free;
+    s->exponent = s->line.exponent;
+    s->work = s->force * s->recovery * work_of(s->exponent);
     return FILM_OK;
 }
 
-static void sync_line(film_state *s) {
+/* What all lines of a run share, and what each begins with. */
+static void open_run(film_state *s) {
+    film_line *line = &s->line;
+    line->load = s->load;
+    line->gamma = s->gamma;
+    line->xi_free = s->xi_free;
+    line->per_recovery = s->recovery > 0.0 ? 1.0 / s->recovery : 0.0;
+    line->f_max = s->f_max;
+    line->exponent = s->exponent;
+    line->branch = s->branch;
+    line->phase = s->phase;
+}
+
+static void open_line(film_state *s) {
     film_line *line = &s->line;
     line->time = s->time;
     line->xi = s->xi;
@@ -593,14 +390,6 @@ static void sync_line(film_state *s) {
     line->shift = s->shift;
     line->work = s->work;
     line->spent = s->spent;
-    line->load = s->load;
-    line->gamma = s->gamma;
-    line->xi_free = s->xi_free;
-    line->recovery = s->recovery;
-    line->f_max = s->f_max;
-    line->exponent = s->exponent;
-    line->branch = s->branch;
-    line->phase = s->phase;
 }
 
 /* So close to balance that the law is straight: one line for all time to come, in either direction. */
@@ -617,7 +406,7 @@ static void rest(const film_curve *curve, film_state *s, double reach) {
 
 /* Direction, number of nodes and end of the run that starts here. FILM_EVENT: the direction has changed. */
 static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
-    sync_line(s);
+    open_run(s);
     if (s->branch == FILM_FREE) return FILM_OK;
     double y = s->nu - s->gamma * s->force, excess = s->force - s->load;
     if (!s->from_turn && fabs(y) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->force)) {
@@ -636,7 +425,7 @@ static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
         s->direction = direction;
         s->phase = direction < 0 ? FILM_UNLOADING : s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
     }
-    sync_line(s);
+    open_run(s);
     double depth = s->branch == FILM_BRANCH ? s->recovery : s->xi;
     s->leg_from = s->xi;
     s->leg_node = 0;
@@ -645,6 +434,7 @@ static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
     if (status < 0) return status;
     if (s->leg_ends != ENDS_EDGE && fabs(s->leg_to - s->leg_from) < REST_LENGTH * depth &&
         fabs(s->leg_to - s->leg_from) < REST_LENGTH * fabs(s->xi - s->xi_free)) {
+        open_line(s);
         rest(curve, s, 1e-6 * depth);
         return FILM_OK;
     }
@@ -676,9 +466,10 @@ static int prepare(const film_curve *curve, const film_mesh *mesh, film_state *s
         if (status != FILM_OK) return status;
     }
     if (s->branch == FILM_FREE) {
+        open_line(s);
         free_line(s);
     } else if (s->has_leg) {
-        sync_line(s);
+        open_line(s);
         int status = cut(curve, mesh, s, TURN_TOLERANCE);
         if (status < 0) return status;
     }
@@ -718,7 +509,7 @@ static int finish(const film_curve *curve, film_state *s) {
         s->direction = 1;
         s->branch = s->stage_max >= 0 && curve->stage[s->stage_max].unloading != FILM_RETRACE ? FILM_BRANCH : 0;
         s->phase = s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
-        sync_line(s);
+        open_run(s);
         law_at(curve, &s->line, s->xi, &s->force, &s->work);
     } else if (ends == ENDS_EDGE && s->direction < 0 && s->branch <= 0) {
         s->event = FILM_CONTACT_ENDS;
@@ -732,7 +523,7 @@ static int finish(const film_curve *curve, film_state *s) {
         else s->branch = s->xi >= curve->stage[s->stage_max].end ? s->stage_max + 1 : s->stage_max;
         if (s->branch >= curve->stages) return FILM_BEYOND_LAW;
         if (s->direction > 0) s->phase = FILM_LOADING;
-        sync_line(s);
+        open_run(s);
         law_at(curve, &s->line, s->xi, &s->force, &s->work);
     }
     if (status < 0) return status;
@@ -850,12 +641,16 @@ void film_sample(const film_curve *curve, const film_line *lines, int32_t line_c
     }
 }
 
+void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work) {
+    stage_law(curve, stage, xi, force, work);
+}
+
 static int bad_function(const film_function *g) {
     if (g->form == FILM_POWER)
         return !(isfinite(g->constant) && isfinite(g->slope) && isfinite(g->coefficient) && g->exponent > 0.0 &&
-                 isfinite(g->exponent) && isfinite(g->origin) && g->span > 0.0);
+                 isfinite(g->exponent) && isfinite(g->origin) && g->per_span == 1.0);
     if (g->form != FILM_SERIES && g->form != FILM_ROOT_SERIES) return 1;
-    if (g->terms < 1 || g->terms > FILM_MAX_TERMS || !(g->span > 0.0) || !isfinite(g->origin)) return 1;
+    if (g->terms < 1 || g->terms > FILM_MAX_TERMS || !(g->per_span > 0.0 && g->per_span < INFINITY) || !isfinite(g->origin)) return 1;
     for (int k = 0; k < g->terms; k++)
         if (!isfinite(g->series[k])) return 1;
     return 0;

@@ -27,7 +27,7 @@ enum {
     FILM_MAX_TERMS = 28   /* Chebyshev terms of a fitted function (force degree <= 25: work has two more) */
 };
 
-/* How a function of indentation is written, with x = (xi - origin)/span. */
+/* How a function of indentation is written, with x = (xi - origin) per_span. */
 enum {
     FILM_POWER = 0,      /* constant + slope x + coefficient x^exponent,  x >= 0, exponent > 0 */
     FILM_SERIES = 1,     /* Chebyshev series in 2x - 1,        0 <= x <= 1 */
@@ -37,7 +37,7 @@ enum {
 typedef struct {
     int32_t form;
     int32_t terms;
-    double origin, span; /* span > 0 */
+    double origin, per_span; /* one over the length of a series' interval; 1 for a power */
     double constant, slope, coefficient, exponent;
     double series[FILM_MAX_TERMS];
 } film_function;
@@ -141,7 +141,7 @@ typedef struct {
     double work, spent;     /* of the true law there, from the beginning of its stage; in all, since contact began */
     double load;            /* p */
     double gamma;
-    double xi_free, recovery, f_max, exponent; /* the unloading branch, where branch is FILM_BRANCH */
+    double xi_free, per_recovery, f_max, exponent; /* the unloading branch, where branch is FILM_BRANCH */
     int32_t branch;         /* loading stage, or FILM_BRANCH, or FILM_FREE */
     int32_t phase;
 } film_line;

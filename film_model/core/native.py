@@ -42,7 +42,7 @@ class Function(c.Structure):
 
     _fields_ = (
         [("form", _I), ("terms", _I)]
-        + [(name, _D) for name in ("origin", "span", "constant", "slope", "coefficient", "exponent")]
+        + [(name, _D) for name in ("origin", "per_span", "constant", "slope", "coefficient", "exponent")]
         + [("series", _D * MAX_TERMS)]
     )
 
@@ -87,7 +87,7 @@ class Mesh(c.Structure):
 
 _LINE = (
     *((name, _D) for name in ("time", "xi", "nu", "shift", "phi", "kappa", "work", "spent", "load", "gamma")),
-    *((name, _D) for name in ("xi_free", "recovery", "f_max", "exponent")),
+    *((name, _D) for name in ("xi_free", "per_recovery", "f_max", "exponent")),
     ("branch", _I),
     ("phase", _I),
 )

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Power:
-    """f(ξ) = constant + slope·x + coefficient·x^exponent with x = (ξ − origin)/span; the core evaluates it exactly.
+    """f(ξ) = constant + slope·x + coefficient·x^exponent with x = ξ − origin; the core evaluates it exactly.
 
     `origin` defaults to the beginning of the stage the function belongs to.
     """
@@ -30,7 +30,6 @@ class Power:
     coefficient: float = 0.0
     exponent: float = 1.5
     origin: float | None = None
-    span: float = 1.0
 
 
 Function = Power | Callable[[Array], Array]

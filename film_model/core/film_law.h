@@ -1,0 +1,118 @@
+/* The law as the core evaluates it, for the march and for the batch. Internal. */
+#ifndef FILM_LAW_H
+#define FILM_LAW_H
+
+#include "film_core.h"
+
+#include <math.h>
+
+static inline double raised(double x, double exponent) {
+    if (exponent == 1.5) return x * sqrt(x);
+    if (exponent == 1.0) return x;
+    if (exponent == 2.0) return x * x;
+    return pow(x, exponent);
+}
+
+/* 1/(q + 1), the work of x^q over x^(q+1). */
+static inline double work_of(double exponent) {
+    return exponent == 1.5 ? 0.4 : 1.0 / (exponent + 1.0);
+}
+
+static inline double chebyshev(const film_function *g, double z) {
+    double b1 = 0.0, b2 = 0.0;
+    for (int k = g->terms - 1; k > 0; k--) {
+        double b = 2.0 * z * b1 - b2 + g->series[k];
+        b2 = b1;
+        b1 = b;
+    }
+    return z * b1 - b2 + g->series[0];
+}
+
+static inline double variable(const film_function *g, double xi) {
+    double x = (xi - g->origin) * g->per_span;
+    return x > 0.0 ? x : 0.0;
+}
+
+static inline double value(const film_function *g, double xi) {
+    double x = variable(g, xi);
+    if (g->form == FILM_SERIES) return chebyshev(g, 2.0 * x - 1.0);
+    if (g->form == FILM_ROOT_SERIES) return chebyshev(g, 2.0 * sqrt(x) - 1.0);
+    double f = g->constant + g->slope * x;
+    return g->coefficient == 0.0 ? f : f + g->coefficient * raised(x, g->exponent);
+}
+
+static inline const film_piece *piece_at(const film_curve *curve, int32_t stage, double xi) {
+    const film_piece *piece = &curve->piece[curve->stage[stage].first];
+    const film_piece *last = piece + curve->stage[stage].count - 1;
+    while (piece < last && xi > piece->end) piece++;
+    return piece;
+}
+
+static inline void stage_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work) {
+    const film_piece *piece = piece_at(curve, stage, xi);
+    const film_function *g = &piece->force;
+    if (g->form == FILM_POWER) {
+        double x = variable(g, xi);
+        double power = g->coefficient == 0.0 ? 0.0 : g->coefficient * raised(x, g->exponent);
+        *force = g->constant + g->slope * x + power;
+        *work = x * (g->constant + 0.5 * g->slope * x + power * work_of(g->exponent)) - piece->work_at_begin;
+    } else {
+        *force = value(g, xi);
+        *work = value(&piece->work, xi);
+    }
+}
+
+/* The true law where a line lives: a loading stage, the unloading branch, or no contact. */
+static inline void law_at(const film_curve *curve, const film_line *line, double xi, double *force, double *work) {
+    if (line->branch >= 0) {
+        stage_law(curve, line->branch, xi, force, work);
+    } else if (line->branch == FILM_BRANCH) {
+        double x = (xi - line->xi_free) * line->per_recovery;
+        *force = x > 0.0 ? line->f_max * raised(x, line->exponent) : 0.0;
+        *work = *force * (xi - line->xi_free) * work_of(line->exponent);
+    } else {
+        *force = *work = 0.0;
+    }
+}
+
+/* atan(sqrt z)/sqrt z, and atanh for z < 0. */
+static inline double arc(double z) {
+    if (fabs(z) < 0.04) {
+        double q = z * z;
+        double even = 1.0 + q * (1.0 / 5 + q * (1.0 / 9 + q * (1.0 / 13 + q * (1.0 / 17 + q / 21))));
+        double odd = 1.0 / 3 + q * (1.0 / 7 + q * (1.0 / 11 + q * (1.0 / 15 + q / 19)));
+        return even - z * odd;
+    }
+    if (z > 0.0) return atan(sqrt(z)) / sqrt(z);
+    return z > -1.0 ? atanh(sqrt(-z)) / sqrt(-z) : INFINITY;
+}
+
+/* The unloading rule: a run that turns on a loading stage at xi, under force, continues on the branch that leads back
+ * from there, or, where the stage is reversible, on the stage itself. */
+static inline int open_branch(const film_curve *curve, film_line *run, double xi, double force) {
+    const film_piece *piece = piece_at(curve, run->branch, xi);
+    int unloading = curve->stage[run->branch].unloading;
+    if (unloading == FILM_RETRACE) return FILM_OK;
+    double recovery, q = value(&piece->exponent, xi);
+    if (unloading == FILM_RADIUS) {
+        double load = force / sqrt(value(&piece->recovery, xi));
+        recovery = q == 1.5 ? cbrt(load * load) : pow(load, 1.0 / q);
+        run->xi_free = xi - recovery;
+    } else {
+        run->xi_free = value(&piece->recovery, xi);
+        recovery = xi - run->xi_free;
+    }
+    if (!(recovery > 0.0 && recovery < INFINITY && q > 0.0)) return FILM_BAD_UNLOADING;
+    run->per_recovery = 1.0 / recovery;
+    run->f_max = force;
+    run->exponent = q;
+    run->branch = FILM_BRANCH;
+    return FILM_OK;
+}
+
+/* Where a fixed target turns the impactor back on its run from xi, where the work is `work`, towards `limit`, under
+ * load: FILM_OK with *to = limit if there is energy to reach it, FILM_EVENT with the turning point, FILM_BEYOND_LAW. */
+int film_turning_point(const film_curve *curve, const film_line *run, double xi, double work, double nu, double load,
+                       double limit, double *to);
+
+#endif

@@ -60,7 +60,9 @@ def main() -> tuple[fm.History, dict[str, float]]:
 
 if __name__ == "__main__":
     history, exact = main()
-    print(f"error of the fitted law {history.problem.curve.fit_error:.1e}, of the march {history.accuracy.estimated:.1e}")
+    print(
+        f"error of the fitted law {history.problem.curve.fit_error:.1e}, of the march {history.accuracy.estimated:.1e}"
+    )
     print(f"{'':30}{'FILM':>16}{'quadrature':>16}")
     for name, value in history.summary.items():
         print(f"{name:30}{value:16.9g}{exact[name]:16.9g}")

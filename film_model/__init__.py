@@ -1,17 +1,20 @@
 """Impacts of compact bodies by the force–indentation linearisation method (FILM)."""
 
 from film_model.bodies import BendingStiffness, Body, HalfSpace, Plate, Rod, Sphere
+from film_model.component import ImpactComponent
 from film_model.contact import Contact
 from film_model.errors import Outcome, SceneError, SimulationError
 from film_model.history import Event, History, Samples
 from film_model.laws import LAWS, AbstractLaw, BigAlabo, Hertz, Meyer, Parameter, Power, Stage, Stronge, Unloading
 from film_model.materials import Material, material
 from film_model.scene import Effects, Scene, Solver
-from film_model.solve import simulate
+from film_model.solve import BatchResult, simulate, simulate_batch
+from film_model.version import __version__
 
 __all__ = [
     "LAWS",
     "AbstractLaw",
+    "BatchResult",
     "BendingStiffness",
     "BigAlabo",
     "Body",
@@ -21,6 +24,7 @@ __all__ = [
     "HalfSpace",
     "Hertz",
     "History",
+    "ImpactComponent",
     "Material",
     "Meyer",
     "Outcome",
@@ -37,6 +41,8 @@ __all__ = [
     "Stage",
     "Stronge",
     "Unloading",
+    "__version__",
     "material",
     "simulate",
+    "simulate_batch",
 ]

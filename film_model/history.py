@@ -189,4 +189,4 @@ class History:
 
 def stage_names(problem: Problem) -> list[str]:
     """Names by the core's branch number: the law's stages, and from the end, no contact (−2) and unloading (−1)."""
-    return [*problem.curve.stage_names, "", "unloading"]
+    return [*problem.curve.stage_names, native.BRANCH_NAMES[native.FREE], native.BRANCH_NAMES[native.BRANCH]]

@@ -229,7 +229,7 @@ def value(function: Function | float, xi: Any, stage: Stage) -> Array:
         return np.full(x.shape, float(function))
     if not isinstance(function, Power):
         return np.broadcast_to(np.asarray(function(np.atleast_1d(x)), dtype=np.float64).reshape(x.shape), x.shape)
-    z = np.maximum((x - _origin(function, stage)) / function.span, 0.0)
+    z = np.maximum(x - _origin(function, stage), 0.0)
     return function.constant + function.slope * z + function.coefficient * z**function.exponent
 
 
@@ -241,15 +241,15 @@ def work_before(stage: Stage, to: float, lengths: Any) -> Array:
         flat = np.atleast_1d(d)
         mean = _integral(lambda u: value(force, to - np.multiply.outer(u, flat), stage))
         return (flat * mean).reshape(d.shape)
-    top = max((to - _origin(force, stage)) / force.span, 0.0)
-    x = np.minimum(d / force.span, top)
+    top = max(to - _origin(force, stage), 0.0)
+    x = np.minimum(d, top)
     if top == 0.0:
         return force.constant * d
     n = force.exponent + 1.0
     with np.errstate(divide="ignore"):
         # top^n − (top − x)^n
         difference = -(top**n) * np.expm1(n * np.log1p(-x / top))
-    return force.constant * d + force.span * (force.slope * x * (top - 0.5 * x) + force.coefficient * difference / n)
+    return force.constant * d + force.slope * x * (top - 0.5 * x) + force.coefficient * difference / n
 
 
 def unloaded(rule: Unloading, stage: Stage, xi: float, force: float) -> tuple[float, float]:

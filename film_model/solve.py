@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from film_model import units
+from film_model.bodies import Body, Sphere
 from film_model.core import native
 from film_model.errors import Outcome, SimulationError
 from film_model.history import SUMMARY, Accuracy, Event, History, stage_names
@@ -69,21 +73,125 @@ def simulate(
     )
 
 
+@dataclass(frozen=True)
+class BatchResult:
+    """Summaries of many impacts: arrays of one shape, SI, by the names of `history.SUMMARY` (nan: did not happen).
+
+    estimated: bound on the relative error of every value, from the impacts that were tried on two meshes. segments:
+    loading and unloading lines. failed: True where the core could not follow the impact (its values are nan).
+    """
+
+    summary: dict[str, NDArray[np.float64]]
+    estimated: float
+    segments: tuple[int, int]
+    failed: NDArray[np.bool_]
+
+
+def simulate_batch(
+    scene: Scene, *, velocity: Any, mass: Any = None, accuracy: float | None = None, segments: int | None = None
+) -> BatchResult:
+    """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
+
+    Law and effects are those of the scene, whatever the velocity (law "auto" is decided at the largest one). With an
+    accuracy, up to 64 of the impacts, the extremes among them, are tried to find the mesh. A free body as target is
+    refused with SimulationError.
+    """
+    speeds = units.array_to_si(velocity, "velocity")
+    masses = np.asarray(scene.effective_mass) if mass is None else units.array_to_si(mass, "mass")
+    speeds, masses = np.broadcast_arrays(speeds, masses)
+    if isinstance(scene.target, Body):
+        raise SimulationError("a free body as target cannot be run as a batch: its reduced mass depends on both")
+    if speeds.size == 0 or not ((speeds > 0.0).all() and (masses > 0.0).all()):
+        raise ValueError("velocity and mass must be > 0, and there must be at least one impact")
+    problem = problem_of(_at_velocity(scene, float(speeds.max())))
+    scales = problem.scales
+    start = np.zeros(speeds.size, native.START_DTYPE)
+    clock = np.sqrt(masses.ravel() / problem.mass)  # t_s and 1/v_s grow with √m
+    start["nu"] = speeds.ravel() * clock / scales.velocity
+    start["gamma"] = problem.gamma * clock
+    start["load"] = problem.load * (masses.ravel() / problem.mass)
+    start["time_limit"] = problem.limit
+    solver = _solver(scene.solver, accuracy, segments, None)
+    trial = start[np.unique(np.linspace(0, start.size - 1, 64).astype(int))]
+    order = np.argsort(start["gamma"] * start["nu"] ** 0.2 + 1e-9 * start["nu"])
+    trial = np.concatenate([trial, start[order[[0, -1]]], start[[start["nu"].argmin(), start["nu"].argmax()]]])
+    counts, estimated = _batch_mesh(problem, solver, trial)
+    status, core = native.batch(problem.curve.native, _mesh(solver, counts), start)
+    values = _batch_summary(problem, core, start, clock)
+    failed = status < 0
+    for column in values.values():
+        column[failed] = np.nan
+    shaped = {name: column.reshape(speeds.shape) for name, column in values.items()}
+    return BatchResult(shaped, estimated, counts, failed.reshape(speeds.shape))
+
+
+def _at_velocity(scene: Scene, velocity: float) -> Scene:
+    ball = scene.impactor
+    mass = None if ball.mass is None else f"{ball.mass!r} kg"
+    impactor = Sphere(f"{ball.radius!r} m", velocity=f"{velocity!r} m/s", mass=mass, material=ball.material)
+    return replace(scene, impactor=impactor)
+
+
+def _batch_mesh(problem: Problem, solver: Solver, trial: Any) -> tuple[tuple[int, int], float]:
+    """Smallest mesh on which every trial impact meets the accuracy, seen from twice as many segments."""
+    ratio = _unloading_ratio(problem)
+    n = solver.segments or 4
+    before, after = _ORDER_FACTOR[solver.linearisation]
+    while True:
+        counts = (n, n) if solver.segments else (n, ratio * n)
+        coarse, fine = (
+            native.batch(problem.curve.native, _mesh(solver, (k * counts[0], k * counts[1])), trial) for k in (1, 2)
+        )
+        ended = (coarse[0] >= 0) & (fine[0] >= 0)
+        worst = max(
+            (_difference(problem, native.Summary.from_buffer_copy(a), native.Summary.from_buffer_copy(b), start["nu"]))
+            for a, b, start in zip(coarse[1][ended], fine[1][ended], trial[ended], strict=True)
+        ) if ended.any() else 0.0
+        estimated = before * worst + _ROUNDING
+        if solver.segments is not None:
+            return counts, estimated
+        assert solver.accuracy is not None
+        if estimated <= solver.accuracy or n >= MOST_SEGMENTS:
+            return counts, estimated
+        if after * worst <= solver.accuracy and n >= FIRST_SEGMENTS:
+            # between n and 2n the error falls with the fourth power
+            n = min(2 * n, max(n + 1, math.ceil(n * (1.1 * before * worst / solver.accuracy) ** 0.25)))
+        else:
+            n *= 2
+
+
 def _solver(given: Solver, accuracy: float | None, segments: int | None, linearisation: str | None) -> Solver:
     if accuracy is None and segments is None:
         accuracy, segments = (None, given.segments) if given.segments is not None else (given.accuracy, None)
     return Solver(accuracy=accuracy, segments=segments, linearisation=linearisation or given.linearisation)
 
 
-def mesh_of(solver: Solver, counts: tuple[int, int]) -> native.Mesh:
+def _mesh(solver: Solver, counts: tuple[int, int]) -> native.Mesh:
     """The mesh for loading and unloading segment counts."""
     kind = native.CHORD if solver.linearisation == "chord" else native.WORK_PRESERVING
     return native.mesh(kind, *counts)
 
 
+def mesh_for(
+    scene: Scene,
+    problem: Problem,
+    accuracy: float | None,
+    segments: int | None,
+    linearisation: str | None,
+    fallback: tuple[int, int],
+) -> tuple[tuple[int, int], native.Mesh]:
+    """Segment counts and mesh for a scene whose impact is not simulated in one go; `fallback` without an impact."""
+    solver = _solver(scene.solver, accuracy, segments, linearisation)
+    if solver.segments is not None:
+        counts = (solver.segments, solver.segments)
+    else:
+        counts = _refine(problem, solver, [])[0] if problem.approach > 0.0 else fallback
+    return counts, _mesh(solver, counts)
+
+
 def _impact(problem: Problem, solver: Solver, counts: tuple[int, int]) -> native.Summary:
-    status, summary = native.impact(problem.curve.native, mesh_of(solver, counts), problem.start)
-    _raise_failure(status, problem)
+    status, summary = native.impact(problem.curve.native, _mesh(solver, counts), problem.start)
+    raise_failure(status, problem)
     return summary
 
 
@@ -126,9 +234,9 @@ def _unloading_ratio(problem: Problem) -> int:
     return 1 if slow == 0.0 else 2 if slow < 1.5 else 4
 
 
-def _difference(problem: Problem, a: native.Summary, b: native.Summary) -> float:
+def _difference(problem: Problem, a: native.Summary, b: native.Summary, approach: float | None = None) -> float:
     """Largest relative difference between two summaries; values that exist in one only count as 1."""
-    depth, speed = b.maximum_indentation, max(problem.approach, 1e-300)
+    depth, speed = b.maximum_indentation, max(problem.approach if approach is None else approach, 1e-300)
     share, drift = problem.share, problem.drift / problem.scales.velocity
     pairs = [
         (a.maximum_force, b.maximum_force, b.maximum_force),
@@ -150,12 +258,32 @@ def _difference(problem: Problem, a: native.Summary, b: native.Summary) -> float
     return worst
 
 
+def _batch_summary(problem: Problem, core: Any, start: Any, clock: Any) -> dict[str, NDArray[np.float64]]:
+    """Summary columns in SI from the core's."""
+    s = problem.scales
+    speed, energy = s.velocity / clock, s.energy
+    radiated = 0.5 * (start["nu"] ** 2 - core["final_velocity"] ** 2) - core["work"]
+    radiated += start["load"] * (core["permanent_indentation"] + core["shift"])
+    return {
+        "maximum_force": core["maximum_force"] * s.force,
+        "maximum_indentation": core["maximum_indentation"] * s.length,
+        "time_of_maximum_indentation": core["time_of_maximum_indentation"] * s.time * clock,
+        "time_impactor_stops": core["time_impactor_stops"] * s.time * clock,
+        "contact_duration": core["contact_duration"] * s.time * clock,
+        "permanent_indentation": core["permanent_indentation"] * s.length,
+        "rebound_velocity": core["final_velocity"] * speed,
+        "coefficient_of_restitution": -core["final_velocity"] / start["nu"],
+        "energy_absorbed": core["work"] * energy,
+        "energy_radiated": np.where(start["gamma"] > 0.0, radiated * energy, 0.0),
+    }
+
+
 def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[int, Any, Any]:
     """Status, lines and states at events."""
     state = native.initial_state(problem.curve.native, problem.start)
     room = (counts[0] + 2) * (problem.curve.native.stages + 1) + counts[1] + 64
-    status, lines, states = native.record(problem.curve.native, mesh_of(solver, counts), state, problem.limit, room)
-    _raise_failure(status, problem)
+    status, lines, states = native.record(problem.curve.native, _mesh(solver, counts), state, problem.limit, room)
+    raise_failure(status, problem)
     return status, lines, states
 
 
@@ -179,7 +307,8 @@ def _outcome(status: int) -> Outcome:
     return Outcome.RESTING if status == native.ENDLESS else Outcome.TIME_LIMIT
 
 
-def _raise_failure(status: int, problem: Problem) -> None:
+def raise_failure(status: int, problem: Problem) -> None:
+    """SimulationError for a failure of the core, nothing otherwise."""
     if status >= 0:
         return
     law = problem.law.name
@@ -210,7 +339,9 @@ def _summarise(problem: Problem, events: tuple[Event, ...], last: Any) -> dict[s
         summary["permanent_indentation"] = ends.indentation
         summary["rebound_velocity"] = ends.impactor_velocity
         summary["coefficient_of_restitution"] = -float(last["nu"]) / problem.approach if problem.approach else None
-        summary["energy_absorbed"] = float(last["spent"]) * problem.scales.energy
+        spent = float(last["spent"])
+        rounding = 1e-14 * problem.approach**2
+        summary["energy_absorbed"] = spent * problem.scales.energy if abs(spent) > rounding else 0.0
         summary["energy_radiated"] = _radiated(problem, ends, last)
     return summary
 

@@ -22,15 +22,14 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     """Write `ds` to the netCDF-4 file `path` and return the path.
 
     The file is written beside its place, flushed to the disk and renamed, so that `path` never holds half a file; the
-    same dataset gives the same bytes. Longer variables are shuffled and deflated
-    at level 1.
+    same dataset gives the same bytes. Long variables are shuffled and deflated at level 1.
 
     Raises ValueError for a suffix other than .nc; FileExistsError if the file is there and `overwrite` is not set;
     IsADirectoryError, FileNotFoundError, PermissionError or OSError where the file cannot be written.
     """
     target = Path(path)
     _check(target, overwrite)
-    beside = target.absolute().with_name(f".{target.name}.{secrets.token_hex(4)}.part")
+    beside = target.absolute().with_name(f".{target.name[:100]}.{secrets.token_hex(4)}.part")
     try:
         # Made here, not by the netCDF library, to have the reason when it cannot be.
         os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))

@@ -12,15 +12,15 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
+
+from film_datasets.schema import BRANCHES, SCHEMA_NAME, SCHEMA_VERSION, VARIABLES, content_sha256
 from film_model.core.native import EVENTS, LINE_DTYPE
 from film_model.effects import Effect
 from film_model.history import MOTION, History, stage_names
 from film_model.laws import AbstractLaw
 from film_model.scene import Scene
 from film_model.scene_file import text_from_table
-from numpy.typing import NDArray
-
-from film_datasets.schema import BRANCHES, SCHEMA_NAME, SCHEMA_VERSION, VARIABLES, content_sha256
 
 NEAREST_SAMPLE = 1e-9
 """Even samples nearer to an event than this part of the contact are left out: differences would be mere rounding."""
@@ -142,8 +142,8 @@ def _attributes(history: History, content: str) -> dict[str, Any]:
     return {
         "Conventions": "CF-1.11",
         "title": scene.title or f"Impact on a {kind}",
-        "summary": f"Impact of a compact body (target: {kind}, contact law: {law.name}): motion, contact force and events "
-        f"from first touch. Outcome: {history.outcome.value}.",
+        "summary": f"Impact of a compact body (target: {kind}, contact law: {law.name}): motion, contact force and "
+        f"events from first touch. Outcome: {history.outcome.value}.",
         "source": f"{name}, force-indentation linearisation method (FILM), "
         f"{accuracy.lines} {scene.solver.linearisation} segments",
         "references": REFERENCES,

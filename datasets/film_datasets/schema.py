@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+
 from film_model.core.native import EVENTS, LINE_DTYPE, PHASES
 from film_model.history import MOTION, SUMMARY
 from film_model.problem import Scales
@@ -79,9 +80,9 @@ _SEGMENT = {
     "load": "external force on the impactor",
     "gamma": "compliance of the target, scale_force/(impedance scale_velocity)",
     "xi_free": "indentation at which the unloading branch ends",
-    "recovery": "indentation from there to the turning point",
+    "per_recovery": "one over the indentation from there to the turning point",
     "f_max": "contact force at the turning point",
-    "exponent": "exponent of the unloading branch, f_max ((xi - xi_free)/recovery)^exponent",
+    "exponent": "exponent of the unloading branch, f_max ((xi - xi_free) per_recovery)^exponent",
 }
 
 _LAW = "see attribute comment for the equations of motion on a segment"

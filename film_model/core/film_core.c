@@ -12,7 +12,8 @@ enum { GRADING_COARSE = -1 };                          /* nodes of a trial leg: 
 static const double TURN_TOLERANCE = 1e-12;       /* of the length of the last segment, itself a small part of the depth */
 static const double TURN_ROUNDING = 2e-15;        /* of the depth: a short segment's mean force is not known better */
 static const double TRIAL_TURN_TOLERANCE = 1e-2;  /* a trial only aims the nodes */
-static const double REST_LENGTH = 1e-9;           /* of the contact's depth: curvature changes the force by 1e-18 */
+static const double REST_LENGTH = 1e-6;           /* of the contact's depth: curvature changes the force by 1e-12 */
+static const double SHORT_WAY = 2e-4;             /* of the distance to the law's singular point; see mean_force */
 static const double REST_SPEED = 1e-13;           /* of the impactor's: rounding of y = nu - gamma f */
 enum { TURN_ITERATIONS = 60, HALVINGS = 60 };
 
@@ -30,12 +31,23 @@ static double limit_of(const film_curve *curve, const film_state *s) {
     return s->direction > 0 ? curve->stage[s->branch].end : curve->stage[s->branch].begin;
 }
 
+/* Mean force between the current point and the end of the line. Over a short way work differences are mostly rounding,
+ * and Simpson's rule is exact: its error is (h/x)^4/2880 of the force, x the distance from the law's singular point. */
+static double mean_force(const film_curve *curve, const film_state *s, double h) {
+    double origin = s->branch >= 0 ? piece_at(curve, s->branch, s->xi)->force.origin : s->xi_free;
+    double x = fabs(s->xi - origin) < fabs(s->xi + h - origin) ? s->xi - origin : s->xi + h - origin;
+    if (fabs(h) >= SHORT_WAY * fabs(x)) return (s->work_end - s->work) / h;
+    double middle, work;
+    law_at(curve, &s->line, s->xi + 0.5 * h, &middle, &work);
+    return (s->force + 4.0 * middle + s->force_end) / 6.0;
+}
+
 /* The line from the current point over `length` that meets the law's force at the far end: it does the law's work, or
  * it is the chord. */
 static void line_to_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double length) {
     double h = s->direction * length;
     law_at(curve, &s->line, s->xi + h, &s->force_end, &s->work_end);
-    double near = mesh->linearisation == FILM_CHORD ? s->force : 2.0 * (s->work_end - s->work) / h - s->force_end;
+    double near = mesh->linearisation == FILM_CHORD ? s->force : 2.0 * mean_force(curve, s, h) - s->force_end;
     s->line.kappa = (s->force_end - near) / h;
     s->line.phi = near;
 }
@@ -124,7 +136,7 @@ static void end_here(film_state *s, int ends) {
 static motion draw(const film_curve *curve, const film_mesh *mesh, film_state *s, double length) {
     double h = s->direction * length, per_h = 1.0 / h;
     law_at(curve, &s->line, s->xi + h, &s->force_end, &s->work_end);
-    double mean = (s->work_end - s->work) * per_h;
+    double mean = mean_force(curve, s, h);
     int at_rest = s->from_turn && s->leg_node == 0;
     s->line.kappa = (s->force_end - s->force) * per_h;
     s->line.phi = mean - 0.5 * s->line.kappa * h;

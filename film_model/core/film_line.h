@@ -29,7 +29,7 @@ static inline void move(const motion *m, double tau, double *x, double *y) {
     double b = -2.0 * m->a * tau, c = -m->kappa * tau * tau;
     if (fabs(b) <= 1.0 && fabs(c) <= 1.0) {
         double before = m->y0, last = (-m->phi - 2.0 * m->a * m->y0) * tau;
-        double small = 1e-18 * (fabs(before) + fabs(last));
+        double small = 1e-17 * (fabs(before) + fabs(last));
         double sum_y = before + last, sum_x = before + 0.5 * last;
         for (int k = 2; k < 24; k += 2) {
             before = b * last + c * before;
@@ -134,13 +134,11 @@ static inline int leave(const motion *m, double length, double *tau, double *y) 
         double y3 = -2.0 * m->a * y2 - m->kappa * y1, y4 = -2.0 * m->a * y3 - m->kappa * y2;
         double d = miss / *y;
         d = miss / (*y + d * (0.5 * y1 + d * (1.0 / 6 * y2)));
-        for (int i = 0; i < 2; i++) {
-            double reached = d * (*y + d * (0.5 * y1 + d * (1.0 / 6 * y2 + d * (1.0 / 24 * y3 + d / 120 * y4))));
-            d -= (reached - miss) / (*y + d * (y1 + d * (0.5 * y2 + d * (1.0 / 6 * y3))));
-        }
+        double reached = d * (*y + d * (0.5 * y1 + d * (1.0 / 6 * y2 + d * (1.0 / 24 * y3 + d * (1.0 / 120) * y4))));
+        d -= (reached - miss) / (*y + d * (y1 + d * (0.5 * y2 + d * (1.0 / 6 * y3))));
         if (!(t + d > 0.0)) break;
-        if (fabs(d) <= 0.005 * t) {
-            *y += d * (y1 + d * (0.5 * y2 + d * (1.0 / 6 * y3 + d / 24 * y4)));
+        if (fabs(d) <= 0.003 * t) {
+            *y += d * (y1 + d * (0.5 * y2 + d * (1.0 / 6 * y3 + d * (1.0 / 24) * y4)));
             *tau = t + d;
             return *y > 0.0 ? LEFT : leave_slowly(m, length, tau, y);
         }

@@ -19,6 +19,7 @@ POWER, SERIES, ROOT_SERIES = range(3)
 RETRACE, RADIUS, RESIDUAL = range(3)
 CHORD, WORK_PRESERVING = range(2)
 BRANCH, FREE = -1, -2
+BRANCH_NAMES = {BRANCH: "unloading", FREE: ""}
 
 EVENTS = (
     "",

@@ -1,0 +1,254 @@
+"""Histories as datasets and netCDF files: nothing lost, nothing half-written, nothing that CF refuses."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import film_datasets as fd
+import film_datasets.files
+import film_model as fm
+from film_model.core import native
+from film_model.history import MOTION, SUMMARY
+from film_model.problem import problem_of
+from film_model.units import si_unit
+
+SCENES = sorted((Path(__file__).parents[1] / "examples" / "scenes").glob("*.toml"))
+TUNGSTEN = SCENES[0].with_name("tungsten_carbide_on_steel.toml")
+
+
+@pytest.fixture(scope="module")
+def history() -> fm.History:
+    return fm.simulate(fm.Scene.from_toml(TUNGSTEN))
+
+
+@pytest.fixture
+def dataset(history: fm.History) -> xr.Dataset:
+    return fd.to_dataset(history)
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_dataset_has_what_the_history_has(path: Path) -> None:
+    history = fm.simulate(fm.Scene.from_toml(path))
+    ds = fd.to_dataset(history, samples=11)
+    assert fd.validate(ds) == []
+    for event, t in zip(history.events, ds["event_time"].values, strict=True):
+        assert t == event.time
+        at = ds.sel(t=t)  # exact: raises KeyError if t is not on the grid
+        row = ds.isel(event=list(ds["event_time"].values).index(t))
+        for name in MOTION:
+            assert at[name] == row[f"event_{name}"]
+    samples = history.sample_si(ds["t"].values)
+    for name in MOTION:
+        scale = np.abs(ds[name].values).max()
+        np.testing.assert_allclose(ds[name].values, getattr(samples, name), rtol=0, atol=1e-12 * scale)
+    for name, (dimension, _) in SUMMARY.items():
+        value = history.summary[name]
+        assert ds[name].attrs["units"] == si_unit(dimension)
+        assert np.isnan(ds[name]) if value is None else float(ds[name]) == value
+
+
+def test_even_samples_come_with_the_events(history: fm.History) -> None:
+    t = fd.to_dataset(history, samples=5)["t"].values
+    even = np.linspace(0.0, history.duration, 5)
+    assert set(t) == {*even.tolist(), *(event.time for event in history.events)}
+
+
+@pytest.mark.parametrize("samples", [1, 0, -3, 2.5, True, "5"])
+def test_too_few_samples_are_refused(history: fm.History, samples: object) -> None:
+    with pytest.raises(ValueError, match=r"samples: .* must be a whole number, 2 or more"):
+        fd.to_dataset(history, samples=samples)  # type: ignore[arg-type]
+
+
+def test_flags_read_as_stages_and_events(dataset: xr.Dataset, history: fm.History) -> None:
+    stage = dataset["stage"]
+    words = dict(zip(stage.attrs["flag_values"].tolist(), stage.attrs["flag_meanings"].split(), strict=True))
+    assert words[0] == "elastic"
+    assert words[2] == "linear_elastoplastic"
+    names = [words[value].replace("_", " ") for value in stage.values.tolist()]
+    plain = ["no contact" if name == "" else name for name in history.sample_si(dataset["t"].values).stage]
+    events = set(dataset["event_time"].values)
+    inside = [k for k, t in enumerate(dataset["t"].values) if t not in events]
+    assert [names[k] for k in inside] == [plain[k] for k in inside]
+    kind = dataset["event_kind"]
+    words = dict(zip(kind.attrs["flag_values"].tolist(), kind.attrs["flag_meanings"].split(), strict=True))
+    assert [words[value] for value in kind.values.tolist()] == [event.name for event in history.events]
+
+
+@pytest.mark.parametrize(
+    ("stem", "changes", "count"),
+    [
+        ("two_steel_balls", {"impactor.mass": "1 kg"}, 1),
+        ("olsson_plate", {"impactor.mass": "8 g", "impactor.velocity": "1 mm/s"}, 6),
+    ],
+)
+def test_missing_summary_values_are_nan(stem: str, changes: dict[str, str], count: int) -> None:
+    scene = fm.Scene.from_toml(TUNGSTEN.with_stem(stem)).replace(changes)
+    history = fm.simulate(scene)
+    missing = [name for name, value in history.summary.items() if value is None]
+    assert len(missing) == count
+    ds = fd.to_dataset(history)
+    assert fd.validate(ds) == []
+    assert missing == [name for name in SUMMARY if np.isnan(ds[name])]
+
+
+def test_netcdf_gives_back_the_dataset(dataset: xr.Dataset, tmp_path: Path) -> None:
+    back = fd.read(fd.write(dataset, tmp_path / "impact.nc"))
+    assert back.identical(dataset)
+    assert fd.validate(back) == []
+    assert all(back[name].dtype == dataset[name].dtype for name in dataset.variables)
+    assert "_FillValue" not in back["t"].encoding
+
+
+def test_file_is_enough_to_run_again(dataset: xr.Dataset, history: fm.History, tmp_path: Path) -> None:
+    back = fd.read(fd.write(dataset, tmp_path / "impact.nc"))
+    again = fm.simulate(fm.Scene.from_text(back.attrs["scene_toml"]))
+    assert again.summary == history.summary
+    assert fd.to_dataset(again).attrs["content_sha256"] == back.attrs["content_sha256"]
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_segments_give_the_state_at_any_time(path: Path, tmp_path: Path) -> None:
+    history = fm.simulate(fm.Scene.from_toml(path))
+    back = fd.read(fd.write(fd.to_dataset(history, samples=2), tmp_path / "impact.nc"))
+    times = np.linspace(0.0, 1.1 * history.duration, 37)
+    problem = problem_of(fm.Scene.from_text(back.attrs["scene_toml"]))
+    values, _, _ = native.sample(problem.curve.native, fd.lines_of(back), times / float(back["scale_time"]))
+    motion = problem.motion(times, values)
+    expected = history.sample_si(times)
+    for name in MOTION:
+        np.testing.assert_array_equal(motion[name], getattr(expected, name))
+    speed = float(back["drift_velocity"]) + float(back["impactor_share"]) * values[:, 3] * float(back["scale_velocity"])
+    np.testing.assert_allclose(speed, expected.impactor_velocity, rtol=0, atol=1e-12 * np.abs(speed).max())
+
+
+def test_law_of_ones_own_is_named(tmp_path: Path) -> None:
+    scene = fm.Scene.from_toml(TUNGSTEN)
+    law = fm.Hertz(effective_modulus=1e11, radius=0.01)
+    own = fm.Scene(scene.impactor, scene.target, fm.Contact(law=law))
+    ds = fd.to_dataset(fm.simulate(own))
+    assert fd.validate(fd.read(fd.write(ds, tmp_path / "own.nc"))) == []
+    assert 'law = "hertz"' in ds.attrs["scene_toml"]
+    assert "100000000000.0" in ds.attrs["contact_law"]
+
+
+def test_same_input_gives_the_same_bytes(history: fm.History, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    contents = set()
+    for name, epoch in (("a", "1000000000"), ("b", "1000000000"), ("c", "1000000001")):
+        monkeypatch.setenv("SOURCE_DATE_EPOCH", epoch)
+        contents.add(fd.write(fd.to_dataset(history), tmp_path / f"{name}.nc").read_bytes())
+    assert len(contents) == 2
+    assert fd.read(tmp_path / "a.nc").attrs["date_created"] == "2001-09-09T01:46:40Z"
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "yesterday")
+    with pytest.raises(ValueError, match="SOURCE_DATE_EPOCH: 'yesterday' must be a whole number"):
+        fd.to_dataset(history)
+
+
+def test_overwriting_must_be_asked_for(dataset: xr.Dataset, tmp_path: Path) -> None:
+    path = tmp_path / "impact.nc"
+    path.write_bytes(b"precious")
+    with pytest.raises(FileExistsError, match=r"impact\.nc: exists"):
+        fd.write(dataset, path)
+    assert path.read_bytes() == b"precious"
+    fd.write(dataset, path, overwrite=True)
+    assert fd.read(path).identical(dataset)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def _fails_late(ds: xr.Dataset, path: Path, **_: object) -> None:
+    path.write_bytes(b"half a file")
+    raise RuntimeError("NetCDF: HDF error")
+
+
+def _disk_full(*_: object) -> None:
+    raise OSError(28, "No space left on device")
+
+
+@pytest.mark.parametrize("before", [None, b"precious"])
+@pytest.mark.parametrize("fault", ["library", "flush", "rename"])
+def test_failure_in_mid_write_leaves_nothing_behind(
+    dataset: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: str, before: bytes | None
+) -> None:
+    path = tmp_path / "impact.nc"
+    if before is not None:
+        path.write_bytes(before)
+    if fault == "library":
+        monkeypatch.setattr(xr.Dataset, "to_netcdf", _fails_late)
+    else:
+        monkeypatch.setattr(film_datasets.files.os, {"flush": "fsync", "rename": "replace"}[fault], _disk_full)
+    with pytest.raises(OSError, match=r"impact\.nc: cannot be written.*(disk full|No space)"):
+        fd.write(dataset, path, overwrite=True)
+    assert [p.read_bytes() for p in tmp_path.iterdir()] == ([] if before is None else [before])
+
+
+def test_places_that_cannot_be_written(dataset: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "folder.nc").mkdir()
+    with pytest.raises(IsADirectoryError, match=r"folder\.nc: is a folder"):
+        fd.write(dataset, tmp_path / "folder.nc")
+    with pytest.raises(FileNotFoundError, match=r"impact\.nc: there is no folder"):
+        fd.write(dataset, tmp_path / "missing" / "impact.nc")
+    with pytest.raises(ValueError, match=r'impact\.txt: .* must end in "\.nc"'):
+        fd.write(dataset, tmp_path / "impact.txt")
+
+    def refuse(*_: object) -> int:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(film_datasets.files.os, "open", refuse)
+    with pytest.raises(PermissionError, match=r"impact\.nc: cannot be written: Permission denied"):
+        fd.write(dataset, tmp_path / "impact.nc")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "complaint"),
+    [
+        (lambda ds: ds["contact_force"].attrs.update(units="kN"), "variable contact_force: units 'kN', not 'N'"),
+        (lambda ds: ds["t"].attrs.update(long_name="date"), "variable t: long_name 'date'"),
+        (lambda ds: ds["event_kind"].attrs.update(flag_meanings="bang"), "variable event_kind: flags"),
+        (lambda ds: ds["stage"].values.fill(99), "variable stage: values that are no flags"),
+        (lambda ds: ds["indentation"].values.fill(np.nan), "variable indentation: values that are not finite"),
+        (lambda ds: ds["indentation"].values.fill(1.0), "content_sha256 is not that of the variables"),
+        (lambda ds: ds["event_time"].values.__setitem__(1, 1e-6), "an event_time is not on t"),
+        (lambda ds: ds.attrs.update(scene_toml="x"), "scene_sha256 is not that of scene_toml"),
+        (lambda ds: ds.attrs.pop("references"), "attribute references is missing"),
+        (lambda ds: ds.attrs.update(film_model_schema_version="0"), "attribute film_model_schema_version is '0'"),
+        (lambda ds: ds.update({"colour": 3}), "variable colour is not in the schema"),
+        (lambda ds: ds.__delitem__("maximum_force"), "variable maximum_force is missing"),
+        (lambda ds: ds.update({"drift_velocity": ds["drift_velocity"].astype("f4")}), "type 'float32', not 'float64'"),
+        (lambda ds: ds.update({"drift_velocity": ds["indentation"]}), "variable drift_velocity: dimensions ('t',)"),
+    ],
+)
+def test_validate_finds_what_is_wrong(dataset: xr.Dataset, spoil: object, complaint: str) -> None:
+    assert fd.validate(dataset) == []
+    spoil(dataset)  # type: ignore[operator]
+    found = fd.validate(dataset)
+    assert any(complaint in line for line in found), found
+
+
+def test_all_differences_are_listed(dataset: xr.Dataset) -> None:
+    dataset["contact_force"].attrs["units"] = "kN"
+    del dataset["maximum_force"], dataset.attrs["title"]
+    assert len(fd.validate(dataset)) == 3
+
+
+def test_film_model_does_not_import_film_datasets() -> None:
+    code = "import sys, film_model, film_model.plot; assert 'film_datasets' not in sys.modules; print('ok')"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=os.environ, check=False)
+    assert run.stdout == "ok\n", run.stderr
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_cf_checker_finds_nothing(path: Path, tmp_path: Path) -> None:
+    pytest.importorskip("compliance_checker")
+    file = fd.write(fd.to_dataset(fm.simulate(fm.Scene.from_toml(path))), tmp_path / "impact.nc")
+    checker = Path(sys.executable).with_name("compliance-checker")
+    run = subprocess.run(
+        [checker, "--test=cf:1.11", "--criteria=strict", file], capture_output=True, text=True, check=False
+    )
+    assert "All tests passed!" in run.stdout, run.stdout + run.stderr
+    assert run.returncode == 0

@@ -1,0 +1,129 @@
+"""Every example runs, and the numbers it shows are right."""
+
+import importlib.util
+import math
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import film_model as fm
+from film_model import reference
+from film_model.problem import problem_of
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+SCENES = sorted(EXAMPLES.glob("scenes/*.toml"))
+
+# Table 3 of the paper on five chords, to five digits; times in µs, lengths in µm, force in N.
+FIVE_CHORDS = {
+    "Big-Alabo's law": (9.4546, 513.42, 55.574, 105.15),
+    "Stronge's law": (7.4438, 657.37, 43.238, 79.79),
+}
+# Exact, from independent quadrature in another program.
+EXACT = {
+    "Big-Alabo's law": (9.48384056, 516.087744, 55.627347, 105.255496),
+    "Stronge's law": (7.44980725, 658.120753, 43.249558, 79.85774),
+}
+TABLE_NAMES = ("maximum_indentation", "maximum_force", "time_of_maximum_indentation", "contact_duration")
+PLATE_MAXIMUM_FORCE = 302.639062  # N, exact, with the paper's impedance
+
+
+def example(name: str) -> ModuleType:
+    """The example as a module."""
+    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def is_png(path: Path) -> bool:
+    return path.read_bytes().startswith(b"\x89PNG\r\n") and path.stat().st_size > 10_000
+
+
+def test_every_example_has_a_test():
+    assert {f"test_{path.stem}" for path in EXAMPLES.glob("*.py")} <= set(globals())
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_scene(path):
+    scene = fm.Scene.from_toml(path)
+    problem = problem_of(scene)
+    exact = reference.integrate(problem.law, problem.mass, scene.approach_velocity, scene.target_impedance)
+    history = fm.simulate(scene, accuracy=1e-6)
+    for name in ("maximum_force", "maximum_indentation", "contact_duration"):
+        assert history.summary[name] == pytest.approx(exact[name], rel=1e-6), name
+
+
+@pytest.mark.parametrize("law", FIVE_CHORDS)
+def test_table3(law):
+    module = example("table3")
+    table = module.main()
+    columns = table[law]
+    for name, chord, exact in zip(TABLE_NAMES, FIVE_CHORDS[law], EXACT[law], strict=True):
+        assert columns["chord"][name] == pytest.approx(chord, rel=1e-4), name
+        assert columns["exact"][name] == pytest.approx(exact, rel=2e-8), name
+        assert columns["work-preserving"][name] == pytest.approx(exact, rel=3e-5), name
+        assert columns["paper"][name] == pytest.approx(chord, rel=1e-3), name
+    if "chord, printed" in columns:
+        assert columns["chord, printed"]["permanent_indentation"] == pytest.approx(1.78, abs=0.005)
+    text = module.show(table).splitlines()
+    assert len({len(line) for line in text[:8]}) == 1  # aligned
+
+
+def test_figures(tmp_path):
+    numbers = example("figures").main(tmp_path / "new folder")
+    assert sorted(path.name for path in (tmp_path / "new folder").iterdir()) == [f"figure_{k}.png" for k in range(2, 7)]
+    assert all(is_png(path) for path in (tmp_path / "new folder").iterdir())
+    for name in ("figure_2", "figure_3", "figure_4"):
+        assert 10 * numbers[name]["work-preserving"] < numbers[name]["chord"] < 6e-3
+    for name in ("figure_5", "figure_6"):
+        assert numbers[name]["work-preserving"] == pytest.approx([PLATE_MAXIMUM_FORCE] * 3, rel=1e-5)
+        off = [PLATE_MAXIMUM_FORCE - force for force in numbers[name]["chord"]]
+        assert off[0] / off[2] == pytest.approx(4.0, rel=0.2)  # 10 and 20 segments: chords are of second order
+
+
+def test_figures_markers_are_independent_of_the_march():
+    scene = fm.Scene.from_toml(EXAMPLES / "scenes" / "olsson_plate.toml").replace({"target.impedance_formula": "paper"})
+    integrated = example("figures").impact_by_integration(scene)
+    assert integrated.duration == pytest.approx(262.590378e-6, rel=1e-8)
+
+
+def test_custom_law():
+    history, exact = example("custom_law").main()
+    assert history.problem.curve.fit_error < 1e-13
+    assert history.accuracy.estimated <= 1e-8
+    for name, value in history.summary.items():
+        assert value == pytest.approx(exact[name], rel=1e-8), name
+
+
+def test_hand_calculation():
+    scene = fm.Scene.from_toml(EXAMPLES / "scenes" / "tungsten_carbide_on_steel.toml")
+    core = fm.simulate(scene, segments=5, linearisation="chord").summary
+    for name, value in example("hand_calculation").main().items():
+        assert value == pytest.approx(core[name], rel=1e-12), name
+
+
+def test_two_balls():
+    results = example("two_balls").main()
+    for result in results.values():
+        assert result["momentum after"] == pytest.approx(result["momentum before"], rel=1e-12)
+        lost = result["energy before"] - result["energy after"]
+        assert lost == pytest.approx(result["energy absorbed"], rel=1e-8, abs=1e-12 * result["energy before"])
+    slow, fast = results.values()
+    # radii 1 : 2, masses 1 : 8; an elastic impact mirrors velocities at 13/90 m/s, the centre of mass's
+    assert slow["impactor after"] == pytest.approx(2 * 13 / 90 - 0.5, rel=1e-12)
+    assert slow["target after"] == pytest.approx(2 * 13 / 90 - 0.1, rel=1e-12)
+    assert fast["restitution"] < 0.95
+
+
+def test_plate_or_half_space(tmp_path):
+    module = example("plate_or_half_space")
+    columns = module.main()
+    module.draw(columns, tmp_path / "restitution.png")
+    assert is_png(tmp_path / "restitution.png")
+    assert columns["thickness"][-1] == math.inf and columns["elastic"][-1] == pytest.approx(1.0, abs=1e-12)
+    for name in ("elastic", "plastic"):
+        assert columns[name] == sorted(columns[name])
+    # a heavy plate: e ≈ 1 − 1.73 λ
+    assert columns["elastic"][-2] == pytest.approx(1.0 - 1.73 * columns["lambda"][-2], abs=1e-4)

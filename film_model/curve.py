@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -33,12 +34,11 @@ _CHECKS = 157  # points between the nodes at which a fit is checked; shares no f
 class Curve:
     """A law ready for the core.
 
-    law: where it comes from. native: the core's structure. stage_names: one a stage. fit_error: largest relative
+    native: the core's structure. stage_names: one a stage. fit_error: largest relative
     difference between a fitted function and the law (0 when nothing had to be fitted). warnings: what a user of the
     law should know, in sentences.
     """
 
-    law: AbstractLaw
     native: native.Curve = field(repr=False, compare=False)
     stage_names: tuple[str, ...]
     fit_error: float
@@ -61,14 +61,24 @@ class Curve:
         return min(sum(end < xi for end in stages), len(stages) - 1)
 
 
-@lru_cache(maxsize=256)
 def curve_of(law: AbstractLaw) -> Curve:
     """The curve of a law.
 
     Raises ValueError when stages do not follow each other, a force is negative or not finite, a stage that has to be
     fitted has no end, or a fit does not come within `FIT_LIMIT`; the message names the law, the stage and the value.
     """
-    stages = _checked(law)
+    try:
+        return _build(_name(law), tuple(law.stages()))
+    except TypeError as error:
+        if "unhashable" not in str(error):
+            raise
+        raise ValueError(f"{_name(law)}: a law must be a frozen dataclass with hashable fields ({error})") from None
+
+
+@lru_cache(maxsize=256)
+def _build(law: str, given: tuple[Stage, ...]) -> Curve:
+    """The curve of these stages: laws that differ in their scales only share it."""
+    stages = _checked(law, given)
     made = native.Curve()
     made.stages = len(stages)
     error, pieces = 0.0, 0
@@ -79,7 +89,7 @@ def curve_of(law: AbstractLaw) -> Curve:
         error = max(error, worst)
         if worst > FIT_LIMIT:
             raise ValueError(
-                f"{_name(law)}: stage {stage.name!r} cannot be fitted: the series still differ by {worst:.1e}; "
+                f"{law}: stage {stage.name!r} cannot be fitted: the series still differ by {worst:.1e}; "
                 "split it where its force has a kink, or set root=True if it begins like a root"
             )
         entry = made.stage[index]
@@ -91,36 +101,36 @@ def curve_of(law: AbstractLaw) -> Curve:
             pieces += 1
     made.pieces = pieces
     if native.library().film_check_curve(ctypes.byref(made)) != native.OK:
-        raise ValueError(f"{_name(law)}: its stages do not make a curve; each must end beyond where it begins")
-    return Curve(law, made, tuple(stage.name for stage in stages), error, tuple(_jumps(law, stages)))
+        raise ValueError(f"{law}: its stages do not make a curve; each must end beyond where it begins")
+    return Curve(made, tuple(stage.name for stage in stages), error, tuple(_remarks(law, stages, error)))
 
 
 def _name(law: AbstractLaw) -> str:
     return f"law {getattr(law, 'name', type(law).__name__)!r}"
 
 
-def _checked(law: AbstractLaw) -> list[Stage]:
-    stages = [part for stage in law.stages() for part in _split_at_peak(stage)]
+def _checked(law: str, given: tuple[Stage, ...]) -> list[Stage]:
+    stages = [part for stage in given for part in _split_at_peak(stage)]
     if not 1 <= len(stages) <= native.MAX_STAGES:
-        raise ValueError(f"{_name(law)}: {len(stages)} stages; 1 to {native.MAX_STAGES} are allowed")
+        raise ValueError(f"{law}: {len(stages)} stages; 1 to {native.MAX_STAGES} are allowed")
     begin = 0.0
     for stage in stages:
         if stage.begin != begin or not stage.end > stage.begin:
             raise ValueError(
-                f"{_name(law)}: stage {stage.name!r} runs from {stage.begin!r} to {stage.end!r}; it must begin at "
+                f"{law}: stage {stage.name!r} runs from {stage.begin!r} to {stage.end!r}; it must begin at "
                 f"{begin!r}, where the stage before ends, and end beyond that"
             )
         begin = stage.end
         if math.isinf(stage.end) and not all(isinstance(f, Power) for f in _functions(stage).values()):
             raise ValueError(
-                f"{_name(law)}: stage {stage.name!r} has no end, so all its functions must be Power(...); "
+                f"{law}: stage {stage.name!r} has no end, so all its functions must be Power(...); "
                 "give the others an end beyond the deepest indentation you expect"
             )
         end = stage.end if math.isfinite(stage.end) else 10.0 * (stage.begin + 1.0)
         force = _values(stage.force, np.linspace(stage.begin, end, _CHECKS), stage)
         if not (np.isfinite(force).all() and (force >= -1e-12 * np.abs(force).max()).all()):
             raise ValueError(
-                f"{_name(law)}: stage {stage.name!r} has a force of {np.nanmin(force):g}; it must be finite and >= 0"
+                f"{law}: stage {stage.name!r} has a force of {np.nanmin(force):g}; it must be finite and >= 0"
             )
     return stages
 
@@ -169,7 +179,7 @@ def _split_at_peak(stage: Stage) -> list[Stage]:
     if len(edges) == 2:
         return [stage]
     force = replace(stage.force, origin=_origin(stage.force, stage)) if isinstance(stage.force, Power) else stage.force
-    return [replace(stage, begin=a, end=b, force=force, work=None) for a, b in zip(edges, edges[1:], strict=False)]
+    return [replace(stage, begin=a, end=b, force=force, work=None) for a, b in pairwise(edges)]
 
 
 def _extreme(stage: Stage, low: float, high: float, sign: float) -> float:
@@ -183,7 +193,7 @@ def _extreme(stage: Stage, low: float, high: float, sign: float) -> float:
 
 
 def _split(
-    stage: Stage, functions: dict[str, Function], room: int
+    stage: Stage, functions: Mapping[str, Function], room: int
 ) -> tuple[list[tuple[float, float, bool, dict[str, Any]]], float]:
     """The stage in pieces (begin, end, root, series by name), the piece that fits worst halved while there is room."""
     fitted = {name: f for name, f in functions.items() if not isinstance(f, Power)}
@@ -204,7 +214,7 @@ def _split(
 
 
 def _fit(
-    stage: Stage, functions: dict[str, Function], begin: float, end: float, root: bool
+    stage: Stage, functions: Mapping[str, Function], begin: float, end: float, root: bool
 ) -> tuple[dict[str, Any], float]:
     """Series of each function on [begin, end] and the largest relative difference, seen between their nodes."""
     series: dict[str, Any] = {}
@@ -226,7 +236,7 @@ def _fit(
 def _fill(
     piece: native.Piece,
     stage: Stage,
-    functions: dict[str, Function],
+    functions: Mapping[str, Function],
     span: tuple[float, float, bool, dict[str, Any]],
     work: float,
 ) -> float:
@@ -267,22 +277,24 @@ def _write(target: native.Function, series: Any, begin: float, end: float, root:
     target.series[: len(series)] = [float(term) for term in series]
 
 
-def _jumps(law: AbstractLaw, stages: list[Stage]) -> list[str]:
-    """Sentences about forces that jump between stages and closed-form works that are not the force's integral."""
+def _remarks(law: str, stages: list[Stage], fit_error: float) -> list[str]:
+    """Sentences about forces that jump between stages, works that are not the force's integral, and poor fits."""
     said: list[str] = []
-    for before, after in zip(stages, stages[1:], strict=False):
+    for before, after in pairwise(stages):
         left, right = (float(_values(s.force, np.array([after.begin]), s)[0]) for s in (before, after))
         if abs(right - left) > 1e-9 * max(abs(left), abs(right)):
             said.append(
-                f"{_name(law)}: the force jumps by {100 * (right - left) / max(left, 1e-300):+.2f} % where stage "
+                f"{law}: the force jumps by {100 * (right - left) / max(left, 1e-300):+.2f} % where stage "
                 f"{after.name!r} begins"
             )
+    if fit_error > 1e-11:
+        said.append(f"{law}: its functions are fitted to {fit_error:.1e} of their largest values, no better")
     for stage in stages:
         if stage.work is not None and math.isfinite(stage.end):
             difference = _work_difference(stage.work, stage)
             if difference > 1e-9:
                 said.append(
-                    f"{_name(law)}: the work given for stage {stage.name!r} differs from the integral of its force by "
+                    f"{law}: the work given for stage {stage.name!r} differs from the integral of its force by "
                     f"{difference:.1e}; the integral is used"
                 )
     return said

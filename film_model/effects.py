@@ -15,6 +15,9 @@ from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.law import law_fields
 from film_model.laws.yielding import yield_velocity
 from film_model.bodies import STANDARD_GRAVITY, Body
+from film_model.core import native
+from film_model.curve import curve_of
+from film_model.scales import scales_of
 from film_model.scene import Scene
 
 GRAVITY_THRESHOLD = 0.01
@@ -62,7 +65,7 @@ def choose(scene: Scene) -> Choice:
     """Law, impedance and load of a scene, with the effects that decided them."""
     law, plasticity = _plasticity(scene)
     impedance, motion = _target_motion(scene)
-    load, gravity = _gravity(scene)
+    load, gravity = _gravity(scene, law)
     return Choice(law, impedance, load, (plasticity, motion, gravity))
 
 
@@ -128,21 +131,29 @@ def _zener(scene: Scene, impedance: float) -> float | None:
     return stiffness**0.4 * scene.effective_mass**0.6 * scene.approach_velocity**0.2 / impedance
 
 
-def _gravity(scene: Scene) -> tuple[float, Effect]:
+def _gravity(scene: Scene, law: AbstractLaw) -> tuple[float, Effect]:
     weight = scene.effective_mass * STANDARD_GRAVITY
     name, indicator = "gravity", "m g/F_m"
     if isinstance(scene.target, Body):
         return 0.0, Effect(name, indicator, 0.0, GRAVITY_THRESHOLD, "not needed", "both bodies fall alike")
-    ratio = None
-    if scene.effective_modulus is not None and scene.approach_velocity > 0.0:
-        stiffness = hertz_stiffness(scene.effective_modulus, scene.effective_radius)
-        force = stiffness * (1.25 * scene.effective_mass * scene.approach_velocity**2 / stiffness) ** 0.6
-        ratio = weight / force
+    force = _elastic_force(scene, law)
+    ratio = None if force is None else weight / force
     wanted = scene.effects.gravity
     if wanted is False:
         return 0.0, Effect(name, indicator, ratio, GRAVITY_THRESHOLD, "switched off", "the scene asks for no gravity")
-    if wanted is True or (ratio is not None and ratio > GRAVITY_THRESHOLD):
+    if wanted is True or ratio is None or ratio > GRAVITY_THRESHOLD:
         reason = "the scene asks for it" if wanted is True else "the weight is not small against the contact force"
         return weight, Effect(name, indicator, ratio, GRAVITY_THRESHOLD, "simulated", reason)
     reason = "the weight is small against the contact force"
     return 0.0, Effect(name, indicator, ratio, GRAVITY_THRESHOLD, "not needed", reason)
+
+
+def _elastic_force(scene: Scene, law: AbstractLaw) -> float | None:
+    """Maximum force [N] of the law's impact on a target that does not move; None without a velocity or beyond the law."""
+    energy = 0.5 * scene.effective_mass * scene.approach_velocity**2
+    if energy == 0.0:
+        return None
+    scales = scales_of(law, energy, scene.effective_mass)
+    start = native.Start(scene.approach_velocity / scales.velocity, 0.0, 0.0, 0.0, math.inf)
+    status, summary = native.impact(curve_of(law).native, native.mesh(native.WORK_PRESERVING, 1, 1), start)
+    return summary.maximum_force * scales.force if status == native.EVENT else None

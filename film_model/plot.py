@@ -4,35 +4,206 @@ from __future__ import annotations
 
 import contextlib
 import io
+import itertools
 import math
 import os
 import secrets
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from film_model.bodies import Body
-from film_model.history import History, Samples
-from film_model.units import format_si, si_unit
+from film_model.history import MOTION, SUMMARY, History, Samples
+from film_model.units import format_si, scene_unit
 
-FORMATS = {".png": "png", ".svg": "svg", ".pdf": "pdf"}
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-SAMPLES = 1001
-"""Even samples over the contact; a line of a paper's width shows no corner."""
+SUFFIXES = (".png", ".svg", ".pdf")
+
+SAMPLES = 1001  # even samples over the contact: a printed line shows no corner
 
 COLOURS = ("#3f90da", "#ffa90e", "#bd1f01", "#832db6", "#a96b59", "#e76300", "#b9ac70", "#717581", "#92dadd")
-"""Of the law's stages: Petroff's ten colours (arXiv:2107.02270), colour-blind safe, without the grey of unloading."""
-
 UNLOADING = "#94a4a2"
+"""Petroff's ten colours (arXiv:2107.02270), safe for the colour-blind: the law's stages, and the unloading branch."""
 
 LABELS = {
-    "stage_changes": "{stage}",
+    "stage_changes": "{stage} begins",
     "maximum_indentation": "deepest",
     "impactor_stops": "impactor stops",
-    "contact_ends": "contact ends",
     "reloading_begins": "reloading",
+    "contact_ends": "contact ends",
 }
 
+LABEL_ROWS, LETTER = 3, 4.4
+"""Rows of event labels above the panels (what fits in none has its line only), and points a letter at most takes."""
+
+NUMBERS = {
+    **{"maximum_force": "maximum force", "maximum_indentation": "maximum indentation", "contact_duration": "contact"},
+    **{"permanent_indentation": "dent", "rebound_velocity": "rebound", "coefficient_of_restitution": "restitution"},
+}
+
+VELOCITIES = {"impactor_velocity": "-", "target_velocity": "--", "relative_velocity": ":"}
+
+SIZE, LEFT = (9.0, 6.6), 0.085  # inches; part of the width left of the panels
+_STYLE: dict[Any, Any] = {
+    **{"font.size": 9.0, "lines.linewidth": 1.6, "svg.hashsalt": "film-model"},
+    **{"axes.spines.top": False, "axes.spines.right": False, "xtick.direction": "in", "ytick.direction": "in"},
+}
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+
+
+def plot_history(history: History, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
+    """A figure of the whole contact, coloured by the stage of the law; written to `path` (.png, .svg or .pdf) if given.
+
+    The file is written beside its place and renamed; one that is there is replaced. dpi: of a PNG, dots an inch.
+    pyplot is not used. Raises ValueError for another suffix, ImportError without matplotlib, OSError where the file
+    cannot be written.
+    """
+    target = None if path is None else Path(path)
+    if target is not None and target.suffix.lower() not in SUFFIXES:
+        raise ValueError(f"{target}: the name of a picture must end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+    try:
+        import matplotlib
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise ImportError('plots need matplotlib: install film-model[plot] (pip install "film-model[plot]")') from error
+    with matplotlib.rc_context(_STYLE):
+        figure = Figure(figsize=SIZE)
+        _draw(figure, history)
+        if target is not None:
+            _save(figure, target, dpi)
+    return figure
+
+
+def _draw(figure: Figure, history: History) -> None:
+    grid = figure.add_gridspec(
+        3, 2, width_ratios=(1.6, 1.0), left=LEFT, right=0.985, bottom=0.075, top=0.85, hspace=0.12, wspace=0.26
+    )
+    force = figure.add_subplot(grid[0, 0])
+    depth = figure.add_subplot(grid[1, 0], sharex=force)
+    speed = figure.add_subplot(grid[2, 0], sharex=force)
+    loop, key = figure.add_subplot(grid[:2, 1]), figure.add_subplot(grid[2, 1])
+    events = [event.time for event in history.events]
+    samples = history.sample_si(np.union1d(np.linspace(0.0, history.duration, SAMPLES), events))
+    moved = float(np.abs(samples.target_velocity).max()) > 1e-9 * float(np.abs(samples.impactor_velocity).max())
+    velocities = list(VELOCITIES) if moved else ["impactor_velocity"]
+    _curves(force, history, samples, "time", ["contact_force"])
+    _curves(depth, history, samples, "time", ["indentation"])
+    _curves(speed, history, samples, "time", velocities)
+    _curves(loop, history, samples, "indentation", ["contact_force"])
+    for panel in (force, depth):
+        panel.tick_params(labelbottom=False)
+        panel.set(xlabel="", ylim=(0.0, None))
+    speed.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
+    force.set_xlim(0.0, history.duration / _unit(samples.time, "time")[0] * 1.01)
+    loop.set(xlim=(0.0, None), ylim=(0.0, None))
+    _mark_events((force, depth, speed), history, _unit(samples.time, "time")[0])
+    _key(key, history, samples, velocities)
+    figure.align_ylabels([force, depth, speed])
+    title = _plain(history.scene.title or f"Impact on a {history.scene.target.kind}")
+    figure.text(LEFT, 0.965, title, fontsize=12, fontweight="bold")
+    figure.text(LEFT, 0.933, _numbers(history), fontsize=8, color="0.25")
+
+
+def _curves(panel: Axes, history: History, samples: Samples, across: str, names: list[str]) -> None:
+    """Quantities `names` over `across`, one line a stage."""
+    x_size, x_unit = _unit(getattr(samples, across), across)
+    size, unit = _unit(np.stack([getattr(samples, name) for name in names]), names[0])
+    for name in names:
+        for stage, run in _runs(samples.stage):
+            x, y = getattr(samples, across)[run] / x_size, getattr(samples, name)[run] / size
+            panel.plot(x, y, VELOCITIES.get(name, "-"), color=_colour(history, stage), solid_capstyle="round")
+    what = "velocity" if len(names) > 1 else names[0].replace("_", " ")
+    panel.set(xlabel=f"{across} ({x_unit})", ylabel=f"{what} ({unit})")
+
+
+def _runs(stages: Any) -> Iterator[tuple[str, slice]]:
+    """Each stage with the samples in it and the first one after it, so that the lines join."""
+    starts = [0, *(np.flatnonzero(stages[1:] != stages[:-1]) + 1).tolist(), len(stages)]
+    for first, after in itertools.pairwise(starts):
+        if after - first > 1 or after < len(stages):
+            yield str(stages[first]), slice(first, after + 1)
+
+
+def _mark_events(panels: tuple[Axes, ...], history: History, size: float) -> None:
+    """A thin line at every event after first touch, and its label above the first panel where there is room."""
+    top = panels[0]
+    width, height = top.get_position().width * SIZE[0] * 72.0, top.get_position().height * SIZE[1] * 72.0  # points
+    span, ends = top.get_xlim()[1], [-math.inf] * LABEL_ROWS
+    thin: dict[str, Any] = {"color": "0.55", "linewidth": 0.5}
+    labels: dict[str, float] = {}  # of the first event of a kind
+    for event in history.events[1:]:
+        labels.setdefault(LABELS.get(event.name, event.name).format(stage=event.stage), event.time / size)
+        for panel in panels:
+            panel.axvline(event.time / size, zorder=0, **thin)
+    for t in dict.fromkeys(labels.values()):
+        text = ", ".join(label for label, time in labels.items() if time == t)
+        half, at = 0.5 * LETTER * len(text), t / span * width
+        middle = min(max(at, half), width - half)
+        row = next((k for k, end in enumerate(ends) if middle - half > end), None)
+        if row is not None:
+            ends[row] = middle + half + LETTER
+            top.axvline(t, 1.0, 1.0 + 10.0 * row / height, clip_on=False, zorder=0, **thin)
+            note = top.annotate(
+                _plain(text), (t, 1.0), (middle - at, 3.0 + 10.0 * row), top.get_xaxis_transform(), "offset points"
+            )
+            note.set(ha="center", fontsize=8, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
+
+
+def _key(panel: Axes, history: History, samples: Samples, velocities: list[str]) -> None:
+    """The legend: colours of the stages, and strokes of the velocities."""
+    panel.set_axis_off()
+    for stage in dict.fromkeys(stage for stage, _ in _runs(samples.stage)):
+        panel.plot([], [], color=_colour(history, stage), linewidth=3, label=_plain(stage or "no contact"))
+    for name in velocities if len(velocities) > 1 else []:
+        panel.plot([], [], VELOCITIES[name], color="0.2", label=name.replace("_", " "))
+    law = _plain(f"contact law: {history.problem.law.name}")
+    panel.legend(loc="upper left", bbox_to_anchor=(-0.02, 0.85), frameon=False, title=law, alignment="left")
+
+
+def _numbers(history: History) -> str:
+    """The main numbers on one line, without what did not happen."""
+    values = ((word, history.summary[name], SUMMARY[name][0]) for name, word in NUMBERS.items())
+    return "  ·  ".join(f"{word} {format_si(value, kind)}" for word, value, kind in values if value).replace("-", "−")
+
+
+def _unit(values: Any, name: str) -> tuple[float, str]:
+    """Size in SI and symbol of the unit in which `values` are drawn: the SI unit with an engineering prefix."""
+    dimension = "time" if name == "time" else MOTION[name][0]
+    largest = float(np.abs(values).max())
+    # 0.25 m/s, but 250 nm
+    power = 0 if largest == 0.0 else math.floor((math.log10(largest) + (dimension == "velocity")) / 3) * 3
+    power = min(max(power, min(_PREFIXES)), max(_PREFIXES))
+    return 10.0**power, _PREFIXES[power] + scene_unit(dimension)
+
+
+def _colour(history: History, stage: str) -> str:
+    stages = history.problem.curve.stage_names
+    return COLOURS[stages.index(stage) % len(COLOURS)] if stage in stages else UNLOADING
+
+
+def _plain(text: str) -> str:
+    """A text that matplotlib does not take for mathematics."""
+    return text.replace("$", r"\$")
+
+
+def _save(figure: Figure, target: Path, dpi: float) -> None:
+    """Write the picture whole or not at all, the same picture with the same bytes."""
+    kind = target.suffix[1:].lower()
+    picture, undated = io.BytesIO(), {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    figure.savefig(picture, format=kind, dpi=dpi, metadata=undated.get(kind))
+    beside = target.with_name(f".{target.name[:100]}.{secrets.token_hex(4)}.part")
+    try:
+        with open(beside, "xb") as file:
+            file.write(picture.getbuffer())
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(beside, target)
+    except OSError as error:
+        raise type(error)(f"{target}: cannot be written: {error.strerror or error}") from error
+    finally:
+        with contextlib.suppress(OSError):
+            beside.unlink()

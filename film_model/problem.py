@@ -14,27 +14,13 @@ from film_model.core import native
 from film_model.curve import Curve, curve_of
 from film_model.effects import Effect, choose
 from film_model.laws.law import AbstractLaw
+from film_model.scales import Scales, scales_of
 from film_model.scene import Scene
 
 Array = NDArray[np.float64]
 
 CONTACT_LIMIT = 100.0
 """A contact that a load holds shut is followed for this many elastic contact times and relaxation times m/Z."""
-
-
-@dataclass(frozen=True)
-class Scales:
-    """Units of the dimensionless march in SI: length δ_s, force F_s, time √(m δ_s/F_s), velocity δ_s/t_s."""
-
-    length: float
-    force: float
-    time: float
-    velocity: float
-
-    @property
-    def energy(self) -> float:
-        """F_s δ_s, J."""
-        return self.force * self.length
 
 
 @dataclass(frozen=True)
@@ -95,13 +81,6 @@ class Problem:
             "target_displacement": target[0],
             "target_velocity": target[1],
         }
-
-
-def scales_of(law: AbstractLaw, energy: float, mass: float) -> Scales:
-    """Scales of a law for an impactor of `mass` [kg]; `energy` [J] sets them for a law without its own."""
-    length, force = law.scales(energy)
-    time = math.sqrt(mass * length / force)
-    return Scales(length, force, time, length / time)
 
 
 def problem_of(scene: Scene) -> Problem:

@@ -57,6 +57,7 @@ def simulate(
         counts, estimated = (solver.segments, solver.segments), _estimate(problem, solver)
     else:
         counts, estimated = _refine(problem, solver, warnings)
+    estimated += problem.curve.fit_error
     status, lines, states = _record(problem, solver, counts)
     events = events_of(problem, states)
     summary = _summarise(problem, events, states[-1])

@@ -66,7 +66,7 @@ def to_dataset(history: History, samples: int = 201) -> xr.Dataset:
 
 def lines_of(ds: xr.Dataset) -> NDArray[Any]:
     """The segments of a dataset as the core's lines (`native.LINE_DTYPE`), for `native.sample`."""
-    lines = np.empty(ds.sizes["segment"], LINE_DTYPE)
+    lines: NDArray[Any] = np.empty(ds.sizes["segment"], LINE_DTYPE)
     for name in LINE_DTYPE.names or ():
         lines[name] = ds[f"segment_{name}"].values
     return lines
@@ -106,7 +106,7 @@ def _stage_numbers(history: History, names: Any) -> list[int]:
 def _motion(history: History, t: NDArray[np.float64]) -> dict[str, Any]:
     """Samples at t [s]; at an event they are the event's own values, which sampling meets to rounding only."""
     samples = history.sample_si(t)
-    columns = {name: np.array(getattr(samples, name)) for name in MOTION}
+    columns: dict[str, Any] = {name: np.array(getattr(samples, name)) for name in MOTION}
     columns["stage"] = np.array(_stage_numbers(history, samples.stage))
     for name, column in _events(history).items():
         if name not in ("event_kind", "event_time"):

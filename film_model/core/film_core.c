@@ -12,6 +12,7 @@ enum { GRADING_COARSE = -1 };                          /* nodes of a trial leg: 
 static const double TURN_TOLERANCE = 1e-12;       /* of the length of the last segment, itself a small part of the depth */
 static const double TURN_ROUNDING = 2e-15;        /* of the depth: a short segment's mean force is not known better */
 static const double TRIAL_TURN_TOLERANCE = 1e-2;  /* a trial only aims the nodes */
+static const double TURN_SPEED = 1e-6;            /* of the speed a line began with: its energy, 1e-12, is rounding */
 static const double REST_LENGTH = 1e-6;           /* of the contact's depth: curvature changes the force by 1e-12 */
 static const double SHORT_WAY = 2e-4;             /* of the distance to the law's singular point; see mean_force */
 static const double REST_SPEED = 1e-13;           /* of the impactor's: rounding of y = nu - gamma f */
@@ -185,9 +186,9 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
             left = leave(&m, length, &s->tau_end, &y);
         }
         if (left == LEFT) {
-            land(s, length, y);
-            if (s->line_ends == ENDS_TURN) s->line_ends = ENDS_NODE; /* it turns a little later: plan afresh */
-            else if (s->line_ends != ENDS_PART) s->xi_end = to;
+            if (s->line_ends == ENDS_TURN && y > TURN_SPEED * m.y0) s->line_ends = ENDS_NODE; /* later: plan afresh */
+            land(s, length, s->line_ends == ENDS_TURN ? 0.0 : y);
+            if (s->line_ends != ENDS_PART) s->xi_end = to;
             return FILM_OK;
         }
         if (left == LEFT_NEVER) {
@@ -404,16 +405,21 @@ static void open_line(film_state *s) {
     line->spent = s->spent;
 }
 
-/* So close to balance that the law is straight: one line for all time to come, in either direction. */
-static void rest(const film_curve *curve, film_state *s, double reach) {
-    double f_low, f_high, work;
+/* A leg so short, and so close to balance, that the law is straight: one line for all time to come, in either direction.
+ * 1 if it was drawn. */
+static int rest(const film_curve *curve, film_state *s, double depth) {
+    double f_low, f_high, work, reach = REST_LENGTH * depth;
+    if (s->leg_ends == ENDS_EDGE || fabs(s->leg_to - s->leg_from) >= reach) return 0;
     law_at(curve, &s->line, s->xi - reach, &f_low, &work);
     law_at(curve, &s->line, s->xi + reach, &f_high, &work);
+    if (!(f_low < s->load && s->load < f_high)) return 0;
+    open_line(s);
     s->line.phi = s->force;
     s->line.kappa = (f_high - f_low) / (2.0 * reach);
     s->line_ends = ENDS_NEVER;
     s->tau_end = INFINITY;
     s->phase = s->line.phase = FILM_RESTING;
+    return 1;
 }
 
 /* Direction, number of nodes and end of the run that starts here. FILM_EVENT: the direction has changed. */
@@ -421,20 +427,18 @@ static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
     open_run(s);
     if (s->branch == FILM_FREE) return FILM_OK;
     double y = s->nu - s->gamma * s->force, excess = s->force - s->load;
-    if (!s->from_turn && fabs(y) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->force)) {
-        s->from_turn = 1;
-        s->direction = excess < 0.0 ? 1 : -1;
-    }
     if (!s->from_turn) {
-        int direction = y > 0.0 ? 1 : -1;
-        if (s->branch >= 0 && s->direction > 0 && direction < 0 && s->xi >= s->xi_max) {
-            s->event = FILM_MAXIMUM_INDENTATION;
-            s->direction = -1;
-            s->phase = FILM_UNLOADING;
+        int at_rest = fabs(y) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->force);
+        int direction = at_rest ? (excess < 0.0 ? 1 : -1) : (y > 0.0 ? 1 : -1);
+        int turned = s->branch >= 0 && s->direction > 0 && direction < 0 && s->xi > 0.0 && s->xi >= s->xi_max;
+        s->from_turn = at_rest;
+        s->direction = direction;
+        if (turned) {
             int status = remember(curve, s);
+            s->event = FILM_MAXIMUM_INDENTATION;
+            s->phase = FILM_UNLOADING;
             return status < 0 ? status : FILM_EVENT;
         }
-        s->direction = direction;
         s->phase = direction < 0 ? FILM_UNLOADING : s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
     }
     open_run(s);
@@ -444,12 +448,7 @@ static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
     s->leg_nodes = s->direction > 0 ? mesh->loading : mesh->unloading;
     int status = s->gamma == 0.0 ? aim_by_energy(curve, s) : aim_by_trial(curve, mesh, s);
     if (status < 0) return status;
-    if (s->leg_ends != ENDS_EDGE && fabs(s->leg_to - s->leg_from) < REST_LENGTH * depth &&
-        fabs(s->leg_to - s->leg_from) < REST_LENGTH * fabs(s->xi - s->xi_free)) {
-        open_line(s);
-        rest(curve, s, 1e-6 * depth);
-        return FILM_OK;
-    }
+    if (rest(curve, s, fmin(depth, fabs(s->xi - s->xi_free)))) return FILM_OK;
     if (mesh->linearisation == FILM_CHORD) {
         s->leg_grading = FILM_EQUAL;
     } else if (s->gamma == 0.0) {

@@ -1,0 +1,1 @@
+"""What an impact costs in time: FILM and its rivals at equal accuracy. Run `python -m benchmarks.speed`."""

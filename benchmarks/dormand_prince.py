@@ -1,0 +1,216 @@
+"""The conventional method at its best: Dormand–Prince 5(4), compiled by numba, with events located to its own order.
+
+PI step control, first-same-as-last, a restart at every stage boundary, at the maximum indentation and where the
+impactor stops. An event is located on the dense output, then reached by a step of its own and corrected once, so it
+costs no accuracy. Two forms of the same equations:
+
+    "time":  ξ' = ν − γf, ν' = −f
+    "root":  y = √(ξ − ξ_b) and dt = 2y dσ:  y' = ν − γf, ν' = −2yf, t' = 2y   (ξ_b: where the stage begins, or the
+             unloading branch ends), which makes a 3/2-power force smooth: larger steps for one more equation
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from benchmarks.cases import ScalarLaw
+
+# Hairer, Nørsett & Wanner, Solving ODEs I, table II.5.2 and the dense output of DOPRI5
+A21 = 1 / 5
+A31, A32 = 3 / 40, 9 / 40
+A41, A42, A43 = 44 / 45, -56 / 15, 32 / 9
+A51, A52, A53, A54 = 19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729
+A61, A62, A63, A64, A65 = 9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656
+B1, B3, B4, B5, B6 = 35 / 384, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84
+E1, E3, E4, E5, E6, E7 = 71 / 57600, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40
+D1, D3, D4 = -12715105075 / 11282082432, 87487479700 / 32700410799, -10690763975 / 1880347072
+D5, D6, D7 = 701980252875 / 199316789632, -1453857185 / 822651844, 69997945 / 29380423
+
+EXPONENT, MEMORY, SAFETY = 0.2 - 0.75 * 0.04, 0.04, 0.9  # PI control as in DOPRI5
+FIRST_STEP = 0.6  # times tolerance^(1/5), in units of the impact; one rejected step costs more than a timid start
+LOWEST_ERROR = math.log(1e-4)
+MOST_STEPS = 1_000_000
+GROWS, TURNS, OPENS, STOPS = 0, 1, 2, 3  # what to look for: ξ reaches a stage's end; ν − γf = 0; ξ = ξ_f; ν = 0
+
+
+def compile_rival(law: ScalarLaw, form: str) -> Any:
+    """run(nu, gamma, rtol, floor, out): fills out (impacts, 6) with the summaries, in the law's units.
+
+    The error of a variable z is measured against rtol (|z| + floor z_0), z_0 its size in the impact. Returns the
+    number of force evaluations of all impacts.
+    """
+    import numba
+
+    inline = numba.njit(fastmath=True, inline="always", error_model="numpy")
+    compiled = numba.njit(fastmath=True, error_model="numpy")
+    root = form == "root"
+    ends = np.array(law.ends)
+    loading, free = inline(law.force), inline(law.free)
+
+    @inline
+    def rates(branch, k, origin, a, f_max, per_span, gamma, z0, z1):
+        """Of (y or ξ − ξ_b, ν, t)."""
+        x = z0 * z0 if root else max(z0, 0.0)
+        if branch:
+            u = x * per_span
+            f = f_max * u * math.sqrt(u)
+        else:
+            f = loading(k, origin + x)
+        if root:
+            return z1 - gamma * f, -2.0 * z0 * f, 2.0 * z0
+        return z1 - gamma * f, -f, 1.0
+
+    @inline
+    def step(branch, k, origin, f_max, per_span, gamma, h, x, v, t, p1, q1, r1):
+        p2, q2, r2 = rates(branch, k, origin, 0, f_max, per_span, gamma, x + h * A21 * p1, v + h * A21 * q1)
+        p3, q3, r3 = rates(
+            branch, k, origin, 0, f_max, per_span, gamma, x + h * (A31 * p1 + A32 * p2), v + h * (A31 * q1 + A32 * q2)
+        )
+        p4, q4, r4 = rates(
+            branch, k, origin, 0, f_max, per_span, gamma,
+            x + h * (A41 * p1 + A42 * p2 + A43 * p3), v + h * (A41 * q1 + A42 * q2 + A43 * q3),
+        )  # fmt: skip
+        p5, q5, r5 = rates(
+            branch, k, origin, 0, f_max, per_span, gamma,
+            x + h * (A51 * p1 + A52 * p2 + A53 * p3 + A54 * p4), v + h * (A51 * q1 + A52 * q2 + A53 * q3 + A54 * q4),
+        )  # fmt: skip
+        p6, q6, r6 = rates(
+            branch, k, origin, 0, f_max, per_span, gamma,
+            x + h * (A61 * p1 + A62 * p2 + A63 * p3 + A64 * p4 + A65 * p5),
+            v + h * (A61 * q1 + A62 * q2 + A63 * q3 + A64 * q4 + A65 * q5),
+        )  # fmt: skip
+        x1 = x + h * (B1 * p1 + B3 * p3 + B4 * p4 + B5 * p5 + B6 * p6)
+        v1 = v + h * (B1 * q1 + B3 * q3 + B4 * q4 + B5 * q5 + B6 * q6)
+        t1 = t + h * (B1 * r1 + B3 * r3 + B4 * r4 + B5 * r5 + B6 * r6)
+        p7, q7, r7 = rates(branch, k, origin, 0, f_max, per_span, gamma, x1, v1)
+        ex = h * (E1 * p1 + E3 * p3 + E4 * p4 + E5 * p5 + E6 * p6 + E7 * p7)
+        ev = h * (E1 * q1 + E3 * q3 + E4 * q4 + E5 * q5 + E6 * q6 + E7 * q7)
+        et = h * (E1 * r1 + E3 * r3 + E4 * r4 + E5 * r5 + E6 * r6 + E7 * r7) if root else 0.0
+        dx = h * (D1 * p1 + D3 * p3 + D4 * p4 + D5 * p5 + D6 * p6 + D7 * p7)
+        dv = h * (D1 * q1 + D3 * q3 + D4 * q4 + D5 * q5 + D6 * q6 + D7 * q7)
+        return x1, v1, t1, p7, q7, r7, ex, ev, et, dx, dv
+
+    @inline
+    def dense(s, h, z0, z1, k0, k1, d):
+        """Value and derivative in s of the fourth-order interpolant at the fraction s of a step."""
+        c1 = z1 - z0
+        c2 = h * k0 - c1
+        c3 = c1 - h * k1 - c2
+        w = 1.0 - s
+        inner = c3 + w * d
+        middle = c2 + s * inner
+        slope = c1 + (1.0 - 2.0 * s) * middle + s * w * (inner - s * d)
+        return z0 + s * (c1 + w * middle), slope
+
+    @inline
+    def locate(kind, target, high, h, x, v, x1, v1, p, p1, q, q1, dx, dv):
+        """Fraction of the step, below `high`, at which the event happens: false position on the dense output."""
+        low, s = 0.0, 0.5
+        if kind == TURNS:
+            g_low, g_high = p * h, p1 * h
+        elif kind == STOPS:
+            g_low, g_high = v, v1
+        else:
+            g_low, g_high = x - target, dense(high, h, x, x1, p, p1, dx)[0] - target
+        for _ in range(7):
+            s = low + (high - low) * g_low / (g_low - g_high)
+            if kind == TURNS:
+                _, g = dense(s, h, x, x1, p, p1, dx)
+            elif kind == STOPS:
+                g, _ = dense(s, h, v, v1, q, q1, dv)
+            else:
+                g, _ = dense(s, h, x, x1, p, p1, dx)
+                g -= target
+            if g * g_low > 0.0:
+                low, g_low, g_high = s, g, 0.5 * g_high  # the Illinois rule
+            else:
+                high, g_high, g_low = s, g, 0.5 * g_low
+        return s
+
+    @compiled
+    def run(nu, gammas, rtol, floor, out):
+        evaluations = 0
+        for i in range(nu.size):
+            gamma, v = gammas[i], nu[i]
+            depth = (1.25 * v * v) ** 0.4  # only a size; Hertz's
+            size = math.sqrt(depth) if root else depth
+            clock = size / v
+            x, t, k, origin, f_max, per_span = 0.0, 0.0, 0, 0.0, 0.0, 0.0
+            x_floor, v_floor, t_floor = floor * size, floor * v, floor * depth / v
+            branch, stopped = False, gamma == 0.0
+            target = math.sqrt(ends[0]) if root else ends[0]
+            h, last_error = FIRST_STEP * rtol**0.2 * clock, LOWEST_ERROR
+            p, q, r = rates(branch, k, origin, 0, f_max, per_span, gamma, x, v)
+            for _ in range(MOST_STEPS):
+                x1, v1, t1, p1, q1, r1, ex, ev, et, dx, dv = step(
+                    branch, k, origin, f_max, per_span, gamma, h, x, v, t, p, q, r
+                )
+                evaluations += 6
+                ex /= rtol * (max(abs(x), abs(x1)) + x_floor)
+                ev /= rtol * (max(abs(v), abs(v1)) + v_floor)
+                et /= rtol * (max(t, t1) + t_floor)
+                square = (ex * ex + ev * ev + et * et) * (1.0 / 3.0 if root else 0.5)
+                error = 0.5 * math.log(square + 1e-30)  # powers of the error as one logarithm and one exponential
+                if not square <= 1.0:
+                    h *= max(0.2, SAFETY * math.exp(-EXPONENT * error)) if square < 1e300 else 0.1
+                    continue
+                grown = h * min(5.0, SAFETY * math.exp(MEMORY * last_error - EXPONENT * error))
+                last_error = max(error, LOWEST_ERROR)
+                kind = -1
+                if branch:
+                    if not stopped and v1 <= 0.0:
+                        kind = STOPS
+                    elif x1 <= 0.0:
+                        kind = OPENS
+                elif p1 <= 0.0:
+                    kind = TURNS
+                elif x1 >= target:
+                    kind = GROWS
+                if kind < 0:
+                    x, v, t, p, q, r, h = x1, v1, t1, p1, q1, r1, grown
+                    continue
+                goal = 0.0 if branch else target
+                s = locate(kind, goal, 1.0, h, x, v, x1, v1, p, p1, q, q1, dx, dv)
+                if kind == TURNS and dense(s, h, x, x1, p, p1, dx)[0] > target:
+                    kind = GROWS  # the stage ends before the turn
+                    s = locate(kind, goal, s, h, x, v, x1, v1, p, p1, q, q1, dx, dv)
+                x, v, t, p, q, r, ex, ev, et, dx, dv = step(
+                    branch, k, origin, f_max, per_span, gamma, s * h, x, v, t, p, q, r
+                )
+                evaluations += 6
+                for _ in range(2 if kind == GROWS else 1):
+                    if kind == TURNS:
+                        miss = -p / q
+                    elif kind == STOPS:
+                        miss = -v / q
+                    else:
+                        miss = (goal - x) / p
+                    x, v, t = x + miss * p, v + miss * (q if kind != OPENS else 0.0), t + miss * r
+                    p, q, r = rates(branch, k, origin, 0, f_max, per_span, gamma, x, v)
+                    evaluations += 1
+                h = grown
+                if kind == OPENS:
+                    out[i, 4], out[i, 5] = t, v
+                    break
+                if kind == STOPS:
+                    stopped = True
+                    out[i, 3] = t
+                    continue
+                if kind == GROWS:
+                    origin, x, k = ends[k], 0.0, k + 1
+                    target = math.sqrt(ends[k] - origin) if root else ends[k] - origin
+                else:
+                    xi = origin + (x * x if root else x)
+                    f_max = loading(k, xi)
+                    origin = free(k, xi, f_max)
+                    per_span, branch = 1.0 / (xi - origin), True
+                    x = math.sqrt(xi - origin) if root else xi - origin
+                    out[i, 0], out[i, 1], out[i, 2], out[i, 3] = f_max, xi, t, t
+                p, q, r = rates(branch, k, origin, 0, f_max, per_span, gamma, x, v)
+                evaluations += 1
+        return evaluations
+
+    return run

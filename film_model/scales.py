@@ -1,0 +1,30 @@
+"""The units of the dimensionless march."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from film_model.laws.law import AbstractLaw
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Units of the march in SI: length δ_s, force F_s, time t_s = √(m δ_s/F_s), velocity δ_s/t_s."""
+
+    length: float
+    force: float
+    time: float
+    velocity: float
+
+    @property
+    def energy(self) -> float:
+        """F_s δ_s, J."""
+        return self.force * self.length
+
+
+def scales_of(law: AbstractLaw, energy: float, mass: float) -> Scales:
+    """Scales of a law for an impactor of `mass` [kg]; `energy` [J] > 0 sets them for a law without its own."""
+    length, force = law.scales(energy)
+    time = math.sqrt(mass * length / force)
+    return Scales(length, force, time, length / time)

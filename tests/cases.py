@@ -1,0 +1,79 @@
+"""What the tests of the march run over: every law, every target, and the paper's scenes."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+import film_model as fm
+
+EFFECTIVE_MODULUS = 1 / ((1 - 0.28**2) / 600e9 + (1 - 0.30**2) / 210e9)  # Pa, tungsten carbide on steel
+RADIUS, MASS, VELOCITY, YIELD = 0.01, 0.06074, 0.25, 1e9  # m, kg, m/s, Pa
+
+BALL = {"radius": "10 mm", "mass": "60.74 g", "material": "tungsten carbide"}
+STEEL = fm.Material("steel of the paper", "210 GPa", 0.30, "7850 kg/m^3", "1 GPa")
+
+
+@dataclass(frozen=True)
+class Saturating(fm.AbstractLaw):
+    """A user's law: stiffening that saturates, and a dent; its functions have to be fitted."""
+
+    name = "saturating"
+    summary = "test law"
+    source = "tests"
+
+    stiffness: float = 5e7  # N/m
+    depth: float = 4e-6  # m
+
+    def scales(self, energy):
+        return self.depth, self.stiffness * self.depth
+
+    def stages(self):
+        unloading = fm.Unloading(residual=lambda m: 0.3 * (m - 1.0) ** 2 / (m + 1.0), exponent=1.3)
+        return (
+            fm.Stage("linear", 0.0, 1.0, fm.Power(slope=1.0)),
+            fm.Stage("saturating", 1.0, 60.0, lambda x: 1.0 + 4.0 * np.tanh((x - 1.0) / 4.0) + 0.1 * (x - 1.0), unloading),
+        )
+
+
+LAWS = {
+    "hertz": fm.Hertz(EFFECTIVE_MODULUS, RADIUS),
+    "meyer": fm.Meyer(stiffness=2e13, exponent=2.0),
+    "meyer-shifted": fm.Meyer(stiffness=1e9, exponent=1.2, initial_indentation=1e-6),
+    "big-alabo": fm.BigAlabo(EFFECTIVE_MODULUS, RADIUS, YIELD),
+    "big-alabo-printed": fm.BigAlabo(EFFECTIVE_MODULUS, RADIUS, YIELD, "printed"),
+    "stronge": fm.Stronge(EFFECTIVE_MODULUS, RADIUS, YIELD),
+    "saturating": Saturating(),
+}
+
+TARGETS = {
+    "half-space": fm.HalfSpace(STEEL),
+    "plate": fm.Plate(STEEL, thickness="14 mm"),  # Zener's λ about 0.4
+    "thin plate": fm.Plate(STEEL, thickness="8 mm"),  # about 1.2
+    "rod": fm.Rod(STEEL, diameter="30 mm"),
+    "body": fm.Body(STEEL, radius="15 mm", velocity="0.1 m/s"),
+}
+
+
+def scene(law, target="half-space", velocity=VELOCITY, **solver):
+    """The tungsten-carbide ball on a target, under a law by its name in LAWS."""
+    return fm.Scene(
+        fm.Sphere(velocity=f"{velocity!r} m/s", **BALL),
+        TARGETS[target],
+        contact=fm.Contact(law=LAWS[law]),
+        solver=fm.Solver(**solver),
+    )
+
+
+def zener_scene(value, **solver):
+    """Hertz on a plate with Zener's λ = value: one-parameter family."""
+    velocity, mass, modulus = 1.0, 0.01, 1e10
+    stiffness = 4 / 3 * modulus * math.sqrt(RADIUS)
+    impedance = stiffness**0.4 * mass**0.6 * velocity**0.2 / value
+    density = 10.0  # kg/m²; Z = 8 √(ρ_A D) for an isotropic plate
+    bending = (impedance / 8) ** 2 / density
+    stiffnesses = fm.BendingStiffness(f"{bending!r} N*m", f"{0.3 * bending!r} N*m", f"{bending!r} N*m", f"{0.35 * bending!r} N*m")
+    plate = fm.Plate(mass_per_area=f"{density} kg/m^2", bending_stiffness=stiffnesses)
+    ball = fm.Sphere(radius="10 mm", mass=f"{mass} kg", velocity=f"{velocity} m/s")
+    contact = fm.Contact(law="hertz", effective_modulus=f"{modulus} Pa")
+    return fm.Scene(ball, plate, contact=contact, solver=fm.Solver(**solver))

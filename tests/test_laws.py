@@ -1,0 +1,200 @@
+"""The laws: continuity, work, unloading, what a user may add, and what is refused."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from cases import EFFECTIVE_MODULUS, LAWS, RADIUS, YIELD, scene
+
+import film_model as fm
+from film_model.curve import curve_of
+from film_model.laws.yielding import yield_point, yield_velocity
+
+
+def edges(law):
+    stages = law.stages()
+    return [stage.begin for stage in stages[1:]], stages
+
+
+@pytest.mark.parametrize("name", [name for name in LAWS if name != "big-alabo-printed"])
+def test_force_is_continuous(name):
+    curve = curve_of(LAWS[name])
+    for edge in edges(LAWS[name])[0]:
+        below, above = curve.force(edge * (1 - 1e-13)), curve.force(edge * (1 + 1e-13))
+        assert above == pytest.approx(below, rel=1e-10, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", list(LAWS))
+def test_work_is_the_integral_of_the_force(name):
+    curve = curve_of(LAWS[name])
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    at, total = 0.0, 0.0
+    for stage in LAWS[name].stages():
+        end = stage.end if math.isfinite(stage.end) else stage.begin + 20.0
+        x = 0.5 * (nodes + 1)  # squared below: also exact for powers that begin like a root
+        points = at + (end - at) * x * x
+        total += sum(w * s * (end - at) * curve.force(p) for w, s, p in zip(weights, x, points, strict=True))
+        assert curve.work(end) == pytest.approx(total, rel=3e-8 if "shifted" in name else 1e-11)
+        at = end
+
+
+def test_the_printed_constants_jump_where_the_paper_does():
+    curve = curve_of(LAWS["big-alabo-printed"])
+    assert curve.force(82.5 * (1 + 1e-12)) / curve.force(82.5) == pytest.approx(425.6 / 417.7721, rel=1e-6)
+    assert any("jumps by +1.87 %" in warning for warning in curve.warnings)
+    history = fm.simulate(scene("big-alabo-printed", velocity=12.0))
+    assert history.outcome is fm.Outcome.SEPARATED
+    assert any("jumps" in warning for warning in history.warnings)
+
+
+def test_big_alabo_knots():
+    """Work and velocity at the knots of (19), from the closed forms."""
+    curve = curve_of(LAWS["big-alabo"])
+    first = curve.work(1.0)
+    assert first == pytest.approx(0.4, rel=1e-14)
+    assert curve.work(13.93) / first == pytest.approx(634.4936, rel=1e-6)
+    assert curve.work(82.5) / first == pytest.approx(40513.62, rel=1e-6)
+    assert curve.force(82.5) == pytest.approx(417.7721, rel=1e-6)
+
+
+def test_stronge_knots():
+    curve = curve_of(LAWS["stronge"])
+    assert curve.work(2.0) / curve.work(1.0) == pytest.approx(
+        31 / 66 + 35 / 66 * 9 + 25 / 132 * 9 * math.log(3), rel=1e-12
+    )
+    assert curve.fit_error < 1e-13
+    plastic = LAWS["stronge"].stages()[2].begin
+    assert plastic == pytest.approx(82.511, abs=5e-4)
+    assert curve.work(plastic) / curve.work(1.0) == pytest.approx(40253.34, rel=1e-6)
+
+
+def test_big_alabo_restitution_has_its_minimum_and_maximum():
+    """The force has a plateau above yield, so restitution falls to 0.8232 at 1.673 V_Y and recovers to 0.9299 at 8.49."""
+    speed = yield_velocity(EFFECTIVE_MODULUS, RADIUS, YIELD, 0.06074)
+    for ratio, restitution in ((1.673, 0.8232), (8.49, 0.9299)):
+        summary = fm.simulate(scene("big-alabo", velocity=ratio * speed)).summary
+        assert summary["coefficient_of_restitution"] == pytest.approx(restitution, abs=5e-5)
+
+
+@pytest.mark.parametrize(("ratio", "warns"), [(1.5, True), (2.4, True), (2.6, False), (0.9, False)])
+def test_stronge_says_when_it_returns_more_than_it_stored(ratio, warns):
+    speed = yield_velocity(EFFECTIVE_MODULUS, RADIUS, YIELD, 0.06074)
+    history = fm.simulate(scene("stronge", velocity=ratio * speed))
+    said = [warning for warning in history.warnings if "returns" in warning and " J (" in warning]
+    assert bool(said) is warns
+    assert (history.summary["coefficient_of_restitution"] > 1 + 1e-9) is warns
+
+
+@pytest.mark.parametrize("name", ["hertz", "meyer", "meyer-shifted"])
+def test_reversible_laws_return_everything(name):
+    summary = fm.simulate(scene(name)).summary
+    assert summary["coefficient_of_restitution"] == pytest.approx(1, rel=1e-12)
+    assert summary["energy_absorbed"] == 0
+    assert summary["permanent_indentation"] == 0
+
+
+def test_meyer_with_a_force_step():
+    """F = F0 + K δ on a half-space: elementary. With u = δ + F0/K, a quarter turn of an oscillator from u0."""
+    law = fm.Meyer(stiffness=1e7, exponent=1.0, initial_force=100.0)
+    ball = fm.Sphere("10 mm", velocity="1 m/s", mass="50 g")
+    case = fm.Scene(ball, fm.HalfSpace(), contact=fm.Contact(law=law), effects=fm.Effects(gravity=False))
+    omega, offset = math.sqrt(1e7 / 0.05), 100 / 1e7
+    amplitude = math.hypot(offset, 1 / omega)
+    summary = fm.simulate(case, accuracy=1e-9).summary
+    assert summary["maximum_indentation"] == pytest.approx(amplitude - offset, rel=1e-9)
+    assert summary["maximum_force"] == pytest.approx(1e7 * amplitude, rel=1e-9)
+    assert summary["contact_duration"] == pytest.approx(2 * math.acos(offset / amplitude) / omega, rel=1e-9)
+
+
+def test_a_scaled_family_shares_one_curve():
+    """Radius, modulus and strength set the scales of the laws of spheres, not their stages."""
+    assert curve_of(fm.BigAlabo(1e11, 0.02, 5e8)) is curve_of(fm.BigAlabo(2e11, 0.01, 1e9))
+
+
+def test_yield_point_of_the_paper():
+    indentation, _ = yield_point(EFFECTIVE_MODULUS, RADIUS, YIELD)
+    assert indentation == pytest.approx(2.31411636e-6, rel=1e-8)
+
+
+@dataclass(frozen=True)
+class Own(fm.AbstractLaw):
+    name = "own"
+    stages_given: tuple = ()
+
+    def scales(self, energy):
+        return 1e-5, 100.0
+
+    def stages(self):
+        return self.stages_given
+
+
+def own(*stages):
+    return Own(tuple(stages))
+
+
+def test_a_fit_that_needs_many_pieces_is_exact_too():
+    law = own(fm.Stage("ripple", 0.0, 30.0, lambda x: x + 0.3 * np.sin(3 * x)))
+    curve = curve_of(law)
+    assert curve.fit_error < 1e-12
+    x = np.linspace(0, 30, 999)
+    assert [curve.force(p) for p in x] == pytest.approx(x + 0.3 * np.sin(3 * x), abs=1e-11)
+
+
+def test_a_root_is_fitted_in_its_own_variable():
+    law = own(fm.Stage("root", 0.0, 4.0, lambda x: np.sqrt(x) + x, root=True))
+    curve = curve_of(law)
+    assert curve.fit_error < 1e-13
+    assert curve.work(4.0) == pytest.approx(2 / 3 * 8 + 8, rel=1e-12)
+
+
+def test_a_peak_inside_a_stage_is_met_exactly():
+    """A softening force: its largest value is a summary value, wherever the nodes fall."""
+    law = own(fm.Stage("soft", 0.0, 3.0, lambda x: 2 * x * np.exp(-x) + 0.05 * x), fm.Stage("hard", 3.0, np.inf, fm.Power(
+        constant=float(6 * np.exp(-3.0) + 0.15), slope=1.0)))
+    ball = fm.Sphere("10 mm", velocity="0.26 m/s", mass="50 g")
+    case = fm.Scene(ball, fm.HalfSpace(), contact=fm.Contact(law=law), effects=fm.Effects(gravity=False))
+    history = fm.simulate(case, segments=7)
+    x = np.linspace(0.5, 1.6, 200001)
+    peak = 100.0 * float((2 * x * np.exp(-x) + 0.05 * x).max())
+    assert 2e-5 < history.summary["maximum_indentation"] < 3e-5
+    assert history.summary["maximum_force"] == pytest.approx(peak, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("stages", "says"),
+    [
+        ((fm.Stage("a", 0.5, 1.0, fm.Power(slope=1.0)),), "must begin at 0.0"),
+        ((fm.Stage("a", 0.0, 1.0, fm.Power(slope=1.0)), fm.Stage("b", 1.5, 2.0, fm.Power(slope=1.0))), "must begin at 1.0"),
+        ((fm.Stage("a", 0.0, np.inf, lambda x: x),), "has no end"),
+        ((fm.Stage("a", 0.0, 2.0, lambda x: x - 1.0),), "must be finite and >= 0"),
+        ((fm.Stage("a", 0.0, 2.0, lambda x: np.log(x)),), "must be finite and >= 0"),
+        ((fm.Stage("a", 0.0, 2.0, lambda x: np.floor(7 * x)),), "cannot be fitted"),
+        ((), "0 stages"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:divide by zero")
+def test_a_wrong_law_is_refused_with_its_name_and_stage(stages, says):
+    with pytest.raises(ValueError, match="law 'own'") as caught:
+        curve_of(own(*stages))
+    assert says in str(caught.value)
+
+
+def test_unloading_needs_exactly_one_rule():
+    with pytest.raises(ValueError, match="give one of"):
+        fm.Unloading()
+    with pytest.raises(ValueError, match="give one of"):
+        fm.Unloading(radius_ratio=fm.Power(constant=1.0), residual=fm.Power())
+
+
+def test_a_work_that_is_not_the_integral_is_said():
+    law = own(fm.Stage("a", 0.0, 2.0, lambda x: x * x, work=lambda x: x**3))
+    assert any("differs from the integral" in warning for warning in curve_of(law).warnings)
+
+
+def test_indentation_past_the_last_stage_is_said():
+    law = own(fm.Stage("short", 0.0, 1.0, fm.Power(slope=1.0)))
+    ball = fm.Sphere("10 mm", velocity="10 m/s", mass="50 g")
+    case = fm.Scene(ball, fm.HalfSpace(), contact=fm.Contact(law=law), effects=fm.Effects(gravity=False))
+    with pytest.raises(fm.SimulationError, match="passed the end of the law's last stage"):
+        fm.simulate(case)

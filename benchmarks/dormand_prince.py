@@ -51,7 +51,7 @@ def compile_rival(law: ScalarLaw, form: str) -> Any:
     loading, free = inline(law.force), inline(law.free)
 
     @inline
-    def rates(branch, k, origin, a, f_max, per_span, gamma, z0, z1):
+    def rates(branch, k, origin, f_max, per_span, gamma, z0, z1):
         """Of (y or ξ − ξ_b, ν, t)."""
         x = z0 * z0 if root else max(z0, 0.0)
         if branch:
@@ -65,27 +65,27 @@ def compile_rival(law: ScalarLaw, form: str) -> Any:
 
     @inline
     def step(branch, k, origin, f_max, per_span, gamma, h, x, v, t, p1, q1, r1):
-        p2, q2, r2 = rates(branch, k, origin, 0, f_max, per_span, gamma, x + h * A21 * p1, v + h * A21 * q1)
+        p2, q2, _ = rates(branch, k, origin, f_max, per_span, gamma, x + h * A21 * p1, v + h * A21 * q1)
         p3, q3, r3 = rates(
-            branch, k, origin, 0, f_max, per_span, gamma, x + h * (A31 * p1 + A32 * p2), v + h * (A31 * q1 + A32 * q2)
+            branch, k, origin, f_max, per_span, gamma, x + h * (A31 * p1 + A32 * p2), v + h * (A31 * q1 + A32 * q2)
         )
         p4, q4, r4 = rates(
-            branch, k, origin, 0, f_max, per_span, gamma,
+            branch, k, origin, f_max, per_span, gamma,
             x + h * (A41 * p1 + A42 * p2 + A43 * p3), v + h * (A41 * q1 + A42 * q2 + A43 * q3),
         )  # fmt: skip
         p5, q5, r5 = rates(
-            branch, k, origin, 0, f_max, per_span, gamma,
+            branch, k, origin, f_max, per_span, gamma,
             x + h * (A51 * p1 + A52 * p2 + A53 * p3 + A54 * p4), v + h * (A51 * q1 + A52 * q2 + A53 * q3 + A54 * q4),
         )  # fmt: skip
         p6, q6, r6 = rates(
-            branch, k, origin, 0, f_max, per_span, gamma,
+            branch, k, origin, f_max, per_span, gamma,
             x + h * (A61 * p1 + A62 * p2 + A63 * p3 + A64 * p4 + A65 * p5),
             v + h * (A61 * q1 + A62 * q2 + A63 * q3 + A64 * q4 + A65 * q5),
         )  # fmt: skip
         x1 = x + h * (B1 * p1 + B3 * p3 + B4 * p4 + B5 * p5 + B6 * p6)
         v1 = v + h * (B1 * q1 + B3 * q3 + B4 * q4 + B5 * q5 + B6 * q6)
         t1 = t + h * (B1 * r1 + B3 * r3 + B4 * r4 + B5 * r5 + B6 * r6)
-        p7, q7, r7 = rates(branch, k, origin, 0, f_max, per_span, gamma, x1, v1)
+        p7, q7, r7 = rates(branch, k, origin, f_max, per_span, gamma, x1, v1)
         ex = h * (E1 * p1 + E3 * p3 + E4 * p4 + E5 * p5 + E6 * p6 + E7 * p7)
         ev = h * (E1 * q1 + E3 * q3 + E4 * q4 + E5 * q5 + E6 * q6 + E7 * q7)
         et = h * (E1 * r1 + E3 * r3 + E4 * r4 + E5 * r5 + E6 * r6 + E7 * r7) if root else 0.0
@@ -143,7 +143,7 @@ def compile_rival(law: ScalarLaw, form: str) -> Any:
             branch, stopped = False, gamma == 0.0
             target = math.sqrt(ends[0]) if root else ends[0]
             h, last_error = FIRST_STEP * rtol**0.2 * clock, LOWEST_ERROR
-            p, q, r = rates(branch, k, origin, 0, f_max, per_span, gamma, x, v)
+            p, q, r = rates(branch, k, origin, f_max, per_span, gamma, x, v)
             for _ in range(MOST_STEPS):
                 x1, v1, t1, p1, q1, r1, ex, ev, et, dx, dv = step(
                     branch, k, origin, f_max, per_span, gamma, h, x, v, t, p, q, r
@@ -189,7 +189,7 @@ def compile_rival(law: ScalarLaw, form: str) -> Any:
                     else:
                         miss = (goal - x) / p
                     x, v, t = x + miss * p, v + miss * (q if kind != OPENS else 0.0), t + miss * r
-                    p, q, r = rates(branch, k, origin, 0, f_max, per_span, gamma, x, v)
+                    p, q, r = rates(branch, k, origin, f_max, per_span, gamma, x, v)
                     evaluations += 1
                 h = grown
                 if kind == OPENS:
@@ -209,7 +209,7 @@ def compile_rival(law: ScalarLaw, form: str) -> Any:
                     per_span, branch = 1.0 / (xi - origin), True
                     x = math.sqrt(xi - origin) if root else xi - origin
                     out[i, 0], out[i, 1], out[i, 2], out[i, 3] = f_max, xi, t, t
-                p, q, r = rates(branch, k, origin, 0, f_max, per_span, gamma, x, v)
+                p, q, r = rates(branch, k, origin, f_max, per_span, gamma, x, v)
                 evaluations += 1
         return evaluations
 

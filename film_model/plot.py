@@ -41,7 +41,7 @@ LABEL_ROWS, LETTER = 3, 4.4
 """Rows of event labels above the panels (what fits in none has its line only), and points a letter at most takes."""
 
 NUMBERS = {
-    **{"maximum_force": "maximum force", "maximum_indentation": "maximum indentation", "contact_duration": "contact"},
+    **{"maximum_force": "peak force", "maximum_indentation": "peak indentation", "contact_duration": "contact"},
     **{"permanent_indentation": "dent", "rebound_velocity": "rebound", "coefficient_of_restitution": "restitution"},
 }
 
@@ -103,8 +103,9 @@ def _draw(figure: Figure, history: History) -> None:
     _mark_events((force, depth, speed), history, _unit(samples.time, "time")[0])
     _key(key, history, samples, velocities)
     figure.align_ylabels([force, depth, speed])
-    title = _plain(history.scene.title or f"Impact on a {history.scene.target.kind}")
-    figure.text(LEFT, 0.965, title, fontsize=12, fontweight="bold")
+    title = " ".join(history.scene.title.split()) or f"Impact on a {history.scene.target.kind}"
+    size = min(12.0, 900.0 / len(title))  # letters of 12 points: some 75 fit
+    figure.text(LEFT, 0.965, _plain(title), fontsize=size, fontweight="bold")
     figure.text(LEFT, 0.933, _numbers(history), fontsize=8, color="0.25")
 
 

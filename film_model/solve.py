@@ -317,6 +317,7 @@ def raise_failure(status: int, problem: Problem) -> None:
         {
             native.BEYOND_LAW: f"law {law}: {Outcome.BEYOND_LAW.value}; it cannot stop this impactor",
             native.TOO_MANY: Outcome.TOO_MANY_SEGMENTS.value,
+            native.TOO_STIFF: f"law {law}: its force at first touch is more than the target's impedance can resist",
             native.BAD_UNLOADING: f"law {law}: its unloading from the deepest point reached has no length",
         }.get(status, f"the core refused the numbers of this scene (status {status})")
     )

@@ -198,3 +198,15 @@ def test_indentation_past_the_last_stage_is_said():
     case = fm.Scene(ball, fm.HalfSpace(), contact=fm.Contact(law=law), effects=fm.Effects(gravity=False))
     with pytest.raises(fm.SimulationError, match="passed the end of the law's last stage"):
         fm.simulate(case)
+
+
+def test_a_force_step_that_a_plate_cannot_resist_is_said():
+    """The impactor's 0.1 m/s would raise 14 N at most on this plate; the law begins at 100 N."""
+    law = fm.Meyer(stiffness=1e7, exponent=1.0, initial_force=100.0)
+    stiffnesses = fm.BendingStiffness("100 N*m", "30 N*m", "100 N*m", "35 N*m")
+    plate = fm.Plate(mass_per_area="3 kg/m^2", bending_stiffness=stiffnesses)
+    ball = fm.Sphere("10 mm", velocity="0.1 m/s", mass="50 g")
+    case = fm.Scene(ball, plate, contact=fm.Contact(law=law), effects=fm.Effects(gravity=False))
+    assert case.target_impedance * 0.1 == pytest.approx(13.86, abs=0.01)
+    with pytest.raises(fm.SimulationError, match="first touch"):
+        fm.simulate(case)

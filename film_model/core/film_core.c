@@ -7,15 +7,15 @@
 
 /* How a line, or a leg, ends. PART and STOP end between two nodes. */
 enum { ENDS_NODE, ENDS_EDGE, ENDS_TURN, ENDS_NEVER, ENDS_PART, ENDS_STOP };
-enum { GRADING_COARSE = -1 };                          /* nodes of a trial leg: 3 s^2 - 2 s^3, no table needed */
+enum { GRADING_COARSE = -1 }; /* nodes of a trial leg: 3 s^2 - 2 s^3, no table needed */
 
-static const double TURN_TOLERANCE = 1e-12;       /* of the length of the last segment, itself a small part of the depth */
-static const double TURN_ROUNDING = 2e-15;        /* of the depth: a short segment's mean force is not known better */
-static const double TRIAL_TURN_TOLERANCE = 1e-2;  /* a trial only aims the nodes */
-static const double TURN_SPEED = 1e-6;            /* of the speed a line began with: its energy, 1e-12, is rounding */
-static const double REST_LENGTH = 1e-6;           /* of the contact's depth: curvature changes the force by 1e-12 */
-static const double SHORT_WAY = 2e-4;             /* of the distance to the law's singular point; see mean_force */
-static const double REST_SPEED = 1e-13;           /* of the impactor's: rounding of y = nu - gamma f */
+static const double TURN_TOLERANCE = 1e-12;      /* of the length of the last segment, a small part of the depth */
+static const double TURN_ROUNDING = 2e-15;       /* of the depth: a short segment's mean force is not known better */
+static const double TRIAL_TURN_TOLERANCE = 1e-2; /* a trial only aims the nodes */
+static const double TURN_SPEED = 1e-6;           /* of the speed a line began with: its energy, 1e-12, is rounding */
+static const double REST_LENGTH = 1e-6;          /* of the contact's depth: curvature changes the force by 1e-12 */
+static const double REST_SPEED = 1e-13;          /* of the impactor's: rounding of y = nu - gamma f */
+static const double SHORT_WAY = 2e-4;            /* of the distance to the law's singular point; see mean_force */
 enum { TURN_ITERATIONS = 60, HALVINGS = 60 };
 
 /* ---------------------------------------------------------------- lines */
@@ -522,6 +522,7 @@ static int finish(const film_curve *curve, film_state *s) {
         s->phase = s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
         open_run(s);
         law_at(curve, &s->line, s->xi, &s->force, &s->work);
+        if (s->force > 0.0 && s->nu < s->gamma * s->force) return FILM_TOO_STIFF;
     } else if (ends == ENDS_EDGE && s->direction < 0 && s->branch <= 0) {
         s->event = FILM_CONTACT_ENDS;
         s->branch = FILM_FREE;

@@ -128,7 +128,8 @@ enum {
     FILM_BEYOND_LAW = -4,    /* indentation passed the end of the law's last stage */
     FILM_TOO_MANY = -5,      /* more than FILM_MAX_STEP_LINES lines in one call: ask for a shorter step */
     FILM_BAD_UNLOADING = -6, /* the unloading rule gives a branch of no length */
-    FILM_FULL = -7           /* the caller's array is too short */
+    FILM_FULL = -7,          /* the caller's array is too short */
+    FILM_TOO_STIFF = -8      /* the force jumps at first touch by more than Z nu: the target gives way at once */
 };
 
 enum { FILM_MAX_STEP_LINES = 50000000 };

@@ -32,7 +32,7 @@ EVENTS = (
 )
 PHASES = ("approaching", "loading", "unloading", "reloading", "resting", "separated")
 OK, EVENT, ENDLESS = range(3)
-BAD_NUMBER, BAD_CURVE, BAD_MESH, BEYOND_LAW, TOO_MANY, BAD_UNLOADING, FULL = range(-1, -8, -1)
+BAD_NUMBER, BAD_CURVE, BAD_MESH, BEYOND_LAW, TOO_MANY, BAD_UNLOADING, FULL, TOO_STIFF = range(-1, -9, -1)
 
 _D, _I = c.c_double, c.c_int32
 _GRADINGS = 6

@@ -1,0 +1,61 @@
+"""FILM itself, as the library runs it: a batch in the compiled core."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+
+from benchmarks.cases import Array, Case, worst_error
+from film_model.core import native
+from film_model.curve import curve_of
+
+_COLUMNS = (
+    "maximum_force",
+    "maximum_indentation",
+    "time_of_maximum_indentation",
+    "time_impactor_stops",
+    "contact_duration",
+    "final_velocity",
+)
+MOST_SEGMENTS = 4096
+_RATIOS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)  # unloading segments for one of loading
+
+
+def batch(case: Case, linearisation: int, segments: tuple[int, int]) -> Callable[[], Any]:
+    """A call that computes all impacts of the case: `values` reads its result. Curve and mesh are made here, once."""
+    start = np.zeros(case.nu.size, native.START_DTYPE)
+    start["nu"], start["gamma"], start["time_limit"] = case.nu, case.gamma, math.inf
+    curve, mesh = curve_of(case.law).native, native.mesh(linearisation, *segments)
+    return lambda: native.batch(curve, mesh, start)
+
+
+def values(result: Any) -> Array:
+    """(impacts, 6) summaries from what a batch returns; NaN where an impact failed."""
+    status, found = result
+    columns = np.stack([found[name] for name in _COLUMNS], axis=1)
+    columns[status != native.EVENT] = np.nan
+    return columns
+
+
+def fewest_segments(case: Case, exact: Array, linearisation: int, error: float) -> tuple[int, int] | None:
+    """Loading and unloading segments a stage, fewest in all, that keep every error of the case below `error`."""
+    best: tuple[int, int] | None = None
+    for ratio in (1.0,) if linearisation == native.CHORD else _RATIOS:
+        for n in _ladder():
+            pair = (n, max(1, round(ratio * n)))
+            if best is not None and sum(pair) >= sum(best):
+                break
+            if worst_error(values(batch(case, linearisation, pair)()), exact) <= error:
+                best = pair
+                break
+    return best
+
+
+def _ladder() -> Iterable[int]:
+    n = 1
+    while n <= MOST_SEGMENTS:
+        yield n
+        n = max(n + 1, round(1.06 * n))

@@ -1,0 +1,71 @@
+"""What one impact costs from Python: a whole simulation, one step of the component, and a cold command line."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+SCENE = ROOT / "examples" / "scenes" / "tungsten_carbide_on_steel.toml"
+
+
+def best_time(call: Callable[[], object], repeats: int, calls: int = 1) -> float:
+    """Seconds a call: the least of `repeats` loops of `calls`, which other work on the machine disturbs least."""
+    call()
+    best = float("inf")
+    for _ in range(repeats):
+        begun = time.perf_counter()
+        for _ in range(calls):
+            call()
+        best = min(best, time.perf_counter() - begun)
+    return best / calls
+
+
+def measure(repeats: int) -> list[dict[str, object]]:
+    """Rows of what is measured and its seconds, or a sentence where a part is missing."""
+    import film_model as fm
+
+    rows: list[dict[str, object]] = []
+
+    def row(what: str, call: Callable[[], object], calls: int) -> None:
+        try:
+            rows.append({"what": what, "seconds": best_time(call, repeats, calls)})
+        except (AttributeError, ImportError, subprocess.CalledProcessError) as error:
+            rows.append({"what": what, "missing": f"not available: {error}"})
+
+    scene = fm.Scene.from_toml(SCENE)
+    row("Scene.from_toml", lambda: fm.Scene.from_toml(SCENE), 5)
+    row("simulate(scene), accuracy 1e-4 of the scene", lambda: fm.simulate(scene), 20)
+    row("simulate(scene, accuracy=1e-6)", lambda: fm.simulate(scene, accuracy=1e-6), 20)
+    row("simulate(scene, segments=5)", lambda: fm.simulate(scene, segments=5), 20)
+    history = fm.simulate(scene)
+    row("History.sample_si at one time", lambda: history.sample_si(20e-6), 20)
+    row("ImpactComponent(scene)", lambda: fm.ImpactComponent(scene), 5)
+    try:
+        row("ImpactComponent.step(1 µs)", _stepper(fm, scene), 100)
+    except (AttributeError, ImportError) as error:
+        rows.append({"what": "ImpactComponent.step(1 µs)", "missing": f"not available: {error}"})
+    main = "import sys; from film_model.cli import main; sys.exit(main(sys.argv[1:]))"
+    command = [sys.executable, "-c", main, "run", str(SCENE), "--json"]
+    row("film-model run scene.toml --json, whole process", lambda: _quiet(command), 1)
+    row("python -c 'import film_model', whole process", lambda: _quiet([sys.executable, "-c", "import film_model"]), 1)
+    row("python -c 'pass', whole process", lambda: _quiet([sys.executable, "-c", "pass"]), 1)
+    return rows
+
+
+def _stepper(fm: object, scene: object) -> Callable[[], object]:
+    """One step of 1 µs; a new component takes over when contact has ended, about every hundredth step."""
+    made = [fm.ImpactComponent(scene)]  # type: ignore[attr-defined]
+
+    def step() -> None:
+        if made[0].step(1e-6).outputs.phase == "separated":
+            made[0] = fm.ImpactComponent(scene)  # type: ignore[attr-defined]
+
+    return step
+
+
+def _quiet(command: list[str]) -> None:
+    subprocess.run(command, check=True, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

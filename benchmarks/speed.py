@@ -1,0 +1,162 @@
+"""Microseconds an impact at equal accuracy: `python -m benchmarks.speed [--quick] [--json FILE]`.
+
+Every contender computes the same impacts in one run, on one core, and has to keep the largest relative error of six
+summary values of every checked impact below a target; its cheapest setting that does so is searched, then timed.
+Times are the least of several repeats. They are printed, never asserted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks import conventional, film, python_level
+from benchmarks.cases import Array, Case, all_cases, worst_error
+from benchmarks.dormand_prince import compile_rival
+from benchmarks.python_level import best_time
+from film_model.core import native
+
+TARGETS = (1e-4, 1e-6)
+TOLERANCES = 10.0 ** -np.arange(2.0, 13.01, 0.25)
+FLOORS = (1.0, 0.1, 0.01)
+
+Row = dict[str, Any]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure, print the tables, and write the rows as JSON if asked to."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.speed", description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--quick", action="store_true", help="fewer impacts, checks and repeats")
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write the rows there")
+    options = parser.parse_args(arguments)
+    impacts, checked, repeats = (200, 12, 3) if options.quick else (1000, 60, 9)
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    print(f"{platform.machine()}, Python {platform.python_version()}, one core; {impacts} impacts, {checked} checked")
+    rows: list[Row] = []
+    for case in all_cases(impacts):
+        measured = measure_case(case, checked, repeats)
+        rows += measured
+        print_case(case, measured)
+    level = python_level.measure(repeats)
+    print_python(level)
+    if options.json is not None:
+        options.json.write_text(json.dumps({"batch": rows, "python": level}, indent=1) + "\n")
+    return 0
+
+
+def measure_case(case: Case, checked: int, repeats: int) -> list[Row]:
+    """Rows of all contenders and targets for one case."""
+    some = case.spread(checked)
+    exact = some.exact()
+    rows = [_film(case, some, exact, target, repeats, kind) for target in TARGETS for kind in ("work", "chord")]
+    rows += _dormand_prince(case, some, exact, repeats)
+    few = case.spread(max(5, checked // 5))
+    for method in conventional.METHODS:
+        rows += _scipy(few, method, few.exact())
+    return rows
+
+
+def _row(case: Case, target: float, contender: str, setting: str, error: float, seconds: float) -> Row:
+    return {
+        "case": case.name,
+        "target": target,
+        "contender": contender,
+        "setting": setting,
+        "error": error,
+        "microseconds": 1e6 * seconds,
+    }
+
+
+def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kind: str) -> Row:
+    line, name = {
+        "work": (native.WORK_PRESERVING, "FILM, work-preserving"),
+        "chord": (native.CHORD, "FILM, the paper's chords"),
+    }[kind]
+    pair = film.fewest_segments(some, exact, line, target)
+    if pair is None:
+        return _row(case, target, name, f"> {film.MOST_SEGMENTS} segments", float("inf"), float("nan"))
+    error = worst_error(film.values(film.batch(some, line, pair)()), exact)
+    seconds = best_time(film.batch(case, line, pair), repeats, 3) / case.nu.size
+    return _row(case, target, name, f"{pair[0]} + {pair[1]} segments", error, seconds)
+
+
+def _dormand_prince(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]:
+    """The cheapest of both forms and all settings, for each target."""
+    try:
+        rivals = {form: compile_rival(case.scalar, form) for form in ("time", "root")}
+    except ImportError:
+        print("numba is not installed: Dormand–Prince is left out (pip install numba).", file=sys.stderr)
+        return []
+    rows = []
+    found, out = np.empty(exact.shape), np.empty((case.nu.size, exact.shape[1]))
+    for target in TARGETS:
+        fitting = []
+        for form, rival in rivals.items():
+            for floor in FLOORS:
+                for tolerance in TOLERANCES:
+                    found[:] = np.nan
+                    cost = rival(some.nu, some.gamma, tolerance, floor, found)
+                    error = worst_error(found, exact)
+                    if error <= target:
+                        fitting.append((cost, error, form, tolerance, floor))
+                        break
+        if not fitting:
+            continue
+        _, error, form, tolerance, floor = min(fitting)
+        nu, gamma, rival = case.nu, case.gamma, rivals[form]
+        seconds = best_time(lambda: rival(nu, gamma, tolerance, floor, out), repeats, 3) / nu.size  # noqa: B023
+        setting = f"{form} form, rtol {tolerance:.1e}, floor {floor:g}"
+        rows.append(_row(case, target, "Dormand–Prince 5(4), numba", setting, error, seconds))
+    return rows
+
+
+def _scipy(few: Case, method: str, exact: Array) -> list[Row]:
+    rows, tolerances = [], iter(TOLERANCES[2::2])
+    error, rtol = float("inf"), float("nan")
+    for target in TARGETS:
+        while error > target:
+            rtol = next(tolerances, float("nan"))
+            if rtol != rtol:
+                return rows
+            error = worst_error(conventional.run(few, method, rtol), exact)
+        seconds = best_time(lambda: conventional.run(few, method, rtol), 2) / few.nu.size  # noqa: B023
+        rows.append(_row(few, target, f"scipy solve_ivp, {method}", f"rtol {rtol:.1e}", error, seconds))
+    return rows
+
+
+def print_case(case: Case, rows: list[Row]) -> None:
+    """One table a case: both targets, the time of each contender and its ratio to FILM's."""
+    print(f"\n{case.name}")
+    for target in TARGETS:
+        here = [row for row in rows if row["target"] == target]
+        film_time = next(row["microseconds"] for row in here if row["contender"] == "FILM, work-preserving")
+        print(f"  {f'errors below {target:g}':<30}{'setting':<38}{'error':>9}{'µs':>11}{'× FILM':>10}")
+        for row in here:
+            head = f"    {row['contender']:<28}{row['setting']:<38}"
+            if not np.isfinite(row["microseconds"]):
+                print(f"{head}{'-':>9}{'-':>11}{'-':>10}")
+                continue
+            ratio = row["microseconds"] / film_time
+            print(f"{head}{row['error']:>9.1e}{row['microseconds']:>11.3f}{ratio:>10.{1 if ratio < 100 else 0}f}")
+
+
+def print_python(rows: list[dict[str, object]]) -> None:
+    """What one call costs from Python."""
+    print("\nFrom Python, one call")
+    for row in rows:
+        seconds = row.get("seconds")
+        said = f"{1e6 * seconds:>12.1f} µs" if isinstance(seconds, float) else f"   {row['missing']}"
+        print(f"    {row['what']:<56}{said}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,167 @@
+"""The figure of a history: the right curves in the right units, whole files, and no trace in pyplot."""
+
+from __future__ import annotations
+
+import itertools
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import film_model as fm
+from film_model import plot
+
+SCENES = Path(__file__).parents[1] / "examples" / "scenes"
+HEADS = {".png": b"\x89PNG\r\n", ".svg": b"<?xml", ".pdf": b"%PDF-"}
+
+pytest.importorskip("matplotlib")
+
+
+def _history(stem: str, title: str | None = None, **impactor: str) -> fm.History:
+    scene = fm.Scene.from_toml(SCENES / f"{stem}.toml")
+    changes: dict[str, str | None] = {f"impactor.{key}": value for key, value in impactor.items()}
+    if "velocity" in impactor:
+        changes["impactor.drop_height"] = None
+    return fm.simulate(scene.replace({**changes, "title": scene.title if title is None else title}))
+
+
+@pytest.fixture(scope="module")
+def history() -> fm.History:
+    return _history("tungsten_carbide_on_steel")
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf", ".PNG"])
+def test_picture_is_of_its_suffix_and_always_the_same(history: fm.History, tmp_path: Path, suffix: str) -> None:
+    first, second = tmp_path / f"a{suffix}", tmp_path / f"b{suffix}"
+    plot.plot_history(history, first)
+    plot.plot_history(history, second)
+    assert first.read_bytes().startswith(HEADS[suffix.lower()])
+    assert first.read_bytes() == second.read_bytes()
+    assert sorted(tmp_path.iterdir()) == [first, second]
+
+
+@pytest.mark.parametrize("name", ["impact.xyz", "impact", ".png"])
+def test_unknown_suffix_is_refused(history: fm.History, tmp_path: Path, name: str) -> None:
+    with pytest.raises(ValueError, match=r"must end in \.png, \.svg or \.pdf"):
+        plot.plot_history(history, tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_panels_show_the_motion_in_prefixed_units(history: fm.History) -> None:
+    force, depth, speed, loop, _ = plot.plot_history(history).axes
+    assert force.get_ylabel() == "contact force (N)"
+    assert depth.get_ylabel() == "indentation (µm)"
+    assert speed.get_ylabel() == "impactor velocity (m/s)"
+    assert speed.get_xlabel() == "time (µs)"
+    assert (loop.get_xlabel(), loop.get_ylabel()) == ("indentation (µm)", "contact force (N)")
+    summary = history.summary
+    for panel, name, size in ((force, "maximum_force", 1.0), (depth, "maximum_indentation", 1e-6)):
+        curves = [line for line in panel.lines if len(line.get_xdata()) > 2]
+        top = max(np.max(line.get_ydata()) for line in curves)
+        assert top * size == pytest.approx(summary[name], rel=1e-9)
+        assert len({line.get_color() for line in curves}) == 3  # elastic, elastoplastic, unloading
+        for one, two in itertools.pairwise(curves):  # they join
+            assert one.get_xdata()[-1] == two.get_xdata()[0]
+
+
+@pytest.mark.parametrize(
+    ("stem", "strokes"), [("tungsten_carbide_on_steel", {"-"}), ("two_steel_balls", {"-", "--", ":"})]
+)
+def test_target_and_relative_velocity_are_drawn_where_the_target_moves(stem: str, strokes: set[str]) -> None:
+    speed = plot.plot_history(_history(stem)).axes[2]
+    assert {line.get_linestyle() for line in speed.lines if len(line.get_xdata()) > 2} == strokes
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"velocity": "10 m/s"}, {"velocity": "100 m/s"}, {"velocity": "0.3 m/s"}, {"title": "a long\ntitle " * 20}],
+)
+@pytest.mark.parametrize("stem", ["tungsten_carbide_on_steel", "steel_ball_on_rod", "two_steel_balls"])
+def test_event_labels_stay_in_the_picture_and_apart(stem: str, changes: dict[str, str]) -> None:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    figure = plot.plot_history(_history(stem, **changes))
+    FigureCanvasAgg(figure).draw()
+    top = figure.axes[0]
+    boxes = [text.get_window_extent() for text in top.texts]
+    assert len(boxes) >= 2
+    for k, box in enumerate(boxes):
+        assert figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1
+        assert box.y0 >= top.bbox.y1
+        assert not any(
+            box.overlaps(other) for other in [*boxes[:k], *(text.get_window_extent() for text in figure.texts)]
+        )
+    for text in figure.texts:
+        assert text.get_window_extent().x1 < figure.bbox.x1
+
+
+def test_contact_that_does_not_end_and_a_title_with_dollars(tmp_path: Path) -> None:
+    history = _history("olsson_plate", mass="8 g", velocity="1 mm/s", title="$5 and $6 {x}")
+    assert history.summary["contact_duration"] is None
+    figure = plot.plot_history(history, tmp_path / "impact.svg")
+    assert figure.axes[0].get_ylabel() == "contact force (mN)"
+    assert "contact" not in figure.texts[1].get_text()
+    assert len(figure.axes[0].texts) <= 3
+
+
+def test_stages_of_ones_own(tmp_path: Path) -> None:
+    from dataclasses import dataclass
+
+    @dataclass(frozen=True)
+    class Odd(fm.AbstractLaw):
+        name = "odd $law$"
+        summary = source = ""
+
+        def scales(self, energy: float) -> tuple[float, float]:
+            return 1e-5, 500.0
+
+        def stages(self) -> tuple[fm.Stage, ...]:
+            soft = fm.Stage("soft {$}", 0.0, 0.1, fm.Power(slope=1.0))
+            return soft, fm.Stage("hard", 0.1, float("inf"), fm.Power(constant=0.1, slope=2.0))
+
+    scene = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
+    own = fm.simulate(fm.Scene(scene.impactor, scene.target, fm.Contact(law=Odd())))
+    figure = plot.plot_history(own, tmp_path / "own.png")
+    assert [text.get_text() for text in figure.axes[4].get_legend().get_texts()] == [r"soft {\$}", "hard"]
+
+
+def test_failure_in_mid_write_leaves_nothing_behind(
+    history: fm.History, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "impact.png"
+    path.write_bytes(b"precious")
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(plot.os, "fsync", full)
+    with pytest.raises(OSError, match=r"impact\.png: cannot be written: No space left"):
+        plot.plot_history(history, path)
+    assert [p.read_bytes() for p in tmp_path.iterdir()] == [b"precious"]
+    monkeypatch.undo()
+    plot.plot_history(history, path)
+    assert path.read_bytes().startswith(HEADS[".png"])
+    with pytest.raises(FileNotFoundError, match=r"impact\.png: cannot be written: No such file"):
+        plot.plot_history(history, tmp_path / "missing" / "impact.png")
+
+
+def test_without_matplotlib_it_says_what_to_install(history: fm.History, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(ImportError, match=r"install film-model\[plot\]"):
+        plot.plot_history(history)
+
+
+def test_pyplot_and_settings_are_left_alone(tmp_path: Path) -> None:
+    code = f"""
+import sys, matplotlib, film_model as fm
+from film_model.plot import plot_history
+before = matplotlib.rcParams.copy()
+plot_history(fm.simulate(fm.Scene.from_toml({str(SCENES / "olsson_plate.toml")!r})), {str(tmp_path / "a.png")!r})
+assert matplotlib.rcParams.copy() == before
+assert "matplotlib.pyplot" not in sys.modules
+print("ok")
+"""
+    run = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False)
+    assert run.stdout == "ok\n", run.stderr

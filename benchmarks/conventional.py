@@ -27,8 +27,8 @@ def _impact(law: ScalarLaw, method: str, rtol: float, nu: float, gamma: float) -
     depth = (1.25 * nu * nu) ** 0.4  # only a size, for the absolute tolerance; Hertz's
     tolerance: dict[str, Any] = {"method": method, "rtol": rtol, "atol": [0.01 * rtol * depth, 0.01 * rtol * nu]}
     state, time = [0.0, nu], 0.0
-    for k, end in enumerate(law.ends):
-        rates = _rates(lambda xi, k=k: law.force(k, max(xi, 0.0)), gamma)
+    for k, (begin, end) in enumerate(zip((0.0, *law.ends), law.ends, strict=False)):
+        rates = _rates(lambda xi, k=k, begin=begin: law.force(k, max(xi, begin)), gamma)
         turns = _event(lambda t, z, rates=rates: rates(t, z)[0], -1.0)
         leaves = _event(lambda t, z, end=end: z[0] - end, 1.0)
         found = _solve(rates, time, state, [turns, leaves] if end < np.inf else [turns], tolerance)

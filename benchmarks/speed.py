@@ -13,6 +13,7 @@ import os
 import platform
 import sys
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     print(f"{platform.machine()}, Python {platform.python_version()}, one core; {impacts} impacts, {checked} checked")
+    if find_spec("numba") is None:
+        print("numba is not installed: Dormand–Prince is left out (pip install numba).")
     rows: list[Row] = []
     for case in all_cases(impacts):
         measured = measure_case(case, checked, repeats)
@@ -65,14 +68,15 @@ def measure_case(case: Case, checked: int, repeats: int) -> list[Row]:
     return rows
 
 
-def _row(case: Case, target: float, contender: str, setting: str, error: float, seconds: float) -> Row:
+def _row(case: Case, target: float, contender: str, setting: str, error: float | None, seconds: float | None) -> Row:
+    """None: the target was not reached."""
     return {
         "case": case.name,
         "target": target,
         "contender": contender,
         "setting": setting,
         "error": error,
-        "microseconds": 1e6 * seconds,
+        "microseconds": None if seconds is None else 1e6 * seconds,
     }
 
 
@@ -83,7 +87,7 @@ def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kin
     }[kind]
     pair = film.fewest_segments(some, exact, line, target)
     if pair is None:
-        return _row(case, target, name, f"> {film.MOST_SEGMENTS} segments", float("inf"), float("nan"))
+        return _row(case, target, name, f"> {film.MOST_SEGMENTS} segments", None, None)
     error = worst_error(film.values(film.batch(some, line, pair)()), exact)
     seconds = best_time(film.batch(case, line, pair), repeats, 3) / case.nu.size
     return _row(case, target, name, f"{pair[0]} + {pair[1]} segments", error, seconds)
@@ -91,11 +95,9 @@ def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kin
 
 def _dormand_prince(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]:
     """The cheapest of both forms and all settings, for each target."""
-    try:
-        rivals = {form: compile_rival(case.scalar, form) for form in ("time", "root")}
-    except ImportError:
-        print("numba is not installed: Dormand–Prince is left out (pip install numba).", file=sys.stderr)
+    if find_spec("numba") is None:
         return []
+    rivals = {form: compile_rival(case.scalar, form) for form in ("time", "root")}
     rows = []
     found, out = np.empty(exact.shape), np.empty((case.nu.size, exact.shape[1]))
     for target in TARGETS:
@@ -142,7 +144,7 @@ def print_case(case: Case, rows: list[Row]) -> None:
         print(f"  {f'errors below {target:g}':<30}{'setting':<38}{'error':>9}{'µs':>11}{'× FILM':>10}")
         for row in here:
             head = f"    {row['contender']:<28}{row['setting']:<38}"
-            if not np.isfinite(row["microseconds"]):
+            if row["microseconds"] is None or film_time is None:
                 print(f"{head}{'-':>9}{'-':>11}{'-':>10}")
                 continue
             ratio = row["microseconds"] / film_time

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import itertools
 import math
 import os
-import secrets
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from film_model.files import written_whole
 from film_model.history import MOTION, SUMMARY, History, Samples
 from film_model.units import format_si, scene_unit
 
@@ -196,15 +195,5 @@ def _save(figure: Figure, target: Path, dpi: float) -> None:
     kind = target.suffix[1:].lower()
     picture, undated = io.BytesIO(), {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     figure.savefig(picture, format=kind, dpi=dpi, metadata=undated.get(kind))
-    beside = target.with_name(f".{target.name[:100]}.{secrets.token_hex(4)}.part")
-    try:
-        with open(beside, "xb") as file:
-            file.write(picture.getbuffer())
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(beside, target)
-    except OSError as error:
-        raise type(error)(f"{target}: cannot be written: {error.strerror or error}") from error
-    finally:
-        with contextlib.suppress(OSError):
-            beside.unlink()
+    with written_whole(target) as beside:
+        beside.write_bytes(picture.getbuffer())

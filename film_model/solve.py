@@ -63,7 +63,7 @@ def simulate(
     summary = _summarise(problem, events, states[-1])
     warnings.extend(_energy_warning(problem, summary))
     return History(
-        scene=scene,
+        scene=replace(scene, solver=solver),
         problem=problem,
         lines=lines,
         events=events,

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import secrets
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
+
+from film_model.files import written_whole
 
 from film_datasets.schema import VARIABLES
 
@@ -29,25 +29,11 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     """
     target = Path(path)
     _check(target, overwrite)
-    beside = target.absolute().with_name(f".{target.name[:100]}.{secrets.token_hex(4)}.part")
     try:
-        # Made here, not by the netCDF library, to have the reason when it cannot be.
-        os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
-        ds.to_netcdf(beside, mode="w", format="NETCDF4", engine="netcdf4", encoding=_encoding(ds))
-        _flush(beside, os.O_RDWR)
-        _check(target, overwrite)
-        os.replace(beside, target)
-    except FileExistsError:
-        raise
-    except OSError as error:
-        raise type(error)(f"{target}: cannot be written: {error.strerror or error}") from error
+        with written_whole(target) as beside:
+            ds.to_netcdf(beside, mode="w", format="NETCDF4", engine="netcdf4", encoding=_encoding(ds))
     except RuntimeError as error:  # what the netCDF library makes of a full disk
         raise OSError(f"{target}: cannot be written (is the disk full?): {error}") from error
-    finally:
-        with contextlib.suppress(OSError):
-            beside.unlink()
-    with contextlib.suppress(OSError):  # not every system can open a folder
-        _flush(target.absolute().parent, os.O_RDONLY)
     return target
 
 
@@ -78,11 +64,3 @@ def _encoding(ds: xr.Dataset) -> dict[str, Any]:
         }
         for name, array in ds.variables.items()
     }
-
-
-def _flush(path: Path, flags: int) -> None:
-    descriptor = os.open(path, flags)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

@@ -144,8 +144,7 @@ def _attributes(history: History, content: str) -> dict[str, Any]:
         "title": scene.title or f"Impact on a {kind}",
         "summary": f"Impact of a compact body (target: {kind}, contact law: {law.name}): motion, contact force and "
         f"events from first touch. Outcome: {history.outcome.value}.",
-        "source": f"{name}, force-indentation linearisation method (FILM), "
-        f"{accuracy.lines} {scene.solver.linearisation} segments",
+        "source": f"{name}, force-indentation linearisation method (FILM), {accuracy.lines} segments",
         "references": REFERENCES,
         "history": f"{now} {name}: film_datasets.to_dataset",
         "license": "film-model claims no rights in its results; the software is under the MIT license",

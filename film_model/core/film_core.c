@@ -189,6 +189,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
             if (s->line_ends == ENDS_TURN && y > TURN_SPEED * m.y0) s->line_ends = ENDS_NODE; /* later: plan afresh */
             land(s, length, s->line_ends == ENDS_TURN ? 0.0 : y);
             if (s->line_ends != ENDS_PART) s->xi_end = to;
+            if (s->line_ends == ENDS_TURN && turn_time(&m) < INFINITY) s->tau_end = turn_time(&m); /* y: root of rounding */
             return FILM_OK;
         }
         if (left == LEFT_NEVER) {
@@ -285,12 +286,14 @@ static double energy_at(const film_curve *curve, const film_line *run, double en
 
 int film_turning_point(const film_curve *curve, const film_line *run, double xi, double work, double nu, double load,
                        double limit, double *to) {
-    double total = 0.5 * nu * nu + work - load * xi, slope, inner = xi, outer = limit;
+    double energy = 0.5 * nu * nu, total = energy + work - load * xi, slope, inner = xi, outer = limit, at = limit;
     if (limit < INFINITY) {
-        if (energy_at(curve, run, total, load, limit, &slope) >= 0.0) {
+        double left = energy_at(curve, run, total, load, limit, &slope);
+        if (left >= 0.0) {
             *to = limit;
             return FILM_OK;
         }
+        if (energy > 0.0) at = xi + (limit - xi) * sqrt(energy / (energy - left)); /* as if work grew as a square */
     } else {
         const film_piece *piece = piece_at(curve, run->branch, INFINITY);
         const film_function *g = &piece->force;
@@ -303,10 +306,11 @@ int film_turning_point(const film_curve *curve, const film_line *run, double xi,
             inner = outer;
             outer = xi + 2.0 * (outer - xi);
         }
+        at = outer;
     }
-    double at = outer, d = outer > inner ? 1.0 : -1.0;
-    for (int k = 0; k < ROOT_ITERATIONS; k++) { /* Newton from outside, where the energy is concave; halving guards it */
-        double energy = energy_at(curve, run, total, load, at, &slope);
+    double d = outer > inner ? 1.0 : -1.0;
+    for (int k = 0; k < ROOT_ITERATIONS; k++) { /* Newton; halving guards it */
+        energy = energy_at(curve, run, total, load, at, &slope);
         if (energy >= 0.0) inner = at; else outer = at;
         double next = at - energy / slope;
         if (fabs(next - at) <= 4e-16 * fabs(at)) break;
@@ -322,9 +326,9 @@ static int aim_by_energy(const film_curve *curve, film_state *s) {
     return status < 0 ? status : FILM_OK;
 }
 
-/* Where the true law balances the load, between the current point and the limit. */
+/* Where the true law balances the load, between the current point and the end of the leg. */
 static double balance(const film_curve *curve, const film_state *s) {
-    double low = s->xi, high = limit_of(curve, s), force, work;
+    double low = s->xi, high = s->leg_to, force, work; /* aimed no shallower than the balance */
     double side = s->force - s->load;
     for (int k = 0; k < 100; k++) {
         double middle = 0.5 * (low + high);
@@ -613,8 +617,8 @@ int film_step(const film_curve *curve, const film_mesh *mesh, film_state *s, dou
 
 int film_record(const film_curve *curve, const film_mesh *mesh, film_state *s, double time_limit, film_line *lines,
                 int32_t line_room, int32_t *line_count, film_state *events, int32_t event_room, int32_t *event_count) {
-    int status = ready(mesh, s);
     double dt = time_limit - s->time;
+    int status = dt >= 0.0 ? ready(mesh, s) : FILM_BAD_NUMBER;
     *line_count = *event_count = 0;
     while (status >= 0) {
         if (!s->has_line) {

@@ -12,6 +12,7 @@
 #include <string.h>
 
 static const double EXACT = 1e-12;   /* agreement that only rounding disturbs, of the largest value of its kind */
+static const double SERIES_ROUNDING = 5e-9;
 static const double ENERGY = 1e-11;  /* balance of energy over a whole contact: the sum of some hundred roundings */
 
 enum { RANDOM_IMPACTS = 3000, RANDOM_SCHEDULES = 1500, SEGMENTS_MOST = 24, LINE_ROOM = 4096, EVENT_ROOM = 256, SAMPLES = 60 };
@@ -582,18 +583,19 @@ static void check_hertz(void) {
     HOLD(before < 2e-11);
 }
 
-/* The same law as a power and as a series gives the same contact. */
+/* The same law as a power and as a series gives the same contact. A series is rounded at its largest value, 0.4 for the
+ * work; over a segment of 1e-5 at a force of 0.03 that is 1e-9 of the force. */
 static void check_series(const film_mesh *mesh) {
     for (int i = 0; i < 200; i++) {
-        film_start start = {over_decades(1e-2, 0.89), i % 2 ? 0.0 : over_decades(1e-3, 5.0), 0.0, 0.0, INFINITY};
+        film_start start = {over_decades(0.1, 0.89), i % 2 ? 0.0 : over_decades(1e-3, 5.0), 0.0, 0.0, INFINITY};
         film_summary a, b;
         snprintf(where, sizeof where, "Hertz twice, nu %.17g, gamma %.17g", start.nu, start.gamma);
         HOLD(film_impact(&curves[HERTZ], mesh, &start, &a) == FILM_EVENT);
         HOLD(film_impact(&curves[SERIES], mesh, &start, &b) == FILM_EVENT);
         HOLD(b.stage == 0 && a.stage == 0);
-        NEAR(a.maximum_indentation, b.maximum_indentation, a.maximum_indentation, 1e-10);
-        NEAR(a.contact_duration, b.contact_duration, a.contact_duration, 1e-8);
-        NEAR(a.final_velocity, b.final_velocity, start.nu, 1e-8);
+        NEAR(a.maximum_indentation, b.maximum_indentation, a.maximum_indentation, SERIES_ROUNDING);
+        NEAR(a.contact_duration, b.contact_duration, a.contact_duration, SERIES_ROUNDING);
+        NEAR(a.final_velocity, b.final_velocity, start.nu, SERIES_ROUNDING);
     }
 }
 
@@ -775,7 +777,7 @@ int main(void) {
         if (linearisation == FILM_WORK_PRESERVING) check_series(&fine.mesh);
         for (int which = 0; which < CURVES; which++) {
             check_batch(which, &few.mesh, 0.1);
-            check_batch(which, &fine.mesh, 1e-5);
+            check_batch(which, &fine.mesh, 1e-4);
         }
         free(few.memory);
         free(fine.memory);

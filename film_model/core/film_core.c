@@ -15,6 +15,7 @@ static const double TRIAL_TURN_TOLERANCE = 1e-2; /* a trial only aims the nodes 
 static const double TURN_SPEED = 1e-6;           /* of the speed a line began with: its energy, 1e-12, is rounding */
 static const double REST_LENGTH = 1e-6;          /* of the contact's depth: curvature changes the force by 1e-12 */
 static const double REST_SPEED = 1e-13;          /* of the impactor's: rounding of y = nu - gamma f */
+static const double NEWTON_SETTLED = 1e-9;       /* relative; the next step's error is the square */
 static const double SHORT_WAY = 2e-4;            /* of the distance to the law's singular point; see mean_force */
 enum { TURN_ITERATIONS = 60, HALVINGS = 60 };
 
@@ -313,8 +314,10 @@ int film_turning_point(const film_curve *curve, const film_line *run, double xi,
         energy = energy_at(curve, run, total, load, at, &slope);
         if (energy >= 0.0) inner = at; else outer = at;
         double next = at - energy / slope;
-        if (fabs(next - at) <= 4e-16 * fabs(at)) break;
-        at = d * (next - inner) > 0.0 && d * (outer - next) > 0.0 ? next : 0.5 * (inner + outer);
+        int inside = d * (next - inner) > 0.0 && d * (outer - next) > 0.0;
+        int settled = fabs(next - at) <= (inside ? NEWTON_SETTLED : 4e-16) * fabs(at);
+        at = inside ? next : settled ? at : 0.5 * (inner + outer);
+        if (settled) break;
     }
     *to = at;
     return FILM_EVENT;

@@ -82,9 +82,7 @@ def _run(options: argparse.Namespace) -> int:
     for path in filter(None, (options.output, options.plot)):
         _check_writable(path, options.force)
     scene = Scene.from_toml(options.scene)
-    history = simulate(
-        scene, accuracy=options.accuracy, segments=options.segments, linearisation=options.linearisation
-    )
+    history = simulate(scene, accuracy=options.accuracy, segments=options.segments, linearisation=options.linearisation)
     if options.output:
         import film_datasets
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from film_model import units
+from film_model.accuracy import Linearisation, mesh_for, raise_failure
 from film_model.core import native
 from film_model.errors import SimulationError
 from film_model.history import Event
 from film_model.problem import Problem, problem_of
 from film_model.scene import Body, Scene
-from film_model.solve import mesh_for, raise_failure
 
 _NOW = struct.Struct("9d")  # the first fields of film_state: time … force_peak
 _REPORT = struct.Struct("4i")
@@ -72,7 +72,7 @@ class ImpactComponent:
         initial_gap: Any = 0.0,
         accuracy: float | None = None,
         segments: int | None = None,
-        linearisation: str | None = None,
+        linearisation: Linearisation | None = None,
     ) -> None:
         if isinstance(scene.target, Body):
             raise SimulationError("a free body as target cannot be stepped: simulate() gives its motion")

@@ -52,8 +52,9 @@ class Curve:
         """∫f dξ from 0 to ξ in loading, as the core evaluates it."""
         last = self._stage_at(xi)
         ends = (self.native.stage[k].end for k in range(last))
-        return sum(native.stage_law(self.native, k, end)[1] for k, end in enumerate(ends)) + (
-            native.stage_law(self.native, last, xi)[1]
+        return (
+            sum(native.stage_law(self.native, k, end)[1] for k, end in enumerate(ends))
+            + (native.stage_law(self.native, last, xi)[1])
         )
 
     def _stage_at(self, xi: float) -> int:
@@ -265,9 +266,7 @@ def _fill(
 
 def _power_work(power: Power, reach: float) -> float:
     x = max(reach, 0.0)
-    return x * (
-        power.constant + 0.5 * power.slope * x + power.coefficient * x**power.exponent / (power.exponent + 1.0)
-    )
+    return x * (power.constant + 0.5 * power.slope * x + power.coefficient * x**power.exponent / (power.exponent + 1.0))
 
 
 def _write(target: native.Function, series: Any, begin: float, end: float, root: bool) -> None:

@@ -9,14 +9,14 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from film_model.bodies import STANDARD_GRAVITY, Body
+from film_model.core import native
+from film_model.curve import curve_of
 from film_model.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.law import law_fields
 from film_model.laws.yielding import yield_velocity
-from film_model.bodies import STANDARD_GRAVITY, Body
-from film_model.core import native
-from film_model.curve import curve_of
 from film_model.scales import scales_of
 from film_model.scene import Scene
 
@@ -53,7 +53,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class Choice:
-    """What a scene comes down to: its law, its target's impedance [N s/m], its load [N], and the effects behind them."""
+    """What a scene comes down to: law, target impedance [N s/m] and load [N], with the effects behind them."""
 
     law: AbstractLaw
     impedance: float
@@ -149,7 +149,7 @@ def _gravity(scene: Scene, law: AbstractLaw) -> tuple[float, Effect]:
 
 
 def _elastic_force(scene: Scene, law: AbstractLaw) -> float | None:
-    """Maximum force [N] of the law's impact on a target that does not move; None without a velocity or beyond the law."""
+    """Maximum force [N] of the law on a target that does not move; None without a velocity or beyond the law."""
     energy = 0.5 * scene.effective_mass * scene.approach_velocity**2
     if energy == 0.0:
         return None

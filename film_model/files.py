@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 import os
 import secrets
-from collections.abc import Iterator
+from collections.abc import Generator
 from pathlib import Path
 
 
 @contextlib.contextmanager
-def written_whole(target: Path) -> Iterator[Path]:
+def written_whole(target: Path) -> Generator[Path, None, None]:
     """A new, empty file beside `target` to write to; flushed and renamed to `target` when the block ends well.
 
     Whatever happens, `target` never holds half a file and nothing is left beside it. Raises FileNotFoundError,

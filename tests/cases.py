@@ -32,7 +32,9 @@ class Saturating(fm.AbstractLaw):
         unloading = fm.Unloading(residual=lambda m: 0.3 * (m - 1.0) ** 2 / (m + 1.0), exponent=1.3)
         return (
             fm.Stage("linear", 0.0, 1.0, fm.Power(slope=1.0)),
-            fm.Stage("saturating", 1.0, 60.0, lambda x: 1.0 + 4.0 * np.tanh((x - 1.0) / 4.0) + 0.1 * (x - 1.0), unloading),
+            fm.Stage(
+                "saturating", 1.0, 60.0, lambda x: 1.0 + 4.0 * np.tanh((x - 1.0) / 4.0) + 0.1 * (x - 1.0), unloading
+            ),
         )
 
 
@@ -72,7 +74,9 @@ def zener_scene(value, **solver):
     impedance = stiffness**0.4 * mass**0.6 * velocity**0.2 / value
     density = 10.0  # kg/m²; Z = 8 √(ρ_A D) for an isotropic plate
     bending = (impedance / 8) ** 2 / density
-    stiffnesses = fm.BendingStiffness(f"{bending!r} N*m", f"{0.3 * bending!r} N*m", f"{bending!r} N*m", f"{0.35 * bending!r} N*m")
+    stiffnesses = fm.BendingStiffness(
+        f"{bending!r} N*m", f"{0.3 * bending!r} N*m", f"{bending!r} N*m", f"{0.35 * bending!r} N*m"
+    )
     plate = fm.Plate(mass_per_area=f"{density} kg/m^2", bending_stiffness=stiffnesses)
     ball = fm.Sphere(radius="10 mm", mass=f"{mass} kg", velocity=f"{velocity} m/s")
     contact = fm.Contact(law="hertz", effective_modulus=f"{modulus} Pa")

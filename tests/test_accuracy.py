@@ -34,7 +34,9 @@ def true_error(history, exact):
 
 def random_scene(rng):
     """A ball, a target and a law from the wide middle of what people simulate."""
-    steel = fm.Material("m", f"{10 ** rng.uniform(9.5, 11.6)!r} Pa", 0.3, "7850 kg/m^3", f"{10 ** rng.uniform(8, 9.3)!r} Pa")
+    steel = fm.Material(
+        "m", f"{10 ** rng.uniform(9.5, 11.6)!r} Pa", 0.3, "7850 kg/m^3", f"{10 ** rng.uniform(8, 9.3)!r} Pa"
+    )
     radius = 10 ** rng.uniform(-4, -1)
     ball = fm.Sphere(f"{radius!r} m", velocity=f"{10 ** rng.uniform(-2, 1.5)!r} m/s", material=steel)
     target = [

@@ -136,7 +136,9 @@ def test_chung_and_ooi(target, modulus, ratio, density, radius, speed, depth, fo
     else:
         value = float(modulus.split()[0]) * 1e9 / (1 - ratio**2)
         contact, against = fm.Contact(law="hertz", effective_modulus=f"{value!r} Pa"), fm.HalfSpace()
-    scene = fm.Scene(fm.Sphere(radius, velocity=speed, material=own), against, contact=contact, effects=fm.Effects(gravity=False))
+    scene = fm.Scene(
+        fm.Sphere(radius, velocity=speed, material=own), against, contact=contact, effects=fm.Effects(gravity=False)
+    )
     summary = fm.simulate(scene, accuracy=1e-8).summary
     assert summary["maximum_indentation"] == pytest.approx(depth, rel=2e-6)
     assert summary["maximum_force"] == pytest.approx(force, rel=1e-6)

@@ -70,7 +70,7 @@ def test_stronge_knots():
 
 
 def test_big_alabo_restitution_has_its_minimum_and_maximum():
-    """The force has a plateau above yield, so restitution falls to 0.8232 at 1.673 V_Y and recovers to 0.9299 at 8.49."""
+    """The force has a plateau above yield: restitution falls to 0.8232 at 1.673 V_Y, recovers to 0.9299 at 8.49 V_Y."""
     speed = yield_velocity(EFFECTIVE_MODULUS, RADIUS, YIELD, 0.06074)
     for ratio, restitution in ((1.673, 0.8232), (8.49, 0.9299)):
         summary = fm.simulate(scene("big-alabo", velocity=ratio * speed)).summary
@@ -150,8 +150,10 @@ def test_a_root_is_fitted_in_its_own_variable():
 
 def test_a_peak_inside_a_stage_is_met_exactly():
     """A softening force: its largest value is a summary value, wherever the nodes fall."""
-    law = own(fm.Stage("soft", 0.0, 3.0, lambda x: 2 * x * np.exp(-x) + 0.05 * x), fm.Stage("hard", 3.0, np.inf, fm.Power(
-        constant=float(6 * np.exp(-3.0) + 0.15), slope=1.0)))
+    law = own(
+        fm.Stage("soft", 0.0, 3.0, lambda x: 2 * x * np.exp(-x) + 0.05 * x),
+        fm.Stage("hard", 3.0, np.inf, fm.Power(constant=float(6 * np.exp(-3.0) + 0.15), slope=1.0)),
+    )
     ball = fm.Sphere("10 mm", velocity="0.26 m/s", mass="50 g")
     case = fm.Scene(ball, fm.HalfSpace(), contact=fm.Contact(law=law), effects=fm.Effects(gravity=False))
     history = fm.simulate(case, segments=7)
@@ -165,7 +167,10 @@ def test_a_peak_inside_a_stage_is_met_exactly():
     ("stages", "says"),
     [
         ((fm.Stage("a", 0.5, 1.0, fm.Power(slope=1.0)),), "must begin at 0.0"),
-        ((fm.Stage("a", 0.0, 1.0, fm.Power(slope=1.0)), fm.Stage("b", 1.5, 2.0, fm.Power(slope=1.0))), "must begin at 1.0"),
+        (
+            (fm.Stage("a", 0.0, 1.0, fm.Power(slope=1.0)), fm.Stage("b", 1.5, 2.0, fm.Power(slope=1.0))),
+            "must begin at 1.0",
+        ),
         ((fm.Stage("a", 0.0, np.inf, lambda x: x),), "has no end"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: x - 1.0),), "must be finite and >= 0"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: np.log(x)),), "must be finite and >= 0"),

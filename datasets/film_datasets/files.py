@@ -8,9 +8,8 @@ from typing import Any
 
 import xarray as xr
 
-from film_model.files import written_whole
-
 from film_datasets.schema import VARIABLES
+from film_model.files import written_whole
 
 SUFFIX = ".nc"
 

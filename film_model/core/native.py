@@ -222,9 +222,7 @@ def set_input(state: State, load: float, nu_change: float, stop_velocity: float)
     return library().film_input(c.byref(state), load, nu_change, stop_velocity)
 
 
-def record(
-    curve: Curve, cut: Mesh, state: State, limit: float, room: int
-) -> tuple[int, NDArray[Any], NDArray[Any]]:
+def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tuple[int, NDArray[Any], NDArray[Any]]:
     """Status, lines and event states from `state` to the end of the next contact or to the time `limit`."""
     lines, events = np.empty(room, LINE_DTYPE), np.empty(room, STATE_DTYPE)
     counts = (_I * 2)()

@@ -39,7 +39,9 @@ class Stronge(AbstractLaw):
     """
 
     name: ClassVar[str] = "stronge"
-    summary: ClassVar[str] = "elastic, logarithmic elastoplastic, fully plastic; Hertz unloading with R_d = (2δ/δy − 1)R"
+    summary: ClassVar[str] = (
+        "elastic, logarithmic elastoplastic, fully plastic; Hertz unloading with R_d = (2δ/δy − 1)R"
+    )
     source: ClassVar[str] = "Stronge 2000; Big-Alabo, Cartmell & Harrison 2017, equation (2)"
 
     effective_modulus: float

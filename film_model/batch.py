@@ -20,10 +20,11 @@ from film_model.accuracy import (
     solver_for,
     unloading_ratio,
 )
-from film_model.bodies import Body, Sphere
+from film_model.bodies import STANDARD_GRAVITY, Body, Sphere
 from film_model.core import native
+from film_model.effects import GRAVITY_THRESHOLD
 from film_model.errors import SimulationError
-from film_model.problem import Problem, problem_of
+from film_model.problem import Problem, contact_limit, problem_of
 from film_model.scene import Scene, Solver
 
 
@@ -46,8 +47,7 @@ def simulate_batch(
 ) -> BatchResult:
     """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
 
-    Law and effects are those of the scene, whatever the velocity (law "auto" is decided at the largest one). With an
-    accuracy, up to 64 of the impacts, the extremes among them, are tried to find the mesh. A free body as target is
+    Law "auto" is decided at the largest velocity, gravity "auto" for every impact. With an accuracy, up to 64 of the impacts, the extremes among them, are tried to find the mesh. A free body as target is
     refused with SimulationError.
     """
     speeds = units.array_to_si(velocity, "velocity")
@@ -63,8 +63,10 @@ def simulate_batch(
     clock = np.sqrt(masses.ravel() / problem.mass)  # t_s and 1/v_s grow with √m
     start["nu"] = speeds.ravel() * clock / scales.velocity
     start["gamma"] = problem.gamma * clock
-    start["load"] = problem.load * (masses.ravel() / problem.mass)
-    start["time_limit"] = problem.limit
+    start["time_limit"] = math.inf
+    heavy = _heavy(scene, problem, start, masses.ravel())
+    start["load"][heavy] = masses.ravel()[heavy] * STANDARD_GRAVITY / scales.force
+    start["time_limit"][heavy] = contact_limit(start["nu"][heavy], start["gamma"][heavy])
     solver = solver_for(scene.solver, accuracy, segments, None)
     trial = start[np.unique(np.linspace(0, start.size - 1, 64).astype(int))]
     order = np.argsort(start["gamma"] * start["nu"] ** 0.2 + 1e-9 * start["nu"])
@@ -84,6 +86,18 @@ def _at_velocity(scene: Scene, velocity: float) -> Scene:
     mass = None if ball.mass is None else f"{ball.mass!r} kg"
     impactor = Sphere(f"{ball.radius!r} m", velocity=f"{velocity!r} m/s", mass=mass, material=ball.material)
     return replace(scene, impactor=impactor)
+
+
+def _heavy(scene: Scene, problem: Problem, start: Any, mass: Any) -> NDArray[np.bool_]:
+    """Which impacts are simulated with their weight: the rule of `effects`, for each."""
+    wanted = scene.effects.gravity
+    if wanted != "auto":
+        return np.full(mass.shape, wanted)
+    still = start.copy()
+    still["gamma"] = 0.0
+    status, summary = native.batch(problem.curve.native, native.mesh(native.WORK_PRESERVING, 1, 1), still)
+    force = np.where(status == native.EVENT, summary["maximum_force"] * problem.scales.force, np.nan)
+    return ~(mass * STANDARD_GRAVITY <= GRAVITY_THRESHOLD * force)
 
 
 def _batch_mesh(problem: Problem, solver: Solver, trial: Any) -> tuple[tuple[int, int], float]:

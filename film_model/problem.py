@@ -58,8 +58,7 @@ class Problem:
         """Time after which a contact that a load holds shut is left."""
         if self.load <= 0.0:
             return math.inf
-        depth = max(self.approach, 1e-3) ** 0.8
-        return CONTACT_LIMIT * (3.0 * depth / max(self.approach, 1e-3) + self.gamma)
+        return float(contact_limit(self.approach, self.gamma))
 
     def motion(self, t: Any, values: Any) -> dict[str, Any]:
         """SI motion from the core's values ξ, ξ', f, ν, target displacement (last axis) at times t [s]."""
@@ -81,6 +80,11 @@ class Problem:
             "target_displacement": target[0],
             "target_velocity": target[1],
         }
+
+
+def contact_limit(approach: Any, gamma: Any) -> Any:
+    """Time after which a contact under load is left; 3 ν^{-1/5} is about the duration of an elastic contact."""
+    return CONTACT_LIMIT * (3.0 * np.maximum(approach, 1e-3) ** -0.2 + gamma)
 
 
 def problem_of(scene: Scene) -> Problem:

@@ -1,0 +1,209 @@
+"""The command line: what it prints, writes and returns, and what it says of mistakes."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from film_model.cli import main
+from film_model.history import SUMMARY
+
+SCENES = Path(__file__).parent.parent / "examples" / "scenes"
+BALL = SCENES / "tungsten_carbide_on_steel.toml"
+
+
+def run(capsys, *arguments):
+    status = main([str(argument) for argument in arguments])
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+def test_table(capsys):
+    status, out, err = run(capsys, "run", BALL)
+    assert status == 0
+    assert "516.088 N" in out
+    assert "9.48384 µm" in out
+    assert "law big-alabo" in out
+    assert err == ""
+
+
+def test_json(capsys):
+    status, out, _ = run(capsys, "run", BALL, "--json", "--accuracy", "1e-8")
+    table = json.loads(out)
+    assert status == 0
+    assert set(table) == {"title", "law", "outcome", "summary", "events", "effects", "accuracy", "warnings"}
+    assert list(table["summary"]) == list(SUMMARY)
+    assert table["summary"]["maximum_force"] == {"value": pytest.approx(516.0877429, rel=1e-8), "units": "N"}
+    assert table["accuracy"]["requested"] == 1e-8
+    assert 0 < table["accuracy"]["estimated"] <= 1e-8
+    assert table["accuracy"]["segments"] >= 12
+    names = [event["name"] for event in table["events"]]
+    assert names == ["contact_begins", "stage_changes", "maximum_indentation", "impactor_stops", "contact_ends"]
+    assert {"name", "time", "indentation", "force"} <= set(table["events"][0])
+
+
+def test_segments_and_chords(capsys):
+    status, out, _ = run(capsys, "run", BALL, "--json", "--segments", "5", "--linearisation", "chord")
+    table = json.loads(out)
+    assert status == 0
+    assert table["summary"]["contact_duration"]["value"] == pytest.approx(105.15e-6, rel=1e-4)
+    assert table["accuracy"]["segments"] == 5
+    assert table["accuracy"]["requested"] is None
+
+
+def test_output_and_plot(capsys, tmp_path):
+    data, picture = tmp_path / "impact.nc", tmp_path / "impact.svg"
+    status, _, err = run(capsys, "run", BALL, "--output", data, "--plot", picture)
+    assert status == 0
+    assert str(data) in err
+    assert picture.read_text(encoding="utf-8").lstrip().startswith("<?xml")
+    with xr.open_dataset(data) as dataset:
+        assert float(dataset["maximum_force"]) == pytest.approx(516.0877, rel=1e-6)
+    status, _, err = run(capsys, "run", BALL, "--output", data)
+    assert status == 3
+    assert "--force" in err
+    assert run(capsys, "run", BALL, "--output", data, "--force")[0] == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["impact.nc", "impact.svg"]
+
+
+@pytest.mark.parametrize("command", ["laws", "materials"])
+def test_lists(capsys, command):
+    status, out, _ = run(capsys, command)
+    assert status == 0
+    assert ("big-alabo" if command == "laws" else "tungsten carbide") in out
+    status, out, _ = run(capsys, command, "--json")
+    rows = json.loads(out)[command]
+    assert len(rows) == (4 if command == "laws" else 17)
+    assert all(row["name"] and row["source"] for row in rows)
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["laws", "--help"], ["--version"]])
+def test_help(capsys, arguments):
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 0
+    assert "film-model" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["fly"],
+        ["run"],
+        ["run", str(BALL), "--accuracy", "1e-4", "--segments", "5"],
+        ["run", str(BALL), "--segments", "x"],
+    ],
+)
+def test_wrong_command_lines(capsys, arguments):
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 2
+    assert capsys.readouterr().out == ""
+
+
+TEXT = BALL.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "says"),
+    [
+        ('"10 mm"', '"5 kg"', "a length is needed"),
+        ('"10 mm"', '"10,5 mm"', "impactor.radius"),
+        ('"10 mm"', '"-10 mm"', "impactor.radius"),
+        ('"10 mm"', '"0 mm"', "impactor.radius"),
+        ('"10 mm"', '"nan mm"', "impactor.radius"),
+        ('"10 mm"', '"1e30 mm"', "impactor.radius"),
+        ('"10 mm"', '"10 furlongz"', "impactor.radius"),
+        ('"10 mm"', "10", "impactor.radius"),
+        ("velocity", "velocty", 'did you mean "velocity"'),
+        ('"tungsten carbide"', '"tungsten carbid"', 'did you mean "tungsten carbide"'),
+        ("[impactor]", "[impactor", "scene.toml"),
+        ("[target]", "[goal]", "goal"),
+    ],
+)
+def test_a_wrong_scene_is_one_clear_message(capsys, tmp_path, before, after, says):
+    assert before in TEXT
+    path, output = tmp_path / "scene.toml", tmp_path / "impact.nc"
+    path.write_text(TEXT.replace(before, after, 1), encoding="utf-8")
+    status, out, err = run(capsys, "run", path, "--output", output)
+    assert status == 2
+    assert out == ""
+    assert says in err
+    assert "scene.toml" in err
+    assert "Traceback" not in err
+    assert not output.exists()
+
+
+def test_files_that_cannot_be_read(capsys, tmp_path):
+    binary, large = tmp_path / "binary.toml", tmp_path / "large.toml"
+    binary.write_bytes(bytes(range(256)))
+    large.write_bytes(b"# much\n" * 400_000)
+    for path in (tmp_path / "missing.toml", tmp_path, binary, large):
+        status, out, err = run(capsys, "run", path)
+        assert status == 2
+        assert out == ""
+        assert path.name in err
+        assert len(err.splitlines()) == 1
+
+
+def test_output_that_cannot_be_written(capsys, tmp_path):
+    for output in (tmp_path / "none" / "impact.nc", tmp_path):
+        status, out, err = run(capsys, "run", BALL, "--output", output)
+        assert status == 3
+        assert out == ""
+        assert len(err.splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []
+    status, _, err = run(capsys, "run", BALL, "--plot", tmp_path / "impact.xyz")
+    assert status == 3
+    assert "xyz" in err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "says"),
+    [("--accuracy", "7", "accuracy"), ("--accuracy", "nan", "accuracy"), ("--segments", "0", "segments")],
+)
+def test_options_out_of_range(capsys, option, value, says):
+    status, out, err = run(capsys, "run", BALL, option, value)
+    assert status == 2
+    assert out == ""
+    assert says in err
+
+
+def command(*arguments, **options):
+    code = "import sys; from film_model.cli import main; sys.exit(main(sys.argv[1:]))"
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False, **options
+    )
+
+
+def test_a_reader_that_leaves_is_no_error():
+    read, write = os.pipe()
+    os.close(read)
+    code = "import sys; from film_model.cli import main; sys.exit(main(sys.argv[1:]))"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "run", str(BALL)], stdout=write, stderr=subprocess.PIPE, check=False
+    )
+    os.close(write)
+    assert b"Traceback" not in done.stderr
+
+
+def test_an_ordinary_run_needs_neither_pint_nor_scipy_nor_xarray():
+    code = (
+        "import sys; from film_model.cli import main; main(sys.argv[1:]); "
+        "print([m for m in ('pint', 'scipy', 'xarray', 'matplotlib') if m in sys.modules], file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code, "run", str(BALL)], capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == "[]"
+
+
+def test_exit_status_of_the_process():
+    assert command("run", "no such file.toml").returncode == 2
+    done = command("laws", "--json")
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["laws"]

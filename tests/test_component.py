@@ -1,0 +1,277 @@
+"""The component: steps of any size give one motion, with the events of a whole run."""
+
+import math
+import random
+
+import numpy as np
+import pytest
+from cases import LAWS, scene
+from scipy.integrate import solve_ivp
+
+import film_model as fm
+from film_model.core import native
+
+EXACT = 1e-12
+
+
+def drop(law="big-alabo", target="half-space", **options):
+    return fm.ImpactComponent(scene(law, target, accuracy=1e-8), **options)
+
+
+def values(outputs):
+    return np.array([value for value in outputs if isinstance(value, float)])
+
+
+@pytest.mark.parametrize("target", ["half-space", "plate", "rod"])
+@pytest.mark.parametrize("law", list(LAWS))
+def test_any_partition_of_a_time_gives_the_same(law, target):
+    rng = random.Random(law + target)
+    whole, parts = drop(law, target, initial_gap="2 um"), drop(law, target, initial_gap="2 um")
+    expected = whole.step(2e-4)
+    cuts = sorted(rng.uniform(0, 2e-4) for _ in range(60))
+    events = []
+    for a, b in zip([0.0, *cuts], [*cuts, 2e-4], strict=True):
+        result = parts.step(b - a)
+        events += result.events
+    scale = np.abs(values(expected.outputs)).max() + np.abs(values(expected.outputs))
+    assert (np.abs(values(result.outputs) - values(expected.outputs)) < 3e-11 * scale).all()
+    assert [event.name for event in events] == [event.name for event in expected.events]
+    assert [event.time for event in events] == pytest.approx([event.time for event in expected.events], rel=EXACT)
+
+
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+@pytest.mark.parametrize("law", ["hertz", "big-alabo", "stronge"])
+def test_events_are_those_of_a_whole_run(law, target):
+    component = drop(law, target)
+    history = fm.simulate(component.scene, accuracy=1e-8)
+    result = component.step("1 ms")
+    assert component.phase == "separated"
+    assert [event.name for event in result.events] == [event.name for event in history.events]
+    for ours, theirs in zip(result.events, history.events, strict=True):
+        assert ours.time == pytest.approx(theirs.time, rel=EXACT)
+        assert ours.indentation == pytest.approx(theirs.indentation, rel=EXACT)
+        assert ours.stage == theirs.stage
+
+
+def test_restore_and_redo_is_the_same_to_the_bit():
+    component = drop(initial_gap="1 um")
+    component.step(3e-5)
+    saved = component.save()
+    first = component.step(7e-5, external_force=3.0)
+    component.restore(saved)
+    assert component.step(7e-5, external_force=3.0) == first
+    component.reset()
+    again = drop(initial_gap="1 um")
+    assert component.step(1e-4) == again.step(1e-4)
+
+
+def test_stop_at_events_returns_at_each_event():
+    component = drop()
+    names = []
+    while component.phase != "separated":
+        result = component.step(1.0, stop_at_events=True)
+        names += [event.name for event in result.events]
+        assert len(result.events) == 1
+        assert result.time == result.events[0].time
+    assert names == ["contact_begins", "stage_changes", "maximum_indentation", "impactor_stops", "contact_ends"]
+
+
+def test_second_contact_on_the_same_dent():
+    """The ball comes back hardly faster than it left: it meets its own dent, and returns nearly all of the energy."""
+    component = drop()
+    first = component.step(2e-4)
+    left = first.outputs.impactor_velocity
+    dent = first.events[-1].indentation
+    force = 2.0  # turns the ball round
+    events = []
+    for _ in range(2000):
+        result = component.step(1e-5, external_force=force)
+        events += result.events
+        if any(event.name == "contact_ends" for event in events):
+            break
+    begins = next(event for event in events if event.name == "contact_begins")
+    assert begins.indentation == pytest.approx(dent, rel=EXACT)
+    flight = dent - first.outputs.indentation  # over which the force acted on the way back, and not on the way out
+    assert begins.impactor_velocity == pytest.approx(math.sqrt(left**2 + 2 * force * flight / 0.06074), rel=1e-9)
+    assert component.outputs.contact_count == 2
+    turn = next(event for event in events if event.name == "maximum_indentation")
+    old = next(event for event in first.events if event.name == "maximum_indentation")
+    work = force * (turn.indentation - dent)
+    assert old.indentation < turn.indentation < 1.05 * old.indentation
+    ends = next(event for event in events if event.name == "contact_ends")
+    assert work < 0.02 * 0.5 * 0.06074 * left**2  # little is added, so little is lost
+    assert abs(ends.impactor_velocity) == pytest.approx(begins.impactor_velocity, rel=2e-2)
+
+
+def loading_force(d):
+    """Big-Alabo's first two stages, in F_y."""
+    return np.where(d <= 1.0, np.maximum(d, 0.0) ** 1.5, 1.0 + np.maximum(d - 1.0, 0.0) ** 1.5)
+
+
+def test_pushed_in_again_before_it_separates():
+    """A force applied while the contact opens: it reloads along the unloading branch, passes the old maximum and yields
+    on along the virgin curve. Against an integrator on the law itself."""
+    component = drop()
+    scales, mass = component.problem.scales, component.problem.mass
+    turn = None
+    while turn is None:
+        result = component.step(1.0, stop_at_events=True)
+        turn = next((event for event in result.events if event.name == "maximum_indentation"), None)
+    component.step(2e-5)
+    start = component.outputs
+    push = 900.0
+    deepest, force_max = turn.indentation / scales.length, turn.contact_force / scales.force
+    radius = 1.0 + ((deepest - 1.0) / 12.93) ** 1.5
+    free = deepest - (force_max / math.sqrt(radius)) ** (2 / 3)
+
+    def force(d):
+        branch = force_max * (max(d - free, 0.0) / (deepest - free)) ** 1.5
+        return scales.force * (branch if d <= deepest else float(loading_force(np.array(d))))
+
+    def rate(t, state):
+        return [state[1], (push - force(state[0] / scales.length)) / mass]
+
+    def passes(t, state):
+        return state[0] / scales.length - deepest
+
+    passes.terminal = True
+    begin = [start.indentation, start.impactor_velocity]
+    options = {"rtol": 1e-12, "atol": 1e-20, "method": "DOP853"}
+    first = solve_ivp(rate, (0, 3e-4), begin, events=passes, **options)
+    crossing, there = first.t_events[0][0], first.y_events[0][0]
+    there[0] = deepest * scales.length * (1 + 1e-15)
+    later = solve_ivp(rate, (crossing, crossing + 3e-5), there, **options)
+
+    result = component.step(crossing + 3e-5, external_force=push)
+    names = [event.name for event in result.events]
+    assert names[:2] == ["reloading_begins", "stage_changes"]
+    assert result.events[1].time - start.time == pytest.approx(crossing, rel=1e-7)
+    assert result.outputs.indentation == pytest.approx(later.y[0, -1], rel=1e-7)
+    assert result.outputs.impactor_velocity == pytest.approx(later.y[1, -1], rel=1e-6)
+    assert result.outputs.indentation > turn.indentation
+    assert result.outputs.contact_force > turn.contact_force
+
+
+def test_force_held_over_the_contact_agrees_with_an_integrator():
+    component = drop("hertz", "plate")
+    problem, push = component.problem, 150.0
+    gamma, load = problem.gamma, push / problem.scales.force
+
+    def rate(t, state):
+        force = max(state[0], 0.0) ** 1.5
+        return [state[1] - gamma * force, load - force]
+
+    end = 2.0
+    exact = solve_ivp(rate, (0, end), [0, problem.approach], rtol=1e-12, atol=1e-14, method="DOP853").y[:, -1]
+    outputs = component.step(end * problem.scales.time, external_force=push).outputs
+    assert outputs.indentation == pytest.approx(exact[0] * problem.scales.length, rel=1e-6)
+    assert outputs.impactor_velocity == pytest.approx(exact[1] * problem.scales.velocity, rel=1e-6)
+
+
+def test_a_ball_comes_to_rest_on_a_plate():
+    steel = fm.Material("steel", "210 GPa", 0.3, "7850 kg/m^3")
+    ball = fm.Sphere("5 mm", velocity="0.2 m/s", material=steel)
+    rest = fm.Scene(
+        ball,
+        fm.Plate(steel, thickness="2 mm"),
+        contact=fm.Contact(law="hertz"),
+        effects=fm.Effects(gravity=True),
+        solver=fm.Solver(accuracy=1e-4),
+    )
+    component = fm.ImpactComponent(rest, initial_gap="1 mm")
+    result = component.step(20.0)
+    assert component.phase == "resting"
+    assert result.outputs.contact_force == pytest.approx(rest.mass * 9.80665, rel=1e-6)
+    assert result.outputs.relative_velocity == pytest.approx(0, abs=1e-9)
+    assert component.step("365 days").outputs.phase == "resting"
+
+
+def test_a_moving_support_is_another_frame():
+    still, moving = drop("big-alabo", "plate"), drop("big-alabo", "plate")
+    still.step(1e-5)
+    a = still.step(5e-5)
+    moving.step(1e-5)
+    b = moving.step(5e-5, support_velocity=0.0)
+    assert a == b
+    # A support that runs away as fast as the ball comes is never indented further.
+    runaway = drop("hertz", initial_gap="1 um")
+    result = runaway.step(1.0, support_velocity=0.25)
+    assert result.outputs.phase == "approaching"
+    assert result.outputs.target_displacement == pytest.approx(0.25)
+    # One that comes to meet it makes the contact of the doubled velocity.
+    meeting = drop("hertz", initial_gap="1 um")
+    result = meeting.step(1e-3, support_velocity=-0.25)
+    double = fm.simulate(scene("hertz", velocity=0.5, accuracy=1e-8))
+    turn = next(event for event in result.events if event.name == "maximum_indentation")
+    assert turn.indentation == pytest.approx(double.summary["maximum_indentation"], rel=1e-8)
+
+
+def test_tiny_huge_and_empty_steps():
+    component = drop()
+    before = component.outputs
+    assert component.step(0.0).outputs.time == before.time
+    for _ in range(10):
+        component.step(1e-18)
+    assert component.time == pytest.approx(1e-17, rel=1e-9)
+    result = component.step("365 days")
+    assert result.outputs.phase == "separated"
+    assert result.outputs.time == pytest.approx(365 * 86400, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ({"dt": -1e-6}, "must be >= 0 s"),
+        ({"dt": math.nan}, "nan"),
+        ({"dt": "5 kg"}, "a time is needed"),
+        ({"dt": 1e-6, "external_force": "5 m"}, "a force is needed"),
+        ({"dt": 1e-6, "support_velocity": math.inf}, "inf"),
+    ],
+)
+def test_bad_steps_are_refused_and_change_nothing(arguments, says):
+    component = drop()
+    saved = component.save()
+    with pytest.raises(ValueError, match=says):
+        component.step(**arguments)
+    assert component.save() == saved
+
+
+def test_units_and_floats_are_the_same():
+    import pint
+
+    ureg = pint.get_application_registry()
+    results = [
+        drop().step(dt, external_force=force)
+        for dt, force in ((2e-5, 1.5), ("20 us", "1.5 N"), (20 * ureg.us, 1.5 * ureg.N))
+    ]
+    assert results[0] == results[1]
+    assert values(results[2].outputs) == pytest.approx(values(results[0].outputs), rel=1e-14)
+
+
+def test_a_free_body_cannot_be_stepped():
+    with pytest.raises(fm.SimulationError, match="free body"):
+        fm.ImpactComponent(scene("hertz", "body"))
+    with pytest.raises(ValueError, match="initial_gap"):
+        drop(initial_gap=-1e-6)
+
+
+def test_phases_are_named_as_in_the_core():
+    assert len(native.PHASES) == 6
+    component = drop()
+    assert component.phase == "approaching"
+    component.step(1e-5)
+    assert component.phase == "loading"
+    component.step(6e-5)
+    assert component.phase == "unloading"
+
+
+@pytest.mark.slow
+def test_a_million_steps_do_not_drift():
+    whole, parts = drop("big-alabo", "plate"), drop("big-alabo", "plate")
+    expected = whole.step(1e-4).outputs
+    for _ in range(1_000_000):
+        parts.step(1e-10)
+    found = parts.outputs
+    assert found.time == pytest.approx(expected.time, rel=EXACT)
+    assert found.indentation == pytest.approx(expected.indentation, rel=EXACT)
+    assert found.impactor_velocity == pytest.approx(expected.impactor_velocity, rel=1e-11)

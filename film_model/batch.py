@@ -47,8 +47,9 @@ def simulate_batch(
 ) -> BatchResult:
     """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
 
-    Law "auto" is decided at the largest velocity, gravity "auto" for every impact. With an accuracy, up to 64 of the impacts, the extremes among them, are tried to find the mesh. A free body as target is
-    refused with SimulationError.
+    Law "auto" is decided at the largest velocity, gravity "auto" for every impact. With an accuracy, up to 64 of the
+    impacts, the extremes among them, are tried to find the mesh. A free body as target is refused with
+    SimulationError.
     """
     speeds = units.array_to_si(velocity, "velocity")
     masses = np.asarray(scene.effective_mass) if mass is None else units.array_to_si(mass, "mass")

@@ -272,7 +272,10 @@ static int32_t first_aim(const film_curve *curve, double nu, double gamma, doubl
 static double stop_within(double tau, double w0, double w1, double f0, double f1) {
     double s = w0 / (w0 - w1), d0 = -f0 * tau, d1 = -f1 * tau;
     double c2 = 3.0 * (w1 - w0) - 2.0 * d0 - d1, c3 = 2.0 * (w0 - w1) + d0 + d1;
-    for (int i = 0; i < 3; i++) s -= (w0 + s * (d0 + s * (c2 + s * c3))) / (d0 + s * (2.0 * c2 + 3.0 * s * c3));
+    for (int i = 0; i < 3; i++) {
+        s -= (w0 + s * (d0 + s * (c2 + s * c3))) / (d0 + s * (2.0 * c2 + 3.0 * s * c3));
+        s = s > 0.0 ? s < 1.0 ? s : 1.0 : 0.0; /* a line too long for its cubic */
+    }
     return s * tau;
 }
 

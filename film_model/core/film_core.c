@@ -56,7 +56,8 @@ static void line_to_turn(const film_curve *curve, const film_mesh *mesh, film_st
 
 /* The last line must pass through the law's force where the motion turns, since y = nu - gamma f there: the length h
  * for which the line over h turns after exactly h. Secant steps inside a bracket; `length` is the first guess and
- * becomes the answer. 0: no turn up to `limit`. */
+ * becomes the answer. An over-damped line that a load pushes on creeps up to its balance and turns there after an infinite
+ * time. 0: no turn up to `limit`. */
 static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double *length, double limit,
                      double tolerance) {
     double low = 0.0, high = INFINITY, h = *length < limit ? *length : limit;
@@ -65,7 +66,7 @@ static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state 
         line_to_turn(curve, mesh, s, h);
         motion m = on_line(s, s->line.phi, s->line.kappa);
         double reach = INFINITY, tau = INFINITY, y;
-        if (!(m.y0 > 0.0)) {
+        if (!(m.y0 > 0.0) && !(m.phi < 0.0 && m.a > 0.0)) {
             reach = tau = 0.0;
         } else if (m.a == 0.0) {
             double root = m.phi * m.phi + m.kappa * m.y0 * m.y0;
@@ -75,7 +76,10 @@ static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state 
                 tau = 2.0 * ratio * arc(m.kappa * ratio * ratio);
             }
         } else if ((tau = turn_time(&m)) < INFINITY) {
+            if (m.y0 < 0.0) tau += 2.0 * PI / sqrt(m.kappa - m.a * m.a); /* back a little first: the load pushes on */
             move(&m, tau, &reach, &y);
+        } else if (m.kappa > 0.0 && m.phi < 0.0) {
+            reach = -m.phi / m.kappa;
         }
         double miss = reach - h;
         s->tau_end = tau;
@@ -92,7 +96,7 @@ static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state 
         if (k > 20 && high < INFINITY) next = 0.5 * (low + high);
         h = next < top ? next : top;
     }
-    return 1;
+    return high < INFINITY;
 }
 
 static double node(const film_mesh *mesh, const film_state *s, int32_t i) {
@@ -162,6 +166,13 @@ static void land(film_state *s, double length, double y) {
     s->nu_end = s->direction * y + s->gamma * (s->line.phi + s->line.kappa * h);
 }
 
+/* Whether the law lies below its chord over the next h: a flatter chord is to be had halfway. */
+static int sags(const film_curve *curve, const film_state *s, double h) {
+    double middle, work;
+    law_at(curve, &s->line, s->xi + 0.5 * h, &middle, &work);
+    return middle < 0.499999 * (s->force + s->force_end);
+}
+
 /* The next line of the leg: replaces the law from the current point to the next node. */
 static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, double turn_tolerance) {
     int last = s->leg_node + 1 >= s->leg_nodes, at_rest = s->from_turn && s->leg_node == 0;
@@ -175,12 +186,17 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
             end_here(s, s->line_ends);
             return FILM_OK;
         }
+        if (at_rest && s->line_ends == ENDS_TURN && s->gamma > 0.0) { /* no line is true to the law at rest and at a turn */
+            length *= 0.5;
+            s->line_ends = ENDS_PART;
+        }
         motion m = draw(curve, mesh, s, length);
         int left = leave(&m, length, &s->tau_end, &y);
-        /* A line may dip below zero where the law only touches it, and would hold the contact shut for ever. Without
-         * a load nothing does: go halfway, and again, until the law is flat enough to let go. */
+        /* A line may dip below zero where the law only touches it, or as a chord be too steep, and would hold the contact
+         * shut for ever. Without a load nothing does: go halfway, and again, until the law is flat enough to let go. */
         for (int k = 0; left != LEFT && k < HALVINGS && d < 0.0 && s->load <= 0.0; k++) {
-            if (!(s->line.phi + s->line.kappa * d * length < -1e-12 * s->force)) break;
+            int dips = s->line.phi + s->line.kappa * d * length < -1e-12 * s->force;
+            if (!dips && !(mesh->linearisation == FILM_CHORD && sags(curve, s, d * length))) break;
             length *= 0.5;
             s->line_ends = ENDS_PART;
             m = draw(curve, mesh, s, length);
@@ -208,6 +224,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
             s->line_ends = ENDS_TURN;
             land(s, x, 0.0);
             law_at(curve, &s->line, s->xi_end, &s->force_end, &s->work_end);
+            s->nu_end = s->gamma * s->force_end;
             return FILM_OK;
         }
         length *= 0.5;
@@ -221,6 +238,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         s->line_ends = ENDS_TURN;
         s->xi_end = s->xi + d * length;
         s->nu_end = s->gamma * s->force_end;
+        if (!(s->tau_end < INFINITY)) s->line_ends = ENDS_NEVER;
         return FILM_OK;
     }
     if (!(edge < INFINITY)) return FILM_BEYOND_LAW;
@@ -254,6 +272,7 @@ static void cut_at_stop(const film_curve *curve, const film_mesh *mesh, film_sta
         double next = length + excess * y / (phi - s->load);
         if (!(next > low && next < high)) next = 0.5 * (low + high);
         if (fabs(next - length) <= 1e-14 * full) {
+            if (fabs(excess) > 1e-6 * (whole.nu - whole.nu_end)) break; /* only the line that meets the turn stops */
             s->nu_end = s->stop_velocity;
             return;
         }
@@ -329,10 +348,15 @@ static int aim_by_energy(const film_curve *curve, film_state *s) {
     return status < 0 ? status : FILM_OK;
 }
 
-/* Where the true law balances the load, between the current point and the end of the leg. */
+/* Where the true law balances the load, from the current point towards the end of the leg, and maybe beyond. */
 static double balance(const film_curve *curve, const film_state *s) {
-    double low = s->xi, high = s->leg_to, force, work; /* aimed no shallower than the balance */
+    double low = s->xi, high = s->leg_to, limit = limit_of(curve, s), force, work;
     double side = s->force - s->load;
+    for (int k = 0; k < DOUBLINGS && high != limit; k++) {
+        law_at(curve, &s->line, high, &force, &work);
+        if ((force - s->load) * side <= 0.0) break;
+        high = limit < INFINITY ? limit : s->xi + 2.0 * (high - s->xi);
+    }
     for (int k = 0; k < 100; k++) {
         double middle = 0.5 * (low + high);
         law_at(curve, &s->line, middle, &force, &work);
@@ -511,10 +535,10 @@ static int finish(const film_curve *curve, film_state *s) {
     s->has_line = 0;
     if (s->nu > s->stop_velocity) s->moving_in = 1;
     s->event = FILM_NO_EVENT;
+    s->from_turn = ends == ENDS_TURN;
     if (ends == ENDS_STOP) return stopped(s);
     if (ends == ENDS_PART || (ends == ENDS_NODE && s->leg_node < s->leg_nodes)) return FILM_OK;
     s->has_leg = 0;
-    s->from_turn = ends == ENDS_TURN;
     if (ends == ENDS_TURN) {
         s->event = s->direction > 0 ? FILM_MAXIMUM_INDENTATION : FILM_RELOADING_BEGINS;
         if (s->direction > 0 && s->branch >= 0) status = remember(curve, s);

@@ -17,7 +17,7 @@ static const double REST_LENGTH = 1e-6;          /* of the contact's depth: curv
 static const double REST_SPEED = 1e-13;          /* of the impactor's: rounding of y = nu - gamma f */
 static const double NEWTON_SETTLED = 1e-9;       /* relative; the next step's error is the square */
 static const double SHORT_WAY = 2e-4;            /* of the distance to the law's singular point; see mean_force */
-enum { TURN_ITERATIONS = 60, HALVINGS = 60 };
+enum { TURN_ITERATIONS = 60, HALVINGS = 60, NEWTON_STEPS = 10 };
 
 /* ---------------------------------------------------------------- lines */
 
@@ -76,7 +76,6 @@ static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state 
                 tau = 2.0 * ratio * arc(m.kappa * ratio * ratio);
             }
         } else if ((tau = turn_time(&m)) < INFINITY) {
-            if (m.y0 < 0.0) tau += 2.0 * PI / sqrt(m.kappa - m.a * m.a); /* back a little first: the load pushes on */
             move(&m, tau, &reach, &y);
         } else if (m.kappa > 0.0 && m.phi < 0.0) {
             reach = -m.phi / m.kappa;
@@ -184,6 +183,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
     if (s->line_ends != ENDS_TURN || own_turn) {
         if (!(length > 0.0)) {
             end_here(s, s->line_ends);
+            if (s->line_ends == ENDS_TURN) s->nu_end = s->gamma * s->force; /* its speed is rounding */
             return FILM_OK;
         }
         if (at_rest && s->line_ends == ENDS_TURN && s->gamma > 0.0) { /* no line is true to the law at rest and at a turn */
@@ -265,12 +265,16 @@ static void cut_at_stop(const film_curve *curve, const film_mesh *mesh, film_sta
     s->line_ends = ENDS_STOP;
     for (int k = 0; k < TURN_ITERATIONS; k++) {
         motion m = draw(curve, mesh, s, length);
-        if (leave(&m, length, &s->tau_end, &y) != LEFT) break;
+        if (leave(&m, length, &s->tau_end, &y) != LEFT) { /* it does not get as far */
+            high = length;
+            length = 0.5 * (low + high);
+            continue;
+        }
         land(s, length, y);
         double excess = s->nu_end - s->stop_velocity, phi = s->line.phi + s->line.kappa * s->direction * length;
         if (excess > 0.0) low = length; else high = length;
         double next = length + excess * y / (phi - s->load);
-        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        if (!(next > low && next < high) || k > NEWTON_STEPS) next = 0.5 * (low + high);
         if (fabs(next - length) <= 1e-14 * full) {
             if (fabs(excess) > 1e-6 * (whole.nu - whole.nu_end)) break; /* only the line that meets the turn stops */
             s->nu_end = s->stop_velocity;

@@ -69,21 +69,23 @@ static inline void move(const motion *m, double tau, double *x, double *y) {
     *y = m->y0 * ds - m->phi * s;
 }
 
-/* First time with y = 0 after the start: tan(sqrt(D) tau)/sqrt(D) = y0/(phi + a y0), D = kappa - a^2. */
+/* When y falls to 0: tan(sqrt(D) tau)/sqrt(D) = y0/(phi + a y0), D = kappa - a^2. A start backwards, y0 < 0, that the
+ * force turns round first, comes half a period later. */
 static inline double turn_time(const motion *m) {
     double rate = m->phi + m->a * m->y0, square = m->kappa - m->a * m->a;
     if (m->y0 > 0.0 && rate > 0.0) {
         double r = m->y0 / rate;
         return r * arc(square * r * r);
     }
-    return square > 0.0 ? atan2(sqrt(square) * m->y0, rate) / sqrt(square) : INFINITY;
+    if (!(square > 0.0)) return INFINITY;
+    double angle = atan2(sqrt(square) * m->y0, rate);
+    return (angle >= 0.0 ? angle : angle + 2.0 * PI) / sqrt(square);
 }
 
 /* First time with x = length > 0, and y then. */
 static inline int leave_slowly(const motion *m, double length, double *tau, double *y) {
     double low = 0.0, high = turn_time(m), x;
     if (m->y0 <= 0.0 && m->phi >= 0.0) return m->phi > 0.0 || m->y0 < 0.0 ? LEFT_NOT : LEFT_NEVER;
-    if (m->y0 == 0.0) high = m->kappa > m->a * m->a ? PI / sqrt(m->kappa - m->a * m->a) : INFINITY;
     if (high < INFINITY) {
         move(m, high, &x, y);
         if (x < length) return LEFT_NOT;
@@ -123,7 +125,7 @@ static inline int leave(const motion *m, double length, double *tau, double *y) 
     }
     double guess = square > 0.0 && before > 0.0 ? sqrt(square) - drag : 0.0;
     if (m->y0 == 0.0 && square > 0.0) guess = sqrt(square) - drag;
-    if (!(guess > 0.1 * m->y0)) return leave_slowly(m, length, tau, y);
+    if (!(guess > 0.1 * m->y0) || m->y0 < 0.0) return leave_slowly(m, length, tau, y);
     double t = 2.0 * length / (m->y0 + guess);
     t -= t * t * t * (m->kappa + 2.0 * m->a * (guess - m->y0) / length) / 12.0;
     for (int k = 0; k < 6; k++) { /* x is exact at t; near t its Taylor polynomial is */
@@ -137,7 +139,8 @@ static inline int leave(const motion *m, double length, double *tau, double *y) 
         double reached = d * (*y + d * (0.5 * y1 + d * (1.0 / 6 * y2 + d * (1.0 / 24 * y3 + d * (1.0 / 120) * y4))));
         d -= (reached - miss) / (*y + d * (y1 + d * (0.5 * y2 + d * (1.0 / 6 * y3))));
         if (!(t + d > 0.0)) break;
-        if (fabs(d) <= 0.003 * t) {
+        double rough = fabs(miss) / *y; /* so short, and y so nearly constant over it, that d is good to rounding */
+        if (rough <= 0.003 * t && rough * fabs(y1) <= 0.03 * *y) {
             *y += d * (y1 + d * (0.5 * y2 + d * (1.0 / 6 * y3 + d * (1.0 / 24) * y4)));
             *tau = t + d;
             return *y > 0.0 ? LEFT : leave_slowly(m, length, tau, y);

@@ -19,6 +19,9 @@ _REPORT = struct.Struct("4i")
 _REPORT_AT = native.State.phase.offset
 _DEFAULT_SEGMENTS = (24, 48)  # a component that starts at rest has no impact to try meshes on
 
+MOST_EVENTS = 1_000_000
+"""A step with more events is refused: a ball that bounces for ever has no end of them."""
+
 
 class Outputs(NamedTuple):
     """Motion at one time, SI; directions positive into the target. phase: one of `native.PHASES`."""
@@ -166,6 +169,8 @@ class ImpactComponent:
                 raise_failure(status, self.problem)
                 break
             events.append(self._event())
+            if len(events) > MOST_EVENTS:
+                raise SimulationError(f"more than {MOST_EVENTS} events in one step: ask for a shorter one")
             remaining = max(end - state.time, 0.0)
             if stop_at_events:
                 break

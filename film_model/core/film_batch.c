@@ -99,6 +99,7 @@ int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start
     while (status >= 0) {
         status = film_step(curve, mesh, &s, start->time_limit - s.time);
         if (status != FILM_EVENT || s.event == FILM_CONTACT_ENDS) break;
+        if (s.lines > FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
         if (s.event == FILM_MAXIMUM_INDENTATION && s.xi > summary->maximum_indentation) {
             summary->maximum_indentation = s.xi;
             summary->time_of_maximum_indentation = s.time;
@@ -159,22 +160,32 @@ static inline void cross_line(const double *restrict gamma, const double *restri
         double q = 2.0 * length / (y0 + y1);
         q -= q * q * q * (k + a2 * (y1 - y0) / length) * (1.0 / 12);
         double d1 = -load - a2 * y0;
-        double u = 0.0, end = 0.0;
+        double u = 0.0, rough = 0.0, end = 0.0;
         for (int pass = 0; pass <= at_rest; pass++) { /* the guess for a line from rest needs a second correction */
             q += u;
             double x, y = polynomial(y0, d1, a2, k, q, &x);
             double slope = -(load + k * x) - a2 * y, bend = -a2 * slope - k * y, miss = length - x;
-            u = miss / y;
-            u = miss / (y + u * (0.5 * slope + u * (1.0 / 6) * bend));
+            rough = miss / y;
+            u = miss / (y + rough * (0.5 * slope + rough * (1.0 / 6) * bend));
             end = y + u * (slope + u * (0.5 * bend - u * (1.0 / 6) * (a2 * bend + k * slope)));
         }
         tau[l] = q + u;
         w1[l] = d * end + g * (phi[l] + k * h[l]);
         double good = end > 0.0 ? 1.0 : 0.0;
-        good = fabs(u) < 0.05 * q ? good : 0.0;
+        good = fabs(rough) < 0.05 * q ? good : 0.0; /* u may be short by chance, where x never gets as far */
         good = fabs(a2 * q) + fabs(k) * q * q < REACH ? good : 0.0;
         served[l] = good;
     }
+}
+
+/* The march's own way across one line of one lane. */
+static int cross_alone(double gamma, double h, double phi, double kappa, double d, int at_rest, double w, double *tau,
+                       double *w1) {
+    double y = 0.0;
+    motion m = {at_rest ? 0.0 : d * (w - gamma * phi), d * phi, kappa, 0.5 * kappa * gamma};
+    int left = leave(&m, d * h, tau, &y);
+    *w1 = d * y + gamma * (phi + kappa * h);
+    return left == LEFT;
 }
 
 /* To the next node, x1 of each lane, along a loading stage (run[l].branch) or an unloading branch. */
@@ -190,13 +201,10 @@ static void next_node(const film_curve *curve, const film_line *run, const doubl
     }
     if (at_rest) cross_line(gamma, h, phi, kappa, d, 1, s->w, tau, w1, served);
     else cross_line(gamma, h, phi, kappa, d, 0, s->w, tau, w1, served);
+    for (int l = 0; l < LANES; l++)
+        if (!(served[l] > 0.0) &&
+            !cross_alone(gamma[l], h[l], phi[l], kappa[l], d, at_rest, s->w[l], &tau[l], &w1[l])) bad[l] = 1.0;
     for (int l = 0; l < LANES; l++) {
-        if (!(served[l] > 0.0)) { /* the march's own way, for this line only */
-            double y = 0.0;
-            motion m = {at_rest ? 0.0 : d * (s->w[l] - gamma[l] * phi[l]), d * phi[l], kappa[l], 0.5 * kappa[l] * gamma[l]};
-            if (leave(&m, d * h[l], &tau[l], &y) != LEFT) bad[l] = 1.0;
-            w1[l] = d * y + gamma[l] * (phi[l] + kappa[l] * h[l]);
-        }
         s->w[l] = w1[l];
         s->time[l] += tau[l];
         s->xi[l] = x1[l];

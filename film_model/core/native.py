@@ -36,6 +36,7 @@ BAD_NUMBER, BAD_CURVE, BAD_MESH, BEYOND_LAW, TOO_MANY, BAD_UNLOADING, FULL, TOO_
 
 _D, _I = c.c_double, c.c_int32
 _GRADINGS = 6
+_MOST_ROOM = 20_000_000  # lines of a recorded contact, beyond which it will not end
 
 
 class Function(c.Structure):
@@ -239,6 +240,8 @@ def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tu
         room,
         c.byref(counts, 4),
     )
+    if status == FULL and room > _MOST_ROOM:
+        return TOO_MANY, lines, events
     if status == FULL:
         return record(curve, cut, begun, limit, 4 * room)
     return status, lines[: counts[0]].copy(), events[: counts[1]].copy()

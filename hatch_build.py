@@ -1,4 +1,4 @@
-"""Build hook: compiles the C core into one shared library beside its sources."""
+"""Build hook: compiles the C core, and with it the binary of FMUs, into shared libraries beside their sources."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from packaging.tags import platform_tags
 
-CORE = "film_model/core"
+sys.path.insert(0, str(Path(__file__).parent))
+from fmu_wrapper import platforms  # noqa: E402
+
+CORE = platforms.CORE
 SOURCES = (f"{CORE}/film_core.c", f"{CORE}/film_batch.c")
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
-
-# Without contraction into fused multiply-adds every compiler gives the same bits; the last two let loops vectorise.
-FLAGS = ("-std=c99", "-O3", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
+FLAGS = platforms.FLAGS
 SHARED = ("-shared",) if sys.platform == "win32" else ("-shared", "-fPIC")
 LINK = () if sys.platform == "win32" else ("-lm",)
 PROBE = "#include <math.h>\ndouble probe(double x) { return sqrt(x); }\n"
@@ -59,22 +60,26 @@ def zig_compiler() -> list[str]:
 
 class CustomBuildHook(BuildHookInterface):
     def dependencies(self) -> list[str]:
-        return [] if system_compiler() else ["ziglang"]
+        return ["fmpy>=0.3.20"] if system_compiler() else ["fmpy>=0.3.20", "ziglang"]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        self.compile(system_compiler() or zig_compiler())
+        own = system_compiler()
+        compiler, fmu = own or zig_compiler(), platforms.built_library()
+        self.compile(compiler, LIBRARY, list(SOURCES))
+        old = ["-include", str(Path(self.root, platforms.RUNTIME, "old_glibc.h"))] if own else []
+        self.compile(compiler, fmu, [*old, *platforms.arguments(Path(self.root))])
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{platform_tag()}"
-        build_data["artifacts"].append(f"/{LIBRARY}")
+        build_data["artifacts"] += [f"/{LIBRARY}", f"/{fmu}"]
 
-    def compile(self, compiler: list[str]) -> None:
+    def compile(self, compiler: list[str], name: str, arguments: list[str]) -> None:
         """Compile beside the library and rename, so that no half-written library is ever in its place."""
-        library = Path(self.root, LIBRARY)
+        library = Path(self.root, name)
         with tempfile.TemporaryDirectory(dir=library.parent, prefix=".build-") as folder:
             built = Path(folder, library.name)
-            command = [*compiler, *FLAGS, *SHARED, *SOURCES, "-o", str(built), *LINK]
+            command = [*compiler, *FLAGS, *SHARED, *arguments, "-o", str(built), *LINK]
             caches = {"ZIG_GLOBAL_CACHE_DIR": folder, "ZIG_LOCAL_CACHE_DIR": folder}  # zig fails without HOME otherwise
             run = subprocess.run(command, cwd=self.root, env={**caches, **os.environ}, capture_output=True, text=True)
             if run.returncode != 0:
-                self.app.abort(f"The C core does not compile:\n$ {shlex.join(command)}\n{run.stdout}{run.stderr}")
+                self.app.abort(f"{library.name} does not compile:\n$ {shlex.join(command)}\n{run.stdout}{run.stderr}")
             os.replace(built, library)

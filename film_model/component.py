@@ -17,7 +17,7 @@ from film_model.scene import Body, Scene
 _NOW = struct.Struct("9d")  # the first fields of film_state: time … force_peak
 _REPORT = struct.Struct("4i")
 _REPORT_AT = native.State.phase.offset
-_DEFAULT_SEGMENTS = (24, 48)  # a component that starts at rest has no impact to try meshes on
+DEFAULT_SEGMENTS = (24, 48)  # a component that starts at rest has no impact to try meshes on
 
 MOST_EVENTS = 1_000_000
 """A step with more events is refused: a ball that bounces for ever has no end of them."""
@@ -85,7 +85,7 @@ class ImpactComponent:
         if gap < 0.0:
             raise ValueError(f"initial_gap: {gap:g} m must be >= 0 m")
         self.segments, self._mesh = mesh_for(
-            scene, self.problem, accuracy, segments, linearisation, fallback=_DEFAULT_SEGMENTS
+            scene, self.problem, accuracy, segments, linearisation, fallback=DEFAULT_SEGMENTS
         )
         self._curve = self.problem.curve.native
         self._start = native.initial_state(self._curve, self.problem.start, gap / self.problem.scales.length)

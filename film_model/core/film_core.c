@@ -688,6 +688,51 @@ void film_sample(const film_curve *curve, const film_line *lines, int32_t line_c
     }
 }
 
+void film_force(const film_curve *curve, const film_state *s, double xi, double *force, double *slope) {
+    double work;
+    law_at(curve, &s->line, xi, force, &work);
+    *slope = law_slope(curve, &s->line, xi);
+}
+
+void film_indicators(const film_curve *curve, const film_state *s, double speed, double indicators[FILM_INDICATORS]) {
+    double late = 1e-10 * fabs(speed), force, slope;
+    indicators[0] = indicators[1] = indicators[2] = indicators[3] = 1.0;
+    if (s->branch == FILM_FREE) {
+        indicators[1] = s->xi_free - s->xi + late;
+        return;
+    }
+    film_force(curve, s, s->xi, &force, &slope);
+    film_state other = *s;
+    other.direction = -s->direction;
+    double far = limit_of(curve, s), near = limit_of(curve, &other);
+    indicators[0] = s->direction * (s->nu - s->gamma * force) + late;
+    if (far < INFINITY) indicators[1] = s->direction * (far - s->xi) + late;
+    if (near < INFINITY) indicators[2] = s->direction * (s->xi - near) + late;
+    indicators[3] = (s->moving_in ? s->nu - s->stop_velocity : s->stop_velocity - s->nu) + late;
+}
+
+int film_switch(const film_curve *curve, film_state *s) {
+    int ends = ENDS_EDGE;
+    s->event = FILM_NO_EVENT;
+    open_run(s);
+    law_at(curve, &s->line, s->xi, &s->force, &s->work);
+    if (!isfinite(s->xi) || !isfinite(s->nu) || !isfinite(s->force)) return FILM_BAD_NUMBER;
+    if (s->branch == FILM_FREE) {
+        if (s->xi < s->xi_free || (s->xi == s->xi_free && !(s->nu > 0.0 || (s->nu == 0.0 && s->load > 0.0)))) return FILM_OK;
+    } else {
+        double ahead = s->direction * (s->nu - s->gamma * s->force), to_edge = s->direction * (limit_of(curve, s) - s->xi);
+        if (s->moving_in && s->nu < s->stop_velocity) return stopped(s);
+        if (s->nu > s->stop_velocity) s->moving_in = 1;
+        if (ahead >= 0.0 && to_edge > 0.0) return FILM_OK;
+        if (to_edge > 0.0) ends = ENDS_TURN;
+    }
+    open_line(s);
+    end_here(s, ends);
+    int status = finish(curve, s);
+    open_run(s);
+    return status;
+}
+
 void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work) {
     stage_law(curve, stage, xi, force, work);
 }

@@ -225,6 +225,22 @@ FILM_API void film_evaluate(const film_curve *curve, const film_line *line, doub
 FILM_API void film_sample(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times,
                           int64_t count, double *values, int8_t *stages, int8_t *phases);
 
+/* The same contact for somebody else's integrator of the true law, who owns xi, nu and shift and puts them into the state
+ * before each call. The state keeps where the contact is and what the spot remembers; lines play no part.
+ *
+ * Force and its slope at xi, as the contact is now: beyond the end of a stage or branch its own curve goes on. */
+FILM_API void film_force(const film_curve *curve, const film_state *state, double xi, double *force, double *slope);
+
+/* All > 0 while the contact goes on as it is; film_switch is due when one falls to 0 or below. None is ever 0 right after
+ * film_switch: each is a little late, by 1e-10 of `speed` or of the way at that speed in unit time.
+ * indicators: of direction, of the run's far end, of its near end, of the impactor's stop. */
+enum { FILM_INDICATORS = 4 };
+FILM_API void film_indicators(const film_curve *curve, const film_state *state, double speed,
+                              double indicators[FILM_INDICATORS]);
+
+/* One event that is due in the state: FILM_EVENT, state->event says which, and more may be due; FILM_OK: none; or a failure. */
+FILM_API int film_switch(const film_curve *curve, film_state *state);
+
 /* The true law: force and work (from the stage's beginning) of loading stage `stage` at xi. */
 FILM_API void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work);
 

@@ -41,6 +41,23 @@ static inline double value(const film_function *g, double xi) {
     return g->coefficient == 0.0 ? f : f + g->coefficient * raised(x, g->exponent);
 }
 
+/* The derivative of value(). Next to the singular point of a root it is as large as the law's there. */
+static inline double slope_of(const film_function *g, double xi) {
+    double x = variable(g, xi);
+    if (g->form == FILM_POWER) {
+        if (g->coefficient == 0.0 || (x == 0.0 && g->exponent < 1.0)) return g->slope;
+        return g->slope + g->coefficient * g->exponent * raised(x, g->exponent - 1.0);
+    }
+    double root = g->form == FILM_ROOT_SERIES ? sqrt(x > 1e-30 ? x : 1e-30) : 0.0;
+    double z = root > 0.0 ? 2.0 * root - 1.0 : 2.0 * x - 1.0, before = 0.0, now = 0.0;
+    for (int k = g->terms - 1; k > 0; k--) { /* T_k' = k U_{k-1} */
+        double next = 2.0 * z * now - before + k * g->series[k];
+        before = now;
+        now = next;
+    }
+    return g->per_span * now * (root > 0.0 ? 1.0 / root : 2.0);
+}
+
 static inline const film_piece *piece_at(const film_curve *curve, int32_t stage, double xi) {
     const film_piece *piece = &curve->piece[curve->stage[stage].first];
     const film_piece *last = piece + curve->stage[stage].count - 1;
@@ -73,6 +90,14 @@ static inline void law_at(const film_curve *curve, const film_line *line, double
     } else {
         *force = *work = 0.0;
     }
+}
+
+/* The slope of the force in law_at. */
+static inline double law_slope(const film_curve *curve, const film_line *line, double xi) {
+    if (line->branch >= 0) return slope_of(&piece_at(curve, line->branch, xi)->force, xi);
+    double x = (xi - line->xi_free) * line->per_recovery;
+    if (line->branch != FILM_BRANCH || !(x > 0.0)) return 0.0;
+    return line->f_max * line->exponent * line->per_recovery * raised(x, line->exponent - 1.0);
 }
 
 /* atan(sqrt z)/sqrt z, and atanh for z < 0. */

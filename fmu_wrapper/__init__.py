@@ -1,0 +1,23 @@
+"""Impacts as FMUs (FMI 2.0 and 3.0): export them, run them, and hold them against the library."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fmu_wrapper.cosimulation import Report, check, run
+    from fmu_wrapper.export import export
+
+_HOMES = {"export": "fmu_wrapper.export", "run": "fmu_wrapper.cosimulation"}
+_HOMES |= dict.fromkeys(("check", "Report"), "fmu_wrapper.cosimulation")
+
+__all__ = ["Report", "check", "export", "run"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value

@@ -1,0 +1,160 @@
+"""The page of documentation inside an FMU, with pictures of the law and of a history."""
+
+from __future__ import annotations
+
+import html
+import io
+from typing import Any
+
+import numpy as np
+
+from film_datasets.history import scene_text
+from film_model.history import SUMMARY, History
+from film_model.plot import plot_history
+from film_model.problem import Problem
+from film_model.scene import Scene
+from film_model.units import format_si, scene_unit
+from film_model.version import __version__
+from fmu_wrapper.resource import Data, has
+from fmu_wrapper.variables import KINDS, VARIABLES, reference, settable
+
+COUPLING_ERRORS = {
+    20: (0.153, 0.530, 0.0040),
+    100: (0.0283, 0.0880, 1.4e-4),
+    1000: (0.00278, 0.00840, 1.4e-6),
+}
+"""Steps a contact → error of the restitution of an elastic half-space contact, whose true value is 1, under three
+couplings of the contact FMU: force held over the step; force one step late; force extended along its derivative."""
+
+_STYLE = (
+    "body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222}"
+    "table{border-collapse:collapse}td,th{padding:.2rem .8rem;border-bottom:1px solid #ccc;text-align:left}"
+    "img{max-width:100%}pre{background:#f5f5f5;padding:1rem;overflow:auto}"
+)
+
+
+def documentation(scene: Scene, problem: Problem, data: Data, history: History | None) -> dict[str, bytes]:
+    """The files of the folder, by name: index.html and its pictures."""
+    title = scene.title or f"Impact on a {scene.target.kind}"
+    kind = KINDS[data.kind]
+    pictures: dict[str, bytes] = {}
+    if history is not None:
+        pictures = {"law.svg": _law_picture(problem, history), "history.svg": _svg(plot_history(history))}
+    parts = [f"<h1>{html.escape(title)}</h1>", f"<p>{_about(kind)} Made by film-model {__version__}.</p>"]
+    if history is not None:
+        parts += [
+            '<p><img src="history.svg" alt="Force, indentation and velocity over time"></p>',
+            _table(("value", "of this scene"), _summary_rows(history)),
+            "<h2>Contact law</h2>",
+            f"<p>{html.escape(problem.law.name)}: {html.escape(problem.law.summary)}. {html.escape(problem.law.source)}.</p>",
+            '<p><img src="law.svg" alt="Contact force over indentation"></p>',
+        ]
+    parts += ["<h2>Effects</h2>", _table(("effect", "state", "why"), _effect_rows(problem))]
+    warnings = history.warnings if history is not None else problem.curve.warnings
+    parts += [f"<p><strong>Warning:</strong> {html.escape(warning)}</p>" for warning in warnings]
+    parts += ["<h2>Steps</h2>", *_steps(kind, data, history)]
+    parts += ["<h2>Variables</h2>", _table(("name", "unit", "causality", "meaning"), _variable_rows(data))]
+    parts += ["<h2>Scene</h2>", f"<pre>{html.escape(scene_text(scene))}</pre>"]
+    page = (
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{html.escape(title)}</title>\n'
+        f"<style>{_STYLE}</style>\n</head>\n<body>\n" + "\n".join(parts) + "\n</body>\n</html>\n"
+    )
+    return {"index.html": page.encode(), **pictures}
+
+
+def _about(kind: str) -> str:
+    if kind == "impact":
+        return (
+            "An impactor in front of its target, or in contact with it. Its mass is inside; the importer gives the external "
+            "force on it and the velocity of the target's support. All directions are positive into the target."
+        )
+    return (
+        "The contact force between two bodies of the importer's, with the memory of earlier indentation. The importer gives "
+        "the indentation and its rate; a gap is a negative indentation."
+    )
+
+
+def _steps(kind: str, data: Data, history: History | None) -> list[str]:
+    if kind == "impact":
+        lines = "" if history is None else f" The whole contact is {history.accuracy.lines} straight pieces of the force"
+        lasting = "" if history is None else f" and lasts {format_si(history.duration, 'time', 4)}."
+        return [
+            "<p>Co-Simulation is exact at any communication step: between steps the inputs are held, and the motion is marched "
+            f"in closed form.{lines}{lasting} One step may span a whole contact, or many; outputs and event times do not depend "
+            "on it. What the step does limit is how often the inputs are heard: a system that answers the contact force within "
+            "the contact needs about twenty steps a contact for one per cent, and the error falls with the step.</p>",
+            "<p>In FMI 3.0 with event mode, each event ends the step at its exact time. Otherwise events are outputs: their kind, "
+            "exact time and values. In Model Exchange the true law is integrated, and events are state events.</p>",
+            f"<p>Accuracy is set by <code>loading_segments</code> ({int(data.start[reference('loading_segments')])}) and "
+            f"<code>unloading_segments</code> ({int(data.start[reference('unloading_segments')])}); the error falls with "
+            "their fourth power.</p>",
+        ]
+    rows = [(str(n), *(f"{100.0 * error:.3g} %" for error in errors)) for n, errors in COUPLING_ERRORS.items()]
+    heads = ("steps a contact", "force held over the step", "force one step late", "force extended along its derivative")
+    return [
+        "<p>A force element that is exchanged at steps adds energy, whatever is in it. The restitution of an elastic contact is "
+        "too high by</p>",
+        _table(heads, rows),
+        "<p>The last column needs the directional derivative of contact_force by indentation, which this FMU provides. In Model "
+        "Exchange, and as the primary FMU “impact”, there is no such error.</p>",
+        "<p>The memory follows the communicated path along the cubic with its indentations and rates, so that the deepest "
+        "point between two steps is remembered; what an importer only tries, and takes back, is not.</p>",
+    ]
+
+
+def _table(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    head = "".join(f"<th>{html.escape(cell)}</th>" for cell in heads)
+    body = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>\n" for row in rows)
+    return f"<table>\n<tr>{head}</tr>\n{body}</table>"
+
+
+def _summary_rows(history: History) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = []
+    for name, (dimension, _) in SUMMARY.items():
+        value = history.summary[name]
+        rows.append((name.replace("_", " "), "–" if value is None else format_si(value, dimension, 6)))
+    return [*rows, ("error at most", f"{history.accuracy.estimated:.1e} of every value")]
+
+
+def _effect_rows(problem: Problem) -> list[tuple[str, ...]]:
+    return [(effect.name.replace("_", " "), effect.state, effect.reason) for effect in problem.effects]
+
+
+def _variable_rows(data: Data) -> list[tuple[str, ...]]:
+    kind = KINDS[data.kind]
+    rows: list[tuple[str, ...]] = []
+    for k, v in enumerate(VARIABLES):
+        if has(data, v.name) and v.causality[kind] not in ("local", "independent"):
+            unit = scene_unit(v.dimension) if v.dimension else ""
+            start = f" = {data.start[k]:g}" if k < settable() and v.causality[kind] == "parameter" else ""
+            rows.append((v.name + start, unit, v.causality[kind], v.description))
+    return rows
+
+
+def _law_picture(problem: Problem, history: History) -> bytes:
+    """The loading curve, and the loop of this history."""
+    from matplotlib.figure import Figure
+
+    loop = history.sample_si(np.linspace(0.0, history.duration, 801))
+    deepest = float(loop.indentation.max())
+    stage_end = problem.curve.native.stage[problem.curve.native.stages - 1].end * problem.scales.length
+    reach = min(1.3 * deepest, stage_end)
+    xi = np.linspace(0.0, reach, 401) / problem.scales.length
+    force = np.array([problem.curve.force(x) for x in xi.tolist()]) * problem.scales.force
+    figure = Figure(figsize=(7.0, 4.2), layout="constrained")
+    panel = figure.add_subplot()
+    panel.plot(xi * problem.scales.length * 1e6, force, "--", color="#717581", label="loading curve")
+    panel.plot(loop.indentation * 1e6, loop.contact_force, color="#3f90da", label="this impact")
+    panel.set(xlabel="indentation (µm)", ylabel="contact force (N)", xlim=(0, None), ylim=(0, None))
+    panel.legend(frameon=False)
+    return _svg(figure)
+
+
+def _svg(figure: Any) -> bytes:
+    """The same picture with the same bytes."""
+    import matplotlib
+
+    picture = io.BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": "film-model"}):
+        figure.savefig(picture, format="svg", metadata={"Date": None})
+    return picture.getvalue()

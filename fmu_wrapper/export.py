@@ -1,0 +1,171 @@
+"""Scene → .fmu: the description, the curve, the binaries and a page of documentation in one file."""
+
+from __future__ import annotations
+
+import io
+import math
+import os
+import uuid
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from film_datasets.history import scene_text
+from film_model import units
+from film_model.component import DEFAULT_SEGMENTS
+from film_model.accuracy import mesh_for
+from film_model.bodies import Body
+from film_model.errors import SimulationError
+from film_model.files import written_whole
+from film_model.history import History
+from film_model.problem import Problem, problem_of
+from film_model.scene import Scene
+from film_model.solve import simulate
+from fmu_wrapper import platforms, resource
+from fmu_wrapper.documentation import documentation
+from fmu_wrapper.model_description import Experiment, FmiVersion, model_description
+from fmu_wrapper.variables import KINDS, Kind
+
+_NAMESPACE = uuid.UUID("6c9a1e0e-53a4-5b0c-8f57-0a1d6b5b3c55")
+_OLDEST = (1980, 1, 1, 0, 0, 0)  # of a ZIP entry: the same export gives the same bytes
+
+
+def export(
+    scene: Scene,
+    path: str | os.PathLike[str],
+    fmi_version: int = 3,
+    *,
+    kind: Kind = "impact",
+    initial_gap: Any = 0.0,
+    platform: str | Sequence[str] | None = None,
+    with_sources: bool = False,
+    overwrite: bool = False,
+) -> Path:
+    """Write a scene as an FMU that runs anywhere, without Python; the path it was written to.
+
+    kind: "impact", the impactor with its mass, for Co-Simulation and Model Exchange; or "contact", the force element.
+    initial_gap: distance before first touch ("5 mm" or m). platform: names of `fmu_wrapper.platforms.PLATFORMS`, or
+    "all"; this machine's own by default, which needs no compiler. with_sources: C sources too, for importers that
+    compile. The law, the effects and the number of segments are those the library chooses for the scene; mass,
+    velocity, gap, radius, modulus, yield strength and impedance can still be set before each simulation.
+
+    Raises ValueError for a bad argument, FileExistsError, SimulationError as `simulate` does and for a free body as
+    target, ImportError when matplotlib (for the pictures) or ziglang (for other platforms) is missing.
+    """
+    target = Path(path)
+    if fmi_version not in (2, 3):
+        raise ValueError(f"fmi_version: {fmi_version!r} is not allowed: 2 or 3 is needed")
+    if kind not in KINDS:
+        raise ValueError(f"kind: {kind!r} is not allowed: {' or '.join(map(repr, KINDS))} is needed")
+    if target.suffix != ".fmu":
+        raise ValueError(f"{target}: the name of an FMU must end in .fmu")
+    if target.exists() and not overwrite:
+        raise FileExistsError(f"{target}: exists; say overwrite=True to replace it")
+    if isinstance(scene.target, Body):
+        raise SimulationError("a free body as target cannot be exported: it has no impedance to act against")
+    gap = units.to_si(initial_gap, "length", bare=True)
+    if gap < 0.0:
+        raise ValueError(f"initial_gap: {gap:g} m must be >= 0 m")
+    version: FmiVersion = 2 if fmi_version == 2 else 3
+    binaries = _binaries(platform)
+    files = _contents(scene, kind, version, gap, with_sources)
+    for name, binary in binaries.items():
+        where = platforms.PLATFORMS.get(name)
+        folder = name if where is None else where.fmi2 if version == 2 else where.fmi3
+        suffix = Path(platforms.built_library()).suffix if where is None else where.suffix
+        files[f"binaries/{folder}/{kind}{suffix}"] = binary
+    with written_whole(target) as beside:
+        beside.write_bytes(_zipped(files))
+    return target
+
+
+def _binaries(platform: str | Sequence[str] | None) -> dict[str, bytes]:
+    own = platforms.this_platform()
+    if platform is None:
+        library = platforms.ROOT / platforms.built_library()
+        if not library.exists():
+            raise ImportError(f"{library} is missing: install the package (pip install .), which compiles it")
+        return {own: library.read_bytes()}
+    names = [platform] if isinstance(platform, str) else list(platform)
+    if names == ["all"]:
+        names = list(platforms.PLATFORMS)
+    unknown = [name for name in names if name not in platforms.PLATFORMS]
+    if unknown or not names:
+        raise ValueError(f"platform: {', '.join(unknown) or 'none'} is not allowed: all or {', '.join(platforms.PLATFORMS)}")
+    return {name: platforms.cross_compile(name) for name in names}
+
+
+def _contents(scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_sources: bool) -> dict[str, bytes]:
+    """Every file but the binaries."""
+    problem = problem_of(scene)
+    segments, _ = mesh_for(scene, problem, None, None, None, fallback=DEFAULT_SEGMENTS)
+    history = simulate(scene) if problem.approach > 0.0 or problem.load > 0.0 else None
+    data = resource.model_data(scene, problem, kind, gap, segments, _nominals(problem, history))
+    experiment = _experiment(problem, history, gap)
+    title = scene.title or f"Impact on a {scene.target.kind}"
+    description = title if kind == "impact" else f"Contact force. {title}"
+    sources = [Path(name).name for name in platforms.SOURCES] if with_sources else []
+
+    def described(token: str) -> bytes:
+        return model_description(data, version, token, description, experiment, sources)
+
+    text = scene_text(scene)
+    unnamed = described("") + resource.finished(data, "") + text.encode()
+    token = f"{{{uuid.uuid5(_NAMESPACE, unnamed.hex())}}}"
+    files = {
+        "modelDescription.xml": described(token),
+        f"resources/{resource.NAME}": resource.finished(data, token),
+        "resources/scene.toml": text.encode(),
+        **{f"documentation/{name}": page for name, page in documentation(scene, problem, data, history).items()},
+    }
+    if with_sources:
+        for name in (*platforms.SOURCES, *platforms.HEADERS):
+            files[f"sources/{Path(name).name}"] = (platforms.ROOT / name).read_bytes()
+        if version == 3:
+            files["sources/buildDescription.xml"] = _build_description(kind, sources)
+    return files
+
+
+def _nominals(problem: Problem, history: History | None) -> tuple[float, float, float]:
+    """Sizes of the states: indentation, impactor velocity, target displacement."""
+    depth = None if history is None else history.summary["maximum_indentation"]
+    speed = problem.approach * problem.scales.velocity
+    moved = 0.0 if history is None or not history.events else history.events[-1].target_displacement
+    depth = depth or problem.scales.length
+    return depth, speed or problem.scales.velocity, max(abs(moved), depth)
+
+
+def _experiment(problem: Problem, history: History | None, gap: float) -> Experiment:
+    """From the start to somewhat beyond the end of contact, in a few hundred steps."""
+    contact = history.duration if history is not None else 0.0
+    contact = contact or 10.0 * problem.scales.time
+    speed = problem.approach * problem.scales.velocity
+    pull = problem.load * problem.scales.force / problem.mass
+    fall = 2.0 * gap / (speed + math.sqrt(speed**2 + 2.0 * pull * gap)) if speed + pull > 0.0 and gap > 0.0 else 0.0
+    stop = float(f"{fall + 1.25 * contact:.3g}")
+    return Experiment(stop, stop / 250.0)
+
+
+def _build_description(kind: Kind, sources: list[str]) -> bytes:
+    files = "".join(f'      <SourceFile name="{name}"/>\n' for name in sources)
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        '<fmiBuildDescription fmiVersion="3.0">\n'
+        f'  <BuildConfiguration modelIdentifier="{kind}">\n'
+        f'    <SourceFileSet language="C99">\n{files}    </SourceFileSet>\n'
+        '    <Library name="m"/>\n'
+        "  </BuildConfiguration>\n"
+        "</fmiBuildDescription>\n"
+    ).encode()
+
+
+def _zipped(files: dict[str, bytes]) -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name, content in files.items():
+            entry = zipfile.ZipInfo(name, _OLDEST)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+            archive.writestr(entry, content)
+    return packed.getvalue()

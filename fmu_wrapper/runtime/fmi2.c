@@ -1,0 +1,285 @@
+/* FMI 2.0: thin shims around instance.h. */
+#include "fmi2Functions.h"
+
+#include "instance.h"
+
+#include <stdlib.h>
+
+#define HERE __func__
+#define SELF instance *i = c; if (!i) return fmi2Error
+#define NEED(pointer, count) \
+    if ((count) > 0 && !(pointer)) return (fmi2Status)instance_fails(i, HERE, "argument %s is NULL", #pointer)
+
+static const char UNSUPPORTED[] = "not supported by this FMU";
+
+static void tell(const instance *i, int status, const char *category, const char *text) {
+    fmi2CallbackLogger logger = (fmi2CallbackLogger)i->logger;
+    if (logger) logger(i->environment, i->name, (fmi2Status)status, category, "%s", text);
+}
+
+const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+const char *fmi2GetVersion(void) { return fmi2Version; }
+
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories, const fmi2String categories[]) {
+    SELF;
+    NEED(categories, nCategories);
+    i->logging = loggingOn;
+    return fmi2OK;
+}
+
+fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID, fmi2String fmuResourceLocation,
+                              const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean loggingOn) {
+    char folder[4096];
+    instance_options options = {instanceName, fmuGUID, folder, fmuType == fmi2ModelExchange, 0, 0, loggingOn, tell, NULL, NULL};
+    (void)visible;
+    if (functions) {
+        options.environment = functions->componentEnvironment;
+        options.logger = (void (*)(void))functions->logger;
+    }
+    int bad = model_path_of_uri(fmuResourceLocation, folder, sizeof folder) < 0;
+    return instance_new(HERE, &options, bad ? "fmuResourceLocation must be a file URI such as file:///tmp/fmu/resources" : NULL);
+}
+
+void fmi2FreeInstance(fmi2Component c) { instance_free(c); }
+
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
+                               fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
+    SELF;
+    (void)toleranceDefined, (void)tolerance; /* the segments decide the accuracy */
+    return (fmi2Status)instance_set_up(i, HERE, startTime, stopTimeDefined, stopTime);
+}
+
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+    SELF;
+    return (fmi2Status)instance_enter_initialization(i, HERE);
+}
+
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    SELF;
+    return (fmi2Status)instance_exit_initialization(i, HERE);
+}
+
+fmi2Status fmi2Terminate(fmi2Component c) {
+    SELF;
+    return (fmi2Status)instance_terminate(i, HERE);
+}
+
+fmi2Status fmi2Reset(fmi2Component c) {
+    SELF;
+    return (fmi2Status)instance_reset(i, HERE);
+}
+
+/* ---------------------------------------------------------------- variables */
+
+fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Real value[]) {
+    SELF;
+    NEED(vr, nvr);
+    NEED(value, nvr);
+    for (size_t k = 0; k < nvr; k++)
+        if (instance_get(i, HERE, vr[k], REAL, REAL, &value[k]) != GOOD) return fmi2Error;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2Integer value[]) {
+    SELF;
+    NEED(vr, nvr);
+    NEED(value, nvr);
+    for (size_t k = 0; k < nvr; k++) {
+        double number;
+        if (instance_get(i, HERE, vr[k], WHOLE, ENUMERATION, &number) != GOOD) return fmi2Error;
+        value[k] = (fmi2Integer)number;
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Real value[]) {
+    SELF;
+    if (!instance_allows(i, HERE, INSTANTIATED | INITIALIZATION | RUNNING)) return fmi2Error;
+    NEED(vr, nvr);
+    NEED(value, nvr);
+    for (size_t k = 0; k < nvr; k++)
+        if (instance_set(i, HERE, vr[k], REAL, REAL, value[k]) != GOOD) return fmi2Error;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer value[]) {
+    SELF;
+    if (!instance_allows(i, HERE, INSTANTIATED | INITIALIZATION | RUNNING)) return fmi2Error;
+    NEED(vr, nvr);
+    NEED(value, nvr);
+    for (size_t k = 0; k < nvr; k++)
+        if (instance_set(i, HERE, vr[k], WHOLE, ENUMERATION, value[k]) != GOOD) return fmi2Error;
+    return fmi2OK;
+}
+
+/* There are no variables of these types. */
+#define NONE_OF(name, type)                                                                                  \
+    fmi2Status fmi2##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, type value[]) {        \
+        SELF;                                                                                                \
+        (void)vr, (void)value;                                                                               \
+        return nvr == 0 ? fmi2OK : (fmi2Status)instance_fails(i, HERE, "no variable of this FMU has this type"); \
+    }
+NONE_OF(GetBoolean, fmi2Boolean)
+NONE_OF(GetString, fmi2String)
+NONE_OF(SetBoolean, const fmi2Boolean)
+NONE_OF(SetString, const fmi2String)
+
+/* ---------------------------------------------------------------- saved states */
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
+    SELF;
+    return (fmi2Status)instance_save(i, HERE, FMUstate);
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate FMUstate) {
+    SELF;
+    return (fmi2Status)instance_restore(i, HERE, FMUstate);
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *FMUstate) {
+    SELF;
+    if (!FMUstate) return fmi2OK;
+    free(*FMUstate);
+    *FMUstate = NULL;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, size_t *size) {
+    SELF;
+    return (fmi2Status)instance_size(i, HERE, FMUstate, size);
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size) {
+    SELF;
+    return (fmi2Status)instance_serialize(i, HERE, FMUstate, (unsigned char *)serializedState, size);
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size, fmi2FMUstate *FMUstate) {
+    SELF;
+    return (fmi2Status)instance_deserialize(i, HERE, (const unsigned char *)serializedState, size, FMUstate);
+}
+
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
+                                        const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
+                                        fmi2Real dvUnknown[]) {
+    SELF;
+    return (fmi2Status)instance_derivatives(i, HERE, vUnknown_ref, nUnknown, vKnown_ref, nKnown, dvKnown, dvUnknown, 0);
+}
+
+/* ---------------------------------------------------------------- model exchange */
+
+fmi2Status fmi2EnterEventMode(fmi2Component c) {
+    SELF;
+    return (fmi2Status)instance_enter_event_mode(i, HERE);
+}
+
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *fmi2eventInfo) {
+    SELF;
+    NEED(fmi2eventInfo, 1);
+    if (instance_update(i, HERE) != GOOD) return fmi2Error;
+    fmi2EventInfo none = {fmi2False, fmi2False, fmi2False, fmi2False, fmi2False, 0.0};
+    *fmi2eventInfo = none;
+    return fmi2OK;
+}
+
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) {
+    SELF;
+    return (fmi2Status)instance_leave_event_mode(i, HERE, CONTINUOUS);
+}
+
+fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
+                                       fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation) {
+    SELF;
+    (void)noSetFMUStatePriorToCurrentPoint;
+    if (!instance_allows(i, HERE, CONTINUOUS)) return fmi2Error;
+    NEED(enterEventMode, 1);
+    NEED(terminateSimulation, 1);
+    *enterEventMode = *terminateSimulation = fmi2False;
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) {
+    SELF;
+    return (fmi2Status)instance_set_time(i, HERE, time);
+}
+
+fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx) {
+    SELF;
+    return (fmi2Status)instance_set_states(i, HERE, x, nx);
+}
+
+fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx) {
+    SELF;
+    return (fmi2Status)instance_vector(i, HERE, GET_RATES, derivatives, nx);
+}
+
+fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni) {
+    SELF;
+    return (fmi2Status)instance_vector(i, HERE, GET_INDICATORS, eventIndicators, ni);
+}
+
+fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx) {
+    SELF;
+    return (fmi2Status)instance_vector(i, HERE, GET_STATES, x, nx);
+}
+
+fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx) {
+    SELF;
+    return (fmi2Status)instance_vector(i, HERE, GET_NOMINALS, x_nominal, nx);
+}
+
+/* ---------------------------------------------------------------- co-simulation */
+
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
+                                       const fmi2Real value[]) {
+    SELF;
+    (void)vr, (void)order, (void)value;
+    return nvr == 0 ? fmi2OK : (fmi2Status)instance_fails(i, HERE, "%s", UNSUPPORTED);
+}
+
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
+                                        fmi2Real value[]) {
+    SELF;
+    (void)vr, (void)order, (void)value;
+    return nvr == 0 ? fmi2OK : (fmi2Status)instance_fails(i, HERE, "%s", UNSUPPORTED);
+}
+
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
+                      fmi2Boolean noSetFMUStatePriorToCurrentPoint) {
+    SELF;
+    int event;
+    (void)noSetFMUStatePriorToCurrentPoint;
+    return (fmi2Status)instance_step(i, HERE, currentCommunicationPoint, communicationStepSize, &event);
+}
+
+fmi2Status fmi2CancelStep(fmi2Component c) {
+    SELF;
+    return (fmi2Status)instance_fails(i, HERE, "no step is under way: steps are done when fmi2DoStep returns");
+}
+
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value) {
+    SELF;
+    NEED(value, 1);
+    if (s != fmi2LastSuccessfulTime) return (fmi2Status)instance_fails(i, HERE, "only fmi2LastSuccessfulTime is a real number");
+    *value = i->model.memory.now;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value) {
+    SELF;
+    NEED(value, 1);
+    if (s != fmi2Terminated) return (fmi2Status)instance_fails(i, HERE, "only fmi2Terminated is a boolean");
+    *value = fmi2False;
+    return fmi2OK;
+}
+
+/* No step is ever pending. */
+#define NO_STATUS(name, type)                                                       \
+    fmi2Status fmi2##name(fmi2Component c, const fmi2StatusKind s, type *value) {   \
+        SELF;                                                                       \
+        (void)s, (void)value;                                                       \
+        return (fmi2Status)instance_fails(i, HERE, "%s", UNSUPPORTED);              \
+    }
+NO_STATUS(GetStatus, fmi2Status)
+NO_STATUS(GetIntegerStatus, fmi2Integer)
+NO_STATUS(GetStringStatus, fmi2String)

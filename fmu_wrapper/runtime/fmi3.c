@@ -1,0 +1,407 @@
+/* FMI 3.0: thin shims around instance.h. */
+#include "fmi3Functions.h"
+
+#include "instance.h"
+
+#include <stdlib.h>
+
+#define HERE __func__
+#define SELF instance *i = c; if (!i) return fmi3Error
+#define NEED(pointer, count) \
+    if ((count) > 0 && !(pointer)) return (fmi3Status)instance_fails(i, HERE, "argument %s is NULL", #pointer)
+#define ONE_EACH() \
+    if (nValues != nValueReferences) \
+    return (fmi3Status)instance_fails(i, HERE, "%u values for %u variables: all are scalar", (unsigned)nValues, (unsigned)nValueReferences)
+
+static const char UNSUPPORTED[] = "not supported by this FMU";
+
+static void tell(const instance *i, int status, const char *category, const char *text) {
+    fmi3LogMessageCallback logger = (fmi3LogMessageCallback)i->logger;
+    if (logger) logger(i->environment, (fmi3Status)status, category, text);
+}
+
+const char *fmi3GetVersion(void) { return fmi3Version; }
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean loggingOn, size_t nCategories, const fmi3String categories[]) {
+    SELF;
+    NEED(categories, nCategories);
+    i->logging = loggingOn;
+    return fmi3OK;
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+                                          fmi3Boolean visible, fmi3Boolean loggingOn, fmi3InstanceEnvironment environment,
+                                          fmi3LogMessageCallback logMessage) {
+    instance_options options = {instanceName, instantiationToken, resourcePath, 1, 0, 0, loggingOn, tell, environment,
+                                (void (*)(void))logMessage};
+    (void)visible;
+    return instance_new(HERE, &options, NULL);
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+                                         fmi3Boolean visible, fmi3Boolean loggingOn, fmi3Boolean eventModeUsed,
+                                         fmi3Boolean earlyReturnAllowed, const fmi3ValueReference requiredIntermediateVariables[],
+                                         size_t nRequiredIntermediateVariables, fmi3InstanceEnvironment environment,
+                                         fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate) {
+    instance_options options = {instanceName,      instantiationToken, resourcePath, 0,           eventModeUsed,
+                                earlyReturnAllowed, loggingOn,          tell,         environment, (void (*)(void))logMessage};
+    (void)visible, (void)requiredIntermediateVariables, (void)intermediateUpdate;
+    instance *made = instance_new(HERE, &options, nRequiredIntermediateVariables ? "no variable has intermediate values" : NULL);
+    if (made && made->data->kind == CONTACT && eventModeUsed) {
+        instance_fails(made, HERE, "this FMU has no event mode");
+        instance_free(made);
+        return NULL;
+    }
+    return made;
+}
+
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+                                               fmi3Boolean visible, fmi3Boolean loggingOn, fmi3InstanceEnvironment environment,
+                                               fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
+                                               fmi3LockPreemptionCallback lockPreemption,
+                                               fmi3UnlockPreemptionCallback unlockPreemption) {
+    instance_options options = {instanceName, instantiationToken, resourcePath, 0, 0, 0, loggingOn, tell, environment,
+                                (void (*)(void))logMessage};
+    (void)visible, (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
+    return instance_new(HERE, &options, "Scheduled Execution is not supported by this FMU");
+}
+
+void fmi3FreeInstance(fmi3Instance c) { instance_free(c); }
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefined, fmi3Float64 tolerance, fmi3Float64 startTime,
+                                       fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
+    SELF;
+    (void)toleranceDefined, (void)tolerance; /* the segments decide the accuracy */
+    if (instance_set_up(i, HERE, startTime, stopTimeDefined, stopTime) != GOOD) return fmi3Error;
+    return (fmi3Status)instance_enter_initialization(i, HERE);
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
+    SELF;
+    return (fmi3Status)instance_exit_initialization(i, HERE);
+}
+
+fmi3Status fmi3EnterEventMode(fmi3Instance c) {
+    SELF;
+    return (fmi3Status)instance_enter_event_mode(i, HERE);
+}
+
+fmi3Status fmi3Terminate(fmi3Instance c) {
+    SELF;
+    return (fmi3Status)instance_terminate(i, HERE);
+}
+
+fmi3Status fmi3Reset(fmi3Instance c) {
+    SELF;
+    return (fmi3Status)instance_reset(i, HERE);
+}
+
+/* ---------------------------------------------------------------- variables */
+
+#define GETTER(name, type_name, kind, or_kind)                                                                            \
+    fmi3Status fmi3Get##name(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,         \
+                             type_name values[], size_t nValues) {                                                        \
+        SELF;                                                                                                             \
+        NEED(valueReferences, nValueReferences);                                                                          \
+        NEED(values, nValues);                                                                                            \
+        ONE_EACH();                                                                                                       \
+        for (size_t k = 0; k < nValues; k++) {                                                                            \
+            double number;                                                                                                \
+            if (instance_get(i, HERE, valueReferences[k], kind, or_kind, &number) != GOOD) return fmi3Error;              \
+            values[k] = (type_name)number;                                                                                \
+        }                                                                                                                 \
+        return fmi3OK;                                                                                                    \
+    }
+GETTER(Float64, fmi3Float64, REAL, REAL)
+GETTER(Int32, fmi3Int32, WHOLE, WHOLE)
+GETTER(Int64, fmi3Int64, ENUMERATION, ENUMERATION)
+
+#define SETTER(name, type_name, kind)                                                                                     \
+    fmi3Status fmi3Set##name(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,         \
+                             const type_name values[], size_t nValues) {                                                  \
+        SELF;                                                                                                             \
+        if (!instance_allows(i, HERE, INSTANTIATED | INITIALIZATION | RUNNING)) return fmi3Error;                         \
+        NEED(valueReferences, nValueReferences);                                                                          \
+        NEED(values, nValues);                                                                                            \
+        ONE_EACH();                                                                                                       \
+        for (size_t k = 0; k < nValues; k++)                                                                              \
+            if (instance_set(i, HERE, valueReferences[k], kind, kind, (double)values[k]) != GOOD) return fmi3Error;       \
+        return fmi3OK;                                                                                                    \
+    }
+SETTER(Float64, fmi3Float64, REAL)
+SETTER(Int32, fmi3Int32, WHOLE)
+SETTER(Int64, fmi3Int64, ENUMERATION)
+
+/* There are no variables of these types. */
+#define NONE_OF(name, type_name)                                                                                          \
+    fmi3Status fmi3##name(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,            \
+                          type_name values[], size_t nValues) {                                                           \
+        SELF;                                                                                                             \
+        (void)valueReferences, (void)values;                                                                              \
+        if (nValueReferences == 0 && nValues == 0) return fmi3OK;                                                         \
+        return (fmi3Status)instance_fails(i, HERE, "no variable of this FMU has this type");                              \
+    }
+NONE_OF(GetFloat32, fmi3Float32)
+NONE_OF(GetInt8, fmi3Int8)
+NONE_OF(GetUInt8, fmi3UInt8)
+NONE_OF(GetInt16, fmi3Int16)
+NONE_OF(GetUInt16, fmi3UInt16)
+NONE_OF(GetUInt32, fmi3UInt32)
+NONE_OF(GetUInt64, fmi3UInt64)
+NONE_OF(GetBoolean, fmi3Boolean)
+NONE_OF(GetString, fmi3String)
+NONE_OF(SetFloat32, const fmi3Float32)
+NONE_OF(SetInt8, const fmi3Int8)
+NONE_OF(SetUInt8, const fmi3UInt8)
+NONE_OF(SetInt16, const fmi3Int16)
+NONE_OF(SetUInt16, const fmi3UInt16)
+NONE_OF(SetUInt32, const fmi3UInt32)
+NONE_OF(SetUInt64, const fmi3UInt64)
+NONE_OF(SetBoolean, const fmi3Boolean)
+NONE_OF(SetString, const fmi3String)
+
+#define WITHOUT(arguments, count, ...)                                                            \
+    arguments {                                                                                   \
+        SELF;                                                                                     \
+        (void)valueReferences, __VA_ARGS__;                                                       \
+        return (count) == 0 ? fmi3OK : (fmi3Status)instance_fails(i, HERE, "%s", UNSUPPORTED);    \
+    }
+
+#define REFERENCES fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences
+WITHOUT(fmi3Status fmi3GetBinary(REFERENCES, size_t valueSizes[], fmi3Binary values[], size_t nValues), nValueReferences + nValues,
+        (void)valueSizes, (void)values)
+WITHOUT(fmi3Status fmi3SetBinary(REFERENCES, const size_t valueSizes[], const fmi3Binary values[], size_t nValues),
+        nValueReferences + nValues, (void)valueSizes, (void)values)
+WITHOUT(fmi3Status fmi3GetClock(REFERENCES, fmi3Clock values[]), nValueReferences, (void)values)
+WITHOUT(fmi3Status fmi3SetClock(REFERENCES, const fmi3Clock values[]), nValueReferences, (void)values)
+WITHOUT(fmi3Status fmi3GetIntervalDecimal(REFERENCES, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]),
+        nValueReferences, (void)intervals, (void)qualifiers)
+WITHOUT(fmi3Status fmi3GetIntervalFraction(REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+                                           fmi3IntervalQualifier qualifiers[]),
+        nValueReferences, (void)counters, (void)resolutions, (void)qualifiers)
+WITHOUT(fmi3Status fmi3GetShiftDecimal(REFERENCES, fmi3Float64 shifts[]), nValueReferences, (void)shifts)
+WITHOUT(fmi3Status fmi3GetShiftFraction(REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[]), nValueReferences,
+        (void)counters, (void)resolutions)
+WITHOUT(fmi3Status fmi3SetIntervalDecimal(REFERENCES, const fmi3Float64 intervals[]), nValueReferences, (void)intervals)
+WITHOUT(fmi3Status fmi3SetIntervalFraction(REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]),
+        nValueReferences, (void)counters, (void)resolutions)
+WITHOUT(fmi3Status fmi3SetShiftDecimal(REFERENCES, const fmi3Float64 shifts[]), nValueReferences, (void)shifts)
+WITHOUT(fmi3Status fmi3SetShiftFraction(REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]),
+        nValueReferences, (void)counters, (void)resolutions)
+WITHOUT(fmi3Status fmi3GetOutputDerivatives(REFERENCES, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues),
+        nValueReferences + nValues, (void)orders, (void)values)
+
+/* ---------------------------------------------------------------- dependencies and derivatives */
+
+static fmi3Status dependencies(instance *i, const char *function, fmi3ValueReference dependent, size_t *count, size_t elements[],
+                               fmi3ValueReference independents[], size_t of[], fmi3DependencyKind kinds[]) {
+    *count = 0;
+    if (dependent >= VARIABLES || VARIABLE[dependent].role[i->data->kind] != OUTPUT || model_depends(&i->model, dependent, TIME) < 0)
+        return (fmi3Status)instance_fails(i, function, "value reference %u is no continuous output", dependent);
+    for (unsigned known = 0; known < VARIABLES; known++) {
+        if (model_depends(&i->model, dependent, known) != 1) continue;
+        if (independents) {
+            elements[*count] = of[*count] = 0;
+            independents[*count] = known;
+            kinds[*count] = fmi3Dependent;
+        }
+        ++*count;
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance c, fmi3ValueReference valueReference, size_t *nDependencies) {
+    SELF;
+    NEED(nDependencies, 1);
+    return dependencies(i, HERE, valueReference, nDependencies, NULL, NULL, NULL, NULL);
+}
+
+fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference dependent, size_t elementIndicesOfDependent[],
+                                       fmi3ValueReference independents[], size_t elementIndicesOfIndependents[],
+                                       fmi3DependencyKind dependencyKinds[], size_t nDependencies) {
+    SELF;
+    size_t count;
+    NEED(elementIndicesOfDependent, nDependencies);
+    NEED(independents, nDependencies);
+    NEED(elementIndicesOfIndependents, nDependencies);
+    NEED(dependencyKinds, nDependencies);
+    fmi3Status status = dependencies(i, HERE, dependent, &count, NULL, NULL, NULL, NULL);
+    if (status != fmi3OK) return status;
+    if (count != nDependencies)
+        return (fmi3Status)instance_fails(i, HERE, "%u dependencies; there are %u", (unsigned)nDependencies, (unsigned)count);
+    return dependencies(i, HERE, dependent, &count, elementIndicesOfDependent, independents, elementIndicesOfIndependents,
+                        dependencyKinds);
+}
+
+#define DERIVATIVE(name, adjoint, seeds, results)                                                                         \
+    fmi3Status name(fmi3Instance c, const fmi3ValueReference unknowns[], size_t nUnknowns, const fmi3ValueReference knowns[], \
+                    size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) { \
+        SELF;                                                                                                             \
+        if (nSeed != (seeds) || nSensitivity != (results))                                                                \
+            return (fmi3Status)instance_fails(i, HERE, "%u seeds and %u results do not fit %u unknowns and %u knowns",    \
+                                              (unsigned)nSeed, (unsigned)nSensitivity, (unsigned)nUnknowns, (unsigned)nKnowns); \
+        return (fmi3Status)instance_derivatives(i, HERE, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity, adjoint); \
+    }
+DERIVATIVE(fmi3GetDirectionalDerivative, 0, nKnowns, nUnknowns)
+DERIVATIVE(fmi3GetAdjointDerivative, 1, nUnknowns, nKnowns)
+
+/* ---------------------------------------------------------------- saved states */
+
+fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *FMUState) {
+    SELF;
+    return (fmi3Status)instance_save(i, HERE, FMUState);
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState FMUState) {
+    SELF;
+    return (fmi3Status)instance_restore(i, HERE, FMUState);
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *FMUState) {
+    SELF;
+    if (!FMUState) return fmi3OK;
+    free(*FMUState);
+    *FMUState = NULL;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState FMUState, size_t *size) {
+    SELF;
+    return (fmi3Status)instance_size(i, HERE, FMUState, size);
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size) {
+    SELF;
+    return (fmi3Status)instance_serialize(i, HERE, FMUState, serializedState, size);
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte serializedState[], size_t size, fmi3FMUState *FMUState) {
+    SELF;
+    return (fmi3Status)instance_deserialize(i, HERE, serializedState, size, FMUState);
+}
+
+/* ---------------------------------------------------------------- configuration and events */
+
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) {
+    SELF;
+    return (fmi3Status)instance_fails(i, HERE, "this FMU has no structural parameters to configure");
+}
+
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) {
+    SELF;
+    return (fmi3Status)instance_fails(i, HERE, "this FMU has no structural parameters to configure");
+}
+
+fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c) {
+    SELF;
+    return instance_allows(i, HERE, INITIALIZATION | EVENT) ? fmi3OK : fmi3Error;
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesNeedUpdate, fmi3Boolean *terminateSimulation,
+                                    fmi3Boolean *nominalsOfContinuousStatesChanged, fmi3Boolean *valuesOfContinuousStatesChanged,
+                                    fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime) {
+    SELF;
+    NEED(discreteStatesNeedUpdate, 1);
+    NEED(terminateSimulation, 1);
+    NEED(nominalsOfContinuousStatesChanged, 1);
+    NEED(valuesOfContinuousStatesChanged, 1);
+    NEED(nextEventTimeDefined, 1);
+    NEED(nextEventTime, 1);
+    *discreteStatesNeedUpdate = *terminateSimulation = *nominalsOfContinuousStatesChanged = fmi3False;
+    *valuesOfContinuousStatesChanged = *nextEventTimeDefined = fmi3False;
+    *nextEventTime = 0.0;
+    return (fmi3Status)instance_update(i, HERE);
+}
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) {
+    SELF;
+    return (fmi3Status)instance_leave_event_mode(i, HERE, CONTINUOUS);
+}
+
+fmi3Status fmi3EnterStepMode(fmi3Instance c) {
+    SELF;
+    return (fmi3Status)instance_leave_event_mode(i, HERE, STEPPING);
+}
+
+/* ---------------------------------------------------------------- model exchange */
+
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *enterEventMode,
+                                       fmi3Boolean *terminateSimulation) {
+    SELF;
+    (void)noSetFMUStatePriorToCurrentPoint;
+    if (!instance_allows(i, HERE, CONTINUOUS)) return fmi3Error;
+    NEED(enterEventMode, 1);
+    NEED(terminateSimulation, 1);
+    *enterEventMode = *terminateSimulation = fmi3False;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SetTime(fmi3Instance c, fmi3Float64 time) {
+    SELF;
+    return (fmi3Status)instance_set_time(i, HERE, time);
+}
+
+fmi3Status fmi3SetContinuousStates(fmi3Instance c, const fmi3Float64 continuousStates[], size_t nContinuousStates) {
+    SELF;
+    return (fmi3Status)instance_set_states(i, HERE, continuousStates, nContinuousStates);
+}
+
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance c, fmi3Float64 derivatives[], size_t nContinuousStates) {
+    SELF;
+    return (fmi3Status)instance_vector(i, HERE, GET_RATES, derivatives, nContinuousStates);
+}
+
+fmi3Status fmi3GetEventIndicators(fmi3Instance c, fmi3Float64 eventIndicators[], size_t nEventIndicators) {
+    SELF;
+    return (fmi3Status)instance_vector(i, HERE, GET_INDICATORS, eventIndicators, nEventIndicators);
+}
+
+fmi3Status fmi3GetContinuousStates(fmi3Instance c, fmi3Float64 continuousStates[], size_t nContinuousStates) {
+    SELF;
+    return (fmi3Status)instance_vector(i, HERE, GET_STATES, continuousStates, nContinuousStates);
+}
+
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance c, fmi3Float64 nominals[], size_t nContinuousStates) {
+    SELF;
+    return (fmi3Status)instance_vector(i, HERE, GET_NOMINALS, nominals, nContinuousStates);
+}
+
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *nEventIndicators) {
+    SELF;
+    NEED(nEventIndicators, 1);
+    *nEventIndicators = FILM_INDICATORS;
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *nContinuousStates) {
+    SELF;
+    NEED(nContinuousStates, 1);
+    *nContinuousStates = instance_state_count(i);
+    return fmi3OK;
+}
+
+/* ---------------------------------------------------------------- co-simulation */
+
+fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
+                      fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
+                      fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime) {
+    SELF;
+    int event;
+    (void)noSetFMUStatePriorToCurrentPoint;
+    NEED(eventHandlingNeeded, 1);
+    NEED(terminateSimulation, 1);
+    NEED(earlyReturn, 1);
+    NEED(lastSuccessfulTime, 1);
+    fmi3Status status = (fmi3Status)instance_step(i, HERE, currentCommunicationPoint, communicationStepSize, &event);
+    *terminateSimulation = fmi3False;
+    *eventHandlingNeeded = event != 0;
+    *lastSuccessfulTime = i->model.memory.now;
+    *earlyReturn = status == fmi3OK && event && *lastSuccessfulTime < currentCommunicationPoint + communicationStepSize;
+    return status;
+}
+
+fmi3Status fmi3ActivateModelPartition(fmi3Instance c, fmi3ValueReference clockReference, fmi3Float64 activationTime) {
+    SELF;
+    (void)clockReference, (void)activationTime;
+    return (fmi3Status)instance_fails(i, HERE, "Scheduled Execution is not supported by this FMU");
+}

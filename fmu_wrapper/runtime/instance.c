@@ -1,0 +1,352 @@
+/* See instance.h. */
+#include "instance.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LONGEST_MESSAGE = 512 };
+static const double SAME_TIME = 1e-9; /* of a step: how well a communication point must meet the last one */
+
+/* ---------------------------------------------------------------- messages and modes */
+
+int instance_fails(const instance *i, const char *function, const char *format, ...) {
+    char text[LONGEST_MESSAGE];
+    int used = snprintf(text, sizeof text, "%s: ", function);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text + used, sizeof text - (size_t)used, format, arguments);
+    va_end(arguments);
+    if (i && i->report) i->report(i, ERROR, "logStatusError", text);
+    return ERROR;
+}
+
+static int model_fails(const instance *i, const char *function) {
+    return instance_fails(i, function, "%s", i->model.message);
+}
+
+static void list_modes(int modes, char *text, size_t room) {
+    static const char *const names[] = {"Instantiated", "Initialization Mode", "Event Mode", "Continuous-Time Mode",
+                                        "Step Mode", "Terminated", "Error"};
+    size_t used = 0;
+    text[0] = 0;
+    for (int k = 0; k < 7; k++)
+        if (modes & (1 << k) && used < room)
+            used += (size_t)snprintf(text + used, room - used, "%s%s", used ? ", " : "", names[k]);
+}
+
+int instance_allows(const instance *i, const char *function, int modes) {
+    if (!i) return 0;
+    if (i->state.mode & modes) return 1;
+    char now[40], allowed[160];
+    list_modes(i->state.mode, now, sizeof now);
+    list_modes(modes, allowed, sizeof allowed);
+    instance_fails(i, function, "called in state %s; it is allowed in: %s", now, allowed);
+    return 0;
+}
+
+#define ALLOW(modes)                                       \
+    do {                                                   \
+        if (!instance_allows(i, function, modes)) return ERROR; \
+    } while (0)
+
+#define NEED(pointer, count)                                                                              \
+    do {                                                                                                  \
+        if ((count) > 0 && !(pointer)) return instance_fails(i, function, "argument %s is NULL", #pointer); \
+    } while (0)
+
+/* ---------------------------------------------------------------- making and ending */
+
+instance *instance_new(const char *function, const instance_options *options, const char *why) {
+    instance none;
+    char message[LONGEST_MESSAGE];
+    const char *name = options->name ? options->name : "";
+    instance *i = calloc(1, sizeof *i);
+    memset(&none, 0, sizeof none);
+    none.report = options->report;
+    none.environment = options->environment;
+    none.logger = options->logger;
+    none.name = (char *)name;
+    if (i) i->name = malloc(strlen(name) + 1);
+    if (!i || !i->name) why = "no memory for an instance";
+    if (!why && !*name) why = "an instance needs a name";
+    if (!why) i->data = model_read_data(options->folder, message, sizeof message);
+    if (!why && !i->data) why = message;
+    if (!why && (!options->token || strcmp(options->token, i->data->token) != 0)) {
+        snprintf(message, sizeof message, "the GUID or instantiation token is \"%.80s\"; this FMU's is \"%s\"",
+                 options->token ? options->token : "", i->data->token);
+        why = message;
+    }
+    if (why) {
+        instance_fails(&none, function, "%s", why);
+        instance_free(i);
+        return NULL;
+    }
+    memcpy(i->name, name, strlen(name) + 1);
+    i->model_exchange = options->model_exchange;
+    i->event_mode = options->event_mode;
+    i->early_return = options->early_return;
+    i->logging = options->logging;
+    i->report = options->report;
+    i->environment = options->environment;
+    i->logger = options->logger;
+    i->state.mode = INSTANTIATED;
+    model_init(&i->model, i->data);
+    return i;
+}
+
+void instance_free(instance *i) {
+    if (!i) return;
+    model_free(&i->model);
+    free(i->data);
+    free(i->name);
+    free(i);
+}
+
+int instance_set_up(instance *i, const char *function, double start, int has_stop, double stop) {
+    ALLOW(INSTANTIATED);
+    if (!isfinite(start)) return instance_fails(i, function, "startTime %g s is no time", start);
+    if (has_stop && !(stop >= start))
+        return instance_fails(i, function, "stopTime %g s must not be before startTime %g s", stop, start);
+    i->model.memory.start_time = i->model.memory.now = start;
+    i->model.memory.begun = 0;
+    i->state.has_stop_time = has_stop;
+    i->state.stop_time = has_stop ? stop : 0.0;
+    return GOOD;
+}
+
+int instance_enter_initialization(instance *i, const char *function) {
+    ALLOW(INSTANTIATED);
+    i->state.mode = INITIALIZATION;
+    return GOOD;
+}
+
+int instance_exit_initialization(instance *i, const char *function) {
+    ALLOW(INITIALIZATION);
+    i->state.mode = FAILED;
+    if (model_begin(&i->model, i->model.memory.start_time) < 0) return model_fails(i, function);
+    if (model_start(&i->model, i->model_exchange) < 0) return model_fails(i, function);
+    i->state.mode = i->model_exchange || i->event_mode ? EVENT : STEPPING;
+    if (i->state.mode == STEPPING) model_show(&i->model);
+    return GOOD;
+}
+
+int instance_terminate(instance *i, const char *function) {
+    ALLOW(RUNNING | FAILED);
+    i->state.mode = TERMINATED;
+    return GOOD;
+}
+
+int instance_reset(instance *i, const char *function) {
+    ALLOW(ANYWHERE);
+    model_free(&i->model);
+    model_init(&i->model, i->data);
+    memset(&i->state, 0, sizeof i->state);
+    i->state.mode = INSTANTIATED;
+    return GOOD;
+}
+
+/* ---------------------------------------------------------------- variables */
+
+static int of_type(const instance *i, const char *function, unsigned reference, int type, int or_type) {
+    if (reference >= VARIABLES) return instance_fails(i, function, "no variable has the value reference %u", reference);
+    int is = VARIABLE[reference].type;
+    if (is == type || is == or_type) return GOOD;
+    static const char *const types[] = {"a real number", "a whole number", "an enumeration"};
+    return instance_fails(i, function, "%s is %s, which this function does not serve", VARIABLE[reference].name, types[is]);
+}
+
+int instance_get(instance *i, const char *function, unsigned reference, int type, int or_type, double *value) {
+    if (of_type(i, function, reference, type, or_type) != GOOD) return ERROR;
+    return model_get(&i->model, reference, value) < 0 ? model_fails(i, function) : GOOD;
+}
+
+int instance_set(instance *i, const char *function, unsigned reference, int type, int or_type, double value) {
+    if (of_type(i, function, reference, type, or_type) != GOOD) return ERROR;
+    if (VARIABLE[reference].role[i->data->kind] == PARAMETER && !(i->state.mode & (INSTANTIATED | INITIALIZATION)))
+        return instance_fails(i, function, "%s can be set before the end of Initialization Mode only", VARIABLE[reference].name);
+    return model_set(&i->model, reference, value) < 0 ? model_fails(i, function) : GOOD;
+}
+
+int instance_derivatives(instance *i, const char *function, const unsigned *unknowns, size_t unknown_count,
+                         const unsigned *knowns, size_t known_count, const double *seed, double *sensitivity, int adjoint) {
+    ALLOW(INITIALIZATION | RUNNING | TERMINATED | FAILED);
+    NEED(unknowns, unknown_count);
+    NEED(knowns, known_count);
+    NEED(seed, adjoint ? unknown_count : known_count);
+    NEED(sensitivity, adjoint ? known_count : unknown_count);
+    for (size_t k = 0; k < (adjoint ? known_count : unknown_count); k++) sensitivity[k] = 0.0;
+    for (size_t row = 0; row < unknown_count; row++)
+        for (size_t column = 0; column < known_count; column++) {
+            double partial;
+            if (model_partial(&i->model, unknowns[row], knowns[column], &partial) < 0) return model_fails(i, function);
+            if (adjoint) sensitivity[column] += partial * seed[row];
+            else sensitivity[row] += partial * seed[column];
+        }
+    return GOOD;
+}
+
+/* ---------------------------------------------------------------- saved states */
+
+typedef struct {
+    uint64_t checksum; /* FNV-1a of what follows */
+    char token[64];    /* of the FMU it was saved in */
+    instance_state state;
+} saved_state;
+
+static uint64_t checksum_of(const saved_state *saved) {
+    return model_checksum((const unsigned char *)saved + sizeof saved->checksum, sizeof *saved - sizeof saved->checksum);
+}
+
+int instance_save(instance *i, const char *function, void **saved) {
+    ALLOW(ANYWHERE);
+    if (!saved) return instance_fails(i, function, "argument FMUState is NULL");
+    saved_state *state = *saved ? *saved : calloc(1, sizeof *state);
+    if (!state) return instance_fails(i, function, "no memory for a state");
+    memcpy(state->token, i->data->token, sizeof state->token);
+    memcpy(&state->state, &i->state, sizeof state->state);
+    memcpy(&state->state.memory, &i->model.memory, sizeof state->state.memory);
+    *saved = state;
+    return GOOD;
+}
+
+int instance_restore(instance *i, const char *function, const void *saved) {
+    const saved_state *state = saved;
+    ALLOW(ANYWHERE);
+    if (!state) return instance_fails(i, function, "argument FMUState is NULL");
+    if (memcmp(state->token, i->data->token, sizeof state->token) != 0)
+        return instance_fails(i, function, "the state was saved in another FMU");
+    memcpy(&i->state, &state->state, sizeof i->state);
+    memcpy(&i->model.memory, &state->state.memory, sizeof i->model.memory);
+    return model_restored(&i->model) < 0 ? model_fails(i, function) : GOOD;
+}
+
+int instance_size(instance *i, const char *function, const void *saved, size_t *size) {
+    ALLOW(ANYWHERE);
+    if (!saved || !size) return instance_fails(i, function, "argument %s is NULL", saved ? "size" : "FMUState");
+    *size = sizeof(saved_state);
+    return GOOD;
+}
+
+int instance_serialize(instance *i, const char *function, const void *saved, unsigned char *bytes, size_t size) {
+    ALLOW(ANYWHERE);
+    if (!saved || !bytes) return instance_fails(i, function, "argument %s is NULL", saved ? "serializedState" : "FMUState");
+    if (size < sizeof(saved_state))
+        return instance_fails(i, function, "%u bytes are too few: a state needs %u", (unsigned)size, (unsigned)sizeof(saved_state));
+    uint64_t checksum = checksum_of(saved);
+    memcpy(bytes, saved, sizeof(saved_state));
+    memcpy(bytes, &checksum, sizeof checksum);
+    return GOOD;
+}
+
+int instance_deserialize(instance *i, const char *function, const unsigned char *bytes, size_t size, void **saved) {
+    ALLOW(ANYWHERE);
+    if (!saved || !bytes) return instance_fails(i, function, "argument %s is NULL", saved ? "serializedState" : "FMUState");
+    if (size != sizeof(saved_state))
+        return instance_fails(i, function, "a state of this FMU has %u bytes, not %u", (unsigned)sizeof(saved_state), (unsigned)size);
+    saved_state *state = malloc(sizeof *state);
+    if (!state) return instance_fails(i, function, "no memory for a state");
+    memcpy(state, bytes, sizeof *state);
+    int other = memcmp(state->token, i->data->token, sizeof state->token) != 0;
+    if (other || state->checksum != checksum_of(state)) {
+        free(state);
+        return instance_fails(i, function, other ? "the state was saved in another FMU" : "the state is damaged");
+    }
+    free(*saved);
+    *saved = state;
+    return GOOD;
+}
+
+/* ---------------------------------------------------------------- co-simulation */
+
+int instance_step(instance *i, const char *function, double from, double size, int *event) {
+    model_memory *now = &i->model.memory;
+    double end = from + size;
+    *event = 0;
+    ALLOW(STEPPING);
+    if (!(size >= 0.0) || !isfinite(size)) return instance_fails(i, function, "a step of %g s; it must be >= 0 s", size);
+    if (!(fabs(from - now->now) <= SAME_TIME * size + 1e-14 * fabs(now->now)))
+        return instance_fails(i, function, "the step begins at %.17g s, but the last one ended at %.17g s", from, now->now);
+    if (i->state.has_stop_time && end > i->state.stop_time + SAME_TIME * (size + fabs(end)))
+        return instance_fails(i, function, "the step ends at %g s, after the stop time %g s", end, i->state.stop_time);
+    if (i->event_mode && model_hides(&i->model))
+        return instance_fails(i, function, "an event at %.17g s has to be handled in Event Mode first", now->now);
+    int stopped, status = model_step(&i->model, end > now->now ? end : now->now, i->event_mode && i->early_return, &stopped);
+    if (status < 0) {
+        i->state.mode = FAILED;
+        return model_fails(i, function);
+    }
+    if (!i->event_mode) model_show(&i->model);
+    *event = model_hides(&i->model);
+    return GOOD;
+}
+
+/* ---------------------------------------------------------------- event mode and model exchange */
+
+int instance_enter_event_mode(instance *i, const char *function) {
+    ALLOW(i && i->model_exchange ? CONTINUOUS : STEPPING);
+    if (!i->model_exchange && !i->event_mode)
+        return instance_fails(i, function, "the instance was made without event mode");
+    i->state.mode = EVENT;
+    return GOOD;
+}
+
+int instance_update(instance *i, const char *function) {
+    ALLOW(EVENT);
+    if (i->model_exchange && model_switch(&i->model) < 0) {
+        i->state.mode = FAILED;
+        return model_fails(i, function);
+    }
+    model_show(&i->model);
+    return GOOD;
+}
+
+int instance_leave_event_mode(instance *i, const char *function, int mode) {
+    ALLOW(EVENT);
+    if (i->model_exchange != (mode == CONTINUOUS))
+        return instance_fails(i, function, "the instance was made for %s", i->model_exchange ? "Model Exchange" : "Co-Simulation");
+    i->state.mode = mode;
+    return GOOD;
+}
+
+int instance_set_time(instance *i, const char *function, double time) {
+    ALLOW(EVENT | CONTINUOUS);
+    if (!i->model_exchange) return instance_fails(i, function, "the instance was made for Co-Simulation");
+    if (!isfinite(time) || time < i->model.memory.start_time)
+        return instance_fails(i, function, "time %g s must not be before the start time %g s", time, i->model.memory.start_time);
+    i->model.memory.now = time;
+    return GOOD;
+}
+
+size_t instance_state_count(const instance *i) {
+    return i->data->kind == IMPACT ? STATES : 0;
+}
+
+int instance_set_states(instance *i, const char *function, const double *states, size_t count) {
+    ALLOW(CONTINUOUS | EVENT);
+    if (!i->model_exchange) return instance_fails(i, function, "the instance was made for Co-Simulation");
+    if (count != instance_state_count(i))
+        return instance_fails(i, function, "%u states; there are %u", (unsigned)count, (unsigned)instance_state_count(i));
+    NEED(states, count);
+    for (size_t k = 0; k < count; k++)
+        if (!isfinite(states[k])) return instance_fails(i, function, "state %u is %g", (unsigned)k, states[k]);
+    for (size_t k = 0; k < count; k++) i->model.memory.at[k] = states[k];
+    return GOOD;
+}
+
+int instance_vector(instance *i, const char *function, int what, double *values, size_t count) {
+    ALLOW(what == GET_NOMINALS ? ANYWHERE : INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | FAILED);
+    if (!i->model_exchange) return instance_fails(i, function, "the instance was made for Co-Simulation");
+    size_t expected = what == GET_INDICATORS ? FILM_INDICATORS : instance_state_count(i);
+    if (count != expected) return instance_fails(i, function, "%u values; there are %u", (unsigned)count, (unsigned)expected);
+    NEED(values, count);
+    if (!i->model.memory.begun && model_begin(&i->model, i->model.memory.start_time) < 0) return model_fails(i, function);
+    int status = 0;
+    if (what == GET_STATES) memcpy(values, i->model.memory.at, count * sizeof *values);
+    else if (what == GET_NOMINALS) memcpy(values, i->data->nominal, count * sizeof *values);
+    else if (what == GET_INDICATORS) status = model_indicators(&i->model, values);
+    else if (count > 0) status = model_rates(&i->model, values);
+    return status < 0 ? model_fails(i, function) : GOOD;
+}

@@ -1,0 +1,104 @@
+/* Reading what an export fixes. See model.h. */
+#include "model.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(_WIN32)
+#define WIN32_LEAN_AND_MEAN
+#include <windows.h>
+#endif
+
+static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '1'};
+static const char NAME[] = "model.film";
+enum { LONGEST_PATH = 4096 };
+
+static FILE *open_file(const char *path) {
+#if defined(_WIN32)
+    wchar_t wide[LONGEST_PATH];
+    return MultiByteToWideChar(CP_UTF8, 0, path, -1, wide, LONGEST_PATH) > 0 ? _wfopen(wide, L"rb") : NULL;
+#else
+    return fopen(path, "rb");
+#endif
+}
+
+uint64_t model_checksum(const void *from, size_t count) {
+    const unsigned char *bytes = from;
+    uint64_t hash = 14695981039346656037u;
+    for (size_t k = 0; k < count; k++) hash = (hash ^ bytes[k]) * 1099511628211u;
+    return hash;
+}
+
+static model_data *fault(model_data *data, FILE *file, char *message, size_t room, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, room, format, arguments);
+    va_end(arguments);
+    if (file) fclose(file);
+    free(data);
+    return NULL;
+}
+
+static int bad_numbers(const model_data *data) {
+    int bad = data->kind < 0 || data->kind >= KINDS || !(data->length_scale > 0.0) || !(data->force_scale > 0.0);
+    for (unsigned k = 0; k < SETTABLE; k++)
+        bad |= !(data->start[k] >= VARIABLE[k].low && data->start[k] <= VARIABLE[k].high);
+    return bad || film_check_curve(&data->curve) < 0;
+}
+
+model_data *model_read_data(const char *folder, char *message, size_t room) {
+    char path[LONGEST_PATH];
+    if (!folder || !*folder) return fault(NULL, NULL, message, room, "no folder of resources was given; it holds %s", NAME);
+    size_t length = strlen(folder);
+    const char *slash = folder[length - 1] == '/' || folder[length - 1] == '\\' ? "" : "/";
+    if (length + sizeof NAME + 2 > sizeof path) return fault(NULL, NULL, message, room, "the path of the resources is too long");
+    snprintf(path, sizeof path, "%s%s%s", folder, slash, NAME);
+    FILE *file = open_file(path);
+    if (!file) return fault(NULL, NULL, message, room, "%s cannot be opened", path);
+    model_data *data = malloc(sizeof *data);
+    if (!data) return fault(NULL, file, message, room, "no memory for %s", path);
+    size_t read = fread(data, 1, sizeof *data, file);
+    if (read < sizeof *data || fgetc(file) != EOF)
+        return fault(data, file, message, room, "%s is damaged: it must have %u bytes", path, (unsigned)sizeof *data);
+    if (memcmp(data->magic, MAGIC, sizeof MAGIC) != 0 || data->size != sizeof *data)
+        return fault(data, file, message, room, "%s is not of this version of film-model, or no such file at all", path);
+    size_t head = offsetof(model_data, token);
+    if (data->checksum != model_checksum((const unsigned char *)data + head, sizeof *data - head) ||
+        memchr(data->token, 0, sizeof data->token) == NULL || bad_numbers(data))
+        return fault(data, file, message, room, "%s is damaged: its checksum does not fit", path);
+    fclose(file);
+    return data;
+}
+
+static int digit(char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
+int model_path_of_uri(const char *uri, char *path, size_t room) {
+    if (!uri || strncmp(uri, "file:", 5) != 0) return -1;
+    const char *from = uri + 5;
+    if (strncmp(from, "//", 2) == 0) {
+        from += 2;
+        if (strncmp(from, "localhost/", 10) == 0) from += 9;
+        if (*from != '/') return -1; /* another machine */
+    }
+    if (from[0] == '/' && from[1] != 0 && from[2] == ':') from++; /* /C:/... */
+    size_t count = 0;
+    for (; *from; from++) {
+        char c = *from;
+        if (c == '%') {
+            int high = digit(from[1]), low = high < 0 ? -1 : digit(from[2]);
+            if (low < 0 || high * 16 + low == 0) return -1;
+            c = (char)(high * 16 + low);
+            from += 2;
+        }
+        if (count + 1 >= room) return -1;
+        path[count++] = c;
+    }
+    path[count] = 0;
+    return count > 0 ? 0 : -1;
+}

@@ -1,4 +1,4 @@
-"""The command line: film-model run | laws | materials.
+"""The command line: film-model run | export-fmu | check-fmu | laws | materials.
 
 Results go to standard output, warnings to standard error. Exit status 0: done; 2: the scene or the command line is
 wrong; 3: the simulation could not be done.
@@ -65,6 +65,24 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--json", action="store_true", help="print one JSON object")
     run.set_defaults(command=_run)
 
+    export = commands.add_parser("export-fmu", help="write the impact of a scene file as an FMU")
+    export.add_argument("scene", help="scene file (TOML)")
+    export.add_argument("--fmi", type=int, choices=(2, 3), default=3, help="FMI version (default: 3)")
+    export.add_argument(
+        "--kind", choices=("impact", "contact"), default="impact", help="impactor with its mass, or force element"
+    )
+    export.add_argument("--initial-gap", metavar="LENGTH", default="0 m", help='distance at the start, e.g. "5 mm"')
+    export.add_argument("--platform", action="append", metavar="NAME", help="e.g. aarch64-linux, or all; by default this machine's")
+    export.add_argument("--with-sources", action="store_true", help="put the C sources in, for importers that compile")
+    export.add_argument("--output", metavar="FILE.fmu", help="file to write (default: impact.fmu or contact.fmu)")
+    export.add_argument("--force", action="store_true", help="overwrite an existing file")
+    export.set_defaults(command=_export_fmu)
+
+    check = commands.add_parser("check-fmu", help="validate an FMU and hold its runs against the library's")
+    check.add_argument("fmu", help="FMU written by export-fmu")
+    check.add_argument("--json", action="store_true", help="print one JSON object")
+    check.set_defaults(command=_check_fmu)
+
     laws = commands.add_parser("laws", help="list the contact laws and their parameters")
     laws.add_argument("--json", action="store_true", help="print one JSON object")
     laws.set_defaults(command=_laws)
@@ -101,6 +119,44 @@ def _run(options: argparse.Namespace) -> int:
     for warning in history.warnings:
         print(f"warning: {warning}", file=sys.stderr)
     return DONE
+
+
+def _export_fmu(options: argparse.Namespace) -> int:
+    import fmu_wrapper
+    from film_model.scene import Scene
+
+    path = options.output or f"{options.kind}.fmu"
+    _check_writable(path, options.force)
+    scene = Scene.from_toml(options.scene)
+    fmu_wrapper.export(
+        scene,
+        path,
+        options.fmi,
+        kind=options.kind,
+        initial_gap=options.initial_gap,
+        platform=options.platform,
+        with_sources=options.with_sources,
+        overwrite=options.force,
+    )
+    print(f"wrote {path}", file=sys.stderr)
+    return DONE
+
+
+def _check_fmu(options: argparse.Namespace) -> int:
+    import fmu_wrapper
+
+    report = fmu_wrapper.check(options.fmu)
+    if options.json:
+        _print_json(report.to_json())
+    else:
+        for problem in report.problems:
+            print(f"wrong      {problem}")
+        for finding in report.findings:
+            word = "agrees" if finding.good else "differs"
+            where = "" if finding.good else f"  at {finding.where}"
+            print(f"{word:10} {finding.what:48} {finding.difference:8.1e}, allowed {finding.allowed:.0e}{where}")
+        print(f"{report.path}: {'good' if report.good else 'not good'}")
+    return DONE if report.good else FAILED
 
 
 def _check_writable(path: str, force: bool) -> None:

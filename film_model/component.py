@@ -51,6 +51,7 @@ class SavedState:
     """Everything a component remembers; made by `save`, taken by `restore`."""
 
     core: bytes
+    start_time: float
     support_velocity: float
     support_displacement: float
     load: float
@@ -59,7 +60,7 @@ class SavedState:
 class ImpactComponent:
     """An impactor in front of its target, or in contact with it, advanced step by step.
 
-    scene: as for `simulate`. initial_gap: distance before first touch. An accuracy or segments count chooses the mesh
+    scene: as for `simulate`. initial_gap: distance before first touch at the beginning. An accuracy or segments count chooses the mesh
     as for `simulate`. Between steps the external force and the support velocity are held, so a step of dt gives what
     two of dt/2 give; the motion within is exact on the lines of the march. Contacts repeat, on the dent that earlier
     ones left. Quantities, texts with units and plain SI floats are all taken. The scene's gravity, if it is simulated,
@@ -81,34 +82,43 @@ class ImpactComponent:
             raise SimulationError("a free body as target cannot be stepped: simulate() gives its motion")
         self.scene = scene
         self.problem: Problem = problem_of(scene)
-        gap = units.to_si(initial_gap, "length", bare=True)
-        if gap < 0.0:
-            raise ValueError(f"initial_gap: {gap:g} m must be >= 0 m")
+        self._gap = _gap(initial_gap)
         self.segments, self._mesh = mesh_for(
             scene, self.problem, accuracy, segments, linearisation, fallback=DEFAULT_SEGMENTS
         )
         self._curve = self.problem.curve.native
-        self._start = native.initial_state(self._curve, self.problem.start, gap / self.problem.scales.length)
         self.reset()
 
+    def initialize(self, *, time: Any = 0.0, initial_gap: Any = None, velocity: Any = None) -> None:
+        """Begin at `time` [s], on a spot without a dent; gap [m] and velocity [m/s] as constructed unless given."""
+        start = self.problem.start
+        if velocity is not None:
+            start.nu = units.to_si(velocity, "velocity", bare=True) / self.problem.scales.velocity
+        gap = self._gap if initial_gap is None else _gap(initial_gap)
+        state = native.initial_state(self._curve, start, gap / self.problem.scales.length)
+        begin = units.to_si(time, "time", bare=True)
+        self.restore(SavedState(bytes(state), begin, 0.0, 0.0, self.problem.load))
+
     def reset(self) -> None:
-        """Back to the beginning: no dent, no contact yet."""
-        self.restore(SavedState(bytes(self._start), 0.0, 0.0, self.problem.load))
+        """Back to the beginning as constructed: no dent, no contact yet."""
+        self.initialize()
 
     def save(self) -> SavedState:
         """A copy of the state."""
-        return SavedState(bytes(self._state), self._support_velocity, self._support_displacement, self._load)
+        support = self._support_velocity, self._support_displacement
+        return SavedState(bytes(self._state), self._start_time, *support, self._load)
 
     def restore(self, saved: SavedState) -> None:
         """Return to a saved state; what follows is what followed then, to the last bit."""
         self._state = native.State.from_buffer_copy(saved.core)
+        self._start_time = saved.start_time
         self._support_velocity, self._support_displacement = saved.support_velocity, saved.support_displacement
         self._load = saved.load
 
     @property
     def time(self) -> float:
-        """Time since the beginning, s."""
-        return self._state.time * self.problem.scales.time
+        """Time, s; 0 at the beginning unless `initialize` was told otherwise."""
+        return self._start_time + self._state.time * self.problem.scales.time
 
     @property
     def phase(self) -> str:
@@ -125,7 +135,7 @@ class ImpactComponent:
         velocity = nu * s.velocity
         moved = shift * s.length + self._support_displacement
         return Outputs(
-            time * s.time,
+            self._start_time + time * s.time,
             xi * s.length,
             velocity - target,
             moved + xi * s.length,
@@ -184,6 +194,13 @@ class ImpactComponent:
             stage = self.problem.curve.stage_names[self._state.branch]
         motion = (o.indentation, o.relative_velocity, o.contact_force, o.impactor_displacement, o.impactor_velocity)
         return Event(native.EVENTS[self._state.event], o.time, stage, *motion, o.target_displacement, o.target_velocity)
+
+
+def _gap(value: Any) -> float:
+    gap = units.to_si(value, "length", bare=True)
+    if gap < 0.0:
+        raise ValueError(f"initial_gap: {gap:g} m must be >= 0 m")
+    return gap
 
 
 def _si(value: Any, dimension: str) -> float:

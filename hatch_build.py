@@ -16,7 +16,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from packaging.tags import platform_tags
 
 sys.path.insert(0, str(Path(__file__).parent))
-from fmu_wrapper import platforms  # noqa: E402
+from fmu_wrapper import platforms
 
 CORE = platforms.CORE
 SOURCES = (f"{CORE}/film_core.c", f"{CORE}/film_batch.c")

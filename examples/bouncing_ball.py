@@ -50,7 +50,7 @@ if __name__ == "__main__":
     for number, b in enumerate(bounces, 1):
         if number <= 5 or number % 20 == 0 or number == len(bounces):
             print(
-                f"{number:6}{b.begins * 1e3:9.3f} ms{(b.ends - b.begins) * 1e6:9.2f} us{b.velocity:8.4f} m/s{b.rebound:8.4f} m/s"
-                f"{-b.rebound / b.velocity:8.4f}{b.maximum_force:8.2f} N{b.dent * 1e6:7.4f} um"
+                f"{number:6}{b.begins * 1e3:9.3f} ms{(b.ends - b.begins) * 1e6:9.2f} us{b.velocity:8.4f} m/s"
+                f"{b.rebound:8.4f} m/s{-b.rebound / b.velocity:8.4f}{b.maximum_force:8.2f} N{b.dent * 1e6:7.4f} um"
             )
     print(f"at rest by {component.time:.3f} s, the weight on it: {component.outputs.contact_force:.6f} N")

@@ -1,12 +1,12 @@
 """A system-level co-simulation: the impact FMU on a carriage that is another FMU, of another exporter.
 
-A ball hits a slab on a carriage, which gives way on its spring and damper while the contact lasts. A small master couples
-the two FMUs at macro steps, in three ways:
+A ball hits a slab on a carriage, which gives way on its spring and damper while the contact lasts. A small master
+couples the two FMUs at macro steps, in three ways:
 
 * parallel: each hears what the other said at the beginning of the step;
 * in turn: the carriage hears the contact force at the end of the step;
-* balanced: the ball hears the carriage's velocity extrapolated to the middle of the step, and the carriage the mean force,
-  which is the momentum the ball has lost.
+* balanced: the ball hears the carriage's velocity extrapolated to the middle of the step, and the carriage the mean
+  force, which is the momentum the ball has lost.
 
 Errors fall with the step, and balanced with its square. The reference is the coupled equations by DOP853.
 """
@@ -107,11 +107,13 @@ def reference(on: fm.Scene) -> OdeSolution:
         return [ball - v, -force / on.mass, v, (force - DAMPING * v - STIFFNESS * z) / CARRIAGE_MASS]
 
     start = [0.0, on.approach_velocity, 0.0, 0.0]
-    return solve_ivp(rates, (0.0, END), start, "DOP853", rtol=1e-12, atol=1e-16, max_step=END / 500, dense_output=True).sol
+    return solve_ivp(
+        rates, (0.0, END), start, "DOP853", rtol=1e-12, atol=1e-16, max_step=END / 500, dense_output=True
+    ).sol
 
 
 def main() -> dict[str, list[float]]:
-    """The largest error of both velocities at macro steps over the approach velocity, by coupling and number of steps."""
+    """The largest error of either velocity over the approach velocity, by coupling, for each number of steps."""
     on = scene()
     exact = reference(on)
     errors: dict[str, list[float]] = {"parallel": [], "in turn": [], "balanced": []}

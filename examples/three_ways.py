@@ -1,4 +1,4 @@
-"""One FMU run in three ways beside the library: Co-Simulation, Co-Simulation with event mode, Model Exchange with CVODE.
+"""One FMU in three ways beside the library: Co-Simulation, Co-Simulation with event mode, Model Exchange with CVODE.
 
 Co-Simulation marches the library's lines and gives its numbers at any step. Model Exchange integrates the true law.
 """
@@ -31,7 +31,9 @@ def main() -> tuple[fm.History, dict[str, xr.Dataset], dict[str, float]]:
     for way, run in runs.items():
         inside = run.t.values <= history.duration
         force = history.sample_si(run.t.values[inside]).contact_force
-        differences[way] = float(np.abs(run.contact_force.values[inside] - force).max() / history.summary["maximum_force"])
+        differences[way] = float(
+            np.abs(run.contact_force.values[inside] - force).max() / history.summary["maximum_force"]
+        )
     return history, runs, differences
 
 

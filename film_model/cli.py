@@ -72,7 +72,9 @@ def _parser() -> argparse.ArgumentParser:
         "--kind", choices=("impact", "contact"), default="impact", help="impactor with its mass, or force element"
     )
     export.add_argument("--initial-gap", metavar="LENGTH", default="0 m", help='distance at the start, e.g. "5 mm"')
-    export.add_argument("--platform", action="append", metavar="NAME", help="e.g. aarch64-linux, or all; by default this machine's")
+    export.add_argument(
+        "--platform", action="append", metavar="NAME", help="e.g. aarch64-linux, or all; by default this machine's"
+    )
     export.add_argument("--with-sources", action="store_true", help="put the C sources in, for importers that compile")
     export.add_argument("--output", metavar="FILE.fmu", help="file to write (default: impact.fmu or contact.fmu)")
     export.add_argument("--force", action="store_true", help="overwrite an existing file")
@@ -124,7 +126,9 @@ def _run(options: argparse.Namespace) -> int:
 def _export_fmu(options: argparse.Namespace) -> int:
     import fmu_wrapper
     from film_model.scene import Scene
+    from film_model.units import to_si
 
+    gap = to_si(options.initial_gap, "length")
     path = options.output or f"{options.kind}.fmu"
     _check_writable(path, options.force)
     scene = Scene.from_toml(options.scene)
@@ -133,7 +137,7 @@ def _export_fmu(options: argparse.Namespace) -> int:
         path,
         options.fmi,
         kind=options.kind,
-        initial_gap=options.initial_gap,
+        initial_gap=gap,
         platform=options.platform,
         with_sources=options.with_sources,
         overwrite=options.force,

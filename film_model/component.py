@@ -60,11 +60,11 @@ class SavedState:
 class ImpactComponent:
     """An impactor in front of its target, or in contact with it, advanced step by step.
 
-    scene: as for `simulate`. initial_gap: distance before first touch at the beginning. An accuracy or segments count chooses the mesh
-    as for `simulate`. Between steps the external force and the support velocity are held, so a step of dt gives what
-    two of dt/2 give; the motion within is exact on the lines of the march. Contacts repeat, on the dent that earlier
-    ones left. Quantities, texts with units and plain SI floats are all taken. The scene's gravity, if it is simulated,
-    comes on top of the external force.
+    scene: as for `simulate`. initial_gap: distance before first touch at the beginning. An accuracy or segments count
+    chooses the mesh as for `simulate`. Between steps the external force and the support velocity are held, so a step of
+    dt gives what two of dt/2 give; the motion within is exact on the lines of the march. Contacts repeat, on the dent
+    that earlier ones left. Quantities, texts with units and plain SI floats are all taken. The scene's gravity, if it
+    is simulated, comes on top of the external force.
 
     Raises SceneError or SimulationError as `simulate` does; SimulationError for a free body as target.
     """

@@ -6,11 +6,16 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fmu_wrapper.cosimulation import Report, check, run
+    from fmu_wrapper.check import Report, check
+    from fmu_wrapper.cosimulation import run
     from fmu_wrapper.export import export
 
-_HOMES = {"export": "fmu_wrapper.export", "run": "fmu_wrapper.cosimulation"}
-_HOMES |= dict.fromkeys(("check", "Report"), "fmu_wrapper.cosimulation")
+_HOMES = {
+    "Report": "fmu_wrapper.check",
+    "check": "fmu_wrapper.check",
+    "export": "fmu_wrapper.export",
+    "run": "fmu_wrapper.cosimulation",
+}
 
 __all__ = ["Report", "check", "export", "run"]
 

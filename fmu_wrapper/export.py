@@ -13,9 +13,9 @@ from typing import Any
 
 from film_datasets.history import scene_text
 from film_model import units
-from film_model.component import DEFAULT_SEGMENTS
 from film_model.accuracy import mesh_for
 from film_model.bodies import Body
+from film_model.component import DEFAULT_SEGMENTS
 from film_model.errors import SimulationError
 from film_model.files import written_whole
 from film_model.history import History
@@ -92,7 +92,9 @@ def _binaries(platform: str | Sequence[str] | None) -> dict[str, bytes]:
         names = list(platforms.PLATFORMS)
     unknown = [name for name in names if name not in platforms.PLATFORMS]
     if unknown or not names:
-        raise ValueError(f"platform: {', '.join(unknown) or 'none'} is not allowed: all or {', '.join(platforms.PLATFORMS)}")
+        raise ValueError(
+            f"platform: {', '.join(unknown) or 'none'} is not allowed: all or {', '.join(platforms.PLATFORMS)}"
+        )
     return {name: platforms.cross_compile(name) for name in names}
 
 

@@ -17,7 +17,10 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
 CORE, RUNTIME = "film_model/core", "fmu_wrapper/runtime"
-SOURCES = (f"{CORE}/film_core.c", *(f"{RUNTIME}/{name}.c" for name in ("model", "resource", "instance", "fmi2", "fmi3")))
+SOURCES = (
+    f"{CORE}/film_core.c",
+    *(f"{RUNTIME}/{name}.c" for name in ("model", "resource", "instance", "fmi2", "fmi3")),
+)
 HEADERS = (
     *(f"{CORE}/{name}.h" for name in ("film_core", "film_law", "film_line")),
     *(f"{RUNTIME}/{name}.h" for name in ("model", "instance", "variables")),

@@ -49,7 +49,12 @@ class Data(c.Structure):
 
 
 def model_data(
-    scene: Scene, problem: Problem, kind: Kind, gap: float, segments: tuple[int, int], nominal: tuple[float, float, float]
+    scene: Scene,
+    problem: Problem,
+    kind: Kind,
+    gap: float,
+    segments: tuple[int, int],
+    nominal: tuple[float, float, float],
 ) -> Data:
     """The data of an export but for its token. `gap`: at the start, m; `nominal`: of the states, SI."""
     law = problem.law

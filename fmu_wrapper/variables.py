@@ -70,7 +70,7 @@ def _segments(name: str, description: str) -> Variable:
 
 
 def _motion(name: str, dimension: str, description: str, *depends: str, rate_of: str | None = None) -> Variable:
-    on = {"impact": depends}
+    on: dict[Kind, tuple[str, ...]] = {"impact": depends}
     return Variable(name, Real, dimension, {"impact": "output"}, "continuous", description, None, None, rate_of, on)
 
 
@@ -241,7 +241,10 @@ def header(units: Mapping[str, str]) -> str:
     types = {Real: "REAL", Whole: "WHOLE"}
     for v in VARIABLES:
         roles = ", ".join(_ROLES[v.causality[kind]] if kind in v.causality else "ABSENT" for kind in KINDS)
-        low, high = ("-1e300" if v.low is None else repr(float(v.low))), ("1e300" if v.high is None else repr(float(v.high)))
+        low, high = (
+            ("-1e300" if v.low is None else repr(float(v.low))),
+            ("1e300" if v.high is None else repr(float(v.high))),
+        )
         unit = "" if v.dimension is None else units[v.dimension]
         kind = types.get(v.type, "ENUMERATION")
         rows.append(f'    {{"{v.name}", "{unit}", {kind}, {{{roles}}}, {low}, {high}}},')

@@ -127,3 +127,41 @@ def test_plate_or_half_space(tmp_path):
         assert columns[name] == sorted(columns[name])
     # a heavy plate: e ≈ 1 − 1.73 λ
     assert columns["elastic"][-2] == pytest.approx(1.0 - 1.73 * columns["lambda"][-2], abs=1e-4)
+
+
+def test_bouncing_ball():
+    bounces, component = example("bouncing_ball").main()
+    assert len(bounces) > 100 and component.phase == "resting"
+    assert component.outputs.contact_force == pytest.approx(component.scene.effective_mass * 9.80665, rel=1e-5)
+    first, *others = bounces
+    assert first.begins == pytest.approx(math.sqrt(2 * 0.005 / 9.80665), rel=1e-12)
+    assert first.velocity == pytest.approx(math.sqrt(2 * 0.005 * 9.80665), rel=1e-12)
+    assert first.dent > 1e-6 and all(bounce.dent == first.dent for bounce in others)
+    for before, after in zip(bounces, others, strict=False):
+        assert after.begins > before.ends
+        assert 0.0 < -after.rebound < after.velocity <= -before.rebound * (1 + 1e-9)
+        assert after.maximum_force < before.maximum_force
+
+
+def test_drop_tower(tmp_path):
+    module = example("drop_tower")
+    errors = module.main()
+    module.draw(errors, tmp_path / "drop_tower.png")
+    assert is_png(tmp_path / "drop_tower.png")
+    for name, order in (("parallel", 1.0), ("in turn", 1.0), ("balanced", 2.0)):
+        found = errors[name]
+        assert math.log2(found[-2] / found[-1]) == pytest.approx(order, abs=0.03), name
+    assert errors["in turn"][1] == pytest.approx(0.014, rel=0.05)
+    assert errors["balanced"][1] == pytest.approx(0.002, rel=0.05)
+
+
+def test_three_ways(tmp_path):
+    module = example("three_ways")
+    history, runs, differences = module.main()
+    module.draw(history, runs, tmp_path / "three_ways.png")
+    assert is_png(tmp_path / "three_ways.png")
+    assert differences["Co-Simulation"] < 1e-12 and differences["with event mode"] < 1e-12
+    assert differences["Model Exchange"] < 1e-7
+    for run in runs.values():
+        assert run.sizes["event"] == len(history.events)
+        assert run.event_time.values == pytest.approx([event.time for event in history.events], rel=1e-7)

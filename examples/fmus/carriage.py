@@ -1,6 +1,6 @@
 """A drop tower's carriage: a mass on a spring and a damper, as an FMU made by PythonFMU.
 
-    m z'' + c z' + k z = force, solved in closed form for a force that is held over each step.
+m z'' + c z' + k z = force, solved in closed form for a force that is held over each step.
 """
 
 import math
@@ -9,7 +9,7 @@ from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 
 
 class Carriage(Fmi2Slave):
-    """Input force [N]; outputs displacement [m] and velocity [m/s]; parameters in SI units. Less than critically damped."""
+    """Input force [N]; outputs displacement [m] and velocity [m/s]. Less than critically damped."""
 
     author = "film-model contributors"
     description = "A mass on a spring and a damper"

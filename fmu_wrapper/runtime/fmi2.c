@@ -12,9 +12,17 @@
 
 static const char UNSUPPORTED[] = "not supported by this FMU";
 
+/* The message is a format, and some importers take it for the text: only its % signs are doubled. */
 static void tell(const instance *i, int status, const char *category, const char *text) {
     fmi2CallbackLogger logger = (fmi2CallbackLogger)i->logger;
-    if (logger) logger(i->environment, i->name, (fmi2Status)status, category, "%s", text);
+    char format[1024];
+    size_t used = 0;
+    for (; *text && used + 2 < sizeof format; text++) {
+        if (*text == '%') format[used++] = '%';
+        format[used++] = *text;
+    }
+    format[used] = 0;
+    if (logger) logger(i->environment, i->name, (fmi2Status)status, category, format);
 }
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }

@@ -130,8 +130,8 @@ typedef struct {
     double force, stiffness;              /* N, N/m */
 } motion_now;
 
-/* The contact's path from where the state is to `indentation`, m, and every event on it. rate: its direction at the end. */
-static int walk(model *m, film_state *state, double indentation, double rate, model_record *record);
+/* The contact's path since the last communication point to its input, or to where that has been extended; and every event. */
+static int follow_path(model *m, film_state *state, model_record *record);
 
 static int observe(model *m, motion_now *seen, int with_stiffness) {
     const model_memory *now = &m->memory;
@@ -139,7 +139,7 @@ static int observe(model *m, motion_now *seen, int with_stiffness) {
     double force = state->force, slope = 0.0;
     if (m->data->kind == CONTACT && !now->continuous) {
         film_state ahead = *state;
-        if (walk(m, &ahead, now->reached, now->reached - now->committed_indentation, NULL) < 0) return -1;
+        if (follow_path(m, &ahead, NULL) < 0) return -1;
         film_force(&m->data->curve, &ahead, ahead.xi, &force, &slope);
         seen->indentation = now->reached;
         seen->velocity = now->value[RELATIVE_VELOCITY];
@@ -261,7 +261,7 @@ static void note(model_record *record, unsigned reference, double value) {
 /* The event the state has just passed. */
 static void happen(model *m, const film_state *state, double time, double velocity, model_record *record) {
     const model_memory *now = &m->memory;
-    double indentation = state->xi * now->length;
+    double indentation = state->xi * now->length, left = state->xi_free * now->length;
     record->phase = state->phase;
     record->stage = state->branch;
     record->events++;
@@ -291,7 +291,7 @@ static void happen(model *m, const film_state *state, double time, double veloci
     case FILM_CONTACT_ENDS:
         note(record, TIME_CONTACT_ENDS, time);
         note(record, REBOUND_VELOCITY, velocity);
-        note(record, PERMANENT_INDENTATION, indentation);
+        note(record, PERMANENT_INDENTATION, left);
         note(record, MAXIMUM_FORCE, state->force_peak * now->force);
         break;
     default: break;
@@ -363,6 +363,7 @@ static int settle(model *m, film_state *state, double xi, double nu, model_recor
     return failed(m, "the indentation %g m changes the contact without end", xi * m->memory.length);
 }
 
+/* Straight on to an indentation, m, and every event on the way. */
 static int walk(model *m, film_state *state, double indentation, double rate, model_record *record) {
     double nu = rate < 0.0 ? -1.0 : 1.0;
     int turns = nu < 0.0 && state->direction > 0 && state->branch != FILM_FREE; /* where it was, and goes back from there */
@@ -381,17 +382,22 @@ static int peak_between(double a, double rate_a, double b, double rate_b, double
     return *peak > a && *peak > b;
 }
 
-/* The path since the last communication point, along the cubic that has its ends and rates. */
+static int follow_path(model *m, film_state *state, model_record *record) {
+    const model_memory *now = &m->memory;
+    double to = now->reached, rate = now->value[RELATIVE_VELOCITY], from = now->committed_indentation, peak;
+    double time = to == now->value[INDENTATION] ? now->now - now->committed_time : 0.0; /* extended: a straight line */
+    if (peak_between(from, now->committed_rate, to, rate, time, &peak) && walk(m, state, peak, 1.0, record) < 0) return -1;
+    double way = to - state->xi * now->length;
+    return walk(m, state, to, way != 0.0 ? way : rate, record);
+}
+
+/* The input has been heard: it is the path now, and remembered. */
 static int commit(model *m) {
     model_memory *now = &m->memory;
-    double to = now->value[INDENTATION], rate = now->value[RELATIVE_VELOCITY], from = now->committed_indentation, peak;
-    if (peak_between(from, now->committed_rate, to, rate, now->now - now->committed_time, &peak) &&
-        walk(m, &now->state, peak, 1.0, &now->happened) < 0)
-        return -1;
-    double way = to != now->state.xi * now->length ? to - now->state.xi * now->length : rate;
-    if (walk(m, &now->state, to, way, &now->happened) < 0) return -1;
-    now->committed_indentation = to;
-    now->committed_rate = rate;
+    now->reached = now->value[INDENTATION];
+    if (follow_path(m, &now->state, &now->happened) < 0) return -1;
+    now->committed_indentation = now->reached;
+    now->committed_rate = now->value[RELATIVE_VELOCITY];
     now->committed_time = now->now;
     return 0;
 }

@@ -6,13 +6,13 @@ All contenders work in the law's units: indentation δ_s, force F_s, time t_s = 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from film_model import reference
+from film_model.dormand_prince import ScalarLaw
 from film_model.laws import AbstractLaw, BigAlabo, Hertz, Power, Stronge
 from film_model.laws.stronge import FULLY_PLASTIC_PRESSURE
 from film_model.laws.yielding import YIELD_PRESSURE_RATIO
@@ -29,19 +29,6 @@ SUMMARY = (
     "rebound_velocity",
 )
 """The values that count; the columns of every contender's result."""
-
-
-@dataclass(frozen=True)
-class ScalarLaw:
-    """A law as its author would write it for one impact: functions of floats that numba can compile too.
-
-    ends: of the stages, in ξ. force(k, ξ): of stage k in loading. free(k, ξ_m, f_m): where the unloading branch
-    f = f_m ((ξ − ξ_f)/(ξ_m − ξ_f))^1.5 of a contact that turned in stage k ends.
-    """
-
-    ends: tuple[float, ...]
-    force: Callable[[int, float], float]
-    free: Callable[[int, float, float], float]
 
 
 @dataclass(frozen=True)

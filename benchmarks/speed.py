@@ -21,9 +21,9 @@ import numpy as np
 
 from benchmarks import conventional, film, python_level
 from benchmarks.cases import Array, Case, all_cases, worst_error
-from benchmarks.dormand_prince import compile_rival
 from benchmarks.python_level import best_time
 from film_model.core import native
+from film_model.dormand_prince import compile_rival
 
 TARGETS = (1e-4, 1e-6)
 TOLERANCES = 10.0 ** -np.arange(2.0, 13.01, 0.25)

@@ -1,4 +1,4 @@
-"""The command line: film-model run | export-fmu | check-fmu | laws | materials.
+"""The command line: film-model run | cost | export-fmu | check-fmu | laws | materials.
 
 Results go to standard output, warnings to standard error. Exit status 0: done; 2: the scene or the command line is
 wrong; 3: the simulation could not be done.
@@ -65,6 +65,15 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--json", action="store_true", help="print one JSON object")
     run.set_defaults(command=_run)
 
+    cost = commands.add_parser("cost", help="error against time for a scene, beside other methods")
+    cost.add_argument("scene", help="scene file (TOML)")
+    cost.add_argument("--method", action="append", metavar="NAME", help="only methods whose name begins so; repeatable")
+    cost.add_argument("--output", metavar="FILE.nc", help="write the study as netCDF")
+    cost.add_argument("--plot", metavar="FILE", help="draw the work-precision diagram (.png, .svg or .pdf)")
+    cost.add_argument("--force", action="store_true", help="overwrite existing output files")
+    cost.add_argument("--json", action="store_true", help="print one JSON object")
+    cost.set_defaults(command=_cost)
+
     export = commands.add_parser("export-fmu", help="write the impact of a scene file as an FMU")
     export.add_argument("scene", help="scene file (TOML)")
     export.add_argument("--fmi", type=int, choices=(2, 3), default=3, help="FMI version (default: 3)")
@@ -120,6 +129,44 @@ def _run(options: argparse.Namespace) -> int:
             print(f"wrote {path}", file=sys.stderr)
     for warning in history.warnings:
         print(f"warning: {warning}", file=sys.stderr)
+    return DONE
+
+
+def _cost(options: argparse.Namespace) -> int:
+    from film_model.scene import Scene
+    from film_model.study import FILM, one_thread, study
+
+    for path in filter(None, (options.output, options.plot)):
+        _check_writable(path, options.force)
+    one_thread()
+    scene = Scene.from_toml(options.scene)
+    done = study(scene, methods=options.method, progress=lambda name: print(f"timing {name}", file=sys.stderr))
+    if not done.runs:
+        raise ValueError(
+            f"--method: no method begins with {' or '.join(options.method)}; there are {', '.join(FILM)} ..."
+        )
+    if options.output:
+        import film_datasets
+
+        film_datasets.write(film_datasets.to_dataset(done), options.output, overwrite=options.force)
+    if options.plot:
+        from film_model.plot_study import plot_study
+
+        plot_study(done, options.plot)
+    if options.json:
+        return _print_json(done.to_json())
+    print(f"{scene.title or 'Impact'}\nlaw {done.law}; errors are against {done.reference['method']}\n")
+    print(f"{'':26}{'':16}{'error':>10}{'one impact':>14}{'in a batch':>14}{'forces':>9}")
+    best = {id(run) for run in done.front()}
+    for run in done.runs:
+        error = f"{run.error:10.1e}" if run.errors else f"{'-':>10}"
+        times = "".join(
+            f"{'-' if t is None else f'{1e6 * t.median:.2f} us':>14}" for t in (run.time_single, run.time_batch)
+        )
+        said = "  *" if id(run) in best else "" if run.outcome == "done" else f"  {run.outcome}"
+        print(f"{run.method:26}{run.setting:16}{error}{times}{run.force_evaluations or '-':>9}{said}")
+    print("\n* nothing here is better in both error and time of one impact")
+    print("\n".join([done.sentence(), *done.beaten()]))
     return DONE
 
 

@@ -62,8 +62,8 @@ def plot_history(history: History, path: str | os.PathLike[str] | None = None, d
     cannot be written.
     """
     target = None if path is None else Path(path)
-    if target is not None and target.suffix.lower() not in SUFFIXES:
-        raise ValueError(f"{target}: the name of a picture must end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+    if target is not None:
+        check_suffix(target)
     try:
         import matplotlib
         from matplotlib.figure import Figure
@@ -73,8 +73,14 @@ def plot_history(history: History, path: str | os.PathLike[str] | None = None, d
         figure = Figure(figsize=SIZE)
         _draw(figure, history)
         if target is not None:
-            _save(figure, target, dpi)
+            save_figure(figure, target, dpi)
     return figure
+
+
+def check_suffix(target: Path) -> None:
+    """Raises ValueError for a file that is no picture by its name."""
+    if target.suffix.lower() not in SUFFIXES:
+        raise ValueError(f"{target}: the name of a picture must end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
 
 
 def _draw(figure: Figure, history: History) -> None:
@@ -190,8 +196,9 @@ def _plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-def _save(figure: Figure, target: Path, dpi: float) -> None:
-    """Write the picture whole or not at all, the same picture with the same bytes."""
+def save_figure(figure: Figure, target: Path, dpi: float = 200.0) -> None:
+    """Write the picture whole or not at all, the same picture with the same bytes. Raises ValueError for its suffix."""
+    check_suffix(target)
     kind = target.suffix[1:].lower()
     picture, undated = io.BytesIO(), {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     figure.savefig(picture, format=kind, dpi=dpi, metadata=undated.get(kind))

@@ -1,3 +1,4 @@
+# pyright: basic, reportCallIssue=false
 """The conventional method at its best: Dormand–Prince 5(4), compiled by numba, with events located to its own order.
 
 PI step control, first-same-as-last, a restart at every stage boundary, at the maximum indentation and where the
@@ -12,11 +13,13 @@ costs no accuracy. Two forms of the same equations:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from benchmarks.cases import ScalarLaw
+from film_model.laws.law import AbstractLaw, Power, Stage
 
 # Hairer, Nørsett & Wanner, Solving ODEs I, table II.5.2 and the dense output of DOPRI5
 A21 = 1 / 5
@@ -36,6 +39,76 @@ MOST_STEPS = 1_000_000
 GROWS, TURNS, OPENS, STOPS = 0, 1, 2, 3  # what to look for: ξ reaches a stage's end; ν − γf = 0; ξ = ξ_f; ν = 0
 
 
+@dataclass(frozen=True)
+class ScalarLaw:
+    """A law as its author would write it for one impact: functions of floats that numba can compile too.
+
+    ends: of the stages, in ξ. force(k, ξ): of stage k in loading. free(k, ξ_m, f_m): where the unloading branch
+    f = f_m ((ξ − ξ_f)/(ξ_m − ξ_f))^1.5 of a contact that turned in stage k ends.
+    """
+
+    ends: tuple[float, ...]
+    force: Callable[[int, float], float]
+    free: Callable[[int, float, float], float]
+
+
+def scalar_law(law: AbstractLaw) -> ScalarLaw:
+    """A law for :func:`compile_rival`; its functions are compiled by numba.
+
+    Raises ImportError without numba, ValueError for a law that does not unload along a 3/2 power.
+    """
+    import numba
+
+    chain_force, chain_free = None, None
+    stages = law.stages()
+    for k, stage in reversed(list(enumerate(stages))):
+        chain_force = _chained(numba, k, _one(numba, stage, stage.force), chain_force)
+        chain_free = _freed(numba, k, stage, chain_free, k == 0)
+    assert chain_force is not None and chain_free is not None
+    return ScalarLaw(tuple(stage.end for stage in stages), chain_force, chain_free)
+
+
+def _one(numba: Any, stage: Stage, function: Any) -> Any:
+    """A function of a law, of one float."""
+    if not isinstance(function, Power):
+        return numba.njit(function)
+    c0, c1, c2, q = function.constant, function.slope, function.coefficient, function.exponent
+    origin = stage.begin if function.origin is None else function.origin
+    if c2 == 0.0:
+        return numba.njit(lambda x: c0 + c1 * (x - origin))
+    if q == 1.5:
+        return numba.njit(
+            lambda x: c0 + c1 * (x - origin) + c2 * max(x - origin, 0.0) * math.sqrt(max(x - origin, 0.0))
+        )
+    return numba.njit(lambda x: c0 + c1 * (x - origin) + c2 * max(x - origin, 0.0) ** q)
+
+
+def _chained(numba: Any, k: int, own: Any, others: Any) -> Any:
+    if others is None:
+        return numba.njit(lambda j, x: own(x))
+    return numba.njit(lambda j, x: own(x) if j == k else others(j, x))
+
+
+def _freed(numba: Any, k: int, stage: Stage, others: Any, first: bool) -> Any:
+    rule = stage.unloading
+    if rule is None:
+        force = stage.force
+        if not (first and isinstance(force, Power) and force.exponent == 1.5 and force.constant == force.slope == 0.0):
+            raise ValueError(f"stage {stage.name!r} does not unload along a 3/2 power")
+        own = numba.njit(lambda x, f: 0.0)
+    elif rule.exponent != 1.5:
+        raise ValueError(f"stage {stage.name!r} does not unload along a 3/2 power")
+    elif rule.residual is not None:
+        residual = _one(numba, stage, rule.residual)
+        own = numba.njit(lambda x, f: residual(x))
+    else:
+        ratio = _one(numba, stage, rule.radius_ratio)
+        own = numba.njit(lambda x, f: x - (f / math.sqrt(ratio(x))) ** (2.0 / 3.0))
+    if others is None:
+        return numba.njit(lambda j, x, f: own(x, f))
+    return numba.njit(lambda j, x, f: own(x, f) if j == k else others(j, x, f))
+
+
 def compile_rival(law: ScalarLaw, form: str) -> Any:
     """run(nu, gamma, rtol, floor, out): fills out (impacts, 6) with the summaries, in the law's units.
 
@@ -48,7 +121,7 @@ def compile_rival(law: ScalarLaw, form: str) -> Any:
     compiled = numba.njit(fastmath=True, error_model="numpy")
     root = form == "root"
     ends = np.array(law.ends)
-    loading, free = inline(law.force), inline(law.free)
+    loading, free = (f if hasattr(f, "py_func") else inline(f) for f in (law.force, law.free))
 
     @inline
     def rates(branch, k, origin, f_max, per_span, gamma, z0, z1):

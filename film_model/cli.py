@@ -1,4 +1,4 @@
-"""The command line: film-model run | cost | export-fmu | check-fmu | laws | materials.
+"""The command line: film-model run | cost | hard-cases | export-fmu | check-fmu | laws | materials.
 
 Results go to standard output, warnings to standard error. Exit status 0: done; 2: the scene or the command line is
 wrong; 3: the simulation could not be done.
@@ -73,6 +73,11 @@ def _parser() -> argparse.ArgumentParser:
     cost.add_argument("--force", action="store_true", help="overwrite existing output files")
     cost.add_argument("--json", action="store_true", help="print one JSON object")
     cost.set_defaults(command=_cost)
+
+    hard = commands.add_parser("hard-cases", help="run the catalogue of hard cases")
+    hard.add_argument("--match", metavar="TEXT", default="", help="only cases whose name contains this")
+    hard.add_argument("--json", action="store_true", help="print one JSON object")
+    hard.set_defaults(command=_hard_cases)
 
     export = commands.add_parser("export-fmu", help="write the impact of a scene file as an FMU")
     export.add_argument("scene", help="scene file (TOML)")
@@ -168,6 +173,30 @@ def _cost(options: argparse.Namespace) -> int:
     print("\n* nothing here is better in both error and time of one impact")
     print("\n".join([done.sentence(), *done.beaten()]))
     return DONE
+
+
+def _hard_cases(options: argparse.Namespace) -> int:
+    from film_model.hard_cases import all_cases, report
+
+    reports = []
+    for case in all_cases():
+        if options.match not in case.name:
+            continue
+        print(f"running {case.name}", file=sys.stderr)
+        reports.append(report(case))
+    good = all(r.finding.good for r in reports)
+    if options.json:
+        _print_json({"good": good, "cases": [r.to_json() for r in reports]})
+        return DONE if good else FAILED
+    print(f"{'':6}{'case':52}{'error':>9}{'allowed':>9}{'segments':>10}{'time':>10}  outcome")
+    for r in reports:
+        f = r.finding
+        numbers = f"{f.error:9.1e}{f.allowed:9.0e}{f.segments or '-':>10}{r.seconds:8.2f} s"
+        print(f"{'good' if f.good else 'BAD':6}{r.case.name:52}{numbers}  {f.outcome}")
+        for name, said in r.others.items():
+            print(f"{'':58}{name}: {said}")
+    print(f"{sum(r.finding.good for r in reports)} of {len(reports)} good")
+    return DONE if good else FAILED
 
 
 def _export_fmu(options: argparse.Namespace) -> int:

@@ -1,0 +1,199 @@
+"""One impact in extended precision, to hold double precision against.
+
+Zener's equations in the root variable of `film_model.reference.integrate`, by Gragg–Bulirsch–Stoer extrapolation in
+mpmath's numbers. For laws whose force is made of powers with exponents that are multiples of one half, which are smooth
+in that variable. Nothing here is shared with the march.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from film_model.laws.law import AbstractLaw, Power, Stage
+
+DIGITS = 30
+"""Decimal digits carried; results are good to some ten fewer."""
+
+_COLUMNS = 14  # of the extrapolation
+_SECANTS = 60
+
+
+def impact(law: AbstractLaw, mass: float, velocity: float, impedance: float = math.inf) -> dict[str, float]:
+    """Summary of one impact without load: SI floats by the names of `film_model.reference.SUMMARY` but the energies.
+
+    Raises ImportError without mpmath, ValueError for a law that is not made of powers or that ends first.
+    """
+    try:
+        import mpmath
+    except ImportError as error:
+        raise ImportError('extended precision needs mpmath: pip install "film-model[benchmark]"') from error
+    context = mpmath.mp.clone()
+    context.dps = DIGITS
+    return _Extended(context, law, mass, velocity, impedance).summary()
+
+
+class _Extended:
+    def __init__(self, context: Any, law: AbstractLaw, mass: float, velocity: float, impedance: float) -> None:
+        self.mp = context
+        number = context.mpf
+        length, force = (number(x) for x in law.scales(0.5 * mass * velocity**2))
+        self.length, self.force = length, force
+        self.time = context.sqrt(number(mass) * length / force)
+        self.speed = length / self.time
+        self.nu = number(velocity) / self.speed
+        self.gamma = number(0) if math.isinf(impedance) else force / (number(impedance) * self.speed)
+        self.stages = law.stages()
+        self.tolerance = number(10) ** (4 - DIGITS)
+
+    def power(self, function: Any, stage: Stage) -> Callable[[Any], Any]:
+        """A function of ξ."""
+        if isinstance(function, (int, float)):
+            return lambda xi: self.mp.mpf(function)
+        if not isinstance(function, Power) or (function.coefficient and (2.0 * function.exponent) % 1.0):
+            raise ValueError(f"stage {stage.name!r} is not made of powers whose exponents are multiples of one half")
+        c0, c1, c2, q = (
+            self.mp.mpf(v) for v in (function.constant, function.slope, function.coefficient, function.exponent)
+        )
+        origin = self.mp.mpf(stage.begin if function.origin is None else function.origin)
+
+        def value(xi: Any) -> Any:
+            x = max(xi - origin, self.mp.mpf(0))
+            return c0 + c1 * x + (c2 * x**q if c2 else 0)
+
+        return value
+
+    def summary(self) -> dict[str, float]:
+        """The whole contact."""
+        state: Sequence[Any] = (self.mp.mpf(0), self.nu, self.mp.mpf(0))
+        peak, xi, turned = self.mp.mpf(0), self.mp.mpf(0), False
+        k = -1
+        for stage in self.stages:
+            k += 1
+            begin, force = self.mp.mpf(stage.begin), self.power(stage.force, stage)
+            self.own = lambda x, force=force, begin=begin: force(begin + x)
+            edge = self.mp.inf if math.isinf(stage.end) else self.mp.sqrt(self.mp.mpf(stage.end) - begin)
+            state = (self.mp.mpf(0), *state[1:])
+            state, turned, _ = self.run(state, edge, True)
+            xi = begin + state[0] ** 2
+            peak = max(peak, force(xi), force(begin))
+            if turned:
+                break
+        if not turned:
+            raise ValueError("the law ends before the motion turns")
+        deepest, turn = xi, state[2]
+        stop = turn if self.gamma == 0 else None
+        force = self.power(self.stages[k].force, self.stages[k])
+        residual = self.mp.mpf(0)
+        rule = self.stages[k].unloading
+        runs: list[tuple[Any, Callable[[Any], Any]]]
+        if rule is None:
+            runs = []
+            for stage in self.stages[: k + 1][::-1]:
+                begin, own = self.mp.mpf(stage.begin), self.power(stage.force, stage)
+                runs.append((begin, lambda x, own=own, begin=begin: own(begin + x)))
+        else:
+            q, load = self.power(rule.exponent, self.stages[k])(xi), force(xi)
+            if (2 * q) % 1:
+                raise ValueError(
+                    f"stage {self.stages[k].name!r} unloads with an exponent that is no multiple of one half"
+                )
+            if rule.residual is not None:
+                residual = self.power(rule.residual, self.stages[k])(xi)
+            else:
+                ratio = self.power(rule.radius_ratio, self.stages[k])(xi)
+                residual = xi - (load / self.mp.sqrt(ratio)) ** (1 / q)
+            span = xi - residual
+            runs = [(residual, lambda x: load * (x / span) ** q if x > 0 else self.mp.mpf(0))]
+        for begin, self.own in runs:
+            state = (self.mp.sqrt(xi - begin), *state[1:])
+            state, _, passed = self.run(state, self.mp.mpf(0), False)
+            stop = passed if stop is None else stop
+            xi = begin
+        return {
+            "maximum_force": float(peak * self.force),
+            "maximum_indentation": float(deepest * self.length),
+            "time_of_maximum_indentation": float(turn * self.time),
+            "time_impactor_stops": math.nan if stop is None else float(stop * self.time),
+            "contact_duration": float(state[2] * self.time),
+            "permanent_indentation": float(residual * self.length),
+            "rebound_velocity": float(state[1] * self.speed),
+            "coefficient_of_restitution": float(-state[1] / self.nu),
+        }
+
+    def rates(self, state: Sequence[Any]) -> tuple[Any, Any, Any]:
+        """d(y, ν, t)/dσ."""
+        y, nu, _ = state
+        f = self.own(y * y)
+        return nu - self.gamma * f, -2 * y * f, 2 * y
+
+    def step(self, state: Sequence[Any], h: Any) -> tuple[Sequence[Any], Any, int]:
+        """One extrapolated step: the state, its error and the columns it took."""
+        rows: list[list[Sequence[Any]]] = []
+        error = self.mp.inf
+        for column in range(_COLUMNS):
+            n = 2 * (column + 1)
+            small = h / n
+            before, now = state, [s + small * r for s, r in zip(state, self.rates(state), strict=True)]
+            for _ in range(n - 1):
+                rates = self.rates(now)
+                before, now = now, [s + 2 * small * r for s, r in zip(before, rates, strict=True)]
+            rates = self.rates(now)
+            value: Sequence[Any] = [(a + b + small * r) / 2 for a, b, r in zip(before, now, rates, strict=True)]
+            row: list[Sequence[Any]] = [value]
+            for back, last in enumerate(rows[-1] if rows else []):
+                ratio = self.mp.mpf(n) ** 2 / self.mp.mpf(2 * (column - back)) ** 2 - 1
+                row.append([a + (a - b) / ratio for a, b in zip(row[-1], last, strict=True)])
+            rows.append(row)
+            if column > 2:
+                sizes = [abs(a) + abs(h * r) for a, r in zip(state, self.rates(state), strict=True)]
+                differences = zip(row[-1], row[-2], sizes, strict=True)
+                error = max(abs(a - b) / (size + self.tolerance) for a, b, size in differences)
+                if error < self.tolerance:
+                    return row[-1], error, column + 1
+        return rows[-1][-1], error, _COLUMNS
+
+    def run(self, state: Sequence[Any], edge: Any, loading: bool) -> tuple[Sequence[Any], bool, Any]:
+        """To y = edge or, in loading, to where the indentation turns; whether it turned, and when ν passed 0."""
+        h = (1 if edge == self.mp.inf else abs(edge - state[0]) + self.mp.mpf("0.01")) / (5 * max(abs(state[1]), 1))
+        passed = None
+        for _ in range(100_000):
+            new, error, columns = self.step(state, h)
+            if error > self.tolerance * 100:
+                h /= 2
+                continue
+            hits: list[tuple[Any, bool]] = []
+            crossing = (new[0] >= edge) if loading else (new[0] <= edge)
+            if crossing and edge != self.mp.inf:
+                hits.append((self.when(state, h, lambda s: s[0] - edge), False))
+            if loading and self.rates(new)[0] <= 0 < self.rates(state)[0]:
+                hits.append((self.when(state, h, lambda s: self.rates(s)[0]), True))
+            if not loading and passed is None and state[1] > 0 >= new[1]:
+                at = self.when(state, h, lambda s: s[1])
+                if not hits or at <= hits[0][0]:
+                    passed = self.step(state, at)[0][2]
+            if hits:
+                at, turned = min(hits, key=lambda hit: hit[0])
+                return self.step(state, at)[0], turned, passed
+            state = new
+            if columns < 9:
+                h *= 2
+        raise ValueError("no end was found")
+
+    def when(self, state: Sequence[Any], h: Any, function: Callable[[Sequence[Any]], Any]) -> Any:
+        """The part of the step at which a function of the state passes zero: false position, bisection at need."""
+        low, high, g_low = self.mp.mpf(0), h, function(state)
+        g_high = function(self.step(state, h)[0])
+        if g_low == 0:
+            return low
+        for k in range(_SECANTS):
+            at = high - g_high * (high - low) / (g_high - g_low) if k % 3 else (low + high) / 2
+            g = function(self.step(state, at)[0])
+            if (g > 0) == (g_low > 0):
+                low, g_low = at, g
+            else:
+                high, g_high = at, g
+            if g == 0 or high - low <= self.tolerance * h:
+                break
+        return high

@@ -238,7 +238,8 @@ enum { FILM_INDICATORS = 4 };
 FILM_API void film_indicators(const film_curve *curve, const film_state *state, double speed,
                               double indicators[FILM_INDICATORS]);
 
-/* One event that is due in the state: FILM_EVENT, state->event says which, and more may be due; FILM_OK: none; or a failure. */
+/* One event that is due in the state: FILM_EVENT, state->event says which, and more may be due; FILM_OK: none; or a failure.
+ * An edge that was passed is where state->xi is left: put xi in again before the next call. */
 FILM_API int film_switch(const film_curve *curve, film_state *state);
 
 /* The true law: force and work (from the stage's beginning) of loading stage `stage` at xi. */

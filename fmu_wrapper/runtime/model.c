@@ -352,9 +352,9 @@ static int step_impact(model *m, double end, int stop_at_events, int *stopped) {
 /* ---------------------------------------------------------------- stepping the contact */
 
 static int settle(model *m, film_state *state, double xi, double nu, model_record *record) {
-    state->xi = xi;
-    state->nu = nu;
     for (int k = 0; k < MOST_SWITCHES; k++) {
+        state->xi = xi;
+        state->nu = nu;
         int status = film_switch(&m->data->curve, state);
         if (status < 0) return refused(m, status);
         if (status != FILM_EVENT) return 0;
@@ -455,8 +455,12 @@ int model_indicators(model *m, double indicators[FILM_INDICATORS]) {
 
 int model_switch(model *m) {
     model_memory *now = &m->memory;
-    place(m);
-    for (int k = 0; k < MOST_SWITCHES; k++) {
+    double indicators[FILM_INDICATORS];
+    if (model_indicators(m, indicators) < 0) return -1;
+    int jumped = m->data->kind == CONTACT && indicators[2] <= 0.0; /* back, while its rate says onwards */
+    for (int k = 0; k < MOST_SWITCHES; k++, jumped = 0) {
+        place(m);
+        if (jumped) now->state.nu = -now->state.direction;
         int status = film_switch(&m->data->curve, &now->state);
         if (status < 0) return refused(m, status);
         now->happened.phase = now->state.phase;

@@ -143,7 +143,7 @@ typedef struct {
     double now; /* communication point */
 } unit;
 
-static unit make(int version, int interface, const resources *from) {
+static inline unit make(int version, int interface, const resources *from) {
     unit u = {version, interface, from, NULL, 0.0};
     const char *token = from->data.token;
     if (version == 2)
@@ -157,7 +157,7 @@ static unit make(int version, int interface, const resources *from) {
     return u;
 }
 
-static void dispose(unit *u) {
+static inline void dispose(unit *u) {
     if (u->version == 2) fmi2FreeInstance(u->c);
     else fmi3FreeInstance(u->c);
     u->c = NULL;
@@ -165,14 +165,14 @@ static void dispose(unit *u) {
 
 #define EITHER(call_2, call_3) (u->version == 2 ? (int)(call_2) : (int)(call_3))
 
-static int set(unit *u, unsigned reference, double value) {
+static inline int set(unit *u, unsigned reference, double value) {
     if (VARIABLE[reference].type == REAL)
         return EITHER(fmi2SetReal(u->c, &reference, 1, &value), fmi3SetFloat64(u->c, &reference, 1, &value, 1));
     int number = (int)value;
     return EITHER(fmi2SetInteger(u->c, &reference, 1, &number), fmi3SetInt32(u->c, &reference, 1, &number, 1));
 }
 
-static double get(unit *u, unsigned reference) {
+static inline double get(unit *u, unsigned reference) {
     double value = 0.0;
     int32_t number = 0;
     fmi3Int64 item = 0;
@@ -195,29 +195,29 @@ static double get(unit *u, unsigned reference) {
     return value;
 }
 
-static int has(const resources *r, unsigned reference) {
+static inline int has(const resources *r, unsigned reference) {
     return VARIABLE[reference].role[r->data.kind] != ABSENT && (reference >= SETTABLE || r->data.available[reference]);
 }
 
 /* All variables; 0 for those that this FMU does not have. */
-static void get_all(unit *u, double values[VARIABLES]) {
+static inline void get_all(unit *u, double values[VARIABLES]) {
     for (unsigned k = 0; k < VARIABLES; k++) values[k] = has(u->from, k) ? get(u, k) : 0.0;
 }
 
-static int enter_initialization(unit *u, double start) {
+static inline int enter_initialization(unit *u, double start) {
     u->now = start;
     if (u->version == 3) return (int)fmi3EnterInitializationMode(u->c, fmi3False, 0.0, start, fmi3False, 0.0);
     int status = (int)fmi2SetupExperiment(u->c, fmi2False, 0.0, start, fmi2False, 0.0);
     return status == GOOD ? (int)fmi2EnterInitializationMode(u->c) : status;
 }
 
-static int exit_initialization(unit *u) {
+static inline int exit_initialization(unit *u) {
     return EITHER(fmi2ExitInitializationMode(u->c), fmi3ExitInitializationMode(u->c));
 }
 
-static int enter_event_mode(unit *u) { return EITHER(fmi2EnterEventMode(u->c), fmi3EnterEventMode(u->c)); }
+static inline int enter_event_mode(unit *u) { return EITHER(fmi2EnterEventMode(u->c), fmi3EnterEventMode(u->c)); }
 
-static int update(unit *u) {
+static inline int update(unit *u) {
     fmi2EventInfo info = {fmi2True, fmi2True, fmi2True, fmi2True, fmi2True, 1.0};
     fmi3Boolean again = fmi3True, end = fmi3True, nominals = fmi3True, values = fmi3True, defined = fmi3True;
     fmi3Float64 next = 0.0;
@@ -230,53 +230,53 @@ static int update(unit *u) {
     return status;
 }
 
-static int leave_event_mode(unit *u) {
+static inline int leave_event_mode(unit *u) {
     if (u->interface == EXCHANGE) return EITHER(fmi2EnterContinuousTimeMode(u->c), fmi3EnterContinuousTimeMode(u->c));
     return (int)fmi3EnterStepMode(u->c);
 }
 
-static int reset(unit *u) { return EITHER(fmi2Reset(u->c), fmi3Reset(u->c)); }
-static int terminate(unit *u) { return EITHER(fmi2Terminate(u->c), fmi3Terminate(u->c)); }
-static int save(unit *u, void **saved) { return EITHER(fmi2GetFMUstate(u->c, saved), fmi3GetFMUState(u->c, saved)); }
-static int restore(unit *u, void *saved) { return EITHER(fmi2SetFMUstate(u->c, saved), fmi3SetFMUState(u->c, saved)); }
-static int forget(unit *u, void **saved) { return EITHER(fmi2FreeFMUstate(u->c, saved), fmi3FreeFMUState(u->c, saved)); }
+static inline int reset(unit *u) { return EITHER(fmi2Reset(u->c), fmi3Reset(u->c)); }
+static inline int terminate(unit *u) { return EITHER(fmi2Terminate(u->c), fmi3Terminate(u->c)); }
+static inline int save(unit *u, void **saved) { return EITHER(fmi2GetFMUstate(u->c, saved), fmi3GetFMUState(u->c, saved)); }
+static inline int restore(unit *u, void *saved) { return EITHER(fmi2SetFMUstate(u->c, saved), fmi3SetFMUState(u->c, saved)); }
+static inline int forget(unit *u, void **saved) { return EITHER(fmi2FreeFMUstate(u->c, saved), fmi3FreeFMUState(u->c, saved)); }
 
-static int saved_size(unit *u, void *saved, size_t *size) {
+static inline int saved_size(unit *u, void *saved, size_t *size) {
     return EITHER(fmi2SerializedFMUstateSize(u->c, saved, size), fmi3SerializedFMUStateSize(u->c, saved, size));
 }
 
-static int serialize(unit *u, void *saved, unsigned char *bytes, size_t size) {
+static inline int serialize(unit *u, void *saved, unsigned char *bytes, size_t size) {
     return EITHER(fmi2SerializeFMUstate(u->c, saved, (fmi2Byte *)bytes, size), fmi3SerializeFMUState(u->c, saved, bytes, size));
 }
 
-static int deserialize(unit *u, const unsigned char *bytes, size_t size, void **saved) {
+static inline int deserialize(unit *u, const unsigned char *bytes, size_t size, void **saved) {
     return EITHER(fmi2DeSerializeFMUstate(u->c, (const fmi2Byte *)bytes, size, saved),
                   fmi3DeserializeFMUState(u->c, bytes, size, saved));
 }
 
-static int set_time(unit *u, double time) { return EITHER(fmi2SetTime(u->c, time), fmi3SetTime(u->c, time)); }
+static inline int set_time(unit *u, double time) { return EITHER(fmi2SetTime(u->c, time), fmi3SetTime(u->c, time)); }
 
-static int set_states(unit *u, const double *x, size_t count) {
+static inline int set_states(unit *u, const double *x, size_t count) {
     return EITHER(fmi2SetContinuousStates(u->c, x, count), fmi3SetContinuousStates(u->c, x, count));
 }
 
-static int get_states(unit *u, double *x, size_t count) {
+static inline int get_states(unit *u, double *x, size_t count) {
     return EITHER(fmi2GetContinuousStates(u->c, x, count), fmi3GetContinuousStates(u->c, x, count));
 }
 
-static int get_rates(unit *u, double *rates, size_t count) {
+static inline int get_rates(unit *u, double *rates, size_t count) {
     return EITHER(fmi2GetDerivatives(u->c, rates, count), fmi3GetContinuousStateDerivatives(u->c, rates, count));
 }
 
-static int get_nominals(unit *u, double *x, size_t count) {
+static inline int get_nominals(unit *u, double *x, size_t count) {
     return EITHER(fmi2GetNominalsOfContinuousStates(u->c, x, count), fmi3GetNominalsOfContinuousStates(u->c, x, count));
 }
 
-static int get_indicators(unit *u, double *z, size_t count) {
+static inline int get_indicators(unit *u, double *z, size_t count) {
     return EITHER(fmi2GetEventIndicators(u->c, z, count), fmi3GetEventIndicators(u->c, z, count));
 }
 
-static int derivative(unit *u, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns, const double *seeds,
+static inline int derivative(unit *u, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns, const double *seeds,
                       double *result) {
     return EITHER(fmi2GetDirectionalDerivative(u->c, unknown, unknowns, known, knowns, seeds, result),
                   fmi3GetDirectionalDerivative(u->c, unknown, unknowns, known, knowns, seeds, knowns, result, unknowns));
@@ -288,7 +288,7 @@ typedef struct {
 } stepped;
 
 /* One call; FMI 2.0 tells nothing but the status. */
-static int do_step(unit *u, double from, double size, stepped *how) {
+static inline int do_step(unit *u, double from, double size, stepped *how) {
     if (u->version == 2) {
         how->event = how->early = 0;
         how->time = from + size;

@@ -13,7 +13,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(_WIN32)
+#if defined(FILM_API) /* an FMU defines it empty: the core inside it is its own */
+#elif defined(_WIN32)
 #define FILM_API __declspec(dllexport)
 #elif defined(__GNUC__)
 #define FILM_API __attribute__((visibility("default")))

@@ -781,7 +781,10 @@ static void contact_derivative(const resources *r, int version, int interface) {
     for (int k = 0; k < 200; k++) {
         double depth = r->data.length_scale * uniform(0.05, 3.5), by = 1e-6 * depth, seeds[1] = {2.0}, slope;
         unsigned force = CONTACT_FORCE, indentation = INDENTATION;
-        if (interface != EXCHANGE) forward(u, 1e-3, NULL);
+        if (interface != EXCHANGE) { /* at rest there: the deepest point is no matter of what comes */
+            HOLD(set(u, RELATIVE_VELOCITY, 0.0) == GOOD);
+            forward(u, 1e-3, NULL);
+        }
         HOLD(set(u, RELATIVE_VELOCITY, depth - get(u, INDENTATION)) == GOOD);
         if (interface == EXCHANGE) handle(u); /* turns where it is, if it turns */
         HOLD(set(u, INDENTATION, depth) == GOOD);

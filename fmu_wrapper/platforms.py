@@ -26,6 +26,7 @@ HEADERS = (
     *(f"{RUNTIME}/{name}.h" for name in ("model", "instance", "variables")),
 )
 INCLUDES = (CORE, RUNTIME)
+DEFINITIONS = {"FILM_API": ""}  # the core's functions stay inside: FMUs of other versions may be in the same process
 
 # Without contraction into fused multiply-adds every compiler gives the same bits; the last two let loops vectorise.
 FLAGS = ("-std=c99", "-O3", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
@@ -75,6 +76,7 @@ def fmi_headers() -> Path:
 def arguments(root: Path) -> list[str]:
     """What any compiler needs to make the binary from the sources under `root`."""
     return [
+        *(f"-D{name}={value}" for name, value in DEFINITIONS.items()),
         *(f"-I{root / folder}" for folder in INCLUDES),
         f"-I{fmi_headers()}",
         *(str(root / source) for source in SOURCES),

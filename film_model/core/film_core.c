@@ -27,11 +27,14 @@ static motion on_line(const film_state *s, double phi, double kappa) {
     return m;
 }
 
-/* Where the current run must end at the latest: the edge of its stage or branch. */
-static double limit_of(const film_curve *curve, const film_state *s) {
-    if (s->branch == FILM_BRANCH) return s->direction > 0 ? s->xi_max : s->xi_free;
-    return s->direction > 0 ? curve->stage[s->branch].end : curve->stage[s->branch].begin;
+/* The edge of the current stage or branch towards the deep, or towards the free surface. */
+static double edge_of(const film_curve *curve, const film_state *s, int direction) {
+    if (s->branch == FILM_BRANCH) return direction > 0 ? s->xi_max : s->xi_free;
+    return direction > 0 ? curve->stage[s->branch].end : curve->stage[s->branch].begin;
 }
+
+/* Where the current run must end at the latest. */
+static double limit_of(const film_curve *curve, const film_state *s) { return edge_of(curve, s, s->direction); }
 
 /* Mean force between the current point and the end of the line. Over a short way work differences are mostly rounding,
  * and Simpson's rule is exact: its error is (h/x)^4/2880 of the force, x the distance from the law's singular point. */
@@ -702,9 +705,7 @@ void film_indicators(const film_curve *curve, const film_state *s, double speed,
         return;
     }
     film_force(curve, s, s->xi, &force, &slope);
-    film_state other = *s;
-    other.direction = -s->direction;
-    double far = limit_of(curve, s), near = limit_of(curve, &other);
+    double far = limit_of(curve, s), near = edge_of(curve, s, -s->direction);
     indicators[0] = s->direction * (s->nu - s->gamma * force) + late;
     if (far < INFINITY) indicators[1] = s->direction * (far - s->xi) + late;
     if (near < INFINITY) indicators[2] = s->direction * (s->xi - near) + late;
@@ -720,12 +721,21 @@ int film_switch(const film_curve *curve, film_state *s) {
     if (s->branch == FILM_FREE) {
         if (s->xi < s->xi_free || (s->xi == s->xi_free && !(s->nu > 0.0 || (s->nu == 0.0 && s->load > 0.0)))) return FILM_OK;
     } else {
-        double ahead = s->direction * (s->nu - s->gamma * s->force), to_edge = s->direction * (limit_of(curve, s) - s->xi);
+        double ahead = s->direction * (s->nu - s->gamma * s->force), edge = limit_of(curve, s);
+        double to_edge = s->direction * (edge - s->xi);
         if (s->moving_in && s->nu < s->stop_velocity) return stopped(s);
         if (s->nu > s->stop_velocity) s->moving_in = 1;
         if (ahead >= 0.0 && to_edge > 0.0) return FILM_OK;
-        if (to_edge > 0.0) ends = ENDS_TURN;
+        if (to_edge > 0.0) { /* within the run: who jumps back over its beginning turned there at the latest */
+            ends = ENDS_TURN;
+            edge = edge_of(curve, s, -s->direction);
+            if (s->direction * (s->xi - edge) < 0.0) s->xi = edge;
+        } else {
+            s->xi = edge;
+        }
     }
+    if (s->branch == FILM_FREE) s->xi = s->xi_free;
+    law_at(curve, &s->line, s->xi, &s->force, &s->work);
     open_line(s);
     end_here(s, ends);
     int status = finish(curve, s);

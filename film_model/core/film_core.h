@@ -13,7 +13,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(_WIN32)
+#if defined(FILM_API) /* an FMU defines it empty: the core inside it is its own */
+#elif defined(_WIN32)
 #define FILM_API __declspec(dllexport)
 #elif defined(__GNUC__)
 #define FILM_API __attribute__((visibility("default")))
@@ -238,7 +239,8 @@ enum { FILM_INDICATORS = 4 };
 FILM_API void film_indicators(const film_curve *curve, const film_state *state, double speed,
                               double indicators[FILM_INDICATORS]);
 
-/* One event that is due in the state: FILM_EVENT, state->event says which, and more may be due; FILM_OK: none; or a failure. */
+/* One event that is due in the state: FILM_EVENT, state->event says which, and more may be due; FILM_OK: none; or a failure.
+ * An edge that was passed is where state->xi is left: put xi in again before the next call. */
 FILM_API int film_switch(const film_curve *curve, film_state *state);
 
 /* The true law: force and work (from the stage's beginning) of loading stage `stage` at xi. */

@@ -193,6 +193,7 @@ int instance_derivatives(instance *i, const char *function, const unsigned *unkn
 typedef struct {
     uint64_t checksum; /* FNV-1a of what follows */
     char token[64];    /* of the FMU it was saved in */
+    int32_t model_exchange, event_mode; /* of the instance */
     instance_state state;
 } saved_state;
 
@@ -206,6 +207,8 @@ int instance_save(instance *i, const char *function, void **saved) {
     saved_state *state = *saved ? *saved : calloc(1, sizeof *state);
     if (!state) return instance_fails(i, function, "no memory for a state");
     memcpy(state->token, i->data->token, sizeof state->token);
+    state->model_exchange = i->model_exchange;
+    state->event_mode = i->event_mode;
     memcpy(&state->state, &i->state, sizeof state->state);
     memcpy(&state->state.memory, &i->model.memory, sizeof state->state.memory);
     *saved = state;
@@ -218,6 +221,9 @@ int instance_restore(instance *i, const char *function, const void *saved) {
     if (!state) return instance_fails(i, function, "argument FMUState is NULL");
     if (memcmp(state->token, i->data->token, sizeof state->token) != 0)
         return instance_fails(i, function, "the state was saved in another FMU");
+    if (state->model_exchange != i->model_exchange || state->event_mode != i->event_mode)
+        return instance_fails(i, function, "the state was saved in an instance for %s%s",
+                              state->model_exchange ? "Model Exchange" : "Co-Simulation", state->event_mode ? " with event mode" : "");
     memcpy(&i->state, &state->state, sizeof i->state);
     memcpy(&i->model.memory, &state->state.memory, sizeof i->model.memory);
     return model_restored(&i->model) < 0 ? model_fails(i, function) : GOOD;
@@ -244,6 +250,7 @@ int instance_serialize(instance *i, const char *function, const void *saved, uns
 int instance_deserialize(instance *i, const char *function, const unsigned char *bytes, size_t size, void **saved) {
     ALLOW(ANYWHERE);
     if (!saved || !bytes) return instance_fails(i, function, "argument %s is NULL", saved ? "serializedState" : "FMUState");
+    *saved = NULL;
     if (size != sizeof(saved_state))
         return instance_fails(i, function, "a state of this FMU has %u bytes, not %u", (unsigned)sizeof(saved_state), (unsigned)size);
     saved_state *state = malloc(sizeof *state);
@@ -254,8 +261,7 @@ int instance_deserialize(instance *i, const char *function, const unsigned char 
         free(state);
         return instance_fails(i, function, other ? "the state was saved in another FMU" : "the state is damaged");
     }
-    free(*saved);
-    *saved = state;
+    *saved = state; /* what it was before may never have been set */
     return GOOD;
 }
 
@@ -266,7 +272,8 @@ int instance_step(instance *i, const char *function, double from, double size, i
     double end = from + size;
     *event = 0;
     ALLOW(STEPPING);
-    if (!(size >= 0.0) || !isfinite(size)) return instance_fails(i, function, "a step of %g s; it must be >= 0 s", size);
+    if (!(size >= 0.0) || !isfinite(end)) return instance_fails(i, function, "a step of %g s; it must be >= 0 s and finite", size);
+    if (size > 0.0 && !(end > from)) return instance_fails(i, function, "a step of %g s is lost beside the time %g s", size, from);
     if (!(fabs(from - now->now) <= SAME_TIME * size + 1e-14 * fabs(now->now)))
         return instance_fails(i, function, "the step begins at %.17g s, but the last one ended at %.17g s", from, now->now);
     if (i->state.has_stop_time && end > i->state.stop_time + SAME_TIME * (size + fabs(end)))
@@ -343,10 +350,11 @@ int instance_vector(instance *i, const char *function, int what, double *values,
     if (count != expected) return instance_fails(i, function, "%u values; there are %u", (unsigned)count, (unsigned)expected);
     NEED(values, count);
     if (!i->model.memory.begun && model_begin(&i->model, i->model.memory.start_time) < 0) return model_fails(i, function);
+    if (count == 0) return GOOD;
     int status = 0;
     if (what == GET_STATES) memcpy(values, i->model.memory.at, count * sizeof *values);
     else if (what == GET_NOMINALS) memcpy(values, i->data->nominal, count * sizeof *values);
     else if (what == GET_INDICATORS) status = model_indicators(&i->model, values);
-    else if (count > 0) status = model_rates(&i->model, values);
+    else status = model_rates(&i->model, values);
     return status < 0 ? model_fails(i, function) : GOOD;
 }

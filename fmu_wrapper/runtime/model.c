@@ -163,13 +163,13 @@ static double mobility(const model *m) { /* 1/Z */
     return m->memory.state.gamma * m->memory.velocity / m->memory.force;
 }
 
-int model_get(model *m, unsigned reference, double *value) {
+static int not_finite(model *m, const char *name) {
+    return failed(m, "%s is not finite: the states or inputs are too large", name);
+}
+
+static int look(model *m, unsigned reference, double *value) {
     const model_memory *now = &m->memory;
     motion_now seen;
-    *value = 0.0;
-    if (reference >= VARIABLES || VARIABLE[reference].role[m->data->kind] == ABSENT ||
-        (reference < SETTABLE && !m->data->available[reference]))
-        return failed(m, "no variable of this FMU has the value reference %u", reference);
     if (reference < SETTABLE && VARIABLE[reference].role[m->data->kind] != OUTPUT) {
         *value = now->value[reference];
         return 0;
@@ -211,6 +211,15 @@ int model_get(model *m, unsigned reference, double *value) {
     return 0;
 }
 
+int model_get(model *m, unsigned reference, double *value) {
+    *value = 0.0;
+    if (reference >= VARIABLES || VARIABLE[reference].role[m->data->kind] == ABSENT ||
+        (reference < SETTABLE && !m->data->available[reference]))
+        return failed(m, "no variable of this FMU has the value reference %u", reference);
+    if (look(m, reference, value) < 0) return -1;
+    return isfinite(*value) ? 0 : not_finite(m, VARIABLE[reference].name);
+}
+
 /* Partial derivatives of the outputs: by row the unknown, by column what it may depend on. */
 int model_depends(const model *m, unsigned unknown, unsigned known) {
     switch (unknown) {
@@ -249,7 +258,7 @@ int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
     case IMPACTOR_ACCELERATION: *partial = (of_indentation ? -stiffness : 1.0) / mass; break;
     default: *partial = 1.0; break;
     }
-    return 0;
+    return isfinite(*partial) ? 0 : not_finite(m, VARIABLE[unknown].name);
 }
 
 /* ---------------------------------------------------------------- events */
@@ -324,6 +333,7 @@ static int step_impact(model *m, double end, int stop_at_events, int *stopped) {
     film_state *state = &now->state;
     *stopped = 0;
     if (take_inputs(m) < 0) return -1;
+    if (!isfinite((end - now->start_time) / now->tick)) return failed(m, "a step to %g s is too long", end);
     for (int events = 0;;) {
         double before = state->time, left = (end - now->start_time) / now->tick - before;
         int status = film_step(&m->data->curve, &m->mesh, state, left > 0.0 ? left : 0.0);
@@ -333,7 +343,8 @@ static int step_impact(model *m, double end, int stop_at_events, int *stopped) {
         now->happened.stage = state->branch;
         if (status != FILM_EVENT) {
             now->now = end;
-            return 0;
+            if (isfinite(state->xi) && isfinite(state->nu) && isfinite(state->shift) && isfinite(now->support_displacement)) return 0;
+            return failed(m, "the motion leaves the range of numbers before %g s", end);
         }
         double time = now->start_time + state->time * now->tick;
         time = time > end ? end : time;
@@ -352,9 +363,9 @@ static int step_impact(model *m, double end, int stop_at_events, int *stopped) {
 /* ---------------------------------------------------------------- stepping the contact */
 
 static int settle(model *m, film_state *state, double xi, double nu, model_record *record) {
-    state->xi = xi;
-    state->nu = nu;
     for (int k = 0; k < MOST_SWITCHES; k++) {
+        state->xi = xi;
+        state->nu = nu;
         int status = film_switch(&m->data->curve, state);
         if (status < 0) return refused(m, status);
         if (status != FILM_EVENT) return 0;
@@ -456,13 +467,19 @@ int model_indicators(model *m, double indicators[FILM_INDICATORS]) {
     if (m->memory.continuous) place(m);
     film_indicators(&m->data->curve, &m->memory.state, m->memory.contact_speed, indicators);
     if (m->data->kind == CONTACT) indicators[3] = 1.0;
+    for (int k = 0; k < FILM_INDICATORS; k++)
+        if (!isfinite(indicators[k])) return not_finite(m, VARIABLE[EVENT_INDICATOR_1 + k].name);
     return 0;
 }
 
 int model_switch(model *m) {
     model_memory *now = &m->memory;
-    place(m);
-    for (int k = 0; k < MOST_SWITCHES; k++) {
+    double indicators[FILM_INDICATORS];
+    if (model_indicators(m, indicators) < 0) return -1;
+    int jumped = m->data->kind == CONTACT && indicators[2] <= 0.0; /* back, while its rate says onwards */
+    for (int k = 0; k < MOST_SWITCHES; k++, jumped = 0) {
+        place(m);
+        if (jumped) now->state.nu = -now->state.direction;
         int status = film_switch(&m->data->curve, &now->state);
         if (status < 0) return refused(m, status);
         now->happened.phase = now->state.phase;

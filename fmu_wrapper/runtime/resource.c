@@ -8,6 +8,7 @@
 
 #if defined(_WIN32)
 #define WIN32_LEAN_AND_MEAN
+#define NOUSER /* its INPUT is ours too */
 #include <windows.h>
 #endif
 

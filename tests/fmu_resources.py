@@ -1,0 +1,46 @@
+"""Folders of FMU resources for tests/fmu_check.c and tests/fmu_fuzz.c: `python tests/fmu_resources.py FOLDER`.
+
+One folder a case: laws of all forms, targets that stay and targets that give way, a start away from the target with
+and without gravity, and the contact alone.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+from cases import scene
+
+import film_model as fm
+from fmu_wrapper import export
+
+CASES = {
+    "hertz": ("impact", scene("hertz"), 0.0),
+    "hertz on a plate": ("impact", scene("hertz", "plate"), "2 um"),
+    "big-alabo": ("impact", scene("big-alabo"), 0.0),
+    "stronge on a thin plate": ("impact", scene("stronge", "thin plate"), "1 um"),
+    "fitted on a rod": ("impact", scene("saturating", "rod"), 0.0),
+    "a force at first touch": ("impact", scene("meyer-shifted"), "1 um"),
+    "chords": ("impact", scene("big-alabo", "plate", linearisation="chord"), 0.0),
+    "dropped": ("impact", replace(scene("big-alabo"), effects=fm.Effects(gravity=True)), "0.05 mm"),
+    "contact, hertz": ("contact", scene("hertz"), 0.0),
+    "contact, big-alabo": ("contact", scene("big-alabo"), 0.0),
+    "contact, fitted": ("contact", scene("saturating"), 0.0),
+}
+
+
+def write(folder: Path) -> None:
+    """Export every case and leave its resources in `folder/<case>`."""
+    for k, (name, (kind, case, gap)) in enumerate(CASES.items()):
+        with tempfile.TemporaryDirectory() as where:
+            fmu = export(case, Path(where) / "case.fmu", 2 + k % 2, kind=kind, initial_gap=gap)
+            with zipfile.ZipFile(fmu) as archive:
+                (folder / name).mkdir(parents=True, exist_ok=True)
+                (folder / name / "model.film").write_bytes(archive.read("resources/model.film"))
+
+
+if __name__ == "__main__":
+    write(Path(sys.argv[1]))

@@ -1,0 +1,888 @@
+/* Blocks of impacts, side by side in lanes: elementary functions, the law, depths, lines, and runs along them.
+ *
+ * Plain loops over LANES that compilers turn into vector instructions. Every lane sees the same operations in the same
+ * order whatever the others hold and however wide the registers are, so the bits of an impact depend on it alone: no
+ * fused multiply-add, no sum across lanes, nothing from libm but sqrt; a lane that has converged is left as it is.
+ * film_avx2.c compiles this file a second time. */
+#include "film_batch.h"
+
+#include "film_line.h"
+
+#include <string.h>
+
+#if defined(__GNUC__)
+#define INLINED static inline __attribute__((always_inline))
+#else
+#define INLINED static inline
+#endif
+
+#ifndef FILM_ROUTINES
+#define FILM_ROUTINES film_plain
+#endif
+
+enum { DEPTH_STEPS = 60 };
+static const double REACH = 1.6; /* largest 2a tau + kappa tau^2 of a line: its polynomial errs by at most reach^12/12! */
+
+#define EACH(l) for (int l = 0; l < LANES; l++)
+
+static int any(const int64_t *flag) {
+    int64_t all = 0;
+    EACH(l) all |= flag[l];
+    return all != 0;
+}
+
+/* ---------------------------------------------------------------- powers */
+
+/* log2 x = e + 2/ln 2 atanh((m - 1)/(m + 1)), x = 2^e m, m from 1/sqrt 2 to sqrt 2; x > 0 and not subnormal. */
+static void log2_lanes(const double *restrict x, double *restrict out) {
+    uint64_t bits[LANES], high[LANES];
+    double m[LANES], e[LANES];
+    memcpy(bits, x, sizeof bits);
+    EACH(l) {
+        high[l] = (bits[l] >> 52) | 0x4330000000000000u; /* as a number: 2^52 + the biased exponent */
+        bits[l] = (bits[l] & 0x000fffffffffffffu) | 0x3ff0000000000000u;
+    }
+    memcpy(m, bits, sizeof m);
+    memcpy(e, high, sizeof e);
+    EACH(l) {
+        int64_t big = m[l] > 1.4142135623730951;
+        double y = big ? 0.5 * m[l] : m[l], whole = e[l] - (4503599627370496.0 + 1023.0);
+        double s = (y - 1.0) / (y + 1.0), z = s * s;
+        double low = 1.0 / 13 + z * (1.0 / 15 + z * (1.0 / 17 + z * (1.0 / 19)));
+        double sum = 1.0 + z * (1.0 / 3 + z * (1.0 / 5 + z * (1.0 / 7 + z * (1.0 / 9 + z * (1.0 / 11 + z * low)))));
+        out[l] = (big ? whole + 1.0 : whole) + 2.8853900817779268 * (s * sum);
+    }
+}
+
+/* 2^y; y beyond +-1000 counts as that. */
+static void exp2_lanes(const double *restrict y, double *restrict out) {
+    static const double shift = 6755399441055744.0; /* 1.5 2^52: added and subtracted, it rounds to whole numbers */
+    uint64_t count[LANES], bits[LANES];
+    double t[LANES], p[LANES];
+    EACH(l) {
+        double x = y[l] < -1000.0 ? -1000.0 : y[l];
+        x = x > 1000.0 ? 1000.0 : x;
+        t[l] = x + shift;
+        double r = 0.6931471805599453 * (x - (t[l] - shift));
+        double high = 1.0 / 40320 + r * (1.0 / 362880 + r * (1.0 / 3628800 + r * (1.0 / 39916800 + r * (1.0 / 479001600 + r * (1.0 / 6227020800.0)))));
+        p[l] = 1.0 + r * (1.0 + r * (0.5 + r * (1.0 / 6 + r * (1.0 / 24 + r * (1.0 / 120 + r * (1.0 / 720 + r * (1.0 / 5040 + r * high)))))));
+    }
+    memcpy(count, t, sizeof count);
+    memcpy(bits, p, sizeof bits);
+    EACH(l) bits[l] += count[l] << 52;
+    memcpy(p, bits, sizeof p);
+    EACH(l) out[l] = y[l] == y[l] ? p[l] : y[l];
+}
+
+/* x^e, each lane with its own e; x below 1e-300 counts as 0. */
+static void power_lanes(const double *restrict x, const double *restrict e, double *restrict out) {
+    double y[LANES], lifted[LANES];
+    EACH(l) lifted[l] = x[l] < 1e-300 ? 1e-300 : x[l];
+    log2_lanes(lifted, y);
+    EACH(l) y[l] *= e[l];
+    exp2_lanes(y, out);
+    EACH(l) out[l] = x[l] < 1e-300 ? 0.0 : out[l];
+}
+
+static void raised_lanes(const double *restrict x, double exponent, double *restrict out) {
+    if (exponent == 1.5) {
+        EACH(l) out[l] = x[l] * sqrt(x[l]);
+    } else if (exponent == 1.0) {
+        EACH(l) out[l] = x[l];
+    } else if (exponent == 2.0) {
+        EACH(l) out[l] = x[l] * x[l];
+    } else {
+        double e[LANES];
+        EACH(l) e[l] = exponent;
+        power_lanes(x, e, out);
+    }
+}
+
+/* ---------------------------------------------------------------- the law */
+
+static void chebyshev_lanes(const film_function *g, const double *restrict z, double *restrict out) {
+    double b1[LANES] = {0.0}, b2[LANES] = {0.0};
+    int k = g->terms - 1;
+    for (; k > 1; k -= 2) {
+        double upper = g->series[k], lower = g->series[k - 1];
+        EACH(l) {
+            b2[l] = 2.0 * z[l] * b1[l] - b2[l] + upper;
+            b1[l] = 2.0 * z[l] * b2[l] - b1[l] + lower;
+        }
+    }
+    if (k == 1) {
+        EACH(l) {
+            double b = 2.0 * z[l] * b1[l] - b2[l] + g->series[1];
+            b2[l] = b1[l];
+            b1[l] = b;
+        }
+    }
+    EACH(l) out[l] = z[l] * b1[l] - b2[l] + g->series[0];
+}
+
+static void value_lanes(const film_function *g, const double *restrict xi, double *restrict out) {
+    double x[LANES], power[LANES];
+    EACH(l) {
+        x[l] = (xi[l] - g->origin) * g->per_span;
+        x[l] = x[l] > 0.0 ? x[l] : 0.0;
+    }
+    if (g->form == FILM_POWER) {
+        if (g->coefficient == 0.0) {
+            EACH(l) out[l] = g->constant + g->slope * x[l];
+            return;
+        }
+        raised_lanes(x, g->exponent, power);
+        EACH(l) out[l] = g->constant + g->slope * x[l] + g->coefficient * power[l];
+        return;
+    }
+    if (g->form == FILM_ROOT_SERIES) {
+        EACH(l) x[l] = sqrt(x[l]);
+    }
+    EACH(l) x[l] = 2.0 * x[l] - 1.0;
+    chebyshev_lanes(g, x, out);
+}
+
+static void piece_law_lanes(const film_piece *piece, const double *restrict xi, double *restrict force,
+                              double *restrict work) {
+    const film_function *g = &piece->force;
+    if (g->form != FILM_POWER) {
+        value_lanes(g, xi, force);
+        value_lanes(&piece->work, xi, work);
+        return;
+    }
+    double x[LANES], power[LANES] = {0.0}, per = work_of(g->exponent);
+    EACH(l) {
+        x[l] = xi[l] - g->origin;
+        x[l] = x[l] > 0.0 ? x[l] : 0.0;
+    }
+    if (g->coefficient != 0.0) raised_lanes(x, g->exponent, power);
+    EACH(l) {
+        double part = g->coefficient * power[l];
+        force[l] = g->constant + g->slope * x[l] + part;
+        work[l] = x[l] * (g->constant + 0.5 * g->slope * x[l] + part * per) - piece->work_at_begin;
+    }
+}
+
+enum { FORCE_AND_WORK, RECOVERY_AND_EXPONENT };
+
+/* Two functions of a stage, each lane from the piece it is in. */
+static void stage_lanes(const film_curve *curve, int32_t stage, int which, const double *restrict xi,
+                          double *restrict a, double *restrict b) {
+    const film_piece *piece = &curve->piece[curve->stage[stage].first];
+    int32_t count = curve->stage[stage].count;
+    double at[LANES] = {0.0}, one[LANES], two[LANES];
+    for (int32_t p = 0; p + 1 < count; p++) {
+        double end = piece[p].end;
+        EACH(l) at[l] = xi[l] > end ? at[l] + 1.0 : at[l];
+    }
+    EACH(l) a[l] = b[l] = 0.0;
+    for (int32_t p = 0; p < count; p++) {
+        int64_t here[LANES];
+        EACH(l) here[l] = at[l] == (double)p ? 1 : 0;
+        if (count > 1 && !any(here)) continue;
+        if (which == FORCE_AND_WORK) {
+            piece_law_lanes(&piece[p], xi, one, two);
+        } else {
+            value_lanes(&piece[p].recovery, xi, one);
+            value_lanes(&piece[p].exponent, xi, two);
+        }
+        EACH(l) {
+            a[l] = here[l] ? one[l] : a[l];
+            b[l] = here[l] ? two[l] : b[l];
+        }
+    }
+}
+
+static void law_lanes(const film_curve *curve, int32_t stage, const double *restrict xi, double *restrict force,
+                        double *restrict work) {
+    if (curve->stage[stage].count == 1) piece_law_lanes(&curve->piece[curve->stage[stage].first], xi, force, work);
+    else stage_lanes(curve, stage, FORCE_AND_WORK, xi, force, work);
+}
+
+/* Where the work of a stage is `work`, which must not exceed the stage's. Newton's method: on a rising power from above,
+ * without overshoot; elsewhere in a bracket. whole: the work of the whole stage. */
+static void depth_lanes(const film_curve *curve, int32_t stage, double whole, const double *restrict work,
+                          double *restrict depth) {
+    const film_piece *piece = &curve->piece[curve->stage[stage].first];
+    const film_function *g = &piece->force;
+    double begin = curve->stage[stage].begin, end = curve->stage[stage].end, f[LANES], w[LANES];
+    int from_above = rises(curve, stage);
+    int64_t moving[LANES];
+    if (from_above) {
+        double c = g->constant, s = g->slope, k = g->coefficient, per = work_of(g->exponent), root[LANES];
+        EACH(l) {
+            double t = work[l] + piece->work_at_begin;
+            root[l] = t / (k > 0.0 ? k * per : 1.0);
+            depth[l] = c > 0.0 || s > 0.0 ? 2.0 * t / (c + sqrt(c * c + 2.0 * s * t)) : INFINITY;
+        }
+        if (k > 0.0) {
+            double e[LANES], nearly[LANES];
+            EACH(l) e[l] = per;
+            power_lanes(root, e, nearly);
+            EACH(l) depth[l] = nearly[l] < depth[l] ? nearly[l] : depth[l];
+        }
+        EACH(l) {
+            depth[l] += g->origin;
+            moving[l] = 1;
+        }
+        if (k == 0.0 && g->origin == begin) return;
+    } else {
+        EACH(l) {
+            depth[l] = begin + (end - begin) * sqrt(work[l] / whole); /* as if work grew as a square */
+            moving[l] = 1;
+        }
+    }
+    double low[LANES], high[LANES];
+    EACH(l) {
+        low[l] = begin;
+        high[l] = from_above ? INFINITY : end;
+    }
+    for (int i = 0; i < DEPTH_STEPS; i++) {
+        law_lanes(curve, stage, depth, f, w);
+        EACH(l) {
+            double missing = work[l] - w[l], at = depth[l];
+            low[l] = missing >= 0.0 ? at : low[l];
+            high[l] = missing >= 0.0 ? high[l] : at;
+            double next = at + missing / f[l], halved = 0.5 * (low[l] + high[l]);
+            int64_t inside = (next >= low[l]) & (next <= high[l]);
+            next = inside | from_above ? next : halved;
+            double step = fabs(next - at);
+            int64_t settled = step <= (inside | from_above ? 1e-9 : 4e-16) * at;
+            depth[l] = moving[l] ? next : at;
+            moving[l] = moving[l] & (settled ? 0 : 1);
+        }
+        if (!any(moving)) break;
+    }
+}
+
+/* The unloading rule over lanes that turned in `stage`, which is not reversible, at xi under force: the branch's length
+ * and exponent. A length that is not positive is for the caller to refuse. */
+static void open_lanes(const film_curve *curve, int32_t stage, const double *restrict xi, const double *restrict force,
+                         double *restrict recovery, double *restrict exponent) {
+    double given[LANES], load[LANES], e[LANES];
+    stage_lanes(curve, stage, RECOVERY_AND_EXPONENT, xi, given, exponent);
+    if (curve->stage[stage].unloading == FILM_RESIDUAL) {
+        EACH(l) recovery[l] = xi[l] - given[l];
+        return;
+    }
+    EACH(l) {
+        load[l] = force[l] / sqrt(given[l]);
+        e[l] = 1.0 / exponent[l];
+    }
+    power_lanes(load, e, recovery);
+    EACH(l) { /* Hertz's: a step of Newton's method towards the cube root of load^2 */
+        double r = recovery[l], cube = r - (r * r * r - load[l] * load[l]) / (3.0 * r * r);
+        recovery[l] = exponent[l] == 1.5 ? cube : r;
+    }
+}
+
+/* ---------------------------------------------------------------- lines */
+
+/* x and y = x' after tau, by the Taylor polynomial of y'' = -a2 y' - k y. */
+INLINED double polynomial(double y0, double d1, double a2, double k, double tau, double *x) {
+    double d2 = -a2 * d1 - k * y0, d3 = -a2 * d2 - k * d1, d4 = -a2 * d3 - k * d2, d5 = -a2 * d4 - k * d3;
+    double d6 = -a2 * d5 - k * d4, d7 = -a2 * d6 - k * d5, d8 = -a2 * d7 - k * d6, d9 = -a2 * d8 - k * d7;
+    double d10 = -a2 * d9 - k * d8, d11 = -a2 * d10 - k * d9;
+    double x8 = d8 * (1.0 / 362880) + tau * (d9 * (1.0 / 3628800) + tau * (d10 * (1.0 / 39916800) + tau * d11 * (1.0 / 479001600)));
+    double x4 = d4 * (1.0 / 120) + tau * (d5 * (1.0 / 720) + tau * (d6 * (1.0 / 5040) + tau * (d7 * (1.0 / 40320) + tau * x8)));
+    double y8 = d8 * (1.0 / 40320) + tau * (d9 * (1.0 / 362880) + tau * (d10 * (1.0 / 3628800) + tau * d11 * (1.0 / 39916800)));
+    double y4 = d4 * (1.0 / 24) + tau * (d5 * (1.0 / 120) + tau * (d6 * (1.0 / 720) + tau * (d7 * (1.0 / 5040) + tau * y8)));
+    *x = tau * (y0 + tau * (d1 * 0.5 + tau * (d2 * (1.0 / 6) + tau * (d3 * (1.0 / 24) + tau * x4))));
+    return y0 + tau * (d1 + tau * (d2 * 0.5 + tau * (d3 * (1.0 / 6) + tau * y4)));
+}
+
+/* Across lines of length h > 0, whose force begins at phi and changes by kappa a unit of indentation: time, and w at the
+ * end. d = +1 inwards, -1 outwards; from_rest: y = 0 at the beginning. Returns the lanes it cannot serve. */
+INLINED int cross_lines(const double *restrict gamma, const double *restrict h, const double *restrict phi,
+                         const double *restrict kappa, double d, int from_rest, const double *restrict w,
+                         double *restrict tau, double *restrict w1, int64_t *restrict unserved) {
+    EACH(l) {
+        double g = gamma[l], length = h[l], k = kappa[l], load = d * phi[l], a2 = g * k;
+        double y0 = from_rest ? 0.0 : d * (w[l] - g * phi[l]), drag = 0.5 * a2 * length, before = y0 - drag;
+        double square = before * before - length * (2.0 * load + k * length);
+        double y1 = sqrt(square > 0.0 ? square : 0.0) - drag, least = 0.1 * y0;
+        y1 = y1 > least ? y1 : least;
+        double twice = 2.0 / (y0 + y1), q = twice * length;
+        q -= q * q * (k * q + a2 * (y1 - y0) * twice) * (1.0 / 12);
+        double d1 = -load - a2 * y0;
+        double u = 0.0, rough = 0.0, end = 0.0;
+        for (int pass = 0; pass <= from_rest; pass++) { /* the guess for a line from rest needs a second correction */
+            q += u;
+            double x, y = polynomial(y0, d1, a2, k, q, &x);
+            double slope = -(load + k * x) - a2 * y, bend = -a2 * slope - k * y, miss = length - x;
+            double per_y = 1.0 / y, half = 0.5 * slope * per_y; /* miss = y u + slope u^2/2 + bend u^3/6, inverted */
+            rough = miss * per_y;
+            u = rough * (1.0 - rough * (half - rough * (2.0 * half * half - (1.0 / 6) * bend * per_y)));
+            end = y + u * (slope + u * (0.5 * bend - u * (1.0 / 6) * (a2 * bend + k * slope)));
+        }
+        tau[l] = q + u;
+        w1[l] = d * end + g * (phi[l] + d * (k * length));
+        int64_t good = end > 0.0;
+        good &= fabs(rough) < 0.05 * q; /* u may be short by chance, where x never gets as far */
+        good &= fabs(a2 * q) + fabs(k) * q * q < REACH;
+        unserved[l] = good ? 0 : 1;
+    }
+    return any(unserved);
+}
+
+/* ---------------------------------------------------------------- fixed targets, side by side */
+
+/* Time across a line over 2h: A/S, A = atan(sqrt z)/sqrt z, z = kappa (h/S)^2, S = v0 + v1, as a [3/3] Pade approximant in
+ * z without a division of its own: 7e-12 off at z = 0.1, rounding below 0.03. bend: kappa h^2. */
+INLINED double crossing(double sum, double bend) {
+    double s = sum * sum, b = bend * bend;
+    double over = s * (s * (s + (50.0 / 39) * bend) + (283.0 / 715) * b) + (256.0 / 15015) * (b * bend);
+    double under = s * (s * (s + (21.0 / 13) * bend) + (105.0 / 143) * b) + (35.0 / 429) * (b * bend);
+    return over / (sum * under);
+}
+
+static void cross_stage(job *j, int32_t stage, int32_t segments, const double *nodes, double *restrict v,
+                          double *restrict time, double *restrict peak) {
+    const table *t = film_lines_of(j, stage, 1, segments, nodes, 0.0);
+    double square[LANES];
+    EACH(l) square[l] = v[l] * v[l];
+    for (int32_t i = 1; i <= segments; i++) {
+        double spent = t->rows[i].work, twice = 2.0 * t->rows[i].h, bend = t->rows[i].kappa * t->rows[i].h * t->rows[i].h;
+        EACH(l) {
+            double left = square[l] - spent, v1 = sqrt(left > 0.0 ? left : 0.0);
+            time[l] += twice * crossing(v[l] + v1, bend);
+            v[l] = v1;
+        }
+    }
+    EACH(l) peak[l] = t->peak > peak[l] ? t->peak : peak[l];
+}
+
+/* From the beginning of the stage, at v, to the turn at xi, by energy. */
+static void run_to_turn(job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict v,
+                          const double *restrict xi, double *restrict time, double *restrict peak) {
+    const film_curve *curve = j->curve;
+    const film_function *g = &curve->piece[curve->stage[stage].first].force;
+    double begin = curve->stage[stage].begin, v0[LANES], x0[LANES], f0[LANES], w0[LANES];
+    if (plain_power(j, stage)) { /* one run, scaled */
+        double rest = film_lines_of(j, UNIT_POWER, 1, segments, nodes, g->exponent)->rest;
+        double power[LANES];
+        raised_lanes(xi, g->exponent, power);
+        EACH(l) time[l] += rest * sqrt(xi[l] / (g->coefficient * power[l]));
+        EACH(l) peak[l] = g->coefficient * power[l] > peak[l] ? g->coefficient * power[l] : peak[l];
+        return;
+    }
+    EACH(l) v0[l] = v[l];
+    if (j->simple[stage]) {
+        const row *r = film_lines_of(j, UNIT_POWER, 1, segments, nodes, g->exponent)->rows;
+        double flat[LANES], linear[LANES], power[LANES], sum[LANES] = {0.0};
+        EACH(l) x0[l] = xi[l] - begin;
+        raised_lanes(x0, g->exponent, power);
+        EACH(l) {
+            flat[l] = 2.0 * g->constant * x0[l];
+            linear[l] = g->slope * x0[l] * x0[l];
+            power[l] *= g->coefficient * x0[l];
+        }
+        for (int32_t i = 1; i <= segments; i++) {
+            double x = r[i].x, h = r[i].h, left1 = 1.0 - x, left2 = 1.0 - x * x, work = r[i].work, hh = h * h;
+            double bent = r[i].kappa * hh;
+            EACH(l) {
+                double v1 = sqrt(flat[l] * left1 + linear[l] * left2 + power[l] * work);
+                sum[l] += h * crossing(v0[l] + v1, linear[l] * hh + power[l] * bent);
+                v0[l] = v1;
+            }
+        }
+        EACH(l) {
+            double force = g->constant + g->slope * x0[l] + power[l] / x0[l];
+            time[l] += 2.0 * x0[l] * sum[l];
+            peak[l] = force > peak[l] ? force : peak[l];
+        }
+        return;
+    }
+    EACH(l) x0[l] = begin;
+    law_lanes(curve, stage, x0, f0, w0);
+    for (int32_t i = 1; i <= segments; i++) {
+        double x1[LANES], f1[LANES], w1[LANES], fraction = nodes[i];
+        EACH(l) x1[l] = i < segments ? begin + (xi[l] - begin) * fraction : xi[l];
+        law_lanes(curve, stage, x1, f1, w1);
+        EACH(l) {
+            double h = x1[l] - x0[l], per_h = 1.0 / h, mean = (w1[l] - w0[l]) * per_h, left = v[l] * v[l] - 2.0 * w1[l];
+            double bend = i < segments ? (f1[l] - f0[l]) * h : 2.0 * (f1[l] - mean) * h;
+            double v1 = i < segments ? sqrt(left > 0.0 ? left : 0.0) : 0.0;
+            time[l] += 2.0 * h * crossing(v0[l] + v1, bend);
+            peak[l] = f1[l] > peak[l] ? f1[l] : peak[l];
+            x0[l] = x1[l];
+            f0[l] = f1[l];
+            w0[l] = w1[l];
+            v0[l] = v1;
+        }
+    }
+}
+
+/* Time of a run from rest over x^exponent, from 1 to 0, where the exponent is each lane's own. */
+static void run_from_rest(const film_mesh *mesh, const double *restrict exponent, double *restrict time) {
+    double u0[LANES], f0[LANES], w0[LANES], v0[LANES], u1[LANES], f1[LANES];
+    EACH(l) {
+        u0[l] = f0[l] = 1.0;
+        w0[l] = 1.0 / (exponent[l] + 1.0);
+        v0[l] = time[l] = 0.0;
+    }
+    for (int32_t i = 1; i <= mesh->unloading; i++) {
+        double u = i < mesh->unloading ? 1.0 - mesh->unloading_nodes[FILM_COSINE][i] : 0.0;
+        EACH(l) u1[l] = u;
+        power_lanes(u1, exponent, f1);
+        EACH(l) {
+            double h = u0[l] - u, per = 1.0 / (exponent[l] + 1.0), w1 = f1[l] * u * per, mean = (w0[l] - w1) / h;
+            double v1 = sqrt(2.0 * (per - w1)), bend = i > 1 ? (f0[l] - f1[l]) * h : 2.0 * (f0[l] - mean) * h;
+            time[l] += 2.0 * h * crossing(v0[l] + v1, bend);
+            u0[l] = u;
+            f0[l] = f1[l];
+            w0[l] = w1;
+            v0[l] = v1;
+        }
+    }
+}
+
+/* A block of impacts that turn in `stage`, from first touch to the end of contact. */
+static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) {
+    const film_curve *curve = j->curve;
+    const film_mesh *mesh = j->mesh;
+    const double *in = mesh->loading_nodes[FILM_COSINE], *out = mesh->unloading_nodes[FILM_COSINE];
+    int32_t n = mesh->loading, m = mesh->unloading, lines = n * (stage + 1);
+    double nu[LANES], v[LANES], energy[LANES], xi[LANES], force[LANES], work[LANES], recovery[LANES], given[LANES];
+    double turned[LANES] = {0.0}, peak[LANES] = {0.0}, ended[LANES], left[LANES], stored = 0.0;
+    EACH(l) v[l] = nu[l] = j->start[index[l < count ? l : 0]].nu;
+    for (int32_t k = 0; k < stage; k++) {
+        cross_stage(j, k, n, in, v, turned, peak);
+        stored += j->whole[k];
+    }
+    EACH(l) energy[l] = 0.5 * v[l] * v[l];
+    depth_lanes(curve, stage, j->whole[stage], energy, xi);
+    law_lanes(curve, stage, xi, force, work);
+    run_to_turn(j, stage, n, in, v, xi, turned, peak);
+    if (curve->stage[stage].unloading != FILM_RETRACE) {
+        double exponent[LANES], time[LANES];
+        open_lanes(curve, stage, xi, force, recovery, exponent);
+        if (j->exponent[stage] == j->exponent[stage]) {
+            double rest = film_lines_of(j, UNIT_POWER, 1, m, out, j->exponent[stage])->rest;
+            EACH(l) time[l] = rest;
+        } else {
+            run_from_rest(mesh, exponent, time);
+        }
+        EACH(l) {
+            ended[l] = turned[l] + time[l] * sqrt(recovery[l] / force[l]);
+            given[l] = force[l] * recovery[l] / (exponent[l] + 1.0);
+            left[l] = xi[l] - recovery[l];
+        }
+        lines += m;
+    } else { /* the same lines the other way round, if they are as many */
+        double back[LANES] = {0.0}, peak_again[LANES] = {0.0};
+        EACH(l) v[l] = nu[l];
+        if (n != m) {
+            for (int32_t k = 0; k < stage; k++) cross_stage(j, k, m, out, v, back, peak_again);
+            run_to_turn(j, stage, m, out, v, xi, back, peak_again);
+        }
+        EACH(l) {
+            ended[l] = turned[l] + (n == m ? turned[l] : back[l]);
+            given[l] = stored + work[l];
+            left[l] = 0.0;
+            recovery[l] = xi[l];
+        }
+        lines += m * (stage + 1);
+    }
+    for (int l = 0; l < count; l++) {
+        film_summary *s = &j->summary[index[l]];
+        double last = -sqrt(2.0 * given[l]);
+        s->maximum_force = peak[l];
+        s->maximum_indentation = xi[l];
+        s->time_of_maximum_indentation = s->time_impactor_stops = turned[l];
+        s->contact_duration = ended[l];
+        s->permanent_indentation = left[l];
+        s->final_velocity = last;
+        s->shift = 0.0;
+        s->work = stored + work[l] - given[l];
+        s->stage = stage;
+        s->lines = lines;
+        int whole = recovery[l] > 0.0 && ended[l] < INFINITY && last > -INFINITY;
+        j->status[index[l]] = whole ? FILM_EVENT : film_impact(curve, mesh, &j->start[index[l]], s);
+    }
+}
+
+/* ---------------------------------------------------------------- targets that give way, side by side */
+
+typedef struct {
+    double h[LANES], phi[LANES], kappa[LANES], tau[LANES];
+} lines;
+
+/* The march's own way across one line of one lane. */
+static int cross_alone(double gamma, double h, double phi, double kappa, double d, int from_rest, double w, double *tau,
+                       double *w1) {
+    double y = 0.0;
+    motion m = {from_rest ? 0.0 : d * (w - gamma * phi), d * phi, kappa, 0.5 * kappa * gamma};
+    int left = leave(&m, h, tau, &y);
+    *w1 = d * y + gamma * (phi + d * (kappa * h));
+    return left == LEFT;
+}
+
+INLINED void pass_lines(lanes *restrict s, lines *restrict n, double d, int from_rest) {
+    double w1[LANES];
+    int64_t unserved[LANES];
+    if (cross_lines(s->gamma, n->h, n->phi, n->kappa, d, from_rest, s->w, n->tau, w1, unserved)) {
+        for (int l = 0; l < LANES; l++) {
+            if (!unserved[l] || s->bad[l]) continue;
+            if (!cross_alone(s->gamma[l], n->h[l], n->phi[l], n->kappa[l], d, from_rest, s->w[l], &n->tau[l], &w1[l]))
+                s->bad[l] = 1;
+        }
+    }
+    EACH(l) {
+        s->w[l] = w1[l];
+        s->time[l] += n->tau[l];
+    }
+}
+
+static void pass_inwards(lanes *restrict s, lines *restrict n) { pass_lines(s, n, 1.0, 0); }
+static void pass_from_rest(lanes *restrict s, lines *restrict n) { pass_lines(s, n, -1.0, 1); }
+static void pass_outwards(lanes *restrict s, lines *restrict n) { pass_lines(s, n, -1.0, 0); }
+
+/* The lines to nodes at x1 where the law is f1 and work1; the lanes stand there afterwards. */
+INLINED void draw_lines(lanes *restrict s, lines *restrict n, double d, int from_rest, const double *restrict x1,
+                         const double *restrict f1, const double *restrict work1) {
+    EACH(l) {
+        double h = x1[l] - s->xi[l], per_h = 1.0 / h, mean = (work1[l] - s->work[l]) * per_h;
+        n->h[l] = d * h;
+        n->kappa[l] = from_rest ? 2.0 * (mean - s->force[l]) * per_h : (f1[l] - s->force[l]) * per_h;
+        n->phi[l] = from_rest ? s->force[l] : mean - 0.5 * n->kappa[l] * h;
+        s->xi[l] = x1[l];
+        s->force[l] = f1[l];
+        s->work[l] = work1[l];
+    }
+}
+
+/* Along a loading stage towards aim, up to the node before it. nodes NULL: a trial. */
+static void run_towards(job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict aim,
+                          lanes *restrict s) {
+    const film_curve *curve = j->curve;
+    const film_function *g = &curve->piece[curve->stage[stage].first].force;
+    double begin = curve->stage[stage].begin, x1[LANES], f1[LANES], w1[LANES];
+    lines n;
+    const row *r = film_lines_of(j, UNIT_POWER, 1, segments, nodes, j->simple[stage] ? g->exponent : 1.5)->rows;
+    if (j->simple[stage]) {
+        double span[LANES], power[LANES], stiff[LANES], c = g->constant, k = g->slope;
+        EACH(l) span[l] = aim[l] - begin;
+        raised_lanes(span, g->exponent, power);
+        EACH(l) {
+            power[l] *= g->coefficient;
+            stiff[l] = power[l] / span[l];
+        }
+        for (int32_t i = 1; i < segments; i++) {
+            double x = r[i - 1].x, h = r[i].h, kappa = r[i].kappa, phi = r[i].phi;
+            EACH(l) {
+                n.h[l] = span[l] * h;
+                n.kappa[l] = k + stiff[l] * kappa;
+                n.phi[l] = c + k * (span[l] * x) + power[l] * phi;
+            }
+            pass_inwards(s, &n);
+        }
+        EACH(l) s->xi[l] = begin + span[l] * r[segments - 1].x;
+        law_lanes(curve, stage, s->xi, s->force, s->work);
+        return;
+    }
+    for (int32_t i = 1; i < segments; i++) {
+        EACH(l) x1[l] = begin + (aim[l] - begin) * r[i].x;
+        law_lanes(curve, stage, x1, f1, w1);
+        draw_lines(s, &n, 1.0, 0, x1, f1, w1);
+        pass_inwards(s, &n);
+    }
+}
+
+/* The turn near x1: the last line meets the law's force at x1, and the time is that at which nu = gamma f on the law. */
+static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *restrict s, int steps) {
+    double phi[LANES], kappa[LANES], y0[LANES], tau[LANES], x[LANES], f1[LANES], w1[LANES], w[LANES];
+    law_lanes(j->curve, stage, x1, f1, w1);
+    EACH(l) {
+        double g = s->gamma[l], h = x1[l] - s->xi[l], mean = (w1[l] - s->work[l]) / h;
+        phi[l] = 2.0 * mean - f1[l];
+        kappa[l] = 2.0 * (f1[l] - mean) / h;
+        double a2 = g * kappa[l], y = s->w[l] - g * phi[l], d1 = -phi[l] - a2 * y, d2 = -a2 * d1 - kappa[l] * y;
+        double square = d1 * d1 - 2.0 * y * d2;
+        y0[l] = y;
+        tau[l] = 2.0 * y / (sqrt(square > 0.0 ? square : 0.0) - d1);
+    }
+    for (int i = 0; i <= steps; i++) {
+        EACH(l) {
+            double g = s->gamma[l], a2 = g * kappa[l], along;
+            double y = polynomial(y0[l], -phi[l] - a2 * y0[l], a2, kappa[l], tau[l], &along);
+            w[l] = y + g * (phi[l] + kappa[l] * along);
+            x[l] = s->xi[l] + along;
+        }
+        law_lanes(j->curve, stage, x, f1, w1);
+        if (i == steps) break;
+        EACH(l) tau[l] += (w[l] - s->gamma[l] * f1[l]) / f1[l];
+    }
+    EACH(l) {
+        double g = s->gamma[l];
+        int64_t good = (y0[l] > 0.0) & (tau[l] > 0.0) & (fabs(w[l] - g * f1[l]) < 1e-11 * w[l]);
+        good &= fabs(g * kappa[l] * tau[l]) + fabs(kappa[l]) * tau[l] * tau[l] < REACH;
+        s->bad[l] |= good ? 0 : 1;
+        s->time[l] += tau[l];
+        s->xi[l] = x[l];
+        s->force[l] = f1[l];
+        s->work[l] = w1[l];
+        s->w[l] = g * f1[l];
+    }
+}
+
+/* About where the impacts turn, within 2 % on Hertz's law: false position, the stale end halved. A fixed target would stop
+ * them later. */
+static void first_aim(job *j, int32_t stage, double stored, const double *restrict nu, const double *restrict gamma,
+                        double *restrict aim) {
+    const film_curve *curve = j->curve;
+    double begin = curve->stage[stage].begin, whole = j->whole[stage];
+    double low[LANES], high[LANES], below[LANES], above[LANES], f[LANES], w[LANES], energy[LANES];
+    int64_t moving[LANES];
+    EACH(l) {
+        energy[l] = 0.5 * nu[l] * nu[l] - stored;
+        low[l] = begin;
+    }
+    EACH(l) energy[l] = energy[l] < whole ? energy[l] : whole;
+    depth_lanes(curve, stage, whole, energy, high);
+    law_lanes(curve, stage, low, f, w);
+    EACH(l) below[l] = spent_less_energy(stored + w[l], f[l], nu[l], gamma[l]);
+    law_lanes(curve, stage, high, f, w);
+    EACH(l) {
+        above[l] = spent_less_energy(stored + w[l], f[l], nu[l], gamma[l]);
+        aim[l] = high[l];
+        moving[l] = above[l] > 0.0 ? 1 : 0;
+    }
+    for (int i = 0; i < 8 && any(moving); i++) {
+        double x[LANES];
+        EACH(l) {
+            double next = low[l] - (high[l] - low[l]) * below[l] / (above[l] - below[l]);
+            x[l] = moving[l] ? next : aim[l];
+        }
+        law_lanes(curve, stage, x, f, w);
+        EACH(l) {
+            double excess = spent_less_energy(stored + w[l], f[l], nu[l], gamma[l]);
+            int64_t beyond = excess > 0.0, near = fabs(excess) < 1e-3 * (0.5 * nu[l] * nu[l]);
+            high[l] = beyond ? x[l] : high[l];
+            low[l] = beyond ? low[l] : x[l];
+            below[l] = beyond ? 0.5 * below[l] : excess;
+            above[l] = beyond ? excess : 0.5 * above[l];
+            aim[l] = x[l];
+            moving[l] &= near ? 0 : 1;
+        }
+    }
+}
+
+/* Across all stages before, then along `stage` to the turn, for a block of impacts that should turn there. turned: the
+ * lanes there, the branches open; peak: the largest force so far. */
+static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int count, lanes *restrict s,
+                             double *restrict recovery, double *restrict exponent, double *restrict stored,
+                             double *restrict peak) {
+    const film_curve *curve = j->curve;
+    const double *nodes = j->mesh->loading_nodes[FILM_PLATE_IN];
+    int32_t segments = j->mesh->loading;
+    double nu[LANES], aim[LANES], last[LANES], before = 0.0, end = curve->stage[stage].end, largest = 0.0;
+    lines n;
+    lanes trial;
+    EACH(l) {
+        const film_start *start = &j->start[index[l < count ? l : 0]];
+        s->gamma[l] = start->gamma;
+        s->w[l] = nu[l] = start->nu;
+        s->time[l] = 0.0;
+        s->bad[l] = 0;
+    }
+    for (int32_t k = 0; k < stage; k++) {
+        const table *t = film_lines_of(j, k, 1, segments, nodes, 0.0);
+        for (int32_t i = 1; i <= segments; i++) {
+            EACH(l) {
+                n.h[l] = t->rows[i].h;
+                n.kappa[l] = t->rows[i].kappa;
+                n.phi[l] = t->rows[i].phi;
+            }
+            pass_inwards(s, &n);
+        }
+        before += j->whole[k];
+        largest = t->peak > largest ? t->peak : largest;
+    }
+    EACH(l) s->xi[l] = curve->stage[stage].begin;
+    law_lanes(curve, stage, s->xi, s->force, s->work);
+    first_aim(j, stage, before, nu, s->gamma, aim);
+    for (int32_t m = AIMING_SEGMENTS; m == AIMING_SEGMENTS || 3 * m <= segments; m *= 4) { /* each trial aims the next */
+        trial = *s;
+        run_towards(j, stage, m, NULL, aim, &trial);
+        turn_lanes(j, stage, aim, &trial, 2);
+        EACH(l) { /* a trial may be rough: it only places the nodes */
+            int64_t near = fabs(trial.xi[l] - aim[l]) < 0.1 * aim[l];
+            double to = trial.xi[l] < end ? trial.xi[l] : end;
+            aim[l] = near ? to : aim[l];
+        }
+    }
+    run_towards(j, stage, segments, nodes, aim, s);
+    trial = *s;
+    turn_lanes(j, stage, aim, &trial, 2);
+    EACH(l) {
+        last[l] = s->xi[l];
+        s->bad[l] |= fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? 0 : 1; /* the last line would be too long or short */
+        aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
+    }
+    turn_lanes(j, stage, aim, s, 4);
+    EACH(l) {
+        s->bad[l] |= (s->xi[l] <= end) & (fabs(s->xi[l] - aim[l]) < 0.1 * (s->xi[l] - last[l])) ? 0 : 1;
+        stored[l] = before + s->work[l];
+        peak[l] = s->force[l] > largest ? s->force[l] : largest;
+        recovery[l] = s->xi[l];
+        exponent[l] = j->exponent[stage];
+    }
+    if (curve->stage[stage].unloading != FILM_RETRACE) open_lanes(curve, stage, s->xi, s->force, recovery, exponent);
+    EACH(l) s->bad[l] |= (recovery[l] > 0.0) & (recovery[l] < INFINITY) & (exponent[l] > 0.0) ? 0 : 1;
+}
+
+/* When the impactor stops, within a line of duration tau that begins at w0 > 0 and ends at w1 <= 0: the cubic through
+ * both velocities and both accelerations, -f. */
+static double stop_within(double tau, double w0, double w1, double f0, double f1) {
+    double s = w0 / (w0 - w1), d0 = -f0 * tau, d1 = -f1 * tau;
+    double c2 = 3.0 * (w1 - w0) - 2.0 * d0 - d1, c3 = 2.0 * (w0 - w1) + d0 + d1;
+    for (int i = 0; i < 3; i++) {
+        s -= (w0 + s * (d0 + s * (c2 + s * c3))) / (d0 + s * (2.0 * c2 + 3.0 * s * c3));
+        s = s > 0.0 ? s < 1.0 ? s : 1.0 : 0.0; /* a line too long for its cubic */
+    }
+    return s * tau;
+}
+
+/* The line on which each lane's impactor stops: kept until it is there. */
+typedef struct {
+    double time[LANES], tau[LANES], w0[LANES], w1[LANES], f0[LANES], f1[LANES];
+    int64_t moving[LANES];
+} stops;
+
+static void keep_stop(stops *restrict stop, const lanes *restrict s, const lines *restrict n, const double *restrict w0,
+                        const double *restrict f0, const double *restrict f1) {
+    EACH(l) {
+        int64_t moving = stop->moving[l];
+        stop->time[l] = moving ? s->time[l] - n->tau[l] : stop->time[l];
+        stop->tau[l] = moving ? n->tau[l] : stop->tau[l];
+        stop->w0[l] = moving ? w0[l] : stop->w0[l];
+        stop->w1[l] = moving ? s->w[l] : stop->w1[l];
+        stop->f0[l] = moving ? f0[l] : stop->f0[l];
+        stop->f1[l] = moving ? f1[l] : stop->f1[l];
+        stop->moving[l] = s->w[l] > 0.0 ? moving : 0;
+    }
+}
+
+static void leave_lane(job *j, const lanes *s, const stops *stop, int l, int64_t index, double left, double stored,
+                       double given) {
+    film_summary *out = &j->summary[index];
+    const film_start *start = &j->start[index];
+    int stopped = !stop->moving[l] && stop->w0[l] > 0.0;
+    out->time_impactor_stops = stopped ? stop->time[l] + stop_within(stop->tau[l], stop->w0[l], stop->w1[l], stop->f0[l], stop->f1[l]) : NAN;
+    out->contact_duration = s->time[l];
+    out->permanent_indentation = left;
+    out->final_velocity = s->w[l];
+    out->shift = s->gamma[l] * (start->nu - s->w[l]);
+    out->work = stored - given;
+    int whole = !s->bad[l] && s->time[l] < INFINITY && fabs(s->w[l]) < INFINITY;
+    j->status[index] = whole ? FILM_EVENT : film_impact(j->curve, j->mesh, start, out);
+}
+
+/* A block of impacts from rest at their deepest point out along their branches; exponent NAN: each lane has its own. */
+static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
+    const double *nodes = j->mesh->unloading_nodes[grading];
+    int32_t segments = j->mesh->unloading;
+    double stiff[LANES], w0[LANES], f0[LANES], f1[LANES];
+    const row *r = same == same ? film_lines_of(j, UNIT_POWER, -1, segments, nodes, same)->rows : NULL;
+    lanes s;
+    lines n;
+    stops stop;
+    int any_moves = 1;
+    for (int l = q->count; l < LANES; l++) { /* an incomplete block is filled up with its first impact */
+        q->gamma[l] = q->gamma[0];
+        q->time[l] = q->time[0];
+        q->top[l] = q->top[0];
+        q->force[l] = q->force[0];
+        q->recovery[l] = q->recovery[0];
+        q->exponent[l] = q->exponent[0];
+    }
+    EACH(l) {
+        s.gamma[l] = q->gamma[l];
+        s.time[l] = q->time[l];
+        s.w[l] = q->gamma[l] * q->force[l];
+        s.bad[l] = 0;
+        s.xi[l] = q->recovery[l];
+        s.force[l] = q->force[l];
+        s.work[l] = q->force[l] * q->recovery[l] / (q->exponent[l] + 1.0);
+        stiff[l] = q->force[l] / q->recovery[l];
+        stop.moving[l] = 1;
+        stop.time[l] = stop.tau[l] = stop.w0[l] = stop.w1[l] = stop.f0[l] = stop.f1[l] = 0.0;
+        f1[l] = q->force[l];
+    }
+    for (int32_t i = 1; i <= segments; i++) {
+        if (any_moves) {
+            EACH(l) {
+                w0[l] = s.w[l];
+                f0[l] = f1[l];
+            }
+        }
+        if (r != NULL) {
+            double h = r[i].h, kappa = r[i].kappa, phi = r[i].phi, force = r[i].force;
+            EACH(l) {
+                n.h[l] = q->recovery[l] * h;
+                n.kappa[l] = stiff[l] * kappa;
+                n.phi[l] = q->force[l] * phi;
+                f1[l] = q->force[l] * force;
+            }
+        } else {
+            double u[LANES], x1[LANES], w1[LANES], fraction = i < segments ? 1.0 - nodes[i] : 0.0;
+            EACH(l) u[l] = fraction;
+            power_lanes(u, q->exponent, f1);
+            EACH(l) {
+                x1[l] = q->recovery[l] * fraction;
+                f1[l] *= q->force[l];
+                w1[l] = f1[l] * x1[l] / (q->exponent[l] + 1.0);
+            }
+            draw_lines(&s, &n, -1.0, i == 1, x1, f1, w1);
+        }
+        if (i == 1) pass_from_rest(&s, &n);
+        else pass_outwards(&s, &n);
+        if (any_moves) {
+            keep_stop(&stop, &s, &n, w0, f0, f1);
+            any_moves = any(stop.moving);
+        }
+    }
+    for (int l = 0; l < q->count; l++)
+        leave_lane(j, &s, &stop, l, q->index[l], q->top[l] - q->recovery[l], q->stored[l],
+                   q->force[l] * q->recovery[l] / (q->exponent[l] + 1.0));
+    q->count = 0;
+}
+
+/* The way back along a reversible law, stage by stage, from rest at the turn: the lanes have turned in `stage`. */
+static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int count, lanes *restrict s,
+                               const double *restrict stored) {
+    const film_mesh *mesh = j->mesh;
+    double largest[LANES], from[LANES], x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES];
+    const double *nodes[LANES];
+    lines n;
+    stops stop;
+    EACH(l) {
+        largest[l] = s->force[l];
+        stop.moving[l] = 1;
+        stop.time[l] = stop.tau[l] = stop.w0[l] = stop.w1[l] = stop.f0[l] = stop.f1[l] = 0.0;
+    }
+    for (int32_t k = stage; k >= 0; k--) {
+        double to = j->curve->stage[k].begin;
+        EACH(l) {
+            from[l] = s->xi[l];
+            nodes[l] = mesh->unloading_nodes[unloading_grading(s->gamma[l], largest[l], from[l])];
+        }
+        law_lanes(j->curve, k, from, s->force, s->work);
+        for (int32_t i = 1; i <= mesh->unloading; i++) {
+            EACH(l) {
+                x1[l] = i < mesh->unloading ? from[l] + (to - from[l]) * nodes[l][i] : to;
+                w0[l] = s->w[l];
+                f0[l] = s->force[l];
+            }
+            law_lanes(j->curve, k, x1, f1, w1);
+            draw_lines(s, &n, -1.0, i == 1 && k == stage, x1, f1, w1);
+            if (i == 1 && k == stage) pass_from_rest(s, &n);
+            else pass_outwards(s, &n);
+            keep_stop(&stop, s, &n, w0, f0, f1);
+        }
+    }
+    for (int l = 0; l < count; l++) leave_lane(j, s, &stop, l, index[l], 0.0, stored[l], stored[l]);
+}
+
+const routines FILM_ROUTINES = {fixed_lanes, plate_in_lanes, plate_out_lanes, plate_back_lanes};

@@ -4,7 +4,7 @@
 
 #include "film_law.h"
 
-enum { LANES = 16 }; /* impacts of a block */
+enum { LANES = 32 }; /* impacts of a block */
 
 /* One line and the node at its end. The force is phi where the line begins and has the slope kappa from there to here. */
 typedef struct {

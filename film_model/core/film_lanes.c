@@ -21,7 +21,7 @@
 #endif
 
 enum { DEPTH_STEPS = 60 };
-static const double REACH = 1.6; /* largest 2a tau + kappa tau^2 of a line: its polynomial errs by at most reach^12/12! */
+static const double REACH = 0.7, FAR_REACH = 1.6; /* of a line: see polynomial */
 
 #define EACH(l) for (int l = 0; l < LANES; l++)
 
@@ -278,51 +278,73 @@ static void open_lanes(const film_curve *curve, int32_t stage, const double *res
 
 /* ---------------------------------------------------------------- lines */
 
-/* x and y = x' after tau, by the Taylor polynomial of y'' = -a2 y' - k y. */
-INLINED double polynomial(double y0, double d1, double a2, double k, double tau, double *x) {
-    double d2 = -a2 * d1 - k * y0, d3 = -a2 * d2 - k * d1, d4 = -a2 * d3 - k * d2, d5 = -a2 * d4 - k * d3;
-    double d6 = -a2 * d5 - k * d4, d7 = -a2 * d6 - k * d5, d8 = -a2 * d7 - k * d6, d9 = -a2 * d8 - k * d7;
-    double d10 = -a2 * d9 - k * d8, d11 = -a2 * d10 - k * d9;
-    double x8 = d8 * (1.0 / 362880) + tau * (d9 * (1.0 / 3628800) + tau * (d10 * (1.0 / 39916800) + tau * d11 * (1.0 / 479001600)));
-    double x4 = d4 * (1.0 / 120) + tau * (d5 * (1.0 / 720) + tau * (d6 * (1.0 / 5040) + tau * (d7 * (1.0 / 40320) + tau * x8)));
-    double y8 = d8 * (1.0 / 40320) + tau * (d9 * (1.0 / 362880) + tau * (d10 * (1.0 / 3628800) + tau * d11 * (1.0 / 39916800)));
-    double y4 = d4 * (1.0 / 24) + tau * (d5 * (1.0 / 120) + tau * (d6 * (1.0 / 720) + tau * (d7 * (1.0 / 5040) + tau * y8)));
-    *x = tau * (y0 + tau * (d1 * 0.5 + tau * (d2 * (1.0 / 6) + tau * (d3 * (1.0 / 24) + tau * x4))));
-    return y0 + tau * (d1 + tau * (d2 * 0.5 + tau * (d3 * (1.0 / 6) + tau * y4)));
+/* x and y = x' after tau on a line, y'' = -a2 y' - k y: Taylor polynomials in tau, d_j = -a2 tau d_{j-1} - k tau^2 d_{j-2}
+ * two at a time. They err by (reach)^9/9! and, where far, by (reach)^17/17!, for a2 tau reach + k tau^2 <= reach^2. */
+INLINED double polynomial(double y0, double d1, double a2, double k, double tau, int far, double *x) {
+    double b = -a2 * tau, c = -k * (tau * tau), p = b * b + c, r = b * c;
+    double t1 = d1 * tau, t2 = b * t1 + c * y0, t3 = p * t1 + r * y0, t4 = b * t3 + c * t2, t5 = p * t3 + r * t2;
+    double t6 = b * t5 + c * t4, t7 = p * t5 + r * t4, t8 = b * t7 + c * t6;
+    double high_y = t5 * (1.0 / 120) + t6 * (1.0 / 720) + (t7 * (1.0 / 5040) + t8 * (1.0 / 40320));
+    double high_x = t5 * (1.0 / 720) + t6 * (1.0 / 5040) + (t7 * (1.0 / 40320) + t8 * (1.0 / 362880));
+    if (far) {
+        double t9 = p * t7 + r * t6, t10 = b * t9 + c * t8, t11 = p * t9 + r * t8, t12 = b * t11 + c * t10;
+        double t13 = p * t11 + r * t10, t14 = b * t13 + c * t12, t15 = p * t13 + r * t12, t16 = b * t15 + c * t14;
+        high_y += t9 / 362880 + t10 / 3628800 + t11 / 39916800 + t12 / 479001600 + t13 / 6227020800.0 +
+                  t14 / 87178291200.0 + t15 / 1307674368000.0 + t16 / 20922789888000.0;
+        high_x += t9 / 3628800 + t10 / 39916800 + t11 / 479001600 + t12 / 6227020800.0 + t13 / 87178291200.0 +
+                  t14 / 1307674368000.0 + t15 / 20922789888000.0 + t16 / 355687428096000.0;
+    }
+    *x = tau * ((y0 + 0.5 * t1) + (t2 * (1.0 / 6) + t3 * (1.0 / 24)) + (t4 * (1.0 / 120) + high_x));
+    return (y0 + t1) + (t2 * 0.5 + t3 * (1.0 / 6)) + (t4 * (1.0 / 24) + high_y);
+}
+
+INLINED int64_t within(double a2, double k, double tau, double reach) {
+    return fabs(a2 * tau) * reach + fabs(k) * (tau * tau) <= reach * reach;
 }
 
 /* Across lines of length h > 0, whose force begins at phi and changes by kappa a unit of indentation: time, and w at the
- * end. d = +1 inwards, -1 outwards; from_rest: y = 0 at the beginning. Returns the lanes it cannot serve. */
-INLINED int cross_lines(const double *restrict gamma, const double *restrict h, const double *restrict phi,
-                         const double *restrict kappa, double d, int from_rest, const double *restrict w,
+ * end. d = +1 inwards, -1 outwards; from_rest: y = 0 at the beginning. Energy without the damping's share gives a time to
+ * begin with, which x at that time corrects; far, and from rest, twice. unserved: 1 where that is not enough. */
+INLINED void cross_lines(const double *restrict gamma, const double *restrict h, const double *restrict phi,
+                         const double *restrict kappa, double d, int from_rest, int far, const double *restrict w,
                          double *restrict tau, double *restrict w1, int64_t *restrict unserved) {
-    EACH(l) {
-        double g = gamma[l], length = h[l], k = kappa[l], load = d * phi[l], a2 = g * k;
-        double y0 = from_rest ? 0.0 : d * (w[l] - g * phi[l]), drag = 0.5 * a2 * length, before = y0 - drag;
+    double y0[LANES], d1[LANES], q[LANES], x[LANES], y[LANES], u[LANES], rough[LANES], end[LANES];
+    EACH(l) { /* loops of their own: short enough that a processor works on several lanes at a time */
+        double length = h[l], k = kappa[l], load = d * phi[l], a2 = gamma[l] * k;
+        double from = from_rest ? 0.0 : d * (w[l] - gamma[l] * phi[l]), drag = 0.5 * a2 * length, before = from - drag;
         double square = before * before - length * (2.0 * load + k * length);
-        double y1 = sqrt(square > 0.0 ? square : 0.0) - drag, least = 0.1 * y0;
+        double y1 = sqrt(square > 0.0 ? square : 0.0) - drag, least = 0.1 * from;
         y1 = y1 > least ? y1 : least;
-        double twice = 2.0 / (y0 + y1), q = twice * length;
-        q -= q * q * (k * q + a2 * (y1 - y0) * twice) * (1.0 / 12);
-        double d1 = -load - a2 * y0;
-        double u = 0.0, rough = 0.0, end = 0.0;
-        for (int pass = 0; pass <= from_rest; pass++) { /* the guess for a line from rest needs a second correction */
-            q += u;
-            double x, y = polynomial(y0, d1, a2, k, q, &x);
-            double slope = -(load + k * x) - a2 * y, bend = -a2 * slope - k * y, miss = length - x;
-            double per_y = 1.0 / y, half = 0.5 * slope * per_y; /* miss = y u + slope u^2/2 + bend u^3/6, inverted */
-            rough = miss * per_y;
-            u = rough * (1.0 - rough * (half - rough * (2.0 * half * half - (1.0 / 6) * bend * per_y)));
-            end = y + u * (slope + u * (0.5 * bend - u * (1.0 / 6) * (a2 * bend + k * slope)));
-        }
-        tau[l] = q + u;
-        w1[l] = d * end + g * (phi[l] + d * (k * length));
-        int64_t good = end > 0.0;
-        good &= fabs(rough) < 0.05 * q; /* u may be short by chance, where x never gets as far */
-        good &= fabs(a2 * q) + fabs(k) * q * q < REACH;
-        unserved[l] = good ? 0 : 1;
+        double twice = 2.0 / (from + y1), guess = twice * length;
+        q[l] = guess - guess * guess * (k * guess + a2 * (y1 - from) * twice) * (1.0 / 12);
+        y0[l] = from;
+        d1[l] = -load - a2 * from;
+        u[l] = 0.0;
     }
-    return any(unserved);
+    for (int pass = 0; pass <= far; pass++) {
+        EACH(l) {
+            q[l] += u[l];
+            y[l] = polynomial(y0[l], d1[l], gamma[l] * kappa[l], kappa[l], q[l], far, &x[l]);
+        }
+        EACH(l) {
+            double k = kappa[l], a2 = gamma[l] * k;
+            double slope = -(d * phi[l] + k * x[l]) - a2 * y[l], bend = -a2 * slope - k * y[l];
+            double per_y = 1.0 / y[l], half = 0.5 * slope * per_y;
+            double part = (h[l] - x[l]) * per_y; /* h - x = y u + slope u^2/2 + bend u^3/6, inverted */
+            u[l] = part * (1.0 - part * (half - part * (2.0 * half * half - (1.0 / 6) * bend * per_y)));
+            end[l] = y[l] + u[l] * (slope + u[l] * (0.5 * bend));
+            rough[l] = part;
+        }
+    }
+    EACH(l) {
+        double a2 = gamma[l] * kappa[l];
+        int64_t good = end[l] > 0.0;
+        good &= fabs(rough[l]) < (far ? 0.03 : 0.01) * q[l]; /* u may be short by chance, where x never gets as far */
+        good &= within(a2, kappa[l], q[l], far ? FAR_REACH : REACH);
+        unserved[l] = good ? 0 : 1;
+        tau[l] = q[l] + u[l];
+        w1[l] = d * end[l] + gamma[l] * (phi[l] + d * (kappa[l] * h[l]));
+    }
 }
 
 /* ---------------------------------------------------------------- fixed targets, side by side */
@@ -518,15 +540,30 @@ static int cross_alone(double gamma, double h, double phi, double kappa, double 
     return left == LEFT;
 }
 
+/* What the short polynomial cannot serve, the long one may, and else the march's own way. */
+static void pass_again(lanes *restrict s, lines *restrict n, double d, int from_rest, const int64_t *restrict unserved,
+                       const double *restrict far_tau, const double *restrict far_w1, const int64_t *restrict far,
+                       double *restrict w1) {
+    for (int l = 0; l < LANES; l++) {
+        if (!unserved[l] || s->bad[l]) continue;
+        n->tau[l] = far_tau[l];
+        w1[l] = far_w1[l];
+        if (far[l] && !cross_alone(s->gamma[l], n->h[l], n->phi[l], n->kappa[l], d, from_rest, s->w[l], &n->tau[l], &w1[l]))
+            s->bad[l] = 1;
+    }
+}
+
 INLINED void pass_lines(lanes *restrict s, lines *restrict n, double d, int from_rest) {
-    double w1[LANES];
-    int64_t unserved[LANES];
-    if (cross_lines(s->gamma, n->h, n->phi, n->kappa, d, from_rest, s->w, n->tau, w1, unserved)) {
-        for (int l = 0; l < LANES; l++) {
-            if (!unserved[l] || s->bad[l]) continue;
-            if (!cross_alone(s->gamma[l], n->h[l], n->phi[l], n->kappa[l], d, from_rest, s->w[l], &n->tau[l], &w1[l]))
-                s->bad[l] = 1;
-        }
+    double w1[LANES], far_tau[LANES], far_w1[LANES];
+    int64_t unserved[LANES], far[LANES];
+    if (from_rest) {
+        EACH(l) unserved[l] = 1;
+    } else {
+        cross_lines(s->gamma, n->h, n->phi, n->kappa, d, 0, 0, s->w, n->tau, w1, unserved);
+    }
+    if (from_rest || any(unserved)) {
+        cross_lines(s->gamma, n->h, n->phi, n->kappa, d, from_rest, 1, s->w, far_tau, far_w1, far);
+        pass_again(s, n, d, from_rest, unserved, far_tau, far_w1, far, w1);
     }
     EACH(l) {
         s->w[l] = w1[l];
@@ -605,7 +642,7 @@ static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *
     for (int i = 0; i <= steps; i++) {
         EACH(l) {
             double g = s->gamma[l], a2 = g * kappa[l], along;
-            double y = polynomial(y0[l], -phi[l] - a2 * y0[l], a2, kappa[l], tau[l], &along);
+            double y = polynomial(y0[l], -phi[l] - a2 * y0[l], a2, kappa[l], tau[l], 1, &along);
             w[l] = y + g * (phi[l] + kappa[l] * along);
             x[l] = s->xi[l] + along;
         }
@@ -616,7 +653,7 @@ static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *
     EACH(l) {
         double g = s->gamma[l];
         int64_t good = (y0[l] > 0.0) & (tau[l] > 0.0) & (fabs(w[l] - g * f1[l]) < 1e-11 * w[l]);
-        good &= fabs(g * kappa[l] * tau[l]) + fabs(kappa[l]) * tau[l] * tau[l] < REACH;
+        good &= within(g * kappa[l], kappa[l], tau[l], FAR_REACH);
         s->bad[l] |= good ? 0 : 1;
         s->time[l] += tau[l];
         s->xi[l] = x[l];

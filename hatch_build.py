@@ -16,7 +16,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from packaging.tags import platform_tags
 
 CORE = "film_model/core"
-SOURCES = tuple(f"{CORE}/film_{name}.c" for name in ("core", "batch", "lanes", "avx2"))
+SOURCES = tuple(f"{CORE}/film_{name}.c" for name in ("core", "batch", "lanes", "avx2", "avx512"))
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 # Without contraction into fused multiply-adds every compiler gives the same bits; the last two let loops vectorise.

@@ -238,22 +238,26 @@ static int batch_begins(job *j) {
 }
 
 /* ---------------------------------------------------------------- instruction sets
- * The same source for the plain instructions of the processor's kind and, on x86, for AVX2; never with fused
- * multiply-adds, so that both give the same bits. */
+ * The same source for the plain instructions of the processor's kind and, on x86, for AVX2 and AVX-512; never with fused
+ * multiply-adds, so that all give the same bits. */
 
 #if defined(__GNUC__) && defined(__x86_64__)
 #include <cpuid.h>
 
-/* AVX2, and an operating system that saves its registers. */
-static int has_avx2(void) {
+/* The widest instructions that the processor has and whose registers the operating system saves. */
+static int widest(void) {
     unsigned a, b, c, d, low, high;
-    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE)) return 0;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE)) return FILM_PLAIN;
     __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
-    return (low & 6) == 6 && __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & bit_AVX2);
+    if ((low & 0x06) != 0x06 || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & bit_AVX2)) return FILM_PLAIN;
+    const unsigned all = bit_AVX512F | bit_AVX512DQ | bit_AVX512VL;
+    return (low & 0xe6) == 0xe6 && (b & all) == all ? FILM_AVX512 : FILM_AVX2;
 }
+
+static const routines *const sets[] = {&film_plain, &film_avx2, &film_avx512};
 #else
-static int has_avx2(void) { return 0; }
-#define film_avx2 film_plain
+static int widest(void) { return FILM_PLAIN; }
+static const routines *const sets[] = {&film_plain};
 #endif
 
 /* ---------------------------------------------------------------- blocks */
@@ -298,7 +302,7 @@ static void flush_moving(batch *b, int32_t stage, block *waiting) {
         out->stage = stage;
         out->lines = j->mesh->loading * (stage + 1) + j->mesh->unloading * (back ? stage + 1 : 1);
         if (back) continue;
-        if (s.bad[l]) {
+        if (s.bad[l] > 0.0) {
             j->status[i] = film_impact(j->curve, j->mesh, &j->start[i], out);
             continue;
         }
@@ -361,8 +365,9 @@ int film_batch_with(int instructions, const film_curve *curve, const film_mesh *
     j->start = start;
     j->summary = summary;
     j->status = status;
-    int wide = instructions >= FILM_AVX2 && has_avx2(), lined = batch_begins(j);
-    b.run = wide ? &film_avx2 : &film_plain;
+    int lined = batch_begins(j), used = instructions > FILM_PLAIN ? widest() : FILM_PLAIN;
+    if (used > instructions) used = instructions;
+    b.run = sets[used];
     for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b.fixed[p].count = b.moving[p].count = 0;
     for (int32_t k = 0; k < FILM_MAX_STAGES; k++)
         for (int32_t g = 0; g < 3; g++) b.leaving[k][g].count = 0;
@@ -381,7 +386,7 @@ int film_batch_with(int instructions, const film_curve *curve, const film_mesh *
         if (s->gamma == 0.0) flush_fixed(&b, stage, waiting);
         else flush_moving(&b, stage, waiting);
     }
-    if (!lined) return wide;
+    if (!lined) return used;
     for (int32_t k = 0; k < curve->stages; k++) {
         for (int32_t p = curve->stage[k].first; p < curve->stage[k].first + curve->stage[k].count; p++) {
             flush_fixed(&b, k, &b.fixed[p]);
@@ -389,10 +394,10 @@ int film_batch_with(int instructions, const film_curve *curve, const film_mesh *
         }
         for (int32_t g = 0; g < 3; g++) flush_leaving(&b, k, g);
     }
-    return wide;
+    return used;
 }
 
 void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                 film_summary *summary, int32_t *status) {
-    film_batch_with(count < WORTH_ASKING ? FILM_PLAIN : FILM_AVX2, curve, mesh, count, start, summary, status);
+    film_batch_with(count < WORTH_ASKING ? FILM_PLAIN : FILM_AVX512, curve, mesh, count, start, summary, status);
 }

@@ -73,7 +73,7 @@ static inline double spent_less_energy(double work, double force, double nu, dou
 typedef struct {
     double gamma[LANES], w[LANES], time[LANES];     /* impactor velocity w */
     double xi[LANES], force[LANES], work[LANES];    /* where each lane is, and the law there */
-    int64_t bad[LANES];                             /* left to film_impact */
+    double bad[LANES];                              /* left to film_impact */
 } lanes;
 
 /* Impacts that have turned and wait to leave, by grading and stage. */
@@ -98,7 +98,7 @@ typedef struct {
 
 extern const routines film_plain;
 #if defined(__GNUC__) && defined(__x86_64__)
-extern const routines film_avx2;
+extern const routines film_avx2, film_avx512;
 #endif
 
 #endif

@@ -236,9 +236,9 @@ FILM_API int film_impact(const film_curve *curve, const film_mesh *mesh, const f
 FILM_API void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                          film_summary *summary, int32_t *status);
 
-/* film_batch on the plain instructions of this kind of processor, or on AVX2 where it has it: the same bits, for those who
- * compare. Returns what was used. */
-enum { FILM_PLAIN = 0, FILM_AVX2 = 1 };
+/* film_batch on the plain instructions of this kind of processor, or at most on those given: the same bits, for those who
+ * compare. Returns what was used: no more than the processor has. */
+enum { FILM_PLAIN = 0, FILM_AVX2 = 1, FILM_AVX512 = 2 };
 FILM_API int film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
                              const film_start *start, film_summary *summary, int32_t *status);
 

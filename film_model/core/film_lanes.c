@@ -20,14 +20,17 @@
 #define FILM_ROUTINES film_plain
 #endif
 
-enum { DEPTH_STEPS = 60 };
-static const double REACH = 0.7, FAR_REACH = 1.6; /* of a line: see polynomial */
+enum { DEPTH_STEPS = 60, AIM_STEPS = 8 };
+static const double AIM = 5e-3; /* of the energy: closer than the formula for it */
+static const double REACH = 0.7, FAR_REACH = 2.0; /* of a line: see polynomial */
 
 #define EACH(l) for (int l = 0; l < LANES; l++)
 
-static int any(const int64_t *flag) {
-    int64_t all = 0;
-    EACH(l) all |= flag[l];
+/* Flags are doubles, 1 or 0, so that the plainest vector instructions can choose by them. */
+static int any(const double *flag) {
+    uint64_t bits[LANES], all = 0;
+    memcpy(bits, flag, sizeof bits);
+    EACH(l) all |= bits[l];
     return all != 0;
 }
 
@@ -45,12 +48,12 @@ static void log2_lanes(const double *restrict x, double *restrict out) {
     memcpy(m, bits, sizeof m);
     memcpy(e, high, sizeof e);
     EACH(l) {
-        int64_t big = m[l] > 1.4142135623730951;
-        double y = big ? 0.5 * m[l] : m[l], whole = e[l] - (4503599627370496.0 + 1023.0);
+        double y = m[l] > 1.4142135623730951 ? 0.5 * m[l] : m[l];
+        double whole = e[l] - (4503599627370496.0 + (m[l] > 1.4142135623730951 ? 1022.0 : 1023.0));
         double s = (y - 1.0) / (y + 1.0), z = s * s;
         double low = 1.0 / 13 + z * (1.0 / 15 + z * (1.0 / 17 + z * (1.0 / 19)));
         double sum = 1.0 + z * (1.0 / 3 + z * (1.0 / 5 + z * (1.0 / 7 + z * (1.0 / 9 + z * (1.0 / 11 + z * low)))));
-        out[l] = (big ? whole + 1.0 : whole) + 2.8853900817779268 * (s * sum);
+        out[l] = whole + 2.8853900817779268 * (s * sum);
     }
 }
 
@@ -177,8 +180,8 @@ static void stage_lanes(const film_curve *curve, int32_t stage, int which, const
     }
     EACH(l) a[l] = b[l] = 0.0;
     for (int32_t p = 0; p < count; p++) {
-        int64_t here[LANES];
-        EACH(l) here[l] = at[l] == (double)p ? 1 : 0;
+        double here[LANES];
+        EACH(l) here[l] = at[l] == (double)p ? 1.0 : 0.0;
         if (count > 1 && !any(here)) continue;
         if (which == FORCE_AND_WORK) {
             piece_law_lanes(&piece[p], xi, one, two);
@@ -187,8 +190,8 @@ static void stage_lanes(const film_curve *curve, int32_t stage, int which, const
             value_lanes(&piece[p].exponent, xi, two);
         }
         EACH(l) {
-            a[l] = here[l] ? one[l] : a[l];
-            b[l] = here[l] ? two[l] : b[l];
+            a[l] = here[l] > 0.0 ? one[l] : a[l];
+            b[l] = here[l] > 0.0 ? two[l] : b[l];
         }
     }
 }
@@ -207,7 +210,7 @@ static void depth_lanes(const film_curve *curve, int32_t stage, double whole, co
     const film_function *g = &piece->force;
     double begin = curve->stage[stage].begin, end = curve->stage[stage].end, f[LANES], w[LANES];
     int from_above = rises(curve, stage);
-    int64_t moving[LANES];
+    double moving[LANES];
     if (from_above) {
         double c = g->constant, s = g->slope, k = g->coefficient, per = work_of(g->exponent), root[LANES];
         EACH(l) {
@@ -223,13 +226,13 @@ static void depth_lanes(const film_curve *curve, int32_t stage, double whole, co
         }
         EACH(l) {
             depth[l] += g->origin;
-            moving[l] = 1;
+            moving[l] = 1.0;
         }
         if (k == 0.0 && g->origin == begin) return;
     } else {
         EACH(l) {
             depth[l] = begin + (end - begin) * sqrt(work[l] / whole); /* as if work grew as a square */
-            moving[l] = 1;
+            moving[l] = 1.0;
         }
     }
     double low[LANES], high[LANES];
@@ -244,12 +247,12 @@ static void depth_lanes(const film_curve *curve, int32_t stage, double whole, co
             low[l] = missing >= 0.0 ? at : low[l];
             high[l] = missing >= 0.0 ? high[l] : at;
             double next = at + missing / f[l], halved = 0.5 * (low[l] + high[l]);
-            int64_t inside = (next >= low[l]) & (next <= high[l]);
-            next = inside | from_above ? next : halved;
-            double step = fabs(next - at);
-            int64_t settled = step <= (inside | from_above ? 1e-9 : 4e-16) * at;
-            depth[l] = moving[l] ? next : at;
-            moving[l] = moving[l] & (settled ? 0 : 1);
+            double near = next >= low[l] ? 1e-9 : 4e-16;
+            near = next <= high[l] ? near : 4e-16;
+            near = from_above ? 1e-9 : near;
+            next = near > 1e-12 ? next : halved;
+            depth[l] = moving[l] > 0.0 ? next : at;
+            moving[l] = fabs(next - at) <= near * at ? 0.0 : moving[l];
         }
         if (!any(moving)) break;
     }
@@ -278,72 +281,72 @@ static void open_lanes(const film_curve *curve, int32_t stage, const double *res
 
 /* ---------------------------------------------------------------- lines */
 
-/* x and y = x' after tau on a line, y'' = -a2 y' - k y: Taylor polynomials in tau, d_j = -a2 tau d_{j-1} - k tau^2 d_{j-2}
- * two at a time. They err by (reach)^9/9! and, where far, by (reach)^17/17!, for a2 tau reach + k tau^2 <= reach^2. */
-INLINED double polynomial(double y0, double d1, double a2, double k, double tau, int far, double *x) {
-    double b = -a2 * tau, c = -k * (tau * tau), p = b * b + c, r = b * c;
-    double t1 = d1 * tau, t2 = b * t1 + c * y0, t3 = p * t1 + r * y0, t4 = b * t3 + c * t2, t5 = p * t3 + r * t2;
+/* x and y = x' after tau on a line, y'' = -a2 y' - k y, b = -a2 tau, c = -k tau^2: Taylor polynomials, whose terms before
+ * division by j! are t_j = b t_{j-1} + c t_{j-2}, two at a time. They err by reach^9/9! and, where far, by reach^17/17!, for
+ * |b| reach + |c| <= reach^2. */
+INLINED double polynomial(double y0, double t1, double b, double c, double tau, int far, double *x) {
+    double p = b * b + c, r = b * c, t2 = b * t1 + c * y0, t3 = p * t1 + r * y0, t4 = b * t3 + c * t2, t5 = p * t3 + r * t2;
     double t6 = b * t5 + c * t4, t7 = p * t5 + r * t4, t8 = b * t7 + c * t6;
     double high_y = t5 * (1.0 / 120) + t6 * (1.0 / 720) + (t7 * (1.0 / 5040) + t8 * (1.0 / 40320));
     double high_x = t5 * (1.0 / 720) + t6 * (1.0 / 5040) + (t7 * (1.0 / 40320) + t8 * (1.0 / 362880));
     if (far) {
         double t9 = p * t7 + r * t6, t10 = b * t9 + c * t8, t11 = p * t9 + r * t8, t12 = b * t11 + c * t10;
         double t13 = p * t11 + r * t10, t14 = b * t13 + c * t12, t15 = p * t13 + r * t12, t16 = b * t15 + c * t14;
-        high_y += t9 / 362880 + t10 / 3628800 + t11 / 39916800 + t12 / 479001600 + t13 / 6227020800.0 +
-                  t14 / 87178291200.0 + t15 / 1307674368000.0 + t16 / 20922789888000.0;
-        high_x += t9 / 3628800 + t10 / 39916800 + t11 / 479001600 + t12 / 6227020800.0 + t13 / 87178291200.0 +
-                  t14 / 1307674368000.0 + t15 / 20922789888000.0 + t16 / 355687428096000.0;
+        high_y += t9 * (1.0 / 362880) + t10 * (1.0 / 3628800) + t11 * (1.0 / 39916800) + t12 * (1.0 / 479001600) +
+                  t13 * (1.0 / 6227020800.0) + t14 * (1.0 / 87178291200.0) + t15 * (1.0 / 1307674368000.0) +
+                  t16 * (1.0 / 20922789888000.0);
+        high_x += t9 * (1.0 / 3628800) + t10 * (1.0 / 39916800) + t11 * (1.0 / 479001600) + t12 * (1.0 / 6227020800.0) +
+                  t13 * (1.0 / 87178291200.0) + t14 * (1.0 / 1307674368000.0) + t15 * (1.0 / 20922789888000.0) +
+                  t16 * (1.0 / 355687428096000.0);
     }
     *x = tau * ((y0 + 0.5 * t1) + (t2 * (1.0 / 6) + t3 * (1.0 / 24)) + (t4 * (1.0 / 120) + high_x));
     return (y0 + t1) + (t2 * 0.5 + t3 * (1.0 / 6)) + (t4 * (1.0 / 24) + high_y);
 }
 
-INLINED int64_t within(double a2, double k, double tau, double reach) {
-    return fabs(a2 * tau) * reach + fabs(k) * (tau * tau) <= reach * reach;
-}
-
 /* Across lines of length h > 0, whose force begins at phi and changes by kappa a unit of indentation: time, and w at the
  * end. d = +1 inwards, -1 outwards; from_rest: y = 0 at the beginning. Energy without the damping's share gives a time to
- * begin with, which x at that time corrects; far, and from rest, twice. unserved: 1 where that is not enough. */
+ * begin with, which x at that time corrects, from rest twice; far, tau has it already. unserved: 1 where that is not enough.
+ * The loops are short, so that a processor works on several lanes at a time. */
 INLINED void cross_lines(const double *restrict gamma, const double *restrict h, const double *restrict phi,
                          const double *restrict kappa, double d, int from_rest, int far, const double *restrict w,
-                         double *restrict tau, double *restrict w1, int64_t *restrict unserved) {
-    double y0[LANES], d1[LANES], q[LANES], x[LANES], y[LANES], u[LANES], rough[LANES], end[LANES];
-    EACH(l) { /* loops of their own: short enough that a processor works on several lanes at a time */
-        double length = h[l], k = kappa[l], load = d * phi[l], a2 = gamma[l] * k;
-        double from = from_rest ? 0.0 : d * (w[l] - gamma[l] * phi[l]), drag = 0.5 * a2 * length, before = from - drag;
-        double square = before * before - length * (2.0 * load + k * length);
+                         double *restrict tau, double *restrict w1, double *restrict unserved) {
+    double y0[LANES], d1[LANES], a2[LANES], q[LANES], x[LANES], y[LANES], u[LANES], unfit[LANES];
+    const double reach = far ? FAR_REACH : REACH, rough = far ? 0.03 : 0.01;
+    EACH(l) {
+        double length = h[l], k = kappa[l], load = d * phi[l], damping = gamma[l] * k;
+        double from = from_rest ? 0.0 : d * (w[l] - gamma[l] * phi[l]), drag = 0.5 * (damping * length);
+        double before = from - drag, square = before * before - length * (load + load + k * length);
         double y1 = sqrt(square > 0.0 ? square : 0.0) - drag, least = 0.1 * from;
         y1 = y1 > least ? y1 : least;
         double twice = 2.0 / (from + y1), guess = twice * length;
-        q[l] = guess - guess * guess * (k * guess + a2 * (y1 - from) * twice) * (1.0 / 12);
+        guess -= guess * guess * (k * guess + damping * (y1 - from) * twice) * (1.0 / 12);
+        q[l] = far && !from_rest ? tau[l] : guess;
         y0[l] = from;
-        d1[l] = -load - a2 * from;
+        d1[l] = -load - damping * from;
+        a2[l] = damping;
         u[l] = 0.0;
     }
-    for (int pass = 0; pass <= far; pass++) {
+    for (int pass = 0; pass <= from_rest; pass++) {
         EACH(l) {
+            double b, c;
             q[l] += u[l];
-            y[l] = polynomial(y0[l], d1[l], gamma[l] * kappa[l], kappa[l], q[l], far, &x[l]);
+            b = -a2[l] * q[l];
+            c = -kappa[l] * (q[l] * q[l]);
+            y[l] = polynomial(y0[l], d1[l] * q[l], b, c, q[l], far, &x[l]);
+            unfit[l] = fabs(b) * reach + fabs(c) <= reach * reach ? 0.0 : 1.0;
         }
         EACH(l) {
-            double k = kappa[l], a2 = gamma[l] * k;
-            double slope = -(d * phi[l] + k * x[l]) - a2 * y[l], bend = -a2 * slope - k * y[l];
-            double per_y = 1.0 / y[l], half = 0.5 * slope * per_y;
-            double part = (h[l] - x[l]) * per_y; /* h - x = y u + slope u^2/2 + bend u^3/6, inverted */
-            u[l] = part * (1.0 - part * (half - part * (2.0 * half * half - (1.0 / 6) * bend * per_y)));
-            end[l] = y[l] + u[l] * (slope + u[l] * (0.5 * bend));
-            rough[l] = part;
+            double k = kappa[l], slope = -(d * phi[l] + k * x[l]) - a2[l] * y[l], bend = -a2[l] * slope - k * y[l];
+            double per_y = 1.0 / y[l], half = 0.5 * (slope * per_y);
+            double part = (h[l] - x[l]) * per_y; /* h - x = y u + slope u^2/2 + ..., inverted */
+            double step = part * (1.0 - part * (half - 2.0 * (half * half) * part));
+            double end = y[l] + step * (slope + 0.5 * (step * bend));
+            double sure = fabs(part) < rough * q[l] ? unfit[l] : 1.0; /* u may be short by chance, where x gets nowhere near */
+            u[l] = step;
+            unserved[l] = end > 0.0 ? sure : 1.0;
+            tau[l] = q[l] + step;
+            w1[l] = d * end + gamma[l] * (phi[l] + d * (k * h[l]));
         }
-    }
-    EACH(l) {
-        double a2 = gamma[l] * kappa[l];
-        int64_t good = end[l] > 0.0;
-        good &= fabs(rough[l]) < (far ? 0.03 : 0.01) * q[l]; /* u may be short by chance, where x never gets as far */
-        good &= within(a2, kappa[l], q[l], far ? FAR_REACH : REACH);
-        unserved[l] = good ? 0 : 1;
-        tau[l] = q[l] + u[l];
-        w1[l] = d * end[l] + gamma[l] * (phi[l] + d * (kappa[l] * h[l]));
     }
 }
 
@@ -541,27 +544,27 @@ static int cross_alone(double gamma, double h, double phi, double kappa, double 
 }
 
 /* What the short polynomial cannot serve, the long one may, and else the march's own way. */
-static void pass_again(lanes *restrict s, lines *restrict n, double d, int from_rest, const int64_t *restrict unserved,
-                       const double *restrict far_tau, const double *restrict far_w1, const int64_t *restrict far,
+static void pass_again(lanes *restrict s, lines *restrict n, double d, int from_rest, const double *restrict unserved,
+                       const double *restrict far_tau, const double *restrict far_w1, const double *restrict far,
                        double *restrict w1) {
     for (int l = 0; l < LANES; l++) {
-        if (!unserved[l] || s->bad[l]) continue;
+        if (unserved[l] == 0.0 || s->bad[l] > 0.0) continue;
         n->tau[l] = far_tau[l];
         w1[l] = far_w1[l];
-        if (far[l] && !cross_alone(s->gamma[l], n->h[l], n->phi[l], n->kappa[l], d, from_rest, s->w[l], &n->tau[l], &w1[l]))
-            s->bad[l] = 1;
+        if (far[l] > 0.0 && !cross_alone(s->gamma[l], n->h[l], n->phi[l], n->kappa[l], d, from_rest, s->w[l], &n->tau[l], &w1[l]))
+            s->bad[l] = 1.0;
     }
 }
 
 INLINED void pass_lines(lanes *restrict s, lines *restrict n, double d, int from_rest) {
-    double w1[LANES], far_tau[LANES], far_w1[LANES];
-    int64_t unserved[LANES], far[LANES];
+    double w1[LANES], far_tau[LANES], far_w1[LANES], unserved[LANES], far[LANES];
     if (from_rest) {
-        EACH(l) unserved[l] = 1;
+        EACH(l) unserved[l] = 1.0;
     } else {
         cross_lines(s->gamma, n->h, n->phi, n->kappa, d, 0, 0, s->w, n->tau, w1, unserved);
     }
     if (from_rest || any(unserved)) {
+        if (!from_rest) memcpy(far_tau, n->tau, sizeof far_tau);
         cross_lines(s->gamma, n->h, n->phi, n->kappa, d, from_rest, 1, s->w, far_tau, far_w1, far);
         pass_again(s, n, d, from_rest, unserved, far_tau, far_w1, far, w1);
     }
@@ -628,33 +631,33 @@ static void run_towards(job *j, int32_t stage, int32_t segments, const double *n
 
 /* The turn near x1: the last line meets the law's force at x1, and the time is that at which nu = gamma f on the law. */
 static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *restrict s, int steps) {
-    double phi[LANES], kappa[LANES], y0[LANES], tau[LANES], x[LANES], f1[LANES], w1[LANES], w[LANES];
+    double phi[LANES], kappa[LANES], y0[LANES], tau[LANES], x[LANES], f1[LANES], w1[LANES], w[LANES], miss[LANES], falling[LANES];
     law_lanes(j->curve, stage, x1, f1, w1);
     EACH(l) {
         double g = s->gamma[l], h = x1[l] - s->xi[l], mean = (w1[l] - s->work[l]) / h;
         phi[l] = 2.0 * mean - f1[l];
         kappa[l] = 2.0 * (f1[l] - mean) / h;
         double a2 = g * kappa[l], y = s->w[l] - g * phi[l], d1 = -phi[l] - a2 * y, d2 = -a2 * d1 - kappa[l] * y;
-        double square = d1 * d1 - 2.0 * y * d2;
         y0[l] = y;
-        tau[l] = 2.0 * y / (sqrt(square > 0.0 ? square : 0.0) - d1);
+        tau[l] = 2.0 * y * d1 / (y * d2 - 2.0 * d1 * d1); /* Halley's step from the beginning */
     }
     for (int i = 0; i <= steps; i++) {
         EACH(l) {
-            double g = s->gamma[l], a2 = g * kappa[l], along;
-            double y = polynomial(y0[l], -phi[l] - a2 * y0[l], a2, kappa[l], tau[l], 1, &along);
+            double g = s->gamma[l], a2 = g * kappa[l], b = -a2 * tau[l], c = -kappa[l] * (tau[l] * tau[l]), along;
+            double y = polynomial(y0[l], (-phi[l] - a2 * y0[l]) * tau[l], b, c, tau[l], 1, &along);
+            falling[l] = a2 * y; /* of gamma f, by the line's slope */
             w[l] = y + g * (phi[l] + kappa[l] * along);
             x[l] = s->xi[l] + along;
+            miss[l] = fabs(b) * FAR_REACH + fabs(c) <= FAR_REACH * FAR_REACH ? 0.0 : 1.0;
         }
         law_lanes(j->curve, stage, x, f1, w1);
         if (i == steps) break;
-        EACH(l) tau[l] += (w[l] - s->gamma[l] * f1[l]) / f1[l];
+        EACH(l) tau[l] += (w[l] - s->gamma[l] * f1[l]) / (f1[l] + falling[l]);
     }
     EACH(l) {
-        double g = s->gamma[l];
-        int64_t good = (y0[l] > 0.0) & (tau[l] > 0.0) & (fabs(w[l] - g * f1[l]) < 1e-11 * w[l]);
-        good &= within(g * kappa[l], kappa[l], tau[l], FAR_REACH);
-        s->bad[l] |= good ? 0 : 1;
+        double g = s->gamma[l], bad = fabs(w[l] - g * f1[l]) < 1e-9 * w[l] ? miss[l] : 1.0;
+        bad = y0[l] > 0.0 ? bad : 1.0;
+        s->bad[l] = tau[l] > 0.0 ? s->bad[l] + bad : 1.0;
         s->time[l] += tau[l];
         s->xi[l] = x[l];
         s->force[l] = f1[l];
@@ -670,7 +673,7 @@ static void first_aim(job *j, int32_t stage, double stored, const double *restri
     const film_curve *curve = j->curve;
     double begin = curve->stage[stage].begin, whole = j->whole[stage];
     double low[LANES], high[LANES], below[LANES], above[LANES], f[LANES], w[LANES], energy[LANES];
-    int64_t moving[LANES];
+    double moving[LANES];
     EACH(l) {
         energy[l] = 0.5 * nu[l] * nu[l] - stored;
         low[l] = begin;
@@ -683,24 +686,23 @@ static void first_aim(job *j, int32_t stage, double stored, const double *restri
     EACH(l) {
         above[l] = spent_less_energy(stored + w[l], f[l], nu[l], gamma[l]);
         aim[l] = high[l];
-        moving[l] = above[l] > 0.0 ? 1 : 0;
+        moving[l] = above[l] > 0.0 ? 1.0 : 0.0;
     }
-    for (int i = 0; i < 8 && any(moving); i++) {
+    for (int i = 0; i < AIM_STEPS && any(moving); i++) {
         double x[LANES];
         EACH(l) {
             double next = low[l] - (high[l] - low[l]) * below[l] / (above[l] - below[l]);
-            x[l] = moving[l] ? next : aim[l];
+            x[l] = moving[l] > 0.0 ? next : aim[l];
         }
         law_lanes(curve, stage, x, f, w);
         EACH(l) {
             double excess = spent_less_energy(stored + w[l], f[l], nu[l], gamma[l]);
-            int64_t beyond = excess > 0.0, near = fabs(excess) < 1e-3 * (0.5 * nu[l] * nu[l]);
-            high[l] = beyond ? x[l] : high[l];
-            low[l] = beyond ? low[l] : x[l];
-            below[l] = beyond ? 0.5 * below[l] : excess;
-            above[l] = beyond ? excess : 0.5 * above[l];
+            high[l] = excess > 0.0 ? x[l] : high[l];
+            low[l] = excess > 0.0 ? low[l] : x[l];
+            below[l] = excess > 0.0 ? 0.5 * below[l] : excess;
+            above[l] = excess > 0.0 ? excess : 0.5 * above[l];
             aim[l] = x[l];
-            moving[l] &= near ? 0 : 1;
+            moving[l] = fabs(excess) < AIM * (0.5 * nu[l] * nu[l]) ? 0.0 : moving[l];
         }
     }
 }
@@ -721,7 +723,7 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
         s->gamma[l] = start->gamma;
         s->w[l] = nu[l] = start->nu;
         s->time[l] = 0.0;
-        s->bad[l] = 0;
+        s->bad[l] = 0.0;
     }
     for (int32_t k = 0; k < stage; k++) {
         const table *t = film_lines_of(j, k, 1, segments, nodes, 0.0);
@@ -742,77 +744,84 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
     for (int32_t m = AIMING_SEGMENTS; m == AIMING_SEGMENTS || 3 * m <= segments; m *= 4) { /* each trial aims the next */
         trial = *s;
         run_towards(j, stage, m, NULL, aim, &trial);
-        turn_lanes(j, stage, aim, &trial, 2);
+        turn_lanes(j, stage, aim, &trial, 1);
         EACH(l) { /* a trial may be rough: it only places the nodes */
-            int64_t near = fabs(trial.xi[l] - aim[l]) < 0.1 * aim[l];
             double to = trial.xi[l] < end ? trial.xi[l] : end;
-            aim[l] = near ? to : aim[l];
+            aim[l] = fabs(trial.xi[l] - aim[l]) < 0.1 * aim[l] ? to : aim[l];
         }
     }
     run_towards(j, stage, segments, nodes, aim, s);
     trial = *s;
-    turn_lanes(j, stage, aim, &trial, 2);
+    turn_lanes(j, stage, aim, &trial, 1);
     EACH(l) {
         last[l] = s->xi[l];
-        s->bad[l] |= fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? 0 : 1; /* the last line would be too long or short */
+        s->bad[l] = fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? s->bad[l] : 1.0; /* the last line would be too long or short */
         aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
     }
     turn_lanes(j, stage, aim, s, 4);
     EACH(l) {
-        s->bad[l] |= (s->xi[l] <= end) & (fabs(s->xi[l] - aim[l]) < 0.1 * (s->xi[l] - last[l])) ? 0 : 1;
+        s->bad[l] = s->xi[l] <= end ? s->bad[l] : 1.0;
+        s->bad[l] = fabs(s->xi[l] - aim[l]) < 0.1 * (s->xi[l] - last[l]) ? s->bad[l] : 1.0;
         stored[l] = before + s->work[l];
         peak[l] = s->force[l] > largest ? s->force[l] : largest;
         recovery[l] = s->xi[l];
         exponent[l] = j->exponent[stage];
     }
     if (curve->stage[stage].unloading != FILM_RETRACE) open_lanes(curve, stage, s->xi, s->force, recovery, exponent);
-    EACH(l) s->bad[l] |= (recovery[l] > 0.0) & (recovery[l] < INFINITY) & (exponent[l] > 0.0) ? 0 : 1;
-}
-
-/* When the impactor stops, within a line of duration tau that begins at w0 > 0 and ends at w1 <= 0: the cubic through
- * both velocities and both accelerations, -f. */
-static double stop_within(double tau, double w0, double w1, double f0, double f1) {
-    double s = w0 / (w0 - w1), d0 = -f0 * tau, d1 = -f1 * tau;
-    double c2 = 3.0 * (w1 - w0) - 2.0 * d0 - d1, c3 = 2.0 * (w0 - w1) + d0 + d1;
-    for (int i = 0; i < 3; i++) {
-        s -= (w0 + s * (d0 + s * (c2 + s * c3))) / (d0 + s * (2.0 * c2 + 3.0 * s * c3));
-        s = s > 0.0 ? s < 1.0 ? s : 1.0 : 0.0; /* a line too long for its cubic */
+    EACH(l) {
+        s->bad[l] = recovery[l] > 0.0 ? s->bad[l] : 1.0;
+        s->bad[l] = exponent[l] > 0.0 ? s->bad[l] : 1.0;
     }
-    return s * tau;
 }
 
 /* The line on which each lane's impactor stops: kept until it is there. */
 typedef struct {
     double time[LANES], tau[LANES], w0[LANES], w1[LANES], f0[LANES], f1[LANES];
-    int64_t moving[LANES];
+    double moving[LANES];
 } stops;
 
 static void keep_stop(stops *restrict stop, const lanes *restrict s, const lines *restrict n, const double *restrict w0,
                         const double *restrict f0, const double *restrict f1) {
     EACH(l) {
-        int64_t moving = stop->moving[l];
-        stop->time[l] = moving ? s->time[l] - n->tau[l] : stop->time[l];
-        stop->tau[l] = moving ? n->tau[l] : stop->tau[l];
-        stop->w0[l] = moving ? w0[l] : stop->w0[l];
-        stop->w1[l] = moving ? s->w[l] : stop->w1[l];
-        stop->f0[l] = moving ? f0[l] : stop->f0[l];
-        stop->f1[l] = moving ? f1[l] : stop->f1[l];
-        stop->moving[l] = s->w[l] > 0.0 ? moving : 0;
+        double moving = stop->moving[l];
+        stop->time[l] = moving > 0.0 ? s->time[l] - n->tau[l] : stop->time[l];
+        stop->tau[l] = moving > 0.0 ? n->tau[l] : stop->tau[l];
+        stop->w0[l] = moving > 0.0 ? w0[l] : stop->w0[l];
+        stop->w1[l] = moving > 0.0 ? s->w[l] : stop->w1[l];
+        stop->f0[l] = moving > 0.0 ? f0[l] : stop->f0[l];
+        stop->f1[l] = moving > 0.0 ? f1[l] : stop->f1[l];
+        stop->moving[l] = s->w[l] > 0.0 ? moving : 0.0;
     }
 }
 
-static void leave_lane(job *j, const lanes *s, const stops *stop, int l, int64_t index, double left, double stored,
+/* When the impactors stop, within lines that begin at w0 > 0 and end at w1 <= 0: the cubic through both velocities and
+ * both accelerations, -f. NAN where one does not. */
+static void stop_times(const stops *restrict n, double *restrict time) {
+    EACH(l) {
+        double w0 = n->w0[l], w1 = n->w1[l], d0 = -n->f0[l] * n->tau[l], d1 = -n->f1[l] * n->tau[l], s = w0 / (w0 - w1);
+        double c2 = 3.0 * (w1 - w0) - 2.0 * d0 - d1, c3 = 2.0 * (w0 - w1) + d0 + d1;
+        for (int i = 0; i < 3; i++) {
+            s -= (w0 + s * (d0 + s * (c2 + s * c3))) / (d0 + s * (2.0 * c2 + 3.0 * s * c3));
+            s = s > 0.0 ? s : 0.0; /* a line too long for its cubic */
+            s = s < 1.0 ? s : 1.0;
+        }
+        double at = n->moving[l] == 0.0 ? n->time[l] + s * n->tau[l] : NAN;
+        time[l] = w0 > 0.0 ? at : NAN;
+    }
+}
+
+/* What one lane has done. */
+static void leave_lane(job *j, const lanes *s, double stopped, int l, int64_t index, double left, double stored,
                        double given) {
     film_summary *out = &j->summary[index];
     const film_start *start = &j->start[index];
-    int stopped = !stop->moving[l] && stop->w0[l] > 0.0;
-    out->time_impactor_stops = stopped ? stop->time[l] + stop_within(stop->tau[l], stop->w0[l], stop->w1[l], stop->f0[l], stop->f1[l]) : NAN;
+    out->time_impactor_stops = stopped;
     out->contact_duration = s->time[l];
     out->permanent_indentation = left;
     out->final_velocity = s->w[l];
     out->shift = s->gamma[l] * (start->nu - s->w[l]);
     out->work = stored - given;
-    int whole = !s->bad[l] && s->time[l] < INFINITY && fabs(s->w[l]) < INFINITY;
+    int whole = s->bad[l] == 0.0 && s->time[l] < INFINITY && fabs(s->w[l]) < INFINITY;
     j->status[index] = whole ? FILM_EVENT : film_impact(j->curve, j->mesh, start, out);
 }
 
@@ -820,7 +829,7 @@ static void leave_lane(job *j, const lanes *s, const stops *stop, int l, int64_t
 static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
     const double *nodes = j->mesh->unloading_nodes[grading];
     int32_t segments = j->mesh->unloading;
-    double stiff[LANES], w0[LANES], f0[LANES], f1[LANES];
+    double stiff[LANES], w0[LANES], f0[LANES], f1[LANES], stopped[LANES];
     const row *r = same == same ? film_lines_of(j, UNIT_POWER, -1, segments, nodes, same)->rows : NULL;
     lanes s;
     lines n;
@@ -838,12 +847,12 @@ static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
         s.gamma[l] = q->gamma[l];
         s.time[l] = q->time[l];
         s.w[l] = q->gamma[l] * q->force[l];
-        s.bad[l] = 0;
+        s.bad[l] = 0.0;
         s.xi[l] = q->recovery[l];
         s.force[l] = q->force[l];
         s.work[l] = q->force[l] * q->recovery[l] / (q->exponent[l] + 1.0);
         stiff[l] = q->force[l] / q->recovery[l];
-        stop.moving[l] = 1;
+        stop.moving[l] = 1.0;
         stop.time[l] = stop.tau[l] = stop.w0[l] = stop.w1[l] = stop.f0[l] = stop.f1[l] = 0.0;
         f1[l] = q->force[l];
     }
@@ -880,8 +889,9 @@ static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
             any_moves = any(stop.moving);
         }
     }
+    stop_times(&stop, stopped);
     for (int l = 0; l < q->count; l++)
-        leave_lane(j, &s, &stop, l, q->index[l], q->top[l] - q->recovery[l], q->stored[l],
+        leave_lane(j, &s, stopped[l], l, q->index[l], q->top[l] - q->recovery[l], q->stored[l],
                    q->force[l] * q->recovery[l] / (q->exponent[l] + 1.0));
     q->count = 0;
 }
@@ -890,13 +900,13 @@ static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
 static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int count, lanes *restrict s,
                                const double *restrict stored) {
     const film_mesh *mesh = j->mesh;
-    double largest[LANES], from[LANES], x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES];
+    double largest[LANES], from[LANES], x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES], stopped[LANES];
     const double *nodes[LANES];
     lines n;
     stops stop;
     EACH(l) {
         largest[l] = s->force[l];
-        stop.moving[l] = 1;
+        stop.moving[l] = 1.0;
         stop.time[l] = stop.tau[l] = stop.w0[l] = stop.w1[l] = stop.f0[l] = stop.f1[l] = 0.0;
     }
     for (int32_t k = stage; k >= 0; k--) {
@@ -919,7 +929,8 @@ static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int co
             keep_stop(&stop, s, &n, w0, f0, f1);
         }
     }
-    for (int l = 0; l < count; l++) leave_lane(j, s, &stop, l, index[l], 0.0, stored[l], stored[l]);
+    stop_times(&stop, stopped);
+    for (int l = 0; l < count; l++) leave_lane(j, s, stopped[l], l, index[l], 0.0, stored[l], stored[l]);
 }
 
 const routines FILM_ROUTINES = {fixed_lanes, plate_in_lanes, plate_out_lanes, plate_back_lanes};

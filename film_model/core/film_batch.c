@@ -224,8 +224,8 @@ static int batch_begins(job *j) {
             if (curve->piece[p].end < INFINITY) stage_law(curve, k, curve->piece[p].end, &j->piece_force[p], &j->piece_work[p]);
         }
         if (plain_power(j, k)) j->exponent[k] = g->exponent;
-        const double used[2] = {g->exponent, j->exponent[k]};
-        for (int i = j->simple[k] ? 0 : 1; i < 2; i++) {
+        const double used[2] = {j->simple[k] ? g->exponent : ANY_POWER, j->exponent[k]};
+        for (int i = 0; i < 2; i++) {
             int32_t known = 0;
             while (known < kinds && kind[known] != used[i]) known++;
             if (known == kinds && used[i] == used[i]) kind[kinds++] = used[i];

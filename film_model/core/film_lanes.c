@@ -599,7 +599,7 @@ static void run_towards(job *j, int32_t stage, int32_t segments, const double *n
     const film_function *g = &curve->piece[curve->stage[stage].first].force;
     double begin = curve->stage[stage].begin, x1[LANES], f1[LANES], w1[LANES];
     lines n;
-    const row *r = film_lines_of(j, UNIT_POWER, 1, segments, nodes, j->simple[stage] ? g->exponent : 1.5)->rows;
+    const row *r = film_lines_of(j, UNIT_POWER, 1, segments, nodes, j->simple[stage] ? g->exponent : ANY_POWER)->rows;
     if (j->simple[stage]) {
         double span[LANES], power[LANES], stiff[LANES], c = g->constant, k = g->slope;
         EACH(l) span[l] = aim[l] - begin;

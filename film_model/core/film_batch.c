@@ -202,12 +202,19 @@ static double branch_exponent(const film_curve *curve, int32_t stage) {
     return piece->exponent.constant;
 }
 
+static int32_t with(double exponent, double *known, int32_t count) {
+    for (int32_t i = 0; i < count; i++)
+        if (known[i] == exponent) return count;
+    known[count] = exponent;
+    return count + 1;
+}
+
 /* What all impacts share. 0: this curve or mesh is not for lanes. */
 static int batch_begins(job *j) {
     const film_curve *curve = j->curve;
     const film_mesh *mesh = j->mesh;
-    int32_t n = mesh->loading, m = mesh->unloading, kinds = 0;
-    double kind[2 * FILM_MAX_STAGES];
+    int32_t n = mesh->loading, m = mesh->unloading, back = 0, powers = 0, branches = 0;
+    double power[FILM_MAX_STAGES], branch[FILM_MAX_STAGES];
     j->table_count = j->row_count = 0;
     if (mesh->linearisation != FILM_WORK_PRESERVING || n < 3 || m < 3 || n > ROWS || m > ROWS) return 0;
     for (int32_t k = 0; k < curve->stages; k++) {
@@ -223,18 +230,16 @@ static int batch_begins(job *j) {
             j->piece_work[p] = j->piece_force[p] = INFINITY;
             if (curve->piece[p].end < INFINITY) stage_law(curve, k, curve->piece[p].end, &j->piece_force[p], &j->piece_work[p]);
         }
+        if (reversible && k > 0) back = k;
         if (plain_power(j, k)) j->exponent[k] = g->exponent;
-        const double used[2] = {j->simple[k] ? g->exponent : ANY_POWER, j->exponent[k]};
-        for (int i = 0; i < 2; i++) {
-            int32_t known = 0;
-            while (known < kinds && kind[known] != used[i]) known++;
-            if (known == kinds && used[i] == used[i]) kind[kinds++] = used[i];
-        }
+        powers = with(j->simple[k] ? g->exponent : ANY_POWER, power, powers);
+        if (j->exponent[k] == j->exponent[k]) branches = with(j->exponent[k], branch, branches);
     }
-    /* of each exponent: loading graded, by cosines and by trials (together less than n/2 + 12), unloading in each grading and
-     * by cosines; of each stage the way across by gradings and by both cosines */
-    int64_t rows = (int64_t)kinds * (2 * (n + 1) + n / 2 + 12 + 4 * (m + 1)) + (int64_t)curve->stages * (2 * (n + 1) + m + 1);
-    return rows <= ROWS && 12 * kinds + 3 * curve->stages <= TABLES;
+    /* of each stage's exponent: loading, graded and by cosines, and by trials (together less than n/2 + 12), and by as many
+     * cosines as unloading; of each branch's: every grading and cosines; across each stage: graded and by cosines; and back */
+    int64_t rows = (int64_t)powers * (2 * (n + 1) + n / 2 + 12 + m + 1) + (int64_t)branches * 4 * (m + 1) +
+                   (int64_t)curve->stages * 2 * (n + 1) + (int64_t)back * (m + 1);
+    return rows <= ROWS && 8 * powers + 4 * branches + 3 * curve->stages <= TABLES;
 }
 
 /* ---------------------------------------------------------------- instruction sets

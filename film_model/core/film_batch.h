@@ -24,7 +24,7 @@ typedef struct {
 } table;
 
 static const double ANY_POWER = 1.5; /* where only the nodes of a run are asked for */
-enum { UNIT_POWER = -1, ROWS = 2048, TABLES = 128, AIMING_SEGMENTS = 4 };
+enum { UNIT_POWER = -1, ROWS = 2304, TABLES = 128, AIMING_SEGMENTS = 4 };
 
 typedef struct {
     const film_curve *curve;

@@ -765,7 +765,7 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
         stored[l] = before + s->work[l];
         peak[l] = s->force[l] > largest ? s->force[l] : largest;
         recovery[l] = s->xi[l];
-        exponent[l] = j->exponent[stage];
+        exponent[l] = plain_power(j, stage) ? j->exponent[stage] : 1.0; /* back along the law: of no use */
     }
     if (curve->stage[stage].unloading != FILM_RETRACE) open_lanes(curve, stage, s->xi, s->force, recovery, exponent);
     EACH(l) {

@@ -1,7 +1,9 @@
 /* film_lanes.c for processors with AVX2: the same operations on wider registers, so the same bits. */
-#if defined(__GNUC__) && defined(__x86_64__)
-#include <math.h>
-#include <stdint.h>
+#include "film_batch.h"
+
+#if defined(FILM_WIDE)
+#include "film_line.h"
+
 #include <string.h>
 
 #if defined(__clang__)
@@ -14,6 +16,4 @@
 #if defined(__clang__)
 #pragma clang attribute pop
 #endif
-#else
-typedef int film_without_avx2; /* C wants something in every file */
 #endif

@@ -1,11 +1,13 @@
 /* film_lanes.c for processors with AVX-512: the same operations on wider registers, so the same bits. */
-#if defined(__GNUC__) && defined(__x86_64__)
-#include <math.h>
-#include <stdint.h>
+#include "film_batch.h"
+
+#if defined(FILM_WIDE)
+#include "film_line.h"
+
 #include <string.h>
 
 #if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512"))), apply_to = function)
+#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl"))), apply_to = function)
 #else
 #pragma GCC target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")
 #endif
@@ -14,6 +16,4 @@
 #if defined(__clang__)
 #pragma clang attribute pop
 #endif
-#else
-typedef int film_without_avx512; /* C wants something in every file */
 #endif

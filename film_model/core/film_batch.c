@@ -246,7 +246,7 @@ static int batch_begins(job *j) {
  * The same source for the plain instructions of the processor's kind and, on x86, for AVX2 and AVX-512; never with fused
  * multiply-adds, so that all give the same bits. */
 
-#if defined(__GNUC__) && defined(__x86_64__)
+#if defined(FILM_WIDE)
 #include <cpuid.h>
 
 /* The widest instructions that the processor has and whose registers the operating system saves. */

@@ -4,6 +4,11 @@
 
 #include "film_law.h"
 
+/* Wider registers are used on x86-64; not by GCC for Windows, which does not align them on the stack. */
+#if defined(__x86_64__) && (defined(__clang__) || (defined(__GNUC__) && !defined(_WIN32)))
+#define FILM_WIDE
+#endif
+
 enum { LANES = 32 }; /* impacts of a block */
 
 /* One line and the node at its end. The force is phi where the line begins and has the slope kappa from there to here. */
@@ -98,7 +103,7 @@ typedef struct {
 } routines;
 
 extern const routines film_plain;
-#if defined(__GNUC__) && defined(__x86_64__)
+#if defined(FILM_WIDE)
 extern const routines film_avx2, film_avx512;
 #endif
 

@@ -555,8 +555,8 @@ static void check_batch(int which, const film_mesh *mesh, double same, double li
     start[BATCH / 2].nu = NAN;
     film_batch(&curves[which], mesh, BATCH, start, summary, status);
     for (int32_t count = 0; count <= BATCH; count += 100) {
-        for (int instructions = FILM_PLAIN; instructions <= FILM_AVX512; instructions++) {
-            HOLD(film_batch_with(instructions, &curves[which], mesh, count, start, again, status_again) <= instructions);
+        for (int instructions = FILM_PLAIN; instructions <= film_instructions(); instructions++) {
+            film_batch_with(instructions, &curves[which], mesh, count, start, again, status_again);
             HOLD(memcmp(again, summary, (size_t)count * sizeof *summary) == 0);
             HOLD(memcmp(status_again, status, (size_t)count * sizeof *status) == 0);
         }

@@ -249,10 +249,10 @@ static int batch_begins(job *j) {
 #if defined(FILM_WIDE)
 #include <cpuid.h>
 
-/* The widest instructions that the processor has and whose registers the operating system saves. */
-static int widest(void) {
+int film_instructions(void) {
     unsigned a, b, c, d, low, high;
     if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE)) return FILM_PLAIN;
+    /* which registers the operating system saves */
     __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
     if ((low & 0x06) != 0x06 || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & bit_AVX2)) return FILM_PLAIN;
     const unsigned all = bit_AVX512F | bit_AVX512DQ | bit_AVX512VL;
@@ -261,7 +261,7 @@ static int widest(void) {
 
 static const routines *const sets[] = {&film_plain, &film_avx2, &film_avx512};
 #else
-static int widest(void) { return FILM_PLAIN; }
+int film_instructions(void) { return FILM_PLAIN; }
 static const routines *const sets[] = {&film_plain};
 #endif
 
@@ -291,40 +291,38 @@ static void flush_fixed(batch *b, int32_t stage, block *waiting) {
 
 static void flush_moving(batch *b, int32_t stage, block *waiting) {
     job *j = &b->j;
-    lanes s;
-    double recovery[LANES], exponent[LANES], stored[LANES], peak[LANES];
-    int count = waiting->count;
+    deepest t;
+    int count = waiting->count, back = j->curve->stage[stage].unloading == FILM_RETRACE && !plain_power(j, stage);
     if (count == 0) return;
     waiting->count = 0;
-    b->run->in(j, stage, waiting->index, count, &s, recovery, exponent, stored, peak);
-    int back = j->curve->stage[stage].unloading == FILM_RETRACE && !plain_power(j, stage);
+    b->run->in(j, stage, waiting->index, count, &t);
     for (int l = 0; l < count; l++) {
         int64_t i = waiting->index[l];
         film_summary *out = &j->summary[i];
-        out->maximum_indentation = s.xi[l];
-        out->time_of_maximum_indentation = s.time[l];
-        out->maximum_force = peak[l];
+        out->maximum_indentation = t.at.xi[l];
+        out->time_of_maximum_indentation = t.at.time[l];
+        out->maximum_force = t.peak[l];
         out->stage = stage;
         out->lines = j->mesh->loading * (stage + 1) + j->mesh->unloading * (back ? stage + 1 : 1);
         if (back) continue;
-        if (s.bad[l] > 0.0) {
+        if (t.at.bad[l] > 0.0) {
             j->status[i] = film_impact(j->curve, j->mesh, &j->start[i], out);
             continue;
         }
-        int32_t k = unloading_grading(s.gamma[l], s.force[l], recovery[l]) - FILM_PLATE_OUT;
+        int32_t k = grading_of(t.slowness[l]) - FILM_PLATE_OUT;
         leaving *q = &b->leaving[stage][k];
         int at = q->count++;
         q->index[at] = i;
-        q->gamma[at] = s.gamma[l];
-        q->time[at] = s.time[l];
-        q->top[at] = s.xi[l];
-        q->force[at] = s.force[l];
-        q->recovery[at] = recovery[l];
-        q->exponent[at] = exponent[l];
-        q->stored[at] = stored[l];
+        q->gamma[at] = t.at.gamma[l];
+        q->time[at] = t.at.time[l];
+        q->top[at] = t.at.xi[l];
+        q->force[at] = t.at.force[l];
+        q->recovery[at] = t.recovery[l];
+        q->exponent[at] = t.exponent[l];
+        q->stored[at] = t.stored[l];
         if (q->count == LANES) flush_leaving(b, stage, k);
     }
-    if (back) b->run->back(j, stage, waiting->index, count, &s, stored);
+    if (back) b->run->back(j, stage, waiting->index, count, &t.at, t.stored);
 }
 
 /* The piece of the stage in which a fixed target should turn the impactor, by the march's own arithmetic; -1: none. */
@@ -359,10 +357,8 @@ static int32_t moving_piece(const job *j, double nu, double gamma, int32_t *stag
     return -1;
 }
 
-enum { WORTH_ASKING = 256 }; /* impacts: a processor may take microseconds to say what it can do */
-
-int film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
-                    const film_start *start, film_summary *summary, int32_t *status) {
+void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
+                     const film_start *start, film_summary *summary, int32_t *status) {
     batch b;
     job *j = &b.j;
     j->curve = curve;
@@ -370,9 +366,8 @@ int film_batch_with(int instructions, const film_curve *curve, const film_mesh *
     j->start = start;
     j->summary = summary;
     j->status = status;
-    int lined = batch_begins(j), used = instructions > FILM_PLAIN ? widest() : FILM_PLAIN;
-    if (used > instructions) used = instructions;
-    b.run = sets[used];
+    int lined = batch_begins(j);
+    b.run = sets[instructions];
     for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b.fixed[p].count = b.moving[p].count = 0;
     for (int32_t k = 0; k < FILM_MAX_STAGES; k++)
         for (int32_t g = 0; g < 3; g++) b.leaving[k][g].count = 0;
@@ -391,18 +386,18 @@ int film_batch_with(int instructions, const film_curve *curve, const film_mesh *
         if (s->gamma == 0.0) flush_fixed(&b, stage, waiting);
         else flush_moving(&b, stage, waiting);
     }
-    if (!lined) return used;
-    for (int32_t k = 0; k < curve->stages; k++) {
+    for (int32_t k = 0; lined && k < curve->stages; k++) {
         for (int32_t p = curve->stage[k].first; p < curve->stage[k].first + curve->stage[k].count; p++) {
             flush_fixed(&b, k, &b.fixed[p]);
             flush_moving(&b, k, &b.moving[p]);
         }
         for (int32_t g = 0; g < 3; g++) flush_leaving(&b, k, g);
     }
-    return used;
 }
+
+enum { WORTH_ASKING = 2000 }; /* impacts, for the microseconds that film_instructions may take */
 
 void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                 film_summary *summary, int32_t *status) {
-    film_batch_with(count < WORTH_ASKING ? FILM_PLAIN : FILM_AVX512, curve, mesh, count, start, summary, status);
+    film_batch_with(count < WORTH_ASKING ? FILM_PLAIN : film_instructions(), curve, mesh, count, start, summary, status);
 }

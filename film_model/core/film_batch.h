@@ -63,9 +63,8 @@ static inline int plain_power(const job *j, int32_t stage) {
     return stage == 0 && j->simple[0] && g->constant == 0.0 && g->slope == 0.0 && g->coefficient > 0.0;
 }
 
-/* How an unloading leg is graded: see film_core.h. */
-static inline int32_t unloading_grading(double gamma, double force, double depth) {
-    double slowness = gamma * sqrt(force / depth);
+/* How an unloading leg is graded, by gamma sqrt(force/depth) where it begins: see film_core.h. */
+static inline int32_t grading_of(double slowness) {
     return slowness < 1.2 ? FILM_PLATE_OUT : slowness < 1.75 ? FILM_PLATE_SLOW : FILM_PLATE_CREEP;
 }
 
@@ -82,6 +81,12 @@ typedef struct {
     double bad[LANES];                              /* left to film_impact */
 } lanes;
 
+/* Impacts at their deepest: work so far and largest force; the branch that opens, and gamma sqrt(force/depth) on it. */
+typedef struct {
+    lanes at;
+    double stored[LANES], peak[LANES], recovery[LANES], exponent[LANES], slowness[LANES];
+} deepest;
+
 /* Impacts that have turned and wait to leave, by grading and stage. */
 typedef struct {
     int64_t index[LANES];
@@ -93,9 +98,8 @@ typedef struct {
 typedef struct {
     /* impacts that turn in `stage` on a fixed target, from first touch to the end of contact */
     void (*fixed)(job *j, int32_t stage, const int64_t *index, int count);
-    /* impacts that should turn in `stage`, to the turn; stored: work there, peak: largest force so far */
-    void (*in)(job *j, int32_t stage, const int64_t *index, int count, lanes *s, double *recovery, double *exponent,
-               double *stored, double *peak);
+    /* impacts that should turn in `stage`, to the turn */
+    void (*in)(job *j, int32_t stage, const int64_t *index, int count, deepest *t);
     /* from the turn out along their branches; exponent NAN: each has its own */
     void (*out)(job *j, int32_t grading, double exponent, leaving *q);
     /* from the turn in `stage` back along the law */

@@ -708,10 +708,9 @@ static void first_aim(job *j, int32_t stage, double stored, const double *restri
 }
 
 /* Across all stages before, then along `stage` to the turn, for a block of impacts that should turn there. turned: the
- * lanes there, the branches open; peak: the largest force so far. */
-static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int count, lanes *restrict s,
-                             double *restrict recovery, double *restrict exponent, double *restrict stored,
-                             double *restrict peak) {
+ * lanes there, the branches open. */
+static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int count, deepest *restrict t) {
+    lanes *restrict s = &t->at;
     const film_curve *curve = j->curve;
     const double *nodes = j->mesh->loading_nodes[FILM_PLATE_IN];
     int32_t segments = j->mesh->loading;
@@ -726,17 +725,17 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
         s->bad[l] = 0.0;
     }
     for (int32_t k = 0; k < stage; k++) {
-        const table *t = film_lines_of(j, k, 1, segments, nodes, 0.0);
+        const table *whole = film_lines_of(j, k, 1, segments, nodes, 0.0);
         for (int32_t i = 1; i <= segments; i++) {
             EACH(l) {
-                n.h[l] = t->rows[i].h;
-                n.kappa[l] = t->rows[i].kappa;
-                n.phi[l] = t->rows[i].phi;
+                n.h[l] = whole->rows[i].h;
+                n.kappa[l] = whole->rows[i].kappa;
+                n.phi[l] = whole->rows[i].phi;
             }
             pass_inwards(s, &n);
         }
         before += j->whole[k];
-        largest = t->peak > largest ? t->peak : largest;
+        largest = whole->peak > largest ? whole->peak : largest;
     }
     EACH(l) s->xi[l] = curve->stage[stage].begin;
     law_lanes(curve, stage, s->xi, s->force, s->work);
@@ -762,15 +761,16 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
     EACH(l) {
         s->bad[l] = s->xi[l] <= end ? s->bad[l] : 1.0;
         s->bad[l] = fabs(s->xi[l] - aim[l]) < 0.1 * (s->xi[l] - last[l]) ? s->bad[l] : 1.0;
-        stored[l] = before + s->work[l];
-        peak[l] = s->force[l] > largest ? s->force[l] : largest;
-        recovery[l] = s->xi[l];
-        exponent[l] = plain_power(j, stage) ? j->exponent[stage] : 1.0; /* back along the law: of no use */
+        t->stored[l] = before + s->work[l];
+        t->peak[l] = s->force[l] > largest ? s->force[l] : largest;
+        t->recovery[l] = s->xi[l];
+        t->exponent[l] = plain_power(j, stage) ? j->exponent[stage] : 1.0; /* back along the law: of no use */
     }
-    if (curve->stage[stage].unloading != FILM_RETRACE) open_lanes(curve, stage, s->xi, s->force, recovery, exponent);
+    if (curve->stage[stage].unloading != FILM_RETRACE) open_lanes(curve, stage, s->xi, s->force, t->recovery, t->exponent);
     EACH(l) {
-        s->bad[l] = recovery[l] > 0.0 ? s->bad[l] : 1.0;
-        s->bad[l] = exponent[l] > 0.0 ? s->bad[l] : 1.0;
+        s->bad[l] = t->recovery[l] > 0.0 ? s->bad[l] : 1.0;
+        s->bad[l] = t->exponent[l] > 0.0 ? s->bad[l] : 1.0;
+        t->slowness[l] = s->gamma[l] * sqrt(s->force[l] / t->recovery[l]);
     }
 }
 
@@ -913,7 +913,7 @@ static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int co
         double to = j->curve->stage[k].begin;
         EACH(l) {
             from[l] = s->xi[l];
-            nodes[l] = mesh->unloading_nodes[unloading_grading(s->gamma[l], largest[l], from[l])];
+            nodes[l] = mesh->unloading_nodes[grading_of(s->gamma[l] * sqrt(largest[l] / from[l]))];
         }
         law_lanes(j->curve, k, from, s->force, s->work);
         for (int32_t i = 1; i <= mesh->unloading; i++) {

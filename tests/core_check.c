@@ -572,7 +572,8 @@ static void check_batch(int which, const film_mesh *mesh, double same, double li
         HOLD(film_impact(&curves[which], mesh, &start[i], &slow) == status[i]);
         if (start[i].load != 0.0 || start[i].stop_velocity != 0.0 || mesh->linearisation == FILM_CHORD)
             HOLD(memcmp(&alone, &slow, sizeof alone) == 0);
-        if (status[i] != FILM_EVENT || (which == LINEAR && start[i].gamma > 1.5)) continue; /* near critical damping */
+        int straight = which == LINEAR || which == SOFTENING;
+        if (status[i] != FILM_EVENT || (straight && start[i].gamma > 1.5)) continue; /* near critical damping */
         if (start[i].gamma * pow(start[i].nu, 0.2) > 5.0) continue; /* fades out slowly: asks for more segments */
         if (which == CLEARANCE && fabs(slow.final_velocity) < 0.1 * start[i].nu) continue; /* how long it takes to part is rounding */
         double tolerance = start[i].gamma == 0.0 || which == LINEAR ? same : lines_error;

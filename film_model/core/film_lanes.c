@@ -22,7 +22,7 @@
 
 enum { DEPTH_STEPS = 60, AIM_STEPS = 8 };
 static const double AIM = 5e-3; /* of the energy: closer than the formula for it */
-static const double REACH = 0.7, FAR_REACH = 2.0; /* of a line: see polynomial */
+static const double REACH = 0.6, FAR_REACH = 2.0; /* of a line: see polynomial */
 
 #define EACH(l) for (int l = 0; l < LANES; l++)
 
@@ -286,10 +286,13 @@ static void open_lanes(const film_curve *curve, int32_t stage, const double *res
  * |b| reach + |c| <= reach^2. */
 INLINED double polynomial(double y0, double t1, double b, double c, double tau, int far, double *x) {
     double p = b * b + c, r = b * c, t2 = b * t1 + c * y0, t3 = p * t1 + r * y0, t4 = b * t3 + c * t2, t5 = p * t3 + r * t2;
-    double t6 = b * t5 + c * t4, t7 = p * t5 + r * t4, t8 = b * t7 + c * t6;
-    double high_y = t5 * (1.0 / 120) + t6 * (1.0 / 720) + (t7 * (1.0 / 5040) + t8 * (1.0 / 40320));
-    double high_x = t5 * (1.0 / 720) + t6 * (1.0 / 5040) + (t7 * (1.0 / 40320) + t8 * (1.0 / 362880));
+    double t6 = b * t5 + c * t4, t7 = p * t5 + r * t4;
+    double high_y = t5 * (1.0 / 120) + t6 * (1.0 / 720) + t7 * (1.0 / 5040);
+    double high_x = t5 * (1.0 / 720) + t6 * (1.0 / 5040) + t7 * (1.0 / 40320);
     if (far) {
+        double t8 = b * t7 + c * t6;
+        high_y += t8 * (1.0 / 40320);
+        high_x += t8 * (1.0 / 362880);
         double t9 = p * t7 + r * t6, t10 = b * t9 + c * t8, t11 = p * t9 + r * t8, t12 = b * t11 + c * t10;
         double t13 = p * t11 + r * t10, t14 = b * t13 + c * t12, t15 = p * t13 + r * t12, t16 = b * t15 + c * t14;
         high_y += t9 * (1.0 / 362880) + t10 * (1.0 / 3628800) + t11 * (1.0 / 39916800) + t12 * (1.0 / 479001600) +
@@ -629,9 +632,11 @@ static void run_towards(job *j, int32_t stage, int32_t segments, const double *n
     }
 }
 
-/* The turn near x1: the last line meets the law's force at x1, and the time is that at which nu = gamma f on the law. */
-static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *restrict s, int steps) {
-    double phi[LANES], kappa[LANES], y0[LANES], tau[LANES], x[LANES], f1[LANES], w1[LANES], w[LANES], miss[LANES], falling[LANES];
+/* The turn near x1: the last line meets the law's force at x1, and the time is that at which nu = gamma f on the law, by
+ * steps of Newton's method from tau or, where it is not known, from Halley's step at the line's beginning. */
+static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *restrict s, int known, int steps,
+                       double *restrict tau) {
+    double phi[LANES], kappa[LANES], y0[LANES], x[LANES], f1[LANES], w1[LANES], w[LANES], miss[LANES], falling[LANES];
     law_lanes(j->curve, stage, x1, f1, w1);
     EACH(l) {
         double g = s->gamma[l], h = x1[l] - s->xi[l], mean = (w1[l] - s->work[l]) / h;
@@ -639,7 +644,7 @@ static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *
         kappa[l] = 2.0 * (f1[l] - mean) / h;
         double a2 = g * kappa[l], y = s->w[l] - g * phi[l], d1 = -phi[l] - a2 * y, d2 = -a2 * d1 - kappa[l] * y;
         y0[l] = y;
-        tau[l] = 2.0 * y * d1 / (y * d2 - 2.0 * d1 * d1); /* Halley's step from the beginning */
+        tau[l] = known ? tau[l] : 2.0 * y * d1 / (y * d2 - 2.0 * d1 * d1);
     }
     for (int i = 0; i <= steps; i++) {
         EACH(l) {
@@ -714,7 +719,7 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
     const film_curve *curve = j->curve;
     const double *nodes = j->mesh->loading_nodes[FILM_PLATE_IN];
     int32_t segments = j->mesh->loading;
-    double nu[LANES], aim[LANES], last[LANES], before = 0.0, end = curve->stage[stage].end, largest = 0.0;
+    double nu[LANES], aim[LANES], last[LANES], tau[LANES], before = 0.0, end = curve->stage[stage].end, largest = 0.0;
     lines n;
     lanes trial;
     EACH(l) {
@@ -743,7 +748,7 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
     for (int32_t m = AIMING_SEGMENTS; m == AIMING_SEGMENTS || 3 * m <= segments; m *= 4) { /* each trial aims the next */
         trial = *s;
         run_towards(j, stage, m, NULL, aim, &trial);
-        turn_lanes(j, stage, aim, &trial, 1);
+        turn_lanes(j, stage, aim, &trial, 0, 1, tau);
         EACH(l) { /* a trial may be rough: it only places the nodes */
             double to = trial.xi[l] < end ? trial.xi[l] : end;
             aim[l] = fabs(trial.xi[l] - aim[l]) < 0.1 * aim[l] ? to : aim[l];
@@ -751,13 +756,13 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
     }
     run_towards(j, stage, segments, nodes, aim, s);
     trial = *s;
-    turn_lanes(j, stage, aim, &trial, 1);
+    turn_lanes(j, stage, aim, &trial, 0, 1, tau);
     EACH(l) {
         last[l] = s->xi[l];
         s->bad[l] = fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? s->bad[l] : 1.0; /* the last line would be too long or short */
         aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
     }
-    turn_lanes(j, stage, aim, s, 4);
+    turn_lanes(j, stage, aim, s, 1, 3, tau);
     EACH(l) {
         s->bad[l] = s->xi[l] <= end ? s->bad[l] : 1.0;
         s->bad[l] = fabs(s->xi[l] - aim[l]) < 0.1 * (s->xi[l] - last[l]) ? s->bad[l] : 1.0;

@@ -397,12 +397,12 @@ static void run_to_turn(job *j, int32_t stage, int32_t segments, const double *n
     EACH(l) v0[l] = v[l];
     if (j->simple[stage]) {
         const row *r = film_lines_of(j, UNIT_POWER, 1, segments, nodes, g->exponent)->rows;
-        double flat[LANES], linear[LANES], power[LANES], sum[LANES] = {0.0};
+        double flat[LANES], linear[LANES], power[LANES], sum[LANES] = {0.0}, constant = g->constant, slope = g->slope;
         EACH(l) x0[l] = xi[l] - begin;
         raised_lanes(x0, g->exponent, power);
         EACH(l) {
-            flat[l] = 2.0 * g->constant * x0[l];
-            linear[l] = g->slope * x0[l] * x0[l];
+            flat[l] = 2.0 * constant * x0[l];
+            linear[l] = slope * x0[l] * x0[l];
             power[l] *= g->coefficient * x0[l];
         }
         for (int32_t i = 1; i <= segments; i++) {
@@ -415,7 +415,7 @@ static void run_to_turn(job *j, int32_t stage, int32_t segments, const double *n
             }
         }
         EACH(l) {
-            double force = g->constant + g->slope * x0[l] + power[l] / x0[l];
+            double force = constant + slope * x0[l] + power[l] / x0[l];
             time[l] += 2.0 * x0[l] * sum[l];
             peak[l] = force > peak[l] ? force : peak[l];
         }
@@ -763,13 +763,14 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
         aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
     }
     turn_lanes(j, stage, aim, s, 1, 3, tau);
+    double exponent = plain_power(j, stage) ? j->exponent[stage] : 1.0; /* back along the law it is of no use */
     EACH(l) {
         s->bad[l] = s->xi[l] <= end ? s->bad[l] : 1.0;
         s->bad[l] = fabs(s->xi[l] - aim[l]) < 0.1 * (s->xi[l] - last[l]) ? s->bad[l] : 1.0;
         t->stored[l] = before + s->work[l];
         t->peak[l] = s->force[l] > largest ? s->force[l] : largest;
         t->recovery[l] = s->xi[l];
-        t->exponent[l] = plain_power(j, stage) ? j->exponent[stage] : 1.0; /* back along the law: of no use */
+        t->exponent[l] = exponent;
     }
     if (curve->stage[stage].unloading != FILM_RETRACE) open_lanes(curve, stage, s->xi, s->force, t->recovery, t->exponent);
     EACH(l) {

@@ -1,7 +1,7 @@
 """The rival of the lanes: Runge–Kutta's fourth-order steps in y = √ξ, several impacts in lockstep, compiled by numba.
 
-With dt = 2y dσ Hertz's law f = ξ^{3/2} becomes a polynomial: y' = ν − γy³, ν' = −2y⁴, t' = 2y, from y = 0 to the end of
-contact at y = 0 without a restart. Equal steps in σ, so no lane waits for another, and the compiler vectorises over them.
+With dt = 2y dσ Hertz's law f = ξ^{3/2} becomes a polynomial: y' = ν − γy³, ν' = −2y⁴, t' = 2y, from y = 0 to the end
+of contact at y = 0 without a restart. Steps are equal in σ, so that the compiler vectorises over impacts.
 An event is located on the cubic through both ends of its step, reached by a step of its own, and corrected once.
 """
 
@@ -70,42 +70,42 @@ def compile_rival() -> Any:
         seen = np.empty(LANES)  # events: 0, 1 turned, 2 stopped, 3 over
         for first in range(0, nu.size, LANES):
             count = min(LANES, nu.size - first)
-            for l in range(LANES):
-                i = first + min(l, count - 1)
-                g[l], v[l], y[l], t[l], seen[l] = gamma[i], nu[i], 0.0, 0.0, 0.0
+            for k in range(LANES):
+                i = first + min(k, count - 1)
+                g[k], v[k], y[k], t[k], seen[k] = gamma[i], nu[i], 0.0, 0.0, 0.0
                 # 2.94/1.25^{1/5}/2 √ξ_m/ν is the length of an impact on a half-space, about
-                h[l] = 2.2 * (1.25 * nu[i] * nu[i]) ** 0.2 / nu[i] / steps * (1.0 + stretch * gamma[i] * nu[i] ** 0.2)
+                h[k] = 2.2 * (1.25 * nu[i] * nu[i]) ** 0.2 / nu[i] / steps * (1.0 + stretch * gamma[i] * nu[i] ** 0.2)
             for _ in range(MOST_STEPS):
                 taken += LANES
                 events = 0.0
-                for l in range(LANES):
-                    a, b, c = step(g[l], h[l], y[l], v[l], t[l])
-                    y1[l], v1[l], t1[l] = a, b, c
-                    due = b - g[l] * a * a * a if seen[l] == 0.0 else b if seen[l] == 1.0 else a
+                for k in range(LANES):
+                    a, b, c = step(g[k], h[k], y[k], v[k], t[k])
+                    y1[k], v1[k], t1[k] = a, b, c
+                    due = b - g[k] * a * a * a if seen[k] == 0.0 else b if seen[k] == 1.0 else a
                     events += 1.0 if due <= 0.0 else 0.0
                 if events > 0.0:
                     over = 0
-                    for l in range(LANES):
-                        row = first + l
-                        while seen[l] < 3.0:
-                            due = v1[l] - g[l] * y1[l] ** 3 if seen[l] == 0.0 else v1[l] if seen[l] == 1.0 else y1[l]
+                    for k in range(LANES):
+                        row = first + k
+                        while seen[k] < 3.0:
+                            due = v1[k] - g[k] * y1[k] ** 3 if seen[k] == 0.0 else v1[k] if seen[k] == 1.0 else y1[k]
                             if due > 0.0:
                                 break
-                            ye, ve, te = locate(int(seen[l]), g[l], h[l], y[l], v[l], t[l], y1[l], v1[l])
-                            if l < count and seen[l] == 0.0:
+                            ye, ve, te = locate(int(seen[k]), g[k], h[k], y[k], v[k], t[k], y1[k], v1[k])
+                            if k < count and seen[k] == 0.0:
                                 out[row, 0], out[row, 1], out[row, 2] = ye * ye * ye, ye * ye, te
-                            elif l < count and seen[l] == 1.0:
+                            elif k < count and seen[k] == 1.0:
                                 out[row, 3] = te
-                            elif l < count:
+                            elif k < count:
                                 out[row, 4], out[row, 5] = te, ve
-                            seen[l] += 1.0
-                        if seen[l] == 3.0:  # stays where it is
+                            seen[k] += 1.0
+                        if seen[k] == 3.0:  # stays where it is
                             over += 1
-                            h[l], y1[l], v1[l], t1[l] = 0.0, 1.0, 0.0, 0.0
+                            h[k], y1[k], v1[k], t1[k] = 0.0, 1.0, 0.0, 0.0
                     if over == LANES:
                         break
-                for l in range(LANES):
-                    y[l], v[l], t[l] = y1[l], v1[l], t1[l]
+                for k in range(LANES):
+                    y[k], v[k], t[k] = y1[k], v1[k], t1[k]
         return taken
 
     return run

@@ -152,14 +152,14 @@ static void draw_rows(const job *j, table *t, row *rows) {
         r->work = unit ? 2.0 * (work_of(t->exponent) - w1) : 2.0 * w1;
         if (i > 0) {
             double h = r->x - rows[i - 1].x, mean = (w1 - w0) / h, kappa = (f1 - f0) / h;
-            if (unit && t->direction > 0 && i == t->segments) kappa = 2.0 * (f1 - mean) / h; /* true to the law at the turn */
+            if (unit && t->direction > 0 && i == t->segments) kappa = 2.0 * (f1 - mean) / h; /* true there */
             if (unit && t->direction < 0 && i == 1) kappa = 2.0 * (mean - f0) / h;
             r->h = fabs(h);
             r->kappa = kappa;
             r->phi = mean - 0.5 * kappa * h;
             if (f1 > t->peak) t->peak = f1;
-            double sum = sqrt(rows[i - 1].work) + sqrt(r->work), per = r->h / sum;
-            t->rest += 2.0 * per * arc(kappa * per * per);
+            double per = r->h / (sqrt(rows[i - 1].work) + sqrt(r->work));
+            if (unit) t->rest += 2.0 * per * arc(kappa * per * per);
         } else {
             r->h = r->kappa = r->phi = 0.0;
         }
@@ -196,8 +196,8 @@ static double branch_exponent(const film_curve *curve, int32_t stage) {
     const film_piece *piece = &curve->piece[curve->stage[stage].first];
     for (int32_t p = 0; p < curve->stage[stage].count; p++) {
         const film_function *g = &piece[p].exponent;
-        if (g->form != FILM_POWER || g->slope != 0.0 || g->coefficient != 0.0 || g->constant != piece->exponent.constant)
-            return NAN;
+        if (g->form != FILM_POWER || g->slope != 0.0 || g->coefficient != 0.0) return NAN;
+        if (g->constant != piece->exponent.constant) return NAN;
     }
     return piece->exponent.constant;
 }
@@ -221,6 +221,7 @@ static int batch_begins(job *j) {
         const film_stage *stage = &curve->stage[k];
         const film_function *g = &curve->piece[stage->first].force;
         int rising = rises(curve, k), reversible = stage->unloading == FILM_RETRACE;
+        if (!reversible && stage->unloading != FILM_RADIUS && stage->unloading != FILM_RESIDUAL) return 0;
         j->simple[k] = rising && g->origin == stage->begin;
         j->exponent[k] = reversible ? NAN : branch_exponent(curve, k);
         j->whole[k] = j->end_force[k] = INFINITY;
@@ -228,23 +229,24 @@ static int batch_begins(job *j) {
         else if (!rising) return 0;
         for (int32_t p = stage->first; p < stage->first + stage->count; p++) {
             j->piece_work[p] = j->piece_force[p] = INFINITY;
-            if (curve->piece[p].end < INFINITY) stage_law(curve, k, curve->piece[p].end, &j->piece_force[p], &j->piece_work[p]);
+            if (curve->piece[p].end < INFINITY)
+                stage_law(curve, k, curve->piece[p].end, &j->piece_force[p], &j->piece_work[p]);
         }
         if (reversible && k > 0) back = k;
-        if (plain_power(j, k)) j->exponent[k] = g->exponent;
+        if (reversible && plain_power(j, k)) j->exponent[k] = g->exponent;
         powers = with(j->simple[k] ? g->exponent : ANY_POWER, power, powers);
         if (j->exponent[k] == j->exponent[k]) branches = with(j->exponent[k], branch, branches);
     }
-    /* of each stage's exponent: loading, graded and by cosines, and by trials (together less than n/2 + 12), and by as many
-     * cosines as unloading; of each branch's: every grading and cosines; across each stage: graded and by cosines; and back */
+    /* of each stage's exponent: loading, graded and by cosines, and by trials (together less than n/2 + 12), and by as
+     * many cosines as unloading; of each branch's: every grading and cosines; of each stage: across and back */
     int64_t rows = (int64_t)powers * (2 * (n + 1) + n / 2 + 12 + m + 1) + (int64_t)branches * 4 * (m + 1) +
                    (int64_t)curve->stages * 2 * (n + 1) + (int64_t)back * (m + 1);
     return rows <= ROWS && 8 * powers + 4 * branches + 3 * curve->stages <= TABLES;
 }
 
 /* ---------------------------------------------------------------- instruction sets
- * The same source for the plain instructions of the processor's kind and, on x86, for AVX2 and AVX-512; never with fused
- * multiply-adds, so that all give the same bits. */
+ * The same source for the plain instructions of the processor's kind and, on x86, for AVX2 and AVX-512; never with
+ * fused multiply-adds, so that all give the same bits. */
 
 #if defined(FILM_WIDE)
 #include <cpuid.h>
@@ -399,5 +401,6 @@ enum { WORTH_ASKING = 2000 }; /* impacts, for the microseconds that film_instruc
 
 void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                 film_summary *summary, int32_t *status) {
-    film_batch_with(count < WORTH_ASKING ? FILM_PLAIN : film_instructions(), curve, mesh, count, start, summary, status);
+    int instructions = count < WORTH_ASKING ? FILM_PLAIN : film_instructions();
+    film_batch_with(instructions, curve, mesh, count, start, summary, status);
 }

@@ -11,7 +11,7 @@
 
 enum { LANES = 32 }; /* impacts of a block */
 
-/* One line and the node at its end. The force is phi where the line begins and has the slope kappa from there to here. */
+/* One line and the node at its end. The force is phi where the line begins and has the slope kappa up to here. */
 typedef struct {
     double x, h, kappa, phi;
     double force; /* of the law at the node */
@@ -38,7 +38,7 @@ typedef struct {
     film_summary *summary;
     int32_t *status;
     double whole[FILM_MAX_STAGES], end_force[FILM_MAX_STAGES]; /* work of a stage, force at its end */
-    double piece_work[FILM_MAX_PIECES], piece_force[FILM_MAX_PIECES]; /* at the end of a piece, from its stage's beginning */
+    double piece_work[FILM_MAX_PIECES], piece_force[FILM_MAX_PIECES]; /* at its end; work from its stage's beginning */
     double exponent[FILM_MAX_STAGES];    /* of the branch on which a contact that turned there opens; NAN: it varies */
     int32_t simple[FILM_MAX_STAGES];     /* one power from its beginning on, whose force rises */
     int32_t table_count, row_count;
@@ -57,7 +57,8 @@ static inline int rises(const film_curve *curve, int32_t stage) {
            g->coefficient >= 0.0;
 }
 
-/* Reversible, and the same power law from first touch on: the way back is a branch that opens at 0. */
+/* The same power law from first touch on: a run to the turn is one run, scaled, and where the law is reversible the way
+ * back is a branch that opens at 0. */
 static inline int plain_power(const job *j, int32_t stage) {
     const film_function *g = &j->curve->piece[0].force;
     return stage == 0 && j->simple[0] && g->constant == 0.0 && g->slope == 0.0 && g->coefficient > 0.0;

@@ -1,362 +1,17 @@
-/* Blocks of impacts, side by side in lanes: elementary functions, the law, depths, lines, and runs along them.
- *
- * Plain loops over LANES that compilers turn into vector instructions. Every lane sees the same operations in the same
- * order whatever the others hold and however wide the registers are, so the bits of an impact depend on it alone: no
- * fused multiply-add, no sum across lanes, nothing from libm but sqrt; a lane that has converged is left as it is.
- * film_avx2.c compiles this file a second time. */
-#include "film_batch.h"
-
-#include "film_line.h"
-
-#include <string.h>
-
-#if defined(__GNUC__)
-#define INLINED static inline __attribute__((always_inline))
-#else
-#define INLINED static inline
-#endif
+/* Runs of blocks of impacts, side by side in lanes: see film_batch.h. film_avx2.c and film_avx512.c compile it too. */
+#include "film_lane_line.h"
 
 #ifndef FILM_ROUTINES
 #define FILM_ROUTINES film_plain
 #endif
 
-enum { DEPTH_STEPS = 60, AIM_STEPS = 8 };
+enum { AIM_STEPS = 8 };
 static const double AIM = 5e-3; /* of the energy: closer than the formula for it */
-static const double REACH = 0.6, FAR_REACH = 2.0; /* of a line: see polynomial */
-
-#define EACH(l) for (int l = 0; l < LANES; l++)
-
-/* Flags are doubles, 1 or 0, so that the plainest vector instructions can choose by them. */
-static int any(const double *flag) {
-    uint64_t bits[LANES], all = 0;
-    memcpy(bits, flag, sizeof bits);
-    EACH(l) all |= bits[l];
-    return all != 0;
-}
-
-/* ---------------------------------------------------------------- powers */
-
-/* log2 x = e + 2/ln 2 atanh((m - 1)/(m + 1)), x = 2^e m, m from 1/sqrt 2 to sqrt 2; x > 0 and not subnormal. */
-static void log2_lanes(const double *restrict x, double *restrict out) {
-    uint64_t bits[LANES], high[LANES];
-    double m[LANES], e[LANES];
-    memcpy(bits, x, sizeof bits);
-    EACH(l) {
-        high[l] = (bits[l] >> 52) | 0x4330000000000000u; /* as a number: 2^52 + the biased exponent */
-        bits[l] = (bits[l] & 0x000fffffffffffffu) | 0x3ff0000000000000u;
-    }
-    memcpy(m, bits, sizeof m);
-    memcpy(e, high, sizeof e);
-    EACH(l) {
-        double y = m[l] > 1.4142135623730951 ? 0.5 * m[l] : m[l];
-        double whole = e[l] - (4503599627370496.0 + (m[l] > 1.4142135623730951 ? 1022.0 : 1023.0));
-        double s = (y - 1.0) / (y + 1.0), z = s * s;
-        double low = 1.0 / 13 + z * (1.0 / 15 + z * (1.0 / 17 + z * (1.0 / 19)));
-        double sum = 1.0 + z * (1.0 / 3 + z * (1.0 / 5 + z * (1.0 / 7 + z * (1.0 / 9 + z * (1.0 / 11 + z * low)))));
-        out[l] = whole + 2.8853900817779268 * (s * sum);
-    }
-}
-
-/* 2^y; y beyond +-1000 counts as that. */
-static void exp2_lanes(const double *restrict y, double *restrict out) {
-    static const double shift = 6755399441055744.0; /* 1.5 2^52: added and subtracted, it rounds to whole numbers */
-    uint64_t count[LANES], bits[LANES];
-    double t[LANES], p[LANES];
-    EACH(l) {
-        double x = y[l] < -1000.0 ? -1000.0 : y[l];
-        x = x > 1000.0 ? 1000.0 : x;
-        t[l] = x + shift;
-        double r = 0.6931471805599453 * (x - (t[l] - shift));
-        double high = 1.0 / 40320 + r * (1.0 / 362880 + r * (1.0 / 3628800 + r * (1.0 / 39916800 + r * (1.0 / 479001600 + r * (1.0 / 6227020800.0)))));
-        p[l] = 1.0 + r * (1.0 + r * (0.5 + r * (1.0 / 6 + r * (1.0 / 24 + r * (1.0 / 120 + r * (1.0 / 720 + r * (1.0 / 5040 + r * high)))))));
-    }
-    memcpy(count, t, sizeof count);
-    memcpy(bits, p, sizeof bits);
-    EACH(l) bits[l] += count[l] << 52;
-    memcpy(p, bits, sizeof p);
-    EACH(l) out[l] = y[l] == y[l] ? p[l] : y[l];
-}
-
-/* x^e, each lane with its own e; x below 1e-300 counts as 0. */
-static void power_lanes(const double *restrict x, const double *restrict e, double *restrict out) {
-    double y[LANES], lifted[LANES];
-    EACH(l) lifted[l] = x[l] < 1e-300 ? 1e-300 : x[l];
-    log2_lanes(lifted, y);
-    EACH(l) y[l] *= e[l];
-    exp2_lanes(y, out);
-    EACH(l) out[l] = x[l] < 1e-300 ? 0.0 : out[l];
-}
-
-static void raised_lanes(const double *restrict x, double exponent, double *restrict out) {
-    if (exponent == 1.5) {
-        EACH(l) out[l] = x[l] * sqrt(x[l]);
-    } else if (exponent == 1.0) {
-        EACH(l) out[l] = x[l];
-    } else if (exponent == 2.0) {
-        EACH(l) out[l] = x[l] * x[l];
-    } else {
-        double e[LANES];
-        EACH(l) e[l] = exponent;
-        power_lanes(x, e, out);
-    }
-}
-
-/* ---------------------------------------------------------------- the law */
-
-static void chebyshev_lanes(const film_function *g, const double *restrict z, double *restrict out) {
-    double b1[LANES] = {0.0}, b2[LANES] = {0.0};
-    int k = g->terms - 1;
-    for (; k > 1; k -= 2) {
-        double upper = g->series[k], lower = g->series[k - 1];
-        EACH(l) {
-            b2[l] = 2.0 * z[l] * b1[l] - b2[l] + upper;
-            b1[l] = 2.0 * z[l] * b2[l] - b1[l] + lower;
-        }
-    }
-    if (k == 1) {
-        EACH(l) {
-            double b = 2.0 * z[l] * b1[l] - b2[l] + g->series[1];
-            b2[l] = b1[l];
-            b1[l] = b;
-        }
-    }
-    EACH(l) out[l] = z[l] * b1[l] - b2[l] + g->series[0];
-}
-
-static void value_lanes(const film_function *g, const double *restrict xi, double *restrict out) {
-    double x[LANES], power[LANES];
-    EACH(l) {
-        x[l] = (xi[l] - g->origin) * g->per_span;
-        x[l] = x[l] > 0.0 ? x[l] : 0.0;
-    }
-    if (g->form == FILM_POWER) {
-        if (g->coefficient == 0.0) {
-            EACH(l) out[l] = g->constant + g->slope * x[l];
-            return;
-        }
-        raised_lanes(x, g->exponent, power);
-        EACH(l) out[l] = g->constant + g->slope * x[l] + g->coefficient * power[l];
-        return;
-    }
-    if (g->form == FILM_ROOT_SERIES) {
-        EACH(l) x[l] = sqrt(x[l]);
-    }
-    EACH(l) x[l] = 2.0 * x[l] - 1.0;
-    chebyshev_lanes(g, x, out);
-}
-
-static void piece_law_lanes(const film_piece *piece, const double *restrict xi, double *restrict force,
-                              double *restrict work) {
-    const film_function *g = &piece->force;
-    if (g->form != FILM_POWER) {
-        value_lanes(g, xi, force);
-        value_lanes(&piece->work, xi, work);
-        return;
-    }
-    double x[LANES], power[LANES] = {0.0}, per = work_of(g->exponent);
-    EACH(l) {
-        x[l] = xi[l] - g->origin;
-        x[l] = x[l] > 0.0 ? x[l] : 0.0;
-    }
-    if (g->coefficient != 0.0) raised_lanes(x, g->exponent, power);
-    EACH(l) {
-        double part = g->coefficient * power[l];
-        force[l] = g->constant + g->slope * x[l] + part;
-        work[l] = x[l] * (g->constant + 0.5 * g->slope * x[l] + part * per) - piece->work_at_begin;
-    }
-}
-
-enum { FORCE_AND_WORK, RECOVERY_AND_EXPONENT };
-
-/* Two functions of a stage, each lane from the piece it is in. */
-static void stage_lanes(const film_curve *curve, int32_t stage, int which, const double *restrict xi,
-                          double *restrict a, double *restrict b) {
-    const film_piece *piece = &curve->piece[curve->stage[stage].first];
-    int32_t count = curve->stage[stage].count;
-    double at[LANES] = {0.0}, one[LANES], two[LANES];
-    for (int32_t p = 0; p + 1 < count; p++) {
-        double end = piece[p].end;
-        EACH(l) at[l] = xi[l] > end ? at[l] + 1.0 : at[l];
-    }
-    EACH(l) a[l] = b[l] = 0.0;
-    for (int32_t p = 0; p < count; p++) {
-        double here[LANES];
-        EACH(l) here[l] = at[l] == (double)p ? 1.0 : 0.0;
-        if (count > 1 && !any(here)) continue;
-        if (which == FORCE_AND_WORK) {
-            piece_law_lanes(&piece[p], xi, one, two);
-        } else {
-            value_lanes(&piece[p].recovery, xi, one);
-            value_lanes(&piece[p].exponent, xi, two);
-        }
-        EACH(l) {
-            a[l] = here[l] > 0.0 ? one[l] : a[l];
-            b[l] = here[l] > 0.0 ? two[l] : b[l];
-        }
-    }
-}
-
-static void law_lanes(const film_curve *curve, int32_t stage, const double *restrict xi, double *restrict force,
-                        double *restrict work) {
-    if (curve->stage[stage].count == 1) piece_law_lanes(&curve->piece[curve->stage[stage].first], xi, force, work);
-    else stage_lanes(curve, stage, FORCE_AND_WORK, xi, force, work);
-}
-
-/* Where the work of a stage is `work`, which must not exceed the stage's. Newton's method: on a rising power from above,
- * without overshoot; elsewhere in a bracket. whole: the work of the whole stage. */
-static void depth_lanes(const film_curve *curve, int32_t stage, double whole, const double *restrict work,
-                          double *restrict depth) {
-    const film_piece *piece = &curve->piece[curve->stage[stage].first];
-    const film_function *g = &piece->force;
-    double begin = curve->stage[stage].begin, end = curve->stage[stage].end, f[LANES], w[LANES];
-    int from_above = rises(curve, stage);
-    double moving[LANES];
-    if (from_above) {
-        double c = g->constant, s = g->slope, k = g->coefficient, per = work_of(g->exponent), root[LANES];
-        EACH(l) {
-            double t = work[l] + piece->work_at_begin;
-            root[l] = t / (k > 0.0 ? k * per : 1.0);
-            depth[l] = c > 0.0 || s > 0.0 ? 2.0 * t / (c + sqrt(c * c + 2.0 * s * t)) : INFINITY;
-        }
-        if (k > 0.0) {
-            double e[LANES], nearly[LANES];
-            EACH(l) e[l] = per;
-            power_lanes(root, e, nearly);
-            EACH(l) depth[l] = nearly[l] < depth[l] ? nearly[l] : depth[l];
-        }
-        EACH(l) {
-            depth[l] += g->origin;
-            moving[l] = 1.0;
-        }
-        if (k == 0.0 && g->origin == begin) return;
-    } else {
-        EACH(l) {
-            depth[l] = begin + (end - begin) * sqrt(work[l] / whole); /* as if work grew as a square */
-            moving[l] = 1.0;
-        }
-    }
-    double low[LANES], high[LANES];
-    EACH(l) {
-        low[l] = begin;
-        high[l] = from_above ? INFINITY : end;
-    }
-    for (int i = 0; i < DEPTH_STEPS; i++) {
-        law_lanes(curve, stage, depth, f, w);
-        EACH(l) {
-            double missing = work[l] - w[l], at = depth[l];
-            low[l] = missing >= 0.0 ? at : low[l];
-            high[l] = missing >= 0.0 ? high[l] : at;
-            double next = at + missing / f[l], halved = 0.5 * (low[l] + high[l]);
-            double near = next >= low[l] ? 1e-9 : 4e-16;
-            near = next <= high[l] ? near : 4e-16;
-            near = from_above ? 1e-9 : near;
-            next = near > 1e-12 ? next : halved;
-            depth[l] = moving[l] > 0.0 ? next : at;
-            moving[l] = fabs(next - at) <= near * at ? 0.0 : moving[l];
-        }
-        if (!any(moving)) break;
-    }
-}
-
-/* The unloading rule over lanes that turned in `stage`, which is not reversible, at xi under force: the branch's length
- * and exponent. A length that is not positive is for the caller to refuse. */
-static void open_lanes(const film_curve *curve, int32_t stage, const double *restrict xi, const double *restrict force,
-                         double *restrict recovery, double *restrict exponent) {
-    double given[LANES], load[LANES], e[LANES];
-    stage_lanes(curve, stage, RECOVERY_AND_EXPONENT, xi, given, exponent);
-    if (curve->stage[stage].unloading == FILM_RESIDUAL) {
-        EACH(l) recovery[l] = xi[l] - given[l];
-        return;
-    }
-    EACH(l) {
-        load[l] = force[l] / sqrt(given[l]);
-        e[l] = 1.0 / exponent[l];
-    }
-    power_lanes(load, e, recovery);
-    EACH(l) { /* Hertz's: a step of Newton's method towards the cube root of load^2 */
-        double r = recovery[l], cube = r - (r * r * r - load[l] * load[l]) / (3.0 * r * r);
-        recovery[l] = exponent[l] == 1.5 ? cube : r;
-    }
-}
-
-/* ---------------------------------------------------------------- lines */
-
-/* x and y = x' after tau on a line, y'' = -a2 y' - k y, b = -a2 tau, c = -k tau^2: Taylor polynomials, whose terms before
- * division by j! are t_j = b t_{j-1} + c t_{j-2}, two at a time. They err by reach^9/9! and, where far, by reach^17/17!, for
- * |b| reach + |c| <= reach^2. */
-INLINED double polynomial(double y0, double t1, double b, double c, double tau, int far, double *x) {
-    double p = b * b + c, r = b * c, t2 = b * t1 + c * y0, t3 = p * t1 + r * y0, t4 = b * t3 + c * t2, t5 = p * t3 + r * t2;
-    double t6 = b * t5 + c * t4, t7 = p * t5 + r * t4;
-    double high_y = t5 * (1.0 / 120) + t6 * (1.0 / 720) + t7 * (1.0 / 5040);
-    double high_x = t5 * (1.0 / 720) + t6 * (1.0 / 5040) + t7 * (1.0 / 40320);
-    if (far) {
-        double t8 = b * t7 + c * t6;
-        high_y += t8 * (1.0 / 40320);
-        high_x += t8 * (1.0 / 362880);
-        double t9 = p * t7 + r * t6, t10 = b * t9 + c * t8, t11 = p * t9 + r * t8, t12 = b * t11 + c * t10;
-        double t13 = p * t11 + r * t10, t14 = b * t13 + c * t12, t15 = p * t13 + r * t12, t16 = b * t15 + c * t14;
-        high_y += t9 * (1.0 / 362880) + t10 * (1.0 / 3628800) + t11 * (1.0 / 39916800) + t12 * (1.0 / 479001600) +
-                  t13 * (1.0 / 6227020800.0) + t14 * (1.0 / 87178291200.0) + t15 * (1.0 / 1307674368000.0) +
-                  t16 * (1.0 / 20922789888000.0);
-        high_x += t9 * (1.0 / 3628800) + t10 * (1.0 / 39916800) + t11 * (1.0 / 479001600) + t12 * (1.0 / 6227020800.0) +
-                  t13 * (1.0 / 87178291200.0) + t14 * (1.0 / 1307674368000.0) + t15 * (1.0 / 20922789888000.0) +
-                  t16 * (1.0 / 355687428096000.0);
-    }
-    *x = tau * ((y0 + 0.5 * t1) + (t2 * (1.0 / 6) + t3 * (1.0 / 24)) + (t4 * (1.0 / 120) + high_x));
-    return (y0 + t1) + (t2 * 0.5 + t3 * (1.0 / 6)) + (t4 * (1.0 / 24) + high_y);
-}
-
-/* Across lines of length h > 0, whose force begins at phi and changes by kappa a unit of indentation: time, and w at the
- * end. d = +1 inwards, -1 outwards; from_rest: y = 0 at the beginning. Energy without the damping's share gives a time to
- * begin with, which x at that time corrects, from rest twice; far, tau has it already. unserved: 1 where that is not enough.
- * The loops are short, so that a processor works on several lanes at a time. */
-INLINED void cross_lines(const double *restrict gamma, const double *restrict h, const double *restrict phi,
-                         const double *restrict kappa, double d, int from_rest, int far, const double *restrict w,
-                         double *restrict tau, double *restrict w1, double *restrict unserved) {
-    double y0[LANES], d1[LANES], a2[LANES], q[LANES], x[LANES], y[LANES], u[LANES], unfit[LANES];
-    const double reach = far ? FAR_REACH : REACH, rough = far ? 0.03 : 0.01;
-    EACH(l) {
-        double length = h[l], k = kappa[l], load = d * phi[l], damping = gamma[l] * k;
-        double from = from_rest ? 0.0 : d * (w[l] - gamma[l] * phi[l]), drag = 0.5 * (damping * length);
-        double before = from - drag, square = before * before - length * (load + load + k * length);
-        double y1 = sqrt(square > 0.0 ? square : 0.0) - drag, least = 0.1 * from;
-        y1 = y1 > least ? y1 : least;
-        double twice = 2.0 / (from + y1), guess = twice * length;
-        guess -= guess * guess * (k * guess + damping * (y1 - from) * twice) * (1.0 / 12);
-        q[l] = far && !from_rest ? tau[l] : guess;
-        y0[l] = from;
-        d1[l] = -load - damping * from;
-        a2[l] = damping;
-        u[l] = 0.0;
-    }
-    for (int pass = 0; pass <= from_rest; pass++) {
-        EACH(l) {
-            double b, c;
-            q[l] += u[l];
-            b = -a2[l] * q[l];
-            c = -kappa[l] * (q[l] * q[l]);
-            y[l] = polynomial(y0[l], d1[l] * q[l], b, c, q[l], far, &x[l]);
-            unfit[l] = fabs(b) * reach + fabs(c) <= reach * reach ? 0.0 : 1.0;
-        }
-        EACH(l) {
-            double k = kappa[l], slope = -(d * phi[l] + k * x[l]) - a2[l] * y[l], bend = -a2[l] * slope - k * y[l];
-            double per_y = 1.0 / y[l], half = 0.5 * (slope * per_y);
-            double part = (h[l] - x[l]) * per_y; /* h - x = y u + slope u^2/2 + ..., inverted */
-            double step = part * (1.0 - part * (half - 2.0 * (half * half) * part));
-            double end = y[l] + step * (slope + 0.5 * (step * bend));
-            double sure = fabs(part) < rough * q[l] ? unfit[l] : 1.0; /* u may be short by chance, where x gets nowhere near */
-            u[l] = step;
-            unserved[l] = end > 0.0 ? sure : 1.0;
-            tau[l] = q[l] + step;
-            w1[l] = d * end + gamma[l] * (phi[l] + d * (k * h[l]));
-        }
-    }
-}
 
 /* ---------------------------------------------------------------- fixed targets, side by side */
 
-/* Time across a line over 2h: A/S, A = atan(sqrt z)/sqrt z, z = kappa (h/S)^2, S = v0 + v1, as a [3/3] Pade approximant in
- * z without a division of its own: 7e-12 off at z = 0.1, rounding below 0.03. bend: kappa h^2. */
+/* Time across a line over 2h: A/S, A = atan(sqrt z)/sqrt z, z = kappa (h/S)^2, S = v0 + v1, as a [3/3] Pade
+ * approximant in z without a division of its own: 7e-12 off at z = 0.1, rounding below 0.03. bend: kappa h^2. */
 INLINED double crossing(double sum, double bend) {
     double s = sum * sum, b = bend * bend;
     double over = s * (s * (s + (50.0 / 39) * bend) + (283.0 / 715) * b) + (256.0 / 15015) * (b * bend);
@@ -370,7 +25,8 @@ static void cross_stage(job *j, int32_t stage, int32_t segments, const double *n
     double square[LANES];
     EACH(l) square[l] = v[l] * v[l];
     for (int32_t i = 1; i <= segments; i++) {
-        double spent = t->rows[i].work, twice = 2.0 * t->rows[i].h, bend = t->rows[i].kappa * t->rows[i].h * t->rows[i].h;
+        const row *r = &t->rows[i];
+        double spent = r->work, twice = 2.0 * r->h, bend = r->kappa * r->h * r->h;
         EACH(l) {
             double left = square[l] - spent, v1 = sqrt(left > 0.0 ? left : 0.0);
             time[l] += twice * crossing(v[l] + v1, bend);
@@ -470,7 +126,7 @@ static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) 
     const film_curve *curve = j->curve;
     const film_mesh *mesh = j->mesh;
     const double *in = mesh->loading_nodes[FILM_COSINE], *out = mesh->unloading_nodes[FILM_COSINE];
-    int32_t n = mesh->loading, m = mesh->unloading, lines = n * (stage + 1);
+    int32_t n = mesh->loading, m = mesh->unloading, drawn = n * (stage + 1);
     double nu[LANES], v[LANES], energy[LANES], xi[LANES], force[LANES], work[LANES], recovery[LANES], given[LANES];
     double turned[LANES] = {0.0}, peak[LANES] = {0.0}, ended[LANES], left[LANES], stored = 0.0;
     EACH(l) v[l] = nu[l] = j->start[index[l < count ? l : 0]].nu;
@@ -496,7 +152,7 @@ static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) 
             given[l] = force[l] * recovery[l] / (exponent[l] + 1.0);
             left[l] = xi[l] - recovery[l];
         }
-        lines += m;
+        drawn += m;
     } else { /* the same lines the other way round, if they are as many */
         double back[LANES] = {0.0}, peak_again[LANES] = {0.0};
         EACH(l) v[l] = nu[l];
@@ -510,7 +166,7 @@ static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) 
             left[l] = 0.0;
             recovery[l] = xi[l];
         }
-        lines += m * (stage + 1);
+        drawn += m * (stage + 1);
     }
     for (int l = 0; l < count; l++) {
         film_summary *s = &j->summary[index[l]];
@@ -524,76 +180,13 @@ static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) 
         s->shift = 0.0;
         s->work = stored + work[l] - given[l];
         s->stage = stage;
-        s->lines = lines;
+        s->lines = drawn;
         int whole = recovery[l] > 0.0 && ended[l] < INFINITY && last > -INFINITY;
         j->status[index[l]] = whole ? FILM_EVENT : film_impact(curve, mesh, &j->start[index[l]], s);
     }
 }
 
 /* ---------------------------------------------------------------- targets that give way, side by side */
-
-typedef struct {
-    double h[LANES], phi[LANES], kappa[LANES], tau[LANES];
-} lines;
-
-/* The march's own way across one line of one lane. */
-static int cross_alone(double gamma, double h, double phi, double kappa, double d, int from_rest, double w, double *tau,
-                       double *w1) {
-    double y = 0.0;
-    motion m = {from_rest ? 0.0 : d * (w - gamma * phi), d * phi, kappa, 0.5 * kappa * gamma};
-    int left = leave(&m, h, tau, &y);
-    *w1 = d * y + gamma * (phi + d * (kappa * h));
-    return left == LEFT;
-}
-
-/* What the short polynomial cannot serve, the long one may, and else the march's own way. */
-static void pass_again(lanes *restrict s, lines *restrict n, double d, int from_rest, const double *restrict unserved,
-                       const double *restrict far_tau, const double *restrict far_w1, const double *restrict far,
-                       double *restrict w1) {
-    for (int l = 0; l < LANES; l++) {
-        if (unserved[l] == 0.0 || s->bad[l] > 0.0) continue;
-        n->tau[l] = far_tau[l];
-        w1[l] = far_w1[l];
-        if (far[l] > 0.0 && !cross_alone(s->gamma[l], n->h[l], n->phi[l], n->kappa[l], d, from_rest, s->w[l], &n->tau[l], &w1[l]))
-            s->bad[l] = 1.0;
-    }
-}
-
-INLINED void pass_lines(lanes *restrict s, lines *restrict n, double d, int from_rest) {
-    double w1[LANES], far_tau[LANES], far_w1[LANES], unserved[LANES], far[LANES];
-    if (from_rest) {
-        EACH(l) unserved[l] = 1.0;
-    } else {
-        cross_lines(s->gamma, n->h, n->phi, n->kappa, d, 0, 0, s->w, n->tau, w1, unserved);
-    }
-    if (from_rest || any(unserved)) {
-        if (!from_rest) memcpy(far_tau, n->tau, sizeof far_tau);
-        cross_lines(s->gamma, n->h, n->phi, n->kappa, d, from_rest, 1, s->w, far_tau, far_w1, far);
-        pass_again(s, n, d, from_rest, unserved, far_tau, far_w1, far, w1);
-    }
-    EACH(l) {
-        s->w[l] = w1[l];
-        s->time[l] += n->tau[l];
-    }
-}
-
-static void pass_inwards(lanes *restrict s, lines *restrict n) { pass_lines(s, n, 1.0, 0); }
-static void pass_from_rest(lanes *restrict s, lines *restrict n) { pass_lines(s, n, -1.0, 1); }
-static void pass_outwards(lanes *restrict s, lines *restrict n) { pass_lines(s, n, -1.0, 0); }
-
-/* The lines to nodes at x1 where the law is f1 and work1; the lanes stand there afterwards. */
-INLINED void draw_lines(lanes *restrict s, lines *restrict n, double d, int from_rest, const double *restrict x1,
-                         const double *restrict f1, const double *restrict work1) {
-    EACH(l) {
-        double h = x1[l] - s->xi[l], per_h = 1.0 / h, mean = (work1[l] - s->work[l]) * per_h;
-        n->h[l] = d * h;
-        n->kappa[l] = from_rest ? 2.0 * (mean - s->force[l]) * per_h : (f1[l] - s->force[l]) * per_h;
-        n->phi[l] = from_rest ? s->force[l] : mean - 0.5 * n->kappa[l] * h;
-        s->xi[l] = x1[l];
-        s->force[l] = f1[l];
-        s->work[l] = work1[l];
-    }
-}
 
 /* Along a loading stage towards aim, up to the node before it. nodes NULL: a trial. */
 static void run_towards(job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict aim,
@@ -632,8 +225,8 @@ static void run_towards(job *j, int32_t stage, int32_t segments, const double *n
     }
 }
 
-/* The turn near x1: the last line meets the law's force at x1, and the time is that at which nu = gamma f on the law, by
- * steps of Newton's method from tau or, where it is not known, from Halley's step at the line's beginning. */
+/* The turn near x1: the last line meets the law's force at x1, and the time is that at which nu = gamma f on the law,
+ * by steps of Newton's method from tau or, where it is not known, from Halley's step at the line's beginning. */
 static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *restrict s, int known, int steps,
                        double *restrict tau) {
     double phi[LANES], kappa[LANES], y0[LANES], x[LANES], f1[LANES], w1[LANES], w[LANES], miss[LANES], falling[LANES];
@@ -671,8 +264,8 @@ static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *
     }
 }
 
-/* About where the impacts turn, within 2 % on Hertz's law: false position, the stale end halved. A fixed target would stop
- * them later. */
+/* About where the impacts turn, within 2 % on Hertz's law: false position, the stale end halved. A fixed target would
+ * stop them later. */
 static void first_aim(job *j, int32_t stage, double stored, const double *restrict nu, const double *restrict gamma,
                         double *restrict aim) {
     const film_curve *curve = j->curve;
@@ -745,7 +338,7 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
     EACH(l) s->xi[l] = curve->stage[stage].begin;
     law_lanes(curve, stage, s->xi, s->force, s->work);
     first_aim(j, stage, before, nu, s->gamma, aim);
-    for (int32_t m = AIMING_SEGMENTS; m == AIMING_SEGMENTS || 3 * m <= segments; m *= 4) { /* each trial aims the next */
+    for (int32_t m = AIMING_SEGMENTS; m == AIMING_SEGMENTS || 3 * m <= segments; m *= 4) { /* each aims the next */
         trial = *s;
         run_towards(j, stage, m, NULL, aim, &trial);
         turn_lanes(j, stage, aim, &trial, 0, 1, tau);
@@ -759,7 +352,7 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
     turn_lanes(j, stage, aim, &trial, 0, 1, tau);
     EACH(l) {
         last[l] = s->xi[l];
-        s->bad[l] = fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? s->bad[l] : 1.0; /* the last line would be too long or short */
+        s->bad[l] = fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? s->bad[l] : 1.0; /* a last line too long or short */
         aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
     }
     turn_lanes(j, stage, aim, s, 1, 3, tau);
@@ -772,7 +365,8 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
         t->recovery[l] = s->xi[l];
         t->exponent[l] = exponent;
     }
-    if (curve->stage[stage].unloading != FILM_RETRACE) open_lanes(curve, stage, s->xi, s->force, t->recovery, t->exponent);
+    if (curve->stage[stage].unloading != FILM_RETRACE)
+        open_lanes(curve, stage, s->xi, s->force, t->recovery, t->exponent);
     EACH(l) {
         s->bad[l] = t->recovery[l] > 0.0 ? s->bad[l] : 1.0;
         s->bad[l] = t->exponent[l] > 0.0 ? s->bad[l] : 1.0;

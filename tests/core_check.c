@@ -585,7 +585,7 @@ static void check_batch(int which, const film_mesh *mesh, double same, double li
             HOLD(memcmp(&alone, &slow, sizeof alone) == 0);
         int straight = which == LINEAR || which == SOFTENING;
         if (status[i] != FILM_EVENT || (straight && start[i].gamma > 1.5)) continue; /* near critical damping */
-        if (start[i].gamma * pow(start[i].nu, 0.2) > 3.0) continue; /* fades out slowly: asks for more segments */
+        if (start[i].gamma * pow(start[i].nu, 0.2) > 2.0) continue; /* fades out slowly: asks for more segments */
         if (which == CLEARANCE && fabs(slow.final_velocity) < 0.1 * start[i].nu) continue; /* how long it takes to part is rounding */
         double tolerance = start[i].gamma == 0.0 || which == LINEAR ? same : lines_error;
         NEAR(alone.maximum_force, slow.maximum_force, slow.maximum_force, tolerance);
@@ -860,7 +860,7 @@ int main(void) {
         if (linearisation == FILM_WORK_PRESERVING) check_series(&fine.mesh);
         for (int which = 0; which < BATCH_CURVES; which++) {
             check_batch(which, &few.mesh, 1e-5, 0.5);
-            check_batch(which, &fine.mesh, 1e-12, 2e-4);
+            check_batch(which, &fine.mesh, 1e-12, 1e-4);
         }
         free(few.memory);
         free(fine.memory);

@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from fmu_wrapper import platforms
 
 CORE = platforms.CORE
-SOURCES = (f"{CORE}/film_core.c", f"{CORE}/film_batch.c")
+SOURCES = tuple(f"{CORE}/film_{name}.c" for name in ("core", "batch", "lanes", "avx2", "avx512"))
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 FLAGS = platforms.FLAGS
 SHARED = ("-shared",) if sys.platform == "win32" else ("-shared", "-fPIC")

@@ -19,15 +19,17 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import conventional, film, python_level
+from benchmarks import conventional, film, python_level, root_steps
 from benchmarks.cases import Array, Case, all_cases, worst_error
 from benchmarks.python_level import best_time
 from film_model.core import native
 from film_model.dormand_prince import compile_rival
+from film_model.laws import Hertz
 
 TARGETS = (1e-4, 1e-6)
 TOLERANCES = 10.0 ** -np.arange(2.0, 13.01, 0.25)
 FLOORS = (1.0, 0.1, 0.01)
+STRETCHES = (0.0, 0.25, 0.5, 1.0, 2.0)
 
 Row = dict[str, Any]
 
@@ -60,8 +62,12 @@ def measure_case(case: Case, checked: int, repeats: int) -> list[Row]:
     """Rows of all contenders and targets for one case."""
     some = case.spread(checked)
     exact = some.exact()
-    rows = [_film(case, some, exact, target, repeats, kind) for target in TARGETS for kind in ("work", "chord")]
+    rows: list[Row] = []
+    for target in TARGETS:
+        for kind in ("work", "chord"):
+            rows += _film(case, some, exact, target, repeats, kind)
     rows += _dormand_prince(case, some, exact, repeats)
+    rows += _root_steps(case, some, exact, repeats)
     few = case.spread(max(5, checked // 5))
     for method in conventional.METHODS:
         rows += _scipy(few, method, few.exact())
@@ -80,17 +86,22 @@ def _row(case: Case, target: float, contender: str, setting: str, error: float |
     }
 
 
-def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kind: str) -> Row:
+def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kind: str) -> list[Row]:
+    """On the processor's widest instructions and, for lines that preserve work, on the narrower ones too."""
     line, name = {
         "work": (native.WORK_PRESERVING, "FILM, work-preserving"),
         "chord": (native.CHORD, "FILM, the paper's chords"),
     }[kind]
     pair = film.fewest_segments(some, exact, line, target)
     if pair is None:
-        return _row(case, target, name, f"> {film.MOST_SEGMENTS} segments", None, None)
+        return [_row(case, target, name, f"> {film.MOST_SEGMENTS} segments", None, None)]
     error = worst_error(film.values(film.batch(some, line, pair)()), exact)
-    seconds = best_time(film.batch(case, line, pair), repeats, 3) / case.nu.size
-    return _row(case, target, name, f"{pair[0]} + {pair[1]} segments", error, seconds)
+    rows = []
+    for using in range(native.instructions(), -1, -1) if kind == "work" else (native.instructions(),):
+        seconds = best_time(film.batch(case, line, pair, using), repeats, 3) / case.nu.size
+        said = name if not rows else f"  with {native.INSTRUCTIONS[using]} instructions"
+        rows.append(_row(case, target, said, f"{pair[0]} + {pair[1]} segments", error, seconds))
+    return rows
 
 
 def _dormand_prince(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]:
@@ -118,6 +129,29 @@ def _dormand_prince(case: Case, some: Case, exact: Array, repeats: int) -> list[
         seconds = best_time(lambda: rival(nu, gamma, tolerance, floor, out), repeats, 3) / nu.size  # noqa: B023
         setting = f"{form} form, rtol {tolerance:.1e}, floor {floor:g}"
         rows.append(_row(case, target, "Dormand–Prince 5(4), numba", setting, error, seconds))
+    return rows
+
+
+def _root_steps(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]:
+    """Hertz's law on plates only; the fastest of all settings, for each target."""
+    if find_spec("numba") is None or not isinstance(case.law, Hertz):
+        return []
+    rival, found, out = root_steps.compile_rival(), np.empty(exact.shape), np.empty((case.nu.size, exact.shape[1]))
+    rows = []
+    for target in TARGETS:
+        fitting = []
+        for stretch in STRETCHES:
+            steps, error = 4, float("inf")
+            while error > target:
+                steps = max(steps + 1, round(1.04 * steps))
+                found[:] = np.nan
+                rival(some.nu, some.gamma, float(steps), stretch, found)
+                error = worst_error(found, exact)
+            seconds = best_time(lambda: rival(case.nu, case.gamma, float(steps), stretch, out), repeats, 3)  # noqa: B023
+            fitting.append((seconds / case.nu.size, error, steps, stretch))
+        seconds, error, steps, stretch = min(fitting)
+        setting = f"{steps} steps, stretch {stretch:g}"
+        rows.append(_row(case, target, "Runge–Kutta 4 in √ξ, numba", setting, error, seconds))
     return rows
 
 

@@ -2,6 +2,8 @@
  *
  * On a fixed target without a load, energy gives the velocity at every node and tan(omega tau/2) = omega h/(v0 + v1)
  * the time between two, so a summary needs neither events nor states. Everything else takes the march's own steps. */
+#include "film_batch.h"
+
 #include "film_line.h"
 
 #include <string.h>
@@ -121,322 +123,284 @@ int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start
     return status;
 }
 
-/* ---------------------------------------------------------------- plates, several at a time
- * Impacts on compliant targets march side by side in lanes, so that one need not wait for another's divisions. The lines
- * are the march's; the motion on them is a short Taylor polynomial instead of a converged one, the turn is found on the
- * true law, and what does not fit (a long line, a turn in another stage than expected) is left to film_impact. */
-enum { LANES = 8, AIMING_SEGMENTS = 4 };
-static const double REACH = 1.6; /* largest 2a tau + kappa tau^2 of a line: its polynomial errs by at most reach^12/12! */
+/* ---------------------------------------------------------------- tables
+ * On a stage that is one power from its beginning on, and on an unloading branch, nodes are the same fractions at every
+ * depth, and the lines between them scale; across a whole stage they are the same for every impact. Both are drawn once
+ * a batch. */
+
+static void power_at(double exponent, double x, double *force, double *work) {
+    *force = raised(x, exponent);
+    *work = *force * x * work_of(exponent);
+}
+
+static void draw_rows(const job *j, table *t, row *rows) {
+    double begin = 0.0, end = 1.0, f0, w0;
+    int unit = t->stage == UNIT_POWER;
+    if (!unit) {
+        begin = j->curve->stage[t->stage].begin;
+        end = j->curve->stage[t->stage].end;
+    }
+    for (int32_t i = 0; i <= t->segments; i++) {
+        double s = (double)i / t->segments, f1, w1;
+        s = t->nodes != NULL ? t->nodes[i] : s * s * (3.0 - 2.0 * s);
+        row *r = &rows[i];
+        r->x = t->direction > 0 ? begin + (end - begin) * s : end + (begin - end) * s;
+        if (i == t->segments) r->x = t->direction > 0 ? end : begin;
+        if (unit) power_at(t->exponent, r->x, &f1, &w1);
+        else stage_law(j->curve, t->stage, r->x, &f1, &w1);
+        r->force = f1;
+        r->work = unit ? 2.0 * (work_of(t->exponent) - w1) : 2.0 * w1;
+        if (i > 0) {
+            double h = r->x - rows[i - 1].x, mean = (w1 - w0) / h, kappa = (f1 - f0) / h;
+            if (unit && t->direction > 0 && i == t->segments) kappa = 2.0 * (f1 - mean) / h; /* true there */
+            if (unit && t->direction < 0 && i == 1) kappa = 2.0 * (mean - f0) / h;
+            r->h = fabs(h);
+            r->kappa = kappa;
+            r->phi = mean - 0.5 * kappa * h;
+            if (f1 > t->peak) t->peak = f1;
+            double per = r->h / (sqrt(rows[i - 1].work) + sqrt(r->work));
+            if (unit) t->rest += 2.0 * per * arc(kappa * per * per);
+        } else {
+            r->h = r->kappa = r->phi = 0.0;
+        }
+        f0 = f1;
+        w0 = w1;
+    }
+}
+
+/* There is room for every table a batch can ask for: see batch_begins. */
+const table *film_lines_of(job *j, int32_t stage, int32_t direction, int32_t segments, const double *nodes,
+                             double exponent) {
+    for (int32_t i = 0; i < j->table_count; i++) {
+        const table *t = &j->tables[i];
+        if (t->nodes == nodes && t->stage == stage && t->direction == direction && t->segments == segments &&
+            (stage != UNIT_POWER || t->exponent == exponent))
+            return t;
+    }
+    table *t = &j->tables[j->table_count++];
+    row *rows = &j->rows[j->row_count];
+    j->row_count += segments + 1;
+    t->stage = stage;
+    t->direction = direction;
+    t->segments = segments;
+    t->exponent = exponent;
+    t->nodes = nodes;
+    t->peak = t->rest = 0.0;
+    t->rows = rows;
+    draw_rows(j, t, rows);
+    return t;
+}
+
+/* The exponent of a stage's branches where it is one number, else NAN. */
+static double branch_exponent(const film_curve *curve, int32_t stage) {
+    const film_piece *piece = &curve->piece[curve->stage[stage].first];
+    for (int32_t p = 0; p < curve->stage[stage].count; p++) {
+        const film_function *g = &piece[p].exponent;
+        if (g->form != FILM_POWER || g->slope != 0.0 || g->coefficient != 0.0) return NAN;
+        if (g->constant != piece->exponent.constant) return NAN;
+    }
+    return piece->exponent.constant;
+}
+
+static int32_t with(double exponent, double *known, int32_t count) {
+    for (int32_t i = 0; i < count; i++)
+        if (known[i] == exponent) return count;
+    known[count] = exponent;
+    return count + 1;
+}
+
+/* What all impacts share. 0: this curve or mesh is not for lanes. */
+static int batch_begins(job *j) {
+    const film_curve *curve = j->curve;
+    const film_mesh *mesh = j->mesh;
+    int32_t n = mesh->loading, m = mesh->unloading, back = 0, powers = 0, branches = 0;
+    double power[FILM_MAX_STAGES], branch[FILM_MAX_STAGES];
+    j->table_count = j->row_count = 0;
+    if (mesh->linearisation != FILM_WORK_PRESERVING || n < 3 || m < 3 || n > ROWS || m > ROWS) return 0;
+    for (int32_t k = 0; k < curve->stages; k++) {
+        const film_stage *stage = &curve->stage[k];
+        const film_function *g = &curve->piece[stage->first].force;
+        int rising = rises(curve, k), reversible = stage->unloading == FILM_RETRACE;
+        if (!reversible && stage->unloading != FILM_RADIUS && stage->unloading != FILM_RESIDUAL) return 0;
+        j->simple[k] = rising && g->origin == stage->begin;
+        j->exponent[k] = reversible ? NAN : branch_exponent(curve, k);
+        j->whole[k] = j->end_force[k] = INFINITY;
+        if (stage->end < INFINITY) stage_law(curve, k, stage->end, &j->end_force[k], &j->whole[k]);
+        else if (!rising) return 0;
+        for (int32_t p = stage->first; p < stage->first + stage->count; p++) {
+            j->piece_work[p] = j->piece_force[p] = INFINITY;
+            if (curve->piece[p].end < INFINITY)
+                stage_law(curve, k, curve->piece[p].end, &j->piece_force[p], &j->piece_work[p]);
+        }
+        if (reversible && k > 0) back = k;
+        if (reversible && plain_power(j, k)) j->exponent[k] = g->exponent;
+        powers = with(j->simple[k] ? g->exponent : ANY_POWER, power, powers);
+        if (j->exponent[k] == j->exponent[k]) branches = with(j->exponent[k], branch, branches);
+    }
+    /* of each stage's exponent: loading, graded and by cosines, and by trials (together less than n/2 + 12), and by as
+     * many cosines as unloading; of each branch's: every grading and cosines; of each stage: across and back */
+    int64_t rows = (int64_t)powers * (2 * (n + 1) + n / 2 + 12 + m + 1) + (int64_t)branches * 4 * (m + 1) +
+                   (int64_t)curve->stages * 2 * (n + 1) + (int64_t)back * (m + 1);
+    return rows <= ROWS && 8 * powers + 4 * branches + 3 * curve->stages <= TABLES;
+}
+
+/* ---------------------------------------------------------------- instruction sets
+ * The same source for the plain instructions of the processor's kind and, on x86, for AVX2 and AVX-512; never with
+ * fused multiply-adds, so that all give the same bits. */
+
+#if defined(FILM_WIDE)
+#include <cpuid.h>
+
+int film_instructions(void) {
+    unsigned a, b, c, d, low, high;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE)) return FILM_PLAIN;
+    /* which registers the operating system saves */
+    __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
+    if ((low & 0x06) != 0x06 || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & bit_AVX2)) return FILM_PLAIN;
+    const unsigned all = bit_AVX512F | bit_AVX512DQ | bit_AVX512VL;
+    return (low & 0xe6) == 0xe6 && (b & all) == all ? FILM_AVX512 : FILM_AVX2;
+}
+
+static const routines *const sets[] = {&film_plain, &film_avx2, &film_avx512};
+#else
+int film_instructions(void) { return FILM_PLAIN; }
+static const routines *const sets[] = {&film_plain};
+#endif
+
+/* ---------------------------------------------------------------- blocks */
 
 typedef struct {
-    double xi[LANES], f[LANES], work[LANES]; /* where each lane is, and the law there */
-    double w[LANES], time[LANES];            /* impactor velocity */
-} lanes;
+    int64_t index[LANES];
+    int count;
+} block;
 
-/* x and y = x' after tau, by the Taylor polynomial of y'' = -a2 y' - k y. */
-static inline double polynomial(double y0, double d1, double a2, double k, double tau, double *x) {
-    double d2 = -a2 * d1 - k * y0, d3 = -a2 * d2 - k * d1, d4 = -a2 * d3 - k * d2, d5 = -a2 * d4 - k * d3;
-    double d6 = -a2 * d5 - k * d4, d7 = -a2 * d6 - k * d5, d8 = -a2 * d7 - k * d6, d9 = -a2 * d8 - k * d7;
-    double d10 = -a2 * d9 - k * d8, d11 = -a2 * d10 - k * d9;
-    double x8 = d8 * (1.0 / 362880) + tau * (d9 * (1.0 / 3628800) + tau * (d10 * (1.0 / 39916800) + tau * d11 * (1.0 / 479001600)));
-    double x4 = d4 * (1.0 / 120) + tau * (d5 * (1.0 / 720) + tau * (d6 * (1.0 / 5040) + tau * (d7 * (1.0 / 40320) + tau * x8)));
-    double y8 = d8 * (1.0 / 40320) + tau * (d9 * (1.0 / 362880) + tau * (d10 * (1.0 / 3628800) + tau * d11 * (1.0 / 39916800)));
-    double y4 = d4 * (1.0 / 24) + tau * (d5 * (1.0 / 120) + tau * (d6 * (1.0 / 720) + tau * (d7 * (1.0 / 5040) + tau * y8)));
-    *x = tau * (y0 + tau * (d1 * 0.5 + tau * (d2 * (1.0 / 6) + tau * (d3 * (1.0 / 24) + tau * x4))));
-    return y0 + tau * (d1 + tau * (d2 * 0.5 + tau * (d3 * (1.0 / 6) + tau * y4)));
+typedef struct {
+    job j;
+    const routines *run;
+    block fixed[FILM_MAX_PIECES], moving[FILM_MAX_PIECES]; /* by the piece in which they should turn */
+    leaving leaving[FILM_MAX_STAGES][3];
+} batch;
+
+static void flush_leaving(batch *b, int32_t stage, int32_t k) {
+    leaving *q = &b->leaving[stage][k];
+    if (q->count > 0) b->run->out(&b->j, FILM_PLATE_OUT + k, b->j.exponent[stage], q);
 }
 
-/* Across a line of signed length h whose force begins at phi with slope kappa: time and velocity at its end. d = +1
- * inwards, -1 outwards. served: 0 where the polynomial cannot serve. */
-static inline void cross_line(const double *restrict gamma, const double *restrict h, const double *restrict phi,
-                              const double *restrict kappa, double d, int at_rest, const double *restrict w,
-                              double *restrict tau, double *restrict w1, double *restrict served) {
-    for (int l = 0; l < LANES; l++) {
-        double g = gamma[l], length = d * h[l], k = kappa[l], load = d * phi[l], a2 = g * k;
-        double y0 = d * (w[l] - g * phi[l]), drag = 0.5 * a2 * length, before = y0 - drag;
-        double square = before * before - length * (2.0 * load + k * length);
-        double y1 = sqrt(square > 0.0 ? square : 0.0) - drag, least = 0.1 * y0;
-        y1 = y1 > least ? y1 : least;
-        double q = 2.0 * length / (y0 + y1);
-        q -= q * q * q * (k + a2 * (y1 - y0) / length) * (1.0 / 12);
-        double d1 = -load - a2 * y0;
-        double u = 0.0, rough = 0.0, end = 0.0;
-        for (int pass = 0; pass <= at_rest; pass++) { /* the guess for a line from rest needs a second correction */
-            q += u;
-            double x, y = polynomial(y0, d1, a2, k, q, &x);
-            double slope = -(load + k * x) - a2 * y, bend = -a2 * slope - k * y, miss = length - x;
-            rough = miss / y;
-            u = miss / (y + rough * (0.5 * slope + rough * (1.0 / 6) * bend));
-            end = y + u * (slope + u * (0.5 * bend - u * (1.0 / 6) * (a2 * bend + k * slope)));
+static void flush_fixed(batch *b, int32_t stage, block *waiting) {
+    if (waiting->count > 0) b->run->fixed(&b->j, stage, waiting->index, waiting->count);
+    waiting->count = 0;
+}
+
+static void flush_moving(batch *b, int32_t stage, block *waiting) {
+    job *j = &b->j;
+    deepest t;
+    int count = waiting->count, back = j->curve->stage[stage].unloading == FILM_RETRACE && !plain_power(j, stage);
+    if (count == 0) return;
+    waiting->count = 0;
+    b->run->in(j, stage, waiting->index, count, &t);
+    for (int l = 0; l < count; l++) {
+        int64_t i = waiting->index[l];
+        film_summary *out = &j->summary[i];
+        out->maximum_indentation = t.at.xi[l];
+        out->time_of_maximum_indentation = t.at.time[l];
+        out->maximum_force = t.peak[l];
+        out->stage = stage;
+        out->lines = j->mesh->loading * (stage + 1) + j->mesh->unloading * (back ? stage + 1 : 1);
+        if (back) continue;
+        if (t.at.bad[l] > 0.0) {
+            j->status[i] = film_impact(j->curve, j->mesh, &j->start[i], out);
+            continue;
         }
-        tau[l] = q + u;
-        w1[l] = d * end + g * (phi[l] + k * h[l]);
-        double good = end > 0.0 ? 1.0 : 0.0;
-        good = fabs(rough) < 0.05 * q ? good : 0.0; /* u may be short by chance, where x never gets as far */
-        good = fabs(a2 * q) + fabs(k) * q * q < REACH ? good : 0.0;
-        served[l] = good;
+        int32_t k = grading_of(t.slowness[l]) - FILM_PLATE_OUT;
+        leaving *q = &b->leaving[stage][k];
+        int at = q->count++;
+        q->index[at] = i;
+        q->gamma[at] = t.at.gamma[l];
+        q->time[at] = t.at.time[l];
+        q->top[at] = t.at.xi[l];
+        q->force[at] = t.at.force[l];
+        q->recovery[at] = t.recovery[l];
+        q->exponent[at] = t.exponent[l];
+        q->stored[at] = t.stored[l];
+        if (q->count == LANES) flush_leaving(b, stage, k);
     }
+    if (back) b->run->back(j, stage, waiting->index, count, &t.at, t.stored);
 }
 
-/* The march's own way across one line of one lane. */
-static int cross_alone(double gamma, double h, double phi, double kappa, double d, int at_rest, double w, double *tau,
-                       double *w1) {
-    double y = 0.0;
-    motion m = {at_rest ? 0.0 : d * (w - gamma * phi), d * phi, kappa, 0.5 * kappa * gamma};
-    int left = leave(&m, d * h, tau, &y);
-    *w1 = d * y + gamma * (phi + kappa * h);
-    return left == LEFT;
-}
-
-/* To the next node, x1 of each lane, along a loading stage (run[l].branch) or an unloading branch. */
-static void next_node(const film_curve *curve, const film_line *run, const double *gamma, const double *x1, double d,
-                      int at_rest, lanes *s, double *bad) {
-    double h[LANES], phi[LANES], kappa[LANES], f1[LANES], work1[LANES], tau[LANES], w1[LANES], served[LANES];
-    for (int l = 0; l < LANES; l++) law_at(curve, &run[l], x1[l], &f1[l], &work1[l]);
-    for (int l = 0; l < LANES; l++) {
-        h[l] = x1[l] - s->xi[l];
-        double per_h = 1.0 / h[l], mean = (work1[l] - s->work[l]) * per_h;
-        kappa[l] = at_rest ? 2.0 * (mean - s->f[l]) * per_h : (f1[l] - s->f[l]) * per_h;
-        phi[l] = at_rest ? s->f[l] : mean - 0.5 * kappa[l] * h[l];
-    }
-    if (at_rest) cross_line(gamma, h, phi, kappa, d, 1, s->w, tau, w1, served);
-    else cross_line(gamma, h, phi, kappa, d, 0, s->w, tau, w1, served);
-    for (int l = 0; l < LANES; l++)
-        if (!(served[l] > 0.0) &&
-            !cross_alone(gamma[l], h[l], phi[l], kappa[l], d, at_rest, s->w[l], &tau[l], &w1[l])) bad[l] = 1.0;
-    for (int l = 0; l < LANES; l++) {
-        s->w[l] = w1[l];
-        s->time[l] += tau[l];
-        s->xi[l] = x1[l];
-        s->f[l] = f1[l];
-        s->work[l] = work1[l];
-    }
-}
-
-/* The turn near x1: the last line meets the law's force at x1, and the time is that at which nu = gamma f on the law. */
-static void turn(const film_curve *curve, const film_line *run, const double *gamma, const double *x1, lanes *s, int steps,
-                 double *bad) {
-    for (int l = 0; l < LANES; l++) {
-        double f1, w1, g = gamma[l], h = x1[l] - s->xi[l];
-        law_at(curve, &run[l], x1[l], &f1, &w1);
-        double mean = (w1 - s->work[l]) / h, phi = 2.0 * mean - f1, k = 2.0 * (f1 - mean) / h, a2 = g * k;
-        double y0 = s->w[l] - g * phi, d1 = -phi - a2 * y0, d2 = -a2 * d1 - k * y0, x = 0.0, force = f1, w = s->w[l];
-        double tau = 2.0 * y0 / (sqrt(fmax(d1 * d1 - 2.0 * y0 * d2, 0.0)) - d1);
-        for (int i = 0; i <= steps; i++) {
-            double y = polynomial(y0, d1, a2, k, tau, &x);
-            law_at(curve, &run[l], s->xi[l] + x, &force, &w1);
-            w = y + g * (phi + k * x);
-            if (i < steps) tau += (w - g * force) / force;
+/* The piece of the stage in which a fixed target should turn the impactor, by the march's own arithmetic; -1: none. */
+static int32_t fixed_piece(const job *j, double v, int32_t *stage) {
+    for (int32_t k = 0; k < j->curve->stages; k++) {
+        double energy = 0.5 * v * v, left = energy - j->whole[k];
+        if (left >= 0.0) {
+            v = speed_at(v, j->whole[k]);
+            continue;
         }
-        int good = y0 > 0.0 && tau > 0.0 && fabs(w - g * force) < 1e-11 * w && fabs(a2 * tau) + fabs(k) * tau * tau < REACH;
-        if (!good) bad[l] = 1.0;
-        s->time[l] += tau;
-        s->xi[l] += x;
-        s->f[l] = force;
-        s->work[l] = w1;
-        s->w[l] = g * force;
-    }
-}
-
-/* W + g f (0.79 nu - 0.27 g f) - nu^2/2, which is about 0 where the target turns the impactor; g f cannot exceed nu. */
-static double spent_less_energy(double work, double force, double nu, double gamma) {
-    double push = fmin(gamma * force, nu);
-    return work + push * (0.79 * nu - 0.27 * push) - 0.5 * nu * nu;
-}
-
-/* The stage in which an impact should turn, and about where, within 2 % on Hertz's law. False position, the stale end halved. Negative: no such stage. */
-static int32_t first_aim(const film_curve *curve, double nu, double gamma, double *aim) {
-    film_line run;
-    double stored = 0.0, force, work, energy = 0.5 * nu * nu;
-    memset(&run, 0, sizeof run);
-    for (; run.branch < curve->stages; run.branch++) {
-        double low = curve->stage[run.branch].begin, high = curve->stage[run.branch].end;
-        double still = sqrt(fmax(nu * nu - 2.0 * stored, 0.0));
-        if (film_turning_point(curve, &run, low, 0.0, still, 0.0, high, &high) < 0) return -1;
-        law_at(curve, &run, low, &force, &work);
-        double below = spent_less_energy(stored, force, nu, gamma);
-        law_at(curve, &run, high, &force, &work);
-        double above = spent_less_energy(stored + work, force, nu, gamma);
-        if (above > 0.0) {
-            double x = high;
-            for (int k = 0; k < 8 && fabs(high - low) > 1e-3 * high; k++) {
-                x = low - (high - low) * below / (above - below);
-                law_at(curve, &run, x, &force, &work);
-                double excess = spent_less_energy(stored + work, force, nu, gamma);
-                if (fabs(excess) < 1e-3 * energy) break;
-                if (excess > 0.0) { high = x; above = excess; below *= 0.5; }
-                else { low = x; below = excess; above *= 0.5; }
-            }
-            *aim = x;
-            return run.branch;
-        }
-        stored += work;
+        int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
+        while (p < last && energy > j->piece_work[p]) p++;
+        *stage = k;
+        return p;
     }
     return -1;
 }
 
-/* When the impactor stops, within a line of duration tau that begins at w0 > 0 and ends at w1 <= 0: the cubic through
- * both velocities and both accelerations, -f. */
-static double stop_within(double tau, double w0, double w1, double f0, double f1) {
-    double s = w0 / (w0 - w1), d0 = -f0 * tau, d1 = -f1 * tau;
-    double c2 = 3.0 * (w1 - w0) - 2.0 * d0 - d1, c3 = 2.0 * (w0 - w1) + d0 + d1;
-    for (int i = 0; i < 3; i++) {
-        s -= (w0 + s * (d0 + s * (c2 + s * c3))) / (d0 + s * (2.0 * c2 + 3.0 * s * c3));
-        s = s > 0.0 ? s < 1.0 ? s : 1.0 : 0.0; /* a line too long for its cubic */
+/* The same for a target that gives way, about. */
+static int32_t moving_piece(const job *j, double nu, double gamma, int32_t *stage) {
+    double stored = 0.0;
+    for (int32_t k = 0; k < j->curve->stages; k++) {
+        int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
+        int ends = j->whole[k] < INFINITY;
+        if (!ends || spent_less_energy(stored + j->whole[k], j->end_force[k], nu, gamma) > 0.0) {
+            while (p < last && !(spent_less_energy(stored + j->piece_work[p], j->piece_force[p], nu, gamma) > 0.0)) p++;
+            *stage = k;
+            return p;
+        }
+        stored += j->whole[k];
     }
-    return s * tau;
+    return -1;
 }
 
-/* One block of impacts that should all turn in `stage`; a lane whose status stays 0 could not be served. */
-static void plate_block(const film_curve *curve, const film_mesh *mesh, int32_t stage, const film_start *start,
-                        const double *first, film_summary *summary, int32_t *status) {
-    double gamma[LANES], x1[LANES], aim[LANES], stored[LANES] = {0.0}, peak[LANES] = {0.0}, given[LANES];
-    double bad[LANES] = {0.0}, rough[LANES] = {0.0};
-    int32_t grade[LANES], n = mesh->loading;
-    film_line run[LANES];
-    lanes s, trial;
-    memset(run, 0, sizeof run);
-    memset(&s, 0, sizeof s);
-    for (int l = 0; l < LANES; l++) {
-        gamma[l] = start[l].gamma;
-        s.w[l] = start[l].nu;
-    }
-    for (int32_t k = 0;; k++) {
-        double begin = curve->stage[k].begin, end = curve->stage[k].end;
-        for (int l = 0; l < LANES; l++) {
-            run[l].branch = k;
-            law_at(curve, &run[l], begin, &s.f[l], &s.work[l]);
-        }
-        if (k == stage) break;
-        for (int32_t i = 1; i <= n; i++) {
-            for (int l = 0; l < LANES; l++)
-                x1[l] = i < n ? begin + (end - begin) * mesh->loading_nodes[FILM_PLATE_IN][i] : end;
-            next_node(curve, run, gamma, x1, 1.0, 0, &s, bad);
-        }
-        for (int l = 0; l < LANES; l++) {
-            stored[l] += s.work[l];
-            peak[l] = fmax(peak[l], s.f[l]);
-        }
-    }
-    double begin = curve->stage[stage].begin, end = curve->stage[stage].end;
-    memcpy(aim, first, sizeof aim);
-    for (int32_t m = AIMING_SEGMENTS; m == AIMING_SEGMENTS || 3 * m <= n; m *= 4) { /* each trial aims the next */
-        trial = s;
-        for (int32_t i = 1; i < m; i++) {
-            double f = (double)i / m;
-            for (int l = 0; l < LANES; l++) x1[l] = begin + (aim[l] - begin) * f * f * (3.0 - 2.0 * f);
-            next_node(curve, run, gamma, x1, 1.0, 0, &trial, rough);
-        }
-        turn(curve, run, gamma, aim, &trial, 2, rough);
-        for (int l = 0; l < LANES; l++) { /* a trial may be rough: it only places the nodes */
-            if (fabs(trial.xi[l] - aim[l]) < 0.1 * aim[l]) aim[l] = fmin(trial.xi[l], end);
-        }
-    }
-    for (int32_t i = 1; i < n; i++) {
-        for (int l = 0; l < LANES; l++) x1[l] = begin + (aim[l] - begin) * mesh->loading_nodes[FILM_PLATE_IN][i];
-        next_node(curve, run, gamma, x1, 1.0, 0, &s, bad);
-    }
-    trial = s;
-    turn(curve, run, gamma, aim, &trial, 2, rough);
-    for (int l = 0; l < LANES; l++) {
-        if (!(fabs(trial.xi[l] - aim[l]) < aim[l] - x1[l])) bad[l] = 1.0; /* the last line would be too long or short */
-        aim[l] = fmin(trial.xi[l], end);
-    }
-    turn(curve, run, gamma, aim, &s, 4, bad);
-    const film_function *law = &curve->piece[curve->stage[0].first].force;
-    int plain = law->form == FILM_POWER && law->constant == 0.0 && law->slope == 0.0 && law->origin == 0.0;
-    for (int l = 0; l < LANES; l++) {
-        film_summary *out = &summary[l];
-        if (!(s.xi[l] <= end && fabs(s.xi[l] - aim[l]) < 0.1 * (s.xi[l] - x1[l]))) bad[l] = 1.0;
-        out->maximum_indentation = s.xi[l];
-        out->time_of_maximum_indentation = s.time[l];
-        out->maximum_force = fmax(peak[l], s.f[l]);
-        out->stage = stage;
-        out->lines = n * (stage + 1) + mesh->unloading;
-        out->time_impactor_stops = NAN;
-        stored[l] += s.work[l];
-        if (bad[l] > 0.0 || open_branch(curve, &run[l], s.xi[l], s.f[l]) < 0) bad[l] = 1.0;
-        if (run[l].branch != FILM_BRANCH) { /* reversible: the same power law from the first touch on is a branch */
-            if (stage > 0 || !plain) bad[l] = 1.0;
-            run[l].branch = FILM_BRANCH;
-            run[l].per_recovery = 1.0 / s.xi[l];
-            run[l].f_max = s.f[l];
-            run[l].exponent = law->exponent;
-        }
-        double slowness = gamma[l] * sqrt(s.f[l] * run[l].per_recovery);
-        grade[l] = slowness < 1.2 ? FILM_PLATE_OUT : slowness < 1.75 ? FILM_PLATE_SLOW : FILM_PLATE_CREEP;
-        law_at(curve, &run[l], s.xi[l], &s.f[l], &s.work[l]);
-        given[l] = s.work[l];
-    }
-    for (int32_t i = 1; i <= mesh->unloading; i++) {
-        lanes before = s;
-        for (int l = 0; l < LANES; l++) {
-            double top = summary[l].maximum_indentation;
-            x1[l] = i < mesh->unloading ? top + (run[l].xi_free - top) * mesh->unloading_nodes[grade[l]][i] : run[l].xi_free;
-        }
-        next_node(curve, run, gamma, x1, -1.0, i == 1, &s, bad);
-        for (int l = 0; l < LANES; l++)
-            if (before.w[l] > 0.0 && s.w[l] <= 0.0)
-                summary[l].time_impactor_stops = before.time[l] + stop_within(s.time[l] - before.time[l], before.w[l],
-                                                                              s.w[l], before.f[l], s.f[l]);
-    }
-    for (int l = 0; l < LANES; l++) {
-        film_summary *out = &summary[l];
-        out->contact_duration = s.time[l];
-        out->permanent_indentation = run[l].xi_free;
-        out->final_velocity = s.w[l];
-        out->shift = gamma[l] * (start[l].nu - s.w[l]);
-        out->work = stored[l] - given[l];
-        status[l] = bad[l] == 0.0 && isfinite(s.time[l]) && isfinite(s.w[l]) ? FILM_EVENT : 0;
-    }
-}
-
-/* Impacts waiting for a block: all should turn in the same stage. */
-typedef struct {
-    int64_t index[LANES];
-    film_start start[LANES];
-    double aim[LANES];
-    int count;
-} queue;
-
-static void flush(const film_curve *curve, const film_mesh *mesh, int32_t stage, queue *q, film_summary *summary,
-                  int32_t *status) {
-    film_summary out[LANES];
-    int32_t done[LANES];
-    if (q->count == 0) return;
-    for (int l = q->count; l < LANES; l++) { /* an incomplete block is filled up with its first impact */
-        q->start[l] = q->start[0];
-        q->aim[l] = q->aim[0];
-    }
-    plate_block(curve, mesh, stage, q->start, q->aim, out, done);
-    for (int l = 0; l < q->count; l++) {
-        int64_t i = q->index[l];
-        summary[i] = out[l];
-        status[i] = done[l] ? done[l] : film_impact(curve, mesh, &q->start[l], &summary[i]);
-    }
-    q->count = 0;
-}
-
-void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
-                film_summary *summary, int32_t *status) {
-    queue waiting[FILM_MAX_STAGES];
-    for (int32_t k = 0; k < curve->stages; k++) waiting[k].count = 0;
-    int lined = mesh->linearisation == FILM_WORK_PRESERVING && mesh->loading >= 3 && mesh->unloading >= 3;
+void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
+                     const film_start *start, film_summary *summary, int32_t *status) {
+    batch b;
+    job *j = &b.j;
+    j->curve = curve;
+    j->mesh = mesh;
+    j->start = start;
+    j->summary = summary;
+    j->status = status;
+    int lined = batch_begins(j);
+    b.run = sets[instructions];
+    for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b.fixed[p].count = b.moving[p].count = 0;
+    for (int32_t k = 0; k < FILM_MAX_STAGES; k++)
+        for (int32_t g = 0; g < 3; g++) b.leaving[k][g].count = 0;
     for (int64_t i = 0; i < count; i++) {
         const film_start *s = &start[i];
-        double aim = 0.0;
-        int32_t stage = -1;
-        if (lined && s->gamma > 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && undisturbed(s))
-            stage = first_aim(curve, s->nu, s->gamma, &aim);
-        if (stage < 0) {
+        int32_t stage = 0, piece = -1;
+        if (lined && s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && undisturbed(s))
+            piece = s->gamma == 0.0 ? fixed_piece(j, s->nu, &stage) : moving_piece(j, s->nu, s->gamma, &stage);
+        if (piece < 0) {
             status[i] = film_impact(curve, mesh, s, &summary[i]);
             continue;
         }
-        queue *q = &waiting[stage];
-        q->index[q->count] = i;
-        q->start[q->count] = *s;
-        q->aim[q->count++] = aim;
-        if (q->count == LANES) flush(curve, mesh, stage, q, summary, status);
+        block *waiting = s->gamma == 0.0 ? &b.fixed[piece] : &b.moving[piece];
+        waiting->index[waiting->count++] = i;
+        if (waiting->count < LANES) continue;
+        if (s->gamma == 0.0) flush_fixed(&b, stage, waiting);
+        else flush_moving(&b, stage, waiting);
     }
-    for (int32_t k = 0; k < curve->stages; k++) flush(curve, mesh, k, &waiting[k], summary, status);
+    for (int32_t k = 0; lined && k < curve->stages; k++) {
+        for (int32_t p = curve->stage[k].first; p < curve->stage[k].first + curve->stage[k].count; p++) {
+            flush_fixed(&b, k, &b.fixed[p]);
+            flush_moving(&b, k, &b.moving[p]);
+        }
+        for (int32_t g = 0; g < 3; g++) flush_leaving(&b, k, g);
+    }
+}
+
+enum { WORTH_ASKING = 2000 }; /* impacts, for the microseconds that film_instructions may take */
+
+void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                film_summary *summary, int32_t *status) {
+    int instructions = count < WORTH_ASKING ? FILM_PLAIN : film_instructions();
+    film_batch_with(instructions, curve, mesh, count, start, summary, status);
 }

@@ -254,6 +254,13 @@ FILM_API int film_impact(const film_curve *curve, const film_mesh *mesh, const f
 FILM_API void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                          film_summary *summary, int32_t *status);
 
+/* film_batch with the instructions given, no more than film_instructions() says: whatever they are, the bits are the
+ * same. Asking the processor may take 20 microseconds, which film_batch spends on large batches only. */
+enum { FILM_PLAIN = 0, FILM_AVX2 = 1, FILM_AVX512 = 2 };
+FILM_API int film_instructions(void);
+FILM_API void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
+                              const film_start *start, film_summary *summary, int32_t *status);
+
 /* sizeof film_curve, film_mesh, film_line, film_state, film_summary: checked by those who mirror them. */
 FILM_API void film_sizes(int64_t sizes[5]);
 

@@ -18,6 +18,7 @@ MAX_SEGMENTS = 4_000_000
 POWER, SERIES, ROOT_SERIES = range(3)
 RETRACE, RADIUS, RESIDUAL = range(3)
 CHORD, WORK_PRESERVING = range(2)
+INSTRUCTIONS = ("plain", "AVX2", "AVX-512")
 BRANCH, FREE = -1, -2
 BRANCH_NAMES = {BRANCH: "unloading", FREE: ""}
 
@@ -180,7 +181,8 @@ def library() -> Any:
         "film_sample": ([pointer, pointer, _I, pointer, i64, pointer, pointer, pointer], None),
         "film_law": ([pointer, _I, _D, pointer, pointer], None),
         "film_impact": ([pointer, pointer, pointer, pointer], c.c_int),
-        "film_batch": ([pointer, pointer, i64, pointer, pointer, pointer], None),
+        "film_instructions": ([], c.c_int),
+        "film_batch_with": ([c.c_int, pointer, pointer, i64, pointer, pointer, pointer], None),
     }
     for name, (arguments, result) in signatures.items():
         function = getattr(lib, name)
@@ -274,12 +276,29 @@ def impact(curve: Curve, cut: Mesh, start: Start) -> tuple[int, Summary]:
     return library().film_impact(c.byref(curve), c.byref(cut), c.byref(start), c.byref(summary)), summary
 
 
-def batch(curve: Curve, cut: Mesh, start: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[Any]]:
-    """Statuses and summaries (SUMMARY_DTYPE) of many contacts on one curve (START_DTYPE); the GIL is released."""
+@lru_cache(maxsize=1)
+def instructions() -> int:
+    """The widest instructions the processor has, an index into INSTRUCTIONS."""
+    return library().film_instructions()
+
+
+def batch(
+    curve: Curve, cut: Mesh, start: NDArray[Any], using: int | None = None
+) -> tuple[NDArray[np.int32], NDArray[Any]]:
+    """Statuses and summaries (SUMMARY_DTYPE) of many contacts on one curve (START_DTYPE); the GIL is released.
+
+    using: instructions, at most `instructions()`, which is the default; the results are the same to the last bit.
+    """
     start = np.ascontiguousarray(start, dtype=START_DTYPE)
     summary, status = np.empty(start.size, SUMMARY_DTYPE), np.empty(start.size, np.int32)
-    library().film_batch(
-        c.byref(curve), c.byref(cut), start.size, start.ctypes.data, summary.ctypes.data, status.ctypes.data
+    library().film_batch_with(
+        instructions() if using is None else using,
+        c.byref(curve),
+        c.byref(cut),
+        start.size,
+        start.ctypes.data,
+        summary.ctypes.data,
+        status.ctypes.data,
     )
     return status, summary
 

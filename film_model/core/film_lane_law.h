@@ -1,0 +1,278 @@
+/* Elementary functions, the law and what is asked of it, in lanes. Internal to film_lanes.c.
+ *
+ * Plain loops over LANES that compilers turn into vector instructions. Every lane sees the same operations in the same
+ * order whatever the others hold and however wide the registers are, so the bits of an impact depend on it alone: no
+ * fused multiply-add, no sum across lanes, nothing from libm but sqrt; a lane that has converged is left as it is. */
+#ifndef FILM_LANE_LAW_H
+#define FILM_LANE_LAW_H
+
+#include "film_batch.h"
+
+#include <string.h>
+
+#if defined(__GNUC__)
+#define INLINED static inline __attribute__((always_inline))
+#else
+#define INLINED static inline
+#endif
+
+enum { DEPTH_STEPS = 60 };
+
+#define EACH(l) for (int l = 0; l < LANES; l++)
+
+/* Flags are doubles, 1 or 0, so that the plainest vector instructions can choose by them. */
+static int any(const double *flag) {
+    uint64_t bits[LANES], all = 0;
+    memcpy(bits, flag, sizeof bits);
+    EACH(l) all |= bits[l];
+    return all != 0;
+}
+
+/* ---------------------------------------------------------------- powers */
+
+/* log2 x = e + 2/ln 2 atanh((m - 1)/(m + 1)), x = 2^e m, m from 1/sqrt 2 to sqrt 2; x > 0 and not subnormal. */
+static void log2_lanes(const double *restrict x, double *restrict out) {
+    uint64_t bits[LANES], high[LANES];
+    double m[LANES], e[LANES];
+    memcpy(bits, x, sizeof bits);
+    EACH(l) {
+        high[l] = (bits[l] >> 52) | 0x4330000000000000u; /* as a number: 2^52 + the biased exponent */
+        bits[l] = (bits[l] & 0x000fffffffffffffu) | 0x3ff0000000000000u;
+    }
+    memcpy(m, bits, sizeof m);
+    memcpy(e, high, sizeof e);
+    EACH(l) {
+        double y = m[l] > 1.4142135623730951 ? 0.5 * m[l] : m[l];
+        double whole = e[l] - (4503599627370496.0 + (m[l] > 1.4142135623730951 ? 1022.0 : 1023.0));
+        double s = (y - 1.0) / (y + 1.0), z = s * s;
+        double low = 1.0 / 13 + z * (1.0 / 15 + z * (1.0 / 17 + z * (1.0 / 19)));
+        double sum = 1.0 + z * (1.0 / 3 + z * (1.0 / 5 + z * (1.0 / 7 + z * (1.0 / 9 + z * (1.0 / 11 + z * low)))));
+        out[l] = whole + 2.8853900817779268 * (s * sum);
+    }
+}
+
+/* 2^y; y beyond +-1000 counts as that. */
+static void exp2_lanes(const double *restrict y, double *restrict out) {
+    static const double shift = 6755399441055744.0; /* 1.5 2^52: added and subtracted, it rounds to whole numbers */
+    uint64_t count[LANES], bits[LANES];
+    double t[LANES], p[LANES];
+    EACH(l) {
+        double x = y[l] < -1000.0 ? -1000.0 : y[l];
+        x = x > 1000.0 ? 1000.0 : x;
+        t[l] = x + shift;
+        double r = 0.6931471805599453 * (x - (t[l] - shift));
+        double end = 1.0 / 39916800 + r * (1.0 / 479001600 + r * (1.0 / 6227020800.0));
+        double high = 1.0 / 5040 + r * (1.0 / 40320 + r * (1.0 / 362880 + r * (1.0 / 3628800 + r * end)));
+        double middle = 1.0 / 24 + r * (1.0 / 120 + r * (1.0 / 720 + r * high));
+        p[l] = 1.0 + r * (1.0 + r * (0.5 + r * (1.0 / 6 + r * middle)));
+    }
+    memcpy(count, t, sizeof count);
+    memcpy(bits, p, sizeof bits);
+    EACH(l) bits[l] += count[l] << 52;
+    memcpy(p, bits, sizeof p);
+    EACH(l) out[l] = y[l] == y[l] ? p[l] : y[l];
+}
+
+/* x^e, each lane with its own e; x below 1e-300 counts as 0. */
+static void power_lanes(const double *restrict x, const double *restrict e, double *restrict out) {
+    double y[LANES], lifted[LANES];
+    EACH(l) lifted[l] = x[l] < 1e-300 ? 1e-300 : x[l];
+    log2_lanes(lifted, y);
+    EACH(l) y[l] *= e[l];
+    exp2_lanes(y, out);
+    EACH(l) out[l] = x[l] < 1e-300 ? 0.0 : out[l];
+}
+
+static void raised_lanes(const double *restrict x, double exponent, double *restrict out) {
+    if (exponent == 1.5) {
+        EACH(l) out[l] = x[l] * sqrt(x[l]);
+    } else if (exponent == 1.0) {
+        EACH(l) out[l] = x[l];
+    } else if (exponent == 2.0) {
+        EACH(l) out[l] = x[l] * x[l];
+    } else {
+        double e[LANES];
+        EACH(l) e[l] = exponent;
+        power_lanes(x, e, out);
+    }
+}
+
+/* ---------------------------------------------------------------- the law */
+
+static void chebyshev_lanes(const film_function *g, const double *restrict z, double *restrict out) {
+    double b1[LANES] = {0.0}, b2[LANES] = {0.0};
+    int k = g->terms - 1;
+    for (; k > 1; k -= 2) {
+        double upper = g->series[k], lower = g->series[k - 1];
+        EACH(l) {
+            b2[l] = 2.0 * z[l] * b1[l] - b2[l] + upper;
+            b1[l] = 2.0 * z[l] * b2[l] - b1[l] + lower;
+        }
+    }
+    if (k == 1) {
+        EACH(l) {
+            double b = 2.0 * z[l] * b1[l] - b2[l] + g->series[1];
+            b2[l] = b1[l];
+            b1[l] = b;
+        }
+    }
+    EACH(l) out[l] = z[l] * b1[l] - b2[l] + g->series[0];
+}
+
+static void value_lanes(const film_function *g, const double *restrict xi, double *restrict out) {
+    double x[LANES], power[LANES];
+    EACH(l) {
+        x[l] = (xi[l] - g->origin) * g->per_span;
+        x[l] = x[l] > 0.0 ? x[l] : 0.0;
+    }
+    if (g->form == FILM_POWER) {
+        if (g->coefficient == 0.0) {
+            EACH(l) out[l] = g->constant + g->slope * x[l];
+            return;
+        }
+        raised_lanes(x, g->exponent, power);
+        EACH(l) out[l] = g->constant + g->slope * x[l] + g->coefficient * power[l];
+        return;
+    }
+    if (g->form == FILM_ROOT_SERIES) {
+        EACH(l) x[l] = sqrt(x[l]);
+    }
+    EACH(l) x[l] = 2.0 * x[l] - 1.0;
+    chebyshev_lanes(g, x, out);
+}
+
+static void piece_law_lanes(const film_piece *piece, const double *restrict xi, double *restrict force,
+                              double *restrict work) {
+    const film_function *g = &piece->force;
+    if (g->form != FILM_POWER) {
+        value_lanes(g, xi, force);
+        value_lanes(&piece->work, xi, work);
+        return;
+    }
+    double x[LANES], power[LANES] = {0.0}, per = work_of(g->exponent);
+    EACH(l) {
+        x[l] = xi[l] - g->origin;
+        x[l] = x[l] > 0.0 ? x[l] : 0.0;
+    }
+    if (g->coefficient != 0.0) raised_lanes(x, g->exponent, power);
+    EACH(l) {
+        double part = g->coefficient * power[l];
+        force[l] = g->constant + g->slope * x[l] + part;
+        work[l] = x[l] * (g->constant + 0.5 * g->slope * x[l] + part * per) - piece->work_at_begin;
+    }
+}
+
+enum { FORCE_AND_WORK, RECOVERY_AND_EXPONENT };
+
+/* Two functions of a stage, each lane from the piece it is in. */
+static void stage_lanes(const film_curve *curve, int32_t stage, int which, const double *restrict xi,
+                          double *restrict a, double *restrict b) {
+    const film_piece *piece = &curve->piece[curve->stage[stage].first];
+    int32_t count = curve->stage[stage].count;
+    double at[LANES] = {0.0}, one[LANES], two[LANES];
+    for (int32_t p = 0; p + 1 < count; p++) {
+        double end = piece[p].end;
+        EACH(l) at[l] = xi[l] > end ? at[l] + 1.0 : at[l];
+    }
+    EACH(l) a[l] = b[l] = 0.0;
+    for (int32_t p = 0; p < count; p++) {
+        double here[LANES];
+        EACH(l) here[l] = at[l] == (double)p ? 1.0 : 0.0;
+        if (count > 1 && !any(here)) continue;
+        if (which == FORCE_AND_WORK) {
+            piece_law_lanes(&piece[p], xi, one, two);
+        } else {
+            value_lanes(&piece[p].recovery, xi, one);
+            value_lanes(&piece[p].exponent, xi, two);
+        }
+        EACH(l) {
+            a[l] = here[l] > 0.0 ? one[l] : a[l];
+            b[l] = here[l] > 0.0 ? two[l] : b[l];
+        }
+    }
+}
+
+static void law_lanes(const film_curve *curve, int32_t stage, const double *restrict xi, double *restrict force,
+                        double *restrict work) {
+    if (curve->stage[stage].count == 1) piece_law_lanes(&curve->piece[curve->stage[stage].first], xi, force, work);
+    else stage_lanes(curve, stage, FORCE_AND_WORK, xi, force, work);
+}
+
+/* Where the work of a stage is `work`, which must not exceed the stage's. Newton's method: on a rising power from
+ * above, without overshoot; elsewhere in a bracket. whole: the work of the whole stage. */
+static void depth_lanes(const film_curve *curve, int32_t stage, double whole, const double *restrict work,
+                          double *restrict depth) {
+    const film_piece *piece = &curve->piece[curve->stage[stage].first];
+    const film_function *g = &piece->force;
+    double begin = curve->stage[stage].begin, end = curve->stage[stage].end, f[LANES], w[LANES];
+    int from_above = rises(curve, stage);
+    double moving[LANES];
+    if (from_above) {
+        double c = g->constant, s = g->slope, k = g->coefficient, per = work_of(g->exponent), root[LANES];
+        EACH(l) {
+            double t = work[l] + piece->work_at_begin;
+            root[l] = t / (k > 0.0 ? k * per : 1.0);
+            depth[l] = c > 0.0 || s > 0.0 ? 2.0 * t / (c + sqrt(c * c + 2.0 * s * t)) : INFINITY;
+        }
+        if (k > 0.0) {
+            double e[LANES], nearly[LANES];
+            EACH(l) e[l] = per;
+            power_lanes(root, e, nearly);
+            EACH(l) depth[l] = nearly[l] < depth[l] ? nearly[l] : depth[l];
+        }
+        EACH(l) {
+            depth[l] += g->origin;
+            moving[l] = 1.0;
+        }
+        if (k == 0.0 && g->origin == begin) return;
+    } else {
+        EACH(l) {
+            depth[l] = begin + (end - begin) * sqrt(work[l] / whole); /* as if work grew as a square */
+            moving[l] = 1.0;
+        }
+    }
+    double low[LANES], high[LANES];
+    EACH(l) {
+        low[l] = begin;
+        high[l] = from_above ? INFINITY : end;
+    }
+    for (int i = 0; i < DEPTH_STEPS; i++) {
+        law_lanes(curve, stage, depth, f, w);
+        EACH(l) {
+            double missing = work[l] - w[l], at = depth[l];
+            low[l] = missing >= 0.0 ? at : low[l];
+            high[l] = missing >= 0.0 ? high[l] : at;
+            double next = at + missing / f[l], halved = 0.5 * (low[l] + high[l]);
+            double near = next >= low[l] ? 1e-9 : 4e-16;
+            near = next <= high[l] ? near : 4e-16;
+            near = from_above ? 1e-9 : near;
+            next = near > 1e-12 ? next : halved;
+            depth[l] = moving[l] > 0.0 ? next : at;
+            moving[l] = fabs(next - at) <= near * at ? 0.0 : moving[l];
+        }
+        if (!any(moving)) break;
+    }
+}
+
+/* The unloading rule over lanes that turned in `stage`, which is not reversible, at xi under force: the branch's length
+ * and exponent. A length that is not positive is for the caller to refuse. */
+static void open_lanes(const film_curve *curve, int32_t stage, const double *restrict xi, const double *restrict force,
+                         double *restrict recovery, double *restrict exponent) {
+    double given[LANES], load[LANES], e[LANES];
+    stage_lanes(curve, stage, RECOVERY_AND_EXPONENT, xi, given, exponent);
+    if (curve->stage[stage].unloading == FILM_RESIDUAL) {
+        EACH(l) recovery[l] = xi[l] - given[l];
+        return;
+    }
+    EACH(l) {
+        load[l] = force[l] / sqrt(given[l]);
+        e[l] = 1.0 / exponent[l];
+    }
+    power_lanes(load, e, recovery);
+    EACH(l) { /* Hertz's: a step of Newton's method towards the cube root of load^2 */
+        double r = recovery[l], cube = r - (r * r * r - load[l] * load[l]) / (3.0 * r * r);
+        recovery[l] = exponent[l] == 1.5 ? cube : r;
+    }
+}
+
+#endif

@@ -1,0 +1,148 @@
+/* The motion on lines, in lanes. Internal to film_lanes.c. What film_line.h does to rounding with whatever functions it
+ * takes, short polynomials do here; where they do not reach, the march's own way is taken, lane by lane. */
+#ifndef FILM_LANE_LINE_H
+#define FILM_LANE_LINE_H
+
+#include "film_lane_law.h"
+
+#include "film_line.h"
+
+static const double REACH = 0.6, FAR_REACH = 2.0; /* of a line: see polynomial */
+
+/* x and y = x' after tau on a line, y'' = -a2 y' - k y, b = -a2 tau, c = -k tau^2: Taylor polynomials, whose terms
+ * before division by j! are t_j = b t_{j-1} + c t_{j-2}, two at a time. They err by reach^8/8! and, where far, by
+ * reach^17/17!, for |b| reach + |c| <= reach^2: 4e-7 and 4e-10 of a line at most, and like n^-8 in n segments. */
+INLINED double polynomial(double y0, double t1, double b, double c, double tau, int far, double *x) {
+    double p = b * b + c, r = b * c, t2 = b * t1 + c * y0, t3 = p * t1 + r * y0, t4 = b * t3 + c * t2;
+    double t5 = p * t3 + r * t2, t6 = b * t5 + c * t4, t7 = p * t5 + r * t4;
+    double high_y = t5 * (1.0 / 120) + t6 * (1.0 / 720) + t7 * (1.0 / 5040);
+    double high_x = t5 * (1.0 / 720) + t6 * (1.0 / 5040) + t7 * (1.0 / 40320);
+    if (far) {
+        double t8 = b * t7 + c * t6;
+        high_y += t8 * (1.0 / 40320);
+        high_x += t8 * (1.0 / 362880);
+        double t9 = p * t7 + r * t6, t10 = b * t9 + c * t8, t11 = p * t9 + r * t8, t12 = b * t11 + c * t10;
+        double t13 = p * t11 + r * t10, t14 = b * t13 + c * t12, t15 = p * t13 + r * t12, t16 = b * t15 + c * t14;
+        high_y += t9 * (1.0 / 362880) + t10 * (1.0 / 3628800) + t11 * (1.0 / 39916800) + t12 * (1.0 / 479001600) +
+                  t13 * (1.0 / 6227020800.0) + t14 * (1.0 / 87178291200.0) + t15 * (1.0 / 1307674368000.0) +
+                  t16 * (1.0 / 20922789888000.0);
+        high_x += t9 * (1.0 / 3628800) + t10 * (1.0 / 39916800) + t11 * (1.0 / 479001600) + t12 * (1.0 / 6227020800.0) +
+                  t13 * (1.0 / 87178291200.0) + t14 * (1.0 / 1307674368000.0) + t15 * (1.0 / 20922789888000.0) +
+                  t16 * (1.0 / 355687428096000.0);
+    }
+    *x = tau * ((y0 + 0.5 * t1) + (t2 * (1.0 / 6) + t3 * (1.0 / 24)) + (t4 * (1.0 / 120) + high_x));
+    return (y0 + t1) + (t2 * 0.5 + t3 * (1.0 / 6)) + (t4 * (1.0 / 24) + high_y);
+}
+
+/* Across lines of length h > 0, whose force begins at phi and changes by kappa a unit of indentation: time, and w at
+ * the end. d = +1 inwards, -1 outwards; from_rest: y = 0 at the beginning. Energy without the damping's share gives a
+ * time to begin with, which x at that time corrects, from rest twice; far, tau has it already. unserved: 1 where that
+ * is not enough. The loops are short, so that a processor works on several lanes at a time. */
+INLINED void cross_lines(const double *restrict gamma, const double *restrict h, const double *restrict phi,
+                         const double *restrict kappa, double d, int from_rest, int far, const double *restrict w,
+                         double *restrict tau, double *restrict w1, double *restrict unserved) {
+    double y0[LANES], d1[LANES], a2[LANES], q[LANES], x[LANES], y[LANES], u[LANES], unfit[LANES];
+    const double reach = far ? FAR_REACH : REACH, rough = far ? 0.03 : 0.01;
+    EACH(l) {
+        double length = h[l], k = kappa[l], load = d * phi[l], damping = gamma[l] * k;
+        double from = from_rest ? 0.0 : d * (w[l] - gamma[l] * phi[l]), drag = 0.5 * (damping * length);
+        double before = from - drag, square = before * before - length * (load + load + k * length);
+        double y1 = sqrt(square > 0.0 ? square : 0.0) - drag, least = 0.1 * from;
+        y1 = y1 > least ? y1 : least;
+        double twice = 2.0 / (from + y1), guess = twice * length;
+        guess -= guess * guess * (k * guess + damping * (y1 - from) * twice) * (1.0 / 12);
+        q[l] = far && !from_rest ? tau[l] : guess;
+        y0[l] = from;
+        d1[l] = -load - damping * from;
+        a2[l] = damping;
+        u[l] = 0.0;
+    }
+    for (int pass = 0; pass <= from_rest; pass++) {
+        EACH(l) {
+            double b, c;
+            q[l] += u[l];
+            b = -a2[l] * q[l];
+            c = -kappa[l] * (q[l] * q[l]);
+            y[l] = polynomial(y0[l], d1[l] * q[l], b, c, q[l], far, &x[l]);
+            unfit[l] = fabs(b) * reach + fabs(c) <= reach * reach ? 0.0 : 1.0;
+        }
+        EACH(l) {
+            double k = kappa[l], slope = -(d * phi[l] + k * x[l]) - a2[l] * y[l], bend = -a2[l] * slope - k * y[l];
+            double per_y = 1.0 / y[l], half = 0.5 * (slope * per_y);
+            double part = (h[l] - x[l]) * per_y; /* h - x = y u + slope u^2/2 + ..., inverted */
+            double step = part * (1.0 - part * (half - 2.0 * (half * half) * part));
+            double end = y[l] + step * (slope + 0.5 * (step * bend));
+            double sure = fabs(part) < rough * q[l] ? unfit[l] : 1.0; /* u may be short by chance */
+            u[l] = step;
+            unserved[l] = end > 0.0 ? sure : 1.0;
+            tau[l] = q[l] + step;
+            w1[l] = d * end + gamma[l] * (phi[l] + d * (k * h[l]));
+        }
+    }
+}
+
+typedef struct {
+    double h[LANES], phi[LANES], kappa[LANES], tau[LANES];
+} lines;
+
+/* The march's own way across one line of one lane. */
+static int cross_alone(double gamma, double h, double phi, double kappa, double d, int from_rest, double w, double *tau,
+                       double *w1) {
+    double y = 0.0;
+    motion m = {from_rest ? 0.0 : d * (w - gamma * phi), d * phi, kappa, 0.5 * kappa * gamma};
+    int left = leave(&m, h, tau, &y);
+    *w1 = d * y + gamma * (phi + d * (kappa * h));
+    return left == LEFT;
+}
+
+/* What the short polynomial cannot serve, the long one may, and else the march's own way. */
+static void pass_again(lanes *restrict s, lines *restrict n, double d, int from_rest, const double *restrict unserved,
+                       const double *restrict far_tau, const double *restrict far_w1, const double *restrict far,
+                       double *restrict w1) {
+    for (int l = 0; l < LANES; l++) {
+        if (unserved[l] == 0.0 || s->bad[l] > 0.0) continue;
+        n->tau[l] = far_tau[l];
+        w1[l] = far_w1[l];
+        if (far[l] == 0.0) continue;
+        if (!cross_alone(s->gamma[l], n->h[l], n->phi[l], n->kappa[l], d, from_rest, s->w[l], &n->tau[l], &w1[l]))
+            s->bad[l] = 1.0;
+    }
+}
+
+INLINED void pass_lines(lanes *restrict s, lines *restrict n, double d, int from_rest) {
+    double w1[LANES], far_tau[LANES], far_w1[LANES], unserved[LANES], far[LANES];
+    if (from_rest) {
+        EACH(l) unserved[l] = 1.0;
+    } else {
+        cross_lines(s->gamma, n->h, n->phi, n->kappa, d, 0, 0, s->w, n->tau, w1, unserved);
+    }
+    if (from_rest || any(unserved)) {
+        if (!from_rest) memcpy(far_tau, n->tau, sizeof far_tau);
+        cross_lines(s->gamma, n->h, n->phi, n->kappa, d, from_rest, 1, s->w, far_tau, far_w1, far);
+        pass_again(s, n, d, from_rest, unserved, far_tau, far_w1, far, w1);
+    }
+    EACH(l) {
+        s->w[l] = w1[l];
+        s->time[l] += n->tau[l];
+    }
+}
+
+static void pass_inwards(lanes *restrict s, lines *restrict n) { pass_lines(s, n, 1.0, 0); }
+static void pass_from_rest(lanes *restrict s, lines *restrict n) { pass_lines(s, n, -1.0, 1); }
+static void pass_outwards(lanes *restrict s, lines *restrict n) { pass_lines(s, n, -1.0, 0); }
+
+/* The lines to nodes at x1 where the law is f1 and work1; the lanes stand there afterwards. */
+INLINED void draw_lines(lanes *restrict s, lines *restrict n, double d, int from_rest, const double *restrict x1,
+                         const double *restrict f1, const double *restrict work1) {
+    EACH(l) {
+        double h = x1[l] - s->xi[l], per_h = 1.0 / h, mean = (work1[l] - s->work[l]) * per_h;
+        n->h[l] = d * h;
+        n->kappa[l] = from_rest ? 2.0 * (mean - s->force[l]) * per_h : (f1[l] - s->force[l]) * per_h;
+        n->phi[l] = from_rest ? s->force[l] : mean - 0.5 * n->kappa[l] * h;
+        s->xi[l] = x1[l];
+        s->force[l] = f1[l];
+        s->work[l] = work1[l];
+    }
+}
+
+#endif

@@ -1,0 +1,536 @@
+/* Runs of blocks of impacts, side by side in lanes: see film_batch.h. film_avx2.c and film_avx512.c compile it too. */
+#include "film_lane_line.h"
+
+#ifndef FILM_ROUTINES
+#define FILM_ROUTINES film_plain
+#endif
+
+enum { AIM_STEPS = 8 };
+static const double AIM = 5e-3; /* of the energy: closer than the formula for it */
+
+/* ---------------------------------------------------------------- fixed targets, side by side */
+
+/* Time across a line over 2h: A/S, A = atan(sqrt z)/sqrt z, z = kappa (h/S)^2, S = v0 + v1, as a [3/3] Pade
+ * approximant in z without a division of its own: 7e-12 off at z = 0.1, rounding below 0.03. bend: kappa h^2. */
+INLINED double crossing(double sum, double bend) {
+    double s = sum * sum, b = bend * bend;
+    double over = s * (s * (s + (50.0 / 39) * bend) + (283.0 / 715) * b) + (256.0 / 15015) * (b * bend);
+    double under = s * (s * (s + (21.0 / 13) * bend) + (105.0 / 143) * b) + (35.0 / 429) * (b * bend);
+    return over / (sum * under);
+}
+
+static void cross_stage(job *j, int32_t stage, int32_t segments, const double *nodes, double *restrict v,
+                          double *restrict time, double *restrict peak) {
+    const table *t = film_lines_of(j, stage, 1, segments, nodes, 0.0);
+    double square[LANES];
+    EACH(l) square[l] = v[l] * v[l];
+    for (int32_t i = 1; i <= segments; i++) {
+        const row *r = &t->rows[i];
+        double spent = r->work, twice = 2.0 * r->h, bend = r->kappa * r->h * r->h;
+        EACH(l) {
+            double left = square[l] - spent, v1 = sqrt(left > 0.0 ? left : 0.0);
+            time[l] += twice * crossing(v[l] + v1, bend);
+            v[l] = v1;
+        }
+    }
+    EACH(l) peak[l] = t->peak > peak[l] ? t->peak : peak[l];
+}
+
+/* From the beginning of the stage, at v, to the turn at xi, by energy. */
+static void run_to_turn(job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict v,
+                          const double *restrict xi, double *restrict time, double *restrict peak) {
+    const film_curve *curve = j->curve;
+    const film_function *g = &curve->piece[curve->stage[stage].first].force;
+    double begin = curve->stage[stage].begin, v0[LANES], x0[LANES], f0[LANES], w0[LANES];
+    if (plain_power(j, stage)) { /* one run, scaled */
+        double rest = film_lines_of(j, UNIT_POWER, 1, segments, nodes, g->exponent)->rest;
+        double power[LANES];
+        raised_lanes(xi, g->exponent, power);
+        EACH(l) time[l] += rest * sqrt(xi[l] / (g->coefficient * power[l]));
+        EACH(l) peak[l] = g->coefficient * power[l] > peak[l] ? g->coefficient * power[l] : peak[l];
+        return;
+    }
+    EACH(l) v0[l] = v[l];
+    if (j->simple[stage]) {
+        const row *r = film_lines_of(j, UNIT_POWER, 1, segments, nodes, g->exponent)->rows;
+        double flat[LANES], linear[LANES], power[LANES], sum[LANES] = {0.0}, constant = g->constant, slope = g->slope;
+        EACH(l) x0[l] = xi[l] - begin;
+        raised_lanes(x0, g->exponent, power);
+        EACH(l) {
+            flat[l] = 2.0 * constant * x0[l];
+            linear[l] = slope * x0[l] * x0[l];
+            power[l] *= g->coefficient * x0[l];
+        }
+        for (int32_t i = 1; i <= segments; i++) {
+            double x = r[i].x, h = r[i].h, left1 = 1.0 - x, left2 = 1.0 - x * x, work = r[i].work, hh = h * h;
+            double bent = r[i].kappa * hh;
+            EACH(l) {
+                double v1 = sqrt(flat[l] * left1 + linear[l] * left2 + power[l] * work);
+                sum[l] += h * crossing(v0[l] + v1, linear[l] * hh + power[l] * bent);
+                v0[l] = v1;
+            }
+        }
+        EACH(l) {
+            double force = constant + slope * x0[l] + power[l] / x0[l];
+            time[l] += 2.0 * x0[l] * sum[l];
+            peak[l] = force > peak[l] ? force : peak[l];
+        }
+        return;
+    }
+    EACH(l) x0[l] = begin;
+    law_lanes(curve, stage, x0, f0, w0);
+    for (int32_t i = 1; i <= segments; i++) {
+        double x1[LANES], f1[LANES], w1[LANES], fraction = nodes[i];
+        EACH(l) x1[l] = i < segments ? begin + (xi[l] - begin) * fraction : xi[l];
+        law_lanes(curve, stage, x1, f1, w1);
+        EACH(l) {
+            double h = x1[l] - x0[l], per_h = 1.0 / h, mean = (w1[l] - w0[l]) * per_h, left = v[l] * v[l] - 2.0 * w1[l];
+            double bend = i < segments ? (f1[l] - f0[l]) * h : 2.0 * (f1[l] - mean) * h;
+            double v1 = i < segments ? sqrt(left > 0.0 ? left : 0.0) : 0.0;
+            time[l] += 2.0 * h * crossing(v0[l] + v1, bend);
+            peak[l] = f1[l] > peak[l] ? f1[l] : peak[l];
+            x0[l] = x1[l];
+            f0[l] = f1[l];
+            w0[l] = w1[l];
+            v0[l] = v1;
+        }
+    }
+}
+
+/* Time of a run from rest over x^exponent, from 1 to 0, where the exponent is each lane's own. */
+static void run_from_rest(const film_mesh *mesh, const double *restrict exponent, double *restrict time) {
+    double u0[LANES], f0[LANES], w0[LANES], v0[LANES], u1[LANES], f1[LANES];
+    EACH(l) {
+        u0[l] = f0[l] = 1.0;
+        w0[l] = 1.0 / (exponent[l] + 1.0);
+        v0[l] = time[l] = 0.0;
+    }
+    for (int32_t i = 1; i <= mesh->unloading; i++) {
+        double u = i < mesh->unloading ? 1.0 - mesh->unloading_nodes[FILM_COSINE][i] : 0.0;
+        EACH(l) u1[l] = u;
+        power_lanes(u1, exponent, f1);
+        EACH(l) {
+            double h = u0[l] - u, per = 1.0 / (exponent[l] + 1.0), w1 = f1[l] * u * per, mean = (w0[l] - w1) / h;
+            double v1 = sqrt(2.0 * (per - w1)), bend = i > 1 ? (f0[l] - f1[l]) * h : 2.0 * (f0[l] - mean) * h;
+            time[l] += 2.0 * h * crossing(v0[l] + v1, bend);
+            u0[l] = u;
+            f0[l] = f1[l];
+            w0[l] = w1;
+            v0[l] = v1;
+        }
+    }
+}
+
+/* A block of impacts that turn in `stage`, from first touch to the end of contact. */
+static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) {
+    const film_curve *curve = j->curve;
+    const film_mesh *mesh = j->mesh;
+    const double *in = mesh->loading_nodes[FILM_COSINE], *out = mesh->unloading_nodes[FILM_COSINE];
+    int32_t n = mesh->loading, m = mesh->unloading, drawn = n * (stage + 1);
+    double nu[LANES], v[LANES], energy[LANES], xi[LANES], force[LANES], work[LANES], recovery[LANES], given[LANES];
+    double turned[LANES] = {0.0}, peak[LANES] = {0.0}, ended[LANES], left[LANES], stored = 0.0;
+    EACH(l) v[l] = nu[l] = j->start[index[l < count ? l : 0]].nu;
+    for (int32_t k = 0; k < stage; k++) {
+        cross_stage(j, k, n, in, v, turned, peak);
+        stored += j->whole[k];
+    }
+    EACH(l) energy[l] = 0.5 * v[l] * v[l];
+    depth_lanes(curve, stage, j->whole[stage], energy, xi);
+    law_lanes(curve, stage, xi, force, work);
+    run_to_turn(j, stage, n, in, v, xi, turned, peak);
+    if (curve->stage[stage].unloading != FILM_RETRACE) {
+        double exponent[LANES], time[LANES];
+        open_lanes(curve, stage, xi, force, recovery, exponent);
+        if (j->exponent[stage] == j->exponent[stage]) {
+            double rest = film_lines_of(j, UNIT_POWER, 1, m, out, j->exponent[stage])->rest;
+            EACH(l) time[l] = rest;
+        } else {
+            run_from_rest(mesh, exponent, time);
+        }
+        EACH(l) {
+            ended[l] = turned[l] + time[l] * sqrt(recovery[l] / force[l]);
+            given[l] = force[l] * recovery[l] / (exponent[l] + 1.0);
+            left[l] = xi[l] - recovery[l];
+        }
+        drawn += m;
+    } else { /* the same lines the other way round, if they are as many */
+        double back[LANES] = {0.0}, peak_again[LANES] = {0.0};
+        EACH(l) v[l] = nu[l];
+        if (n != m) {
+            for (int32_t k = 0; k < stage; k++) cross_stage(j, k, m, out, v, back, peak_again);
+            run_to_turn(j, stage, m, out, v, xi, back, peak_again);
+        }
+        EACH(l) {
+            ended[l] = turned[l] + (n == m ? turned[l] : back[l]);
+            given[l] = stored + work[l];
+            left[l] = 0.0;
+            recovery[l] = xi[l];
+        }
+        drawn += m * (stage + 1);
+    }
+    for (int l = 0; l < count; l++) {
+        film_summary *s = &j->summary[index[l]];
+        double last = -sqrt(2.0 * given[l]);
+        s->maximum_force = peak[l];
+        s->maximum_indentation = xi[l];
+        s->time_of_maximum_indentation = s->time_impactor_stops = turned[l];
+        s->contact_duration = ended[l];
+        s->permanent_indentation = left[l];
+        s->final_velocity = last;
+        s->shift = 0.0;
+        s->work = stored + work[l] - given[l];
+        s->stage = stage;
+        s->lines = drawn;
+        int whole = recovery[l] > 0.0 && ended[l] < INFINITY && last > -INFINITY;
+        j->status[index[l]] = whole ? FILM_EVENT : film_impact(curve, mesh, &j->start[index[l]], s);
+    }
+}
+
+/* ---------------------------------------------------------------- targets that give way, side by side */
+
+/* Along a loading stage towards aim, up to the node before it. nodes NULL: a trial. */
+static void run_towards(job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict aim,
+                          lanes *restrict s) {
+    const film_curve *curve = j->curve;
+    const film_function *g = &curve->piece[curve->stage[stage].first].force;
+    double begin = curve->stage[stage].begin, x1[LANES], f1[LANES], w1[LANES];
+    lines n;
+    const row *r = film_lines_of(j, UNIT_POWER, 1, segments, nodes, j->simple[stage] ? g->exponent : ANY_POWER)->rows;
+    if (j->simple[stage]) {
+        double span[LANES], power[LANES], stiff[LANES], c = g->constant, k = g->slope;
+        EACH(l) span[l] = aim[l] - begin;
+        raised_lanes(span, g->exponent, power);
+        EACH(l) {
+            power[l] *= g->coefficient;
+            stiff[l] = power[l] / span[l];
+        }
+        for (int32_t i = 1; i < segments; i++) {
+            double x = r[i - 1].x, h = r[i].h, kappa = r[i].kappa, phi = r[i].phi;
+            EACH(l) {
+                n.h[l] = span[l] * h;
+                n.kappa[l] = k + stiff[l] * kappa;
+                n.phi[l] = c + k * (span[l] * x) + power[l] * phi;
+            }
+            pass_inwards(s, &n);
+        }
+        EACH(l) s->xi[l] = begin + span[l] * r[segments - 1].x;
+        law_lanes(curve, stage, s->xi, s->force, s->work);
+        return;
+    }
+    for (int32_t i = 1; i < segments; i++) {
+        EACH(l) x1[l] = begin + (aim[l] - begin) * r[i].x;
+        law_lanes(curve, stage, x1, f1, w1);
+        draw_lines(s, &n, 1.0, 0, x1, f1, w1);
+        pass_inwards(s, &n);
+    }
+}
+
+/* The turn near x1: the last line meets the law's force at x1, and the time is that at which nu = gamma f on the law,
+ * by steps of Newton's method from tau or, where it is not known, from Halley's step at the line's beginning. */
+static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *restrict s, int known, int steps,
+                       double *restrict tau) {
+    double phi[LANES], kappa[LANES], y0[LANES], x[LANES], f1[LANES], w1[LANES], w[LANES], miss[LANES], falling[LANES];
+    law_lanes(j->curve, stage, x1, f1, w1);
+    EACH(l) {
+        double g = s->gamma[l], h = x1[l] - s->xi[l], mean = (w1[l] - s->work[l]) / h;
+        phi[l] = 2.0 * mean - f1[l];
+        kappa[l] = 2.0 * (f1[l] - mean) / h;
+        double a2 = g * kappa[l], y = s->w[l] - g * phi[l], d1 = -phi[l] - a2 * y, d2 = -a2 * d1 - kappa[l] * y;
+        y0[l] = y;
+        tau[l] = known ? tau[l] : 2.0 * y * d1 / (y * d2 - 2.0 * d1 * d1);
+    }
+    for (int i = 0; i <= steps; i++) {
+        EACH(l) {
+            double g = s->gamma[l], a2 = g * kappa[l], b = -a2 * tau[l], c = -kappa[l] * (tau[l] * tau[l]), along;
+            double y = polynomial(y0[l], (-phi[l] - a2 * y0[l]) * tau[l], b, c, tau[l], 1, &along);
+            falling[l] = a2 * y; /* of gamma f, by the line's slope */
+            w[l] = y + g * (phi[l] + kappa[l] * along);
+            x[l] = s->xi[l] + along;
+            miss[l] = fabs(b) * FAR_REACH + fabs(c) <= FAR_REACH * FAR_REACH ? 0.0 : 1.0;
+        }
+        law_lanes(j->curve, stage, x, f1, w1);
+        if (i == steps) break;
+        EACH(l) tau[l] += (w[l] - s->gamma[l] * f1[l]) / (f1[l] + falling[l]);
+    }
+    EACH(l) {
+        double g = s->gamma[l], bad = fabs(w[l] - g * f1[l]) < 1e-9 * w[l] ? miss[l] : 1.0;
+        bad = y0[l] > 0.0 ? bad : 1.0;
+        s->bad[l] = tau[l] > 0.0 ? s->bad[l] + bad : 1.0;
+        s->time[l] += tau[l];
+        s->xi[l] = x[l];
+        s->force[l] = f1[l];
+        s->work[l] = w1[l];
+        s->w[l] = g * f1[l];
+    }
+}
+
+/* About where the impacts turn, within 2 % on Hertz's law: false position, the stale end halved. A fixed target would
+ * stop them later. */
+static void first_aim(job *j, int32_t stage, double stored, const double *restrict nu, const double *restrict gamma,
+                        double *restrict aim) {
+    const film_curve *curve = j->curve;
+    double begin = curve->stage[stage].begin, whole = j->whole[stage];
+    double low[LANES], high[LANES], below[LANES], above[LANES], f[LANES], w[LANES], energy[LANES];
+    double moving[LANES];
+    EACH(l) {
+        energy[l] = 0.5 * nu[l] * nu[l] - stored;
+        low[l] = begin;
+    }
+    EACH(l) energy[l] = energy[l] < whole ? energy[l] : whole;
+    depth_lanes(curve, stage, whole, energy, high);
+    law_lanes(curve, stage, low, f, w);
+    EACH(l) below[l] = spent_less_energy(stored + w[l], f[l], nu[l], gamma[l]);
+    law_lanes(curve, stage, high, f, w);
+    EACH(l) {
+        above[l] = spent_less_energy(stored + w[l], f[l], nu[l], gamma[l]);
+        aim[l] = high[l];
+        moving[l] = above[l] > 0.0 ? 1.0 : 0.0;
+    }
+    for (int i = 0; i < AIM_STEPS && any(moving); i++) {
+        double x[LANES];
+        EACH(l) {
+            double next = low[l] - (high[l] - low[l]) * below[l] / (above[l] - below[l]);
+            x[l] = moving[l] > 0.0 ? next : aim[l];
+        }
+        law_lanes(curve, stage, x, f, w);
+        EACH(l) {
+            double excess = spent_less_energy(stored + w[l], f[l], nu[l], gamma[l]);
+            high[l] = excess > 0.0 ? x[l] : high[l];
+            low[l] = excess > 0.0 ? low[l] : x[l];
+            below[l] = excess > 0.0 ? 0.5 * below[l] : excess;
+            above[l] = excess > 0.0 ? excess : 0.5 * above[l];
+            aim[l] = x[l];
+            moving[l] = fabs(excess) < AIM * (0.5 * nu[l] * nu[l]) ? 0.0 : moving[l];
+        }
+    }
+}
+
+/* Across all stages before, then along `stage` to the turn, for a block of impacts that should turn there. turned: the
+ * lanes there, the branches open. */
+static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int count, deepest *restrict t) {
+    lanes *restrict s = &t->at;
+    const film_curve *curve = j->curve;
+    const double *nodes = j->mesh->loading_nodes[FILM_PLATE_IN];
+    int32_t segments = j->mesh->loading;
+    double nu[LANES], aim[LANES], last[LANES], tau[LANES], before = 0.0, end = curve->stage[stage].end, largest = 0.0;
+    lines n;
+    lanes trial;
+    EACH(l) {
+        const film_start *start = &j->start[index[l < count ? l : 0]];
+        s->gamma[l] = start->gamma;
+        s->w[l] = nu[l] = start->nu;
+        s->time[l] = 0.0;
+        s->bad[l] = 0.0;
+    }
+    for (int32_t k = 0; k < stage; k++) {
+        const table *whole = film_lines_of(j, k, 1, segments, nodes, 0.0);
+        for (int32_t i = 1; i <= segments; i++) {
+            EACH(l) {
+                n.h[l] = whole->rows[i].h;
+                n.kappa[l] = whole->rows[i].kappa;
+                n.phi[l] = whole->rows[i].phi;
+            }
+            pass_inwards(s, &n);
+        }
+        before += j->whole[k];
+        largest = whole->peak > largest ? whole->peak : largest;
+    }
+    EACH(l) s->xi[l] = curve->stage[stage].begin;
+    law_lanes(curve, stage, s->xi, s->force, s->work);
+    first_aim(j, stage, before, nu, s->gamma, aim);
+    for (int32_t m = AIMING_SEGMENTS; m == AIMING_SEGMENTS || 3 * m <= segments; m *= 4) { /* each aims the next */
+        trial = *s;
+        run_towards(j, stage, m, NULL, aim, &trial);
+        turn_lanes(j, stage, aim, &trial, 0, 1, tau);
+        EACH(l) { /* a trial may be rough: it only places the nodes */
+            double to = trial.xi[l] < end ? trial.xi[l] : end;
+            aim[l] = fabs(trial.xi[l] - aim[l]) < 0.1 * aim[l] ? to : aim[l];
+        }
+    }
+    run_towards(j, stage, segments, nodes, aim, s);
+    trial = *s;
+    turn_lanes(j, stage, aim, &trial, 0, 1, tau);
+    EACH(l) {
+        last[l] = s->xi[l];
+        s->bad[l] = fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? s->bad[l] : 1.0; /* a last line too long or short */
+        aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
+    }
+    turn_lanes(j, stage, aim, s, 1, 3, tau);
+    double exponent = plain_power(j, stage) ? j->exponent[stage] : 1.0; /* back along the law it is of no use */
+    EACH(l) {
+        s->bad[l] = s->xi[l] <= end ? s->bad[l] : 1.0;
+        s->bad[l] = fabs(s->xi[l] - aim[l]) < 0.1 * (s->xi[l] - last[l]) ? s->bad[l] : 1.0;
+        t->stored[l] = before + s->work[l];
+        t->peak[l] = s->force[l] > largest ? s->force[l] : largest;
+        t->recovery[l] = s->xi[l];
+        t->exponent[l] = exponent;
+    }
+    if (curve->stage[stage].unloading != FILM_RETRACE)
+        open_lanes(curve, stage, s->xi, s->force, t->recovery, t->exponent);
+    EACH(l) {
+        s->bad[l] = t->recovery[l] > 0.0 ? s->bad[l] : 1.0;
+        s->bad[l] = t->exponent[l] > 0.0 ? s->bad[l] : 1.0;
+        t->slowness[l] = s->gamma[l] * sqrt(s->force[l] / t->recovery[l]);
+    }
+}
+
+/* The line on which each lane's impactor stops: kept until it is there. */
+typedef struct {
+    double time[LANES], tau[LANES], w0[LANES], w1[LANES], f0[LANES], f1[LANES];
+    double moving[LANES];
+} stops;
+
+static void keep_stop(stops *restrict stop, const lanes *restrict s, const lines *restrict n, const double *restrict w0,
+                        const double *restrict f0, const double *restrict f1) {
+    EACH(l) {
+        double moving = stop->moving[l];
+        stop->time[l] = moving > 0.0 ? s->time[l] - n->tau[l] : stop->time[l];
+        stop->tau[l] = moving > 0.0 ? n->tau[l] : stop->tau[l];
+        stop->w0[l] = moving > 0.0 ? w0[l] : stop->w0[l];
+        stop->w1[l] = moving > 0.0 ? s->w[l] : stop->w1[l];
+        stop->f0[l] = moving > 0.0 ? f0[l] : stop->f0[l];
+        stop->f1[l] = moving > 0.0 ? f1[l] : stop->f1[l];
+        stop->moving[l] = s->w[l] > 0.0 ? moving : 0.0;
+    }
+}
+
+/* When the impactors stop, within lines that begin at w0 > 0 and end at w1 <= 0: the cubic through both velocities and
+ * both accelerations, -f. NAN where one does not. */
+static void stop_times(const stops *restrict n, double *restrict time) {
+    EACH(l) {
+        double w0 = n->w0[l], w1 = n->w1[l], d0 = -n->f0[l] * n->tau[l], d1 = -n->f1[l] * n->tau[l], s = w0 / (w0 - w1);
+        double c2 = 3.0 * (w1 - w0) - 2.0 * d0 - d1, c3 = 2.0 * (w0 - w1) + d0 + d1;
+        for (int i = 0; i < 3; i++) {
+            s -= (w0 + s * (d0 + s * (c2 + s * c3))) / (d0 + s * (2.0 * c2 + 3.0 * s * c3));
+            s = s > 0.0 ? s : 0.0; /* a line too long for its cubic */
+            s = s < 1.0 ? s : 1.0;
+        }
+        double at = n->moving[l] == 0.0 ? n->time[l] + s * n->tau[l] : NAN;
+        time[l] = w0 > 0.0 ? at : NAN;
+    }
+}
+
+/* What one lane has done. */
+static void leave_lane(job *j, const lanes *s, double stopped, int l, int64_t index, double left, double stored,
+                       double given) {
+    film_summary *out = &j->summary[index];
+    const film_start *start = &j->start[index];
+    out->time_impactor_stops = stopped;
+    out->contact_duration = s->time[l];
+    out->permanent_indentation = left;
+    out->final_velocity = s->w[l];
+    out->shift = s->gamma[l] * (start->nu - s->w[l]);
+    out->work = stored - given;
+    int whole = s->bad[l] == 0.0 && s->time[l] < INFINITY && fabs(s->w[l]) < INFINITY;
+    j->status[index] = whole ? FILM_EVENT : film_impact(j->curve, j->mesh, start, out);
+}
+
+/* A block of impacts from rest at their deepest point out along their branches; exponent NAN: each lane has its own. */
+static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
+    const double *nodes = j->mesh->unloading_nodes[grading];
+    int32_t segments = j->mesh->unloading;
+    double stiff[LANES], w0[LANES], f0[LANES], f1[LANES], stopped[LANES];
+    const row *r = same == same ? film_lines_of(j, UNIT_POWER, -1, segments, nodes, same)->rows : NULL;
+    lanes s;
+    lines n;
+    stops stop;
+    int any_moves = 1;
+    for (int l = q->count; l < LANES; l++) { /* an incomplete block is filled up with its first impact */
+        q->gamma[l] = q->gamma[0];
+        q->time[l] = q->time[0];
+        q->top[l] = q->top[0];
+        q->force[l] = q->force[0];
+        q->recovery[l] = q->recovery[0];
+        q->exponent[l] = q->exponent[0];
+    }
+    EACH(l) {
+        s.gamma[l] = q->gamma[l];
+        s.time[l] = q->time[l];
+        s.w[l] = q->gamma[l] * q->force[l];
+        s.bad[l] = 0.0;
+        s.xi[l] = q->recovery[l];
+        s.force[l] = q->force[l];
+        s.work[l] = q->force[l] * q->recovery[l] / (q->exponent[l] + 1.0);
+        stiff[l] = q->force[l] / q->recovery[l];
+        stop.moving[l] = 1.0;
+        stop.time[l] = stop.tau[l] = stop.w0[l] = stop.w1[l] = stop.f0[l] = stop.f1[l] = 0.0;
+        f1[l] = q->force[l];
+    }
+    for (int32_t i = 1; i <= segments; i++) {
+        if (any_moves) {
+            EACH(l) {
+                w0[l] = s.w[l];
+                f0[l] = f1[l];
+            }
+        }
+        if (r != NULL) {
+            double h = r[i].h, kappa = r[i].kappa, phi = r[i].phi, force = r[i].force;
+            EACH(l) {
+                n.h[l] = q->recovery[l] * h;
+                n.kappa[l] = stiff[l] * kappa;
+                n.phi[l] = q->force[l] * phi;
+                f1[l] = q->force[l] * force;
+            }
+        } else {
+            double u[LANES], x1[LANES], w1[LANES], fraction = i < segments ? 1.0 - nodes[i] : 0.0;
+            EACH(l) u[l] = fraction;
+            power_lanes(u, q->exponent, f1);
+            EACH(l) {
+                x1[l] = q->recovery[l] * fraction;
+                f1[l] *= q->force[l];
+                w1[l] = f1[l] * x1[l] / (q->exponent[l] + 1.0);
+            }
+            draw_lines(&s, &n, -1.0, i == 1, x1, f1, w1);
+        }
+        if (i == 1) pass_from_rest(&s, &n);
+        else pass_outwards(&s, &n);
+        if (any_moves) {
+            keep_stop(&stop, &s, &n, w0, f0, f1);
+            any_moves = any(stop.moving);
+        }
+    }
+    stop_times(&stop, stopped);
+    for (int l = 0; l < q->count; l++)
+        leave_lane(j, &s, stopped[l], l, q->index[l], q->top[l] - q->recovery[l], q->stored[l],
+                   q->force[l] * q->recovery[l] / (q->exponent[l] + 1.0));
+    q->count = 0;
+}
+
+/* The way back along a reversible law, stage by stage, from rest at the turn: the lanes have turned in `stage`. */
+static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int count, lanes *restrict s,
+                               const double *restrict stored) {
+    const film_mesh *mesh = j->mesh;
+    double largest[LANES], from[LANES], x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES], stopped[LANES];
+    const double *nodes[LANES];
+    lines n;
+    stops stop;
+    EACH(l) {
+        largest[l] = s->force[l];
+        stop.moving[l] = 1.0;
+        stop.time[l] = stop.tau[l] = stop.w0[l] = stop.w1[l] = stop.f0[l] = stop.f1[l] = 0.0;
+    }
+    for (int32_t k = stage; k >= 0; k--) {
+        double to = j->curve->stage[k].begin;
+        EACH(l) {
+            from[l] = s->xi[l];
+            nodes[l] = mesh->unloading_nodes[grading_of(s->gamma[l] * sqrt(largest[l] / from[l]))];
+        }
+        law_lanes(j->curve, k, from, s->force, s->work);
+        for (int32_t i = 1; i <= mesh->unloading; i++) {
+            EACH(l) {
+                x1[l] = i < mesh->unloading ? from[l] + (to - from[l]) * nodes[l][i] : to;
+                w0[l] = s->w[l];
+                f0[l] = s->force[l];
+            }
+            law_lanes(j->curve, k, x1, f1, w1);
+            draw_lines(s, &n, -1.0, i == 1 && k == stage, x1, f1, w1);
+            if (i == 1 && k == stage) pass_from_rest(s, &n);
+            else pass_outwards(s, &n);
+            keep_stop(&stop, s, &n, w0, f0, f1);
+        }
+    }
+    stop_times(&stop, stopped);
+    for (int l = 0; l < count; l++) leave_lane(j, s, stopped[l], l, index[l], 0.0, stored[l], stored[l]);
+}
+
+const routines FILM_ROUTINES = {fixed_lanes, plate_in_lanes, plate_out_lanes, plate_back_lanes};

@@ -49,9 +49,14 @@ static int fixed_target(const film_curve *curve, const film_mesh *mesh, double n
         double end = curve->stage[run.branch].end;
         status = film_turning_point(curve, &run, xi, 0.0, v, 0.0, end, &to);
         if (status < 0) return status;
-        time += cross(curve, &run, xi, to, v, status == FILM_EVENT, mesh->loading, in, &peak);
-        summary->lines += mesh->loading;
         law_at(curve, &run, to, &force, &work);
+        if (status == FILM_EVENT && to - xi <= SHORT_LEG * to) { /* the way is rounding; the velocity is not */
+            time += force > 0.0 ? v / force : 0.0;
+            if (force > peak) peak = force;
+        } else {
+            time += cross(curve, &run, xi, to, v, status == FILM_EVENT, mesh->loading, in, &peak);
+        }
+        summary->lines += mesh->loading;
         stored += work;
         xi = to;
         if (status == FILM_EVENT) break;

@@ -28,6 +28,7 @@ typedef struct {
     const row *rows;     /* 0 .. segments */
 } table;
 
+static const double SHORT_LEG = 1e-9; /* of the depth: a leg to the turn whose length rounding has made too uncertain */
 static const double ANY_POWER = 1.5; /* where only the nodes of a run are asked for */
 enum { UNIT_POWER = -1, ROWS = 2304, TABLES = 128, AIMING_SEGMENTS = 4 };
 

@@ -13,6 +13,7 @@ static const double TURN_TOLERANCE = 1e-12;      /* of the length of the last se
 static const double TURN_ROUNDING = 2e-15;       /* of the depth: a short segment's mean force is not known better */
 static const double TRIAL_TURN_TOLERANCE = 1e-2; /* a trial only aims the nodes */
 static const double TURN_SPEED = 1e-6;           /* of the speed a line began with: its energy, 1e-12, is rounding */
+static const double SHORT_TURN = 1e-9;           /* of the depth: a way to the turn of which rounding is a part */
 static const double REST_LENGTH = 1e-6;          /* of the contact's depth: curvature changes the force by 1e-12 */
 static const double REST_SPEED = 1e-13;          /* of the impactor's: rounding of y = nu - gamma f */
 static const double NEWTON_SETTLED = 1e-9;       /* relative; the next step's error is the square */
@@ -183,6 +184,15 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
     double to = last ? s->leg_to : s->leg_from + (s->leg_to - s->leg_from) * node(mesh, s, s->leg_node + 1);
     double length = d * (to - s->xi), edge = d * (limit - s->xi);
     s->line_ends = last ? s->leg_ends : ENDS_NODE;
+    if (s->line_ends == ENDS_TURN && !at_rest && length <= SHORT_TURN * fabs(s->xi)) { /* under one force */
+        double speed = d * (s->nu - s->gamma * s->force), pull = d * (s->force - s->load);
+        if (speed > 0.0 && speed * speed <= 2.0 * SHORT_TURN * pull * fabs(s->xi)) {
+            end_here(s, ENDS_TURN);
+            s->tau_end = speed / pull;
+            s->nu_end = s->gamma * s->force;
+            return FILM_OK;
+        }
+    }
     if (s->line_ends != ENDS_TURN || own_turn) {
         if (!(length > 0.0)) {
             end_here(s, s->line_ends);

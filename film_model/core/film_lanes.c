@@ -6,6 +6,7 @@
 #endif
 
 enum { AIM_STEPS = 8 };
+static const double SHORT_WAY_OUT = 1e-4; /* of the way that is left: a shorter one's mean force is rounding */
 static const double AIM = 5e-3; /* of the energy: closer than the formula for it */
 
 /* ---------------------------------------------------------------- fixed targets, side by side */
@@ -182,6 +183,7 @@ static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) 
         s->stage = stage;
         s->lines = drawn;
         int whole = recovery[l] > 0.0 && ended[l] < INFINITY && last > -INFINITY;
+        whole = whole && xi[l] - curve->stage[stage].begin > SHORT_LEG * xi[l];
         j->status[index[l]] = whole ? FILM_EVENT : film_impact(curve, mesh, &j->start[index[l]], s);
     }
 }
@@ -377,11 +379,11 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
 /* The line on which each lane's impactor stops: kept until it is there. */
 typedef struct {
     double time[LANES], tau[LANES], w0[LANES], w1[LANES], f0[LANES], f1[LANES];
-    double moving[LANES];
+    double phi[LANES], kappa[LANES], xi[LANES], stage[LANES], moving[LANES];
 } stops;
 
 static void keep_stop(stops *restrict stop, const lanes *restrict s, const lines *restrict n, const double *restrict w0,
-                        const double *restrict f0, const double *restrict f1) {
+                        const double *restrict f0, const double *restrict f1, const double *restrict from, int32_t stage) {
     EACH(l) {
         double moving = stop->moving[l];
         stop->time[l] = moving > 0.0 ? s->time[l] - n->tau[l] : stop->time[l];
@@ -390,13 +392,50 @@ static void keep_stop(stops *restrict stop, const lanes *restrict s, const lines
         stop->w1[l] = moving > 0.0 ? s->w[l] : stop->w1[l];
         stop->f0[l] = moving > 0.0 ? f0[l] : stop->f0[l];
         stop->f1[l] = moving > 0.0 ? f1[l] : stop->f1[l];
+        stop->phi[l] = moving > 0.0 ? n->phi[l] : stop->phi[l];
+        stop->kappa[l] = moving > 0.0 ? n->kappa[l] : stop->kappa[l];
+        stop->xi[l] = moving > 0.0 ? from[l] : stop->xi[l];
+        stop->stage[l] = moving > 0.0 ? (double)stage : stop->stage[l];
         stop->moving[l] = s->w[l] > 0.0 ? moving : 0.0;
     }
 }
 
-/* When the impactors stop, within lines that begin at w0 > 0 and end at w1 <= 0: the cubic through both velocities and
- * both accelerations, -f. NAN where one does not. */
-static void stop_times(const stops *restrict n, double *restrict time) {
+/* When an impactor stops, near tau after its line begins: the line is drawn again to where it is then, as the march cuts
+ * it there, and Newton's method finds the time on that line. branch: force and length of the branch, where stage < 0. */
+static double stop_on_line(const job *j, const stops *n, int l, double gamma, double tau, const leaving *branch) {
+    double phi = n->phi[l], kappa = n->kappa[l], f0 = n->f0[l], x, y, f1, w1, before;
+    int from_rest = n->w0[l] == gamma * f0;
+    motion m = {from_rest ? 0.0 : gamma * phi - n->w0[l], -phi, kappa, 0.5 * kappa * gamma};
+    move(&m, tau, &x, &y);
+    if (!(x > SHORT_WAY_OUT * n->xi[l]) || !(x < n->xi[l])) return tau; /* the cubic is good enough so near */
+    if (branch != NULL) {
+        double q = branch->exponent[l], end = n->xi[l] - x;
+        f1 = branch->force[l] * raised(end / branch->recovery[l], q);
+        w1 = f1 * end / (q + 1.0);
+        before = f0 * n->xi[l] / (q + 1.0);
+    } else {
+        stage_law(j->curve, (int32_t)n->stage[l], n->xi[l], &f0, &before);
+        stage_law(j->curve, (int32_t)n->stage[l], n->xi[l] - x, &f1, &w1);
+    }
+    double mean = (before - w1) / x;
+    kappa = from_rest ? 2.0 * (f0 - mean) / x : (f0 - f1) / x;
+    phi = from_rest ? f0 : mean + 0.5 * kappa * x;
+    motion again = {from_rest ? 0.0 : gamma * phi - n->w0[l], -phi, kappa, 0.5 * kappa * gamma};
+    double found = tau;
+    for (int i = 0; i < 3; i++) {
+        move(&again, found, &x, &y);
+        double force = phi - kappa * x, next = found + (gamma * force - y) / force;
+        if (!(fabs(next - tau) <= 0.1 * n->tau[l])) return tau;
+        found = next;
+    }
+    return found;
+}
+
+/* When the impactors stop, within lines that begin at w0 > 0 and end at w1 <= 0: first by the cubic through both
+ * velocities and both accelerations, -f. NAN where one does not. */
+static void stop_times(const job *j, const stops *restrict n, const double *restrict gamma, const leaving *branch,
+                       double *restrict time) {
+    double tau[LANES];
     EACH(l) {
         double w0 = n->w0[l], w1 = n->w1[l], d0 = -n->f0[l] * n->tau[l], d1 = -n->f1[l] * n->tau[l], s = w0 / (w0 - w1);
         double c2 = 3.0 * (w1 - w0) - 2.0 * d0 - d1, c3 = 2.0 * (w0 - w1) + d0 + d1;
@@ -405,8 +444,11 @@ static void stop_times(const stops *restrict n, double *restrict time) {
             s = s > 0.0 ? s : 0.0; /* a line too long for its cubic */
             s = s < 1.0 ? s : 1.0;
         }
-        double at = n->moving[l] == 0.0 ? n->time[l] + s * n->tau[l] : NAN;
-        time[l] = w0 > 0.0 ? at : NAN;
+        tau[l] = s * n->tau[l];
+    }
+    for (int l = 0; l < LANES; l++) {
+        int stops_here = n->moving[l] == 0.0 && n->w0[l] > 0.0;
+        time[l] = stops_here ? n->time[l] + stop_on_line(j, n, l, gamma[l], tau[l], branch) : NAN;
     }
 }
 
@@ -429,7 +471,7 @@ static void leave_lane(job *j, const lanes *s, double stopped, int l, int64_t in
 static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
     const double *nodes = j->mesh->unloading_nodes[grading];
     int32_t segments = j->mesh->unloading;
-    double stiff[LANES], w0[LANES], f0[LANES], f1[LANES], stopped[LANES];
+    double stiff[LANES], w0[LANES], f0[LANES], f1[LANES], from[LANES], stopped[LANES];
     const row *r = same == same ? film_lines_of(j, UNIT_POWER, -1, segments, nodes, same)->rows : NULL;
     lanes s;
     lines n;
@@ -454,6 +496,7 @@ static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
         stiff[l] = q->force[l] / q->recovery[l];
         stop.moving[l] = 1.0;
         stop.time[l] = stop.tau[l] = stop.w0[l] = stop.w1[l] = stop.f0[l] = stop.f1[l] = 0.0;
+        stop.phi[l] = stop.kappa[l] = stop.xi[l] = stop.stage[l] = 0.0;
         f1[l] = q->force[l];
     }
     for (int32_t i = 1; i <= segments; i++) {
@@ -461,6 +504,7 @@ static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
             EACH(l) {
                 w0[l] = s.w[l];
                 f0[l] = f1[l];
+                from[l] = q->recovery[l] * (i == 1 ? 1.0 : 1.0 - nodes[i - 1]);
             }
         }
         if (r != NULL) {
@@ -485,11 +529,11 @@ static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
         if (i == 1) pass_from_rest(&s, &n);
         else pass_outwards(&s, &n);
         if (any_moves) {
-            keep_stop(&stop, &s, &n, w0, f0, f1);
+            keep_stop(&stop, &s, &n, w0, f0, f1, from, FILM_BRANCH);
             any_moves = any(stop.moving);
         }
     }
-    stop_times(&stop, stopped);
+    stop_times(j, &stop, s.gamma, q, stopped);
     for (int l = 0; l < q->count; l++)
         leave_lane(j, &s, stopped[l], l, q->index[l], q->top[l] - q->recovery[l], q->stored[l],
                    q->force[l] * q->recovery[l] / (q->exponent[l] + 1.0));
@@ -500,7 +544,7 @@ static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
 static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int count, lanes *restrict s,
                                const double *restrict stored) {
     const film_mesh *mesh = j->mesh;
-    double largest[LANES], from[LANES], x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES], stopped[LANES];
+    double largest[LANES], from[LANES], begin[LANES], x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES], stopped[LANES];
     const double *nodes[LANES];
     lines n;
     stops stop;
@@ -508,6 +552,7 @@ static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int co
         largest[l] = s->force[l];
         stop.moving[l] = 1.0;
         stop.time[l] = stop.tau[l] = stop.w0[l] = stop.w1[l] = stop.f0[l] = stop.f1[l] = 0.0;
+        stop.phi[l] = stop.kappa[l] = stop.xi[l] = stop.stage[l] = 0.0;
     }
     for (int32_t k = stage; k >= 0; k--) {
         double to = j->curve->stage[k].begin;
@@ -521,15 +566,16 @@ static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int co
                 x1[l] = i < mesh->unloading ? from[l] + (to - from[l]) * nodes[l][i] : to;
                 w0[l] = s->w[l];
                 f0[l] = s->force[l];
+                begin[l] = s->xi[l];
             }
             law_lanes(j->curve, k, x1, f1, w1);
             draw_lines(s, &n, -1.0, i == 1 && k == stage, x1, f1, w1);
             if (i == 1 && k == stage) pass_from_rest(s, &n);
             else pass_outwards(s, &n);
-            keep_stop(&stop, s, &n, w0, f0, f1);
+            keep_stop(&stop, s, &n, w0, f0, f1, begin, k);
         }
     }
-    stop_times(&stop, stopped);
+    stop_times(j, &stop, s->gamma, NULL, stopped);
     for (int l = 0; l < count; l++) leave_lane(j, s, stopped[l], l, index[l], 0.0, stored[l], stored[l]);
 }
 

@@ -395,13 +395,18 @@ static void call_absent(player *p) {
         fmi3Binary binary;
         fmi3IntervalQualifier q;
         double d;
-    } v;
+    } v, other;
     size_t size = 0, one = (size_t)likely(80);
     int status, order = 1;
     void *c = p->u.c;
     memset(&v, 0, sizeof v);
+    memset(&other, 0, sizeof other);
     if (p->u.version == 2) {
-        switch (whole(0, 10)) {
+        fmi2Status state;
+        fmi2String text;
+        switch (whole(0, 12)) {
+        case 10: CALL(p, fmi2GetStatus, c, fmi2DoStepStatus, &state); break;
+        case 11: CALL(p, fmi2GetStringStatus, c, fmi2PendingStatus, &text); break;
         case 0: CALL(p, fmi2GetBoolean, c, &reference, one, &v.b2); break;
         case 1: CALL(p, fmi2SetBoolean, c, &reference, one, &v.b2); break;
         case 2: CALL(p, fmi2GetString, c, &reference, one, &v.s); break;
@@ -416,7 +421,16 @@ static void call_absent(player *p) {
         }
         return;
     }
-    switch (whole(0, 26)) {
+    switch (whole(0, 35)) {
+    case 26: CALL(p, fmi3SetUInt8, c, &reference, one, &v.u8, one); break;
+    case 27: CALL(p, fmi3SetInt16, c, &reference, one, &v.i16, one); break;
+    case 28: CALL(p, fmi3SetUInt16, c, &reference, one, &v.u16, one); break;
+    case 29: CALL(p, fmi3SetUInt32, c, &reference, one, &v.u32, one); break;
+    case 30: CALL(p, fmi3GetIntervalFraction, c, &reference, one, &v.u64, &other.u64, &other.q); break;
+    case 31: CALL(p, fmi3SetIntervalFraction, c, &reference, one, &v.u64, &other.u64); break;
+    case 32: CALL(p, fmi3GetShiftFraction, c, &reference, one, &v.u64, &other.u64); break;
+    case 33: CALL(p, fmi3SetShiftFraction, c, &reference, one, &v.u64, &other.u64); break;
+    case 34: CALL(p, fmi3SetShiftDecimal, c, &reference, one, &v.d); break;
     case 0: CALL(p, fmi3GetFloat32, c, &reference, one, &v.f, one); break;
     case 1: CALL(p, fmi3GetInt8, c, &reference, one, &v.i8, one); break;
     case 2: CALL(p, fmi3GetUInt8, c, &reference, one, &v.u8, one); break;
@@ -546,6 +560,7 @@ static void damaged_file(const char *scratch, const resources *r, int kind) {
 
 int main(int count, char **argument) {
     long calls = count > 3 ? atol(argument[2]) : 0;
+    HOLD(strcmp(fmi2GetVersion(), "2.0") == 0 && strcmp(fmi3GetVersion(), "3.0") == 0 && strcmp(fmi2GetTypesPlatform(), "default") == 0);
     if (calls < 1 || count > MOST_FOLDERS) {
         printf("usage: fmu_fuzz SCRATCH CALLS FOLDER...\n");
         return 2;

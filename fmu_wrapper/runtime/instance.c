@@ -226,7 +226,9 @@ int instance_restore(instance *i, const char *function, const void *saved) {
                               state->model_exchange ? "Model Exchange" : "Co-Simulation", state->event_mode ? " with event mode" : "");
     memcpy(&i->state, &state->state, sizeof i->state);
     memcpy(&i->model.memory, &state->state.memory, sizeof i->model.memory);
-    return model_restored(&i->model) < 0 ? model_fails(i, function) : GOOD;
+    if (model_restored(&i->model) == 0) return GOOD;
+    i->state.mode = FAILED; /* the nodes are those of before */
+    return model_fails(i, function);
 }
 
 int instance_size(instance *i, const char *function, const void *saved, size_t *size) {

@@ -175,7 +175,7 @@ static void draw_rows(const job *j, table *t, row *rows) {
 
 /* There is room for every table a batch can ask for: see batch_begins. */
 const table *film_lines_of(job *j, int32_t stage, int32_t direction, int32_t segments, const double *nodes,
-                             double exponent) {
+                           double exponent) {
     for (int32_t i = 0; i < j->table_count; i++) {
         const table *t = &j->tables[i];
         if (t->nodes == nodes && t->stage == stage && t->direction == direction && t->segments == segments &&

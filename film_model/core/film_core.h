@@ -250,7 +250,8 @@ FILM_API void film_law(const film_curve *curve, int32_t stage, double xi, double
 FILM_API int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start,
                          film_summary *summary);
 
-/* count contacts; status[i] is what film_impact returns for start[i]. */
+/* count contacts, side by side where they can be, on less than 400 kB of stack; status[i] is what film_impact returns for
+ * start[i]. What an impact gives does not depend on the others. */
 FILM_API void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                          film_summary *summary, int32_t *status);
 

@@ -142,7 +142,7 @@ static void value_lanes(const film_function *g, const double *restrict xi, doubl
 }
 
 static void piece_law_lanes(const film_piece *piece, const double *restrict xi, double *restrict force,
-                              double *restrict work) {
+                            double *restrict work) {
     const film_function *g = &piece->force;
     if (g->form != FILM_POWER) {
         value_lanes(g, xi, force);
@@ -166,7 +166,7 @@ enum { FORCE_AND_WORK, RECOVERY_AND_EXPONENT };
 
 /* Two functions of a stage, each lane from the piece it is in. */
 static void stage_lanes(const film_curve *curve, int32_t stage, int which, const double *restrict xi,
-                          double *restrict a, double *restrict b) {
+                        double *restrict a, double *restrict b) {
     const film_piece *piece = &curve->piece[curve->stage[stage].first];
     int32_t count = curve->stage[stage].count;
     double at[LANES] = {0.0}, one[LANES], two[LANES];
@@ -193,7 +193,7 @@ static void stage_lanes(const film_curve *curve, int32_t stage, int which, const
 }
 
 static void law_lanes(const film_curve *curve, int32_t stage, const double *restrict xi, double *restrict force,
-                        double *restrict work) {
+                      double *restrict work) {
     if (curve->stage[stage].count == 1) piece_law_lanes(&curve->piece[curve->stage[stage].first], xi, force, work);
     else stage_lanes(curve, stage, FORCE_AND_WORK, xi, force, work);
 }
@@ -201,7 +201,7 @@ static void law_lanes(const film_curve *curve, int32_t stage, const double *rest
 /* Where the work of a stage is `work`, which must not exceed the stage's. Newton's method: on a rising power from
  * above, without overshoot; elsewhere in a bracket. whole: the work of the whole stage. */
 static void depth_lanes(const film_curve *curve, int32_t stage, double whole, const double *restrict work,
-                          double *restrict depth) {
+                        double *restrict depth) {
     const film_piece *piece = &curve->piece[curve->stage[stage].first];
     const film_function *g = &piece->force;
     double begin = curve->stage[stage].begin, end = curve->stage[stage].end, f[LANES], w[LANES];
@@ -257,7 +257,7 @@ static void depth_lanes(const film_curve *curve, int32_t stage, double whole, co
 /* The unloading rule over lanes that turned in `stage`, which is not reversible, at xi under force: the branch's length
  * and exponent. A length that is not positive is for the caller to refuse. */
 static void open_lanes(const film_curve *curve, int32_t stage, const double *restrict xi, const double *restrict force,
-                         double *restrict recovery, double *restrict exponent) {
+                       double *restrict recovery, double *restrict exponent) {
     double given[LANES], load[LANES], e[LANES];
     stage_lanes(curve, stage, RECOVERY_AND_EXPONENT, xi, given, exponent);
     if (curve->stage[stage].unloading == FILM_RESIDUAL) {

@@ -133,7 +133,7 @@ static void pass_outwards(lanes *restrict s, lines *restrict n) { pass_lines(s, 
 
 /* The lines to nodes at x1 where the law is f1 and work1; the lanes stand there afterwards. */
 INLINED void draw_lines(lanes *restrict s, lines *restrict n, double d, int from_rest, const double *restrict x1,
-                         const double *restrict f1, const double *restrict work1) {
+                        const double *restrict f1, const double *restrict work1) {
     EACH(l) {
         double h = x1[l] - s->xi[l], per_h = 1.0 / h, mean = (work1[l] - s->work[l]) * per_h;
         n->h[l] = d * h;

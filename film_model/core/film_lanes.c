@@ -21,7 +21,7 @@ INLINED double crossing(double sum, double bend) {
 }
 
 static void cross_stage(job *j, int32_t stage, int32_t segments, const double *nodes, double *restrict v,
-                          double *restrict time, double *restrict peak) {
+                        double *restrict time, double *restrict peak) {
     const table *t = film_lines_of(j, stage, 1, segments, nodes, 0.0);
     double square[LANES];
     EACH(l) square[l] = v[l] * v[l];
@@ -39,7 +39,7 @@ static void cross_stage(job *j, int32_t stage, int32_t segments, const double *n
 
 /* From the beginning of the stage, at v, to the turn at xi, by energy. */
 static void run_to_turn(job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict v,
-                          const double *restrict xi, double *restrict time, double *restrict peak) {
+                        const double *restrict xi, double *restrict time, double *restrict peak) {
     const film_curve *curve = j->curve;
     const film_function *g = &curve->piece[curve->stage[stage].first].force;
     double begin = curve->stage[stage].begin, v0[LANES], x0[LANES], f0[LANES], w0[LANES];
@@ -192,7 +192,7 @@ static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) 
 
 /* Along a loading stage towards aim, up to the node before it. nodes NULL: a trial. */
 static void run_towards(job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict aim,
-                          lanes *restrict s) {
+                        lanes *restrict s) {
     const film_curve *curve = j->curve;
     const film_function *g = &curve->piece[curve->stage[stage].first].force;
     double begin = curve->stage[stage].begin, x1[LANES], f1[LANES], w1[LANES];
@@ -269,7 +269,7 @@ static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *
 /* About where the impacts turn, within 2 % on Hertz's law: false position, the stale end halved. A fixed target would
  * stop them later. */
 static void first_aim(job *j, int32_t stage, double stored, const double *restrict nu, const double *restrict gamma,
-                        double *restrict aim) {
+                      double *restrict aim) {
     const film_curve *curve = j->curve;
     double begin = curve->stage[stage].begin, whole = j->whole[stage];
     double low[LANES], high[LANES], below[LANES], above[LANES], f[LANES], w[LANES], energy[LANES];
@@ -383,7 +383,7 @@ typedef struct {
 } stops;
 
 static void keep_stop(stops *restrict stop, const lanes *restrict s, const lines *restrict n, const double *restrict w0,
-                        const double *restrict f0, const double *restrict f1, const double *restrict from, int32_t stage) {
+                      const double *restrict f0, const double *restrict f1, const double *restrict from, int32_t stage) {
     EACH(l) {
         double moving = stop->moving[l];
         stop->time[l] = moving > 0.0 ? s->time[l] - n->tau[l] : stop->time[l];
@@ -542,7 +542,7 @@ static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
 
 /* The way back along a reversible law, stage by stage, from rest at the turn: the lanes have turned in `stage`. */
 static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int count, lanes *restrict s,
-                               const double *restrict stored) {
+                             const double *restrict stored) {
     const film_mesh *mesh = j->mesh;
     double largest[LANES], from[LANES], begin[LANES], x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES], stopped[LANES];
     const double *nodes[LANES];

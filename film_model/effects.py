@@ -69,16 +69,19 @@ def choose(scene: Scene) -> Choice:
     return Choice(law, impedance, load, (plasticity, motion, gravity))
 
 
-def _law(scene: Scene, name: str) -> AbstractLaw:
-    """The named law with its values from the scene."""
-    law = LAWS[name]
+def law_values(scene: Scene, law: type[AbstractLaw]) -> dict[str, Any]:
+    """The values a law takes from the scene, by its fields."""
     known = {
         "effective_modulus": scene.effective_modulus,
         "radius": scene.effective_radius,
         "yield_strength": scene.yield_strength,
     }
-    values = {field: known[field] for field in law_fields(law) if field in known}
-    return law(**values, **scene.contact.parameters)
+    return {field: known[field] for field in law_fields(law) if field in known} | dict(scene.contact.parameters)
+
+
+def _law(scene: Scene, name: str) -> AbstractLaw:
+    """The named law with its values from the scene."""
+    return LAWS[name](**law_values(scene, LAWS[name]))
 
 
 def _plasticity(scene: Scene) -> tuple[AbstractLaw, Effect]:

@@ -1,0 +1,254 @@
+"""Many impacts of one scene, some of whose numbers differ from row to row: the core's problems, one curve each."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.bodies import STANDARD_GRAVITY, Body
+from film_model.core import native
+from film_model.curve import Curve, curve_of
+from film_model.effects import GRAVITY_THRESHOLD, law_values
+from film_model.elementwise import root
+from film_model.errors import SimulationError
+from film_model.laws import LAWS, AbstractLaw
+from film_model.laws.yielding import yield_velocity
+from film_model.problem import Array, contact_limit
+from film_model.scales import Scales
+from film_model.scene import Scene
+
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Impacts that share a curve. The fields are those of :class:`~film_model.problem.Problem`, one value a row.
+
+    index: which rows they are.
+    """
+
+    index: Index
+    law: str
+    curve: Curve
+    scales: Scales
+    gamma: Array
+    load: Array
+    approach: Array
+    drift: Array
+    share: Array
+    mass: Array
+
+    @property
+    def start(self) -> NDArray[Any]:
+        """The contacts as the core starts them (native.START_DTYPE)."""
+        start: Any = np.zeros(self.index.size, native.START_DTYPE)
+        start["nu"], start["gamma"], start["load"] = self.approach, self.gamma, self.load
+        start["stop_velocity"] = -self.drift / (self.share * self.scales.velocity)
+        start["time_limit"] = np.where(self.load > 0.0, contact_limit(self.approach, self.gamma), math.inf)
+        return start
+
+
+def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
+    """The scene with arrays [SI] in place of some of its numbers, by path: its derived values are arrays too."""
+    made = copy.copy(scene)
+    for path, values in columns.items():
+        *sections, name = path.split(".")
+        owner: Any = made
+        for section in sections:
+            part = copy.copy(getattr(owner, section))
+            object.__setattr__(owner, section, part)
+            owner = part
+        if path.startswith("contact.") and name not in owner.FIELDS:
+            object.__setattr__(owner, "parameters", {**owner.parameters, name: values})
+        else:
+            object.__setattr__(owner, name, values)
+    return made
+
+
+def rows_of(scene: Scene, columns: Mapping[str, Array], count: int) -> Iterator[Rows]:
+    """The problems of `count` impacts of a scene, some of whose numbers are columns (path → SI values, one a row).
+
+    What `problem_of` decides for one scene is decided for every row: the law "auto", and gravity "auto". Rows whose
+    laws have the same dimensionless stages share a curve. Rows whose impactor does not approach are left out. Raises
+    SimulationError and ValueError as `problem_of` does.
+    """
+    moving = np.flatnonzero(_column(scene_of_columns(scene, columns).approach_velocity, count) > 0.0)
+    for law, index in _laws(_part(scene, columns, moving), moving):
+        part = _part(scene, columns, index)
+        values = {} if isinstance(law, AbstractLaw) else law_values(part, law)
+        speed = _column(part.approach_velocity, index.size)
+        mass = _column(part.effective_mass, index.size)
+        for curve, chosen in _curves(law, values, index.size):
+            yield _problem(part, law, _picked(values, chosen), curve, index, chosen, speed[chosen], mass[chosen])
+
+
+def _part(scene: Scene, columns: Mapping[str, Array], index: Index) -> Scene:
+    return scene_of_columns(scene, {path: values[index] for path, values in columns.items()})
+
+
+def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], Index]]:
+    """Laws and their rows out of `index`, of which `scene` has the columns: `effects.choose` for arrays."""
+    law, wanted = scene.contact.law, scene.effects.plasticity
+    if index.size == 0:
+        return
+    if law != "auto":
+        yield (law if isinstance(law, AbstractLaw) else LAWS[law]), index
+        return
+    strength, modulus = scene.yield_strength, scene.effective_modulus
+    if wanted is True and strength is None:
+        raise SimulationError("effects.plasticity is true, but neither material has a yield_strength")
+    if wanted is False or strength is None or modulus is None:
+        yield LAWS["hertz"], index
+        return
+    threshold = yield_velocity(modulus, scene.effective_radius, strength, scene.effective_mass)
+    elastic = _column(scene.approach_velocity <= threshold, index.size) & (wanted is not True)
+    for name, mask in (("hertz", elastic), ("big-alabo", ~elastic)):
+        if mask.any():
+            yield LAWS[name], index[mask]
+
+
+def _curves(
+    law: AbstractLaw | type[AbstractLaw], values: Mapping[str, Any], count: int
+) -> Iterator[tuple[Curve, Index]]:
+    """Curves and their rows. Where the stages do not depend on what varies, which most laws' do not, there is one."""
+    everything = np.arange(count)
+    if isinstance(law, AbstractLaw):
+        yield curve_of(law), everything
+        return
+    varying = {name: np.asarray(v) for name, v in values.items() if isinstance(v, np.ndarray)}
+    if not varying or _stages_are_blind_to(law, values, varying):
+        yield curve_of(law(**_picked(values, 0))), everything
+        return
+    table = np.stack(list(varying.values()), axis=-1)
+    _, first, group = np.unique(table, axis=0, return_index=True, return_inverse=True)
+    curves: dict[int, tuple[Curve, list[int]]] = {}
+    for number, row in enumerate(first.tolist()):
+        curve = curve_of(law(**_picked(values, row)))
+        curves.setdefault(id(curve), (curve, []))[1].append(number)
+    for curve, numbers in curves.values():
+        yield curve, np.flatnonzero(np.isin(group.ravel(), numbers))
+
+
+class _Seen(Exception):
+    """A law's stages have asked for a value that varies."""
+
+
+def _stages_are_blind_to(law: type[AbstractLaw], values: Mapping[str, Any], varying: Mapping[str, Any]) -> bool:
+    """Whether stages() never reads these fields, and so gives the same stages whatever they are."""
+
+    def look(_: AbstractLaw) -> Any:
+        raise _Seen
+
+    metaclass: Any = type(law)  # that of abstract classes
+    blind = metaclass(law.__name__, (law,), {name: property(look) for name in varying})
+    made = object.__new__(blind)
+    for name, value in values.items():
+        if name not in varying:
+            object.__setattr__(made, name, value)
+    try:
+        made.stages()
+    except _Seen:
+        return False
+    return True
+
+
+def _problem(
+    scene: Scene,
+    law: AbstractLaw | type[AbstractLaw],
+    values: Mapping[str, Any],
+    curve: Curve,
+    index: Index,
+    chosen: Index,
+    speed: Array,
+    mass: Array,
+) -> Rows:
+    """As `problem_of`, for the rows `chosen` of a scene of columns."""
+    count = chosen.size
+    energy = 0.5 * mass * speed**2
+    scales = _scales(law, values, energy, mass)
+    approach = speed / scales.velocity
+    drift, share = np.zeros(count), np.ones(count)
+    if isinstance(scene.target, Body):
+        share = mass / _column(scene.mass, index.size)[chosen]
+        drift = _column(scene.impactor.speed, index.size)[chosen] - share * speed
+    still = scene.effects.target_motion is False
+    impedance = _column(math.inf if still else scene.target_impedance, index.size)[chosen]
+    load = mass * STANDARD_GRAVITY * _heavy(scene, curve, scales, approach, mass)
+    if load.any():
+        weight_energy = load * 1e-3 * _column(scene.effective_radius, index.size)[chosen]
+        scales = _scales(law, values, np.maximum(energy, weight_energy), mass)
+        approach = speed / scales.velocity
+    gamma = scales.force / (impedance * scales.velocity)
+    return Rows(index[chosen], law.name, curve, scales, gamma, load / scales.force, approach, drift, share, mass)
+
+
+def _heavy(scene: Scene, curve: Curve, scales: Scales, approach: Array, mass: Array) -> NDArray[np.bool_]:
+    """Which impacts are simulated with their weight: the rule of `effects`, for each."""
+    wanted = scene.effects.gravity
+    if isinstance(scene.target, Body) or wanted is False:
+        return np.zeros(approach.size, np.bool_)
+    if wanted is True:
+        return np.ones(approach.size, np.bool_)
+    weight = mass * STANDARD_GRAVITY
+    ends = _forces(curve, np.array([approach.min(), approach.max()]))
+    # the dimensionless force grows with the velocity: most rows are light even by the least of all
+    heavy = ~(weight <= GRAVITY_THRESHOLD * ends[0] * scales.force) | ~np.isfinite(ends[1])
+    doubtful = np.flatnonzero(heavy)
+    force = _forces(curve, approach[doubtful]) * cast("Any", scales.force)[doubtful]
+    heavy[doubtful] = ~(weight[doubtful] <= GRAVITY_THRESHOLD * force)
+    return heavy
+
+
+def _forces(curve: Curve, approach: Array) -> Array:
+    """Maximum dimensionless force on a target that does not move; nan beyond the law."""
+    start: Any = np.zeros(approach.size, native.START_DTYPE)
+    start["nu"], start["time_limit"] = approach, math.inf
+    status, summary = native.batch(curve.native, native.mesh(native.WORK_PRESERVING, 1, 1), start)
+    return np.where(status == native.EVENT, summary["maximum_force"], np.nan)
+
+
+def _scales(law: AbstractLaw | type[AbstractLaw], values: Mapping[str, Any], energy: Array, mass: Array) -> Scales:
+    """Scales of every row: by the law's formulas on arrays, or row by row where they take only floats."""
+
+    def scales(row: int) -> tuple[float, float]:
+        own = law if isinstance(law, AbstractLaw) else law(**_picked(values, row))
+        return own.scales(float(energy[row]))
+
+    found = _on_arrays(law, values, energy, scales) or zip(*map(scales, range(energy.size)), strict=True)
+    length, force = (np.asarray(column) for column in found)
+    time = root(mass * length / force)
+    return Scales(cast("Any", length), cast("Any", force), time, cast("Any", length / time))
+
+
+def _on_arrays(
+    law: AbstractLaw | type[AbstractLaw],
+    values: Mapping[str, Any],
+    energy: Array,
+    scales: Callable[[int], tuple[float, float]],
+) -> tuple[Array, Array] | None:
+    """What the law makes of arrays, if it is what it makes of their first and last rows; else None."""
+    try:
+        own = law if isinstance(law, AbstractLaw) else law(**values)
+        length, force = (_column(value, energy.size) for value in own.scales(cast("Any", energy)))
+    except (TypeError, ValueError):
+        return None
+    for row in (0, energy.size // 2, energy.size - 1):
+        if not np.allclose((length[row], force[row]), scales(row), rtol=1e-13, atol=0.0):
+            return None
+    return length, force
+
+
+def _picked(values: Mapping[str, Any], rows: Any) -> dict[str, Any]:
+    """The values at one row, as floats, or at several."""
+    at = {name: value[rows] if isinstance(value, np.ndarray) else value for name, value in values.items()}
+    return {name: value.item() if isinstance(value, np.generic) else value for name, value in at.items()}
+
+
+def _column(value: Any, count: int) -> NDArray[Any]:
+    return np.broadcast_to(np.asarray(value), (count,))

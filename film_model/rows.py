@@ -223,7 +223,8 @@ def _scales(law: AbstractLaw | type[AbstractLaw], values: Mapping[str, Any], ene
     found = _on_arrays(law, values, energy, scales) or zip(*map(scales, range(energy.size)), strict=True)
     length, force = (np.asarray(column) for column in found)
     time = root(mass * length / force)
-    return Scales(cast("Any", length), cast("Any", force), time, cast("Any", length / time))
+    speed: Any = length / time
+    return Scales(cast("Any", length), cast("Any", force), time, speed)
 
 
 def _on_arrays(

@@ -3,6 +3,7 @@
 from film_datasets.files import open_dataset as open
 from film_datasets.files import read, write
 from film_datasets.history import history_of, lines_of, to_dataset
+from film_datasets.run import sweep
 from film_datasets.schema import TABLE, VERSIONS, Variable, content_sha256, validate
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "lines_of",
     "open",
     "read",
+    "sweep",
     "to_dataset",
     "validate",
     "write",

@@ -56,9 +56,9 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         raise FileNotFoundError(f"{source}: there is no such file")
     engine = "zarr" if source.is_dir() else "netcdf4"
     try:
-        ds = xr.open_dataset(source, engine=engine, **({"consolidated": False} if engine == "zarr" else {}))
+        ds = xr.open_dataset(source, engine=engine)
     except ImportError as error:
-        raise ImportError(f"{source}: {_needs_zarr}") from error
+        raise ImportError(f"{source}: {NEEDS_ZARR}") from error
     except PermissionError as error:
         raise PermissionError(f"{source}: cannot be read: {error.strerror}") from error
     except Exception as error:  # each library has its own for a file it does not know
@@ -77,7 +77,7 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     return ds
 
 
-_needs_zarr = 'Zarr folders need zarr: install film-model[zarr] (pip install "film-model[zarr]")'
+NEEDS_ZARR = 'Zarr folders need zarr: install film-model[zarr] (pip install "film-model[zarr]")'
 
 
 def check_place(target: Path, overwrite: bool) -> None:

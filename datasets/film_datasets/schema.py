@@ -109,7 +109,6 @@ _SEGMENT = {
 _LAW = "see attribute comment for the equations of motion on a segment"
 
 
-
 def _summary(dims: tuple[str, ...]) -> tuple[Variable, ...]:
     return tuple(
         _number(name, dims, dimension, _spaced(name), what.partition(";")[0] + _MISSING, optional=True)
@@ -186,10 +185,7 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     ),
     f"{MEASUREMENT} impacts": (
         _number("impactor_velocity", ("impact",), "velocity", "impactor velocity at first touch"),
-        *(
-            replace(variable, long_name=f"measured {variable.long_name}")
-            for variable in _summary(("impact",))
-        ),
+        *(replace(variable, long_name=f"measured {variable.long_name}") for variable in _summary(("impact",))),
     ),
 }
 """Variables by the kind of dataset and what is kept in it, in the order in which `content_sha256` reads them."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes as c
+import math
 import sys
 from functools import lru_cache
 from pathlib import Path
@@ -245,6 +246,19 @@ def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tu
     if status == FULL:
         return record(curve, cut, begun, limit, 4 * room)
     return status, lines[: counts[0]].copy(), events[: counts[1]].copy()
+
+
+def record_many(curve: Curve, cut: Mesh, start: NDArray[Any], room: int) -> list[NDArray[Any]]:
+    """The lines of each of many contacts (START_DTYPE), none for one that fails; room: lines it may take at first."""
+    found: list[NDArray[Any]] = []
+    for nu, gamma, load, stop_velocity, limit in start.tolist():
+        if not (nu > 0.0 and math.isfinite(nu + gamma + load)):
+            found.append(np.empty(0, LINE_DTYPE))
+            continue
+        state = initial_state(curve, Start(nu, gamma, load, stop_velocity, limit))
+        status, lines, _ = record(curve, cut, state, limit, room)
+        found.append(lines if status >= 0 else lines[:0])
+    return found
 
 
 def sample(

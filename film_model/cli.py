@@ -1,4 +1,4 @@
-"""The command line: film-model run | laws | materials.
+"""The command line: film-model run | sweep | plot | identify | laws | materials.
 
 Results go to standard output, warnings to standard error. Exit status 0: done; 2: the scene or the command line is
 wrong; 3: the simulation could not be done.
@@ -35,8 +35,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return DONE
     except (OSError, ValueError, ImportError) as error:
         return _complain(str(error), FAILED)
-    except KeyboardInterrupt:
-        return _complain("interrupted", 130)
+    except KeyboardInterrupt as stop:
+        return _complain(str(stop) or "interrupted", 130)
 
 
 def _complain(text: str, status: int) -> int:
@@ -64,6 +64,23 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("--force", action="store_true", help="overwrite existing output files")
     run.add_argument("--json", action="store_true", help="print one JSON object")
     run.set_defaults(command=_run)
+
+    sweep = commands.add_parser("sweep", help="simulate the many impacts of a sweep file")
+    sweep.add_argument("sweep", help="sweep file (TOML)")
+    sweep.add_argument("--output", metavar="FILE", required=True, help="FILE.nc or FILE.zarr")
+    sweep.add_argument(
+        "--keep",
+        metavar="WHAT",
+        default="summary",
+        help="besides the summary (default): segments, the exact histories; or samples=201, dense ones",
+    )
+    where = sweep.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=int, metavar="N", help="threads; all cores by default")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler whose workers compute instead")
+    sweep.add_argument("--resume", action="store_true", help="go on where an interrupted run stopped")
+    sweep.add_argument("--force", action="store_true", help="overwrite an existing output, and begin anew")
+    sweep.add_argument("--json", action="store_true", help="print one JSON object")
+    sweep.set_defaults(command=_sweep)
 
     laws = commands.add_parser("laws", help="list the contact laws and their parameters")
     laws.add_argument("--json", action="store_true", help="print one JSON object")
@@ -101,6 +118,50 @@ def _run(options: argparse.Namespace) -> int:
     for warning in history.warnings:
         print(f"warning: {warning}", file=sys.stderr)
     return DONE
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from film_datasets.report import sweep_report
+    from film_datasets.run import Bar, run
+    from film_datasets.sweeps import Sweep
+
+    sweep = Sweep.from_toml(options.sweep, options.keep)
+    dataset = run(
+        sweep,
+        options.output,
+        command=f"film-model sweep {options.sweep} --output {options.output} --keep {options.keep}",
+        workers=options.workers,
+        scheduler=options.scheduler,
+        resume=options.resume,
+        overwrite=options.force,
+        progress=Bar(),
+    )
+    with dataset:
+        report = sweep_report(dataset)
+    if options.json:
+        _print_json({"output": options.output, **report})
+    else:
+        print(_sweep_table(report))
+        print(f"wrote {options.output}", file=sys.stderr)
+    for warning in report["warnings"]:
+        print(f"warning: {warning}", file=sys.stderr)
+    return DONE
+
+
+def _sweep_table(report: dict[str, Any]) -> str:
+    """How the impacts ended, and the range of every summary quantity."""
+    from film_model.history import SUMMARY
+    from film_model.units import format_si
+
+    ended = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in report["statuses"].items())
+    lines = [report["title"], f"{report['impacts']} impacts: {ended}", ""]
+    lines.append(f"  {'':30}{'least':>16}{'mean':>16}{'greatest':>16}")
+    for name, row in report["summary"].items():
+        cells = (row[key] for key in ("least", "mean", "greatest"))
+        texts = ("-" if value is None else format_si(value, SUMMARY[name][0], 5) for value in cells)
+        lines.append(f"  {name.replace('_', ' '):30}" + "".join(f"{text:>16}" for text in texts))
+    lines += ["", f"  error at most {report['accuracy']['estimated']:.1e} of every value"]
+    return "\n".join(lines)
 
 
 def _check_writable(path: str, force: bool) -> None:

@@ -49,19 +49,24 @@ def read_text(path: str | os.PathLike[str]) -> tuple[str, str]:
 
 def scene_from_text(text: str, name: str) -> Scene:
     """The scene in the text of a scene file called `name`."""
-    try:
-        table = tomllib.loads(text.removeprefix("\ufeff"))
-    except (ValueError, OverflowError, RecursionError) as error:
-        message = str(error) if str(error).isprintable() else ascii(str(error))
-        found = re.search(r" \(at line ([0-9]+), column ([0-9]+)\)", message)
-        line = int(found[1]) if found else text.count("\n") + 1 if "end of document" in message else None
-        raise SceneError([Mistake(name, line, "", f"not TOML: {message}")]) from None
+    table = toml_table(text, name)
     try:
         return scene_from_table(table)
     except SceneError as error:
         lines = lines_of_keys(text)
         placed = [replace(m, file=name, line=line_of(lines, m.key)) for m in error.mistakes]
         raise SceneError(sorted(placed, key=lambda m: m.line or 0)) from None
+
+
+def toml_table(text: str, name: str) -> dict[str, Any]:
+    """The table in the text of a TOML file called `name`. Raises SceneError with the line of a mistake."""
+    try:
+        return tomllib.loads(text.removeprefix("\ufeff"))
+    except (ValueError, OverflowError, RecursionError) as error:
+        message = str(error) if str(error).isprintable() else ascii(str(error))
+        found = re.search(r" \(at line ([0-9]+), column ([0-9]+)\)", message)
+        line = int(found[1]) if found else text.count("\n") + 1 if "end of document" in message else None
+        raise SceneError([Mistake(name, line, "", f"not TOML: {message}")]) from None
 
 
 def scene_from_table(table: Mapping[str, Any]) -> Scene:

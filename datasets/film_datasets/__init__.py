@@ -1,5 +1,6 @@
 """Impacts as labelled datasets (xarray, CF 1.11): histories and sweeps, in netCDF and Zarr."""
 
+from film_datasets.accessor import Film
 from film_datasets.files import open_dataset as open
 from film_datasets.files import read, write
 from film_datasets.history import history_of, lines_of, to_dataset
@@ -9,6 +10,7 @@ from film_datasets.schema import TABLE, VERSIONS, Variable, content_sha256, vali
 __all__ = [
     "TABLE",
     "VERSIONS",
+    "Film",
     "Variable",
     "content_sha256",
     "history_of",

@@ -324,7 +324,8 @@ def _is_word(value: Any) -> bool:
 
 def _label(word: Any) -> str:
     if isinstance(word, Mapping):
-        return str(next((word[key] for key in ("law", "name", "kind") if key in word), "table"))
+        named = next((word[key] for key in ("law", "name", "kind") if key in word), None)
+        return str(named) if named else " ".join(f"{key}_{_label(value)}" for key, value in word.items())
     return str(word).lower() if isinstance(word, bool) else str(word)
 
 

@@ -20,14 +20,15 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.design import SAMPLED
-from film_datasets.files import check_place, open_dataset
+from film_datasets.files import SUFFIX, ZARR, check_place, open_dataset
 from film_datasets.provenance import PROGRAM, provenance, scene_text, text_and_hash
 from film_datasets.schema import REFUSED, SWEEP, ContentHash, flag_words
 from film_datasets.stores import GROWING, Memory, Store, beside, put_in_place, store_for
-from film_datasets.sweep import Sweep
+from film_datasets.sweeps import Sweep
 from film_model.batch import STATUSES
 from film_model.core.native import MAX_STAGES
 from film_model.errors import SimulationError
+from film_model.laws import AbstractLaw
 from film_model.scene import Scene
 
 MOST_IN_MEMORY = 20_000_000
@@ -47,8 +48,8 @@ NEEDS_DASK = 'a scheduler needs Dask: install film-model[dask] (pip install "fil
 Progress = Callable[[int, int], None]
 
 
-class Interrupted(SimulationError):
-    """A sweep was stopped before its end; what was computed is kept."""
+class Interrupted(KeyboardInterrupt):
+    """A sweep was stopped before its end; what was computed is kept, and the message says where."""
 
 
 def sweep(
@@ -121,6 +122,8 @@ def run(
     if resume and target.exists() and not overwrite and _is_of(target, made):
         _Parts(target, made).remove()
         return open_dataset(target)
+    if target.suffix not in (SUFFIX, ZARR):
+        raise ValueError(f'{target}: the name of a sweep\'s output must end in "{SUFFIX}" or "{ZARR}"')
     check_place(target, overwrite)
     _check_room(target, made)
     parts = _Parts(target, made)
@@ -133,11 +136,13 @@ def run(
                 put_in_place(store.path, target)
             except BaseException:
                 store.abandon()
+                if not parts.done():
+                    parts.remove()
                 raise
         except KeyboardInterrupt:
             raise Interrupted(f"interrupted: {parts.said()}") from None
         except (OSError, RuntimeError) as error:
-            if isinstance(error, SimulationError):
+            if isinstance(error, SimulationError | FileExistsError):
                 raise
             reason = getattr(error, "strerror", None) or f"is the disk full? ({error})"
             raise OSError(f"{target}: cannot be written: {reason}; {parts.said()}") from error
@@ -298,6 +303,7 @@ def _attributes(made: Sweep, command: str, estimated: float, gained: NDArray[np.
         ),
         **text_and_hash("scene", scene_text(scene)),
         **text_and_hash("sweep", made.text()),
+        **({"contact_law": str(scene.contact.law)} if isinstance(scene.contact.law, AbstractLaw) else {}),
         "swept": " ".join(paths),
         "kept": " ".join(made.kept),
         "design": made.design,
@@ -405,7 +411,7 @@ class _Parts:
     def load(self, number: int) -> dict[str, NDArray[Any]] | None:
         """A block that was kept, or None if its file is damaged."""
         try:
-            with np.load(self.folder / f"{number}.npz", allow_pickle=False) as file:
+            with open(self.folder / f"{number}.npz", "rb") as opened, np.load(opened, allow_pickle=False) as file:
                 return {name: file[name] for name in file.files}
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
             return None

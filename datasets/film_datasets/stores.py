@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 import xarray as xr
 
-from film_datasets.files import NEEDS_ZARR, SUFFIX, ZARR
+from film_datasets.files import NEEDS_ZARR, ZARR
 from film_datasets.schema import Variable
 
 Region = tuple[slice, ...]
@@ -45,12 +45,8 @@ class Store(Protocol):
 
 
 def store_for(target: Path) -> NetCDF | Zarr:
-    """The store for a file name. Raises ValueError for another suffix, ImportError where zarr is missing."""
-    if target.suffix == SUFFIX:
-        return NetCDF(beside(target))
-    if target.suffix == ZARR:
-        return Zarr(beside(target))
-    raise ValueError(f'{target}: the name of a sweep\'s output must end in "{SUFFIX}" or "{ZARR}"')
+    """The store for a file name. Raises ImportError where zarr is missing."""
+    return Zarr(beside(target)) if target.suffix == ZARR else NetCDF(beside(target))
 
 
 def beside(target: Path) -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 import tomllib
@@ -28,7 +29,7 @@ from film_datasets.design import (
     points,
     read_axes,
 )
-from film_datasets.schema import REFUSED, SWEEP, TABLE, Variable
+from film_datasets.schema import REFUSED, SWEEP, TABLE, Variable, swept_name
 from film_model.accuracy import mesh_of
 from film_model.batch import NO_VELOCITY, RowResult, simulate_rows
 from film_model.core import native
@@ -37,10 +38,13 @@ from film_model.history import MOTION
 from film_model.problem import motion_of
 from film_model.rows import Rows
 from film_model.scene import Scene
-from film_model.scene_file import line_of, lines_of_keys, read_text
+from film_model.scene_file import line_of, lines_of_keys, read_text, toml_table
 
 BLOCK_BYTES, BLOCK_ROWS = 6_000_000, 65_536
 """A block has about so many bytes of data, and no more rows; results do not depend on who computes it."""
+
+MOST_CORNERS = 64
+"""Corners of a design that are tried for one that makes a scene."""
 
 LINES_GUESSED = 32
 """Segments of an impact, about, at the default accuracy."""
@@ -115,10 +119,7 @@ class Sweep:
     @classmethod
     def from_text(cls, text: str, name: str, scene: Callable[[str], Scene], keep: str = "summary") -> Sweep:
         """A sweep from the text of a sweep file called `name`; `scene` finds the scene by its file's name."""
-        try:
-            table = tomllib.loads(text)
-        except (ValueError, OverflowError, RecursionError) as error:
-            raise SceneError([Mistake(name, None, "", f"not TOML: {error}")]) from None
+        table = toml_table(text, name)
         lines = lines_of_keys(text)
         over = _flat(table.get("over", {})) if isinstance(table.get("over", {}), Mapping) else {}
         try:
@@ -132,15 +133,16 @@ class Sweep:
 
     @classmethod
     def of_dataset(cls, ds: xr.Dataset) -> Sweep:
-        """The sweep that a dataset was made by. Raises ValueError if the dataset does not hold all of it."""
+        """The sweep that a dataset was made by."""
         base = Scene.from_text(str(ds.attrs["scene_toml"]), "scene_toml")
         kept = str(ds.attrs["kept"]).split()
         keep = kept[-1] if kept[-1] != "samples" else f"samples={ds.sizes['normalised_time']}"
         table = tomllib.loads(str(ds.attrs["sweep_toml"]))
         over = table["over"]
         for path, given in over.items():
-            if isinstance(given, Mapping) and "listed" in given:
-                raise ValueError(f"the values of {path} are too many for sweep_toml: they are in its coordinate only")
+            if isinstance(given, Mapping) and "listed" in given:  # too many for sweep_toml
+                array = ds[swept_name(path)]
+                over[path] = [f"{value!r} {array.attrs.get('units', '')}" for value in array.values.tolist()]
         options = {key: table[key] for key in ("samples", "seed") if key in table}
         return cls.of(base, over, table["design"], **options, keep=keep)
 
@@ -275,21 +277,22 @@ class Sweep:
 
     def _check_numbers(self) -> None:
         """Refuse a sweep whose numbers make no scene at all; a number that fails here and there fails in its row."""
+        numbers = [axis for axis in self.axes if axis.kind != "words"]
+        ends = [
+            ((a.numbers[0],) if a.kind in ("normal", "lognormal") else (a.numbers[0], a.numbers[-1])) for a in numbers
+        ]
         for number in range(self.cases):
-            scene = self.case(number)
-            for axis in self.axes:
-                if axis.kind == "words":
-                    continue
-                tried = [f"{v!r} {axis.unit}" if axis.unit else v for v in (axis.numbers[0], axis.numbers[-1])]
-                failed = []
-                for value in tried[:1] if axis.kind in ("normal", "lognormal") else tried:
-                    try:
-                        scene.replace({axis.path: value})
-                        break
-                    except SceneError as error:
-                        failed.append(error)
-                else:
-                    raise SceneError(replace(m, key=f"over.{axis.path}") for m in failed[0].mistakes)
+            scene, first = self.case(number), None
+            for corner in itertools.islice(itertools.product(*ends), MOST_CORNERS):
+                pairs = zip(numbers, corner, strict=True)
+                try:
+                    scene.replace({axis.path: f"{v!r} {axis.unit}" if axis.unit else v for axis, v in pairs})
+                    break
+                except SceneError as error:
+                    first = first or error
+            else:
+                assert first is not None
+                raise SceneError(replace(mistake, key=f"over.{mistake.key}") for mistake in first.mistakes)
 
     # ---------------------------------------------------------------- columns
 

@@ -18,6 +18,7 @@ from film_model.effects import GRAVITY_THRESHOLD, law_values
 from film_model.elementwise import root
 from film_model.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw
+from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.yielding import yield_velocity
 from film_model.problem import Array, contact_limit
 from film_model.scales import Scales
@@ -30,7 +31,7 @@ Index = NDArray[np.intp]
 class Rows:
     """Impacts that share a curve. The fields are those of :class:`~film_model.problem.Problem`, one value a row.
 
-    index: which rows they are.
+    index: which rows they are. zener: λ = K^{2/5} m^{3/5} V^{1/5}/Z, nan where there is no Hertz stiffness.
     """
 
     index: Index
@@ -43,6 +44,7 @@ class Rows:
     drift: Array
     share: Array
     mass: Array
+    zener: Array
 
     @property
     def start(self) -> NDArray[Any]:
@@ -123,13 +125,13 @@ def _curves(
         return
     varying = {name: np.asarray(v) for name, v in values.items() if isinstance(v, np.ndarray)}
     if not varying or _stages_are_blind_to(law, values, varying):
-        yield curve_of(law(**_picked(values, 0))), everything
+        yield curve_of(_made(law, values, 0)), everything
         return
     table = np.stack(list(varying.values()), axis=-1)
     _, first, group = np.unique(table, axis=0, return_index=True, return_inverse=True)
     curves: dict[int, tuple[Curve, list[int]]] = {}
     for number, row in enumerate(first.tolist()):
-        curve = curve_of(law(**_picked(values, row)))
+        curve = curve_of(_made(law, values, row))
         curves.setdefault(id(curve), (curve, []))[1].append(number)
     for curve, numbers in curves.values():
         yield curve, np.flatnonzero(np.isin(group.ravel(), numbers))
@@ -185,7 +187,13 @@ def _problem(
         scales = _scales(law, values, np.maximum(energy, weight_energy), mass)
         approach = speed / scales.velocity
     gamma = scales.force / (impedance * scales.velocity)
-    return Rows(index[chosen], law.name, curve, scales, gamma, load / scales.force, approach, drift, share, mass)
+    zener = np.zeros(count)
+    if np.isfinite(impedance).any():
+        modulus = math.nan if scene.effective_modulus is None else scene.effective_modulus
+        stiffness = _column(hertz_stiffness(modulus, scene.effective_radius), index.size)[chosen]
+        zener = stiffness**0.4 * mass**0.6 * speed**0.2 / impedance
+    load = load / scales.force
+    return Rows(index[chosen], law.name, curve, scales, gamma, load, approach, drift, share, mass, zener)
 
 
 def _heavy(scene: Scene, curve: Curve, scales: Scales, approach: Array, mass: Array) -> NDArray[np.bool_]:
@@ -217,8 +225,7 @@ def _scales(law: AbstractLaw | type[AbstractLaw], values: Mapping[str, Any], ene
     """Scales of every row: by the law's formulas on arrays, or row by row where they take only floats."""
 
     def scales(row: int) -> tuple[float, float]:
-        own = law if isinstance(law, AbstractLaw) else law(**_picked(values, row))
-        return own.scales(float(energy[row]))
+        return _made(law, values, row).scales(float(energy[row]))
 
     found = _on_arrays(law, values, energy, scales) or zip(*map(scales, range(energy.size)), strict=True)
     length, force = (np.asarray(column) for column in found)
@@ -235,7 +242,7 @@ def _on_arrays(
 ) -> tuple[Array, Array] | None:
     """What the law makes of arrays, if it is what it makes of their first and last rows; else None."""
     try:
-        own = law if isinstance(law, AbstractLaw) else law(**values)
+        own = _made(law, values, slice(None))
         length, force = (_column(value, energy.size) for value in own.scales(cast("Any", energy)))
     except (TypeError, ValueError):
         return None
@@ -243,6 +250,11 @@ def _on_arrays(
         if not np.allclose((length[row], force[row]), scales(row), rtol=1e-13, atol=0.0):
             return None
     return length, force
+
+
+def _made(law: AbstractLaw | type[AbstractLaw], values: Mapping[str, Any], rows: Any) -> AbstractLaw:
+    """The law of one row, or with arrays in its fields that of several."""
+    return law if isinstance(law, AbstractLaw) else law(**_picked(values, rows))
 
 
 def _picked(values: Mapping[str, Any], rows: Any) -> dict[str, Any]:

@@ -159,6 +159,11 @@ TABLE: dict[str, tuple[Variable, ...]] = {
             more="refused",
             more_from=REFUSED,
         ),
+        Variable(
+            *("zener_number", (ROWS,), FLOAT, "1", "inelasticity parameter of Zener"),
+            comment="(4 E/3)^(2/5) R^(1/5) m^(3/5) V^(1/5)/Z: what target motion costs; NaN without elastic constants",
+            optional=True,
+        ),
         Variable("law", (ROWS,), BYTE, None, "contact law", flags=((-1, "none"),), more="laws"),
     ),
     f"{SWEEP} segments": (

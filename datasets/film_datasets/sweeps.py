@@ -356,6 +356,7 @@ class Sweep:
         for part in result.parts:
             own, law = rows[part.index], self.laws.index(part.law)
             columns["law"][own] = law
+            columns["zener_number"][own] = part.zener
             energy = 0.5 * part.mass * (part.approach * part.scales.velocity) ** 2
             columns["gained"][law] += np.count_nonzero(result.summary["energy_absorbed"][part.index] < -1e-9 * energy)
             if self.keep != "summary":

@@ -82,6 +82,15 @@ def _parser() -> argparse.ArgumentParser:
     sweep.add_argument("--json", action="store_true", help="print one JSON object")
     sweep.set_defaults(command=_sweep)
 
+    plot = commands.add_parser("plot", help="draw a dataset: a history, or a quantity of a sweep")
+    plot.add_argument("file", metavar="FILE", help="FILE.nc or FILE.zarr")
+    plot.add_argument("--output", metavar="PICTURE", help=".png, .svg or .pdf; FILE.png unless given")
+    plot.add_argument("--quantity", metavar="NAME", help="summary quantity of a sweep; coefficient_of_restitution")
+    plot.add_argument("--over", metavar="NAME[,NAME]", help="one swept quantity, for lines, or two, for a heat map")
+    plot.add_argument("--at", metavar="NAME=VALUE", action="append", help="of another swept quantity, SI or a word")
+    plot.add_argument("--force", action="store_true", help="overwrite an existing picture")
+    plot.set_defaults(command=_plot)
+
     laws = commands.add_parser("laws", help="list the contact laws and their parameters")
     laws.add_argument("--json", action="store_true", help="print one JSON object")
     laws.set_defaults(command=_laws)
@@ -162,6 +171,21 @@ def _sweep_table(report: dict[str, Any]) -> str:
         lines.append(f"  {name.replace('_', ' '):30}" + "".join(f"{text:>16}" for text in texts))
     lines += ["", f"  error at most {report['accuracy']['estimated']:.1e} of every value"]
     return "\n".join(lines)
+
+
+def _plot(options: argparse.Namespace) -> int:
+    from film_datasets.files import open_dataset
+    from film_datasets.pictures import plot
+
+    output = options.output or os.path.splitext(options.file)[0] + ".png"
+    chosen: dict[str, Any] = {"quantity": options.quantity, "over": options.over and options.over.split(",")}
+    at = dict(pair.partition("=")[::2] for pair in options.at or ())
+    with open_dataset(options.file) as dataset:
+        _check_writable(output, options.force)
+        given = {key: value for key, value in chosen.items() if value}
+        plot(dataset, output, **given, at={key.replace(".", "_"): value for key, value in at.items()})
+    print(f"wrote {output}", file=sys.stderr)
+    return DONE
 
 
 def _check_writable(path: str, force: bool) -> None:

@@ -4,6 +4,7 @@ from film_datasets.accessor import Film
 from film_datasets.files import open_dataset as open
 from film_datasets.files import read, write
 from film_datasets.history import history_of, lines_of, to_dataset
+from film_datasets.pictures import plot
 from film_datasets.published import load, published
 from film_datasets.run import sweep
 from film_datasets.schema import TABLE, VERSIONS, Variable, content_sha256, validate
@@ -18,6 +19,7 @@ __all__ = [
     "lines_of",
     "load",
     "open",
+    "plot",
     "published",
     "read",
     "sweep",

@@ -94,7 +94,7 @@ class Film:
 
     def plot(self, path: str | os.PathLike[str] | None = None, **options: Any) -> Any:
         """A matplotlib figure, written to `path` (.png, .svg, .pdf) if given; see `film_datasets.plot`."""
-        from film_datasets.plot import plot
+        from film_datasets.pictures import plot
 
         return plot(self._ds, path, **options)
 

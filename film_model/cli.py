@@ -91,6 +91,16 @@ def _parser() -> argparse.ArgumentParser:
     plot.add_argument("--force", action="store_true", help="overwrite an existing picture")
     plot.set_defaults(command=_plot)
 
+    identify = commands.add_parser("identify", help="fit parameters of a scene to a measurement")
+    identify.add_argument("measured", help="CSV file: time and force, or velocity and restitution, with units")
+    identify.add_argument("scene", help="scene file (TOML), with values to begin with")
+    identify.add_argument("--fit", required=True, metavar="NAME[,NAME]", help="e.g. contact.yield_strength,time_offset")
+    identify.add_argument("--confidence", type=float, default=0.99, help="level of the intervals (0.99)")
+    identify.add_argument("--plot", metavar="FILE", help="draw measurement and fit (.png, .svg or .pdf)")
+    identify.add_argument("--force", action="store_true", help="overwrite an existing picture")
+    identify.add_argument("--json", action="store_true", help="print one JSON object")
+    identify.set_defaults(command=_identify)
+
     laws = commands.add_parser("laws", help="list the contact laws and their parameters")
     laws.add_argument("--json", action="store_true", help="print one JSON object")
     laws.set_defaults(command=_laws)
@@ -185,6 +195,28 @@ def _plot(options: argparse.Namespace) -> int:
         given = {key: value for key, value in chosen.items() if value}
         plot(dataset, output, **given, at={key.replace(".", "_"): value for key, value in at.items()})
     print(f"wrote {output}", file=sys.stderr)
+    return DONE
+
+
+def _identify(options: argparse.Namespace) -> int:
+    from film_datasets.identification import identify
+    from film_datasets.measured import from_csv
+    from film_model.scene import Scene
+
+    if options.plot:
+        _check_writable(options.plot, options.force)
+    fit = [name.strip() for name in options.fit.split(",")]
+    found = identify(from_csv(options.measured), Scene.from_toml(options.scene), fit, options.confidence)
+    if options.plot:
+        found.plot(options.plot)
+    if options.json:
+        _print_json(found.to_json())
+    else:
+        print(found.table())
+        if options.plot:
+            print(f"wrote {options.plot}", file=sys.stderr)
+    for warning in found.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
     return DONE
 
 

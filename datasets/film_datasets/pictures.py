@@ -15,7 +15,7 @@ from film_datasets.schema import HISTORY, MEASUREMENT, kind_of
 from film_model.errors import did_you_mean, shown
 from film_model.history import SUMMARY
 from film_model.plot import COLOURS, picture, plot_history, prefixed_unit
-from film_model.units import DIMENSIONS
+from film_model.units import DIMENSIONS, to_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,8 +53,9 @@ def plot(
     """A figure of a history, or of `quantity` of a sweep over one swept quantity or two; written to `path` if given.
 
     over: names in the dataset such as "impactor_velocity"; unless given, the first two with many values. One makes
-    lines, one for each word or each of a few values that are swept beside it; two make a heat map, or a cloud of a sampled sweep. at: values of
-    the other swept quantities (SI, the nearest is taken, or a word); their first unless given, and named in the title.
+    lines, one for each word or each of a few values that are swept beside it; two make a heat map, or a cloud of a
+    sampled sweep. at: values of the other swept quantities ("70 g" or SI, the nearest is taken, or a word); their first
+    unless given, and named in the title.
 
     Raises ValueError for a name that is not there or another suffix than .png, .svg and .pdf, ImportError without
     matplotlib, OSError where the file cannot be written.
@@ -170,7 +171,8 @@ def _fixed(ds: xr.Dataset, quantity: str, free: list[str], at: dict[str, Any]) -
             places[name] = 0 if value is None else words.index(str(value))
             said.append(f"{name.replace('_', ' ')} {words[places[name]]}")
         else:
-            places[name] = 0 if value is None else int(np.abs(ds[name].values - float(value)).argmin())
+            wanted = ds[name].values[0] if value is None else to_si(value, _dimension(ds[name]), bare=True)
+            places[name] = int(np.abs(ds[name].values - wanted).argmin())
             size, unit = prefixed_unit(ds[name].values[places[name]][None], _dimension(ds[name]))
             said.append(f"{name.replace('_', ' ')} {ds[name].values[places[name]] / size:.4g} {unit}".rstrip())
     return ds[quantity].isel(places), said

@@ -61,10 +61,10 @@ def measure_case(case: Case, checked: int, repeats: int) -> list[Row]:
     some = case.spread(checked)
     exact = some.exact()
     rows = [_film(case, some, exact, target, repeats, kind) for target in TARGETS for kind in ("work", "chord")]
-    rows += _dormand_prince(case, some, exact, repeats)
+    rows += dormand_prince_rows(case, some, exact, repeats)
     few = case.spread(max(5, checked // 5))
     for method in conventional.METHODS:
-        rows += _scipy(few, method, few.exact())
+        rows += scipy_rows(few, method, few.exact())
     return rows
 
 
@@ -93,7 +93,7 @@ def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kin
     return _row(case, target, name, f"{pair[0]} + {pair[1]} segments", error, seconds)
 
 
-def _dormand_prince(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]:
+def dormand_prince_rows(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]:
     """The cheapest of both forms and all settings, for each target."""
     if find_spec("numba") is None:
         return []
@@ -121,7 +121,7 @@ def _dormand_prince(case: Case, some: Case, exact: Array, repeats: int) -> list[
     return rows
 
 
-def _scipy(few: Case, method: str, exact: Array) -> list[Row]:
+def scipy_rows(few: Case, method: str, exact: Array) -> list[Row]:
     rows, tolerances = [], iter(TOLERANCES[2::2])
     error, rtol = float("inf"), float("nan")
     for target in TARGETS:

@@ -1,9 +1,9 @@
-"""Sweeps from 10⁴ to 10⁷ impacts, written to files: `python -m benchmarks.sweep [--largest 1e7] [--json FILE]`.
+"""Sweeps from 10⁴ to 10⁷ impacts: `python -m benchmarks.sweep [--largest 1e7] [--json FILE]`.
 
-Each sweep runs in a process of its own on all cores, so that its memory can be told: seconds of the call (imports
-not counted) by the clock and of all its threads, and the largest resident memory. Beside it, from the contenders of `benchmarks.speed` at errors below
-1e-4: the same impacts by scipy's solve_ivp and by a numba-compiled Dormand–Prince pair, one core and no file,
-extrapolated from their microseconds an impact.
+Each sweep runs in a process of its own on all cores, so that its memory can be told: seconds of the call (imports not
+counted) by the clock and of all its threads together, and the largest resident memory. Beside it, from the contenders
+of `benchmarks.speed` at errors below 1e-4: the same impacts by scipy's solve_ivp and by a numba-compiled
+Dormand–Prince pair, one core and no file, extrapolated from their microseconds an impact.
 """
 
 from __future__ import annotations

@@ -504,6 +504,22 @@ def test_a_dask_cluster_gives_the_same_data(monkeypatch: pytest.MonkeyPatch, tmp
             same(ds, whole)
 
 
+def test_an_interrupt_from_the_keyboard(tmp_path: Path) -> None:
+    file, output = tmp_path / "sweep.toml", tmp_path / "out.nc"
+    file.write_text(FILE.replace("count = 30", "count = 3000000"), encoding="utf-8")
+    code = "import sys; from film_model.cli import main; sys.exit(main(sys.argv[1:]))"
+    command = [sys.executable, "-c", code, "sweep", str(file), "--output", str(output)]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    while process.poll() is None and not list(tmp_path.glob(".out.nc.blocks/*.npz")):
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate()
+    assert process.returncode == 130
+    assert len(err.splitlines()) == 1
+    assert "blocks in" in err and "--resume" in err
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".out.nc.blocks", "sweep.toml"]
+
+
 def test_progress_is_told() -> None:
     stream = io.StringIO()
     bar = Bar(stream)

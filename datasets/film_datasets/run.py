@@ -158,7 +158,10 @@ def _executor(workers: int | None, scheduler: Any) -> Iterator[tuple[Executor, i
             from distributed import Client
         except ImportError as error:
             raise ImportError(NEEDS_DASK) from error
-        client = scheduler if isinstance(scheduler, Client) else Client(scheduler, timeout=10)
+        try:
+            client = scheduler if isinstance(scheduler, Client) else Client(scheduler, timeout=10)
+        except (OSError, ValueError) as error:
+            raise SimulationError(f"no Dask scheduler answers at {scheduler}: {error}") from error
         try:
             yield client.get_executor(pure=False), 2 * max(1, sum(client.nthreads().values())) + AHEAD
         finally:

@@ -429,7 +429,8 @@ def _read_keep(keep: str) -> tuple[str, int]:
         return word, int(number)
     if keep in ("summary", "segments"):
         return keep, 0
-    raise ValueError(f"keep: {shown(keep)} is not allowed: summary, segments or samples=201 is needed")
+    message = f"{shown(keep)} is not allowed: summary, segments or samples=201 is needed"
+    raise SceneError([Mistake(None, None, "keep", message)])
 
 
 def _raise_table_mistakes(table: Mapping[str, Any]) -> None:

@@ -24,7 +24,7 @@ from film_model.core import native
 from film_model.errors import Outcome
 from film_model.history import SUMMARY
 from film_model.problem import Array
-from film_model.rows import Rows, rows_of
+from film_model.rows import Rows, rows_of, scene_of_columns
 from film_model.scene import Scene, Solver
 
 TRIED_LEAST, TRIED_SHARE = 64, 256
@@ -113,7 +113,10 @@ def simulate_rows(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     solver = solver or scene.solver
     count = len(next(iter(columns.values())))
     summary = {name: np.full(count, np.nan) for name in SUMMARY}
-    status, law = np.full(count, NO_VELOCITY, np.int32), np.zeros(count, np.int8)
+    speed = scene_of_columns(scene, columns).approach_velocity
+    status = np.full(count, native.BAD_NUMBER, np.int32)
+    status[np.broadcast_to(np.less_equal(speed, 0.0), (count,))] = NO_VELOCITY
+    law = np.zeros(count, np.int8)
     segments, laws, estimated, parts = np.zeros((count, 2), np.int32), [], 0.0, []
     for rows in rows_of(scene, columns, count):
         if rows.law not in laws:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, cast
 
 import numpy as np
@@ -20,7 +20,7 @@ from film_model.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.yielding import yield_velocity
-from film_model.problem import Array, contact_limit
+from film_model.problem import Array, Problem, contact_limit, problem_of
 from film_model.scales import Scales
 from film_model.scene import Scene
 
@@ -73,14 +73,24 @@ def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
     return made
 
 
-def rows_of(scene: Scene, columns: Mapping[str, Array], count: int) -> Iterator[Rows]:
+def rows_of(scene: Scene, columns: Mapping[str, Array], count: int) -> list[Rows]:
     """The problems of `count` impacts of a scene, some of whose numbers are columns (path → SI values, one a row).
 
-    What `problem_of` decides for one scene is decided for every row: the law "auto", and gravity "auto". Rows whose
-    laws have the same dimensionless stages share a curve. Rows whose impactor does not approach are left out. Raises
-    SimulationError and ValueError as `problem_of` does.
+    They are those of `problem_of` for the scene of each row, computed on whole arrays, which some rows are checked
+    for; where arrays do not serve, row by row. Rows whose laws have the same dimensionless stages share a curve. Rows
+    whose impactor does not approach, or that make no problem, are left out; if none makes one, the first one's error
+    is raised.
     """
     moving = np.flatnonzero(_column(scene_of_columns(scene, columns).approach_velocity, count) > 0.0)
+    try:
+        found = list(_by_arrays(scene, columns, moving))
+        right = all(_agrees(rows, scene, columns) for rows in found)
+    except (TypeError, ValueError):
+        found, right = [], False
+    return found if right else _one_by_one(scene, columns, moving)
+
+
+def _by_arrays(scene: Scene, columns: Mapping[str, Array], moving: Index) -> Iterator[Rows]:
     for law, index in _laws(_part(scene, columns, moving), moving):
         part = _part(scene, columns, index)
         values = {} if isinstance(law, AbstractLaw) else law_values(part, law)
@@ -88,6 +98,50 @@ def rows_of(scene: Scene, columns: Mapping[str, Array], count: int) -> Iterator[
         mass = _column(part.effective_mass, index.size)
         for curve, chosen in _curves(law, values, index.size):
             yield _problem(part, law, _picked(values, chosen), curve, index, chosen, speed[chosen], mass[chosen])
+
+
+_NUMBERS = ("gamma", "load", "approach", "drift", "share", "mass")
+
+
+def _agrees(rows: Rows, scene: Scene, columns: Mapping[str, Array]) -> bool:
+    """Whether the first, middle and last row are what `problem_of` makes of their scenes."""
+    for place in {0, rows.index.size // 2, rows.index.size - 1}:
+        problem = problem_of(_at_row(scene, columns, int(rows.index[place])))
+        same = [(getattr(rows, name)[place], getattr(problem, name)) for name in _NUMBERS]
+        same += [(getattr(rows.scales, name)[place], value) for name, value in vars(problem.scales).items()]
+        curve = problem.curve is rows.curve or bytes(problem.curve.native) == bytes(rows.curve.native)
+        if not (curve and problem.law.name == rows.law and np.allclose(*zip(*same, strict=True), rtol=1e-12, atol=0.0)):
+            return False
+    return True
+
+
+def _one_by_one(scene: Scene, columns: Mapping[str, Array], moving: Index) -> list[Rows]:
+    """As `_by_arrays`, from the scene of every row."""
+    groups: dict[tuple[str, int], list[tuple[int, Problem]]] = {}
+    first: Exception | None = None
+    for row in moving.tolist():
+        try:
+            problem = problem_of(_at_row(scene, columns, row))
+        except (SimulationError, ValueError) as error:
+            first = first or error
+            continue
+        groups.setdefault((problem.law.name, id(problem.curve)), []).append((row, problem))
+    if not groups and first is not None:
+        raise first
+    return [_gathered(members) for members in groups.values()]
+
+
+def _gathered(members: list[tuple[int, Problem]]) -> Rows:
+    index, problems = np.array([row for row, _ in members]), [problem for _, problem in members]
+    numbers = {name: np.array([getattr(problem, name) for problem in problems]) for name in _NUMBERS}
+    scales = [np.array([getattr(p.scales, scale.name) for p in problems]) for scale in fields(Scales)]
+    motion = [next(effect.value for effect in p.effects if effect.name == "target_motion") for p in problems]
+    zener = np.array([np.nan if value is None else value for value in motion])
+    return Rows(index, problems[0].law.name, problems[0].curve, Scales(*cast("Any", scales)), **numbers, zener=zener)
+
+
+def _at_row(scene: Scene, columns: Mapping[str, Array], row: int) -> Scene:
+    return scene_of_columns(scene, {path: cast("Any", float(values[row])) for path, values in columns.items()})
 
 
 def _part(scene: Scene, columns: Mapping[str, Array], index: Index) -> Scene:

@@ -7,6 +7,7 @@ import pytest
 from cases import LAWS, STEEL, TARGETS, scene
 
 import film_model as fm
+import film_model.rows
 from film_model.batch import NO_VELOCITY, STATUSES, simulate_rows
 from film_model.core import native
 from film_model.curve import curve_of
@@ -115,7 +116,7 @@ def test_curves_are_shared_where_the_dimensionless_form_allows():
     base = dataclasses.replace(scene("hertz"), contact=contact)
     (rows,) = rows_of(base, {"contact.initial_indentation": np.linspace(1e-6, 2e-6, count)}, count)
     assert rows.index.size == count
-    parts = list(rows_of(base, {"contact.exponent": np.repeat([1.2, 1.5, 1.7], 100)}, count))
+    parts = rows_of(base, {"contact.exponent": np.repeat([1.2, 1.5, 1.7], 100)}, count)
     assert [part.index.size for part in parts] == [100, 100, 100]
 
 
@@ -150,3 +151,24 @@ def test_a_row_that_fails_says_why_and_harms_no_other():
     assert np.isnan(result.summary["maximum_force"]).tolist() == [False, True, True, False]
     deep = simulate_rows(scene("saturating"), {"impactor.velocity": np.array([0.2, 50.0])})
     assert [STATUSES[s][0] for s in deep.status.tolist()] == ["separated", "beyond_law"]
+
+
+@pytest.mark.parametrize("target", ["half-space", "plate", "body"])
+def test_rows_that_arrays_get_wrong_are_made_one_by_one(target, monkeypatch):
+    base = scene("big-alabo", target).replace({"contact.law": "auto"})
+    columns = {"impactor.velocity": np.geomspace(0.12, 2, 9), "impactor.mass": np.linspace(0.03, 0.09, 9)}
+    right = simulate_rows(base, columns)
+    made = film_model.rows._problem
+    monkeypatch.setattr(film_model.rows, "_problem", lambda *a: dataclasses.replace(made(*a), load=made(*a).load + 0.1))
+    again = simulate_rows(base, columns)
+    for name in SUMMARY:
+        np.testing.assert_allclose(again.summary[name], right.summary[name], rtol=1e-11, atol=1e-15)
+    for one, other in zip(again.parts, right.parts, strict=True):
+        np.testing.assert_allclose(one.zener, other.zener, rtol=1e-12)
+
+
+def test_the_error_of_every_row_is_the_error_of_all():
+    base = fm.Scene(fm.Sphere(**BALL), fm.HalfSpace("alumina"), effects=fm.Effects(plasticity=False))
+    object.__setattr__(base, "effects", fm.Effects(plasticity=True))
+    with pytest.raises(fm.SimulationError, match="neither material has a yield_strength"):
+        simulate_rows(base, {"impactor.velocity": np.array([1.0, 2.0])})

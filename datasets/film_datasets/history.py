@@ -30,13 +30,17 @@ COMMENT = (
 )
 
 
-def to_dataset(history: History, samples: int = 201, command: str = "film_datasets.to_dataset") -> xr.Dataset:
+def to_dataset(history: History | Any, samples: int = 201, command: str = "film_datasets.to_dataset") -> xr.Dataset:
     """A history as an xarray.Dataset with the variables of `schema.TABLE`, in SI, with CF 1.11 attributes.
 
     samples: number of evenly spaced times from first touch to the last event, both included; the times of all events
-    come on top, exactly. command: what is running, for the attribute `history`. Raises ValueError for fewer than 2
-    samples.
+    come on top, exactly. command: what is running, for the attribute `history`. A study of what accuracy costs becomes
+    a dataset of kind impact_cost_study. Raises ValueError for fewer than 2 samples.
     """
+    if not isinstance(history, History):
+        from film_datasets.cost import study_dataset
+
+        return study_dataset(history)
     if isinstance(samples, bool) or not isinstance(samples, int | np.integer) or samples < 2:
         raise ValueError(f"samples: {samples!r} must be a whole number, 2 or more")
     columns = {

@@ -1,6 +1,6 @@
 """The one table of variables of our datasets, and the check of a dataset against it.
 
-Three kinds: the history of one impact, a sweep over many, and a measurement to compare with.
+Kinds: the history of one impact, a sweep over many, a measurement to compare with, and what accuracy costs.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from film_model.history import MOTION, SUMMARY
 from film_model.problem import Scales
 from film_model.units import si_unit
 
-HISTORY, SWEEP, MEASUREMENT = "impact_history", "impact_sweep", "impact_measurement"
-VERSIONS = {HISTORY: "1.1", SWEEP: "1.0", MEASUREMENT: "1.0"}
+HISTORY, SWEEP, MEASUREMENT, COST = "impact_history", "impact_sweep", "impact_measurement", "impact_cost_study"
+VERSIONS = {HISTORY: "1.1", SWEEP: "1.0", MEASUREMENT: "1.0", COST: "1.0"}
 """Kinds of datasets (attribute film_model_schema), and the version of each."""
 
 BRANCHES = {-2: "no_contact", -1: "unloading"}
@@ -88,6 +88,7 @@ def _stage(name: str, dims: tuple[str, ...], long_name: str, comment: str = "") 
 
 
 _MISSING = "; NaN if there is none"
+_ABSENT = "NaN if there is none"
 
 _SEGMENT = {
     "time": "time at which the segment begins",
@@ -195,6 +196,34 @@ TABLE: dict[str, tuple[Variable, ...]] = {
 }
 """Variables by the kind of dataset and what is kept in it, in the order in which `content_sha256` reads them."""
 
+COMPARED = (
+    "maximum_force",
+    "maximum_indentation",
+    "time_of_maximum_indentation",
+    "contact_duration",
+    "rebound_velocity",
+)
+"""Summary values whose errors a cost study has."""
+
+TABLE[COST] = (
+    Variable("method", ("run",), INTEGER, None, "method", "its setting: attribute settings", more="methods"),
+    Variable("outcome", ("run",), BYTE, None, "outcome", "attribute outcomes", ((0, "done"), (1, "no_answer"))),
+    *(
+        _number(f"{what}_time_{way}", ("run",), "time", f"{long} of seconds an impact, {how}", _ABSENT, optional=True)
+        for way, how in (("single", "one call from Python"), ("batch", "in a batch"))
+        for what, long in (("median", "median"), ("spread", "half the distance between the quartiles"))
+    ),
+    Variable("force_evaluations", ("run",), INTEGER, "1", "evaluations of the contact law", "-1 if not counted"),
+    *(
+        _number(
+            f"error_{name}", ("run",), "dimensionless", f"relative error of {_spaced(name)}", _ABSENT, optional=True
+        )
+        for name in COMPARED
+    ),
+    *(_number(f"reference_{name}", (), SUMMARY[name][0], f"exact {_spaced(name)}") for name in COMPARED),
+    _number("reference_error", (), "dimensionless", "relative error of the reference values"),
+)
+
 _PROVENANCE = (
     *("Conventions", "title", "summary", "source", "references", "history", "license", "date_created", "comment"),
     *("film_model_schema", "film_model_schema_version", "film_model_version", "content_sha256"),
@@ -212,6 +241,10 @@ ATTRIBUTES: dict[str, tuple[str, ...]] = {
         "estimated_accuracy",
     ),
     MEASUREMENT: (*_PROVENANCE, "measured"),
+    COST: (
+        *_PROVENANCE,
+        *("scene_toml", "scene_sha256", "contact_law", "settings", "outcomes", "reference_method", "machine"),
+    ),
 }
 """Global attributes that every dataset of a kind has; `requested_accuracy` is there unless segments were asked for."""
 
@@ -219,7 +252,7 @@ ATTRIBUTES: dict[str, tuple[str, ...]] = {
 def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     """The rows of the table that a dataset is to have; swept quantities first. Raises ValueError for a foreign one."""
     kind = kind_of(ds)
-    if kind == HISTORY:
+    if kind in (HISTORY, COST):
         return TABLE[kind]
     if kind == MEASUREMENT:
         table = TABLE[f"{kind} {ds.attrs.get('measured', 'history')}"]
@@ -356,7 +389,7 @@ def _differences(variable: Variable, array: xr.DataArray) -> list[str]:
     own = pairs[: len(variable.flags)] if variable.more else pairs
     if own != variable.flags or len(values) != len(meanings):
         found.append(f"flags {values} {meanings}, not {dict(variable.flags)}")
-    elif variable.flags and not all(np.isin(piece, values).all() for piece in pieces(array)):
+    elif values and not all(np.isin(piece, values).all() for piece in pieces(array)):
         found.append("values that are no flags")
     if array.dtype == FLOAT and not variable.optional and not all(np.isfinite(p).all() for p in pieces(array)):
         found.append("values that are not finite")

@@ -31,29 +31,19 @@ Index = NDArray[np.intp]
 class Rows:
     """Impacts that share a curve. The fields are those of :class:`~film_model.problem.Problem`, one value a row.
 
-    index: which rows they are. zener: λ = K^{2/5} m^{3/5} V^{1/5}/Z, nan where there is no Hertz stiffness.
+    index: which rows they are. start: the contacts as the core starts them (native.START_DTYPE). zener:
+    λ = K^{2/5} m^{3/5} V^{1/5}/Z, nan where there is no Hertz stiffness.
     """
 
     index: Index
     law: str
     curve: Curve
     scales: Scales
-    gamma: Array
-    load: Array
-    approach: Array
+    start: NDArray[Any]
     drift: Array
     share: Array
     mass: Array
     zener: Array
-
-    @property
-    def start(self) -> NDArray[Any]:
-        """The contacts as the core starts them (native.START_DTYPE)."""
-        start: Any = np.zeros(self.index.size, native.START_DTYPE)
-        start["nu"], start["gamma"], start["load"] = self.approach, self.gamma, self.load
-        start["stop_velocity"] = -self.drift / (self.share * self.scales.velocity)
-        start["time_limit"] = np.where(self.load > 0.0, contact_limit(self.approach, self.gamma), math.inf)
-        return start
 
 
 def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
@@ -100,7 +90,7 @@ def _by_arrays(scene: Scene, columns: Mapping[str, Array], moving: Index) -> Ite
             yield _problem(part, law, _picked(values, chosen), curve, index, chosen, speed[chosen], mass[chosen])
 
 
-_NUMBERS = ("gamma", "load", "approach", "drift", "share", "mass")
+_NUMBERS = ("drift", "share", "mass")
 
 
 def _agrees(rows: Rows, scene: Scene, columns: Mapping[str, Array]) -> bool:
@@ -109,6 +99,7 @@ def _agrees(rows: Rows, scene: Scene, columns: Mapping[str, Array]) -> bool:
         problem = problem_of(_at_row(scene, columns, int(rows.index[place])))
         same = [(getattr(rows, name)[place], getattr(problem, name)) for name in _NUMBERS]
         same += [(getattr(rows.scales, name)[place], value) for name, value in vars(problem.scales).items()]
+        same += [(rows.start[name][place], getattr(problem.start, name)) for name in native.START_DTYPE.names or ()]
         curve = problem.curve is rows.curve or bytes(problem.curve.native) == bytes(rows.curve.native)
         if not (curve and problem.law.name == rows.law and np.allclose(*zip(*same, strict=True), rtol=1e-12, atol=0.0)):
             return False
@@ -137,7 +128,9 @@ def _gathered(members: list[tuple[int, Problem]]) -> Rows:
     scales = [np.array([getattr(p.scales, scale.name) for p in problems]) for scale in fields(Scales)]
     motion = [next(effect.value for effect in p.effects if effect.name == "target_motion") for p in problems]
     zener = np.array([np.nan if value is None else value for value in motion])
-    return Rows(index, problems[0].law.name, problems[0].curve, Scales(*cast("Any", scales)), **numbers, zener=zener)
+    start = np.concatenate([np.frombuffer(bytes(problem.start), native.START_DTYPE) for problem in problems])
+    made = Scales(*cast("Any", scales))
+    return Rows(index, problems[0].law.name, problems[0].curve, made, start, **numbers, zener=zener)
 
 
 def _at_row(scene: Scene, columns: Mapping[str, Array], row: int) -> Scene:
@@ -240,14 +233,16 @@ def _problem(
         weight_energy = load * 1e-3 * _column(scene.effective_radius, index.size)[chosen]
         scales = _scales(law, values, np.maximum(energy, weight_energy), mass)
         approach = speed / scales.velocity
-    gamma = scales.force / (impedance * scales.velocity)
+    start: Any = np.zeros(count, native.START_DTYPE)
+    start["nu"], start["gamma"] = approach, scales.force / (impedance * scales.velocity)
+    start["load"], start["stop_velocity"] = load / scales.force, -drift / (share * scales.velocity)
+    start["time_limit"] = np.where(load > 0.0, contact_limit(approach, start["gamma"]), math.inf)
     zener = np.zeros(count)
     if np.isfinite(impedance).any():
         modulus = math.nan if scene.effective_modulus is None else scene.effective_modulus
         stiffness = _column(hertz_stiffness(modulus, scene.effective_radius), index.size)[chosen]
         zener = stiffness**0.4 * mass**0.6 * speed**0.2 / impedance
-    load = load / scales.force
-    return Rows(index[chosen], law.name, curve, scales, gamma, load, approach, drift, share, mass, zener)
+    return Rows(index[chosen], law.name, curve, scales, start, drift, share, mass, zener)
 
 
 def _heavy(scene: Scene, curve: Curve, scales: Scales, approach: Array, mass: Array) -> NDArray[np.bool_]:

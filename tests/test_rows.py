@@ -159,7 +159,13 @@ def test_rows_that_arrays_get_wrong_are_made_one_by_one(target, monkeypatch):
     columns = {"impactor.velocity": np.geomspace(0.12, 2, 9), "impactor.mass": np.linspace(0.03, 0.09, 9)}
     right = simulate_rows(base, columns)
     made = film_model.rows._problem
-    monkeypatch.setattr(film_model.rows, "_problem", lambda *a: dataclasses.replace(made(*a), load=made(*a).load + 0.1))
+
+    def wrong(*arguments):
+        rows = made(*arguments)
+        rows.start["gamma"] += 0.1
+        return rows
+
+    monkeypatch.setattr(film_model.rows, "_problem", wrong)
     again = simulate_rows(base, columns)
     for name in SUMMARY:
         np.testing.assert_allclose(again.summary[name], right.summary[name], rtol=1e-11, atol=1e-15)

@@ -357,7 +357,7 @@ class Sweep:
             own, law = rows[part.index], self.laws.index(part.law)
             columns["law"][own] = law
             columns["zener_number"][own] = part.zener
-            energy = 0.5 * part.mass * (part.approach * part.scales.velocity) ** 2
+            energy = 0.5 * part.mass * (part.start["nu"] * part.scales.velocity) ** 2
             columns["gained"][law] += np.count_nonzero(result.summary["energy_absorbed"][part.index] < -1e-9 * energy)
             if self.keep != "summary":
                 self._histories(columns, lines, scene, result, part, own)

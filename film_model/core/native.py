@@ -251,12 +251,12 @@ def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tu
 def record_many(curve: Curve, cut: Mesh, start: NDArray[Any], room: int) -> list[NDArray[Any]]:
     """The lines of each of many contacts (START_DTYPE), none for one that fails; room: lines it may take at first."""
     found: list[NDArray[Any]] = []
-    for nu, gamma, load, stop_velocity, limit in start.tolist():
-        if not (nu > 0.0 and math.isfinite(nu + gamma + load)):
+    for row in start.tolist():
+        begin = Start(*row)
+        if not (begin.nu > 0.0 and math.isfinite(begin.nu + begin.gamma + begin.load)):
             found.append(np.empty(0, LINE_DTYPE))
             continue
-        state = initial_state(curve, Start(nu, gamma, load, stop_velocity, limit))
-        status, lines, _ = record(curve, cut, state, limit, room)
+        status, lines, _ = record(curve, cut, initial_state(curve, begin), begin.time_limit, room)
         found.append(lines if status >= 0 else lines[:0])
     return found
 

@@ -66,11 +66,11 @@ def measure_case(case: Case, checked: int, repeats: int) -> list[Row]:
     for target in TARGETS:
         for kind in ("work", "chord"):
             rows += _film(case, some, exact, target, repeats, kind)
-    rows += _dormand_prince(case, some, exact, repeats)
+    rows += dormand_prince_rows(case, some, exact, repeats)
     rows += _root_steps(case, some, exact, repeats)
     few = case.spread(max(5, checked // 5))
     for method in conventional.METHODS:
-        rows += _scipy(few, method, few.exact())
+        rows += scipy_rows(few, method, few.exact())
     return rows
 
 
@@ -104,7 +104,7 @@ def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kin
     return rows
 
 
-def _dormand_prince(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]:
+def dormand_prince_rows(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]:
     """The cheapest of both forms and all settings, for each target."""
     if find_spec("numba") is None:
         return []
@@ -155,7 +155,7 @@ def _root_steps(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]
     return rows
 
 
-def _scipy(few: Case, method: str, exact: Array) -> list[Row]:
+def scipy_rows(few: Case, method: str, exact: Array) -> list[Row]:
     rows, tolerances = [], iter(TOLERANCES[2::2])
     error, rtol = float("inf"), float("nan")
     for target in TARGETS:

@@ -27,7 +27,7 @@ ORDER_FACTOR = {
 ROUNDING = 2e-14
 """Relative accuracy that rounding leaves, times the square root of the number of lines over a hundred."""
 
-_FLOOR = 1e-3
+FLOOR = 1e-3
 """Velocities and dents smaller than this part of their scale are judged against it."""
 
 
@@ -118,9 +118,9 @@ def difference(problem: Problem, a: native.Summary, b: native.Summary, approach:
         (a.time_of_maximum_indentation, b.time_of_maximum_indentation, b.time_of_maximum_indentation),
         (a.time_impactor_stops, b.time_impactor_stops, b.time_impactor_stops),
         (a.contact_duration, b.contact_duration, b.contact_duration),
-        (a.permanent_indentation, b.permanent_indentation, max(abs(b.permanent_indentation), _FLOOR * depth)),
-        (a.final_velocity, b.final_velocity, max(abs(b.final_velocity), _FLOOR * speed)),
-        (a.final_velocity, b.final_velocity, max(abs(drift / share + b.final_velocity), _FLOOR * speed)),
+        (a.permanent_indentation, b.permanent_indentation, max(abs(b.permanent_indentation), FLOOR * depth)),
+        (a.final_velocity, b.final_velocity, max(abs(b.final_velocity), FLOOR * speed)),
+        (a.final_velocity, b.final_velocity, max(abs(drift / share + b.final_velocity), FLOOR * speed)),
         (a.work, b.work, max(0.5 * speed**2, abs(b.work))),
     ]
     worst = 0.0

@@ -1,9 +1,10 @@
-"""Many impacts of one scene: simulate_batch(scene, velocity=…) → BatchResult."""
+"""Many impacts of one scene: simulate_rows(scene, columns) → RowResult, and simulate_batch(scene, velocity=…)."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,21 +12,57 @@ from numpy.typing import NDArray
 
 from film_model import units
 from film_model.accuracy import (
-    FIRST_SEGMENTS,
+    FLOOR,
     MOST_SEGMENTS,
     ORDER_FACTOR,
     ROUNDING,
-    difference,
     mesh_of,
     solver_for,
-    unloading_ratio,
 )
-from film_model.bodies import STANDARD_GRAVITY, Body, Sphere
+from film_model.bodies import Body
 from film_model.core import native
-from film_model.effects import GRAVITY_THRESHOLD
-from film_model.errors import SimulationError
-from film_model.problem import Problem, contact_limit, problem_of
+from film_model.errors import Outcome
+from film_model.history import SUMMARY
+from film_model.problem import Array
+from film_model.rows import Rows, rows_of, scene_of_columns
 from film_model.scene import Scene, Solver
+
+TRIED_LEAST, TRIED_SHARE = 64, 256
+"""So many rows at least, and one in so many, are tried on two meshes."""
+
+NO_VELOCITY = -100
+"""Status of a row whose impactor does not approach; the others are the core's."""
+
+STATUSES: dict[int, tuple[str, str]] = {
+    native.EVENT: ("separated", Outcome.SEPARATED.value),
+    native.ENDLESS: ("resting", Outcome.RESTING.value),
+    native.OK: ("time_limit", Outcome.TIME_LIMIT.value),
+    native.BEYOND_LAW: ("beyond_law", Outcome.BEYOND_LAW.value),
+    native.TOO_MANY: ("too_many_segments", Outcome.TOO_MANY_SEGMENTS.value),
+    native.BAD_UNLOADING: ("bad_unloading", "the law's unloading from the deepest point reached has no length"),
+    native.TOO_STIFF: ("too_stiff", "the law's force at first touch is more than the target's impedance can resist"),
+    native.BAD_NUMBER: ("bad_number", "the values of this row make no impact"),
+    NO_VELOCITY: ("no_velocity", "the impactor does not approach the target"),
+}
+"""How a row can end: a word, and a sentence. Negative: it failed, and its values are nan."""
+
+
+@dataclass(frozen=True)
+class RowResult:
+    """Many impacts, one a row. summary: arrays, SI, by the names of `history.SUMMARY` (nan: did not happen).
+
+    status: keys of `STATUSES`. laws: names, and law: the number of each row's among them. segments: loading and
+    unloading lines of each row. estimated: bound on the relative error of every value, from the rows that were tried
+    on two meshes. parts: the problems behind the rows.
+    """
+
+    summary: dict[str, Array]
+    status: NDArray[np.int32]
+    laws: tuple[str, ...]
+    law: NDArray[np.int8]
+    segments: NDArray[np.int32]
+    estimated: float
+    parts: tuple[Rows, ...]
 
 
 @dataclass(frozen=True)
@@ -33,10 +70,10 @@ class BatchResult:
     """Summaries of many impacts: arrays of one shape, SI, by the names of `history.SUMMARY` (nan: did not happen).
 
     estimated: bound on the relative error of every value, from the impacts that were tried on two meshes. segments:
-    loading and unloading lines. failed: True where the core could not follow the impact (its values are nan).
+    most loading and unloading lines. failed: True where the core could not follow the impact (its values are nan).
     """
 
-    summary: dict[str, NDArray[np.float64]]
+    summary: dict[str, Array]
     estimated: float
     segments: tuple[int, int]
     failed: NDArray[np.bool_]
@@ -47,105 +84,150 @@ def simulate_batch(
 ) -> BatchResult:
     """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
 
-    Law "auto" is decided at the largest velocity, gravity "auto" for every impact. With an accuracy, up to 64 of the
-    impacts, the extremes among them, are tried to find the mesh. A free body as target is refused with
-    SimulationError.
+    Law "auto" and gravity "auto" are decided for every impact. With an accuracy, 64 of the impacts or more, the
+    extremes among them, are tried to find the mesh. Raises ValueError for a velocity or mass that is not > 0.
     """
     speeds = units.array_to_si(velocity, "velocity")
-    masses = np.asarray(scene.effective_mass) if mass is None else units.array_to_si(mass, "mass")
-    speeds, masses = np.broadcast_arrays(speeds, masses)
-    if isinstance(scene.target, Body):
-        raise SimulationError("a free body as target cannot be run as a batch: its reduced mass depends on both")
-    if speeds.size == 0 or not ((speeds > 0.0).all() and (masses > 0.0).all()):
+    masses = None if mass is None else units.array_to_si(mass, "mass")
+    shape = np.broadcast_shapes(speeds.shape, () if masses is None else masses.shape)
+    given = {"impactor.velocity": speeds, "impactor.mass": masses}
+    columns = {path: np.broadcast_to(values, shape).ravel() for path, values in given.items() if values is not None}
+    least = scene.target.velocity if isinstance(scene.target, Body) else 0.0
+    if not all(values.size and values.min() > 0.0 for values in columns.values()):
         raise ValueError("velocity and mass must be > 0, and there must be at least one impact")
-    problem = problem_of(_at_velocity(scene, float(speeds.max())))
-    scales = problem.scales
-    start: Any = np.zeros(speeds.size, native.START_DTYPE)
-    clock = np.sqrt(masses.ravel() / problem.mass)  # t_s and 1/v_s grow with √m
-    start["nu"] = speeds.ravel() * clock / scales.velocity
-    start["gamma"] = problem.gamma * clock
-    start["time_limit"] = math.inf
-    heavy = _heavy(scene, problem, start, masses.ravel())
-    start["load"][heavy] = masses.ravel()[heavy] * STANDARD_GRAVITY / scales.force
-    start["time_limit"][heavy] = contact_limit(start["nu"][heavy], start["gamma"][heavy])
+    if not speeds.min() > least:
+        raise ValueError(f"velocity must be > {least:g} m/s, the target's")
     solver = solver_for(scene.solver, accuracy, segments, None)
-    trial = start[np.unique(np.linspace(0, start.size - 1, 64).astype(int))]
-    order = np.argsort(start["gamma"] * start["nu"] ** 0.2 + 1e-9 * start["nu"])
-    trial = np.concatenate([trial, start[order[[0, -1]]], start[[start["nu"].argmin(), start["nu"].argmax()]]])
-    counts, estimated = _batch_mesh(problem, solver, trial)
-    status, core = native.batch(problem.curve.native, mesh_of(solver, counts), start)
-    values = _batch_summary(problem, core, start, clock)
-    failed = status < 0
-    for column in values.values():
-        column[failed] = np.nan
-    shaped = {name: column.reshape(speeds.shape) for name, column in values.items()}
-    return BatchResult(shaped, estimated, counts, failed.reshape(speeds.shape))
+    result = simulate_rows(scene, columns, solver)
+    shaped = {name: column.reshape(shape) for name, column in result.summary.items()}
+    counts = result.segments.max(axis=0).tolist()
+    return BatchResult(shaped, result.estimated, (counts[0], counts[1]), (result.status < 0).reshape(shape))
 
 
-def _at_velocity(scene: Scene, velocity: float) -> Scene:
-    ball = scene.impactor
-    mass = None if ball.mass is None else f"{ball.mass!r} kg"
-    impactor = Sphere(f"{ball.radius!r} m", velocity=f"{velocity!r} m/s", mass=mass, material=ball.material)
-    return replace(scene, impactor=impactor)
+def simulate_rows(scene: Scene, columns: Mapping[str, Array], solver: Solver | None = None) -> RowResult:
+    """Impacts of one scene, some of whose numbers are columns: path such as "impactor.velocity" → SI values.
+
+    The columns are of one length and within the ranges of scenes. Each path must have a number in `scene`, and
+    `columns` one column at least. solver: the scene's unless given.
+    """
+    solver = solver or scene.solver
+    count = len(next(iter(columns.values())))
+    summary = {name: np.full(count, np.nan) for name in SUMMARY}
+    speed = scene_of_columns(scene, columns).approach_velocity
+    status = np.full(count, native.BAD_NUMBER, np.int32)
+    status[np.broadcast_to(np.less_equal(speed, 0.0), (count,))] = NO_VELOCITY
+    law = np.zeros(count, np.int8)
+    segments, laws, estimated, parts = np.zeros((count, 2), np.int32), [], 0.0, []
+    for rows in rows_of(scene, columns, count):
+        if rows.law not in laws:
+            laws.append(rows.law)
+        start = rows.start
+        counts, error = _mesh(rows, start, solver)
+        ended, core = native.batch(rows.curve.native, mesh_of(solver, counts), start)
+        law[rows.index] = laws.index(rows.law)
+        segments[rows.index] = counts
+        status[rows.index] = ended
+        for name, column in _summary(rows, start, ended, core).items():
+            summary[name][rows.index] = column
+        estimated = max(estimated, error + rows.curve.fit_error)
+        parts.append(rows)
+    return RowResult(summary, status, tuple(laws), law, segments, estimated, tuple(parts))
 
 
-def _heavy(scene: Scene, problem: Problem, start: Any, mass: Any) -> NDArray[np.bool_]:
-    """Which impacts are simulated with their weight: the rule of `effects`, for each."""
-    wanted = scene.effects.gravity
-    if wanted != "auto":
-        return np.full(mass.shape, wanted)
-    still = start.copy()
-    still["gamma"] = 0.0
-    status, summary = native.batch(problem.curve.native, native.mesh(native.WORK_PRESERVING, 1, 1), still)
-    force = np.where(status == native.EVENT, summary["maximum_force"] * problem.scales.force, np.nan)
-    return ~(mass * STANDARD_GRAVITY <= GRAVITY_THRESHOLD * force)
-
-
-def _batch_mesh(problem: Problem, solver: Solver, trial: Any) -> tuple[tuple[int, int], float]:
+def _mesh(rows: Rows, start: NDArray[Any], solver: Solver) -> tuple[tuple[int, int], float]:
     """Smallest mesh on which every trial impact meets the accuracy, seen from twice as many segments."""
-    ratio = unloading_ratio(problem)
+    some = start[_trial(start)]
+    slow = float((some["gamma"] * some["nu"] ** 0.2).max(initial=0.0))  # as in accuracy.unloading_ratio
+    ratio = 1 if slow == 0.0 else 2 if slow < 1.5 else 4
     n = solver.segments or 4
     before, after = ORDER_FACTOR[solver.linearisation]
     while True:
         counts = (n, n) if solver.segments else (n, ratio * n)
         coarse, fine = (
-            native.batch(problem.curve.native, mesh_of(solver, (k * counts[0], k * counts[1])), trial) for k in (1, 2)
+            native.batch(rows.curve.native, mesh_of(solver, (k * counts[0], k * counts[1])), some) for k in (1, 2)
         )
         ended = (coarse[0] >= 0) & (fine[0] >= 0)
-        pairs = zip(coarse[1][ended], fine[1][ended], trial[ended], strict=True)
-        worst = max((difference(problem, _summary(a), _summary(b), start["nu"]) for a, b, start in pairs), default=0.0)
+        off = differences(coarse[1][ended], fine[1][ended], some["nu"][ended], some["stop_velocity"][ended])
+        worst = float(off.max(initial=0.0))
         estimated = before * worst + ROUNDING
         if solver.segments is not None:
             return counts, estimated
         assert solver.accuracy is not None
         if estimated <= solver.accuracy or n >= MOST_SEGMENTS:
             return counts, estimated
-        if after * worst <= solver.accuracy and n >= FIRST_SEGMENTS:
+        if after * worst <= solver.accuracy:
             # between n and 2n the error falls with the fourth power
             n = min(2 * n, max(n + 1, math.ceil(n * (1.1 * before * worst / solver.accuracy) ** 0.25)))
         else:
             n *= 2
 
 
-def _summary(row: Any) -> native.Summary:
-    return native.Summary.from_buffer_copy(row)
+def _trial(start: NDArray[Any]) -> NDArray[np.intp]:
+    """Rows to try: spread evenly, and the extremes of velocity, Zener's number and load."""
+    sound = np.flatnonzero(np.isfinite(start["nu"] + start["gamma"] + start["load"]))
+    start, count = start[sound], sound.size
+    if count == 0:
+        return sound
+    spread = np.linspace(0, count - 1, min(count, max(TRIED_LEAST, count // TRIED_SHARE))).astype(np.intp)
+    measures = (start["nu"], start["gamma"] * start["nu"] ** 0.2 + 1e-9 * start["nu"], start["load"])
+    extremes = [pick(values) for values in measures for pick in (np.argmin, np.argmax)]
+    return sound[np.unique(np.concatenate([spread, extremes]))]
 
 
-def _batch_summary(problem: Problem, core: Any, start: Any, clock: Any) -> dict[str, NDArray[np.float64]]:
-    """Summary columns in SI from the core's."""
-    s = problem.scales
-    speed, energy = s.velocity / clock, s.energy
-    radiated = 0.5 * (start["nu"] ** 2 - core["final_velocity"] ** 2) - core["work"]
-    radiated += start["load"] * (core["permanent_indentation"] + core["shift"])
-    return {
-        "maximum_force": core["maximum_force"] * s.force,
-        "maximum_indentation": core["maximum_indentation"] * s.length,
-        "time_of_maximum_indentation": core["time_of_maximum_indentation"] * s.time * clock,
-        "time_impactor_stops": core["time_impactor_stops"] * s.time * clock,
-        "contact_duration": core["contact_duration"] * s.time * clock,
-        "permanent_indentation": core["permanent_indentation"] * s.length,
-        "rebound_velocity": core["final_velocity"] * speed,
-        "coefficient_of_restitution": -core["final_velocity"] / start["nu"],
-        "energy_absorbed": core["work"] * energy,
-        "energy_radiated": np.where(start["gamma"] > 0.0, radiated * energy, 0.0),
+def differences(a: NDArray[Any], b: NDArray[Any], nu: Array, stop_velocity: Array) -> Array:
+    """Largest relative difference of each pair of summaries: `accuracy.difference` for arrays."""
+    depth, speed = b["maximum_indentation"], np.maximum(nu, 1e-300)
+    final = b["final_velocity"]
+    scales = {
+        "maximum_force": (b["maximum_force"],),
+        "maximum_indentation": (depth,),
+        "time_of_maximum_indentation": (b["time_of_maximum_indentation"],),
+        "time_impactor_stops": (b["time_impactor_stops"],),
+        "contact_duration": (b["contact_duration"],),
+        "permanent_indentation": (np.maximum(np.abs(b["permanent_indentation"]), FLOOR * depth),),
+        "final_velocity": tuple(np.maximum(np.abs(v), FLOOR * speed) for v in (final, final - stop_velocity)),
+        "work": (np.maximum(0.5 * speed**2, np.abs(b["work"])),),
     }
+    worst = np.zeros(nu.shape)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for name, sizes in scales.items():
+            missing = np.isnan(a[name]) & np.isnan(b[name])
+            for size in sizes:
+                relative = np.where(size > 0.0, np.abs(a[name] - b[name]) / size, np.where(np.isnan(size), 1.0, 0.0))
+                worst = np.maximum(worst, np.where(missing, 0.0, np.where(np.isnan(relative), 1.0, relative)))
+    return worst
+
+
+def _summary(rows: Rows, start: NDArray[Any], status: NDArray[np.int32], core: NDArray[Any]) -> dict[str, Array]:
+    """Summary columns in SI from the core's; nan for what did not happen, and everywhere in a row that failed."""
+    s, share, drift, nu = rows.scales, rows.share, rows.drift, start["nu"]
+    final, failed, over = core["final_velocity"], status < 0, status == native.EVENT
+    turned = core["maximum_indentation"] > 0.0
+    absorbed = np.where(np.abs(core["work"]) > 1e-14 * nu**2, core["work"], 0.0)  # less is rounding
+    columns = {
+        "maximum_force": core["maximum_force"] * s.force,
+        "maximum_indentation": np.where(turned, core["maximum_indentation"] * s.length, np.nan),
+        "time_of_maximum_indentation": np.where(turned, core["time_of_maximum_indentation"] * s.time, np.nan),
+        "time_impactor_stops": core["time_impactor_stops"] * s.time,
+        "contact_duration": core["contact_duration"] * s.time,
+        "permanent_indentation": core["permanent_indentation"] * s.length,
+        "rebound_velocity": drift + share * final * s.velocity,
+        "coefficient_of_restitution": -final / nu,
+        "energy_absorbed": np.where(over, absorbed * s.energy, np.nan),
+        "energy_radiated": np.where(over, _radiated(rows, start, core), np.nan),
+    }
+    return {name: np.where(failed, np.nan, column) for name, column in columns.items()}
+
+
+def _radiated(rows: Rows, start: NDArray[Any], core: NDArray[Any]) -> Array:
+    """Energy in target motion, J, as `solve` has it."""
+    s, free = rows.scales, rows.share < 1.0
+    lost = 0.5 * (start["nu"] ** 2 - core["final_velocity"] ** 2) - core["work"]
+    lost += start["load"] * (core["permanent_indentation"] + core["shift"])
+    radiated = np.where(start["gamma"] > 0.0, lost * s.energy, 0.0)
+    if free.any():
+        other = 1.0 - rows.share
+        with np.errstate(divide="ignore", invalid="ignore"):
+            before, after = (rows.drift - other * nu * s.velocity for nu in (start["nu"], core["final_velocity"]))
+            radiated = np.where(free, 0.5 * rows.mass / other * (after**2 - before**2), radiated)
+    return radiated

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, TypeAlias, cast
 
 from film_model import targets
+from film_model.elementwise import root
 from film_model.errors import Mistake, raise_all
 from film_model.fields import Field, choice, fill, measure, part, several
 from film_model.materials import Material, material
@@ -84,7 +85,7 @@ class Sphere:
         """Velocity at the beginning of contact, m/s: as given, or √(2 g h)."""
         if self.velocity is not None:
             return self.velocity
-        return math.sqrt(2 * STANDARD_GRAVITY * (self.drop_height or 0))
+        return root(2 * STANDARD_GRAVITY * cast("float", self.drop_height))
 
     @property
     def own_mass(self) -> float | None:
@@ -246,7 +247,7 @@ class Rod:
     @property
     def cross_section(self) -> float:
         """Area of the cross-section, m²."""
-        return self.area if self.area is not None else math.pi / 4 * (self.diameter or 0) ** 2
+        return self.area if self.area is not None else math.pi / 4 * cast("float", self.diameter) ** 2
 
     @property
     def impedance(self) -> float:

@@ -1,4 +1,4 @@
-"""The command line: film-model run | cost | hard-cases | export-fmu | check-fmu | laws | materials.
+"""The command line of film-model.
 
 Results go to standard output, warnings to standard error. Exit status 0: done; 2: the scene or the command line is
 wrong; 3: the simulation could not be done.
@@ -35,8 +35,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return DONE
     except (OSError, ValueError, ImportError) as error:
         return _complain(str(error), FAILED)
-    except KeyboardInterrupt:
-        return _complain("interrupted", 130)
+    except KeyboardInterrupt as stop:
+        return _complain(str(stop) or "interrupted", 130)
 
 
 def _complain(text: str, status: int) -> int:
@@ -98,6 +98,43 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument("fmu", help="FMU written by export-fmu")
     check.add_argument("--json", action="store_true", help="print one JSON object")
     check.set_defaults(command=_check_fmu)
+
+
+    sweep = commands.add_parser("sweep", help="simulate the many impacts of a sweep file")
+    sweep.add_argument("sweep", help="sweep file (TOML)")
+    sweep.add_argument("--output", metavar="FILE", required=True, help="FILE.nc or FILE.zarr")
+    sweep.add_argument(
+        "--keep",
+        metavar="WHAT",
+        default="summary",
+        help="besides the summary (default): segments, the exact histories; or samples=201, dense ones",
+    )
+    where = sweep.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=int, metavar="N", help="threads; all cores by default")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler whose workers compute instead")
+    sweep.add_argument("--resume", action="store_true", help="go on where an interrupted run stopped")
+    sweep.add_argument("--force", action="store_true", help="overwrite an existing output, and begin anew")
+    sweep.add_argument("--json", action="store_true", help="print one JSON object")
+    sweep.set_defaults(command=_sweep)
+
+    plot = commands.add_parser("plot", help="draw a dataset: a history, or a quantity of a sweep")
+    plot.add_argument("file", metavar="FILE", help="FILE.nc or FILE.zarr")
+    plot.add_argument("--output", metavar="PICTURE", help=".png, .svg or .pdf; FILE.png unless given")
+    plot.add_argument("--quantity", metavar="NAME", help="summary quantity of a sweep; coefficient_of_restitution")
+    plot.add_argument("--over", metavar="NAME[,NAME]", help="one swept quantity, for lines, or two, for a heat map")
+    plot.add_argument("--at", metavar="NAME=VALUE", action="append", help="of another swept quantity, SI or a word")
+    plot.add_argument("--force", action="store_true", help="overwrite an existing picture")
+    plot.set_defaults(command=_plot)
+
+    identify = commands.add_parser("identify", help="fit parameters of a scene to a measurement")
+    identify.add_argument("measured", help="CSV file: time and force, or velocity and restitution, with units")
+    identify.add_argument("scene", help="scene file (TOML), with values to begin with")
+    identify.add_argument("--fit", required=True, metavar="NAME[,NAME]", help="e.g. contact.yield_strength,time_offset")
+    identify.add_argument("--confidence", type=float, default=0.99, help="level of the intervals (0.99)")
+    identify.add_argument("--plot", metavar="FILE", help="draw measurement and fit (.png, .svg or .pdf)")
+    identify.add_argument("--force", action="store_true", help="overwrite an existing picture")
+    identify.add_argument("--json", action="store_true", help="print one JSON object")
+    identify.set_defaults(command=_identify)
 
     laws = commands.add_parser("laws", help="list the contact laws and their parameters")
     laws.add_argument("--json", action="store_true", help="print one JSON object")
@@ -237,6 +274,87 @@ def _check_fmu(options: argparse.Namespace) -> int:
             print(f"{word:10} {finding.what:48} {finding.difference:8.1e}, allowed {finding.allowed:.0e}{where}")
         print(f"{report.path}: {'good' if report.good else 'not good'}")
     return DONE if report.good else FAILED
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from film_datasets.report import sweep_report
+    from film_datasets.run import Bar, run
+    from film_datasets.sweeps import Sweep
+
+    sweep = Sweep.from_toml(options.sweep, options.keep)
+    dataset = run(
+        sweep,
+        options.output,
+        command=f"film-model sweep {options.sweep} --output {options.output} --keep {options.keep}",
+        workers=options.workers,
+        scheduler=options.scheduler,
+        resume=options.resume,
+        overwrite=options.force,
+        progress=Bar(),
+    )
+    with dataset:
+        report = sweep_report(dataset)
+    if options.json:
+        _print_json({"output": options.output, **report})
+    else:
+        print(_sweep_table(report))
+        print(f"wrote {options.output}", file=sys.stderr)
+    for warning in report["warnings"]:
+        print(f"warning: {warning}", file=sys.stderr)
+    return DONE
+
+
+def _sweep_table(report: dict[str, Any]) -> str:
+    """How the impacts ended, and the range of every summary quantity."""
+    from film_model.history import SUMMARY
+    from film_model.units import format_si
+
+    ended = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in report["statuses"].items())
+    lines = [report["title"], f"{report['impacts']} impacts: {ended}", ""]
+    lines.append(f"  {'':30}{'least':>16}{'mean':>16}{'greatest':>16}")
+    for name, row in report["summary"].items():
+        cells = (row[key] for key in ("least", "mean", "greatest"))
+        texts = ("-" if value is None else format_si(value, SUMMARY[name][0], 5) for value in cells)
+        lines.append(f"  {name.replace('_', ' '):30}" + "".join(f"{text:>16}" for text in texts))
+    lines += ["", f"  error at most {report['accuracy']['estimated']:.1e} of every value"]
+    return "\n".join(lines)
+
+
+def _plot(options: argparse.Namespace) -> int:
+    from film_datasets.files import open_dataset
+    from film_datasets.pictures import plot
+
+    output = options.output or os.path.splitext(options.file)[0] + ".png"
+    chosen: dict[str, Any] = {"quantity": options.quantity, "over": options.over and options.over.split(",")}
+    at = dict(pair.partition("=")[::2] for pair in options.at or ())
+    with open_dataset(options.file) as dataset:
+        _check_writable(output, options.force)
+        given = {key: value for key, value in chosen.items() if value}
+        plot(dataset, output, **given, at={key.replace(".", "_"): value for key, value in at.items()})
+    print(f"wrote {output}", file=sys.stderr)
+    return DONE
+
+
+def _identify(options: argparse.Namespace) -> int:
+    from film_datasets.identification import identify
+    from film_datasets.measured import from_csv
+    from film_model.scene import Scene
+
+    if options.plot:
+        _check_writable(options.plot, options.force)
+    fit = [name.strip() for name in options.fit.split(",")]
+    found = identify(from_csv(options.measured), Scene.from_toml(options.scene), fit, options.confidence)
+    if options.plot:
+        found.plot(options.plot)
+    if options.json:
+        _print_json(found.to_json())
+    else:
+        print(found.table())
+        if options.plot:
+            print(f"wrote {options.plot}", file=sys.stderr)
+    for warning in found.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
+    return DONE
 
 
 def _check_writable(path: str, force: bool) -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from film_model.errors import Mistake, did_you_mean, raise_all, shown
 from film_model.fields import Field, choice, fill, key_text, measure, table_of, written
-from film_model.units import Value, power_stiffness_to_si, to_si
+from film_model.units import Value, needed, power_stiffness_to_si, to_si
 
 if TYPE_CHECKING:
     from film_model.laws import AbstractLaw, Parameter
@@ -72,6 +74,31 @@ class Contact:
     def law_name(self) -> str:
         """The law's name in sentences."""
         return self.law if isinstance(self.law, str) else self.law.name
+
+
+def parameter_fields(contact: Contact) -> dict[str, Field]:
+    """The own parameters of a contact's named law as fields, by name."""
+    if not isinstance(contact.law, str) or contact.law == "auto":
+        return {}
+    return {
+        name: _parameter_field(parameter, _exponent(contact.law, contact.parameters))
+        for name, parameter in _law(contact.law).parameters.items()
+    }
+
+
+def _parameter_field(parameter: Parameter, exponent: float | None) -> Field:
+    if parameter.choices:
+        return choice(*parameter.choices)
+    low = parameter.above if parameter.above is not None else parameter.minimum
+    ends = (-math.inf if low is None else low, math.inf, parameter.above is not None)
+    if parameter.dimension != "meyer_stiffness":
+        dimension = parameter.dimension
+        return Field(partial(_read_parameter, parameter), needed(dimension), parameter.required, dimension, *ends)
+
+    def read(value: object) -> float:
+        return _checked(parameter, value, power_stiffness_to_si(value, exponent or math.nan))
+
+    return Field(read, "a stiffness is needed", parameter.required, parameter.dimension, *ends)
 
 
 def contact_table(contact: Contact) -> dict[str, Any]:

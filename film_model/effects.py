@@ -69,16 +69,23 @@ def choose(scene: Scene) -> Choice:
     return Choice(law, impedance, load, (plasticity, motion, gravity))
 
 
+_FROM_SCENE = {
+    "effective_modulus": "effective_modulus",
+    "radius": "effective_radius",
+    "yield_strength": "yield_strength",
+}
+"""Fields of laws that the scene fills, and its properties that do."""
+
+
+def law_values(scene: Scene, law: type[AbstractLaw]) -> dict[str, Any]:
+    """The values a law takes from the scene, by its fields."""
+    filled = {field: getattr(scene, _FROM_SCENE[field]) for field in law_fields(law) if field in _FROM_SCENE}
+    return filled | dict(scene.contact.parameters)
+
+
 def _law(scene: Scene, name: str) -> AbstractLaw:
     """The named law with its values from the scene."""
-    law = LAWS[name]
-    known = {
-        "effective_modulus": scene.effective_modulus,
-        "radius": scene.effective_radius,
-        "yield_strength": scene.yield_strength,
-    }
-    values = {field: known[field] for field in law_fields(law) if field in known}
-    return law(**values, **scene.contact.parameters)
+    return LAWS[name](**law_values(scene, LAWS[name]))
 
 
 def _plasticity(scene: Scene) -> tuple[AbstractLaw, Effect]:

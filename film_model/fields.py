@@ -18,12 +18,18 @@ from film_model.units import needed, scene_unit, to_si
 
 @dataclass(frozen=True)
 class Field:
-    """One entry of a table: how it is read, and what to say if it must be there and is not."""
+    """One entry of a table: how it is read, and what to say if it must be there and is not.
+
+    low, high: range of a quantity, SI; `open_ends` if they are themselves out of it.
+    """
 
     read: Callable[[object], Any]
     need: str
     required: bool = False
     dimension: str = "dimensionless"
+    low: float | None = None
+    high: float | None = None
+    open_ends: bool = False
 
 
 class Part(Protocol):
@@ -49,7 +55,7 @@ def measure(dimension: str, low: float, high: float, *, required: bool = False, 
             raise ValueError(f"{shown(value)} is out of range: {between} {low:g} {and_} {high:g} {unit}".rstrip())
         return result
 
-    return Field(read, needed(dimension), required, dimension)
+    return Field(read, needed(dimension), required, dimension, low, high, open_ends)
 
 
 def choice(*choices: str | bool) -> Field:

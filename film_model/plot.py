@@ -1,4 +1,4 @@
-"""One figure of an impact: force, indentation and velocities over time, and the force-indentation loop."""
+"""One figure of an impact: force, indentation, velocities and energies over time, and the force-indentation loop."""
 
 from __future__ import annotations
 
@@ -6,15 +6,16 @@ import io
 import itertools
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from film_model.bodies import Body
 from film_model.files import written_whole
 from film_model.history import MOTION, SUMMARY, History, Samples
-from film_model.units import format_si, scene_unit
+from film_model.units import PREFIXED, format_si, scene_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,7 +47,7 @@ NUMBERS = {
 
 VELOCITIES = {"impactor_velocity": "-", "target_velocity": "--", "relative_velocity": ":"}
 
-SIZE, LEFT = (9.0, 6.6), 0.085  # inches; part of the width left of the panels
+SIZE, LEFT = (9.0, 8.2), 0.085  # inches; part of the width left of the panels
 _STYLE: dict[Any, Any] = {
     **{"font.size": 9.0, "lines.linewidth": 1.6, "svg.hashsalt": "film-model"},
     **{"axes.spines.top": False, "axes.spines.right": False, "xtick.direction": "in", "ytick.direction": "in"},
@@ -61,36 +62,57 @@ def plot_history(history: History, path: str | os.PathLike[str] | None = None, d
     pyplot is not used. Raises ValueError for another suffix, ImportError without matplotlib, OSError where the file
     cannot be written.
     """
+    target = _target(path)
+    matplotlib, figure_class = _matplotlib()
+    with matplotlib.rc_context(_STYLE):
+        figure = figure_class(figsize=SIZE)
+        _draw(figure, history)
+        if target is not None:
+            _save(figure, target, dpi)
+    return figure
+
+
+def _target(path: str | os.PathLike[str] | None) -> Path | None:
+    """The path of the picture, refused with ValueError if its suffix is no picture's."""
     target = None if path is None else Path(path)
-    if target is not None:
-        check_suffix(target)
+    if target is not None and target.suffix.lower() not in SUFFIXES:
+        raise ValueError(f"{target}: the name of a picture must end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+    return target
+
+
+def _matplotlib() -> tuple[Any, type[Figure]]:
+    """The module and its figure, which need no pyplot."""
     try:
         import matplotlib
         from matplotlib.figure import Figure
     except ImportError as error:
         raise ImportError('plots need matplotlib: install film-model[plot] (pip install "film-model[plot]")') from error
+    return matplotlib, Figure
+
+
+def picture(
+    path: str | os.PathLike[str] | None, draw: Callable[[Figure], None], size: tuple[float, float], dpi: float = 200.0
+) -> Figure:
+    """A figure of `size` [inches] in the style of this package, filled by `draw`; else as `plot_history`."""
+    target = _target(path)
+    matplotlib, figure_class = _matplotlib()
     with matplotlib.rc_context(_STYLE):
-        figure = Figure(figsize=SIZE)
-        _draw(figure, history)
+        figure = figure_class(figsize=size)
+        draw(figure)
         if target is not None:
-            save_figure(figure, target, dpi)
+            _save(figure, target, dpi)
     return figure
-
-
-def check_suffix(target: Path) -> None:
-    """Raises ValueError for a file that is no picture by its name."""
-    if target.suffix.lower() not in SUFFIXES:
-        raise ValueError(f"{target}: the name of a picture must end in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
 
 
 def _draw(figure: Figure, history: History) -> None:
     grid = figure.add_gridspec(
-        3, 2, width_ratios=(1.6, 1.0), left=LEFT, right=0.985, bottom=0.075, top=0.85, hspace=0.12, wspace=0.26
+        4, 2, width_ratios=(1.6, 1.0), left=LEFT, right=0.985, bottom=0.06, top=0.88, hspace=0.12, wspace=0.26
     )
     force = figure.add_subplot(grid[0, 0])
     depth = figure.add_subplot(grid[1, 0], sharex=force)
     speed = figure.add_subplot(grid[2, 0], sharex=force)
-    loop, key = figure.add_subplot(grid[:2, 1]), figure.add_subplot(grid[2, 1])
+    loop, key = figure.add_subplot(grid[:2, 1]), figure.add_subplot(grid[2:, 1])
+    energy = figure.add_subplot(grid[3, 0], sharex=force)
     events = [event.time for event in history.events]
     samples = history.sample_si(np.union1d(np.linspace(0.0, history.duration, SAMPLES), events))
     moved = float(np.abs(samples.target_velocity).max()) > 1e-9 * float(np.abs(samples.impactor_velocity).max())
@@ -99,19 +121,22 @@ def _draw(figure: Figure, history: History) -> None:
     _curves(depth, history, samples, "time", ["indentation"])
     _curves(speed, history, samples, "time", velocities)
     _curves(loop, history, samples, "indentation", ["contact_force"])
-    for panel in (force, depth):
+    _energies(energy, history, samples)
+    for panel in (force, depth, speed):
         panel.tick_params(labelbottom=False)
-        panel.set(xlabel="", ylim=(0.0, None))
+        panel.set(xlabel="")
+    for panel in (force, depth, energy):
+        panel.set_ylim(0.0, None)
     speed.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
     force.set_xlim(0.0, history.duration / _unit(samples.time, "time")[0] * 1.01)
     loop.set(xlim=(0.0, None), ylim=(0.0, None))
-    _mark_events((force, depth, speed), history, _unit(samples.time, "time")[0])
+    _mark_events((force, depth, speed, energy), history, _unit(samples.time, "time")[0])
     _key(key, history, samples, velocities)
-    figure.align_ylabels([force, depth, speed])
+    figure.align_ylabels([force, depth, speed, energy])
     title = " ".join(history.scene.title.split()) or f"Impact on a {history.scene.target.kind}"
     size = min(12.0, 900.0 / len(title))  # letters of 12 points: some 75 fit
-    figure.text(LEFT, 0.965, _plain(title), fontsize=size, fontweight="bold")
-    figure.text(LEFT, 0.933, _numbers(history), fontsize=8, color="0.25")
+    figure.text(LEFT, 0.972, _plain(title), fontsize=size, fontweight="bold")
+    figure.text(LEFT, 0.945, _numbers(history), fontsize=8, color="0.25")
 
 
 def _curves(panel: Axes, history: History, samples: Samples, across: str, names: list[str]) -> None:
@@ -124,6 +149,35 @@ def _curves(panel: Axes, history: History, samples: Samples, across: str, names:
             panel.plot(x, y, VELOCITIES.get(name, "-"), color=_colour(history, stage), solid_capstyle="round")
     what = "velocity" if len(names) > 1 else names[0].replace("_", " ")
     panel.set(xlabel=f"{across} ({x_unit})", ylabel=f"{what} ({unit})")
+
+
+def energies(history: History, samples: Samples) -> dict[str, Any]:
+    """Where the energy is at the samples, J: motion of the impactor, the contact, and what went into the target.
+
+    The work of the contact force is summed by trapezoids between the samples.
+    """
+    target, own = history.scene.target, samples.target_velocity
+    mass = target.own_mass if isinstance(target, Body) else None
+    return {
+        "impactor": 0.5 * history.scene.mass * samples.impactor_velocity**2,
+        "contact": _summed(samples.contact_force, samples.indentation),
+        "target": _summed(samples.contact_force, samples.target_displacement) if mass is None else 0.5 * mass * own**2,
+    }
+
+
+def _summed(force: Any, way: Any) -> Any:
+    return np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(way))])
+
+
+def _energies(panel: Axes, history: History, samples: Samples) -> None:
+    """Energies over time, by name at their largest."""
+    found = {name: e for name, e in energies(history, samples).items() if e.max() > 1e-6 * history.scene.kinetic_energy}
+    x_size, x_unit = _unit(samples.time, "time")
+    size, unit = _unit(np.stack(list(found.values())), "energy")
+    for (name, values), line in zip(found.items(), ("-", "--", ":"), strict=False):
+        panel.plot(samples.time / x_size, values / size, line, color="0.2", label=name)
+    panel.set(xlabel=f"time ({x_unit})", ylabel=f"energy ({unit})")
+    panel.legend(loc="center right", fontsize=8, frameon=False)
 
 
 def _runs(stages: Any) -> Iterator[tuple[str, slice]]:
@@ -178,8 +232,14 @@ def _numbers(history: History) -> str:
 
 def _unit(values: Any, name: str) -> tuple[float, str]:
     """Size in SI and symbol of the unit in which `values` are drawn: the SI unit with an engineering prefix."""
-    dimension = "time" if name == "time" else MOTION[name][0]
-    largest = float(np.abs(values).max())
+    return prefixed_unit(values, name if name in ("time", "energy") else MOTION[name][0])
+
+
+def prefixed_unit(values: Any, dimension: str) -> tuple[float, str]:
+    """Size in SI and symbol of the unit for values [SI] of a dimension, of which the largest is to be read easily."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if dimension not in (*PREFIXED, "velocity"):
+        return 1.0, scene_unit(dimension)
     # 0.25 m/s, but 250 nm
     power = 0 if largest == 0.0 else math.floor((math.log10(largest) + (dimension == "velocity")) / 3) * 3
     power = min(max(power, min(_PREFIXES)), max(_PREFIXES))
@@ -196,9 +256,8 @@ def _plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-def save_figure(figure: Figure, target: Path, dpi: float = 200.0) -> None:
-    """Write the picture whole or not at all, the same picture with the same bytes. Raises ValueError for its suffix."""
-    check_suffix(target)
+def _save(figure: Figure, target: Path, dpi: float) -> None:
+    """Write the picture whole or not at all, the same picture with the same bytes."""
     kind = target.suffix[1:].lower()
     picture, undated = io.BytesIO(), {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
     figure.savefig(picture, format=kind, dpi=dpi, metadata=undated.get(kind))

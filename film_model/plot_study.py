@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from film_model.plot import COLOURS, save_figure
+from film_model.plot import COLOURS, picture
 from film_model.study import FILM, Study
 
 if TYPE_CHECKING:
@@ -35,21 +34,17 @@ def plot_studies(studies: Sequence[tuple[str, Study]], path: str | os.PathLike[s
 
 
 def _figure(panels: Sequence[tuple[Study, str, str]], path: str | os.PathLike[str] | None) -> Figure:
-    try:
-        from matplotlib.figure import Figure
-    except ImportError as error:
-        raise ImportError('plots need matplotlib: install film-model[plot] (pip install "film-model[plot]")') from error
-    figure = Figure(figsize=(1.5 + 4.2 * len(panels), 4.6), layout="constrained")
-    axes: Any = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
-    handles: dict[str, Any] = {}
-    for panel, (study, timing, title) in zip(axes, panels, strict=True):
-        _draw(panel, study, timing, handles)
-        panel.set(title=title, xlabel="largest relative error")
-    axes[0].set(ylabel="seconds an impact")
-    figure.legend(handles.values(), handles.keys(), loc="outside right upper", frameon=False)
-    if path is not None:
-        save_figure(figure, Path(path))
-    return figure
+    def draw(figure: Figure) -> None:
+        figure.set_layout_engine("constrained")
+        axes: Any = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
+        handles: dict[str, Any] = {}
+        for panel, (study, timing, title) in zip(axes, panels, strict=True):
+            _draw(panel, study, timing, handles)
+            panel.set(title=title, xlabel="largest relative error")
+        axes[0].set(ylabel="seconds an impact")
+        figure.legend(handles.values(), handles.keys(), loc="outside right upper", frameon=False)
+
+    return picture(path, draw, (1.5 + 4.2 * len(panels), 4.6))
 
 
 def _draw(panel: Axes, study: Study, timing: str, handles: dict[str, Any]) -> None:

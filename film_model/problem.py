@@ -62,24 +62,31 @@ class Problem:
 
     def motion(self, t: Any, values: Any) -> dict[str, Any]:
         """SI motion from the core's values ξ, ξ', f, ν, target displacement (last axis) at times t [s]."""
-        s = self.scales
-        xi, rate, force, nu, shift = (values[..., k] for k in range(5))
-        indentation, velocity, moved = xi * s.length, nu * s.velocity, shift * s.length
-        if self.share == 1.0:
-            impactor, target = (indentation + moved, velocity), (moved, velocity - rate * s.velocity)
-        else:
-            other = 1.0 - self.share
-            impactor = self.drift * t + self.share * indentation, self.drift + self.share * velocity
-            target = self.drift * t - other * indentation, self.drift - other * velocity
-        return {
-            "indentation": indentation,
-            "relative_velocity": rate * s.velocity,
-            "contact_force": force * s.force,
-            "impactor_displacement": impactor[0],
-            "impactor_velocity": impactor[1],
-            "target_displacement": target[0],
-            "target_velocity": target[1],
-        }
+        return motion_of(self.scales, self.drift, self.share, self.share < 1.0, t, values)
+
+
+def motion_of(s: Scales, drift: Any, share: Any, free: bool, t: Any, values: Any) -> dict[str, Any]:
+    """SI motion from the core's values ξ, ξ', f, ν, target displacement (last axis) at times t [s].
+
+    s, drift, share: numbers, or arrays that broadcast with t. free: whether the target is a free body.
+    """
+    xi, rate, force, nu, shift = (values[..., k] for k in range(5))
+    indentation, velocity, moved = xi * s.length, nu * s.velocity, shift * s.length
+    if free:
+        other = 1.0 - share
+        impactor = drift * t + share * indentation, drift + share * velocity
+        target = drift * t - other * indentation, drift - other * velocity
+    else:
+        impactor, target = (indentation + moved, velocity), (moved, velocity - rate * s.velocity)
+    return {
+        "indentation": indentation,
+        "relative_velocity": rate * s.velocity,
+        "contact_force": force * s.force,
+        "impactor_displacement": impactor[0],
+        "impactor_velocity": impactor[1],
+        "target_displacement": target[0],
+        "target_velocity": target[1],
+    }
 
 
 def contact_limit(approach: Any, gamma: Any) -> Any:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
+from film_model.elementwise import root
 from film_model.laws.law import AbstractLaw
 
 
@@ -26,5 +26,5 @@ class Scales:
 def scales_of(law: AbstractLaw, energy: float, mass: float) -> Scales:
     """Scales of a law for an impactor of `mass` [kg]; `energy` [J] > 0 sets them for a law without its own."""
     length, force = law.scales(energy)
-    time = math.sqrt(mass * length / force)
+    time = root(mass * length / force)
     return Scales(length, force, time, length / time)

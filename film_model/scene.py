@@ -6,10 +6,12 @@ import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import reduce
 from typing import Any, ClassVar, Literal, TypeAlias
 
 from film_model.bodies import STANDARD_GRAVITY, BendingStiffness, Body, HalfSpace, Plate, Rod, Sphere, Target
 from film_model.contact import Contact
+from film_model.elementwise import endless, lesser
 from film_model.errors import Mistake, raise_all, shown
 from film_model.fields import Field, choice, fill, measure, whole
 from film_model.materials import Material
@@ -156,7 +158,7 @@ class Scene:
     def effective_radius(self) -> float:
         """1/(1/R + 1/R_t), m."""
         own, other = self.impactor.radius, self.target.radius
-        return own if math.isinf(other) else own * other / (own + other)
+        return own if endless(other) else own * other / (own + other)
 
     @property
     def effective_modulus(self) -> float | None:
@@ -174,9 +176,8 @@ class Scene:
         if self.contact.yield_strength is not None:
             return self.contact.yield_strength
         materials = (self.impactor.material, self.target.material)
-        return min(
-            (m.yield_strength for m in materials if m is not None and m.yield_strength is not None), default=None
-        )
+        strengths = [m.yield_strength for m in materials if m is not None and m.yield_strength is not None]
+        return reduce(lesser, strengths) if strengths else None
 
     @property
     def approach_velocity(self) -> float:

@@ -23,6 +23,11 @@ KINDS: dict[str, type[Target]] = {cls.kind: cls for cls in (HalfSpace, Plate, Ro
 
 def read_scene(path: str | os.PathLike[str]) -> Scene:
     """The scene in a file."""
+    return scene_from_text(*read_text(path))
+
+
+def read_text(path: str | os.PathLike[str]) -> tuple[str, str]:
+    """The text of a scene file or another of its kind, and its name for messages. Raises SceneError."""
     name = os.fspath(path)
     shown_name = name if name.isprintable() else ascii(name)
     try:
@@ -39,24 +44,29 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
         raise SceneError([Mistake(shown_name, line, "", what)]) from None
     except ValueError as error:
         raise SceneError([Mistake(shown_name, None, "", str(error))]) from None
-    return scene_from_text(text, shown_name)
+    return text, shown_name
 
 
 def scene_from_text(text: str, name: str) -> Scene:
     """The scene in the text of a scene file called `name`."""
+    table = toml_table(text, name)
     try:
-        table = tomllib.loads(text.removeprefix("\ufeff"))
+        return scene_from_table(table)
+    except SceneError as error:
+        lines = lines_of_keys(text)
+        placed = [replace(m, file=name, line=line_of(lines, m.key)) for m in error.mistakes]
+        raise SceneError(sorted(placed, key=lambda m: m.line or 0)) from None
+
+
+def toml_table(text: str, name: str) -> dict[str, Any]:
+    """The table in the text of a TOML file called `name`. Raises SceneError with the line of a mistake."""
+    try:
+        return tomllib.loads(text.removeprefix("\ufeff"))
     except (ValueError, OverflowError, RecursionError) as error:
         message = str(error) if str(error).isprintable() else ascii(str(error))
         found = re.search(r" \(at line ([0-9]+), column ([0-9]+)\)", message)
         line = int(found[1]) if found else text.count("\n") + 1 if "end of document" in message else None
         raise SceneError([Mistake(name, line, "", f"not TOML: {message}")]) from None
-    try:
-        return scene_from_table(table)
-    except SceneError as error:
-        lines = _lines(text)
-        placed = [replace(m, file=name, line=_line(lines, m.key)) for m in error.mistakes]
-        raise SceneError(sorted(placed, key=lambda m: m.line or 0)) from None
 
 
 def scene_from_table(table: Mapping[str, Any]) -> Scene:
@@ -168,7 +178,7 @@ _PART = r"""(?:"(?:[^"\\]|\\.)*"|'[^']*'|[A-Za-z0-9_-]+)"""
 _PATH = re.compile(rf"{_PART}(?:\s*\.\s*{_PART})*")
 
 
-def _lines(text: str) -> dict[str, int]:
+def lines_of_keys(text: str) -> dict[str, int]:
     """The line of every key, by its path. tomllib does not say; a key in an inline table has its table's line."""
     lines: dict[str, int] = {}
     section, quotes = "", ""
@@ -195,7 +205,7 @@ def _unquoted(part: str) -> str:
     return part[1:-1] if part[0] in "\"'" else part
 
 
-def _line(lines: Mapping[str, int], key: str) -> int | None:
+def line_of(lines: Mapping[str, int], key: str) -> int | None:
     """The line of the key, or of the nearest table round it."""
     while key and key not in lines:
         key = key.rpartition(".")[0]

@@ -1,12 +1,16 @@
 """Wave impedance of a target: the force that pushes it at unit velocity while no wave has come back.
 
 With it the struck point of the target moves at F/Z, and the indentation δ obeys δ̈ + Ḟ/Z + F/m = 0 (Zener 1941).
-All arguments and results are SI floats.
+All arguments and results are SI floats, or arrays of them.
 """
 
 from __future__ import annotations
 
-import math
+from typing import Any
+
+import numpy as np
+
+from film_model.elementwise import root
 
 
 def plate_stiffness(youngs_modulus: float, poissons_ratio: float, thickness: float) -> float:
@@ -20,7 +24,7 @@ def plate_impedance(mass_per_area: float, bending_stiffness: float) -> float:
     Exact for Kirchhoff's plate; the contact must be long against the time a wave takes through the thickness, and
     over before a wave returns from an edge.
     """
-    return 8 * math.sqrt(mass_per_area * bending_stiffness)
+    return 8 * root(mass_per_area * bending_stiffness)
 
 
 def orthotropic_plate_impedance(mass_per_area: float, d11: float, d12: float, d22: float, d66: float) -> float:
@@ -30,8 +34,8 @@ def orthotropic_plate_impedance(mass_per_area: float, d11: float, d12: float, d2
     integrates to Z = 8 √ρ_A (D11 D22)^¼ (π/2)/K(k²) with k² = (1 − A)/2, A = (D12 + 2 D66)/√(D11 D22) > −1. The
     complete elliptic integral is K(k²) = (π/2)/agm(1, √(1 − k²)).
     """
-    mean = math.sqrt(d11 * d22)
-    return 8 * math.sqrt(mass_per_area * mean) * _agm(1, math.sqrt((1 + anisotropy(d11, d12, d22, d66)) / 2))
+    mean = root(d11 * d22)
+    return 8 * root(mass_per_area * mean) * _agm(1, root((1 + anisotropy(d11, d12, d22, d66)) / 2))
 
 
 def paper_plate_impedance(mass_per_area: float, d11: float, d12: float, d22: float, d66: float) -> float:
@@ -40,13 +44,13 @@ def paper_plate_impedance(mass_per_area: float, d11: float, d12: float, d22: flo
     The effective stiffness that reproduces the published FILM results for Olsson's plate (Big-Alabo, Cartmell &
     Harrison 2017). Right for an isotropic plate; below the exact value by 12.5 % for that one (A = 0.19).
     """
-    effective = (anisotropy(d11, d12, d22, d66) + 1) / 2 * math.sqrt(d11 * d22)
+    effective = (anisotropy(d11, d12, d22, d66) + 1) / 2 * root(d11 * d22)
     return plate_impedance(mass_per_area, effective)
 
 
 def anisotropy(d11: float, d12: float, d22: float, d66: float) -> float:
     """A = (D12 + 2 D66)/√(D11 D22): one for an isotropic plate; bending takes energy only if A > −1."""
-    return (d12 + 2 * d66) / math.sqrt(d11 * d22)
+    return (d12 + 2 * d66) / root(d11 * d22)
 
 
 def rod_impedance(youngs_modulus: float, density: float, area: float) -> float:
@@ -55,13 +59,13 @@ def rod_impedance(youngs_modulus: float, density: float, area: float) -> float:
     One-dimensional theory: the contact must be long against the time a wave takes across the rod, and over before
     the wave returns from the far end, after 2L/c.
     """
-    return area * math.sqrt(youngs_modulus * density)
+    return area * root(youngs_modulus * density)
 
 
-def _agm(a: float, b: float) -> float:
+def _agm(a: Any, b: Any) -> Any:
     """Arithmetic-geometric mean of two positive numbers. It converges quadratically: 1e-150 and 1 take 13 rounds."""
     for _ in range(64):
-        if abs(a - b) <= 4e-16 * a:
+        if np.all(abs(a - b) <= 4e-16 * a):
             break
-        a, b = (a + b) / 2, math.sqrt(a * b)
+        a, b = (a + b) / 2, root(a * b)
     return a

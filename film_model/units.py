@@ -127,12 +127,12 @@ def needed(dimension: str) -> str:
 
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
-_PREFIXED = {"length", "time", "force", "pressure", "energy", "power"}
+PREFIXED = {"length", "time", "force", "pressure", "energy", "power"}
 
 
 def format_si(value: float, dimension: str, digits: int = 4) -> str:
     """SI `value` for a table: "516.1 N", "9.484 µm", "60.74 g"."""
-    unit, prefixed = scene_unit(dimension).replace("*", "·"), dimension in _PREFIXED
+    unit, prefixed = scene_unit(dimension).replace("*", "·"), dimension in PREFIXED
     if dimension == "mass" and 0 < abs(value) < 1:
         value, unit, prefixed = value * 1000, "g", True
     if prefixed and value and math.isfinite(value):

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ import xarray as xr
 import film_datasets as fd
 import film_datasets.files
 import film_model as fm
+from film_datasets.schema import COMPARED
 from film_model.core import native
 from film_model.history import MOTION, SUMMARY
 from film_model.problem import problem_of
@@ -234,6 +237,39 @@ def test_all_differences_are_listed(dataset: xr.Dataset) -> None:
     dataset["contact_force"].attrs["units"] = "kN"
     del dataset["maximum_force"], dataset.attrs["title"]
     assert len(fd.validate(dataset)) == 3
+
+
+def test_a_cost_study_is_a_dataset(tmp_path: Path) -> None:
+    """Of what film_model.study returns: two methods, one of which has no batch and once no answer."""
+    timing = SimpleNamespace(median=2e-6, spread=1e-7)
+    values = dict.fromkeys(COMPARED, 0.5)
+    runs = tuple(
+        SimpleNamespace(
+            method=method, setting=setting, time_single=timing, time_batch=batch, force_evaluations=count,
+            errors=dict.fromkeys(COMPARED, 1e-5) if count else {}, outcome="done" if count else "stopped\nearly",
+        )
+        for method, setting, batch, count in (
+            ("FILM, chords", "8 segments", timing, 24), ("solve_ivp RK45", "rtol 1e-3", None, 90),
+            ("solve_ivp RK45", "rtol 1e-9", None, None),
+        )
+    )  # fmt: skip
+    reference = {"method": "quadrature", "values": values, "error": 1e-15}
+    study = SimpleNamespace(
+        scene=fm.Scene.from_toml(TUNGSTEN), law="big-alabo", reference=reference, runs=runs, machine={"python": "3"}
+    )
+    ds = fd.to_dataset(study)
+    assert fd.validate(ds) == []
+    assert ds["method"].attrs["flag_meanings"] == "FILM__chords solve_ivp_RK45"
+    assert ds["outcome"].values.tolist() == [0, 0, 1]
+    assert np.isnan(ds["median_time_batch"].values).tolist() == [False, True, True]
+    back = fd.read(fd.write(ds, tmp_path / "cost.nc"))
+    assert back.identical(ds)
+    assert fd.validate(back) == []
+    if importlib.util.find_spec("compliance_checker"):
+        checker = Path(sys.executable).with_name("compliance-checker")
+        command = [checker, "--test=cf:1.11", "--criteria=strict", tmp_path / "cost.nc"]
+        run = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert "All tests passed!" in run.stdout, run.stdout + run.stderr
 
 
 def test_film_model_does_not_import_film_datasets() -> None:

@@ -5,8 +5,10 @@ import math
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
+import film_datasets as fd
 import film_model as fm
 from film_model import reference
 from film_model.problem import problem_of
@@ -87,6 +89,44 @@ def test_figures_markers_are_independent_of_the_march():
     scene = fm.Scene.from_toml(EXAMPLES / "scenes" / "olsson_plate.toml").replace({"target.impedance_formula": "paper"})
     integrated = example("figures").impact_by_integration(scene)
     assert integrated.duration == pytest.approx(262.590378e-6, rel=1e-8)
+
+
+def test_published_datasets(tmp_path):
+    made = example("published_datasets").main(tmp_path)
+    assert sorted(made) == sorted(fd.published())
+    assert [path.stem for path in sorted(tmp_path.iterdir())] == sorted(made)
+    for name, again in made.items():
+        kept = fd.load(name)
+        assert fd.validate(kept) == []
+        assert set(again.variables) == set(kept.variables), name
+        for variable in kept.variables:
+            scale = float(np.nanmax(np.abs(kept[variable].values.astype(float)), initial=1e-300))
+            # other compilers and libraries may round differently
+            np.testing.assert_allclose(
+                again[variable].values.astype(float), kept[variable].values.astype(float),
+                rtol=1e-9, atol=1e-9 * scale, err_msg=f"{name} {variable}",
+            )  # fmt: skip
+            assert again[variable].attrs.keys() == kept[variable].attrs.keys()
+        for key in ("scene_toml", "sweep_toml"):
+            assert again.attrs.get(key) == kept.attrs.get(key)
+    assert fd.load("restitution").sizes["contact"] == len(fm.LAWS)
+    with pytest.raises(KeyError, match=r'did you mean "zener"\?'):
+        fd.load("zenner")
+
+
+def test_zener_is_the_exact_curve():
+    """Against integration of Zener's equation at some λ, and e ≈ 1 − 1.73 λ for heavy plates."""
+    zener = fd.load("zener")
+    rows = zener.isel(target_thickness=[0, 40, 80, 120])
+    for k in range(4):
+        row = rows.isel(target_thickness=k)
+        scene = zener.film.scene(target_thickness=float(row["target_thickness"]))
+        problem = problem_of(scene)
+        exact = reference.integrate(problem.law, problem.mass, scene.approach_velocity, scene.target_impedance)
+        assert float(row["coefficient_of_restitution"]) == pytest.approx(
+            exact["coefficient_of_restitution"], rel=2e-8, abs=1e-9
+        )
+    assert float(row["coefficient_of_restitution"]) == pytest.approx(1 - 1.73 * float(row["zener_number"]), abs=1e-4)
 
 
 def test_custom_law():

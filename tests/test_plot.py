@@ -50,11 +50,12 @@ def test_unknown_suffix_is_refused(history: fm.History, tmp_path: Path, name: st
 
 
 def test_panels_show_the_motion_in_prefixed_units(history: fm.History) -> None:
-    force, depth, speed, loop, _ = plot.plot_history(history).axes
+    force, depth, speed, loop, _, energy = plot.plot_history(history).axes
     assert force.get_ylabel() == "contact force (N)"
     assert depth.get_ylabel() == "indentation (µm)"
     assert speed.get_ylabel() == "impactor velocity (m/s)"
-    assert speed.get_xlabel() == "time (µs)"
+    assert energy.get_xlabel() == "time (µs)"
+    assert energy.get_ylabel() == "energy (mJ)"
     assert (loop.get_xlabel(), loop.get_ylabel()) == ("indentation (µm)", "contact force (N)")
     summary = history.summary
     for panel, name, size in ((force, "maximum_force", 1.0), (depth, "maximum_indentation", 1e-6)):
@@ -64,6 +65,17 @@ def test_panels_show_the_motion_in_prefixed_units(history: fm.History) -> None:
         assert len({line.get_color() for line in curves}) == 3  # elastic, elastoplastic, unloading
         for one, two in itertools.pairwise(curves):  # they join
             assert one.get_xdata()[-1] == two.get_xdata()[0]
+
+
+@pytest.mark.parametrize("stem", ["tungsten_carbide_on_steel", "olsson_plate", "two_steel_balls"])
+def test_energies_add_up(stem: str) -> None:
+    history = _history(stem)
+    found = plot.energies(history, history.sample_si(np.linspace(0.0, history.duration, 1001)))
+    total = sum(found.values())
+    np.testing.assert_allclose(total, total[0], rtol=1e-4)
+    absorbed, radiated = history.summary["energy_absorbed"], history.summary["energy_radiated"]
+    assert found["contact"][-1] == pytest.approx(absorbed, abs=1e-4 * total[0])
+    assert found["target"][-1] - found["target"][0] == pytest.approx(radiated, abs=1e-4 * total[0])
 
 
 @pytest.mark.parametrize(

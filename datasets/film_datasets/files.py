@@ -1,4 +1,4 @@
-"""Datasets in netCDF files: written whole or not at all."""
+"""Datasets in files: written whole or not at all."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import Any
 
 import xarray as xr
 
-from film_datasets.schema import VARIABLES
+from film_datasets.schema import HISTORY, kind_of, variables_of
 from film_model.files import written_whole
 
-SUFFIX = ".nc"
+SUFFIX, ZARR = ".nc", ".zarr"
 
 DEFLATE_FROM = 4096
 """Bytes of a variable from which it is deflated: below, the chunk index (2 kB) takes more than deflating saves."""
@@ -27,7 +27,9 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     IsADirectoryError, FileNotFoundError, PermissionError or OSError where the file cannot be written.
     """
     target = Path(path)
-    _check(target, overwrite)
+    if target.suffix != SUFFIX:
+        raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}"')
+    check_place(target, overwrite)
     try:
         with written_whole(target) as beside:
             ds.to_netcdf(beside, mode="w", format="NETCDF4", engine="netcdf4", encoding=_encoding(ds))
@@ -37,24 +39,61 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
 
 
 def read(path: str | os.PathLike[str]) -> xr.Dataset:
-    """The dataset in a netCDF file, in memory, the file closed. Raises OSError where it cannot be read."""
-    return xr.load_dataset(Path(path), engine="netcdf4")
+    """The dataset in a file, in memory, the file closed. Raises what `open_dataset` raises."""
+    with open_dataset(path) as ds:
+        return ds.load()
 
 
-def _check(target: Path, overwrite: bool) -> None:
-    if target.suffix != SUFFIX:
-        raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}"')
-    if target.is_dir():
+def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
+    """The dataset in a netCDF file or Zarr folder of ours; it has the accessor `film`.
+
+    A history is read into memory; of a sweep, what is asked for is read when it is needed.
+
+    Raises OSError where there is no such file or it cannot be read, ValueError for a dataset that is not ours.
+    """
+    source = Path(path)
+    if not source.exists():
+        raise FileNotFoundError(f"{source}: there is no such file")
+    engine = "zarr" if source.is_dir() else "netcdf4"
+    try:
+        ds = xr.open_dataset(source, engine=engine)
+    except ImportError as error:
+        raise ImportError(f"{source}: {NEEDS_ZARR}") from error
+    except PermissionError as error:
+        raise PermissionError(f"{source}: cannot be read: {error.strerror}") from error
+    except Exception as error:  # each library has its own for a file it does not know
+        kind = "a Zarr folder" if engine == "zarr" else "a netCDF file"
+        raise OSError(f"{source}: is not {kind}, or is damaged ({error})") from error
+    try:
+        if kind_of(ds) == HISTORY:
+            ds.load()
+            ds.close()
+    except ValueError as error:
+        ds.close()
+        raise ValueError(f"{source}: {error}") from None
+    except Exception as error:
+        ds.close()
+        raise OSError(f"{source}: is damaged ({error})") from error
+    return ds
+
+
+NEEDS_ZARR = 'Zarr folders need zarr: install film-model[zarr] (pip install "film-model[zarr]")'
+
+
+def check_place(target: Path, overwrite: bool) -> None:
+    """Say before the work what would make it useless after."""
+    folder = target.absolute().parent
+    if target.is_dir() and target.suffix != ZARR:
         raise IsADirectoryError(f"{target}: is a folder, the name of a file is needed")
-    if not target.absolute().parent.is_dir():
-        raise FileNotFoundError(f"{target}: there is no folder {target.absolute().parent}")
+    if not folder.is_dir():
+        raise FileNotFoundError(f"{target}: there is no folder {folder}")
     if not overwrite and target.exists():
-        raise FileExistsError(f"{target}: exists; say overwrite=True to replace it")
+        raise FileExistsError(f"{target}: exists; say overwrite=True to replace it (--force on the command line)")
 
 
 def _encoding(ds: xr.Dataset) -> dict[str, Any]:
     """Per variable: deflate what is long, and set a fill value only where values can be missing."""
-    missing = {variable.name for variable in VARIABLES if variable.optional}
+    missing = {variable.name for variable in variables_of(ds) if variable.optional}
     deflate = {"zlib": True, "complevel": 1, "shuffle": True}
     return {
         str(name): {

@@ -2,65 +2,60 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
-import re
 from dataclasses import asdict
-from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from film_datasets.schema import BRANCHES, SCHEMA_NAME, SCHEMA_VERSION, VARIABLES, content_sha256
+from film_datasets.provenance import PROGRAM, provenance, scene_text, text_and_hash
+from film_datasets.schema import BRANCHES, HISTORY, TABLE, content_sha256, flag_words
 from film_model.core.native import EVENTS, LINE_DTYPE
-from film_model.effects import Effect
-from film_model.history import MOTION, History, stage_names
-from film_model.laws import AbstractLaw
+from film_model.effects import Effect, choose
+from film_model.errors import Outcome, SceneError
+from film_model.history import MOTION, SUMMARY, Accuracy, Event, History, stage_names
+from film_model.problem import problem_of
 from film_model.scene import Scene
-from film_model.scene_file import text_from_table
 
 NEAREST_SAMPLE = 1e-9
 """Even samples nearer to an event than this part of the contact are left out: differences would be mere rounding."""
 
-REFERENCES = (
-    "Big-Alabo, A., Cartmell, M. P. and Harrison, P. (2017): On the solution of asymptotic impact problems with "
-    "significant localised indentation. Proc. IMechE Part C: J. Mechanical Engineering Science 231(5), 807-822, "
-    "doi:10.1177/0954406216628556"
-)
-
 COMMENT = (
-    "SI units; t counts in seconds from first touch and is no date. Displacements, velocities and forces are positive "
-    "into the target. No featureType: the data have no place on Earth. The segments give the motion at any time in "
-    "closed form. On segment k, with time, indentation and velocity in the units scale_*, f = phi + kappa (xi - xi_k), "
+    "t counts in seconds from first touch and is no date. The segments give the motion at any time in closed form. On "
+    "segment k, with time, indentation and velocity in the units scale_*, f = phi + kappa (xi - xi_k), "
     "d nu/dt = load - f, d xi/dt = nu - gamma f, and the target's displacement grows at gamma f. The impactor's "
     "velocity is drift_velocity + impactor_share nu. contact_force is the contact law's at that indentation. "
     "scene_toml is the scene file to run again."
 )
 
 
-def to_dataset(history: History, samples: int = 201) -> xr.Dataset:
-    """A history as an xarray.Dataset with the variables of `schema.VARIABLES`, in SI, with CF 1.11 attributes.
+def to_dataset(history: History | Any, samples: int = 201, command: str = "film_datasets.to_dataset") -> xr.Dataset:
+    """A history as an xarray.Dataset with the variables of `schema.TABLE`, in SI, with CF 1.11 attributes.
 
     samples: number of evenly spaced times from first touch to the last event, both included; the times of all events
-    come on top, exactly. Raises ValueError for fewer than 2 samples.
+    come on top, exactly. command: what is running, for the attribute `history`. A study of what accuracy costs becomes
+    a dataset of kind impact_cost_study. Raises ValueError for fewer than 2 samples.
     """
+    if not isinstance(history, History):
+        from film_datasets.cost import study_dataset
+
+        return study_dataset(history)
     if isinstance(samples, bool) or not isinstance(samples, int | np.integer) or samples < 2:
         raise ValueError(f"samples: {samples!r} must be a whole number, 2 or more")
-    stages = stage_meanings(history)
     columns = {
         **_motion(history, _times(history, int(samples))),
         **_events(history),
         **{name: np.nan if value is None else value for name, value in history.summary.items()},
         **_segments(history),
     }
+    meanings = {"stages": flag_words(history.problem.curve.stage_names, tuple(BRANCHES.values()))}
     data: dict[str, Any] = {
-        v.name: (v.dims, np.asarray(columns[v.name], dtype=v.dtype), v.attributes(stages)) for v in VARIABLES
+        v.name: (v.dims, np.asarray(columns[v.name], dtype=v.dtype), v.attributes(meanings)) for v in TABLE[HISTORY]
     }
     ds = xr.Dataset({name: value for name, value in data.items() if name != "t"}, coords={"t": data["t"]})
-    ds.attrs = _attributes(history, content_sha256(ds))
+    ds.attrs = _attributes(history, command)
+    ds.attrs["content_sha256"] = content_sha256(ds)
     return ds
 
 
@@ -72,21 +67,43 @@ def lines_of(ds: xr.Dataset) -> NDArray[Any]:
     return lines
 
 
-def stage_meanings(history: History) -> tuple[str, ...]:
-    """The law's stage names as CF flag meanings: one word each, all different."""
-    words = list(BRANCHES.values())
-    for name in history.problem.curve.stage_names:
-        word = re.sub(r"[^A-Za-z0-9_.+@-]", "_", name) or "stage"
-        words.append(word if word not in words else f"{word}_{len(words)}")
-    return tuple(words[len(BRANCHES) :])
+def history_of(ds: xr.Dataset) -> History:
+    """The history that a dataset was made from, with which it can be sampled and drawn, from the dataset alone.
+
+    Raises ValueError where the contact law is not one of film-model's own.
+    """
+    scene = scene_of(ds)
+    problem = problem_of(scene)
+    lines, names = lines_of(ds), stage_names(problem)
+    rows = zip(
+        *(ds[f"event_{name}"].values.tolist() for name in ("kind", "time", "stage", *MOTION)),
+        strict=True,
+    )
+    events = tuple(Event(EVENTS[kind], time, names[stage], *motion) for kind, time, stage, *motion in rows)
+    summary = {name: None if np.isnan(ds[name]) else float(ds[name]) for name in SUMMARY}
+    accuracy = Accuracy(
+        ds.attrs.get("requested_accuracy"),
+        float(ds.attrs["estimated_accuracy"]),
+        int(ds.attrs["segments"]),
+        int(ds.attrs["unloading_segments"]),
+        lines.size - 1,
+    )
+    warnings = str(ds.attrs["warnings"])
+    said = () if warnings == "none" else tuple(warnings.split("\n"))
+    return History(scene, problem, lines, events, Outcome(ds.attrs["outcome"]), summary, accuracy, said)
 
 
-def scene_text(scene: Scene) -> str:
-    """The scene file; a law that is not film-model's is there by its name only."""
-    table = scene.to_table()
-    if isinstance(scene.contact.law, AbstractLaw):
-        table["contact"]["law"] = scene.contact.law.name
-    return text_from_table(table)
+def scene_of(ds: xr.Dataset) -> Scene:
+    """The scene in a dataset's attribute scene_toml. Raises ValueError where it has a law of the user's own."""
+    law = str(ds.attrs.get("contact_law", ""))
+    try:
+        scene = Scene.from_text(str(ds.attrs["scene_toml"]), "scene_toml")
+        same = not law or str(choose(scene).law) == law
+    except SceneError:
+        same, scene = False, None
+    if scene is None or not same:
+        raise ValueError(f"the contact law {law} was an object of Python: the scene cannot be made again without it")
+    return scene
 
 
 def _times(history: History, samples: int) -> NDArray[np.float64]:
@@ -133,29 +150,22 @@ def _segments(history: History) -> dict[str, Any]:
     }
 
 
-def _attributes(history: History, content: str) -> dict[str, Any]:
-    """Global attributes."""
+def _attributes(history: History, command: str) -> dict[str, Any]:
+    """Global attributes but the hash of the content."""
     scene, law, accuracy = history.scene, history.problem.law, history.accuracy
-    text, now, release = scene_text(scene), _now(), _version()
-    kind, name = scene.target.kind, f"film-model {release}"
+    kind = scene.target.kind
     requested = {} if accuracy.requested is None else {"requested_accuracy": accuracy.requested}
     return {
-        "Conventions": "CF-1.11",
-        "title": scene.title or f"Impact on a {kind}",
-        "summary": f"Impact of a compact body (target: {kind}, contact law: {law.name}): motion, contact force and "
-        f"events from first touch. Outcome: {history.outcome.value}.",
-        "source": f"{name}, force-indentation linearisation method (FILM), {accuracy.lines} segments",
-        "references": REFERENCES,
-        "history": f"{now} {name}: film_datasets.to_dataset",
-        "license": "film-model claims no rights in its results; the software is under the MIT license",
-        "date_created": now,
-        "comment": COMMENT,
-        "film_model_schema": SCHEMA_NAME,
-        "film_model_schema_version": SCHEMA_VERSION,
-        "film_model_version": release,
-        "scene_toml": text,
-        "scene_sha256": hashlib.sha256(text.encode()).hexdigest(),
-        "content_sha256": content,
+        **provenance(
+            HISTORY,
+            title=scene.title or f"Impact on a {kind}",
+            summary=f"Impact of a compact body (target: {kind}, contact law: {law.name}): motion, contact force and "
+            f"events from first touch. Outcome: {history.outcome.value}.",
+            source=f"{PROGRAM}, force-indentation linearisation method (FILM), {accuracy.lines} segments",
+            command=command,
+            comment=COMMENT,
+        ),
+        **text_and_hash("scene", scene_text(scene)),
         "contact_law": str(law),
         "outcome": history.outcome.value,
         "effects": "\n".join(_effect_line(effect) for effect in history.problem.effects),
@@ -172,20 +182,3 @@ def _effect_line(effect: Effect) -> str:
     value = "" if effect.value is None else f", {effect.indicator} = {effect.value:.4g}"
     limit = "" if effect.threshold is None else f" (threshold {effect.threshold:g})"
     return f"{effect.name}: {effect.state}{value}{limit}; {effect.reason}"
-
-
-def _now() -> str:
-    """This moment, or SOURCE_DATE_EPOCH, as ISO 8601 in UTC."""
-    given = os.environ.get("SOURCE_DATE_EPOCH")
-    try:
-        moment = datetime.now(UTC) if given is None else datetime.fromtimestamp(int(given), UTC)
-    except (ValueError, OverflowError, OSError):
-        raise ValueError(f"SOURCE_DATE_EPOCH: {given!r} must be a whole number of seconds since 1970") from None
-    return moment.strftime("%Y-%m-%dT%H:%M:%SZ")
-
-
-def _version() -> str:
-    try:
-        return version("film-model")
-    except PackageNotFoundError:
-        return "unknown"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from film_model.elementwise import root
 from film_model.laws.hertz import hertz_stiffness
 
 YIELD_PRESSURE_RATIO = 1.1
@@ -24,4 +25,4 @@ def yield_point(effective_modulus: float, radius: float, yield_strength: float) 
 def yield_velocity(effective_modulus: float, radius: float, yield_strength: float, mass: float) -> float:
     """Velocity [m/s] above which a half-space impact of `mass` [kg] yields: √(0.8 F_y δ_y/m)."""
     indentation, force = yield_point(effective_modulus, radius, yield_strength)
-    return math.sqrt(0.8 * force * indentation / mass)
+    return root(0.8 * force * indentation / mass)

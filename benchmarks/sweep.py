@@ -1,0 +1,125 @@
+"""Sweeps from 10⁴ to 10⁷ impacts: `python -m benchmarks.sweep [--largest 1e7] [--json FILE]`.
+
+Each sweep runs in a process of its own on all cores, so that its memory can be told: seconds of the call (imports not
+counted) by the clock and of all its threads together, and the largest resident memory. Beside it, from the contenders
+of `benchmarks.speed` at errors below 1e-4: the same impacts by scipy's solve_ivp and by a numba-compiled
+Dormand–Prince pair, one core and no file, extrapolated from their microseconds an impact.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import film_datasets
+import film_model as fm
+
+SCENES = Path(__file__).parents[1] / "examples" / "scenes"
+
+CASES: dict[str, tuple[str, dict[str, Any], str, str]] = {
+    "Big-Alabo, half-space": ("tungsten_carbide_on_steel", {"contact.law": "big-alabo"}, "0.1 m/s", "5 m/s"),
+    "Hertz, plate": ("olsson_plate", {}, "1 m/s", "5 m/s"),
+}
+
+RIVALS = "Big-Alabo, half-space, 0.05-2 m/s", "Hertz, plate, 1-5 m/s"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.sweep", description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--largest", type=float, default=1e7, help="impacts of the largest sweep")
+    parser.add_argument("--workers", type=int, help="threads; all cores by default")
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write the rows there")
+    parser.add_argument("--child", nargs=4, help=argparse.SUPPRESS)
+    options = parser.parse_args(arguments)
+    if options.child:
+        return child(*options.child)
+    cores = options.workers or len(os.sched_getaffinity(0))
+    print(f"{cores} cores; summary of every impact, accuracy 1e-4")
+    print(f"  {'':24}{'impacts':>10}{'file':>8}{'seconds':>10}{'core·s':>10}{'core·µs each':>14}{'MB':>8}")
+    rows = []
+    for name, count, suffix in planned(int(options.largest)):
+        row = measure(name, count, suffix, options.workers)
+        rows.append({**row, "cores": cores})
+        each = 1e6 * row["busy"] / count
+        print(
+            f"  {name:24}{count:>10}{suffix:>8}{row['seconds']:>10.2f}{row['busy']:>10.2f}{each:>14.3f}"
+            f"{row['megabytes']:>8.0f}"
+        )
+    print("\n  The same impacts on one core, no file")
+    for row in rivals():
+        rows.append(row)
+        each = row["microseconds"]
+        print(f"  {row['case']:36}{row['contender']:28}{each:>10.3f} µs each, 10⁶ in {each:.1f} s")
+    if options.json is not None:
+        options.json.write_text(json.dumps(rows, indent=1) + "\n")
+    return 0
+
+
+def planned(largest: int) -> list[tuple[str, int, str]]:
+    """Case, impacts and kind of file."""
+    ball, plate = CASES
+    counts = [count for count in (10**4, 10**5, 10**6, 10**7, 10**8) if count <= largest]
+    zarr = find_spec("zarr") is not None
+    rows = [(ball, count, "memory") for count in counts if count <= 10**7]
+    rows += [(ball, count, "nc") for count in counts if count <= 10**6 or not zarr]
+    rows += [(ball, count, "zarr") for count in counts if zarr and count >= 10**6]
+    return [*rows, (plate, 10**5, "nc")]
+
+
+def measure(name: str, count: int, suffix: str, workers: int | None) -> dict[str, Any]:
+    """Seconds and megabytes of a sweep: the least of three for the small ones."""
+    runs = []
+    for _ in range(3 if count <= 10**6 else 1):
+        with tempfile.TemporaryDirectory() as folder:
+            output = str(Path(folder) / f"sweep.{suffix}")
+            command = [sys.executable, "-m", "benchmarks.sweep", "--child", name, str(count), output, str(workers or 0)]
+            done = subprocess.run(command, capture_output=True, text=True, check=True)
+            runs.append(json.loads(done.stdout))
+    best = min(runs, key=lambda run: run["seconds"])
+    return {"case": name, "impacts": count, "file": suffix, **best}
+
+
+def child(name: str, count: str, output: str, workers: str) -> int:
+    """One sweep in this process."""
+    stem, changes, low, high = CASES[name]
+    scene = fm.Scene.from_toml(SCENES / f"{stem}.toml").replace(changes)
+    over = {"impactor.velocity": {"from": low, "to": high, "count": int(count), "spacing": "log"}}
+    film_datasets.sweep(scene, {"impactor.velocity": ["1 m/s"]})  # the imports that a sweep makes
+    begin, busy = time.perf_counter(), time.process_time()
+    place = None if output.endswith(".memory") else output
+    with film_datasets.sweep(scene, over, output=place, workers=int(workers) or None) as ds:
+        failed = "failed" in ds.attrs["warnings"]
+    seconds, busy = time.perf_counter() - begin, time.process_time() - busy
+    megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+    print(json.dumps({"seconds": seconds, "busy": busy, "megabytes": megabytes, "failed": failed}))
+    return 0
+
+
+def rivals() -> list[dict[str, Any]]:
+    """Microseconds an impact of the other contenders, at errors below 1e-4."""
+    from benchmarks import speed
+    from benchmarks.cases import all_cases
+
+    rows = []
+    for case in all_cases(200):
+        if case.name in RIVALS:
+            some = case.spread(12)
+            few = case.spread(5)
+            found = speed.dormand_prince_rows(case, some, some.exact(), 3) + speed.scipy_rows(few, "RK45", few.exact())
+            rows += [row for row in found if row["target"] == 1e-4]
+    return rows
+
+
+if __name__ == "__main__":
+    sys.exit(main())

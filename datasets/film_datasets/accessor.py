@@ -1,0 +1,172 @@
+"""`ds.film`: what can be done with a dataset of ours, from the dataset alone."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from film_datasets.history import history_of, lines_of, scene_of
+from film_datasets.report import statistics
+from film_datasets.schema import HISTORY, SWEEP, TABLE, kind_of, variables_of
+from film_datasets.sweeps import Sweep
+from film_model import units
+from film_model.core import native
+from film_model.history import MOTION, SUMMARY, History
+from film_model.problem import motion_of, problem_of
+from film_model.scales import Scales
+from film_model.scene import Scene
+from film_model.solve import simulate
+
+
+@xr.register_dataset_accessor("film")
+class Film:
+    """Histories are sampled, drawn and run again from their file; so is each impact of a sweep.
+
+    Where a method takes `where`, it picks one impact of a sweep: `impact=5`, or the swept quantities by their names
+    in the dataset, each the nearest value (SI) or a word: `impactor_velocity=0.5, contact_law="stronge"`.
+    """
+
+    def __init__(self, ds: xr.Dataset) -> None:
+        self._ds = ds
+
+    @property
+    def kind(self) -> str:
+        """The attribute film_model_schema: "impact_history", … Raises ValueError for a dataset that is not ours."""
+        return kind_of(self._ds)
+
+    def scene(self, **where: Any) -> Scene:
+        """The scene, ready to run again: of a history, of one impact of a sweep, or that on which a sweep is based.
+
+        Raises ValueError where the law was an object of Python, KeyError for an impact that is not there.
+        """
+        if self.kind == HISTORY:
+            _nothing(where)
+        if not where:
+            return scene_of(self._ds)
+        row = self._ds.isel(self._places(where))
+        changes: dict[str, Any] = {}
+        for axis in Sweep.of_dataset(self._ds).axes:
+            value = row[axis.name].item()
+            number = f"{value!r} {axis.unit}" if axis.unit else value
+            changes[axis.path] = axis.words[value] if axis.kind == "words" else number
+        return scene_of(self._ds).replace(changes)
+
+    def history(self, **where: Any) -> History:
+        """The history: from the segments in the file, or the impact of a sweep simulated anew."""
+        if self.kind == HISTORY:
+            _nothing(where)
+            return history_of(self._ds)
+        return simulate(self.scene(**where))
+
+    def sample(self, times: Any, **where: Any) -> xr.Dataset:
+        """Motion at any times, from the segments in the file: a dataset over t, SI.
+
+        times: ["10 us", "20 us"], a pint quantity, or plain seconds; not before first touch. Of a sweep, `where`
+        picks the impact, and segments must have been kept.
+        """
+        t = np.atleast_1d(units.array_to_si(times, "time", bare=True))
+        if self.kind == HISTORY:
+            samples = self.history(**where).sample_si(t)
+            motion = {name: getattr(samples, name) for name in MOTION}
+        else:
+            motion = self._sample_row(t, where)
+        table = {variable.name: variable.attributes() for variable in TABLE[HISTORY]}
+        data = {name: ("t", values, table[name]) for name, values in motion.items()}
+        return xr.Dataset(data, coords={"t": ("t", t, table["t"])})
+
+    def summary(self, **where: Any) -> dict[str, Any]:
+        """Summary values, SI floats, None for what did not happen; of a whole sweep, their statistics.
+
+        Statistics are count, least, mean, standard_deviation and greatest of the impacts that have a value.
+        """
+        if self.kind == SWEEP and not where:
+            return {name: statistics(self._ds[name]) for name in SUMMARY}
+        if self.kind == HISTORY:
+            _nothing(where)
+        row = self._ds if self.kind == HISTORY else self._ds.isel(self._places(where))
+        return {name: None if np.isnan(row[name]) else float(row[name]) for name in SUMMARY}
+
+    def plot(self, path: str | os.PathLike[str] | None = None, **options: Any) -> Any:
+        """A matplotlib figure, written to `path` (.png, .svg, .pdf) if given; see `film_datasets.plot`."""
+        from film_datasets.pictures import plot
+
+        return plot(self._ds, path, **options)
+
+    def quantify(self) -> xr.Dataset:
+        """The dataset with pint quantities for values; by pint-xarray, coordinates too, if it is installed."""
+        own = {v.name: _scene_unit(v.unit) for v in variables_of(self._ds) if v.unit not in (None, "1")}
+        try:
+            import pint_xarray  # noqa: F401  # which makes the accessor `pint`
+        except ImportError:
+            pass
+        else:
+            bare = self._ds.copy()
+            for name in own:
+                bare[name].attrs = {key: value for key, value in bare[name].attrs.items() if key != "units"}
+            return bare.pint.quantify(own)
+        import pint
+
+        quantity = pint.get_application_registry().Quantity
+        made = self._ds.copy()
+        for name in self._ds.data_vars:
+            if name in own:
+                array = self._ds[name]
+                attrs = {key: value for key, value in array.attrs.items() if key != "units"}
+                made[name] = (array.dims, quantity(array.values, own[str(name)]), attrs)
+        return made
+
+    def _places(self, where: Mapping[str, Any]) -> dict[str, int]:
+        """The place of one impact of a sweep along each dimension."""
+        if self.kind != SWEEP:
+            raise ValueError(f"a dataset of kind {self.kind} has no impacts to pick")
+        sizes = {str(dim): self._ds["status"].sizes[dim] for dim in self._ds["status"].dims}
+        wrong = [f"{name} is none of them" for name in where if name not in sizes]
+        wrong += [f"{dim} is missing" for dim, size in sizes.items() if dim not in where and size > 1]
+        if wrong:
+            raise KeyError(f"an impact is picked by {', '.join(sizes)}: {', '.join(wrong)}")
+        return {dim: self._place(dim, size, where.get(dim)) for dim, size in sizes.items()}
+
+    def _place(self, dim: str, size: int, value: Any) -> int:
+        if value is None:
+            return 0
+        if dim == "impact":
+            if not 0 <= value < size:
+                raise KeyError(f"impact {value}: they are 0 to {size - 1}")
+            return int(value)
+        words = str(self._ds[dim].attrs.get("flag_meanings", "")).split()
+        if words and str(value) not in words:
+            raise KeyError(f"{dim} {value}: there are {', '.join(words)}")
+        return words.index(str(value)) if words else int(np.abs(self._ds[dim].values - value).argmin())
+
+    def _sample_row(self, t: NDArray[np.float64], where: Mapping[str, Any]) -> dict[str, Any]:
+        """Motion of one impact of a sweep, from its segments."""
+        if "segment_count" not in self._ds.variables:
+            raise ValueError('no segments were kept of this sweep (keep="segments"): use ds.film.history(…).sample')
+        places = self._places(where)
+        row, counts = self._ds.isel(places), self._ds["segment_count"].values.ravel()
+        place = int(np.ravel_multi_index(list(places.values()), self._ds["status"].shape))
+        begin = int(counts[:place].sum(dtype=np.int64))
+        lines = lines_of(self._ds.isel(segment=slice(begin, begin + int(counts[place]))))
+        if not lines.size:
+            raise ValueError("this impact failed: it has no segments")
+        scales = Scales(*(float(row[f"scale_{scale.name}"]) for scale in fields(Scales)))
+        share, order = float(row["impactor_share"]), np.argsort(t, kind="stable")
+        curve = problem_of(self.scene(**where)).curve.native
+        values, back = native.sample(curve, lines, t[order] / scales.time)[0], np.argsort(order, kind="stable")
+        return motion_of(scales, float(row["drift_velocity"]), share, share < 1.0, t, values[back])
+
+
+def _nothing(where: Mapping[str, Any]) -> None:
+    if where:
+        raise KeyError(f"a history has no impacts to pick: {', '.join(where)}")
+
+
+def _scene_unit(unit: str | None) -> str:
+    """The unit as pint reads it."""
+    return next(units.scene_unit(name) for name, dimension in units.DIMENSIONS.items() if dimension.unit == unit)

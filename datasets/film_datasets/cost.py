@@ -1,0 +1,58 @@
+"""What accuracy costs in time, as a dataset: the runs of a study of one scene."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from film_datasets.provenance import PROGRAM, provenance, scene_text, text_and_hash
+from film_datasets.schema import COMPARED, COST, TABLE, content_sha256, flag_words
+
+COMMENT = (
+    "Each run is one method at one setting; errors are relative to the reference values, which do not use the march. "
+    "settings and outcomes have a line for each run."
+)
+
+
+def study_dataset(study: Any, command: str = "film-model cost") -> xr.Dataset:
+    """A study of a scene (film_model.study.Study) as a dataset of kind impact_cost_study, SI."""
+    runs = study.runs
+    methods = list(dict.fromkeys(run.method for run in runs))
+    columns: dict[str, Any] = {
+        "method": [methods.index(run.method) for run in runs],
+        "outcome": [0 if run.errors else 1 for run in runs],
+        "force_evaluations": [-1 if run.force_evaluations is None else run.force_evaluations for run in runs],
+        "reference_error": study.reference["error"],
+    }
+    for way in ("single", "batch"):
+        timings = [getattr(run, f"time_{way}") for run in runs]
+        for what in ("median", "spread"):
+            columns[f"{what}_time_{way}"] = [np.nan if t is None else getattr(t, what) for t in timings]
+    for name in COMPARED:
+        columns[f"error_{name}"] = [run.errors.get(name, np.nan) for run in runs]
+        columns[f"reference_{name}"] = study.reference["values"][name]
+    meanings = {"methods": flag_words(methods)}
+    table = TABLE[COST]
+    ds = xr.Dataset({v.name: (v.dims, np.asarray(columns[v.name], v.dtype), v.attributes(meanings)) for v in table})
+    scene = study.scene
+    ds.attrs = {
+        **provenance(
+            COST,
+            title=f"{scene.title or 'Impact'}: what accuracy costs",
+            summary=f"Error against time of {len(methods)} methods for one impact (target: {scene.target.kind}, "
+            f"contact law: {study.law}).",
+            source=f"{PROGRAM}, timings on one thread",
+            command=command,
+            comment=COMMENT,
+        ),
+        **text_and_hash("scene", scene_text(scene)),
+        "contact_law": study.law,
+        "settings": "\n".join(f"{run.method}: {run.setting}" for run in runs),
+        "outcomes": "\n".join(" ".join(run.outcome.split()) for run in runs),
+        "reference_method": study.reference["method"],
+        "machine": "\n".join(f"{key} {value}" for key, value in study.machine.items()),
+    }
+    ds.attrs["content_sha256"] = content_sha256(ds)
+    return ds

@@ -1,0 +1,236 @@
+"""Pictures of datasets: a history, or a summary quantity of a sweep over one or two swept quantities."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from film_datasets.history import history_of
+from film_datasets.schema import HISTORY, MEASUREMENT, kind_of
+from film_model.errors import did_you_mean, shown
+from film_model.history import SUMMARY
+from film_model.plot import COLOURS, picture, plot_history, prefixed_unit
+from film_model.units import DIMENSIONS, to_si
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DEFAULT = "coefficient_of_restitution"
+
+SIZE = (7.2, 4.6)  # inches
+
+MOST_POINTS = 20_000
+"""Points along a line or of a cloud; of more, every so many are drawn."""
+
+FAMILY = 9
+"""A swept quantity of no more values than this makes lines, each with its name, rather than an axis."""
+
+MOST_CELLS = 1500
+"""Cells of a heat map along one side."""
+
+LOG_FROM = 30.0
+"""Ratio of the largest to the smallest value from which an axis is logarithmic, if the values are all > 0."""
+
+STROKES = ("-", "--", ":", "-.")
+
+MAP = "cividis"
+"""Safe for the colour-blind, and even in grey."""
+
+
+def plot(
+    ds: xr.Dataset,
+    path: str | os.PathLike[str] | None = None,
+    quantity: str = DEFAULT,
+    over: Sequence[str] | str | None = None,
+    at: Mapping[str, Any] | None = None,
+    dpi: float = 200.0,
+) -> Figure:
+    """A figure of a history, or of `quantity` of a sweep over one swept quantity or two; written to `path` if given.
+
+    over: names in the dataset such as "impactor_velocity"; unless given, the first two with many values. One makes
+    lines, one for each word or each of a few values that are swept beside it; two make a heat map, or a cloud of a
+    sampled sweep. at: values of the other swept quantities ("70 g" or SI, the nearest is taken, or a word); their first
+    unless given, and named in the title.
+
+    Raises ValueError for a name that is not there or another suffix than .png, .svg and .pdf, ImportError without
+    matplotlib, OSError where the file cannot be written.
+    """
+    kind = kind_of(ds)
+    if kind == HISTORY:
+        return plot_history(history_of(ds), path, dpi)
+    if kind == MEASUREMENT:
+        raise ValueError("a measurement is drawn beside the impact that is fitted to it: see film-model identify")
+    known = [name for name in (*SUMMARY, "zener_number") if name in ds]
+    if quantity not in known:
+        hint = did_you_mean(quantity, known) or f"; there are {', '.join(known)}"
+        raise ValueError(f"quantity: {shown(quantity)} is not a summary quantity of this dataset{hint}")
+    swept = [str(name).replace(".", "_").replace("-", "_") for name in str(ds.attrs["swept"]).split()]
+    numbers = [name for name in swept if "flag_meanings" not in ds[name].attrs and ds[name].size > 1]
+    fine = [name for name in numbers if ds[name].size > FAMILY]
+    chosen = [over] if isinstance(over, str) else list(over or fine[:2] or numbers[:1] or swept[:1])
+    wrong = [name for name in chosen if name not in swept]
+    if wrong:
+        hint = did_you_mean(wrong[0], swept)
+        raise ValueError(f"over: {shown(wrong[0])} is not swept{hint}; swept: {', '.join(swept)}")
+    if len(chosen) > 2:
+        raise ValueError("over: one swept quantity or two, no more")
+    draw = _cloud if "impact" in ds[quantity].dims else _map if len(chosen) == 2 else _lines
+
+    def fill(figure: Figure) -> None:
+        figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.08)
+        draw(figure, ds, quantity, chosen, dict(at or {}))
+
+    return picture(path, fill, SIZE, dpi)
+
+
+def _lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
+    """One line for each word, or each of a few values, of another swept quantity."""
+    panel = figure.add_subplot()
+    (x,) = over
+    others = [str(name) for name in ds[quantity].dims if name != x and name not in at and 1 < ds[name].size <= FAMILY]
+    words = [str(name) for name in ds[quantity].dims if name != x and "flag_meanings" in ds[name].attrs]
+    word = next((name for name in [*words, *others] if name not in at), None)
+    array, said = _fixed(ds, quantity, [x] if word is None else [x, word], at)
+    array = array.isel({x: _spread(array.sizes[x], MOST_POINTS)}).load()
+    size, unit = prefixed_unit(_finite(array), _dimension(array))
+    x_values, x_label = _axis(array[x])
+    labels = [""] if word is None else _names(ds[word])
+    marker = "o" if x in words or array.sizes[x] <= 12 else None
+    for k, label in enumerate(labels):
+        line = array if word is None else array.isel({word: k})
+        style = STROKES[k // len(COLOURS) % len(STROKES)]
+        panel.plot(x_values, line.values / size, style, color=COLOURS[k % len(COLOURS)], marker=marker, label=label)
+    panel.set(xlabel=x_label, ylabel=_label(quantity, unit))
+    _ticks(panel.xaxis, ds[x])
+    _scale(panel.set_xscale, ds[x], array[x].values)
+    if word is not None:
+        panel.legend(title=_plain(word), frameon=False, fontsize=8)
+    _title(figure, ds, said)
+
+
+def _map(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
+    """A heat map over two swept quantities."""
+    panel = figure.add_subplot()
+    x, y = over
+    array, said = _fixed(ds, quantity, [y, x], at)
+    array = array.isel({name: _spread(array.sizes[name], MOST_CELLS) for name in over}).transpose(y, x).load()
+    size, unit = prefixed_unit(_finite(array), _dimension(array))
+    (x_values, x_label), (y_values, y_label) = _axis(array[x]), _axis(array[y])
+    mesh = panel.pcolormesh(x_values, y_values, array.values / size, cmap=MAP, shading="nearest", rasterized=True)
+    figure.colorbar(mesh, ax=panel, label=_label(quantity, unit))
+    panel.set(xlabel=x_label, ylabel=y_label)
+    for axis, name, scale in ((panel.xaxis, x, panel.set_xscale), (panel.yaxis, y, panel.set_yscale)):
+        _ticks(axis, ds[name])
+        _scale(scale, ds[name], array[name].values)
+    _title(figure, ds, said)
+
+
+def _cloud(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
+    """A point for every impact: over one quantity, or coloured over two."""
+    if at:
+        raise ValueError("at: a sampled sweep has no grid to pick from")
+    panel = figure.add_subplot()
+    ds = ds.isel(impact=_spread(ds.sizes["impact"], MOST_POINTS))
+    array = ds[quantity].load()
+    size, unit = prefixed_unit(_finite(array), _dimension(array))
+    x_values, x_label = _axis(ds[over[0]])
+    if len(over) == 1:
+        panel.plot(x_values, array.values / size, ".", color=COLOURS[0], markersize=3, alpha=0.5, rasterized=True)
+        panel.set(xlabel=x_label, ylabel=_label(quantity, unit))
+    else:
+        y_values, y_label = _axis(ds[over[1]])
+        points = panel.scatter(x_values, y_values, 4, array.values / size, cmap=MAP, rasterized=True)
+        figure.colorbar(points, ax=panel, label=_label(quantity, unit))
+        panel.set(xlabel=x_label, ylabel=y_label)
+        _ticks(panel.yaxis, ds[over[1]])
+        _scale(panel.set_yscale, ds[over[1]], ds[over[1]].values)
+    _ticks(panel.xaxis, ds[over[0]])
+    _scale(panel.set_xscale, ds[over[0]], ds[over[0]].values)
+    _title(figure, ds, [])
+
+
+def _fixed(ds: xr.Dataset, quantity: str, free: list[str], at: dict[str, Any]) -> tuple[xr.DataArray, list[str]]:
+    """The quantity over the dimensions `free`, at a place of all others, and what to say of it."""
+    places, said = {}, []
+    unknown = [name for name in at if name not in ds[quantity].dims or name in free]
+    if unknown:
+        raise ValueError(f"at: {shown(unknown[0])} is no other swept quantity")
+    for name in map(str, ds[quantity].dims):
+        if name in free:
+            continue
+        words = str(ds[name].attrs.get("flag_meanings", "")).split()
+        value = at.get(name)
+        if words:
+            if value is not None and str(value) not in words:
+                raise ValueError(f"at: {name} has {', '.join(words)}, not {shown(value)}")
+            places[name] = 0 if value is None else words.index(str(value))
+            said.append(f"{name.replace('_', ' ')} {words[places[name]]}")
+        else:
+            wanted = ds[name].values[0] if value is None else to_si(value, _dimension(ds[name]), bare=True)
+            places[name] = int(np.abs(ds[name].values - wanted).argmin())
+            size, unit = prefixed_unit(ds[name].values[places[name]][None], _dimension(ds[name]))
+            said.append(f"{name.replace('_', ' ')} {ds[name].values[places[name]] / size:.4g} {unit}".rstrip())
+    return ds[quantity].isel(places), said
+
+
+def _names(array: xr.DataArray) -> list[str]:
+    """The values of a swept quantity as texts."""
+    if "flag_meanings" in array.attrs:
+        return str(array.attrs["flag_meanings"]).split()
+    size, unit = prefixed_unit(array.values, _dimension(array))
+    return [f"{value:.4g} {unit}".rstrip() for value in (array.values / size).tolist()]
+
+
+def _spread(size: int, most: int) -> slice:
+    return slice(None, None, max(1, -(-size // most)))
+
+
+def _finite(array: xr.DataArray) -> Any:
+    values = array.values[np.isfinite(array.values)]
+    return values if values.size else np.zeros(1)
+
+
+def _dimension(array: xr.DataArray) -> str:
+    unit = array.attrs.get("units", "1")
+    return next((name for name, dimension in DIMENSIONS.items() if dimension.unit == unit), "dimensionless")
+
+
+def _axis(array: xr.DataArray) -> tuple[Any, str]:
+    """Values in a unit that reads well, and the label of the axis."""
+    if "flag_meanings" in array.attrs:
+        return array.values, _plain(str(array.name))
+    size, unit = prefixed_unit(array.values, _dimension(array))
+    return array.values / size, _label(str(array.name), unit)
+
+
+def _label(name: str, unit: str) -> str:
+    return _plain(name) + (f" ({unit})" if unit else "")
+
+
+def _ticks(axis: Any, array: xr.DataArray) -> None:
+    """Words along an axis of words."""
+    words = str(array.attrs.get("flag_meanings", "")).split()
+    if words:
+        axis.set_ticks(range(len(words)), words)
+
+
+def _scale(set_scale: Any, array: xr.DataArray, values: Any) -> None:
+    low, high = float(np.min(values)), float(np.max(values))
+    if "flag_meanings" not in array.attrs and low > 0.0 and high >= LOG_FROM * low and math.isfinite(high):
+        set_scale("log")
+
+
+def _plain(name: str) -> str:
+    return name.replace("_", " ").replace("$", r"\$")
+
+
+def _title(figure: Figure, ds: xr.Dataset, said: list[str]) -> None:
+    title = str(ds.attrs["title"]).partition(": sweep over")[0]
+    figure.suptitle(title.replace("$", r"\$"), fontsize=min(11.0, 620.0 / max(len(title), 1)), fontweight="bold")
+    if said:
+        figure.axes[0].set_title(("at " + ", ".join(said)).replace("$", r"\$"), fontsize=8)

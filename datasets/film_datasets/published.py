@@ -1,0 +1,32 @@
+"""The small datasets that come with the package, made by examples/published_datasets.py."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import xarray as xr
+
+from film_datasets.files import SUFFIX, read
+from film_model.errors import did_you_mean, shown
+
+HERE = Path(__file__).parent
+
+
+def _files() -> dict[str, Path]:
+    """By name; they are inside the installed package, or beside it in a working copy."""
+    folder = HERE / "published" if (HERE / "published").is_dir() else HERE.parent / "published"
+    return {path.stem: path for path in sorted(folder.glob(f"*{SUFFIX}"))}
+
+
+def published() -> dict[str, str]:
+    """The names that `load` takes, each with the title of its dataset."""
+    return {name: str(read(path).attrs["title"]) for name, path in _files().items()}
+
+
+def load(name: str) -> xr.Dataset:
+    """A dataset that comes with the package, e.g. "zener". Raises KeyError for a name that is not there."""
+    files = _files()
+    if name not in files:
+        hint = did_you_mean(name, files) or f"; there are {', '.join(files)}"
+        raise KeyError(f"no published dataset is called {shown(name)}{hint}")
+    return read(files[name])

@@ -1,0 +1,73 @@
+"""The datasets of datasets/published, computed anew: `python examples/published_datasets.py [FOLDER]`.
+
+paper_big_alabo, paper_stronge, paper_plate: the impacts of Big-Alabo, Cartmell & Harrison 2017. zener: the coefficient
+of restitution over Zener's inelasticity parameter, on plates of all weights. restitution: over velocity, for every law.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+import film_datasets as fd
+import film_model as fm
+
+SCENES = Path(__file__).parent / "scenes"
+FOLDER = Path(__file__).parent.parent / "datasets" / "published"
+
+PARAMETERS = {  # of laws that need more than the scene has
+    "meyer": {"stiffness": "2.27e10 N/m^1.5", "exponent": 1.5},  # Hertz's stiffness of this pair
+}
+
+
+def paper() -> dict[str, xr.Dataset]:
+    """Histories of the paper's three impacts."""
+    scenes = {
+        "paper_big_alabo": fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml"),
+        "paper_stronge": fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel_stronge.toml"),
+        "paper_plate": fm.Scene.from_toml(SCENES / "olsson_plate.toml").replace({"target.impedance_formula": "paper"}),
+    }
+    return {name: fd.to_dataset(fm.simulate(scene, accuracy=1e-8)) for name, scene in scenes.items()}
+
+
+def zener() -> xr.Dataset:
+    """Restitution of a steel ball on steel plates, from so light that it hardly rebounds to so heavy that none moves.
+
+    Hertz's law, so that the coefficient of restitution depends on `zener_number` alone (Zener 1941).
+    """
+    base = fm.Scene(
+        fm.Sphere("5 mm", velocity="1 m/s", material="bearing steel"),
+        fm.Plate("mild steel", thickness="10 mm"),
+        fm.Contact("hertz"),
+        solver=fm.Solver(accuracy=1e-8),
+        title="Zener's curve",
+    )
+    thickness = {"from": "2 mm", "to": "200 mm", "count": 121, "spacing": "log"}
+    return fd.sweep(base, {"target.thickness": thickness})
+
+
+def restitution() -> xr.Dataset:
+    """Restitution of the paper's ball on its steel, over velocity, for every law."""
+    base = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml").replace({"solver.accuracy": 1e-8})
+    contacts = [{"law": name, **PARAMETERS.get(name, {})} for name in fm.LAWS]
+    velocity = {"from": "0.01 m/s", "to": "10 m/s", "count": 121, "spacing": "log"}
+    return fd.sweep(base, {"contact": contacts, "impactor.velocity": velocity})
+
+
+def main(folder: str | Path = FOLDER) -> dict[str, xr.Dataset]:
+    """Write all datasets into a folder, and return them by name."""
+    made = {**paper(), "zener": zener(), "restitution": restitution()}
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    for name, dataset in made.items():
+        fd.write(dataset, Path(folder) / f"{name}.nc", overwrite=True)
+    return made
+
+
+if __name__ == "__main__":
+    for dataset_name, found in main(*sys.argv[1:2]).items():
+        sizes = ", ".join(f"{size} {dim}" for dim, size in found.sizes.items())
+        print(f"{dataset_name}: {sizes}")
+    lambdas, ratios = fd.load("zener")["zener_number"], fd.load("zener")["coefficient_of_restitution"]
+    print(f"restitution falls from {float(ratios.max()):.4f} to {float(ratios.min()):.4f} over λ "
+          f"{float(np.min(lambdas)):.3g} to {float(np.max(lambdas)):.3g}")  # fmt: skip

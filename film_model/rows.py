@@ -1,0 +1,316 @@
+"""Many impacts of one scene, some of whose numbers differ from row to row: the core's problems, one curve each."""
+
+from __future__ import annotations
+
+import copy
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.bodies import STANDARD_GRAVITY, Body
+from film_model.core import native
+from film_model.curve import Curve, curve_of
+from film_model.effects import GRAVITY_THRESHOLD, law_values
+from film_model.elementwise import root
+from film_model.errors import SimulationError
+from film_model.laws import LAWS, AbstractLaw
+from film_model.laws.hertz import hertz_stiffness
+from film_model.laws.yielding import yield_velocity
+from film_model.problem import Array, Problem, contact_limit, problem_of
+from film_model.scales import Scales
+from film_model.scene import Scene
+
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Impacts that share a curve. The fields are those of :class:`~film_model.problem.Problem`, one value a row.
+
+    index: which rows they are. start: the contacts as the core starts them (native.START_DTYPE). zener:
+    λ = K^{2/5} m^{3/5} V^{1/5}/Z, nan where there is no Hertz stiffness.
+    """
+
+    index: Index
+    law: str
+    curve: Curve
+    scales: Scales
+    start: NDArray[Any]
+    drift: Array
+    share: Array
+    mass: Array
+    zener: Array
+
+
+def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
+    """The scene with arrays [SI] in place of some of its numbers, by path: its derived values are arrays too."""
+    made = copy.copy(scene)
+    for path, values in columns.items():
+        *sections, name = path.split(".")
+        owner: Any = made
+        for section in sections:
+            part = copy.copy(getattr(owner, section))
+            object.__setattr__(owner, section, part)
+            owner = part
+        if path.startswith("contact.") and name not in owner.FIELDS:
+            object.__setattr__(owner, "parameters", {**owner.parameters, name: values})
+        else:
+            object.__setattr__(owner, name, values)
+    return made
+
+
+def rows_of(scene: Scene, columns: Mapping[str, Array], count: int) -> list[Rows]:
+    """The problems of `count` impacts of a scene, some of whose numbers are columns (path → SI values, one a row).
+
+    They are those of `problem_of` for the scene of each row, computed on whole arrays, which some rows are checked
+    for; where arrays do not serve, row by row. Rows whose laws have the same dimensionless stages share a curve. Rows
+    whose impactor does not approach, or that make no problem, are left out; if none makes one, the first one's error
+    is raised.
+    """
+    moving = np.flatnonzero(_column(scene_of_columns(scene, columns).approach_velocity, count) > 0.0)
+    try:
+        found = list(_by_arrays(scene, columns, moving))
+        right = all(_agrees(rows, scene, columns) for rows in found)
+    except (TypeError, ValueError):
+        found, right = [], False
+    return found if right else _one_by_one(scene, columns, moving)
+
+
+def _by_arrays(scene: Scene, columns: Mapping[str, Array], moving: Index) -> Iterator[Rows]:
+    for law, index in _laws(_part(scene, columns, moving), moving):
+        part = _part(scene, columns, index)
+        values = {} if isinstance(law, AbstractLaw) else law_values(part, law)
+        speed = _column(part.approach_velocity, index.size)
+        mass = _column(part.effective_mass, index.size)
+        for curve, chosen in _curves(law, values, index.size):
+            yield _problem(part, law, _picked(values, chosen), curve, index, chosen, speed[chosen], mass[chosen])
+
+
+_NUMBERS = ("drift", "share", "mass")
+
+
+def _agrees(rows: Rows, scene: Scene, columns: Mapping[str, Array]) -> bool:
+    """Whether the first, middle and last row are what `problem_of` makes of their scenes."""
+    for place in {0, rows.index.size // 2, rows.index.size - 1}:
+        problem = problem_of(_at_row(scene, columns, int(rows.index[place])))
+        same = [(getattr(rows, name)[place], getattr(problem, name)) for name in _NUMBERS]
+        same += [(getattr(rows.scales, name)[place], value) for name, value in vars(problem.scales).items()]
+        same += [(rows.start[name][place], getattr(problem.start, name)) for name in native.START_DTYPE.names or ()]
+        curve = problem.curve is rows.curve or bytes(problem.curve.native) == bytes(rows.curve.native)
+        if not (curve and problem.law.name == rows.law and np.allclose(*zip(*same, strict=True), rtol=1e-12, atol=0.0)):
+            return False
+    return True
+
+
+def _one_by_one(scene: Scene, columns: Mapping[str, Array], moving: Index) -> list[Rows]:
+    """As `_by_arrays`, from the scene of every row."""
+    groups: dict[tuple[str, int], list[tuple[int, Problem]]] = {}
+    first: Exception | None = None
+    for row in moving.tolist():
+        try:
+            problem = problem_of(_at_row(scene, columns, row))
+        except (SimulationError, ValueError) as error:
+            first = first or error
+            continue
+        groups.setdefault((problem.law.name, id(problem.curve)), []).append((row, problem))
+    if not groups and first is not None:
+        raise first
+    return [_gathered(members) for members in groups.values()]
+
+
+def _gathered(members: list[tuple[int, Problem]]) -> Rows:
+    index, problems = np.array([row for row, _ in members]), [problem for _, problem in members]
+    numbers = {name: np.array([getattr(problem, name) for problem in problems]) for name in _NUMBERS}
+    scales = [np.array([getattr(p.scales, scale.name) for p in problems]) for scale in fields(Scales)]
+    motion = [next(effect.value for effect in p.effects if effect.name == "target_motion") for p in problems]
+    zener = np.array([np.nan if value is None else value for value in motion])
+    start = np.concatenate([np.frombuffer(bytes(problem.start), native.START_DTYPE) for problem in problems])
+    made = Scales(*cast("Any", scales))
+    return Rows(index, problems[0].law.name, problems[0].curve, made, start, **numbers, zener=zener)
+
+
+def _at_row(scene: Scene, columns: Mapping[str, Array], row: int) -> Scene:
+    return scene_of_columns(scene, {path: cast("Any", float(values[row])) for path, values in columns.items()})
+
+
+def _part(scene: Scene, columns: Mapping[str, Array], index: Index) -> Scene:
+    return scene_of_columns(scene, {path: values[index] for path, values in columns.items()})
+
+
+def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], Index]]:
+    """Laws and their rows out of `index`, of which `scene` has the columns: `effects.choose` for arrays."""
+    law, wanted = scene.contact.law, scene.effects.plasticity
+    if index.size == 0:
+        return
+    if law != "auto":
+        yield (law if isinstance(law, AbstractLaw) else LAWS[law]), index
+        return
+    strength, modulus = scene.yield_strength, scene.effective_modulus
+    if wanted is True and strength is None:
+        raise SimulationError("effects.plasticity is true, but neither material has a yield_strength")
+    if wanted is False or strength is None or modulus is None:
+        yield LAWS["hertz"], index
+        return
+    threshold = yield_velocity(modulus, scene.effective_radius, strength, scene.effective_mass)
+    elastic = _column(scene.approach_velocity <= threshold, index.size) & (wanted is not True)
+    for name, mask in (("hertz", elastic), ("big-alabo", ~elastic)):
+        if mask.any():
+            yield LAWS[name], index[mask]
+
+
+def _curves(
+    law: AbstractLaw | type[AbstractLaw], values: Mapping[str, Any], count: int
+) -> Iterator[tuple[Curve, Index]]:
+    """Curves and their rows. Where the stages do not depend on what varies, which most laws' do not, there is one."""
+    everything = np.arange(count)
+    if isinstance(law, AbstractLaw):
+        yield curve_of(law), everything
+        return
+    varying = {name: np.asarray(v) for name, v in values.items() if isinstance(v, np.ndarray)}
+    if not varying or _stages_are_blind_to(law, values, varying):
+        yield curve_of(_made(law, values, 0)), everything
+        return
+    table = np.stack(list(varying.values()), axis=-1)
+    _, first, group = np.unique(table, axis=0, return_index=True, return_inverse=True)
+    curves: dict[int, tuple[Curve, list[int]]] = {}
+    for number, row in enumerate(first.tolist()):
+        curve = curve_of(_made(law, values, row))
+        curves.setdefault(id(curve), (curve, []))[1].append(number)
+    for curve, numbers in curves.values():
+        yield curve, np.flatnonzero(np.isin(group.ravel(), numbers))
+
+
+class _Seen(Exception):
+    """A law's stages have asked for a value that varies."""
+
+
+def _stages_are_blind_to(law: type[AbstractLaw], values: Mapping[str, Any], varying: Mapping[str, Any]) -> bool:
+    """Whether stages() never reads these fields, and so gives the same stages whatever they are."""
+
+    def look(_: AbstractLaw) -> Any:
+        raise _Seen
+
+    metaclass: Any = type(law)  # that of abstract classes
+    blind = metaclass(law.__name__, (law,), {name: property(look) for name in varying})
+    made = object.__new__(blind)
+    for name, value in values.items():
+        if name not in varying:
+            object.__setattr__(made, name, value)
+    try:
+        made.stages()
+    except _Seen:
+        return False
+    return True
+
+
+def _problem(
+    scene: Scene,
+    law: AbstractLaw | type[AbstractLaw],
+    values: Mapping[str, Any],
+    curve: Curve,
+    index: Index,
+    chosen: Index,
+    speed: Array,
+    mass: Array,
+) -> Rows:
+    """As `problem_of`, for the rows `chosen` of a scene of columns."""
+    count = chosen.size
+    energy = 0.5 * mass * speed**2
+    scales = _scales(law, values, energy, mass)
+    approach = speed / scales.velocity
+    drift, share = np.zeros(count), np.ones(count)
+    if isinstance(scene.target, Body):
+        share = mass / _column(scene.mass, index.size)[chosen]
+        drift = _column(scene.impactor.speed, index.size)[chosen] - share * speed
+    still = scene.effects.target_motion is False
+    impedance = _column(math.inf if still else scene.target_impedance, index.size)[chosen]
+    load = mass * STANDARD_GRAVITY * _heavy(scene, curve, scales, approach, mass)
+    if load.any():
+        weight_energy = load * 1e-3 * _column(scene.effective_radius, index.size)[chosen]
+        scales = _scales(law, values, np.maximum(energy, weight_energy), mass)
+        approach = speed / scales.velocity
+    start: Any = np.zeros(count, native.START_DTYPE)
+    start["nu"], start["gamma"] = approach, scales.force / (impedance * scales.velocity)
+    start["load"], start["stop_velocity"] = load / scales.force, -drift / (share * scales.velocity)
+    start["time_limit"] = np.where(load > 0.0, contact_limit(approach, start["gamma"]), math.inf)
+    zener = np.zeros(count)
+    if np.isfinite(impedance).any():
+        modulus = math.nan if scene.effective_modulus is None else scene.effective_modulus
+        stiffness = _column(hertz_stiffness(modulus, scene.effective_radius), index.size)[chosen]
+        zener = stiffness**0.4 * mass**0.6 * speed**0.2 / impedance
+    return Rows(index[chosen], law.name, curve, scales, start, drift, share, mass, zener)
+
+
+def _heavy(scene: Scene, curve: Curve, scales: Scales, approach: Array, mass: Array) -> NDArray[np.bool_]:
+    """Which impacts are simulated with their weight: the rule of `effects`, for each."""
+    wanted = scene.effects.gravity
+    if isinstance(scene.target, Body) or wanted is False:
+        return np.zeros(approach.size, np.bool_)
+    if wanted is True:
+        return np.ones(approach.size, np.bool_)
+    weight = mass * STANDARD_GRAVITY
+    ends = _forces(curve, np.array([approach.min(), approach.max()]))
+    # the dimensionless force grows with the velocity: most rows are light even by the least of all
+    heavy = ~(weight <= GRAVITY_THRESHOLD * ends[0] * scales.force) | ~np.isfinite(ends[1])
+    doubtful = np.flatnonzero(heavy)
+    force = _forces(curve, approach[doubtful]) * cast("Any", scales.force)[doubtful]
+    heavy[doubtful] = ~(weight[doubtful] <= GRAVITY_THRESHOLD * force)
+    return heavy
+
+
+def _forces(curve: Curve, approach: Array) -> Array:
+    """Maximum dimensionless force on a target that does not move; nan beyond the law."""
+    start: Any = np.zeros(approach.size, native.START_DTYPE)
+    start["nu"], start["time_limit"] = approach, math.inf
+    status, summary = native.batch(curve.native, native.mesh(native.WORK_PRESERVING, 1, 1), start)
+    return np.where(status == native.EVENT, summary["maximum_force"], np.nan)
+
+
+def _scales(law: AbstractLaw | type[AbstractLaw], values: Mapping[str, Any], energy: Array, mass: Array) -> Scales:
+    """Scales of every row: by the law's formulas on arrays, or row by row where they take only floats."""
+
+    def scales(row: int) -> tuple[float, float]:
+        return _made(law, values, row).scales(float(energy[row]))
+
+    found = _on_arrays(law, values, energy, scales) or zip(*map(scales, range(energy.size)), strict=True)
+    length, force = (np.asarray(column) for column in found)
+    time = root(mass * length / force)
+    speed: Any = length / time
+    return Scales(cast("Any", length), cast("Any", force), time, speed)
+
+
+def _on_arrays(
+    law: AbstractLaw | type[AbstractLaw],
+    values: Mapping[str, Any],
+    energy: Array,
+    scales: Callable[[int], tuple[float, float]],
+) -> tuple[Array, Array] | None:
+    """What the law makes of arrays, if it is what it makes of their first and last rows; else None."""
+    try:
+        own = _made(law, values, slice(None))
+        length, force = (_column(value, energy.size) for value in own.scales(cast("Any", energy)))
+    except (TypeError, ValueError):
+        return None
+    for row in (0, energy.size // 2, energy.size - 1):
+        if not np.allclose((length[row], force[row]), scales(row), rtol=1e-13, atol=0.0):
+            return None
+    return length, force
+
+
+def _made(law: AbstractLaw | type[AbstractLaw], values: Mapping[str, Any], rows: Any) -> AbstractLaw:
+    """The law of one row, or with arrays in its fields that of several."""
+    return law if isinstance(law, AbstractLaw) else law(**_picked(values, rows))
+
+
+def _picked(values: Mapping[str, Any], rows: Any) -> dict[str, Any]:
+    """The values at one row, as floats, or at several."""
+    at = {name: value[rows] if isinstance(value, np.ndarray) else value for name, value in values.items()}
+    return {name: value.item() if isinstance(value, np.generic) else value for name, value in at.items()}
+
+
+def _column(value: Any, count: int) -> NDArray[Any]:
+    return np.broadcast_to(np.asarray(value), (count,))

@@ -1,0 +1,225 @@
+"""Measurements from CSV files, and parameters fitted to them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import film_datasets as fd
+import film_model as fm
+from film_model.cli import main
+
+SCENES = Path(__file__).parents[1] / "examples" / "scenes"
+BALL = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml").replace({"contact.law": "big-alabo"})
+AWAY = BALL.replace({"target.material.yield_strength": "1.5 GPa", "impactor.velocity": "0.27 m/s"})
+TIMES = np.linspace(0.0, 110e-6, 80)
+
+
+def force_file(path: Path, scene: fm.Scene, noise: float, seed: int = 0, offset: float = 0.0) -> Path:
+    """A force history with noise [N] as a CSV file."""
+    history = fm.simulate(scene, accuracy=1e-8)
+    force = np.where(offset <= TIMES, history.sample_si(np.maximum(TIMES - offset, 0.0)).contact_force, 0.0)
+    force = force + np.random.default_rng(seed).normal(0.0, noise, TIMES.size)
+    rows = (f"{t!r},{f!r}" for t, f in zip((TIMES * 1e6).tolist(), (force / 1e3).tolist(), strict=True))
+    path.write_text("# measured\ntime [us],force [kN]\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    return path
+
+
+def restitution_file(path: Path, scene: fm.Scene, noise: float, seed: int = 0) -> Path:
+    speeds = np.geomspace(0.05, 4.0, 25).tolist()
+    ratios = fm.simulate_batch(scene, velocity=[f"{v!r} m/s" for v in speeds]).summary["coefficient_of_restitution"]
+    ratios = ratios + np.random.default_rng(seed).normal(0.0, noise, 25)
+    rows = (f"{1e3 * v!r};{e!r}" for v, e in zip(speeds, ratios.tolist(), strict=True))
+    path.write_text("Velocity (mm/s);Restitution\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    return path
+
+
+def test_a_measured_history_is_a_dataset(tmp_path: Path) -> None:
+    ds = fd.from_csv(force_file(tmp_path / "m.csv", BALL, 0.0), title="Drop 7")
+    assert fd.validate(ds) == []
+    np.testing.assert_allclose(ds["t"].values, TIMES, rtol=1e-14)
+    np.testing.assert_allclose(ds["contact_force"].max(), 516.0, rtol=2e-3)
+    assert ds["contact_force"].attrs["units"] == "N"
+    back = fd.read(fd.write(ds, tmp_path / "m.nc"))
+    assert back.identical(ds)
+    assert fd.validate(back) == []
+
+
+def test_empty_cells_are_missing(tmp_path: Path) -> None:
+    path = tmp_path / "m.csv"
+    path.write_text("t [ms]\tforce [N]\tindentation [um]\n0\t0\t\n1\t\t5\n2\t7\t\n", encoding="utf-8")
+    ds = fd.from_csv(path)
+    assert fd.validate(ds) == []
+    assert np.isnan(ds["contact_force"].values).tolist() == [False, True, False]
+    assert ds["indentation"].values[1] == pytest.approx(5e-6, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "says"),
+    [
+        ("", None, "at least two rows"),
+        ("time [us],force [kN]\n0,1\n1,x\n", 3, 'contact_force: "x" is not a number'),
+        ("time [us];force [kN]\n0;1\n1;1,5\n", 3, "write a decimal point"),
+        ("time [us],force [kN]\n0,1\n1,nan\n", 3, "is not a number"),
+        ("time [us],force [kN]\n0,1\n,2\n", 3, 't: "" is not a number'),
+        ("time [us],force [kN]\n0,1\n1\n", 3, "1 cells, but 2 columns"),
+        ("time [us],force [kN]\n1,1\n0,2\n", 3, "the time does not increase"),
+        ("time [us],force [mm]\n0,1\n1,2\n", 1, 'column "force [mm]": unit "mm" is a length, a force is needed'),
+        ("time [us],force\n0,1\n1,2\n", 1, "has no unit, a force is needed"),
+        ("time [us],farce [N]\n0,1\n1,2\n", 1, 'did you mean "force"?'),
+        ("time [us],force [N],force [N]\n0,1,1\n1,2,2\n", 1, "is there twice"),
+        ("time [us]\n0\n1\n", 1, "a column beside t is needed"),
+        ("restitution\n0.5\n0.4\n", 1, 'a column "time [us]" or "velocity [m/s]" is needed'),
+        ("velocity [m/s],restitution\n1,0.5\n0,0.4\n", 3, "the velocity must be > 0"),
+    ],
+)
+def test_a_wrong_file_is_one_clear_message(tmp_path: Path, text: str, line: int | None, says: str) -> None:
+    path = tmp_path / "m.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(fm.SceneError) as caught:
+        fd.from_csv(path)
+    assert says in str(caught.value)
+    assert caught.value.mistakes[0].line == line
+
+
+def test_exact_data_give_the_parameters_back(tmp_path: Path) -> None:
+    found = fd.identify(
+        fd.from_csv(force_file(tmp_path / "m.csv", BALL, 0.0, offset=3e-6)),
+        AWAY,
+        ["contact.yield_strength", "impactor.velocity", "time_offset"],
+    )
+    assert [one.identified for one in found.parameters] == [True, True, True]
+    assert [one.value for one in found.parameters] == pytest.approx([1e9, 0.25, 3e-6], rel=2e-4)
+    assert found.residual["contact_force"] < 0.02
+    assert found.scene.yield_strength == found.parameters[0].value
+    assert found.scene.solver == AWAY.solver
+    ratios = fd.from_csv(restitution_file(tmp_path / "e.csv", BALL, 0.0))
+    (one,) = fd.identify(ratios, AWAY, ["contact.yield_strength"]).parameters
+    assert one.value == pytest.approx(1e9, rel=1e-3)
+
+
+def test_material_parameters_and_plates(tmp_path: Path) -> None:
+    plate = fm.Scene.from_toml(SCENES / "olsson_plate.toml")
+    history = fm.simulate(plate, accuracy=1e-8)
+    t = np.linspace(0, 2e-4, 50)
+    samples = history.sample_si(t)
+    rows = zip((t * 1e6).tolist(), samples.contact_force.tolist(), samples.impactor_velocity.tolist(), strict=True)
+    path = tmp_path / "m.csv"
+    path.write_text(
+        "t [us],force [N],velocity [m/s]\n" + "\n".join(f"{a!r},{b!r},{c!r}" for a, b, c in rows), encoding="utf-8"
+    )
+    away = plate.replace({"contact.effective_modulus": "7 GPa", "target.mass_per_area": "5 kg/m^2"})
+    found = fd.identify(fd.from_csv(path), away, ["contact.effective_modulus", "target.mass_per_area"])
+    assert [one.value for one in found.parameters] == pytest.approx([9.72e9, 4.132], rel=1e-3)
+    assert set(found.residual) == {"contact_force", "impactor_velocity"}
+
+
+@pytest.mark.parametrize(
+    ("fit", "lost", "reason"),
+    [
+        (["contact.effective_modulus", "impactor.radius", "contact.yield_strength"], 3, "only together with"),
+        (["target.material.density", "contact.yield_strength"], 1, "does not depend on it"),
+    ],
+)
+def test_what_cannot_be_told_is_said(tmp_path: Path, fit: list[str], lost: int, reason: str) -> None:
+    measured = fd.from_csv(force_file(tmp_path / "m.csv", BALL, 3.0))
+    found = fd.identify(measured, AWAY.replace({"impactor.velocity": "0.25 m/s"}), fit)
+    assert len(found.warnings) == lost
+    assert all(reason in warning for warning in found.warnings)
+    assert all(one.identified == (one.path not in " ".join(found.warnings)) for one in found.parameters) or lost == 3
+
+
+def test_a_yield_strength_that_is_never_reached(tmp_path: Path) -> None:
+    """An elastic impact tells nothing of it; so does noise that hides it."""
+    soft = BALL.replace({"impactor.velocity": "0.02 m/s"})
+    start = soft.replace({"target.material.yield_strength": "1.5 GPa"})
+    elastic = fd.from_csv(force_file(tmp_path / "m.csv", soft, 0.0))
+    (one,) = fd.identify(elastic, start, ["contact.yield_strength"]).parameters
+    assert not one.identified
+    noisy = fd.from_csv(force_file(tmp_path / "n.csv", BALL, 4000.0))
+    (one,) = fd.identify(noisy, AWAY, ["contact.yield_strength"]).parameters
+    assert not one.identified
+
+
+@pytest.mark.parametrize(
+    ("fit", "says"),
+    [
+        ([], "at least one parameter"),
+        (["contact.law"], "is no number"),
+        (["contact.yeld_strength"], 'did you mean "yield_strength"'),
+        (["impactor.velocity", "impactor.velocity"], "given twice"),
+        (["impactor.drop_height"], "no value to begin with"),
+    ],
+)
+def test_parameters_that_cannot_be_fitted(tmp_path: Path, fit: list[str], says: str) -> None:
+    measured = fd.from_csv(force_file(tmp_path / "m.csv", BALL, 0.0))
+    with pytest.raises(fm.SceneError, match=says):
+        fd.identify(measured, BALL, fit)
+
+
+def test_other_mistakes(tmp_path: Path) -> None:
+    ratios = fd.from_csv(restitution_file(tmp_path / "e.csv", BALL, 0.0))
+    with pytest.raises(fm.SceneError, match="is measured"):
+        fd.identify(ratios, BALL, ["impactor.velocity"])
+    with pytest.raises(fm.SceneError, match="is for measured histories"):
+        fd.identify(ratios, BALL, ["time_offset"])
+    with pytest.raises(ValueError, match="confidence"):
+        fd.identify(ratios, BALL, ["contact.yield_strength"], confidence=1.0)
+    with pytest.raises(ValueError, match="a measurement is needed"):
+        fd.identify(fd.to_dataset(fm.simulate(BALL)), BALL, ["contact.yield_strength"])
+    with pytest.raises(ValueError, match="too few"):
+        fd.identify(ratios.isel(impact=slice(0, 1)), BALL, ["contact.yield_strength"])
+
+
+def covered(trials: int, tmp_path: Path) -> tuple[int, int]:
+    """Of so many noisy force histories, and so many noisy restitutions: how often all intervals hold the truth."""
+    truth = {"contact.yield_strength": 1e9, "impactor.velocity": 0.25, "time_offset": 2e-6}
+    held = [0, 0]
+    for seed in range(trials):
+        force = fd.from_csv(force_file(tmp_path / "m.csv", BALL, 5.0, seed, offset=2e-6))
+        parameters = fd.identify(force, AWAY, list(truth)).parameters
+        held[0] += all(one.low <= truth[one.path] <= one.high for one in parameters)
+        ratios = fd.from_csv(restitution_file(tmp_path / "e.csv", BALL, 0.01, seed))
+        (one,) = fd.identify(ratios, AWAY, ["contact.yield_strength"]).parameters
+        held[1] += one.low <= 1e9 <= one.high
+    return held[0], held[1]
+
+
+def test_intervals_hold_the_truth(tmp_path: Path) -> None:
+    assert min(covered(8, tmp_path)) >= 7
+
+
+@pytest.mark.slow
+def test_intervals_hold_the_truth_in_two_hundred_trials(tmp_path: Path) -> None:
+    assert min(covered(200, tmp_path)) >= 190
+
+
+def test_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    measured, scene = force_file(tmp_path / "m.csv", BALL, 3.0), tmp_path / "scene.toml"
+    scene.write_text(AWAY.to_toml(), encoding="utf-8")
+    fit = "contact.yield_strength,impactor.velocity"
+    picture = tmp_path / "fit.png"
+    assert main(["identify", str(measured), str(scene), "--fit", fit, "--json", "--plot", str(picture)]) == 0
+    table = json.loads(capsys.readouterr().out)
+    assert list(table["parameters"]) == fit.split(",")
+    strength = table["parameters"]["contact.yield_strength"]
+    assert strength["low"] < 1e9 < strength["high"] and strength["units"] == "Pa"
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    fit = "contact.yield_strength,target.material.density"
+    assert main(["identify", str(measured), str(scene), "--fit", fit]) == 0
+    out, err = capsys.readouterr()
+    assert "contact.yield_strength" in out and "not identified" in out
+    assert "warning: target.material.density cannot be identified" in err
+    assert main(["identify", str(measured), str(scene), "--fit", "contact.strength"]) == 2
+    assert main(["identify", str(tmp_path / "no.csv"), str(scene), "--fit", fit]) == 2
+
+
+def test_a_measurement_is_not_swept() -> None:
+    foreign = xr.Dataset(attrs={"film_model_schema": "impact_measurement", "measured": "impacts"})
+    with pytest.raises(ValueError, match="has no impacts to pick"):
+        foreign.film.scene(impact=3)

@@ -1,0 +1,101 @@
+"""Pictures of datasets: the right values in the right units."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import film_datasets as fd
+import film_model as fm
+from film_model.cli import main
+
+pytest.importorskip("matplotlib")
+
+SCENES = Path(__file__).parents[1] / "examples" / "scenes"
+BALL = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
+VELOCITY = {"from": "0.1 m/s", "to": "5 m/s", "count": 30, "spacing": "log"}
+
+
+def test_a_history_is_drawn_from_its_file(tmp_path: Path) -> None:
+    history = fm.simulate(BALL)
+    ds = fd.open(fd.write(fd.to_dataset(history), tmp_path / "x.nc"))
+    figure = ds.film.plot(tmp_path / "x.png")
+    top = max(np.max(line.get_ydata()) for line in figure.axes[0].lines)
+    assert top == pytest.approx(history.summary["maximum_force"], rel=1e-9)
+    assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_lines_for_words_and_few_values() -> None:
+    ds = fd.sweep(BALL, {"impactor.velocity": VELOCITY, "contact.law": ["hertz", "stronge"]})
+    panel = fd.plot(ds, quantity="maximum_force").axes[0]
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("impactor velocity (m/s)", "maximum force (kN)")
+    assert panel.get_xscale() == "log"
+    assert [text.get_text() for text in panel.get_legend().get_texts()] == ["hertz", "stronge"]
+    for k, line in enumerate(panel.lines):
+        np.testing.assert_allclose(line.get_ydata() * 1e3, ds["maximum_force"].values[:, k])
+    few = fd.sweep(BALL, {"impactor.velocity": VELOCITY, "target.material.yield_strength": ["250 MPa", "310 MPa"]})
+    panel = few.film.plot().axes[0]
+    assert [text.get_text() for text in panel.get_legend().get_texts()] == ["250 MPa", "310 MPa"]
+    panel = few.film.plot(over="target_material_yield_strength", at={"impactor_velocity": 1.0}).axes[0]
+    assert panel.get_title() == f"at impactor velocity {float(few['impactor_velocity'][17]):.4g} m/s"
+    assert len(panel.lines) == 1
+    panel = fd.plot(ds, over="contact_law", at={"impactor_velocity": 5.0}).axes[0]
+    assert [text.get_text() for text in panel.get_xticklabels()] == ["hertz", "stronge"]
+
+
+def test_heat_map_and_cloud() -> None:
+    radius = {"from": "5 mm", "to": "15 mm", "count": 11}
+    ds = fd.sweep(BALL, {"impactor.velocity": VELOCITY, "impactor.radius": radius, "impactor.mass": ["60 g", "70 g"]})
+    figure = fd.plot(ds, quantity="contact_duration", at={"impactor_mass": "70 g"})
+    panel, bar = figure.axes
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("impactor velocity (m/s)", "impactor radius (mm)")
+    assert bar.get_ylabel() == "contact duration (µs)"
+    assert panel.get_title() == "at impactor mass 0.07 kg"
+    expected = ds["contact_duration"].values[:, :, 1].T * 1e6
+    np.testing.assert_allclose(panel.collections[0].get_array().reshape(expected.shape), expected)
+    drawn = fd.sweep(BALL, {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}}, "random", samples=500)
+    panel = fd.plot(drawn).axes[0]
+    assert len(panel.lines[0].get_xdata()) == 500
+    two = {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}, "impactor.mass": {"uniform": ["1 g", "2 g"]}}
+    panel, bar = fd.plot(fd.sweep(BALL, two, "random", samples=50)).axes
+    assert bar.get_ylabel() == "coefficient of restitution"
+
+
+def test_a_million_impacts_are_thinned() -> None:
+    ds = fd.sweep(BALL, {"impactor.velocity": {**VELOCITY, "count": 100_000}})
+    assert len(fd.plot(ds).axes[0].lines[0].get_xdata()) == 20_000
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"quantity": "maximum_farce"}, 'did you mean "maximum_force"'),
+        ({"over": "impactor_velocty"}, 'did you mean "impactor_velocity"'),
+        ({"over": ["impactor_velocity", "contact_law", "contact_law"]}, "no more"),
+        ({"at": {"contact_law": "meyer"}}, "has hertz, stronge"),
+        ({"at": {"speed": 1}}, "no other swept quantity"),
+    ],
+)
+def test_wrong_names_are_refused(options: dict, says: str) -> None:
+    ds = fd.sweep(BALL, {"impactor.velocity": VELOCITY, "contact.law": ["hertz", "stronge"]})
+    with pytest.raises(ValueError, match=says):
+        fd.plot(ds, **options)
+
+
+def test_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "sweep.nc"
+    fd.sweep(BALL, {"impactor.velocity": VELOCITY, "contact.law": ["hertz", "stronge"]}, output=path).close()
+    assert main(["plot", str(path)]) == 0
+    assert (tmp_path / "sweep.png").exists()
+    assert main(["plot", str(path)]) == 3
+    assert "--force" in capsys.readouterr().err
+    for suffix in ("svg", "pdf"):
+        picture = tmp_path / f"x.{suffix}"
+        options = ["--quantity", "maximum_force", "--over", "impactor_velocity", "--at", "contact.law=stronge"]
+        assert main(["plot", str(path), "--output", str(picture), *options]) == 0
+        assert picture.stat().st_size > 5000
+    assert main(["plot", str(tmp_path / "none.nc")]) == 3
+    assert main(["plot", str(path), "--output", str(tmp_path / "x.gif")]) == 3
+    assert "must end in .png" in capsys.readouterr().err

@@ -1,0 +1,180 @@
+"""Rows of a sweep give what the scene of each row gives."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from cases import LAWS, STEEL, TARGETS, scene
+
+import film_model as fm
+import film_model.rows
+from film_model.batch import NO_VELOCITY, STATUSES, simulate_rows
+from film_model.core import native
+from film_model.curve import curve_of
+from film_model.history import SUMMARY
+from film_model.rows import rows_of
+
+STIFFNESS = {"D11": "154.9 N*m", "D12": "4.76 N*m", "D22": "91.4 N*m", "D66": "8.97 N*m"}
+BALL = {"radius": "10 mm", "velocity": "0.3 m/s", "material": "tungsten carbide"}
+
+CASES = {
+    "half-space": (fm.Scene(fm.Sphere(**BALL), TARGETS["half-space"]), ["impactor.radius", "target.material.density"]),
+    "curved": (
+        fm.Scene(fm.Sphere(**BALL), fm.HalfSpace(STEEL, radius="80 mm")),
+        ["target.radius", "impactor.material.youngs_modulus", "target.material.poissons_ratio"],
+    ),
+    "plate": (
+        fm.Scene(fm.Sphere(**BALL), TARGETS["plate"]),
+        ["target.thickness", "target.material.density", "target.material.poissons_ratio"],
+    ),
+    "orthotropic plate": (
+        fm.Scene(fm.Sphere(**BALL), fm.Plate(mass_per_area="40 kg/m^2", bending_stiffness=STIFFNESS),
+                 fm.Contact(effective_modulus="20 GPa")),
+        ["target.bending_stiffness.D11", "target.bending_stiffness.D66", "contact.effective_modulus"],
+    ),
+    "paper's plate": (
+        fm.Scene(fm.Sphere(**BALL), fm.Plate(mass_per_area="40 kg/m^2", bending_stiffness=STIFFNESS,
+                 impedance_formula="paper"), fm.Contact(effective_modulus="20 GPa")),
+        ["target.bending_stiffness.D22", "target.mass_per_area"],
+    ),
+    "rod": (fm.Scene(fm.Sphere(**BALL), TARGETS["rod"]), ["target.diameter", "target.material.youngs_modulus"]),
+    "body": (fm.Scene(fm.Sphere(**BALL), TARGETS["body"]), ["target.radius", "target.velocity"]),
+    "fall": (
+        fm.Scene(fm.Sphere("10 mm", drop_height="3 mm", material="bearing steel"), TARGETS["half-space"]),
+        ["impactor.drop_height"],
+    ),
+    "meyer": (
+        fm.Scene(fm.Sphere(**BALL), TARGETS["plate"],
+                 fm.Contact("meyer", stiffness="2e9 N/m^1.3", exponent=1.3, initial_indentation="2 um")),
+        ["contact.initial_indentation"],
+    ),
+}  # fmt: skip
+UNITS = {"poissons_ratio": "", "D11": "N*m", "D22": "N*m", "D66": "N*m", "density": "kg/m^3", "mass_per_area": "kg/m^2",
+         "youngs_modulus": "Pa", "effective_modulus": "Pa", "yield_strength": "Pa", "velocity": "m/s"}  # fmt: skip
+
+
+def value(case, path):
+    owner = case
+    for name in path.split("."):
+        owner = owner.parameters[name] if name in getattr(owner, "parameters", {}) else getattr(owner, name)
+    return owner
+
+
+@pytest.mark.parametrize("name", list(CASES))
+def test_rows_are_the_scenes_of_the_rows(name):
+    base, paths = CASES[name]
+    if base.target.material is not None:
+        paths = [*paths, "target.material.yield_strength"]
+    paths = paths if name == "fall" else [*paths, "impactor.velocity"]
+    rng = np.random.default_rng(7)
+    factors = np.exp(rng.uniform(-0.25, 0.25, (12, len(paths))))
+    factors[:, -1] **= 4  # velocities, on both sides of yield
+    columns = {path: value(base, path) * factors[:, k] for k, path in enumerate(paths)}
+    solver = fm.Solver(accuracy=1e-9)
+    result = simulate_rows(base, columns, solver)
+    assert (result.status == native.EVENT).all()
+    for row in range(12):
+        units = {path: UNITS.get(path.rpartition(".")[2], "m") for path in columns}
+        own = base.replace({path: f"{float(v[row])!r} {units[path]}".strip() for path, v in columns.items()})
+        history = fm.simulate(own, accuracy=1e-10)
+        assert result.laws[result.law[row]] == history.problem.law.name
+        for key in SUMMARY:
+            if history.summary[key] is None:
+                assert np.isnan(result.summary[key][row])
+                continue
+            scale = own.kinetic_energy if "energy" in key else abs(history.summary[key])
+            if key == "permanent_indentation":
+                scale = history.summary["maximum_indentation"]
+            if key == "rebound_velocity":
+                scale = max(scale, 1e-3 * own.approach_velocity)
+            assert abs(result.summary[key][row] - history.summary[key]) <= 1.1e-9 * scale, (key, row)
+
+
+@pytest.mark.parametrize("law", ["hertz", "meyer", "big-alabo", "stronge"])
+def test_weight_counts_where_it_counts_alone(law):
+    """Slow impacts are simulated with gravity, each by its own number."""
+    base = scene(law, "plate", accuracy=1e-7)
+    speeds = np.geomspace(1e-5, 1.0, 25)
+    result = simulate_rows(base, {"impactor.velocity": speeds})
+    for row, speed in enumerate(speeds.tolist()):
+        history = fm.simulate(base.replace({"impactor.velocity": f"{speed!r} m/s"}), accuracy=1e-8)
+        expected = {"contact ended": native.EVENT, "the impactor came to rest in contact": native.ENDLESS}
+        assert result.status[row] == expected.get(history.outcome.value, native.OK)
+        assert result.summary["maximum_force"][row] == pytest.approx(history.summary["maximum_force"], rel=2e-7)
+        rebound = history.summary["rebound_velocity"]
+        assert np.isnan(result.summary["rebound_velocity"][row]) == (rebound is None)
+
+
+def test_curves_are_shared_where_the_dimensionless_form_allows():
+    count = 300
+    radius = np.geomspace(1e-3, 1e-2, count)
+    for law in ("hertz", "big-alabo", "stronge"):
+        base = scene("hertz").replace({"contact.law": law})
+        (rows,) = rows_of(base, {"impactor.radius": radius}, count)
+        assert rows.curve is curve_of(LAWS[law] if law != "hertz" else LAWS["hertz"])
+    contact = fm.Contact("meyer", stiffness="1e9 N/m^1.2", exponent=1.2, initial_indentation="1 um")
+    base = dataclasses.replace(scene("hertz"), contact=contact)
+    (rows,) = rows_of(base, {"contact.initial_indentation": np.linspace(1e-6, 2e-6, count)}, count)
+    assert rows.index.size == count
+    parts = rows_of(base, {"contact.exponent": np.repeat([1.2, 1.5, 1.7], 100)}, count)
+    assert [part.index.size for part in parts] == [100, 100, 100]
+
+
+@dataclasses.dataclass(frozen=True)
+class Scalar(fm.AbstractLaw):
+    """A law whose formulas take one number at a time."""
+
+    name = "scalar"
+    summary = source = "test"
+    effective_modulus: float
+    radius: float
+
+    def scales(self, energy):
+        return fm.Hertz(self.effective_modulus, self.radius).scales(max(energy, 1e-300))
+
+    def stages(self):
+        return fm.Hertz(self.effective_modulus, self.radius).stages()
+
+
+def test_a_law_of_single_numbers_serves_too(monkeypatch):
+    monkeypatch.setitem(fm.LAWS, "scalar", Scalar)
+    columns = {"impactor.radius": np.linspace(5e-3, 15e-3, 9), "impactor.velocity": np.linspace(0.1, 1, 9)}
+    one, other = (simulate_rows(scene("hertz").replace({"contact.law": law}), columns) for law in ("scalar", "hertz"))
+    for name in SUMMARY:
+        np.testing.assert_allclose(one.summary[name], other.summary[name], rtol=1e-12, atol=1e-25)
+
+
+def test_a_row_that_fails_says_why_and_harms_no_other():
+    base = scene("hertz", "body")
+    result = simulate_rows(base, {"impactor.velocity": np.array([1.0, 0.1, 0.05, 2.0])})
+    assert result.status.tolist() == [native.EVENT, NO_VELOCITY, NO_VELOCITY, native.EVENT]
+    assert np.isnan(result.summary["maximum_force"]).tolist() == [False, True, True, False]
+    deep = simulate_rows(scene("saturating"), {"impactor.velocity": np.array([0.2, 50.0])})
+    assert [STATUSES[s][0] for s in deep.status.tolist()] == ["separated", "beyond_law"]
+
+
+@pytest.mark.parametrize("target", ["half-space", "plate", "body"])
+def test_rows_that_arrays_get_wrong_are_made_one_by_one(target, monkeypatch):
+    base = scene("big-alabo", target).replace({"contact.law": "auto"})
+    columns = {"impactor.velocity": np.geomspace(0.12, 2, 9), "impactor.mass": np.linspace(0.03, 0.09, 9)}
+    right = simulate_rows(base, columns)
+    made = film_model.rows._problem
+
+    def wrong(*arguments):
+        rows = made(*arguments)
+        rows.start["gamma"] += 0.1
+        return rows
+
+    monkeypatch.setattr(film_model.rows, "_problem", wrong)
+    again = simulate_rows(base, columns)
+    for name in SUMMARY:
+        np.testing.assert_allclose(again.summary[name], right.summary[name], rtol=1e-11, atol=1e-15)
+    for one, other in zip(again.parts, right.parts, strict=True):
+        np.testing.assert_allclose(one.zener, other.zener, rtol=1e-12)
+
+
+def test_the_error_of_every_row_is_the_error_of_all():
+    base = fm.Scene(fm.Sphere(**BALL), fm.HalfSpace("alumina"), effects=fm.Effects(plasticity=False))
+    object.__setattr__(base, "effects", fm.Effects(plasticity=True))
+    with pytest.raises(fm.SimulationError, match="neither material has a yield_strength"):
+        simulate_rows(base, {"impactor.velocity": np.array([1.0, 2.0])})

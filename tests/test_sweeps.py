@@ -1,0 +1,720 @@
+"""Sweeps: the file and its mistakes, designs, content, workers, interruption, and files that tell all of it."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import film_datasets as fd
+import film_model as fm
+from film_datasets.run import Bar, Interrupted, run
+from film_datasets.sweeps import Sweep
+from film_model.cli import main
+from film_model.history import MOTION, SUMMARY
+
+SCENES = Path(__file__).parents[1] / "examples" / "scenes"
+BALL = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
+PLATE = fm.Scene.from_toml(SCENES / "olsson_plate.toml")
+SPEEDS = {"impactor.velocity": {"from": "0.1 m/s", "to": "5 m/s", "count": 40, "spacing": "log"}}
+STRENGTHS = {"target.material.yield_strength": {"normal": ["1 GPa", "0.15 GPa"]}}
+
+FILE = f"""scene = "{SCENES.as_posix()}/tungsten_carbide_on_steel.toml"
+design = "grid"                     # random/sobol/latin-hypercube take samples = 1000000 and seed = 1
+[over]
+"impactor.velocity" = {{ from = "0.1 m/s", to = "5 m/s", count = 30, spacing = "log" }}
+"target.material.yield_strength" = ["250 MPa", "310 MPa"]
+"""
+
+
+def same(one: xr.Dataset, other: xr.Dataset) -> None:
+    assert one.attrs["content_sha256"] == other.attrs["content_sha256"]
+    for name in one.variables:
+        assert one[name].values.tobytes() == other[name].values.tobytes(), name
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "sweep.toml"
+    path.write_text(FILE, encoding="utf-8")
+    return path
+
+
+def cli(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
+    status = main([str(argument) for argument in arguments])
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+# ------------------------------------------------------------------------------------------------ content
+
+
+def test_a_grid_has_the_impact_of_each_scene() -> None:
+    ds = fd.sweep(PLATE, {"impactor.velocity": ["1 m/s", "3 m/s"], "impactor.radius": ["5 mm", "6 mm", "7 mm"]})
+    assert fd.validate(ds) == []
+    assert ds["maximum_force"].dims == ("impactor_velocity", "impactor_radius")
+    assert ds["impactor_radius"].attrs["units"] == "m"
+    for v in (1.0, 3.0):
+        for r in (0.005, 0.006, 0.007):
+            own = PLATE.replace({"impactor.velocity": f"{v} m/s", "impactor.radius": f"{r} m"})
+            row = ds.film.summary(impactor_velocity=v, impactor_radius=r)
+            history = fm.simulate(own, accuracy=1e-8)
+            for name in SUMMARY:
+                assert row[name] == pytest.approx(history.summary[name], rel=1e-4, abs=1e-4 * own.kinetic_energy), name
+            assert ds.film.scene(impactor_velocity=v, impactor_radius=r) == own
+
+
+@pytest.mark.parametrize("keep", ["summary", "segments", "samples=7"])
+@pytest.mark.parametrize("suffix", ["nc", "zarr"])
+def test_a_file_has_what_memory_has(keep: str, suffix: str, tmp_path: Path) -> None:
+    if suffix == "zarr":
+        pytest.importorskip("zarr")
+    over = {**SPEEDS, "contact.law": ["stronge", "hertz", "auto"]}
+    memory = fd.sweep(BALL, over, keep=keep)
+    path = tmp_path / f"sweep.{suffix}"
+    with fd.sweep(BALL, over, keep=keep, output=path) as ds:
+        assert fd.validate(ds) == fd.validate(memory) == []
+        same(ds, memory)
+        assert ds["contact_law"].attrs["flag_meanings"] == "stronge hertz auto"
+        assert ds.attrs["warnings"].startswith("law stronge: in 3 impacts its unloading returns more energy")
+        assert set(ds.coords) == set(memory.coords)
+    with xr.open_dataset(path) as plain:  # a reader without anything of ours
+        assert plain["maximum_force"].shape == (40, 3)
+        same(fd.sweep(**_again(plain), keep=keep), memory)
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+
+
+def _again(ds: xr.Dataset) -> dict:
+    import tomllib
+
+    table = tomllib.loads(ds.attrs["sweep_toml"])
+    return {"scene": fm.Scene.from_text(ds.attrs["scene_toml"]), **table}
+
+
+def test_segments_are_the_exact_histories() -> None:
+    over = {"impactor.velocity": {"uniform": ["1 m/s", "4 m/s"]}, "impactor.mass": {"uniform": ["5 g", "20 g"]}}
+    ds = fd.sweep(PLATE, over, "random", samples=9, keep="segments")
+    for k in range(9):
+        row = ds.isel(impact=k)
+        times = np.linspace(0, float(row["contact_duration"]), 13)
+        ours = ds.film.sample(times[::-1], impact=k)
+        exact = fm.simulate(ds.film.scene(impact=k), accuracy=1e-9).sample_si(times[::-1])
+        for name in MOTION:
+            scale = np.abs(getattr(exact, name)).max()
+            np.testing.assert_allclose(ours[name].values, getattr(exact, name), rtol=0, atol=3e-4 * scale)
+    dense = fd.sweep(PLATE, over, "random", samples=9, keep="samples=13")
+    np.testing.assert_allclose(dense["sampled_contact_force"][8], ours["contact_force"][::-1], rtol=1e-9, atol=1e-9)
+
+
+def test_free_bodies_and_falls_are_swept_too() -> None:
+    balls = fm.Scene.from_toml(SCENES / "two_steel_balls.toml")
+    ds = fd.sweep(balls, {"target.velocity": ["-0.2 m/s", "0 m/s", "0.3 m/s"]}, keep="samples=5")
+    for v in (-0.2, 0.0, 0.3):
+        history = ds.film.history(target_velocity=v)
+        assert ds.film.summary(target_velocity=v)["rebound_velocity"] == pytest.approx(
+            history.summary["rebound_velocity"], rel=1e-4
+        )
+        end = ds["sampled_impactor_velocity"].sel(target_velocity=v)[-1]
+        assert float(end) == pytest.approx(history.summary["rebound_velocity"], rel=1e-4)
+    fall = fm.Scene.from_toml(SCENES / "steel_ball_on_rod.toml")
+    ds = fd.sweep(fall, {"impactor.drop_height": ["10 mm", "50 mm"]})
+    force = fm.simulate(fall).summary["maximum_force"]
+    assert float(ds["maximum_force"][1]) == pytest.approx(force, rel=1e-4)
+
+
+def test_the_estimate_bounds_the_errors() -> None:
+    """Of 300 random impacts, some yielding and some not, hardly one is off by more than the sweep says."""
+    over = {
+        "impactor.velocity": {"from": "0.02 m/s", "to": "5 m/s", "spacing": "log"},
+        "impactor.radius": {"lognormal": ["10 mm", "3 mm"]},
+        "target.thickness": {"uniform": ["3 mm", "60 mm"]},
+        "target.material.yield_strength": {"normal": ["400 MPa", "50 MPa"]},
+    }
+    base = fm.Scene(fm.Sphere("10 mm", velocity="1 m/s", material="bearing steel"), fm.Plate("mild steel", "20 mm"))
+    coarse = fd.sweep(base, over, "sobol", samples=300)
+    fine = fd.sweep(base.replace({"solver.accuracy": 1e-9}), over, "sobol", samples=300)
+    worst = np.zeros(300)
+    for name in ("maximum_force", "maximum_indentation", "contact_duration", "time_of_maximum_indentation"):
+        worst = np.maximum(worst, np.abs(coarse[name].values / fine[name].values - 1))
+    assert (worst <= coarse.attrs["estimated_accuracy"]).mean() >= 0.99
+    assert coarse.attrs["estimated_accuracy"] <= 1e-4
+
+
+# ------------------------------------------------------------------------------------------------ designs
+
+
+def test_designs_draw_what_they_say() -> None:
+    over = {
+        "impactor.velocity": {"from": "0.1 m/s", "to": "10 m/s", "spacing": "log"},
+        "target.material.yield_strength": {"normal": ["1 GPa", "0.1 GPa"]},
+        "impactor.radius": {"lognormal": ["10 mm", "2 mm"]},
+        "impactor.mass": {"uniform": ["10 g", "30 g"]},
+        "contact.law": ["hertz", "stronge"],
+    }
+    for design in ("random", "sobol", "latin-hypercube"):
+        sweep = Sweep.of(BALL, over, design, samples=4096, seed=5)
+        v, s, r, m, law = sweep.values(0, 4096)
+        assert np.log10(v).mean() == pytest.approx(0.0, abs=0.03)
+        assert (s.mean(), s.std()) == pytest.approx((1e9, 1e8), rel=0.04)
+        assert (r.mean(), r.std()) == pytest.approx((0.01, 0.002), rel=0.04)
+        assert (m.min(), m.max()) == pytest.approx((0.01, 0.03), rel=0.01)
+        assert law.mean() == pytest.approx(0.5, abs=0.03)
+        pieces = [sweep.values(first, count) for first, count in ((0, 1), (1, 1000), (1001, 3095))]
+        backwards = [sweep.values(first, 7) for first in (4000, 3)]
+        for k, whole in enumerate((v, s, r, m, law)):
+            assert np.array_equal(np.concatenate([piece[k] for piece in pieces]), whole)
+            assert np.array_equal(backwards[0][k], whole[4000:4007])
+            assert np.array_equal(backwards[1][k], whole[3:10])
+        other = Sweep.of(BALL, over, design, samples=4096, seed=6).values(0, 4096)
+        assert not np.array_equal(other[0], v)
+
+
+def test_zip_goes_side_by_side() -> None:
+    over = {"impactor.velocity": ["3 m/s", "1 m/s"], "contact.law": ["hertz", "stronge"]}
+    ds = fd.sweep(BALL, over, "zip")
+    assert fd.validate(ds) == []
+    assert ds["maximum_force"].dims == ("impact",)
+    assert ds["impactor_velocity"].values.tolist() == [3.0, 1.0]
+    assert ds["coefficient_of_restitution"].values[0] == pytest.approx(1.0, rel=1e-9)
+
+
+def test_ends_of_a_range_are_exact() -> None:
+    for spacing in ("linear", "log"):
+        axis = {"from": "0.1 m/s", "to": "0.7 m/s", "count": 7, "spacing": spacing}
+        (values,) = Sweep.of(BALL, {"impactor.velocity": axis}).values(0, 7)
+        assert (values[0], values[-1]) == (0.1, 0.7)
+        steps = np.diff(np.log(values) if spacing == "log" else values)
+        np.testing.assert_allclose(steps, steps[0], rtol=1e-9)
+
+
+@pytest.mark.parametrize("shape", [(1,), (70_000,), (3, 70_000), (70_000, 3), (300, 2, 400), (5, 66_000, 2), (2, 3, 4)])
+def test_blocks_cover_the_sweep_in_order(shape: tuple[int, ...]) -> None:
+    paths = ("impactor.velocity", "impactor.radius", "impactor.mass")
+    ranges = (("0.1 m/s", "5 m/s"), ("1 mm", "9 mm"), ("1 g", "2 g"))
+    over = {
+        path: {"from": low, "to": high, "count": count} if count > 1 else [low]
+        for path, (low, high), count in zip(paths, ranges, shape, strict=False)
+    }
+    sweep = Sweep.of(BALL, over)
+    flat, first = np.arange(sweep.size).reshape(sweep.shape), 0
+    for number in range(sweep.blocks):
+        block = sweep.block(number)
+        assert block.first == first
+        assert np.array_equal(flat[block.region].ravel(), np.arange(first, first + block.count))
+        assert block.count <= 65_536
+        assert all(part.indices(n)[0] % c == 0 for part, n, c in zip(block.region, shape, sweep.chunks, strict=True))
+        first += block.count
+    assert first == sweep.size
+
+
+# ------------------------------------------------------------------------------------------------ rows that fail
+
+
+def test_failed_impacts_have_a_reason_and_no_numbers() -> None:
+    over = {"impactor.velocity": ["1 m/s", "2 m/s"], "target.velocity": ["0.5 m/s", "1.5 m/s"]}
+    ds = fd.sweep(fm.Scene.from_toml(SCENES / "two_steel_balls.toml"), over)
+    assert fd.validate(ds) == []
+    word = dict(
+        zip(ds["status"].attrs["flag_values"].tolist(), ds["status"].attrs["flag_meanings"].split(), strict=True)
+    )
+    assert [word[code] for code in ds["status"].values.ravel().tolist()] == [
+        *("separated", "no_velocity", "separated", "separated")
+    ]
+    assert np.isnan(ds["maximum_force"].values).tolist() == [[False, True], [False, False]]
+    assert "-100 no_velocity: the impactor does not approach the target" in ds.attrs["statuses"].split("\n")
+    assert ds.attrs["warnings"] == "1 of 4 impacts failed: see status"
+
+
+def test_values_drawn_out_of_range_are_named() -> None:
+    over = {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}, "impactor.radius": {"normal": ["10 mm", "6 mm"]}}
+    ds = fd.sweep(BALL, over, "random", samples=2000)
+    assert fd.validate(ds) == []
+    bad = ds["impactor_radius"].values <= 1e-10
+    assert bad.mean() == pytest.approx(0.048, abs=0.02)
+    meanings = ds["status"].attrs["flag_meanings"].split()
+    code = ds["status"].attrs["flag_values"][meanings.index("impactor_radius_out_of_range")]
+    assert np.array_equal(ds["status"].values == code, bad)
+    assert np.array_equal(np.isnan(ds["maximum_force"].values), bad)
+    assert "out of range: 1e-10 to 1000 m is allowed" in ds.attrs["statuses"]
+
+
+# ------------------------------------------------------------------------------------------------ mistakes
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "line", "says"),
+    [
+        ('"0.1 m/s"', '"0.1 kg"', 4, '"0.1 kg" is a mass, a velocity is needed'),
+        ('"0.1 m/s"', "0.1", 4, "0.1 has no unit, a velocity is needed"),
+        ('"5 m/s"', '"-5 m/s"', 4, "must be >"),
+        ('"impactor.velocity"', '"impactor.velocty"', 4, 'unknown key; did you mean "velocity"?'),
+        ('"impactor.velocity"', '"impacter.velocity"', 4, 'unknown key; did you mean "impactor.velocity"?'),
+        ("count = 30", "cuont = 30", 4, 'unknown key "cuont"; did you mean "count"?'),
+        ("count = 30, ", "", 4, "missing: count"),
+        ("count = 30", "count = 1.5", 4, "count 1.5 is not allowed"),
+        ('"log"', '"lgo"', 4, 'spacing "lgo" is not allowed'),
+        ('["250 MPa", "310 MPa"]', '"250 MPa"', 5, "is one value: a list of values"),
+        ('["250 MPa", "310 MPa"]', "[]", 5, "an empty list"),
+        ('["250 MPa", "310 MPa"]', '["250 MPa", "310 mm"]', 5, '"310 mm" is a length'),
+        ('["250 MPa", "310 MPa"]', '["310 MPa", "250 MPa", "300 MPa"]', 5, "increase or decrease"),
+        ('["250 MPa", "310 MPa"]', '{ normal = ["310 MPa", "15 MPa"] }', 5, "a distribution needs design"),
+        ('"target.material.yield_strength"', '"target.thickness"', 5, "unknown key"),
+        ('["250 MPa"', '["soft"', 5, '"soft" is not a number and a unit'),
+        ('"grid"', '"gird"', 2, 'did you mean "grid"?'),
+        ('"grid"', '"sobol"', 2, "needs the number of impacts"),
+        ("design =", "desing =", 2, 'unknown key; did you mean "design"?'),
+        ("steel.toml", "steal.toml", None, "cannot be read"),
+        ("[over]", "[over", 3, "not TOML"),
+    ],
+)
+def test_a_wrong_sweep_file_is_one_clear_message(
+    capsys: pytest.CaptureFixture[str], file: Path, before: str, after: str, line: int | None, says: str
+) -> None:
+    assert before in FILE
+    file.write_text(FILE.replace(before, after, 1), encoding="utf-8")
+    status, out, err = cli(capsys, "sweep", file, "--output", file.with_name("out.nc"))
+    assert (status, out) == (2, "")
+    assert says in err
+    assert "Traceback" not in err
+    if line is not None and "samples" not in err:
+        assert f"sweep.toml:{line}: " in err
+    assert [path.name for path in file.parent.iterdir()] == ["sweep.toml"]
+
+
+def test_all_mistakes_are_told_at_once(file: Path) -> None:
+    file.write_text(FILE.replace("velocity", "velocty").replace("310 MPa", "310 m"), encoding="utf-8")
+    with pytest.raises(fm.SceneError) as caught:
+        Sweep.from_toml(file)
+    assert [mistake.line for mistake in caught.value.mistakes] == [4, 5]
+
+
+@pytest.mark.parametrize(
+    ("over", "options", "says"),
+    [
+        ({}, {}, "at least one swept quantity"),
+        ({"impactor.drop_height": ["1 m", "2 m"]}, {}, "not both"),
+        ({"impactor.velocity": ["1 m/s"], "impactor": [BALL.to_table()["impactor"]]}, {}, "swept too"),
+        ({"contact.law": ["hertz", "hertz"]}, {}, "given 2 times"),
+        ({"contact.law": ["hertz", "hurtz"]}, {}, 'did you mean "hertz"?'),
+        ({"contact.law": {"from": "hertz", "to": "meyer"}}, {}, "is no number"),
+        ({"impactor.velocity": {"normal": ["1 m/s"]}}, {"design": "random", "samples": 3}, "two values: mean and"),
+        ({"impactor.velocity": {"normal": ["1 m/s", "0 m/s"]}}, {"design": "random", "samples": 3}, "must be > 0"),
+        (
+            {"impactor.velocity": {"uniform": ["2 m/s", "1 m/s"]}},
+            {"design": "sobol", "samples": 3},
+            "least value first",
+        ),
+        (
+            {"impactor.velocity": {"from": "2 m/s", "to": "1 m/s", "count": 3}},
+            {"design": "sobol", "samples": 3},
+            "count",
+        ),
+        ({"impactor.velocity": ["1 m/s"]}, {"design": "sobol", "samples": 0}, "a whole number from 1"),
+        (
+            {"impactor.velocity": ["1 m/s"]},
+            {"design": "sobol", "samples": 2**31},
+            "from 1 to 1073741824",
+        ),
+        ({"impactor.velocity": ["1 m/s"]}, {"samples": 3}, 'is not for design "grid"'),
+        ({"impactor.velocity": ["1 m/s"]}, {"design": "random", "samples": 3, "seed": -1}, "seed"),
+        ({"impactor.velocity": ["1 m/s", "2 m/s"], "impactor.mass": ["1 g"]}, {"design": "zip"}, "of one length"),
+        ({"solver": [{"segments": k} for k in range(1, 10_102)]}, {}, "at most 10000"),
+    ],
+)
+def test_wrong_sweeps_are_refused(over: dict, options: dict, says: str) -> None:
+    with pytest.raises(fm.SceneError, match=says):
+        fd.sweep(BALL, over, **options)
+
+
+def test_other_wrong_arguments(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="keep: "):
+        fd.sweep(BALL, SPEEDS, keep="everything")
+    with pytest.raises(ValueError, match="workers: 0"):
+        fd.sweep(BALL, SPEEDS, workers=0)
+    with pytest.raises(ValueError, match=r'must end in "\.nc" or "\.zarr"'):
+        fd.sweep(BALL, SPEEDS, output=tmp_path / "out.csv")
+    with pytest.raises(FileNotFoundError, match="no folder"):
+        fd.sweep(BALL, SPEEDS, output=tmp_path / "no" / "out.nc")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_billion_impacts_are_refused_where_there_is_no_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    many = {"impactor.velocity": {"from": "0.1 m/s", "to": "5 m/s", "count": 10**9}}
+    with pytest.raises(MemoryError, match="1000000000 impacts do not go into memory"):
+        fd.sweep(BALL, many)
+    usage = shutil.disk_usage(tmp_path)._replace(free=75 * 10**9)
+    monkeypatch.setattr("film_datasets.run.shutil.disk_usage", lambda _: usage)
+    with pytest.raises(OSError, match=r"1000000000 impacts need about 1\d\d GB of disk.*75 GB are free"):
+        fd.sweep(BALL, many, output=tmp_path / "out.nc")
+    assert list(tmp_path.iterdir()) == []
+
+
+# ------------------------------------------------------------------------------------------------ workers, interruption
+
+SMALL_BLOCKS = ("film_datasets.sweeps.BLOCK_ROWS", 7)
+
+
+@pytest.mark.parametrize("design", ["grid", "sobol"])
+def test_any_number_of_workers_gives_the_same_data(
+    monkeypatch: pytest.MonkeyPatch, design: str, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(*SMALL_BLOCKS)
+    over = {**SPEEDS, "impactor.mass": ["30 g", "60 g"]} if design == "grid" else {**STRENGTHS}
+    options = {} if design == "grid" else {"design": design, "samples": 80}
+    found = [fd.sweep(BALL, over, workers=n, keep="segments", **options) for n in (1, 2, 5)]
+    for ds in found[1:]:
+        same(ds, found[0])
+    with fd.sweep(BALL, over, keep="segments", output=tmp_path / "x.nc", **options) as ds:
+        same(ds, found[0])
+
+
+class _StopAfter:
+    def __init__(self, rows: int, error: type[BaseException]) -> None:
+        self.rows, self.error = rows, error
+
+    def __call__(self, done: int, size: int) -> None:
+        if done >= self.rows:
+            raise self.error
+
+
+@pytest.mark.parametrize("suffix", ["nc", "zarr"])
+def test_an_interrupted_sweep_is_resumed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, suffix: str) -> None:
+    monkeypatch.setattr(*SMALL_BLOCKS)
+    made, path = Sweep.of(BALL, SPEEDS), tmp_path / f"out.{suffix}"
+    with pytest.raises(Interrupted, match=r"interrupted: \d+ of 6 blocks in .*--resume"):
+        run(made, path, command="test", workers=1, progress=_StopAfter(20, KeyboardInterrupt))
+    blocks = tmp_path / f".out.{suffix}.blocks"
+    assert [p.name for p in tmp_path.iterdir()] == [blocks.name]
+    kept = sorted(blocks.glob("*.npz"))
+    assert len(kept) >= 3
+    with pytest.raises(FileExistsError, match="an interrupted run left"):
+        run(made, path, command="test")
+    with pytest.raises(FileExistsError, match="of another sweep"):
+        run(Sweep.of(PLATE, SPEEDS), path, command="test", resume=True)
+    kept[0].write_bytes(kept[0].read_bytes()[:-100])  # a damaged block is computed again
+    computed: list[int] = []
+    compute = Sweep.compute
+    monkeypatch.setattr(Sweep, "compute", lambda self, k: computed.append(k) or compute(self, k))
+    with run(made, path, command="test", resume=True) as ds:
+        same(ds, run(made, command="test"))
+    assert len(computed) == 6 + (6 - len(kept)) + 1
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+    computed.clear()
+    run(made, path, command="test", resume=True).close()  # finished already
+    assert computed == []
+    with pytest.raises(FileExistsError, match="exists"):
+        run(made, path, command="test")
+
+
+def test_only_one_process_at_an_output(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    pytest.importorskip("fcntl")
+    monkeypatch.setattr(*SMALL_BLOCKS)
+    made, path = Sweep.of(BALL, SPEEDS), tmp_path / "out.nc"
+
+    def again(done: int, size: int) -> None:
+        with pytest.raises(FileExistsError, match="another process"):
+            run(made, path, command="test", resume=True)
+
+    run(made, path, command="test", progress=again).close()
+
+
+SCRIPT = """
+import sys, signal, resource, film_model as fm, film_datasets as fd
+import film_datasets.sweeps
+film_datasets.sweeps.BLOCK_ROWS = 2000
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+limit = int(sys.argv[3])
+if limit:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+scene = fm.Scene.from_toml(sys.argv[1])
+over = {"impactor.velocity": {"uniform": ["0.1 m/s", "5 m/s"]}, "impactor.mass": {"normal": ["60 g", "5 g"]}}
+try:
+    fd.sweep(scene, over, "sobol", samples=int(sys.argv[4]), output=sys.argv[2], resume=True)
+except OSError as error:
+    sys.exit(str(error))
+"""
+
+
+def script(output: Path, limit: int = 0, samples: int = 60_000) -> list[str]:
+    scene = SCENES / "tungsten_carbide_on_steel.toml"
+    return [sys.executable, "-c", SCRIPT, str(scene), str(output), str(limit), str(samples)]
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGXFSZ"), reason="needs a limit on the size of files")
+@pytest.mark.parametrize("limit", [50_000, 1_000_000])
+def test_a_full_disk_is_one_message_and_loses_no_block(tmp_path: Path, limit: int) -> None:
+    """A small limit stops the blocks, a larger one the output."""
+    path = tmp_path / "out.nc"
+    stopped = subprocess.run(script(path, limit), capture_output=True, text=True, check=False)
+    assert stopped.returncode == 1
+    assert "out.nc: cannot be written: " in stopped.stderr
+    assert len(stopped.stderr.strip().splitlines()) == 1
+    blocks = list((tmp_path / ".out.nc.blocks").glob("*.npz"))
+    assert not path.exists() and not (tmp_path / ".out.nc.part").exists()
+    assert bool(blocks) == (limit > 100_000)
+    subprocess.run(script(path), check=True)
+    assert fd.validate(fd.read(path)) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", ["nc", "zarr"])
+def test_killed_at_any_moment_and_resumed(tmp_path: Path, suffix: str) -> None:
+    begin = time.monotonic()
+    subprocess.run(script(tmp_path / f"whole.{suffix}", samples=200_000), check=True)
+    duration = time.monotonic() - begin
+    whole = fd.read(tmp_path / f"whole.{suffix}")
+    rng = random.Random(4)
+    for number in range(10):
+        path = tmp_path / f"out{number}.{suffix}"
+        process = subprocess.Popen(script(path, samples=200_000))
+        time.sleep(rng.uniform(0.3, 1.0) * duration)
+        process.kill()
+        process.wait()
+        subprocess.run(script(path, samples=200_000), check=True)
+        same(fd.read(path), whole)
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(
+        [f"whole.{suffix}", *(f"out{number}.{suffix}" for number in range(10))]
+    )
+
+
+@pytest.mark.slow
+def test_a_dask_cluster_gives_the_same_data(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(*SMALL_BLOCKS)
+    options = {"design": "sobol", "samples": 60, "keep": "segments"}
+    whole = fd.sweep(BALL, STRENGTHS, **options)
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        same(fd.sweep(BALL, STRENGTHS, scheduler=client, **options), whole)
+        with fd.sweep(BALL, STRENGTHS, scheduler=cluster.scheduler_address, output=tmp_path / "x.nc", **options) as ds:
+            same(ds, whole)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_an_interrupt_from_the_keyboard(tmp_path: Path) -> None:
+    file, output = tmp_path / "sweep.toml", tmp_path / "out.nc"
+    file.write_text(FILE.replace("count = 30", "count = 1000000"), encoding="utf-8")
+    code = "import sys; from film_model.cli import main; sys.exit(main(sys.argv[1:]))"
+    command = [sys.executable, "-c", code, "sweep", str(file), "--output", str(output)]
+    process = subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
+    )  # fmt: skip  # the tests themselves may run where the keyboard is ignored
+    while process.poll() is None and not list(tmp_path.glob(".out.nc.blocks/*.npz")):
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate()
+    assert process.returncode == 130
+    assert len(err.splitlines()) == 1
+    assert "blocks in" in err and "--resume" in err
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".out.nc.blocks", "sweep.toml"]
+
+
+def test_progress_is_told() -> None:
+    stream = io.StringIO()
+    bar = Bar(stream)
+    bar(500, 1000)
+    assert stream.getvalue() == ""  # no terminal: nothing for the first ten seconds
+    bar(1000, 1000)
+    assert stream.getvalue().startswith("1000 of 1000 impacts, 100 %, ")
+
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    stream = Terminal()
+    bar = Bar(stream)
+    bar(500, 1000)
+    assert "[##########..........] 500 of 1000 impacts, 50 %" in stream.getvalue()
+    assert " s left" in stream.getvalue()
+
+
+# ------------------------------------------------------------------------------------------------ files and commands
+
+
+def test_command_writes_and_reports(capsys: pytest.CaptureFixture[str], file: Path) -> None:
+    output = file.with_name("out.nc")
+    status, out, err = cli(capsys, "sweep", file, "--output", output, "--json")
+    assert status == 0
+    table = json.loads(out)
+    assert table["impacts"] == 60
+    assert table["statuses"] == {"separated": 60}
+    assert list(table["summary"]) == list(SUMMARY)
+    assert "60 of 60 impacts, 100 %" in err
+    ds = fd.read(output)
+    assert fd.validate(ds) == []
+    force = table["summary"]["maximum_force"]
+    assert force["greatest"] == ds["maximum_force"].values.max()
+    assert force["mean"] == pytest.approx(ds["maximum_force"].values.mean())
+    assert force["standard_deviation"] == pytest.approx(ds["maximum_force"].values.std(ddof=1))
+    assert ds.film.summary()["maximum_force"] == {k: v for k, v in force.items() if k != "units"}
+    assert f"film-model sweep {file}" in ds.attrs["history"]
+    status, out, err = cli(capsys, "sweep", file, "--output", output)
+    assert (status, out) == (3, "")
+    assert "--force" in err
+    assert cli(capsys, "sweep", file, "--output", output, "--resume")[0] == 0
+    assert cli(capsys, "sweep", file, "--output", output, "--force", "--keep", "samples=11", "--workers", 1)[0] == 0
+    assert fd.read(output)["sampled_contact_force"].shape == (30, 2, 11)
+
+
+def test_dotted_keys_need_no_quotes(file: Path) -> None:
+    quoted = Sweep.from_toml(file)
+    file.write_text(FILE.replace('"impactor.velocity"', "impactor.velocity"), encoding="utf-8")
+    assert Sweep.from_toml(file).text() == quoted.text()
+
+
+def test_same_input_gives_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
+    contents = set()
+    for workers in (1, 2):
+        fd.sweep(BALL, SPEEDS, output=tmp_path / f"{workers}.nc", workers=workers).close()
+        contents.add((tmp_path / f"{workers}.nc").read_bytes())
+    assert len(contents) == 1
+
+
+@pytest.mark.parametrize("spoil", ["status", "content", "segments", "unit"])
+def test_validate_finds_what_is_wrong_with_a_sweep(spoil: str) -> None:
+    ds = fd.sweep(BALL, SPEEDS, keep="segments")
+    if spoil == "status":
+        ds["status"].values[3] = 99
+    elif spoil == "content":
+        ds["maximum_force"].values[3] *= 1.0 + 1e-15
+    elif spoil == "segments":
+        ds["segment_count"].values[3] += 1
+    else:
+        ds["impactor_velocity"].attrs["long_name"] = "speed"
+    assert len(fd.validate(ds)) >= 1
+
+
+@pytest.mark.parametrize("content", [b"", b"rubbish", b"\x89HDF\r\n\x1a\n" + bytes(200)])
+def test_a_damaged_file_is_one_clear_message(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "x.nc"
+    path.write_bytes(content)
+    with pytest.raises(OSError, match=r"x\.nc: is not a netCDF file, or is damaged"):
+        fd.open(path)
+    with pytest.raises(FileNotFoundError, match="there is no such file"):
+        fd.open(tmp_path / "y.nc")
+
+
+def test_a_foreign_file_is_one_clear_message(tmp_path: Path) -> None:
+    path = tmp_path / "x.nc"
+    xr.Dataset({"a": ("x", [1.0])}).to_netcdf(path)
+    with pytest.raises(ValueError, match=r"x\.nc: not a dataset of film-model"):
+        fd.open(path)
+    assert fd.validate(xr.open_dataset(path)) == [
+        "not a dataset of film-model: the attribute film_model_schema does not name a kind"
+    ]
+
+
+@pytest.mark.parametrize("name", ["grid", "samples", "segments", "dense"])
+def test_cf_checker_finds_nothing_in_sweeps(name: str, tmp_path: Path) -> None:
+    pytest.importorskip("compliance_checker")
+    over = {**SPEEDS, "contact.law": ["hertz", "big-alabo"]}
+    drawn = {
+        **STRENGTHS,
+        "impactor.material": ["mild steel", "tungsten carbide"],
+        "impactor.radius": {"normal": ["10 mm", "8 mm"]},
+    }
+    options = {
+        "grid": {"over": over},
+        "samples": {"over": drawn, "design": "sobol", "samples": 32},
+        "segments": {"over": over, "keep": "segments"},
+        "dense": {"over": drawn, "design": "random", "samples": 32, "keep": "samples=9"},
+    }[name]
+    fd.sweep(BALL, output=tmp_path / "x.nc", **options).close()
+    checker = Path(sys.executable).with_name("compliance-checker")
+    found = subprocess.run(
+        [checker, "--test=cf:1.11", "--criteria=strict", tmp_path / "x.nc"], capture_output=True, text=True, check=False
+    )
+    assert "All tests passed!" in found.stdout, found.stdout + found.stderr
+
+
+def test_ncdump_reads_them(tmp_path: Path) -> None:
+    if shutil.which("ncdump") is None:
+        pytest.skip("ncdump is not there")
+    fd.sweep(BALL, SPEEDS, output=tmp_path / "x.nc").close()
+    found = subprocess.run(["ncdump", "-h", tmp_path / "x.nc"], capture_output=True, text=True, check=True)
+    assert 'maximum_force:units = "N"' in found.stdout
+
+
+# ------------------------------------------------------------------------------------------------ ds.film
+
+
+def test_film_of_a_history(tmp_path: Path) -> None:
+    history = fm.simulate(PLATE)
+    ds = fd.open(fd.write(fd.to_dataset(history), tmp_path / "x.nc"))
+    assert ds.film.summary() == history.summary
+    assert ds.film.scene() == history.scene
+    samples, exact = ds.film.sample(["20 us", "0 us"]), history.sample_si([20e-6, 0.0])
+    for name in MOTION:
+        assert np.array_equal(samples[name].values, getattr(exact, name))
+    assert samples["contact_force"].attrs["units"] == "N"
+    assert ds.film.history().events == history.events
+    with pytest.raises(KeyError, match="no impacts to pick"):
+        ds.film.scene(impact=3)
+
+
+def test_film_of_a_sweep_says_what_it_needs() -> None:
+    ds = fd.sweep(BALL, {**SPEEDS, "contact.law": ["hertz", "stronge"]})
+    assert ds.film.scene() == BALL
+    assert ds.film.history(impactor_velocity=0.1, contact_law="stronge").problem.law.name == "stronge"
+    with pytest.raises(KeyError, match="impactor_velocity is missing"):
+        ds.film.scene(contact_law="stronge")
+    with pytest.raises(KeyError, match="speed is none of them"):
+        ds.film.scene(speed=3.0)
+    with pytest.raises(KeyError, match="there are hertz, stronge"):
+        ds.film.scene(impactor_velocity=0.1, contact_law="meyer")
+    with pytest.raises(ValueError, match="no segments were kept"):
+        ds.film.sample([0.0], impactor_velocity=0.1, contact_law="hertz")
+
+
+@pytest.mark.parametrize("interop", [True, False])
+def test_quantities(interop: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    if interop:
+        pytest.importorskip("pint_xarray")
+    else:
+        monkeypatch.setitem(sys.modules, "pint_xarray", None)
+    quantities = fd.to_dataset(fm.simulate(BALL)).film.quantify()
+    force = quantities["maximum_force"].data
+    assert force.to("kN").magnitude == pytest.approx(0.5160877, rel=1e-6)
+    assert str(quantities["segment_kappa"].data).startswith("[")
+    assert math.isclose(float(quantities["energy_absorbed"].data.to("mJ").magnitude), 0.3023315, rel_tol=1e-6)
+
+
+def test_a_law_of_python_is_swept_and_named() -> None:
+    own = fm.Scene(BALL.impactor, BALL.target, fm.Contact(law=fm.Hertz(effective_modulus=1e11, radius=0.01)))
+    ds = fd.sweep(own, SPEEDS)
+    assert fd.validate(ds) == []
+    with pytest.raises(ValueError, match="an object of Python"):
+        ds.film.scene()
+
+
+def test_quantity_arrays_are_values() -> None:
+    pint = pytest.importorskip("pint")
+    speeds = pint.get_application_registry().Quantity(np.linspace(100, 200, 5), "mm/s")
+    ds = fd.sweep(BALL, {"impactor.velocity": speeds})
+    np.testing.assert_allclose(ds["impactor_velocity"].values, np.linspace(0.1, 0.2, 5), rtol=1e-15)
+    long = pint.get_application_registry().Quantity(np.linspace(100, 200, 1500), "mm/s")
+    ds = fd.sweep(BALL, {"impactor.velocity": long})
+    assert "listed = 1500" in ds.attrs["sweep_toml"]
+    assert ds.film.scene(impactor_velocity=0.1503).impactor.velocity == float(ds["impactor_velocity"].sel(
+        impactor_velocity=0.1503, method="nearest"))  # fmt: skip
+
+
+def test_cores_are_found() -> None:
+    from film_datasets.run import _cores
+
+    assert 1 <= _cores() <= (os.cpu_count() or 1)

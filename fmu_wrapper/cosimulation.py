@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import math
 import os
@@ -14,12 +13,12 @@ from typing import Any, Literal, get_args
 import numpy as np
 import xarray as xr
 
-from film_datasets.schema import ATTRIBUTES, SCHEMA_NAME, SCHEMA_VERSION, VARIABLES, content_sha256
+from film_datasets.provenance import PROGRAM, provenance, text_and_hash
+from film_datasets.schema import HISTORY, TABLE, content_sha256
 from film_model import units
 from film_model.core import native
 from film_model.errors import SimulationError
 from film_model.history import MOTION, SUMMARY
-from film_model.version import __version__
 from fmu_wrapper import resource
 from fmu_wrapper.instance import Fmu, Row, Slave, opened, started
 from fmu_wrapper.variables import KINDS, reference
@@ -296,13 +295,14 @@ def _dataset(fmu: Fmu, rows: list[Row], events: list[Row], mode: Mode) -> xr.Dat
     }
     columns.update({f"scale_{name}": value for name, value in scales.items()})
     columns.update(drift_velocity=0.0, impactor_share=1.0)
-    stages = tuple(f"stage_{k}" for k in range(data.curve.stages))
+    meanings = {"stages": tuple(f"stage_{k}" for k in range(data.curve.stages))}
     arrays: dict[str, Any] = {}
-    for v in VARIABLES:
+    for v in TABLE[HISTORY]:
         values = np.zeros(0) if "segment" in v.dims else columns[v.name]
-        arrays[v.name] = (v.dims, np.asarray(values, dtype=v.dtype), v.attributes(stages))
+        arrays[v.name] = (v.dims, np.asarray(values, dtype=v.dtype), v.attributes(meanings))
     ds = xr.Dataset({name: value for name, value in arrays.items() if name != "t"}, coords={"t": arrays["t"]})
-    ds.attrs = _attributes(fmu, mode, ds)
+    ds.attrs = _attributes(fmu, mode)
+    ds.attrs["content_sha256"] = content_sha256(ds)
     return ds
 
 
@@ -330,27 +330,20 @@ def _summary(events: list[Row], touch: float) -> dict[str, float | None]:
     return summary
 
 
-def _attributes(fmu: Fmu, mode: Mode, ds: xr.Dataset) -> dict[str, Any]:
+def _attributes(fmu: Fmu, mode: Mode) -> dict[str, Any]:
     text = Path(fmu.folder, "resources", "scene.toml").read_text("utf-8")
     how = {"steps": "Co-Simulation", "events": "Co-Simulation with event mode", "exchange": "Model Exchange with CVODE"}
     loading, unloading = (int(fmu.data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
-    values: dict[str, Any] = {
-        "Conventions": "CF-1.11",
-        "title": fmu.description.description or "Impact",
-        "summary": f"Impact simulated by an FMU (FMI {fmu.description.fmiVersion}), {how[mode]}: motion and events.",
-        "source": f"film-model {__version__}, FMU under FMPy",
-        "references": "FMI, https://fmi-standard.org",
-        "history": f"film-model {__version__}: fmu_wrapper.run",
-        "license": "film-model claims no rights in its results; the software is under the MIT license",
-        "date_created": "unknown",
-        "comment": "SI units; t counts in seconds from first touch and is no date. Directions are positive into the "
-        "target. An FMU tells no segments and no energies.",
-        "film_model_schema": SCHEMA_NAME,
-        "film_model_schema_version": SCHEMA_VERSION,
-        "film_model_version": __version__,
-        "scene_toml": text,
-        "scene_sha256": hashlib.sha256(text.encode()).hexdigest(),
-        "content_sha256": content_sha256(ds),
+    return {
+        **provenance(
+            HISTORY,
+            title=fmu.description.description or "Impact",
+            summary=f"Impact simulated by an FMU (FMI {fmu.description.fmiVersion}), {how[mode]}: motion and events.",
+            source=f"{PROGRAM}, FMU under FMPy",
+            command="fmu_wrapper.run",
+            comment="t counts in seconds from first touch and is no date. An FMU tells no segments and no energies.",
+        ),
+        **text_and_hash("scene", text),
         "contact_law": tomllib.loads(text).get("contact", {}).get("law", "auto"),
         "outcome": "see events",
         "effects": "see the FMU's documentation",
@@ -359,4 +352,3 @@ def _attributes(fmu: Fmu, mode: Mode, ds: xr.Dataset) -> dict[str, Any]:
         "segments": np.int32(loading),
         "unloading_segments": np.int32(unloading),
     }
-    return {name: values[name] for name in ATTRIBUTES}

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from film_datasets.history import scene_text
+from film_datasets.provenance import scene_text
 from film_model.history import SUMMARY, History
 from film_model.plot import plot_history
 from film_model.problem import Problem

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from film_datasets.history import scene_text
+from film_datasets.provenance import scene_text
 from film_model import units
 from film_model.accuracy import mesh_for
 from film_model.bodies import Body
@@ -151,9 +151,8 @@ def _experiment(problem: Problem, history: History | None, gap: float) -> Experi
 
 def _build_description(kind: Kind, sources: list[str]) -> bytes:
     files = "".join(f'      <SourceFile name="{name}"/>\n' for name in sources)
-    files += "".join(
-        f'      <PreprocessorDefinition name="{name}" value="{value}"/>\n' for name, value in platforms.DEFINITIONS.items()
-    )
+    for name, value in platforms.DEFINITIONS.items():
+        files += f'      <PreprocessorDefinition name="{name}" value="{value}"/>\n'
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<fmiBuildDescription fmiVersion="3.0">\n'

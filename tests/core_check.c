@@ -17,7 +17,7 @@ static const double SERIES_ROUNDING = 1e-7;
 static const double ENERGY = 1e-11;  /* balance of energy over a whole contact: the sum of some hundred roundings */
 
 enum { RANDOM_IMPACTS = 3000, RANDOM_SCHEDULES = 1500, SEGMENTS_MOST = 24, LINE_ROOM = 4096, EVENT_ROOM = 256, SAMPLES = 60 };
-enum { CURVES = 4, PARTS = 6, BATCH = 500 };
+enum { CURVES = 6, PARTS = 6, BATCH = 500 };
 
 /* ---------------------------------------------------------------- checking, hashing, random numbers */
 
@@ -194,9 +194,37 @@ static film_curve linear_curve(void) {
     return curve;
 }
 
-enum { HERTZ, ELASTOPLASTIC, SERIES, LINEAR };
+/* x^1.5; a contact that turned at x leaves half of it, opens with the power 2.5 and closes again with 1.5. */
+static film_curve laminate_curve(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    film_piece *piece = add_stage(&curve, INFINITY, power(0.0, 0.0, 0.0, 1.0, 1.5));
+    piece->recovery = power(0.0, 0.0, 0.5, 0.0, 1.0);
+    piece->exponent = power(0.0, 2.5, 0.0, 0.0, 1.0);
+    curve.stage[0].unloading = FILM_RESIDUAL;
+    curve.stage[0].reload_exponent = 1.5;
+    return curve;
+}
+
+/* Elastic, then linear with the slope at yield; opens along the elastic curve, shifted down. Twice as deep, along a Hertz
+ * curve of the contact radius reached. */
+static film_curve shifted_curve(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    add_stage(&curve, 1.0, power(0.0, 0.0, 0.0, 1.0, 1.5));
+    add_stage(&curve, 4.0, power(1.0, 1.0, 1.5, 0.0, 1.0))->recovery = power(0.0, 1.0, 0.0, 0.0, 1.0);
+    add_stage(&curve, INFINITY, power(4.0, 5.5, 1.5, 0.0, 1.0))->recovery = power(0.0, 0.0, 0.0, 1.0, 0.5);
+    curve.stage[1].unloading = FILM_SHIFTED;
+    curve.stage[2].unloading = FILM_SECANT;
+    return curve;
+}
+
+/* A shifted branch ends with a slope 1.5 sqrt(xi_f), at most 2.04 here: 2/sqrt(slope). */
+static const double SHIFTED_OVER_DAMPED = 1.4;
+
+enum { HERTZ, ELASTOPLASTIC, SERIES, LINEAR, LAMINATE, SHIFTED };
 static film_curve curves[CURVES];
-static const double work_rounding[CURVES] = {0.0, 0.0, 4e-15, 0.0}; /* of a series: of its largest value, near 5 */
+static const double work_rounding[CURVES] = {0.0, 0.0, 4e-15, 0.0, 0.0, 0.0}; /* of a series: of its largest value, near 5 */
 
 /* ---------------------------------------------------------------- meshes */
 
@@ -388,7 +416,8 @@ static void one_contact(int which, const film_mesh *mesh, const film_start *star
     check_samples(curve, line_count, s.time);
     check_little_room(curve, mesh, &begin, start->time_limit, line_count, event_count);
     stir_state(&s);
-    int creeps = (which == LINEAR && start->gamma > OVER_DAMPED) || (which == SERIES && !work_preserving);
+    int creeps = (which == LINEAR && start->gamma > OVER_DAMPED) || (which == SERIES && !work_preserving) ||
+                 (which == SHIFTED && start->gamma > SHIFTED_OVER_DAMPED);
     if (start->load <= 0.0) HOLD(status == FILM_EVENT || (status == FILM_ENDLESS && creeps));
     if (status != FILM_EVENT) return;
     double t = s.time, v = start->nu + fabs(s.nu), tolerance = EXACT + work_rounding[which] / (0.5 * v * v);
@@ -643,8 +672,10 @@ static void check_bad_curves(void) {
         REFUSED(bad.stage[last].count = 0);
         REFUSED(bad.stage[last].count = FILM_MAX_PIECES + 1);
         REFUSED(bad.stage[last].count = INT32_MAX);
-        REFUSED(bad.stage[last].unloading = 3);
+        REFUSED(bad.stage[last].unloading = 5);
         REFUSED(bad.stage[last].unloading = -1);
+        REFUSED(bad.stage[last].reload_exponent = -1.0);
+        REFUSED(bad.stage[last].reload_exponent = NAN);
         REFUSED(bad.piece[0].end = 0.0);
         REFUSED(bad.piece[0].end = NAN);
         REFUSED(bad.piece[0].work_at_begin = NAN);
@@ -783,6 +814,8 @@ int main(void) {
     curves[ELASTOPLASTIC] = elastoplastic_curve();
     curves[SERIES] = series_curve();
     curves[LINEAR] = linear_curve();
+    curves[LAMINATE] = laminate_curve();
+    curves[SHIFTED] = shifted_curve();
     check_bad_curves();
     check_bad_meshes();
     check_hertz();

@@ -7,6 +7,10 @@
 
 /* How a line, or a leg, ends. PART and STOP end between two nodes. */
 enum { ENDS_NODE, ENDS_EDGE, ENDS_TURN, ENDS_NEVER, ENDS_PART, ENDS_STOP };
+/* The branches of a law that reloads on its own: from xi_max out; back in from xi_in to xi_max; from xi_out on the way
+ * in, out again to xi_in, and from there on as before. Reloading lies above unloading, and what turns on the innermost
+ * branch stays on it, so that no sequence of turns gives energy. */
+enum { LOOP_NONE, LOOP_RELOAD, LOOP_INNER };
 enum { GRADING_COARSE = -1 }; /* nodes of a trial leg: 3 s^2 - 2 s^3, no table needed */
 
 static const double TURN_TOLERANCE = 1e-12;      /* of the length of the last segment, a small part of the depth */
@@ -17,6 +21,7 @@ static const double REST_LENGTH = 1e-6;          /* of the contact's depth: curv
 static const double REST_SPEED = 1e-13;          /* of the impactor's: rounding of y = nu - gamma f */
 static const double NEWTON_SETTLED = 1e-9;       /* relative; the next step's error is the square */
 static const double SHORT_WAY = 2e-4;            /* of the distance to the law's singular point; see mean_force */
+static const double SMALL_LOOP = 1e-6;           /* of the recovery: a shorter way back in is the way out */
 enum { TURN_ITERATIONS = 60, HALVINGS = 60, NEWTON_STEPS = 10 };
 
 /* ---------------------------------------------------------------- lines */
@@ -29,6 +34,7 @@ static motion on_line(const film_state *s, double phi, double kappa) {
 
 /* Where the current run must end at the latest: the edge of its stage or branch. */
 static double limit_of(const film_curve *curve, const film_state *s) {
+    if (s->branch == FILM_BRANCH && s->loop != LOOP_NONE) return s->direction < 0 ? s->xi_in : s->loop == LOOP_INNER ? s->xi_out : s->xi_max;
     if (s->branch == FILM_BRANCH) return s->direction > 0 ? s->xi_max : s->xi_free;
     return s->direction > 0 ? curve->stage[s->branch].end : curve->stage[s->branch].begin;
 }
@@ -36,7 +42,7 @@ static double limit_of(const film_curve *curve, const film_state *s) {
 /* Mean force between the current point and the end of the line. Over a short way work differences are mostly rounding,
  * and Simpson's rule is exact: its error is (h/x)^4/2880 of the force, x the distance from the law's singular point. */
 static double mean_force(const film_curve *curve, const film_state *s, double h) {
-    double origin = s->branch >= 0 ? piece_at(curve, s->branch, s->xi)->force.origin : s->xi_free;
+    double origin = s->branch >= 0 ? piece_at(curve, s->branch, s->xi)->force.origin : s->line.xi_origin;
     double x = fabs(s->xi - origin) < fabs(s->xi + h - origin) ? s->xi - origin : s->xi + h - origin;
     if (fabs(h) >= SHORT_WAY * fabs(x)) return (s->work_end - s->work) / h;
     double middle, work;
@@ -410,24 +416,73 @@ static int remember(const film_curve *curve, film_state *s) {
     int status = open_branch(curve, &s->line, s->xi, s->force);
     if (status < 0 || s->line.branch == s->branch) return status;
     s->branch = FILM_BRANCH;
+    s->loop = LOOP_NONE;
     s->xi_free = s->line.xi_free;
     s->recovery = s->xi - s->xi_free;
     s->exponent = s->line.exponent;
-    s->work = s->force * s->recovery * work_of(s->exponent);
+    s->xi_origin = s->line.xi_origin;
+    s->f_scale = s->line.f_max;
+    s->f_shift = s->line.f_shift;
+    s->work_free = s->line.work_free;
+    double force;
+    law_at(curve, &s->line, s->xi, &force, &s->work);
     return FILM_OK;
 }
 
+/* The piece from (a, f_a) to (b, f_b) of ((xi - origin)/span)^q, stretched and shifted in force. */
+static void stretch(film_line *line, double origin, double span, double q, double a, double f_a, double b, double f_b) {
+    double low = raised((a - origin) / span, q);
+    line->xi_origin = origin;
+    line->per_recovery = 1.0 / span;
+    line->exponent = q;
+    line->f_max = (f_b - f_a) / (raised((b - origin) / span, q) - low);
+    line->f_shift = f_a - line->f_max * low;
+    line->work_free = 0.0;
+}
+
+static double reload_exponent(const film_curve *curve, const film_state *s) {
+    return s->stage_max >= 0 ? curve->stage[s->stage_max].reload_exponent : 0.0;
+}
+
 /* What all lines of a run share, and what each begins with. */
-static void open_run(film_state *s) {
+static void open_run(const film_curve *curve, film_state *s) {
     film_line *line = &s->line;
     line->load = s->load;
     line->gamma = s->gamma;
     line->xi_free = s->xi_free;
-    line->per_recovery = s->recovery > 0.0 ? 1.0 / s->recovery : 0.0;
-    line->f_max = s->f_max;
+    line->per_recovery = s->recovery > 0.0 ? 1.0 / (s->xi_max - s->xi_origin) : 0.0;
+    line->f_max = s->f_scale;
     line->exponent = s->exponent;
+    line->xi_origin = s->xi_origin;
+    line->f_shift = s->f_shift;
+    line->work_free = s->work_free;
+    if (s->branch == FILM_BRANCH && s->loop == LOOP_RELOAD)
+        stretch(line, s->xi_free, s->recovery, reload_exponent(curve, s), s->xi_in, s->f_in, s->xi_max, s->f_max);
+    if (s->branch == FILM_BRANCH && s->loop == LOOP_INNER)
+        stretch(line, s->xi_origin, s->xi_max - s->xi_origin, s->exponent, s->xi_in, s->f_in, s->xi_out, s->f_out);
     line->branch = s->branch;
     line->phase = s->phase;
+}
+
+/* From the current point on along another branch of the same force. */
+static void change_loop(const film_curve *curve, film_state *s, int32_t loop) {
+    s->loop = loop;
+    open_run(curve, s);
+    law_at(curve, &s->line, s->xi, &s->force, &s->work);
+}
+
+/* A law that reloads on its own leaves the branch it has turned on, but for a way too short to tell. */
+static void choose_loop(const film_curve *curve, film_state *s) {
+    if (s->branch != FILM_BRANCH || reload_exponent(curve, s) == 0.0) return;
+    if (s->direction > 0 && s->loop == LOOP_NONE && s->xi_max - s->xi > SMALL_LOOP * s->recovery) {
+        s->xi_in = s->xi;
+        s->f_in = s->force;
+        change_loop(curve, s, LOOP_RELOAD);
+    } else if (s->direction < 0 && s->loop == LOOP_RELOAD && s->xi - s->xi_in > SMALL_LOOP * s->recovery) {
+        s->xi_out = s->xi;
+        s->f_out = s->force;
+        change_loop(curve, s, LOOP_INNER);
+    }
 }
 
 static void open_line(film_state *s) {
@@ -459,7 +514,7 @@ static int rest(const film_curve *curve, film_state *s, double depth) {
 
 /* Direction, number of nodes and end of the run that starts here. FILM_EVENT: the direction has changed. */
 static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
-    open_run(s);
+    open_run(curve, s);
     if (s->branch == FILM_FREE) return FILM_OK;
     double y = s->nu - s->gamma * s->force, excess = s->force - s->load;
     if (!s->from_turn) {
@@ -476,7 +531,8 @@ static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
         }
         s->phase = direction < 0 ? FILM_UNLOADING : s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
     }
-    open_run(s);
+    choose_loop(curve, s);
+    open_run(curve, s);
     double depth = s->branch == FILM_BRANCH ? s->recovery : s->xi;
     s->leg_from = s->xi;
     s->leg_node = 0;
@@ -555,9 +611,17 @@ static int finish(const film_curve *curve, film_state *s) {
         s->direction = 1;
         s->branch = s->stage_max >= 0 && curve->stage[s->stage_max].unloading != FILM_RETRACE ? FILM_BRANCH : 0;
         s->phase = s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
-        open_run(s);
+        s->loop = s->branch == FILM_BRANCH && reload_exponent(curve, s) > 0.0 ? LOOP_RELOAD : LOOP_NONE;
+        s->xi_in = s->xi_free;
+        s->f_in = 0.0;
+        open_run(curve, s);
         law_at(curve, &s->line, s->xi, &s->force, &s->work);
         if (s->force > 0.0 && s->nu < s->gamma * s->force) return FILM_TOO_STIFF;
+    } else if (ends == ENDS_EDGE && s->branch == FILM_BRANCH && s->loop == LOOP_INNER && s->direction > 0) {
+        change_loop(curve, s, LOOP_RELOAD);
+    } else if (ends == ENDS_EDGE && s->branch == FILM_BRANCH && s->loop != LOOP_NONE && s->direction < 0 &&
+               s->xi_in > s->xi_free) {
+        change_loop(curve, s, LOOP_NONE);
     } else if (ends == ENDS_EDGE && s->direction < 0 && s->branch <= 0) {
         s->event = FILM_CONTACT_ENDS;
         s->branch = FILM_FREE;
@@ -570,7 +634,7 @@ static int finish(const film_curve *curve, film_state *s) {
         else s->branch = s->xi >= curve->stage[s->stage_max].end ? s->stage_max + 1 : s->stage_max;
         if (s->branch >= curve->stages) return FILM_BEYOND_LAW;
         if (s->direction > 0) s->phase = FILM_LOADING;
-        open_run(s);
+        open_run(curve, s);
         law_at(curve, &s->line, s->xi, &s->force, &s->work);
     }
     if (status < 0) return status;
@@ -720,7 +784,8 @@ int film_check_curve(const film_curve *curve) {
         double begin = stage->begin;
         if (k > 0 && begin != curve->stage[k - 1].end) return FILM_BAD_CURVE;
         if (stage->first != pieces || stage->count < 1 || stage->count > FILM_MAX_PIECES - pieces) return FILM_BAD_CURVE;
-        if (stage->unloading < FILM_RETRACE || stage->unloading > FILM_RESIDUAL) return FILM_BAD_CURVE;
+        if (stage->unloading < FILM_RETRACE || stage->unloading > FILM_SHIFTED) return FILM_BAD_CURVE;
+        if (!(stage->reload_exponent >= 0.0 && stage->reload_exponent < INFINITY)) return FILM_BAD_CURVE;
         pieces += stage->count;
         for (int32_t i = stage->first; i < pieces; i++) {
             if (!(curve->piece[i].end > begin) || bad_piece(curve, stage, &curve->piece[i])) return FILM_BAD_CURVE;

@@ -44,9 +44,11 @@ typedef struct {
 
 /* What a contact does when it turns at depth xi_m in a stage. */
 enum {
-    FILM_RETRACE = 0, /* goes back along the loading curve */
-    FILM_RADIUS = 1,  /* recovery() is R_d/R: xi_m - xi_f = (f_m/sqrt(R_d/R))^(1/q) */
-    FILM_RESIDUAL = 2 /* recovery() is xi_f itself */
+    FILM_RETRACE = 0,  /* goes back along the loading curve */
+    FILM_RADIUS = 1,   /* recovery() is R_d/R: xi_m - xi_f = (f_m/sqrt(R_d/R))^(1/q) */
+    FILM_RESIDUAL = 2, /* recovery() is xi_f itself */
+    FILM_SECANT = 3,   /* recovery() is f_m/(xi_m - xi_f), but xi_f >= 0 */
+    FILM_SHIFTED = 4   /* recovery() is c: f = f_m - c (xi_m^q - xi^q), down to f = 0 */
 };
 
 typedef struct {
@@ -55,14 +57,15 @@ typedef struct {
     film_function force;    /* f >= 0 */
     film_function work;     /* of a series: its integral from the stage's beginning; of a power: unused */
     film_function recovery; /* of xi_m */
-    film_function exponent; /* of xi_m: the unloading branch is f = f_m ((xi - xi_f)/(xi_m - xi_f))^q */
+    film_function exponent; /* q of xi_m: but for FILM_SHIFTED, f = f_m ((xi - xi_f)/(xi_m - xi_f))^q */
 } film_piece;
 
 typedef struct {
     double begin, end; /* indentation; end may be INFINITY in the last stage, whose last piece must then be a power */
     int32_t first, count; /* its pieces */
-    int32_t unloading;    /* FILM_RETRACE, FILM_RADIUS, FILM_RESIDUAL */
+    int32_t unloading;    /* FILM_RETRACE ... FILM_SHIFTED */
     int32_t reserved;
+    double reload_exponent; /* r > 0: a contact that closes again does so along ((xi - xi_f)/(xi_m - xi_f))^r; 0: as it opened */
 } film_stage;
 
 typedef struct {
@@ -142,7 +145,8 @@ typedef struct {
     double work, spent;     /* of the true law there, from the beginning of its stage; in all, since contact began */
     double load;            /* p */
     double gamma;
-    double xi_free, per_recovery, f_max, exponent; /* the unloading branch, where branch is FILM_BRANCH */
+    /* where branch is FILM_BRANCH: f_shift + f_max ((xi - xi_origin) per_recovery)^exponent, 0 at xi_free */
+    double xi_free, per_recovery, f_max, exponent, xi_origin, f_shift, work_free;
     int32_t branch;         /* loading stage, or FILM_BRANCH, or FILM_FREE */
     int32_t phase;
 } film_line;
@@ -160,7 +164,9 @@ typedef struct {
     /* settings */
     double gamma, load, stop_velocity;
     /* memory of the spot: deepest point so far, its force, and the branch that leads back from it */
-    double xi_max, f_max, xi_free, recovery, exponent;
+    double xi_max, f_max, xi_free, recovery, exponent, xi_origin, f_scale, f_shift, work_free;
+    /* where a law that reloads on a branch of its own began to reload, and where it turned on the way */
+    double xi_in, f_in, xi_out, f_out;
     /* the leg: one run in one direction along one stage or branch, cut into lines at its nodes */
     double leg_from, leg_to;
     int32_t leg_node, leg_nodes, leg_grading, leg_ends;
@@ -172,6 +178,7 @@ typedef struct {
     int32_t direction;         /* +1 deeper, -1 out */
     int32_t branch, stage_max; /* loading stage, FILM_BRANCH or FILM_FREE; the stage of xi_max */
     int32_t moving_in;         /* nu is above stop_velocity */
+    int32_t loop, reserved;    /* which branch FILM_BRANCH is: the one from xi_max, the way back to it, or one in between */
     /* reports */
     int32_t phase, event, contacts, lines;
 } film_state;

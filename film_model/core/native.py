@@ -16,7 +16,7 @@ MAX_PIECES = 64
 MAX_TERMS = 28
 MAX_SEGMENTS = 4_000_000
 POWER, SERIES, ROOT_SERIES = range(3)
-RETRACE, RADIUS, RESIDUAL = range(3)
+RETRACE, RADIUS, RESIDUAL, SECANT, SHIFTED = range(5)
 CHORD, WORK_PRESERVING = range(2)
 BRANCH, FREE = -1, -2
 BRANCH_NAMES = {BRANCH: "unloading", FREE: ""}
@@ -65,7 +65,11 @@ class Piece(c.Structure):
 class Stage(c.Structure):
     """film_stage: one loading stage."""
 
-    _fields_ = [("begin", _D), ("end", _D), ("first", _I), ("count", _I), ("unloading", _I), ("reserved", _I)]
+    _fields_ = (
+        [("begin", _D), ("end", _D)]
+        + [(name, _I) for name in ("first", "count", "unloading", "reserved")]
+        + [("reload_exponent", _D)]
+    )
 
 
 class Curve(c.Structure):
@@ -89,7 +93,7 @@ class Mesh(c.Structure):
 
 _LINE = (
     *((name, _D) for name in ("time", "xi", "nu", "shift", "phi", "kappa", "work", "spent", "load", "gamma")),
-    *((name, _D) for name in ("xi_free", "per_recovery", "f_max", "exponent")),
+    *((name, _D) for name in ("xi_free", "per_recovery", "f_max", "exponent", "xi_origin", "f_shift", "work_free")),
     ("branch", _I),
     ("phase", _I),
 )
@@ -108,13 +112,15 @@ class State(c.Structure):
         [(name, _D) for name in ("time", "time_low", "xi", "nu", "shift", "force", "work", "spent", "force_peak")]
         + [(name, _D) for name in ("gamma", "load", "stop_velocity")]
         + [(name, _D) for name in ("xi_max", "f_max", "xi_free", "recovery", "exponent")]
+        + [(name, _D) for name in ("xi_origin", "f_scale", "f_shift", "work_free")]
+        + [(name, _D) for name in ("xi_in", "f_in", "xi_out", "f_out")]
         + [("leg_from", _D), ("leg_to", _D)]
         + [(name, _I) for name in ("leg_node", "leg_nodes", "leg_grading", "leg_ends")]
         + [(name, _D) for name in ("tau", "tau_low", "tau_end")]
         + [(name, _D) for name in ("xi_end", "nu_end", "force_end", "work_end")]
         + [("line", Line)]
         + [(name, _I) for name in ("line_ends", "has_line", "has_leg", "from_turn", "direction", "branch")]
-        + [(name, _I) for name in ("stage_max", "moving_in", "phase", "event", "contacts", "lines")]
+        + [(name, _I) for name in ("stage_max", "moving_in", "loop", "reserved", "phase", "event", "contacts", "lines")]
     )
 
 

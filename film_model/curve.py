@@ -27,6 +27,12 @@ FIT_LIMIT = 1e-6
 """A law that cannot be fitted better than this within the core's room is refused."""
 
 _TERMS = native.MAX_TERMS - 2  # the work of a root series has two more terms than its force
+_KINDS = {
+    "radius_ratio": native.RADIUS,
+    "residual": native.RESIDUAL,
+    "secant": native.SECANT,
+    "shifted": native.SHIFTED,
+}
 _CHECKS = 157  # points between the nodes at which a fit is checked; shares no factor with the number of nodes
 
 
@@ -95,7 +101,8 @@ def _build(law: str, given: tuple[Stage, ...]) -> Curve:
             )
         entry = made.stage[index]
         entry.begin, entry.end, entry.first, entry.count = stage.begin, stage.end, pieces, len(spans)
-        entry.unloading = _unloading_kind(stage)
+        entry.unloading = native.RETRACE if stage.unloading is None else _KINDS[stage.unloading.rule[0]]
+        entry.reload_exponent = 0.0 if stage.unloading is None else stage.unloading.reload_exponent or 0.0
         work = 0.0
         for span in spans:
             work = _fill(made.piece[pieces], stage, functions, span, work)
@@ -141,18 +148,10 @@ def _functions(stage: Stage) -> dict[str, Function]:
     functions: dict[str, Function] = {"force": stage.force}
     unloading = stage.unloading
     if unloading is not None:
-        recovery = unloading.radius_ratio if unloading.radius_ratio is not None else unloading.residual
-        assert recovery is not None
         exponent = unloading.exponent
-        functions["recovery"] = recovery
+        functions["recovery"] = unloading.rule[1]
         functions["exponent"] = Power(constant=float(exponent)) if isinstance(exponent, (int, float)) else exponent
     return functions
-
-
-def _unloading_kind(stage: Stage) -> int:
-    if stage.unloading is None:
-        return native.RETRACE
-    return native.RADIUS if stage.unloading.radius_ratio is not None else native.RESIDUAL
 
 
 def _values(function: Function, xi: Array, stage: Stage) -> Array:
@@ -198,9 +197,10 @@ def _split(
 ) -> tuple[list[tuple[float, float, bool, dict[str, Any]]], float]:
     """The stage in pieces (begin, end, root, series by name), the piece that fits worst halved while there is room."""
     fitted = {name: f for name, f in functions.items() if not isinstance(f, Power)}
-    whole = _fit(stage, fitted, stage.begin, stage.end, stage.root)
-    pieces = [(stage.begin, stage.end, stage.root, *whole)]
-    while pieces[0][4] != 0.0 and len(pieces) < room:
+    edges = [stage.begin, *(knot for knot in stage.knots if stage.begin < knot < stage.end), stage.end]
+    spans = [(a, b, stage.root and a == stage.begin) for a, b in pairwise(edges if fitted else [edges[0], edges[-1]])]
+    pieces = [(a, b, root, *_fit(stage, fitted, a, b, root)) for a, b, root in spans]
+    while fitted and len(pieces) < room:
         worst = max(range(len(pieces)), key=lambda k: pieces[k][4])
         begin, end, root, _, error = pieces[worst]
         if error <= FIT_TOLERANCE:

@@ -13,7 +13,7 @@ from film_model.bodies import STANDARD_GRAVITY, Body
 from film_model.core import native
 from film_model.curve import curve_of
 from film_model.errors import SimulationError
-from film_model.laws import LAWS, AbstractLaw
+from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.law import law_fields
 from film_model.laws.yielding import yield_velocity
@@ -64,6 +64,7 @@ class Choice:
 def choose(scene: Scene) -> Choice:
     """Law, impedance and load of a scene, with the effects that decided them."""
     law, plasticity = _plasticity(scene)
+    law = _reopened(scene, law)
     impedance, motion = _target_motion(scene)
     load, gravity = _gravity(scene, law)
     return Choice(law, impedance, load, (plasticity, motion, gravity))
@@ -76,9 +77,21 @@ def _law(scene: Scene, name: str) -> AbstractLaw:
         "effective_modulus": scene.effective_modulus,
         "radius": scene.effective_radius,
         "yield_strength": scene.yield_strength,
+        "poissons_ratio": scene.poissons_ratio,
     }
     values = {field: known[field] for field in law_fields(law) if field in known}
     return law(**values, **scene.contact.parameters)
+
+
+def _reopened(scene: Scene, law: AbstractLaw) -> AbstractLaw:
+    """The law with the unloading rule of [contact], or its default one."""
+    rule, modulus = scene.contact.unloading_name, scene.effective_modulus
+    if rule == "retrace":
+        return Retrace(law)
+    if rule == "brake":
+        assert modulus is not None
+        return BrakeUnloading(law, modulus, scene.effective_radius)
+    return law
 
 
 def _plasticity(scene: Scene) -> tuple[AbstractLaw, Effect]:
@@ -95,7 +108,7 @@ def _plasticity(scene: Scene) -> tuple[AbstractLaw, Effect]:
     if law != "auto":
         chosen = law if isinstance(law, AbstractLaw) else _law(scene, law)
         reason = f"the scene asks for the law {chosen.name}"
-        yields = any(stage.unloading is not None for stage in chosen.stages())
+        yields = any(stage.unloading is not None for stage in _reopened(scene, chosen).stages())
         return chosen, effect("simulated" if yields else "switched off", reason)
     if wanted is False:
         return _law(scene, "hertz"), effect("switched off", "the scene asks for no plasticity: law hertz")

@@ -39,11 +39,11 @@ def read_scene(path: str | os.PathLike[str]) -> Scene:
         raise SceneError([Mistake(shown_name, line, "", what)]) from None
     except ValueError as error:
         raise SceneError([Mistake(shown_name, None, "", str(error))]) from None
-    return scene_from_text(text, shown_name)
+    return scene_from_text(text, shown_name, os.path.dirname(name))
 
 
-def scene_from_text(text: str, name: str) -> Scene:
-    """The scene in the text of a scene file called `name`."""
+def scene_from_text(text: str, name: str, folder: str = "") -> Scene:
+    """The scene in the text of a scene file called `name`; files that it names are looked for in `folder`."""
     try:
         table = tomllib.loads(text.removeprefix("\ufeff"))
     except (ValueError, OverflowError, RecursionError) as error:
@@ -51,6 +51,9 @@ def scene_from_text(text: str, name: str) -> Scene:
         found = re.search(r" \(at line ([0-9]+), column ([0-9]+)\)", message)
         line = int(found[1]) if found else text.count("\n") + 1 if "end of document" in message else None
         raise SceneError([Mistake(name, line, "", f"not TOML: {message}")]) from None
+    contact = table.get("contact")
+    if isinstance(contact, dict) and isinstance(contact.get("file"), str):
+        contact["file"] = os.path.join(folder, contact["file"])
     try:
         return scene_from_table(table)
     except SceneError as error:

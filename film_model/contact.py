@@ -73,7 +73,7 @@ class Contact:
         raise_all(mistakes)
 
     def needs(self, name: str) -> bool:
-        """Whether the law is filled with the scene's `name`: effective_modulus, radius, yield_strength, poissons_ratio."""
+        """Whether the contact needs the scene's effective_modulus, radius, yield_strength or poissons_ratio."""
         if name == "effective_modulus" and self.unloading_name == "brake":
             return True
         if self.law == "auto":

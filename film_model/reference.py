@@ -264,6 +264,8 @@ def unloaded(rule: Unloading, stage: Stage, xi: float, force: float) -> Stage:
 def _passage(stage: Stage, end: float, left: float) -> float:
     """Time between the beginning of a stage and `end`, where ν² is `left`, without a load."""
     length = end - stage.begin
+    if length == 0.0:
+        return 0.0
 
     def slowness(s: Array) -> Array:
         return 2.0 * length * s / np.sqrt(left + 2.0 * work_before(stage, end, length * s * s))

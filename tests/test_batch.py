@@ -94,7 +94,7 @@ def test_the_short_way_on_a_half_space_is_the_march(law):
         assert summary.maximum_force == pytest.approx(last["force_peak"], rel=1e-12)
 
 
-@pytest.mark.parametrize("law", ["hertz", "big-alabo", "stronge", "saturating"])
+@pytest.mark.parametrize("law", ["hertz", "big-alabo", "stronge", "saturating", "yigit-christoforou", "tan-sun"])
 def test_lanes_agree_with_the_march(law):
     """Side by side or alone, the difference is of the order of what the segments leave."""
     rng = np.random.default_rng(3)

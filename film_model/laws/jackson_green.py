@@ -82,6 +82,7 @@ class JacksonGreen(AbstractLaw):
     source: ClassVar[str] = (
         "Jackson & Green 2005, J. Tribol. 127:343; Jackson, Green & Marghitu 2010, Nonlinear Dyn. 60:217"
     )
+    validity: ClassVar[str] = "fitted for a/R below 0.41 and S_y/E from 0.001 to 0.009; ends where a = R"
     parameters: ClassVar[Mapping[str, Parameter]] = {
         "constants": Parameter(
             "force at 1.9 critical indentations: continuous, or as printed",

@@ -44,6 +44,7 @@ class KogutEtsion(AbstractLaw):
     source: ClassVar[str] = (
         "Kogut & Etsion 2002, J. Appl. Mech. 69:657; Etsion, Kligerman & Kadin 2005, Int. J. Solids Struct. 42:3716"
     )
+    validity: ClassVar[str] = "fitted up to 110 critical indentations (unloading: 170); ends at 100000"
     parameters: ClassVar[Mapping[str, Parameter]] = {
         "hardness": Parameter("H of the body that yields, about 2.8 yield strengths", dimension="pressure"),
         "constants": Parameter(

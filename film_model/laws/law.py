@@ -119,12 +119,14 @@ class AbstractLaw(ABC):
     Fields named `effective_modulus` [Pa], `radius` [m], `yield_strength` [Pa] and `poissons_ratio` are filled from the
     scene; all others are the law's own `parameters`, by their names in the scene file.
 
-    default_unloading: name of the unloading rule (:mod:`film_model.laws.unloading`) of a law that has none of its own.
+    validity: in a sentence, where the law is right. default_unloading: name of the unloading rule
+    (:mod:`film_model.laws.unloading`) of a law that has none of its own.
     """
 
     name: ClassVar[str]
     summary: ClassVar[str]
     source: ClassVar[str]
+    validity: ClassVar[str] = ""
     parameters: ClassVar[Mapping[str, Parameter]] = {}
     default_unloading: ClassVar[str | None] = None
 

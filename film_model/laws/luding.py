@@ -22,6 +22,7 @@ class Luding(AbstractLaw):
     name: ClassVar[str] = "luding"
     summary: ClassVar[str] = "springs k_1 and k_2(δ_m), elastic k_p beyond a plasticity depth; no adhesion"
     source: ClassVar[str] = "Luding 2008, Granul. Matter 10:235"
+    validity: ClassVar[str] = "a spring of granular simulations, not a material"
     parameters: ClassVar[Mapping[str, Parameter]] = {
         "loading_stiffness": Parameter("k_1", dimension="stiffness"),
         "plastic_stiffness": Parameter("k_p, above k_1", dimension="stiffness"),

@@ -73,6 +73,7 @@ class Tabulated(AbstractLaw):
     name: ClassVar[str] = "tabulated"
     summary: ClassVar[str] = "a measured or computed curve, interpolated monotonely; unloading as Brake's"
     source: ClassVar[str] = "Fritsch & Carlson 1980, SIAM J. Numer. Anal. 17:238 (interpolation)"
+    validity: ClassVar[str] = "from zero to the last indentation of the table"
     parameters: ClassVar[Mapping[str, Parameter]] = {
         "file": Parameter("CSV with the columns indentation and force, units in the heading", "file", required=False),
         "indentation": Parameter("from 0 on, increasing", "length", required=False, several=True),
@@ -122,7 +123,9 @@ class Tabulated(AbstractLaw):
                 reason = f"{shown(path)} cannot be read: {error.strerror}" if isinstance(error, OSError) else str(error)
                 return {"file": reason}
         wrong = _mistakes(values["indentation"], values["force"])
-        return {"file": f"{shown(path)}: {name}: {text}" for name, text in wrong.items()} if path is not None else wrong
+        if path is not None and wrong:
+            return {"file": f"{shown(path)}: " + "; ".join(f"{name}: {text}" for name, text in wrong.items())}
+        return wrong
 
 
 def _mistakes(indentation: Sequence[float], force: Sequence[float]) -> dict[str, str]:

@@ -29,6 +29,7 @@ class TanSun(AbstractLaw):
     name: ClassVar[str] = "tan-sun"
     summary: ClassVar[str] = "laminates: k δ^1.5 in, power 2.5 out to a permanent indentation, 1.5 in again"
     source: ClassVar[str] = "Yang & Sun 1982, ASTM STP 787; Tan & Sun 1985, J. Appl. Mech. 52:6; your constants"
+    validity: ClassVar[str] = "the laminate, thickness and indenter of your indentation test"
     parameters: ClassVar[Mapping[str, Parameter]] = {
         "stiffness": Parameter("k, in N/m^q with the exponent q", dimension="meyer_stiffness"),
         "critical_indentation": Parameter("δ_cr, deepest indentation that leaves no dent", dimension="length"),
@@ -55,7 +56,9 @@ class TanSun(AbstractLaw):
             residual = Power(slope=self.permanent_fraction)
         powers = (self.unloading_exponent, self.reloading_exponent)
         return (
-            Stage("shallow", 0.0, 1.0, force, Unloading(residual=Power(), exponent=powers[0], reload_exponent=powers[1])),
+            Stage(
+                "shallow", 0.0, 1.0, force, Unloading(residual=Power(), exponent=powers[0], reload_exponent=powers[1])
+            ),
             Stage(
                 "damaging",
                 1.0,
@@ -68,7 +71,9 @@ class TanSun(AbstractLaw):
     @classmethod
     def settle(cls, values: dict[str, Any]) -> dict[str, str]:
         exponent = values.get("exponent", cls.exponent)
-        out, again = (values.get(f"{way}loading_exponent", getattr(cls, f"{way}loading_exponent")) for way in ("un", "re"))
+        out, again = (
+            values.get(f"{way}loading_exponent", getattr(cls, f"{way}loading_exponent")) for way in ("un", "re")
+        )
         wrong: dict[str, str] = {}
         if out < exponent:
             wrong["unloading_exponent"] = f"{out:g} must be >= exponent {exponent:g}: it would give energy"

@@ -26,6 +26,7 @@ class Thornton(AbstractLaw):
     name: ClassVar[str] = "thornton"
     summary: ClassVar[str] = "elastic, then linear under a limiting pressure; Hertz unloading that keeps the radius"
     source: ClassVar[str] = "Thornton 1997, J. Appl. Mech. 64:383"
+    validity: ClassVar[str] = "a/R below about 0.2; no strain hardening, one pressure from yield to full plasticity"
     parameters: ClassVar[Mapping[str, Parameter]] = {
         "yield_pressure": Parameter("limiting contact pressure p_y, about 1.6 yield strengths", dimension="pressure")
     }

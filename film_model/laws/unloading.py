@@ -42,6 +42,7 @@ class BrakeUnloading(_Reopened):
 
     summary: ClassVar[str] = "δ_f = δ_m (1 − F_m/F_Hertz(δ_m)), then Hertz's curve through (δ_m, F_m)"
     source: ClassVar[str] = "Brake 2015, Int. J. Solids Struct. 62:104"
+    validity: ClassVar[str] = "a sphere; a law that is not above Hertz's"
 
     effective_modulus: float
     radius: float
@@ -61,9 +62,14 @@ class Retrace(_Reopened):
 
     summary: ClassVar[str] = "back along the loading curve: reversible"
     source: ClassVar[str] = "elastic contact"
+    validity: ClassVar[str] = "a contact that does not yield"
 
     def scales(self, energy: float) -> tuple[float, float]:
         return self.law.scales(energy)
 
     def stages(self) -> tuple[Stage, ...]:
         return tuple(replace(stage, unloading=None) for stage in self.law.stages())
+
+
+UNLOADINGS: dict[str, type[AbstractLaw]] = {"brake": BrakeUnloading, "retrace": Retrace}
+"""By the names of [contact] unloading."""

@@ -21,6 +21,7 @@ class WaltonBraun(AbstractLaw):
     name: ClassVar[str] = "walton-braun"
     summary: ClassVar[str] = "two springs, k_1 δ and k_2 (δ − δ_f): restitution √(k_1/k_2)"
     source: ClassVar[str] = "Walton & Braun 1986, J. Rheol. 30:949"
+    validity: ClassVar[str] = "a spring with a chosen restitution, not a material"
     parameters: ClassVar[Mapping[str, Parameter]] = {
         "loading_stiffness": Parameter("k_1", dimension="stiffness"),
         "unloading_stiffness": Parameter("k_2, at least k_1", dimension="stiffness"),
@@ -34,9 +35,7 @@ class WaltonBraun(AbstractLaw):
         return indentation, self.loading_stiffness * indentation
 
     def stages(self) -> tuple[Stage, ...]:
-        unloading = Unloading(
-            secant=Power(constant=self.unloading_stiffness / self.loading_stiffness), exponent=1.0
-        )
+        unloading = Unloading(secant=Power(constant=self.unloading_stiffness / self.loading_stiffness), exponent=1.0)
         return (Stage("loading", 0.0, float("inf"), Power(slope=1.0), unloading),)
 
     @classmethod

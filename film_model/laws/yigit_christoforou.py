@@ -23,6 +23,7 @@ class YigitChristoforou(AbstractLaw):
     name: ClassVar[str] = "yigit-christoforou"
     summary: ClassVar[str] = "elastic, then linear with the slope at yield; unloads along Hertz's curve shifted down"
     source: ClassVar[str] = "Yigit & Christoforou 1994, Compos. Eng. 4:1143"
+    validity: ClassVar[str] = "a/R below about 0.2; moderate plasticity"
 
     effective_modulus: float
     radius: float

@@ -111,7 +111,7 @@ def test_lanes_agree_with_the_march(law):
             assert row[name] == pytest.approx(getattr(one, name), rel=3e-7)
         assert row["final_velocity"] == pytest.approx(one.final_velocity, rel=2e-6, abs=2e-7 * nu[index])
         assert row["contact_duration"] == pytest.approx(one.contact_duration, rel=3e-6)
-        assert row["time_impactor_stops"] == pytest.approx(one.time_impactor_stops, rel=3e-6)
+        assert row["time_impactor_stops"] == pytest.approx(one.time_impactor_stops, rel=3e-6, nan_ok=True)
 
 
 def test_an_impact_does_not_depend_on_its_neighbours():

@@ -559,3 +559,13 @@ def test_pressures_set_the_point_where_thornton_yields():
     contact = math.sqrt(RADIUS * depth)
     assert 2 * EFFECTIVE_MODULUS * contact / (math.pi * RADIUS) == pytest.approx(1.6e9, rel=1e-14)
     assert 1.5 * force / (math.pi * contact**2) == pytest.approx(1.6e9, rel=1e-14)
+
+
+def test_a_curve_that_ends_at_an_angle_may_never_let_go():
+    """Yigit and Christoforou's branch meets zero force with a slope: over-damped by a thin plate, the ball creeps out."""
+    case = fm.Scene.from_text(scene_text("yigit-christoforou", "plate")).replace({"impactor.velocity": "1.5 m/s"})
+    assert fm.simulate(case.replace({"target.thickness": "4 mm"})).outcome is fm.Outcome.SEPARATED
+    creeping = fm.simulate(case.replace({"target.thickness": "3 mm"}))
+    assert creeping.outcome is fm.Outcome.RESTING
+    assert creeping.summary["contact_duration"] is None
+    assert creeping.summary["maximum_force"] > 0

@@ -356,6 +356,7 @@ static void plate_block(const film_curve *curve, const film_mesh *mesh, int32_t 
         out->time_impactor_stops = NAN;
         stored[l] += s.work[l];
         if (bad[l] > 0.0 || open_branch(curve, &run[l], s.xi[l], s.f[l]) < 0) bad[l] = 1.0;
+        if (run[l].f_shift != 0.0) bad[l] = 1.0; /* may creep out for ever: the march sees that */
         if (run[l].branch != FILM_BRANCH) { /* reversible: the same power law from the first touch on is a branch */
             if (stage > 0 || !plain) bad[l] = 1.0;
             run[l].branch = FILM_BRANCH;

@@ -143,6 +143,12 @@ static void end_here(film_state *s, int ends) {
     s->work_end = s->work;
 }
 
+/* Whether the line leads to the end of a branch that meets zero force at an angle: over-damped, it never gets there. */
+static int ends_steeply(const film_state *s) {
+    int out = s->line_ends == ENDS_EDGE && s->branch == FILM_BRANCH && s->direction < 0;
+    return out && s->line.f_shift < 0.0 && s->gamma > 0.0;
+}
+
 /* The line over the next `length`, and the motion on it. Whatever its ends, it does the work of the law; chords do not. */
 static motion draw(const film_curve *curve, const film_mesh *mesh, film_state *s, double length) {
     double h = s->direction * length, per_h = 1.0 / h;
@@ -156,7 +162,7 @@ static motion draw(const film_curve *curve, const film_mesh *mesh, film_state *s
     } else if (at_rest) { /* y = nu - gamma f is 0 there */
         s->line.phi = s->force;
         s->line.kappa = 2.0 * (mean - s->force) * per_h;
-    } else if (s->line_ends == ENDS_NEVER) { /* balance where the law balances */
+    } else if (s->line_ends == ENDS_NEVER || ends_steeply(s)) { /* balance where the law balances */
         s->line.kappa = 2.0 * (s->force_end - mean) * per_h;
         s->line.phi = 2.0 * mean - s->force_end;
     }

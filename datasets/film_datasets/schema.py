@@ -86,6 +86,8 @@ _SEGMENT = {
     "xi_origin": "indentation from which the unloading branch is counted",
     "f_shift": "constant part of the force on the unloading branch",
     "work_free": "work of the unloading branch at xi_free, counted from xi_origin",
+    "damping": "damping held on the segment",
+    "damper": "factor of the contact law's damping",
 }
 
 _LAW = "see attribute comment for the equations of motion on a segment"

@@ -84,7 +84,7 @@ static int fixed_target(const film_curve *curve, const film_mesh *mesh, double n
 }
 
 static int undisturbed(const film_start *start) {
-    return start->load == 0.0 && start->stop_velocity == 0.0 && start->time_limit == INFINITY;
+    return start->load == 0.0 && start->stop_velocity == 0.0 && start->time_limit == INFINITY && start->damping == 0.0;
 }
 
 int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
@@ -96,6 +96,7 @@ int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start
     if (start->gamma == 0.0 && undisturbed(start) && mesh->linearisation == FILM_WORK_PRESERVING)
         return fixed_target(curve, mesh, start->nu, summary);
     int status = film_init(curve, &s, 0.0, start->nu, start->gamma, start->load, start->stop_velocity);
+    if (status >= 0) status = film_damp(&s, start->damping);
     while (status >= 0) {
         status = film_step(curve, mesh, &s, start->time_limit - s.time);
         if (status != FILM_EVENT || s.event == FILM_CONTACT_ENDS) break;
@@ -115,7 +116,7 @@ int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start
     summary->lines = s.lines;
     if (status == FILM_EVENT) {
         summary->contact_duration = s.time;
-        summary->permanent_indentation = s.xi;
+        summary->permanent_indentation = s.xi_free;
         summary->final_velocity = s.nu;
     }
     return status;

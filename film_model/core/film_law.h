@@ -76,6 +76,17 @@ static inline void law_at(const film_curve *curve, const film_line *line, double
     }
 }
 
+/* c at xi. */
+static inline double damping_at(const film_curve *curve, const film_line *line, double xi) {
+    if (line->damper == 0.0 || line->branch < 0) return 0.0;
+    return line->damper * value(&piece_at(curve, line->branch, xi)->damping, xi);
+}
+
+/* F at xi where the elastic force is f, unclipped: xi' (1 + gamma c) = nu - gamma f. */
+static inline double total_force(const film_line *line, double c, double f, double nu) {
+    return c == 0.0 ? f : f + c * (nu - line->gamma * f) / (1.0 + line->gamma * c);
+}
+
 /* atan(sqrt z)/sqrt z, and atanh for z < 0. */
 static inline double arc(double z) {
     if (fabs(z) < 0.04) {

@@ -72,7 +72,7 @@ def _impact(problem: Problem, solver: Solver, counts: tuple[int, int]) -> native
 def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple[int, int], float]:
     """Segment counts that meet the accuracy, doubled until two meshes agree, and the error estimate."""
     assert solver.accuracy is not None
-    n, ratio = FIRST_SEGMENTS, unloading_ratio(problem)
+    n, ratio = first_segments(problem.damping), unloading_ratio(problem)
     factor = ORDER_FACTOR[solver.linearisation][1]
     coarse, last = _impact(problem, solver, (n, ratio * n)), math.inf
     while True:
@@ -88,6 +88,11 @@ def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple
             )
             return (n, ratio * n), estimated
         coarse, last = fine, estimated
+
+
+def first_segments(damping: float) -> int:
+    """Segments of the first trial: more for a strong damping, which stops the impactor early in the stage."""
+    return FIRST_SEGMENTS * min(2 ** int(math.log2(1.0 + damping)), 256)
 
 
 def estimate(problem: Problem, solver: Solver) -> float:

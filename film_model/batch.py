@@ -16,6 +16,7 @@ from film_model.accuracy import (
     ORDER_FACTOR,
     ROUNDING,
     difference,
+    first_segments,
     mesh_of,
     solver_for,
     unloading_ratio,
@@ -65,6 +66,8 @@ def simulate_batch(
     start["nu"] = speeds.ravel() * clock / scales.velocity
     start["gamma"] = problem.gamma * clock
     start["time_limit"] = math.inf
+    factor = problem.law.damping_factor(masses.ravel(), speeds.ravel(), scales.length)
+    start["damping"] = factor * scales.velocity / clock / scales.force
     heavy = _heavy(scene, problem, start, masses.ravel())
     start["load"][heavy] = masses.ravel()[heavy] * STANDARD_GRAVITY / scales.force
     start["time_limit"][heavy] = contact_limit(start["nu"][heavy], start["gamma"][heavy])
@@ -95,7 +98,7 @@ def _heavy(scene: Scene, problem: Problem, start: Any, mass: Any) -> NDArray[np.
     if wanted != "auto":
         return np.full(mass.shape, wanted)
     still = start.copy()
-    still["gamma"] = 0.0
+    still["gamma"] = still["damping"] = 0.0
     status, summary = native.batch(problem.curve.native, native.mesh(native.WORK_PRESERVING, 1, 1), still)
     force = np.where(status == native.EVENT, summary["maximum_force"] * problem.scales.force, np.nan)
     return ~(mass * STANDARD_GRAVITY <= GRAVITY_THRESHOLD * force)
@@ -104,7 +107,8 @@ def _heavy(scene: Scene, problem: Problem, start: Any, mass: Any) -> NDArray[np.
 def _batch_mesh(problem: Problem, solver: Solver, trial: Any) -> tuple[tuple[int, int], float]:
     """Smallest mesh on which every trial impact meets the accuracy, seen from twice as many segments."""
     ratio = unloading_ratio(problem)
-    n = solver.segments or 4
+    damping = float(trial["damping"].max())
+    n = solver.segments or (first_segments(damping) if damping > 0.0 else 4)
     before, after = ORDER_FACTOR[solver.linearisation]
     while True:
         counts = (n, n) if solver.segments else (n, ratio * n)
@@ -143,7 +147,7 @@ def _batch_summary(problem: Problem, core: Any, start: Any, clock: Any) -> dict[
         "time_of_maximum_indentation": core["time_of_maximum_indentation"] * s.time * clock,
         "time_impactor_stops": core["time_impactor_stops"] * s.time * clock,
         "contact_duration": core["contact_duration"] * s.time * clock,
-        "permanent_indentation": core["permanent_indentation"] * s.length,
+        "permanent_indentation": np.where(problem.damping > 0.0, 0.0, core["permanent_indentation"] * s.length),
         "rebound_velocity": core["final_velocity"] * speed,
         "coefficient_of_restitution": -core["final_velocity"] / start["nu"],
         "energy_absorbed": core["work"] * energy,

@@ -69,6 +69,9 @@ class Contact:
         read: dict[str, Any] = {}
         if self.law:
             mistakes += _read_parameters(self.law, parameters, read)
+            if self.unloading == "brake" and self.law != "auto" and self._law.damped:
+                message = f'law "{self.law_name}" is damped: it takes no rule of unloading'
+                mistakes.append(Mistake(None, None, "Contact.unloading", message))
         object.__setattr__(self, "parameters", read)
         raise_all(mistakes)
 
@@ -78,14 +81,19 @@ class Contact:
             return True
         if self.law == "auto":
             return name in ("effective_modulus", "radius")
-        return isinstance(self.law, str) and name in _law(self.law).__dataclass_fields__
+        return isinstance(self.law, str) and name in self._law.__dataclass_fields__
 
     @property
     def unloading_name(self) -> str | None:
         """The rule that takes the place of the law's own unloading, if any."""
         if self.unloading is not None or self.law == "auto":
             return self.unloading
-        return (_law(self.law) if isinstance(self.law, str) else self.law).default_unloading
+        return self._law.default_unloading
+
+    @property
+    def _law(self) -> Any:
+        """The law, or its class; there is one unless `law` is "auto"."""
+        return _law(self.law) if isinstance(self.law, str) else self.law
 
     @property
     def law_name(self) -> str:

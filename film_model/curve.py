@@ -102,6 +102,7 @@ def _build(law: str, given: tuple[Stage, ...]) -> Curve:
         entry = made.stage[index]
         entry.begin, entry.end, entry.first, entry.count = stage.begin, stage.end, pieces, len(spans)
         entry.unloading = native.RETRACE if stage.unloading is None else _KINDS[stage.unloading.rule[0]]
+        entry.damped = stage.damping is not None
         entry.reload_exponent = 0.0 if stage.unloading is None else stage.unloading.reload_exponent or 0.0
         work = 0.0
         for span in spans:
@@ -121,6 +122,8 @@ def _checked(law: str, given: tuple[Stage, ...]) -> list[Stage]:
     stages = [part for stage in given for part in _split_at_peak(stage)]
     if not 1 <= len(stages) <= native.MAX_STAGES:
         raise ValueError(f"{law}: {len(stages)} stages; 1 to {native.MAX_STAGES} are allowed")
+    if any(stage.damping is not None and (len(stages) > 1 or stage.unloading is not None) for stage in stages):
+        raise ValueError(f"{law}: a damped law must have one stage, and no unloading")
     begin = 0.0
     for stage in stages:
         if stage.begin != begin or not stage.end > stage.begin:
@@ -151,6 +154,8 @@ def _functions(stage: Stage) -> dict[str, Function]:
         exponent = unloading.exponent
         functions["recovery"] = unloading.rule[1]
         functions["exponent"] = Power(constant=float(exponent)) if isinstance(exponent, (int, float)) else exponent
+    if stage.damping is not None:
+        functions["damping"] = stage.damping
     return functions
 
 

@@ -46,6 +46,10 @@ PARAMETERS: dict[str, dict[str, Any]] = {
         "plasticity_depth": 1.2 * _DEPTH / (2.0 * _SPHERE["radius"]),
     },
     "tan-sun": {"stiffness": 0.7 * _STIFFNESS, "critical_indentation": 0.3 * _DEPTH},
+    "linear-dashpot": {"stiffness": _SPRING, "restitution": 0.6},
+    "tsuji": {"restitution": 0.6},
+    "hunt-crossley": {"restitution": 0.6},
+    "kuwabara-kono": {"dissipation_time": 0.2 * _DEPTH / _VELOCITY},
     "tabulated": {
         "indentation": tuple(_TABLE[0] * _DEPTH),
         "force": tuple(_TABLE[1] * _STIFFNESS * _DEPTH**1.5),
@@ -55,6 +59,7 @@ PARAMETERS: dict[str, dict[str, Any]] = {
 
 FAMILIES = {
     "elastic": ("hertz", "meyer"),
+    "damped": ("linear-dashpot", "tsuji", "hunt-crossley", "kuwabara-kono"),
     "spring": ("walton-braun", "luding"),
     "laminate, table": ("tan-sun", "tabulated"),
 }

@@ -51,7 +51,7 @@ _STYLE: dict[Any, Any] = {
     **{"font.size": 9.0, "lines.linewidth": 1.6, "svg.hashsalt": "film-model"},
     **{"axes.spines.top": False, "axes.spines.right": False, "xtick.direction": "in", "ytick.direction": "in"},
 }
-FAMILIES = ("elastic", "sphere that yields", "spring", "laminate, table")
+FAMILIES = ("elastic", "sphere that yields", "spring", "laminate, table", "damped")
 _SPACING = {"left": 0.065, "right": 0.985, "bottom": 0.085, "top": 0.905, "hspace": 0.24, "wspace": 0.1}
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 

@@ -43,8 +43,9 @@ def quadrature(law: AbstractLaw, mass: float, velocity: float) -> dict[str, floa
     The root at the turning point is substituted away (δ = δ_end − h s² in each stage), the integrals are adaptive
     Gauss–Legendre sums of 20 points. A reversible law takes as long out as in.
 
-    Raises ValueError if the law ends before the motion turns.
+    Raises ValueError if the law ends before the motion turns, or has damping.
     """
+    _undamped(law)
     scale, force_scale = law.scales(0.5 * mass * velocity**2)
     square = mass * velocity**2 / (force_scale * scale)  # ν², falls from stage to stage
     time, peak = 0.0, 0.0
@@ -97,9 +98,10 @@ def integrate(
     With the defaults the errors are near 1e-12 of the largest value of a variable: a rebound of 2e-4 V_0 has eight
     digits. `atol` is in the units above. An impactor that does not stop in contact stops at NaN.
 
-    Adds "force_evaluations" to the names of `SUMMARY`. Raises ValueError if the law ends before the motion turns, or
-    if its force jumps up by more than the target's motion allows; RuntimeError if the method fails.
+    Adds "force_evaluations" to the names of `SUMMARY`. Raises ValueError if the law ends before the motion turns, has
+    damping, or if its force jumps up by more than the target's motion allows; RuntimeError if the method fails.
     """
+    _undamped(law)
     scale, force_scale = law.scales(0.5 * mass * velocity**2)
     stages = law.stages()
     square = mass * velocity**2 / (force_scale * scale)
@@ -146,6 +148,11 @@ def integrate(
     depths = (depth * scale, residual * scale)
     result = _summary(depths, peak * force_scale, times, (velocity, state[1] * velocity), energies)
     return {**result, "force_evaluations": float(solver.calls)}
+
+
+def _undamped(law: AbstractLaw) -> None:
+    if law.damped:
+        raise ValueError(f"law {law.name} is damped: these answers are for forces that depend on the indentation alone")
 
 
 @dataclass

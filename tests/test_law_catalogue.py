@@ -13,6 +13,7 @@ from film_model.curve import curve_of
 from film_model.laws.thornton import limit_point
 
 GIVES_ENERGY = ("stronge",)  # between V_Y and 2.54 V_Y; it says so
+DAMPED = ("linear-dashpot", "tsuji", "hunt-crossley", "kuwabara-kono")  # see test_damped_laws.py
 STEEL = "youngs_modulus = '210 GPa'\npoissons_ratio = 0.3\ndensity = '7850 kg/m^3'\nyield_strength = '1 GPa'\n"
 
 CONTACTS = {
@@ -25,6 +26,10 @@ CONTACTS = {
     "luding": 'loading_stiffness = "40 MN/m"\nplastic_stiffness = "100 MN/m"\nplasticity_depth = 1e-3',
     "tan-sun": 'stiffness = "1e10 N/m^1.5"\ncritical_indentation = "5 um"',
     "tabulated": 'indentation = ["0 um", "10 um", "40 um"]\nforce = ["0 N", "400 N", "2.5 kN"]',
+    "linear-dashpot": 'stiffness = "40 MN/m"\nrestitution = 0.7',
+    "tsuji": "restitution = 0.7",
+    "hunt-crossley": 'hysteresis_damping = "2 s/m"',
+    "kuwabara-kono": 'dissipation_time = "3 us"',
     "hertz": 'unloading = "brake"',
     "meyer": 'stiffness = "2e13 N/m^2"\nexponent = 2\nunloading = "brake"',
     "stronge": 'unloading = "retrace"',
@@ -78,7 +83,7 @@ def test_a_scene_file_runs_everywhere(law, target):
         assert batch.summary[name][1] == pytest.approx(history.summary[name], rel=2e-6)
 
 
-@pytest.mark.parametrize("law", [name for name in LAWS if name != "big-alabo-printed"])
+@pytest.mark.parametrize("law", [name for name in LAWS if name not in ("big-alabo-printed", *DAMPED)])
 @pytest.mark.parametrize("target", ["half-space", "plate"])
 def test_the_march_agrees_with_answers_that_do_not_use_the_core(law, target):
     for velocity in (0.02, 0.25):
@@ -105,7 +110,7 @@ def test_no_impact_returns_more_than_it_stored(law):
     assert (batch.summary["permanent_indentation"] >= -1e-12).all()
 
 
-@pytest.mark.parametrize("law", [name for name in LAWS if name not in GIVES_ENERGY])
+@pytest.mark.parametrize("law", [name for name in LAWS if name not in (*GIVES_ENERGY, *DAMPED)])
 def test_no_sequence_of_loads_gives_energy(law):
     """What has been spent once the contact is let go never falls, however it is pushed and let go before."""
     rng = random.Random(law)
@@ -470,6 +475,24 @@ def test_a_bad_table_is_refused_with_its_line(tmp_path, rows, said):
 
 TWO = 'indentation = ["0 um", "10 um"]\nforce = ["0 N", "5 N"]\n'
 BAD_CONTACTS = [
+    ("linear-dashpot", 'stiffness = "1 N/m"', "contact.damping: give restitution or damping"),
+    (
+        "linear-dashpot",
+        'stiffness = "1 N/m"\nrestitution = 0.5\ndamping = "1 N*s/m"',
+        "contact.damping: give restitution or damping, not both",
+    ),
+    ("linear-dashpot", 'stiffness = "1 N/m"\ndamping = "1 N/m"', "is a stiffness, an impedance is needed"),
+    ("tsuji", "", 'contact.restitution: missing: law "tsuji" needs it'),
+    ("tsuji", "restitution = 1.1", "contact.restitution: 1.1 must be above 0 and at most 1"),
+    ("tsuji", "restitution = 0", "contact.restitution: 0 must be > 0"),
+    ("hunt-crossley", "", "contact.hysteresis_damping: give restitution or hysteresis_damping"),
+    ("hunt-crossley", 'hysteresis_damping = "1 m/s"', "is a velocity, an inverse velocity is needed"),
+    ("kuwabara-kono", 'dissipation_time = "-1 us"', 'contact.dissipation_time: "-1 us" must be >= 0'),
+    (
+        "kuwabara-kono",
+        'dissipation_time = "1 us"\nunloading = "brake"',
+        'contact.unloading: law "kuwabara-kono" is damped: it takes no rule of unloading',
+    ),
     ("thornton", "", 'contact.yield_pressure: missing: law "thornton" needs it (limiting contact pressure'),
     ("thornton", 'yield_pressure = "1 N"', 'contact.yield_pressure: "1 N" is a force, a pressure is needed'),
     ("thornton", 'yield_pressure = "0 Pa"', 'contact.yield_pressure: "0 Pa" must be > 0'),

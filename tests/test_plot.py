@@ -189,4 +189,4 @@ def test_laws_are_compared_at_one_energy() -> None:
     loops = family_loops()
     for loop in loops.values():
         depth, force = loop.curve[:, : loop.turn + 1]
-        assert _area(force, depth) == pytest.approx(ENERGY, rel=2e-4)
+        assert _area(force, depth) == pytest.approx(ENERGY, rel=2e-3)

@@ -116,7 +116,7 @@ int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start
     summary->lines = s.lines;
     if (status == FILM_EVENT) {
         summary->contact_duration = s.time;
-        summary->permanent_indentation = s.xi_free;
+        summary->permanent_indentation = s.xi;
         summary->final_velocity = s.nu;
     }
     return status;

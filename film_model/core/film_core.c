@@ -45,16 +45,45 @@ static const double GAUSS_AT[GAUSS] = {0.046910077030668004, 0.23076534494715845
 static const double GAUSS_WEIGHT[GAUSS] = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
                                            0.23931433524968324, 0.11846344252809454};
 
-/* The constant damping that takes as much energy as the law's c over the next h, passed with a velocity that goes evenly
- * from y0 to y1: the mean of c weighted with the velocity. */
+/* The mean of the law's c over the next h, weighted with a speed that goes evenly from y0 to y1: as a constant it takes as
+ * much energy as c. */
 static double mean_damping(const film_curve *curve, const film_state *s, double h, double y0, double y1) {
     double sum = 0.0, weights = 0.0, per_way = 2.0 / (y0 + y1);
+    int root = h > 0.0 && s->xi <= WITHIN * h; /* c may begin as a root there: fourth powers of even steps */
     for (int k = 0; k < GAUSS; k++) {
-        double u = GAUSS_AT[k], y = y0 + (y1 - y0) * u, weight = GAUSS_WEIGHT[k] * y * y;
+        double w = GAUSS_AT[k], u = root ? w * w * w * w : w, y = y0 + (y1 - y0) * u;
+        double weight = GAUSS_WEIGHT[k] * y * y * (root ? 4.0 * w * w * w : 1.0);
         sum += weight * damping_at(curve, &s->line, s->xi + h * per_way * u * (y0 + 0.5 * (y1 - y0) * u));
         weights += weight;
     }
     return sum / weights;
+}
+
+/* Speed along the direction of motion, of the true law. */
+static double speed_at(const film_curve *curve, const film_state *s, double xi, double force, double nu) {
+    return s->direction * (nu - s->gamma * force) / (1.0 + s->gamma * damping_at(curve, &s->line, xi));
+}
+
+/* Damping of the line over the next h, passed with speeds y0 to y1: a constant, and what c y is more or less than that at
+ * the ends put on the line's own force, with as much work as c y in all. At a turn c y is 0, and the line keeps its force. */
+static void damp(const film_curve *curve, const film_mesh *mesh, film_state *s, double h, double y0, double y1) {
+    double mean = mean_damping(curve, s, h, y0, y1), c0 = damping_at(curve, &s->line, s->xi), c1 = damping_at(curve, &s->line, s->xi + h);
+    double d = s->direction, at = mean, tilt;
+    s->line.damping = mean;
+    /* a line too long for the speeds to be known: what they say of c y might drive the motion */
+    if (mesh->linearisation == FILM_CHORD || mean * fabs(h) > 0.5 * fmax(y0, y1)) return;
+    /* the mean speed over the way: of y^2 that goes evenly with time, as in mean_damping */
+    double speed = 2.0 / 3.0 * (y0 * y0 + y0 * y1 + y1 * y1) / (y0 + y1);
+    if (y0 == 0.0 || y1 == 0.0) {
+        at = y0 == 0.0 ? c0 : c1;
+        tilt = (y0 == 0.0 ? 2.0 : -2.0) * d * (mean - at) * speed / h;
+        s->line.phi -= y0 == 0.0 ? 0.0 : tilt * h;
+    } else {
+        tilt = d * ((c1 - mean) * y1 - (c0 - mean) * y0) / h;
+        s->line.phi -= 0.5 * tilt * h;
+    }
+    s->line.damping = at;
+    s->line.kappa += tilt;
 }
 
 /* Where the current run must end at the latest: the edge of its stage or branch. */
@@ -83,7 +112,8 @@ static void line_to_turn(const film_curve *curve, const film_mesh *mesh, film_st
     double near = mesh->linearisation == FILM_CHORD ? s->elastic : 2.0 * mean_force(curve, s, h) - s->force_end;
     s->line.kappa = (s->force_end - near) / h;
     s->line.phi = near;
-    s->line.damping = damped(curve, s) ? mean_damping(curve, s, h, 1.0, 0.0) : 0.0;
+    s->line.damping = 0.0;
+    if (damped(curve, s)) damp(curve, mesh, s, h, fmax(speed_at(curve, s, s->xi, s->elastic, s->nu), 0.0), 0.0);
 }
 
 /* The last line must pass through the law's force where the motion turns, since y = nu - gamma f there: the length h
@@ -214,9 +244,14 @@ static motion draw(const film_curve *curve, const film_mesh *mesh, film_state *s
         s->line.damping = mean_damping(curve, s, h, 1.0, 1.0);
         motion rough = on_line(s, s->line.phi, s->line.kappa);
         if (at_rest) rough.y0 = 0.0;
-        if (leave(&rough, length, &tau, &y) != LEFT || !(y > 0.0)) y = 0.0;
-        double y0 = rough.y0 > 0.0 ? rough.y0 : 0.0;
-        s->line.damping = y0 + y > 0.0 ? mean_damping(curve, s, h, y0, y) : s->line.damping;
+        if (leave(&rough, length, &tau, &y) == LEFT && y > 0.0) {
+            double nu = s->direction * y * (1.0 + s->gamma * s->line.damping) + s->gamma * (s->line.phi + s->line.kappa * h);
+            y = fmax(speed_at(curve, s, s->xi + h, s->force_end, nu), 0.0);
+        } else {
+            y = 0.0;
+        }
+        double y0 = at_rest ? 0.0 : fmax(speed_at(curve, s, s->xi, s->elastic, s->nu), 0.0);
+        if (y0 + y > 0.0) damp(curve, mesh, s, h, y0, y);
     }
     motion m = on_line(s, s->line.phi, s->line.kappa);
     if (at_rest && fabs(m.y0) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->elastic)) m.y0 = 0.0;
@@ -387,6 +422,7 @@ static void cut_at_release(const film_curve *curve, const film_mesh *mesh, film_
     if (!(high > 0.0) || (never && s->load > 0.0)) return;
     if (!never && below >= 0.0 && !(s->load > 0.0 && lets_go_between(curve, s))) return;
     double full = high;
+    int seen = !never; /* a force that has fallen to 0 */
     s->line_ends = ENDS_RELEASE;
     for (int k = 0; k < RELEASE_ITERATIONS; k++) {
         motion m = draw(curve, mesh, s, length);
@@ -405,7 +441,12 @@ static void cut_at_release(const film_curve *curve, const film_mesh *mesh, film_
         } else {
             high = length;
             below = force;
+            seen = 1;
             if (k % 3 == 2) above *= 0.5;
+        }
+        if (!seen && k >= 8) { /* it only creeps, on lines too long for the law: a part of the way, and on */
+            s->line_ends = ENDS_PART;
+            return;
         }
         double next = low + (high - low) * above / (above - below);
         if (!(next > low && next < high)) next = 0.5 * (low + high);
@@ -416,19 +457,21 @@ static void cut_at_release(const film_curve *curve, const film_mesh *mesh, film_
 }
 
 /* What damping took over the first tau of the line, at whose end the impactor is at xi with nu and the law's work is
- * `work`: by the balance of energy, or on a target that takes energy too, the integral of c y^2. */
+ * `work`: the energy that is gone and neither stored nor radiated, gamma F^2 dt. */
 static double dissipated(const film_line *line, double tau, double xi, double nu, double work) {
-    if (line->damping == 0.0) return 0.0;
-    if (line->gamma == 0.0)
-        return 0.5 * (line->nu * line->nu - nu * nu) + line->load * (xi - line->xi) - (work - line->work);
-    double c = line->damping, per_m = 1.0 / (1.0 + line->gamma * c), sum = 0.0, x, y;
-    motion m = {(line->nu - line->gamma * line->phi) * per_m, (line->phi - line->load) * per_m, line->kappa * per_m,
-                0.5 * (line->kappa * line->gamma + c) * per_m};
+    if (line->damper == 0.0) return 0.0;
+    double gamma = line->gamma, moved = gamma * (line->load * tau - (nu - line->nu)), radiated = 0.0, x, y;
+    double gone = 0.5 * (line->nu - nu) * (line->nu + nu) + line->load * (xi - line->xi + moved) - (work - line->work);
+    if (gamma == 0.0) return gone;
+    double c = line->damping, per_m = 1.0 / (1.0 + gamma * c);
+    motion m = {(line->nu - gamma * line->phi) * per_m, (line->phi - line->load) * per_m, line->kappa * per_m,
+                0.5 * (line->kappa * gamma + c) * per_m};
     for (int k = 0; k < GAUSS; k++) {
         move(&m, GAUSS_AT[k] * tau, &x, &y);
-        sum += GAUSS_WEIGHT[k] * y * y;
+        double force = line->phi + line->kappa * x + c * y;
+        radiated += GAUSS_WEIGHT[k] * force * force;
     }
-    return c * sum * tau;
+    return gone - gamma * radiated * tau;
 }
 
 /* To the end of the current line. */
@@ -732,42 +775,61 @@ static double holding(const film_curve *curve, const film_state *s) {
     return fmax(total_force(&s->line, damping_at(curve, &s->line, s->xi), s->elastic, s->nu), 0.0);
 }
 
-/* With damping F is largest between nodes: the largest on the line just walked, where it is one of its hills. */
-static void raise_peak(const film_curve *curve, film_state *s) {
-    double f[PEAK_SAMPLES + 1], values[5], step = s->tau_end / PEAK_SAMPLES;
+/* F where a line drawn over `length` from the beginning of the current one ends; values at ends are better than between. */
+static double force_after(const film_curve *curve, const film_mesh *mesh, const film_state *s, double length) {
+    film_state trial = *s;
+    double y;
+    trial.line_ends = ENDS_PART;
+    motion m = draw(curve, mesh, &trial, length);
+    if (leave(&m, length, &trial.tau_end, &y) != LEFT) return 0.0;
+    land(&trial, length, y);
+    return holding_force(curve, &trial, trial.xi_end, trial.nu_end);
+}
+
+/* With damping F is largest before the motion turns: the largest on the line just walked, sought where it has a hill. */
+static void raise_peak(const film_curve *curve, const film_mesh *mesh, const film_state *walked, double *peak) {
+    film_state s = *walked;
+    double at[PEAK_SAMPLES + 1], f[PEAK_SAMPLES + 1], values[5];
     int top = 0;
     for (int k = 0; k <= PEAK_SAMPLES; k++) {
-        film_evaluate(curve, &s->line, k * step, values);
+        film_evaluate(curve, &s.line, k * s.tau_end / PEAK_SAMPLES, values);
+        at[k] = s.direction * (values[0] - s.line.xi);
         f[k] = values[2];
         if (f[k] > f[top]) top = k;
     }
-    double low = fmax(top - 1.0, 0.0) * step, high = fmin(top + 1.0, (double)PEAK_SAMPLES) * step, best = f[top];
-    for (int k = 0; best > s->force_peak && k < GOLDEN_STEPS; k++) {
-        double a = high - 0.61803398874989484 * (high - low), b = low + 0.61803398874989484 * (high - low), f_a;
-        film_evaluate(curve, &s->line, a, values);
-        f_a = values[2];
-        film_evaluate(curve, &s->line, b, values);
-        best = fmax(best, fmax(f_a, values[2]));
-        if (f_a < values[2]) low = a; else high = b;
+    if (f[top] < 0.99 * *peak) return;
+    double low = at[top > 0 ? top - 1 : 0], high = at[top < PEAK_SAMPLES ? top + 1 : top];
+    s.xi = s.line.xi;
+    s.nu = s.line.nu;
+    s.work = s.line.work;
+    law_at(curve, &s.line, s.xi, &s.elastic, &values[0]);
+    *peak = fmax(*peak, top == 0 ? f[0] : 0.0);
+    for (int k = 0; k < GOLDEN_STEPS; k++) {
+        double a = high - 0.61803398874989484 * (high - low), b = low + 0.61803398874989484 * (high - low);
+        double f_a = force_after(curve, mesh, &s, a), f_b = force_after(curve, mesh, &s, b);
+        *peak = fmax(*peak, fmax(f_a, f_b));
+        if (f_a < f_b) low = a; else high = b;
     }
-    if (best > s->force_peak) s->force_peak = best;
 }
 
 /* What follows when a line has been walked to its end: the next line, leg, stage or branch. */
-static int finish(const film_curve *curve, film_state *s) {
+static int finish(const film_curve *curve, const film_mesh *mesh, film_state *s) {
     int ends = s->line_ends, status = FILM_OK;
     if (s->branch == FILM_FREE) {
         s->xi = s->xi_end;
         s->nu = s->nu_end;
     } else {
+        double peak = s->force_peak;
+        if (s->line.damper > 0.0 && s->direction > 0) raise_peak(curve, mesh, s, &peak);
         follow(s);
-        if (s->line.damping > 0.0) raise_peak(curve, s);
+        s->force_peak = fmax(peak, s->force_peak);
     }
     s->has_line = 0;
     if (s->nu > s->stop_velocity) s->moving_in = 1;
     s->event = FILM_NO_EVENT;
     s->from_turn = ends == ENDS_TURN;
     s->force = holding(curve, s);
+    s->force_peak = fmax(s->force_peak, s->force);
     if (ends == ENDS_STOP) return stopped(s);
     if (ends == ENDS_PART || (ends == ENDS_NODE && s->leg_node < s->leg_nodes)) return FILM_OK;
     s->has_leg = 0;
@@ -788,7 +850,7 @@ static int finish(const film_curve *curve, film_state *s) {
         s->f_in = 0.0;
         open_run(curve, s);
         law_at(curve, &s->line, s->xi, &s->elastic, &s->work);
-        s->force = holding(curve, s);
+        s->force = s->force_peak = holding(curve, s);
         if (s->xi > s->xi_free) s->direction = s->nu > s->gamma * s->elastic ? 1 : -1;
         else if (s->elastic > 0.0 && s->nu < s->gamma * s->elastic) return FILM_TOO_STIFF;
     } else if (ends == ENDS_EDGE && s->branch == FILM_BRANCH && s->loop == LOOP_INNER && s->direction > 0) {
@@ -851,7 +913,7 @@ static void stand(const film_curve *curve, film_state *s, double tau) {
 }
 
 /* Forward by *dt at most, within one line; *dt becomes what is left. */
-static int advance(const film_curve *curve, film_state *s, double *dt) {
+static int advance(const film_curve *curve, const film_mesh *mesh, film_state *s, double *dt) {
     double left = (s->tau_end - s->tau) - s->tau_low;
     if (*dt < left) {
         add(&s->tau, &s->tau_low, *dt);
@@ -866,7 +928,7 @@ static int advance(const film_curve *curve, film_state *s, double *dt) {
         add(&s->time, &s->time_low, left);
         *dt -= left;
     }
-    return finish(curve, s);
+    return finish(curve, mesh, s);
 }
 
 static int ready(const film_mesh *mesh, const film_state *s) {
@@ -882,7 +944,7 @@ int film_step(const film_curve *curve, const film_mesh *mesh, film_state *s, dou
         if (k >= FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
         if (!s->has_line) status = prepare(curve, mesh, s);
         if (status != FILM_OK) break;
-        status = advance(curve, s, &dt);
+        status = advance(curve, mesh, s, &dt);
         if (status == FILM_OK && dt == 0.0) return FILM_OK;
     }
     return status;
@@ -902,7 +964,7 @@ int film_record(const film_curve *curve, const film_mesh *mesh, film_state *s, d
             }
         }
         if (status == FILM_OK) {
-            status = advance(curve, s, &dt);
+            status = advance(curve, mesh, s, &dt);
             if (status == FILM_ENDLESS || (status == FILM_OK && dt == 0.0)) return status;
         }
         if (status == FILM_EVENT) {

@@ -198,7 +198,7 @@ typedef struct {
 typedef struct {
     double maximum_force, maximum_indentation, time_of_maximum_indentation;
     double time_impactor_stops;
-    double contact_duration, permanent_indentation, final_velocity;
+    double contact_duration, permanent_indentation, final_velocity; /* a damped law's dent closes by itself after the end */
     double shift; /* of the target, at the end */
     double work;  /* done on the indentation and not given back */
     int32_t stage, lines;

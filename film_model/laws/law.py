@@ -84,6 +84,7 @@ class Stage:
     unloading: the branch of a contact that turns in this stage; None: it goes back along the loading curve.
     root: the force is smooth in √(ξ − begin) rather than in ξ (only asked of functions that are fitted). knots: where,
     inside the stage, the force is less smooth than elsewhere; a fitted function is fitted piece by piece between them.
+    damping: c(ξ) over the law's `damping_factor`, for F = f + c ξ̇; only a law of one reversible stage may have it.
     """
 
     name: str
@@ -94,6 +95,7 @@ class Stage:
     work: Callable[[Array], Array] | None = None
     root: bool = False
     knots: tuple[float, ...] = ()
+    damping: Function | None = None
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,7 @@ class AbstractLaw(ABC):
     scene; all others are the law's own `parameters`, by their names in the scene file.
 
     validity: in a sentence, where the law is right. default_unloading: name of the unloading rule
-    (:mod:`film_model.laws.unloading`) of a law that has none of its own.
+    (:mod:`film_model.laws.unloading`) of a law that has none of its own. damped: its stage has damping.
     """
 
     name: ClassVar[str]
@@ -129,6 +131,7 @@ class AbstractLaw(ABC):
     validity: ClassVar[str] = ""
     parameters: ClassVar[Mapping[str, Parameter]] = {}
     default_unloading: ClassVar[str | None] = None
+    damped: ClassVar[bool] = False
 
     @abstractmethod
     def scales(self, energy: float) -> tuple[float, float]:
@@ -147,6 +150,13 @@ class AbstractLaw(ABC):
         """What is wrong between the law's own parameters, by their names; `values` may be completed in place."""
         return {}
 
+    def damping_factor(self, mass: Any, velocity: Any, length: float) -> Any:
+        """What the stage's damping is to be multiplied with [N s/m]; 0 for a law without damping.
+
+        mass: effective, kg, and velocity: of approach, m/s, which may be arrays; length: δ_s, m.
+        """
+        return 0.0
+
     def remarks(self) -> tuple[str, ...]:
         """What a user of this law with these values should know, in sentences."""
         return ()
@@ -155,3 +165,19 @@ class AbstractLaw(ABC):
 def law_fields(law: type[AbstractLaw]) -> Mapping[str, Any]:
     """The dataclass fields of a law, by name."""
     return getattr(law, "__dataclass_fields__", {})
+
+
+def wrong_restitution(values: Mapping[str, Any], other: str | None = None) -> dict[str, str]:
+    """What is wrong with a law's restitution, or with the parameter `other` that may be given instead of it."""
+    restitution = values.get("restitution")
+    if other is not None and (restitution is None) == (values.get(other) is None):
+        return {other: f"give restitution or {other}" + ("" if restitution is None else ", not both")}
+    if restitution is not None and not 0.0 < restitution <= 1.0:
+        return {"restitution": f"{restitution:g} must be above 0 and at most 1"}
+    return {}
+
+
+def raise_wrong(law: AbstractLaw) -> None:
+    """ValueError for what `settle` finds wrong with a law's own values."""
+    for name, message in type(law).settle(dict(vars(law))).items():
+        raise ValueError(f"{type(law).__name__}.{name}: {message}")

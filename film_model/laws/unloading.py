@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.law import AbstractLaw, Power, Stage, Unloading
@@ -24,6 +24,9 @@ class _Reopened(AbstractLaw):
     def name(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The loading law's."""
         return self.law.name
+
+    def damping_factor(self, mass: Any, velocity: Any, length: float) -> Any:
+        return self.law.damping_factor(mass, velocity, length)
 
     def remarks(self) -> tuple[str, ...]:
         return self.law.remarks()
@@ -46,6 +49,10 @@ class BrakeUnloading(_Reopened):
 
     effective_modulus: float
     radius: float
+
+    def __post_init__(self) -> None:
+        if self.law.damped:
+            raise ValueError(f"law {self.law.name} is damped: it takes no rule of unloading")
 
     def scales(self, energy: float) -> tuple[float, float]:
         return self.law.scales(1.0)  # not those of the impact: the dent depends on the ratio to Hertz's force

@@ -17,6 +17,9 @@ FIRST_SEGMENTS = 6
 
 MOST_SEGMENTS = 6 * 2**13
 
+STEEP = 2.0
+"""Exponent of unloading above which its first segments leave more error than those of loading."""
+
 ORDER_FACTOR = {
     # bound on error of n segments over |difference to 2n|, and on error of 2n over the same
     "work-preserving": (1.6, 0.3),
@@ -107,10 +110,11 @@ def unloading_ratio(problem: Problem) -> int:
     """Unloading segments for one loading segment: more where the contact fades out slowly.
 
     `slow` is Zener's λ of the scaled problem; measured over λ from 0.001 to 8, this keeps the errors of loading and
-    unloading alike.
+    unloading alike. Twice as many where the unloading is a steeper power than laws of spheres have.
     """
     slow = problem.gamma * problem.approach**0.2
-    return 1 if slow == 0.0 else 2 if slow < 1.5 else 4
+    steep = 2 if problem.curve.steepest > STEEP else 1
+    return steep * (1 if slow == 0.0 else 2 if slow < 1.5 else 4)
 
 
 def difference(problem: Problem, a: native.Summary, b: native.Summary, approach: float | None = None) -> float:

@@ -41,13 +41,14 @@ class Curve:
     """A law ready for the core.
 
     native: the core's structure. stage_names: one a stage. fit_error: largest relative
-    difference between a fitted function and the law (0 when nothing had to be fitted). warnings: what a user of the
-    law should know, in sentences.
+    difference between a fitted function and the law (0 when nothing had to be fitted). steepest: largest exponent of
+    an unloading branch. warnings: what a user of the law should know, in sentences.
     """
 
     native: native.Curve = field(repr=False, compare=False)
     stage_names: tuple[str, ...]
     fit_error: float
+    steepest: float
     warnings: tuple[str, ...]
 
     def force(self, xi: float) -> float:
@@ -88,9 +89,11 @@ def _build(law: str, given: tuple[Stage, ...]) -> Curve:
     stages = _checked(law, given)
     made = native.Curve()
     made.stages = len(stages)
-    error, pieces = 0.0, 0
+    error, pieces, steepest = 0.0, 0, 0.0
     for index, stage in enumerate(stages):
         functions = _functions(stage)
+        if stage.unloading is not None:
+            steepest = max(steepest, float(_values(functions["exponent"], np.array([stage.begin]), stage)[0]))
         room = native.MAX_PIECES - pieces - (len(stages) - index - 1)
         spans, worst = _split(stage, functions, room)
         error = max(error, worst)
@@ -111,7 +114,7 @@ def _build(law: str, given: tuple[Stage, ...]) -> Curve:
     made.pieces = pieces
     if native.library().film_check_curve(ctypes.byref(made)) != native.OK:
         raise ValueError(f"{law}: its stages do not make a curve; each must end beyond where it begins")
-    return Curve(made, tuple(stage.name for stage in stages), error, tuple(_remarks(law, stages, error)))
+    return Curve(made, tuple(stage.name for stage in stages), error, steepest, tuple(_remarks(law, stages, error)))
 
 
 def _name(law: AbstractLaw) -> str:

@@ -227,6 +227,12 @@ def test_jackson_green_jump_and_its_mending(ratio, jump):
     assert (np.diff([b.force(x) for x in w]) > 0).all()
 
 
+def test_jackson_green_refuses_what_is_no_metal():
+    with pytest.raises(ValueError, match=r"S_y/E is 0.5; it must be below 0.2"):
+        fm.JacksonGreen(2e9, 0.01, 1e9, 0.3)
+    assert curve_of(fm.JacksonGreen(2e11, 0.01, 3e10, 0.3)).fit_error < 1e-11
+
+
 def test_jackson_green_shares_its_curve_with_its_like():
     assert curve_of(fm.JacksonGreen(2e11, 0.01, 1e9, 0.3)) is curve_of(fm.JacksonGreen(2e11, 0.02, 1e9, 0.3))
     assert curve_of(fm.JacksonGreen(2e11, 0.01, 1e9, 0.3)) is not curve_of(fm.JacksonGreen(2e11, 0.01, 1e9, 0.31))

@@ -13,6 +13,7 @@ from film_model.laws.law import AbstractLaw, Array, Parameter, Power, Stage, Unl
 from film_model.laws.yielding import limit_point
 
 ELASTIC_LIMIT = 1.9  # ω/ω_c up to which the force is Hertz's, though the contact has yielded at 1
+MOST_YIELD_STRAIN = 0.2  # S_y/E; the law was fitted up to 0.009, and e^{23 e_y} knows no bound
 BLENDING = 1.9  # the continuous variant's difference from the printed law falls by e over this many ω_c
 
 
@@ -38,7 +39,7 @@ class Plastic:
     def end(self) -> float:
         """w at which the contact radius would be the sphere's."""
         b = self.growth
-        return (ELASTIC_LIMIT**b / self.radius_factor**2) ** (1.0 / (1.0 + b))
+        return (ELASTIC_LIMIT ** (b / (1.0 + b))) * self.radius_factor ** (-2.0 / (1.0 + b))
 
     def printed(self, w: Array) -> Array:
         """The law as published."""
@@ -101,6 +102,11 @@ class JacksonGreen(AbstractLaw):
     def yield_factor(self) -> float:
         """C: the largest contact pressure at first yield over the yield strength."""
         return 1.295 * math.exp(0.736 * self.poissons_ratio)
+
+    def __post_init__(self) -> None:
+        strain = self.yield_strength / self.effective_modulus
+        if not strain < MOST_YIELD_STRAIN:
+            raise ValueError(f"law jackson-green: S_y/E is {strain:.3g}; it must be below {MOST_YIELD_STRAIN}")
 
     def scales(self, energy: float) -> tuple[float, float]:
         return limit_point(self.effective_modulus, self.radius, self.yield_factor * self.yield_strength)

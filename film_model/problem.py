@@ -37,12 +37,12 @@ class Problem:
     scales: Scales
     gamma: float
     load: float
-    damping: float
     approach: float
     drift: float
     share: float
     mass: float
     effects: tuple[Effect, ...]
+    damping: float = 0.0
 
     @property
     def start(self) -> native.Start:

@@ -67,11 +67,11 @@ def impact_by_integration(scene: fm.Scene) -> Integrated:
     opening, free = loading, 0.0
     if stage.unloading is not None:
         top = loading(depth)
-        residual, exponent = reference.unloaded(stage.unloading, stage, depth / scales.length, top / scales.force)
-        free = residual * scales.length
+        branch = reference.unloaded(stage.unloading, stage, depth / scales.length, top / scales.force)
+        free = branch.begin * scales.length
 
         def opening(deep):
-            return top * max((deep - free) / (depth - free), 0.0) ** exponent
+            return scales.force * float(reference.value(branch.force, deep / scales.length, branch))
 
     outward = march(opening, inward.y[:, -1], turn, lambda _, s: s[0] - free)
 

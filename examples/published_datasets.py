@@ -18,6 +18,17 @@ FOLDER = Path(__file__).parent.parent / "datasets" / "published"
 
 PARAMETERS = {  # of laws that need more than the scene has
     "meyer": {"stiffness": "2.27e10 N/m^1.5", "exponent": 1.5},  # Hertz's stiffness of this pair
+    "thornton": {"yield_pressure": "1.6 GPa"},
+    "kogut-etsion": {"hardness": "2.8 GPa"},
+    "rigid-plastic": {"yield_pressure": "3 GPa"},
+    "walton-braun": {"loading_stiffness": "5e7 N/m", "unloading_stiffness": "8e7 N/m"},
+    "luding": {"loading_stiffness": "5e7 N/m", "plastic_stiffness": "8e7 N/m", "plasticity_depth": 0.05},
+    "tan-sun": {"stiffness": "2.27e10 N/m^1.5", "critical_indentation": "1 um"},
+    "tabulated": {"indentation": ["0 um", "2 um", "20 um", "200 um"], "force": ["0 N", "50 N", "1200 N", "15000 N"]},
+    "linear-dashpot": {"stiffness": "5e7 N/m", "restitution": 0.8},
+    "tsuji": {"restitution": 0.8},
+    "hunt-crossley": {"restitution": 0.8},
+    "kuwabara-kono": {"dissipation_time": "1 us"},
 }
 
 

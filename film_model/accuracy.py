@@ -17,6 +17,9 @@ FIRST_SEGMENTS = 6
 
 MOST_SEGMENTS = 6 * 2**13
 
+STEEP = 2.0
+"""Exponent of unloading above which its first segments leave more error than those of loading."""
+
 ORDER_FACTOR = {
     # bound on error of n segments over |difference to 2n|, and on error of 2n over the same
     "work-preserving": (1.6, 0.3),
@@ -72,7 +75,7 @@ def _impact(problem: Problem, solver: Solver, counts: tuple[int, int]) -> native
 def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple[int, int], float]:
     """Segment counts that meet the accuracy, doubled until two meshes agree, and the error estimate."""
     assert solver.accuracy is not None
-    n, ratio = FIRST_SEGMENTS, unloading_ratio(problem)
+    n, ratio = first_segments(problem.damping), unloading_ratio(problem)
     factor = ORDER_FACTOR[solver.linearisation][1]
     coarse, last = _impact(problem, solver, (n, ratio * n)), math.inf
     while True:
@@ -90,6 +93,11 @@ def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple
         coarse, last = fine, estimated
 
 
+def first_segments(damping: float) -> int:
+    """Segments of the first trial: more for a strong damping, which stops the impactor early in the stage."""
+    return FIRST_SEGMENTS * min(2 ** int(math.log2(1.0 + damping)), 256)
+
+
 def estimate(problem: Problem, solver: Solver) -> float:
     """Error estimate for the number of segments that was asked for."""
     n = solver.segments
@@ -102,10 +110,11 @@ def unloading_ratio(problem: Problem) -> int:
     """Unloading segments for one loading segment: more where the contact fades out slowly.
 
     `slow` is Zener's λ of the scaled problem; measured over λ from 0.001 to 8, this keeps the errors of loading and
-    unloading alike.
+    unloading alike. Twice as many where the unloading is a steeper power than laws of spheres have.
     """
     slow = problem.gamma * problem.approach**0.2
-    return 1 if slow == 0.0 else 2 if slow < 1.5 else 4
+    steep = 2 if problem.curve.steepest > STEEP else 1
+    return steep * (1 if slow == 0.0 else 2 if slow < 1.5 else 4)
 
 
 def difference(problem: Problem, a: native.Summary, b: native.Summary, approach: float | None = None) -> float:

@@ -16,6 +16,8 @@ from film_model.accuracy import (
     MOST_SEGMENTS,
     ORDER_FACTOR,
     ROUNDING,
+    STEEP,
+    first_segments,
     mesh_of,
     solver_for,
 )
@@ -139,7 +141,9 @@ def _mesh(rows: Rows, start: NDArray[Any], solver: Solver) -> tuple[tuple[int, i
     some = start[_trial(start)]
     slow = float((some["gamma"] * some["nu"] ** 0.2).max(initial=0.0))  # as in accuracy.unloading_ratio
     ratio = 1 if slow == 0.0 else 2 if slow < 1.5 else 4
-    n = solver.segments or 4
+    ratio *= 2 if rows.curve.steepest > STEEP else 1
+    damping = float(some["damping"].max(initial=0.0))
+    n = solver.segments or (first_segments(damping) if damping > 0.0 else 4)
     before, after = ORDER_FACTOR[solver.linearisation]
     while True:
         counts = (n, n) if solver.segments else (n, ratio * n)
@@ -210,7 +214,7 @@ def _summary(rows: Rows, start: NDArray[Any], status: NDArray[np.int32], core: N
         "time_of_maximum_indentation": np.where(turned, core["time_of_maximum_indentation"] * s.time, np.nan),
         "time_impactor_stops": core["time_impactor_stops"] * s.time,
         "contact_duration": core["contact_duration"] * s.time,
-        "permanent_indentation": core["permanent_indentation"] * s.length,
+        "permanent_indentation": np.where(start["damping"] > 0.0, 0.0, core["permanent_indentation"] * s.length),
         "rebound_velocity": drift + share * final * s.velocity,
         "coefficient_of_restitution": -final / nu,
         "energy_absorbed": np.where(over, absorbed * s.energy, np.nan),

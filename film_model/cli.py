@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from film_model.history import History
+    from film_model.laws import AbstractLaw
 
 DONE, WRONG, FAILED = 0, 2, 3
 
@@ -99,7 +100,6 @@ def _parser() -> argparse.ArgumentParser:
     check.add_argument("--json", action="store_true", help="print one JSON object")
     check.set_defaults(command=_check_fmu)
 
-
     sweep = commands.add_parser("sweep", help="simulate the many impacts of a sweep file")
     sweep.add_argument("sweep", help="sweep file (TOML)")
     sweep.add_argument("--output", metavar="FILE", required=True, help="FILE.nc or FILE.zarr")
@@ -138,6 +138,8 @@ def _parser() -> argparse.ArgumentParser:
 
     laws = commands.add_parser("laws", help="list the contact laws and their parameters")
     laws.add_argument("--json", action="store_true", help="print one JSON object")
+    laws.add_argument("--plot", metavar="FILE", help="draw all of them (.png, .svg or .pdf)")
+    laws.add_argument("--force", action="store_true", help="overwrite an existing picture")
     laws.set_defaults(command=_laws)
 
     materials = commands.add_parser("materials", help="list the materials of the catalogue")
@@ -394,28 +396,51 @@ def _table(history: History) -> str:
 
 def _laws(options: argparse.Namespace) -> int:
     from film_model.laws import LAWS
+    from film_model.laws.unloading import UNLOADINGS
 
-    rows: list[dict[str, Any]] = [
-        {
-            "name": law.name,
-            "summary": law.summary,
-            "source": law.source,
-            "parameters": {
-                key: {"dimension": p.dimension, "choices": list(p.choices), "required": p.required, "help": p.help}
-                for key, p in law.parameters.items()
-            },
-        }
-        for law in LAWS.values()
-    ]
+    if options.plot:
+        from film_model.plot import plot_laws
+
+        _check_writable(options.plot, options.force)
+        plot_laws(options.plot)
+        print(f"wrote {options.plot}", file=sys.stderr)
+    rows = [{"name": name, **_law_row(law)} for name, law in LAWS.items()]
+    rules = [{"name": name, **_law_row(law)} for name, law in UNLOADINGS.items()]
     if options.json:
-        return _print_json({"laws": rows})
+        return _print_json({"laws": rows, "unloadings": rules})
     for row in rows:
-        print(f"{row['name']:14}{row['summary']}\n{'':14}{row['source']}")
-        for key, parameter in row["parameters"].items():
-            kind = " | ".join(parameter["choices"]) or parameter["dimension"].replace("_", " ")
-            needed = "" if parameter["required"] else ", may be left out"
-            print(f"{'':14}  {key}: {parameter['help']} ({kind}{needed})")
+        _print_law(row)
+    print('\nof any law, with unloading = "..." in [contact]:\n')
+    for row in rules:
+        _print_law(row)
     return DONE
+
+
+def _law_row(law: type[AbstractLaw]) -> dict[str, Any]:
+    return {
+        "summary": law.summary,
+        "source": law.source,
+        "validity": law.validity,
+        "parameters": {
+            key: {
+                "dimension": p.dimension,
+                "choices": list(p.choices),
+                "required": p.required,
+                "several": p.several,
+                "help": p.help,
+            }
+            for key, p in law.parameters.items()
+        },
+    }
+
+
+def _print_law(row: dict[str, Any]) -> None:
+    print(f"{row['name']:20}{row['summary']}\n{'':20}{row['source']}\n{'':20}valid: {row['validity']}")
+    for key, parameter in row["parameters"].items():
+        kind = " | ".join(parameter["choices"]) or parameter["dimension"].replace("_", " ")
+        kind = f"list of {kind}s" if parameter["several"] else kind
+        needed = "" if parameter["required"] else ", may be left out"
+        print(f"{'':20}  {key}: {parameter['help']} ({kind}{needed})")
 
 
 def _materials(options: argparse.Namespace) -> int:

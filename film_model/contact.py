@@ -6,14 +6,17 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 
 from film_model.errors import Mistake, did_you_mean, raise_all, shown
-from film_model.fields import Field, choice, fill, key_text, measure, table_of, written
-from film_model.units import Value, needed, power_stiffness_to_si, to_si
+from film_model.fields import Field, choice, fill, key_text, measure, table_of, words, written
+from film_model.units import Value, array_to_si, needed, power_stiffness_to_si, to_si
 
 if TYPE_CHECKING:
     from film_model.laws import AbstractLaw, Parameter
+
+UNLOADINGS = ("brake", "retrace")
+"""Names of the rules of unloading that go with any law: :mod:`film_model.laws.unloading`."""
 
 
 def _read_law(value: object) -> str | AbstractLaw:
@@ -34,19 +37,24 @@ def _read_law(value: object) -> str | AbstractLaw:
 class Contact:
     """The contact law and what it needs.
 
-    law: "auto", a name, or a law of your own. effective_modulus: Pa, overrides the materials' own. yield_strength:
-    Pa, likewise. parameters: the law's own, by their names, in SI units.
+    law: "auto", a name, or a law of your own. effective_modulus: Pa, overrides the materials' own. yield_strength,
+    Pa, and poissons_ratio, of the body that yields: likewise. unloading: "brake" (Brake's rule) or "retrace" instead of
+    the law's own. parameters: the law's own, by their names, in SI units.
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
         "law": Field(_read_law, "the name of a contact law is needed", required=True),
         "effective_modulus": measure("pressure", 1, 1e14),
         "yield_strength": measure("pressure", 1, 1e13),
+        "poissons_ratio": measure("dimensionless", -1, 0.5, open_ends=True),
+        "unloading": Field(choice(*UNLOADINGS).read, "the name of an unloading rule is needed"),
     }
 
     law: str | AbstractLaw
     effective_modulus: float | None
     yield_strength: float | None
+    poissons_ratio: float | None
+    unloading: Literal["brake", "retrace"] | None
     parameters: Mapping[str, Any] = field(hash=False)
 
     def __init__(
@@ -55,20 +63,39 @@ class Contact:
         law: str | AbstractLaw = "auto",
         effective_modulus: Value | None = None,
         yield_strength: Value | None = None,
+        poissons_ratio: float | str | None = None,
+        unloading: Literal["brake", "retrace"] | None = None,
         **parameters: object,
     ) -> None:
         mistakes = fill(self, locals())
         read: dict[str, Any] = {}
         if self.law:
             mistakes += _read_parameters(self.law, parameters, read)
+            if self.unloading == "brake" and self.law != "auto" and self._law.damped:
+                message = f'law "{self.law_name}" is damped: it takes no rule of unloading'
+                mistakes.append(Mistake(None, None, "Contact.unloading", message))
         object.__setattr__(self, "parameters", read)
         raise_all(mistakes)
 
     def needs(self, name: str) -> bool:
-        """Whether the law is filled with the scene's `name`: effective_modulus, radius or yield_strength."""
+        """Whether the contact needs the scene's effective_modulus, radius, yield_strength or poissons_ratio."""
+        if name == "effective_modulus" and self.unloading_name == "brake":
+            return True
         if self.law == "auto":
-            return name != "yield_strength"
-        return isinstance(self.law, str) and name in _law(self.law).__dataclass_fields__
+            return name in ("effective_modulus", "radius")
+        return isinstance(self.law, str) and name in self._law.__dataclass_fields__
+
+    @property
+    def unloading_name(self) -> str | None:
+        """The rule that takes the place of the law's own unloading, if any."""
+        if self.unloading is not None or self.law == "auto":
+            return self.unloading
+        return self._law.default_unloading
+
+    @property
+    def _law(self) -> Any:
+        """The law, or its class; there is one unless `law` is "auto"."""
+        return _law(self.law) if isinstance(self.law, str) else self.law
 
     @property
     def law_name(self) -> str:
@@ -138,13 +165,35 @@ def _read_parameters(law: str | AbstractLaw, given: Mapping[str, object], read: 
                 read[name] = _checked(parameter, given[name], power_stiffness_to_si(given[name], exponent))
         except ValueError as error:
             mistakes.append(Mistake(None, None, key, str(error)))
+    if known and not mistakes:
+        wrong = _law(str(law)).settle(read)
+        mistakes += [Mistake(None, None, f"Contact.{name}", message) for name, message in wrong.items()]
     return mistakes
 
 
 def _read_parameter(parameter: Parameter, value: object) -> Any:
     if parameter.choices:
         return choice(*parameter.choices).read(value)
+    if parameter.dimension == "file":
+        return words("the path of a file").read(value)
+    if parameter.several:
+        return _read_several(parameter.dimension, value)
     return _checked(parameter, value, to_si(value, parameter.dimension))
+
+
+def _read_several(dimension: str, value: object) -> tuple[float, ...]:
+    """A list of values with units, or an array with one."""
+    if not isinstance(value, list | tuple):
+        if isinstance(value, str) or not hasattr(value, "__len__"):
+            raise ValueError(f"{shown(value)} is not a list, {needed(dimension)} in each place")
+        return tuple(array_to_si(value, dimension).ravel().tolist())
+    read: list[float] = []
+    for place, item in enumerate(cast("list[object]", value), 1):
+        try:
+            read.append(to_si(item, dimension))
+        except ValueError as error:
+            raise ValueError(f"value {place}: {error}") from None
+    return tuple(read)
 
 
 def _checked(parameter: Parameter, value: object, result: float) -> float:

@@ -70,10 +70,8 @@ class Impact:
         if rule is None:
             passed = self.stages[: stage + 1][::-1]
             return [Run(self.counted(scalar(s)), s.begin, s.begin, _own_power(s)) for s in passed]
-        free, q = unloaded(rule, self.stages[stage], xi, force)
-        scale = force / (xi - free) ** q
-        branch = Power(coefficient=scale, exponent=q, origin=free)
-        return [Run(self.counted(lambda x: scale * max(x - free, 0.0) ** q), free, free, branch)]
+        branch = unloaded(rule, self.stages[stage], xi, force)
+        return [Run(self.counted(scalar(branch)), branch.begin, branch.begin, _own_power(branch))]
 
 
 def _own_power(stage: Stage) -> Power | None:

@@ -27,6 +27,12 @@ FIT_LIMIT = 1e-6
 """A law that cannot be fitted better than this within the core's room is refused."""
 
 _TERMS = native.MAX_TERMS - 2  # the work of a root series has two more terms than its force
+_KINDS = {
+    "radius_ratio": native.RADIUS,
+    "residual": native.RESIDUAL,
+    "secant": native.SECANT,
+    "shifted": native.SHIFTED,
+}
 _CHECKS = 157  # points between the nodes at which a fit is checked; shares no factor with the number of nodes
 
 
@@ -35,13 +41,14 @@ class Curve:
     """A law ready for the core.
 
     native: the core's structure. stage_names: one a stage. fit_error: largest relative
-    difference between a fitted function and the law (0 when nothing had to be fitted). warnings: what a user of the
-    law should know, in sentences.
+    difference between a fitted function and the law (0 when nothing had to be fitted). steepest: largest exponent of
+    an unloading branch. warnings: what a user of the law should know, in sentences.
     """
 
     native: native.Curve = field(repr=False, compare=False)
     stage_names: tuple[str, ...]
     fit_error: float
+    steepest: float
     warnings: tuple[str, ...]
 
     def force(self, xi: float) -> float:
@@ -82,9 +89,11 @@ def _build(law: str, given: tuple[Stage, ...]) -> Curve:
     stages = _checked(law, given)
     made = native.Curve()
     made.stages = len(stages)
-    error, pieces = 0.0, 0
+    error, pieces, steepest = 0.0, 0, 0.0
     for index, stage in enumerate(stages):
         functions = _functions(stage)
+        if stage.unloading is not None:
+            steepest = max(steepest, float(_values(functions["exponent"], np.array([stage.begin]), stage)[0]))
         room = native.MAX_PIECES - pieces - (len(stages) - index - 1)
         spans, worst = _split(stage, functions, room)
         error = max(error, worst)
@@ -95,7 +104,9 @@ def _build(law: str, given: tuple[Stage, ...]) -> Curve:
             )
         entry = made.stage[index]
         entry.begin, entry.end, entry.first, entry.count = stage.begin, stage.end, pieces, len(spans)
-        entry.unloading = _unloading_kind(stage)
+        entry.unloading = native.RETRACE if stage.unloading is None else _KINDS[stage.unloading.rule[0]]
+        entry.damped = stage.damping is not None
+        entry.reload_exponent = 0.0 if stage.unloading is None else stage.unloading.reload_exponent or 0.0
         work = 0.0
         for span in spans:
             work = _fill(made.piece[pieces], stage, functions, span, work)
@@ -103,7 +114,7 @@ def _build(law: str, given: tuple[Stage, ...]) -> Curve:
     made.pieces = pieces
     if native.library().film_check_curve(ctypes.byref(made)) != native.OK:
         raise ValueError(f"{law}: its stages do not make a curve; each must end beyond where it begins")
-    return Curve(made, tuple(stage.name for stage in stages), error, tuple(_remarks(law, stages, error)))
+    return Curve(made, tuple(stage.name for stage in stages), error, steepest, tuple(_remarks(law, stages, error)))
 
 
 def _name(law: AbstractLaw) -> str:
@@ -114,6 +125,8 @@ def _checked(law: str, given: tuple[Stage, ...]) -> list[Stage]:
     stages = [part for stage in given for part in _split_at_peak(stage)]
     if not 1 <= len(stages) <= native.MAX_STAGES:
         raise ValueError(f"{law}: {len(stages)} stages; 1 to {native.MAX_STAGES} are allowed")
+    if any(stage.damping is not None and (len(stages) > 1 or stage.unloading is not None) for stage in stages):
+        raise ValueError(f"{law}: a damped law must have one stage, and no unloading")
     begin = 0.0
     for stage in stages:
         if stage.begin != begin or not stage.end > stage.begin:
@@ -141,18 +154,12 @@ def _functions(stage: Stage) -> dict[str, Function]:
     functions: dict[str, Function] = {"force": stage.force}
     unloading = stage.unloading
     if unloading is not None:
-        recovery = unloading.radius_ratio if unloading.radius_ratio is not None else unloading.residual
-        assert recovery is not None
         exponent = unloading.exponent
-        functions["recovery"] = recovery
+        functions["recovery"] = unloading.rule[1]
         functions["exponent"] = Power(constant=float(exponent)) if isinstance(exponent, (int, float)) else exponent
+    if stage.damping is not None:
+        functions["damping"] = stage.damping
     return functions
-
-
-def _unloading_kind(stage: Stage) -> int:
-    if stage.unloading is None:
-        return native.RETRACE
-    return native.RADIUS if stage.unloading.radius_ratio is not None else native.RESIDUAL
 
 
 def _values(function: Function, xi: Array, stage: Stage) -> Array:
@@ -198,9 +205,10 @@ def _split(
 ) -> tuple[list[tuple[float, float, bool, dict[str, Any]]], float]:
     """The stage in pieces (begin, end, root, series by name), the piece that fits worst halved while there is room."""
     fitted = {name: f for name, f in functions.items() if not isinstance(f, Power)}
-    whole = _fit(stage, fitted, stage.begin, stage.end, stage.root)
-    pieces = [(stage.begin, stage.end, stage.root, *whole)]
-    while pieces[0][4] != 0.0 and len(pieces) < room:
+    edges = [stage.begin, *(knot for knot in stage.knots if stage.begin < knot < stage.end), stage.end]
+    spans = [(a, b, stage.root and a == stage.begin) for a, b in pairwise(edges if fitted else [edges[0], edges[-1]])]
+    pieces = [(a, b, root, *_fit(stage, fitted, a, b, root)) for a, b, root in spans]
+    while fitted and len(pieces) < room:
         worst = max(range(len(pieces)), key=lambda k: pieces[k][4])
         begin, end, root, _, error = pieces[worst]
         if error <= FIT_TOLERANCE:

@@ -13,7 +13,7 @@ from film_model.bodies import STANDARD_GRAVITY, Body
 from film_model.core import native
 from film_model.curve import curve_of
 from film_model.errors import SimulationError
-from film_model.laws import LAWS, AbstractLaw
+from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.law import law_fields
 from film_model.laws.yielding import yield_velocity
@@ -64,6 +64,7 @@ class Choice:
 def choose(scene: Scene) -> Choice:
     """Law, impedance and load of a scene, with the effects that decided them."""
     law, plasticity = _plasticity(scene)
+    law = _reopened(scene, law)
     impedance, motion = _target_motion(scene)
     load, gravity = _gravity(scene, law)
     return Choice(law, impedance, load, (plasticity, motion, gravity))
@@ -73,6 +74,7 @@ _FROM_SCENE = {
     "effective_modulus": "effective_modulus",
     "radius": "effective_radius",
     "yield_strength": "yield_strength",
+    "poissons_ratio": "poissons_ratio",
 }
 """Fields of laws that the scene fills, and its properties that do."""
 
@@ -86,6 +88,17 @@ def law_values(scene: Scene, law: type[AbstractLaw]) -> dict[str, Any]:
 def _law(scene: Scene, name: str) -> AbstractLaw:
     """The named law with its values from the scene."""
     return LAWS[name](**law_values(scene, LAWS[name]))
+
+
+def _reopened(scene: Scene, law: AbstractLaw) -> AbstractLaw:
+    """The law with the unloading rule of [contact], or its default one."""
+    rule, modulus = scene.contact.unloading_name, scene.effective_modulus
+    if rule == "retrace":
+        return Retrace(law)
+    if rule == "brake":
+        assert modulus is not None
+        return BrakeUnloading(law, modulus, scene.effective_radius)
+    return law
 
 
 def _plasticity(scene: Scene) -> tuple[AbstractLaw, Effect]:
@@ -102,7 +115,7 @@ def _plasticity(scene: Scene) -> tuple[AbstractLaw, Effect]:
     if law != "auto":
         chosen = law if isinstance(law, AbstractLaw) else _law(scene, law)
         reason = f"the scene asks for the law {chosen.name}"
-        yields = any(stage.unloading is not None for stage in chosen.stages())
+        yields = any(stage.unloading is not None for stage in _reopened(scene, chosen).stages())
         return chosen, effect("simulated" if yields else "switched off", reason)
     if wanted is False:
         return _law(scene, "hertz"), effect("switched off", "the scene asks for no plasticity: law hertz")

@@ -1,4 +1,4 @@
-"""One figure of an impact: force, indentation, velocities and energies over time, and the force-indentation loop."""
+"""Figures: of an impact, force, indentation, velocities and energies over time; of the contact laws, their loops."""
 
 from __future__ import annotations
 
@@ -52,6 +52,8 @@ _STYLE: dict[Any, Any] = {
     **{"font.size": 9.0, "lines.linewidth": 1.6, "svg.hashsalt": "film-model"},
     **{"axes.spines.top": False, "axes.spines.right": False, "xtick.direction": "in", "ytick.direction": "in"},
 }
+FAMILIES = ("elastic", "sphere that yields", "spring", "laminate, table", "damped")
+_SPACING = {"left": 0.058, "right": 0.985, "bottom": 0.085, "top": 0.905, "hspace": 0.24, "wspace": 0.1}
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 
@@ -263,3 +265,60 @@ def _save(figure: Figure, target: Path, dpi: float) -> None:
     figure.savefig(picture, format=kind, dpi=dpi, metadata=undated.get(kind))
     with written_whole(target) as beside:
         beside.write_bytes(picture.getbuffer())
+
+
+def plot_laws(path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
+    """The contact laws side by side: force over indentation of the same impact, in and out, each before all others.
+
+    Indentation and force are those of the ball of `law_family`, over what Hertz's law gives it. Files, errors and dpi:
+    as for `plot_history`.
+    """
+    target = _target(path)
+    matplotlib, figure_class = _matplotlib()
+    with matplotlib.rc_context(_STYLE):
+        figure = figure_class(figsize=(13.0, 7.4))
+        _draw_laws(figure)
+        if target is not None:
+            _save(figure, target, dpi)
+    return figure
+
+
+def _draw_laws(figure: Figure) -> None:
+    from film_model.law_family import VELOCITY_RATIO, family_loops
+
+    loops = family_loops()
+    depth, force = (float(values.max()) for values in loops["hertz"].curve)
+    columns = 6
+    rows = math.ceil((len(loops) + 1) / columns)  # the last cells hold the key
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False, gridspec_kw=_SPACING)
+    flat = list(panels.flat)
+    for panel, (name, loop) in zip(flat, loops.items(), strict=False):
+        for other in loops.values():
+            panel.plot(other.curve[0] / depth, other.curve[1] / force, color="0.88", linewidth=0.7, zorder=1)
+        panel.plot(loops["hertz"].curve[0] / depth, loops["hertz"].curve[1] / force, ":", color="0.35", linewidth=1.0)
+        x, y = loop.curve[0] / depth, loop.curve[1] / force
+        turn, colour = loop.turn, COLOURS[FAMILIES.index(loop.family)]
+        panel.fill([0.0, *x], [0.0, *y], color=colour, alpha=0.15, linewidth=0.0, zorder=2)
+        panel.plot(x[: turn + 1], y[: turn + 1], color=colour, linewidth=1.8, zorder=4)
+        panel.plot(x[turn:], y[turn:], "--", color=colour, linewidth=1.4, zorder=3)
+        panel.set_title(name, fontsize=10, loc="left", pad=3.0)
+        panel.text(0.04, 0.93, f"e = {loop.restitution:.2f}", transform=panel.transAxes, va="top", fontsize=9)
+        panel.set(xlim=(0.0, None), ylim=(0.0, None))
+    for panel in flat[len(loops) :]:
+        panel.set_axis_off()
+    for panel in flat[max(len(loops) - columns, 0) : len(loops)]:
+        panel.tick_params(labelbottom=True)
+    figure.supxlabel("indentation over that of Hertz's law", fontsize=10, y=0.012)
+    figure.supylabel("contact force over that of Hertz's law", fontsize=10, x=0.012)
+    figure.text(0.058, 0.965, "Contact laws", fontsize=13, fontweight="bold")
+    what = f"a steel ball on steel at {VELOCITY_RATIO:g} yield velocities; springs, laminate and table by example"
+    figure.text(0.165, 0.966, what, fontsize=9, color="0.25")
+    key = flat[len(loops)]
+    for family, colour in zip(FAMILIES, COLOURS, strict=False):
+        key.plot([], [], color=colour, linewidth=3, label=family)
+    key.plot([], [], color="0.3", linewidth=1.8, label="loading")
+    key.plot([], [], "--", color="0.3", linewidth=1.4, label="unloading")
+    key.fill([], [], color="0.3", alpha=0.15, label="energy absorbed")
+    key.plot([], [], ":", color="0.35", linewidth=1.0, label="Hertz")
+    key.plot([], [], color="0.8", linewidth=0.7, label="all the other laws")
+    key.legend(loc="upper left", bbox_to_anchor=(0.0, 1.0), frameon=False, fontsize=8.5, borderaxespad=0.0)

@@ -27,9 +27,9 @@ CONTACT_LIMIT = 100.0
 class Problem:
     """What the core needs of a scene, and what turns its answers into the laboratory's.
 
-    gamma: F_s/(Z v_s). load: external force over F_s. approach: relative velocity over v_s. drift, share: the
-    impactor's velocity is drift + share·ν v_s, a free target's drift − (1 − share)·ν v_s; drift 0 and share 1 unless
-    the target is a free body.
+    gamma: F_s/(Z v_s). load: external force over F_s. damping: factor of a damped law's c over F_s/v_s. approach:
+    relative velocity over v_s. drift, share: the impactor's velocity is drift + share·ν v_s, a free target's
+    drift − (1 − share)·ν v_s; drift 0 and share 1 unless the target is a free body.
     """
 
     law: AbstractLaw
@@ -42,11 +42,12 @@ class Problem:
     share: float
     mass: float
     effects: tuple[Effect, ...]
+    damping: float = 0.0
 
     @property
     def start(self) -> native.Start:
         """The contact as the core starts it."""
-        return native.Start(self.approach, self.gamma, self.load, self.stop_velocity, self.limit)
+        return native.Start(self.approach, self.gamma, self.load, self.stop_velocity, self.limit, self.damping)
 
     @property
     def stop_velocity(self) -> float:
@@ -110,6 +111,7 @@ def problem_of(scene: Scene) -> Problem:
         scales=scales,
         gamma=0.0 if math.isinf(chosen.impedance) else scales.force / (chosen.impedance * scales.velocity),
         load=chosen.load / scales.force,
+        damping=float(chosen.law.damping_factor(mass, approach, scales.length)) * scales.velocity / scales.force,
         approach=approach / scales.velocity,
         drift=drift,
         share=share,

@@ -41,24 +41,19 @@ def quadrature(law: AbstractLaw, mass: float, velocity: float) -> dict[str, floa
     """Summary of an impact on a half-space, to about 1e-13: the energy integral, v² = V_0² − 2W(δ)/m and t = ∫dδ/v.
 
     The root at the turning point is substituted away (δ = δ_end − h s² in each stage), the integrals are adaptive
-    Gauss–Legendre sums of 20 points. Unloading F = F_m ((δ − δ_f)/(δ_m − δ_f))^q from rest lasts
-    √π Γ(1 + 1/(q + 1))/Γ(1/2 + 1/(q + 1)) · (δ_m − δ_f)/v_rebound; a reversible law takes as long out as in.
+    Gauss–Legendre sums of 20 points. A reversible law takes as long out as in.
 
-    Raises ValueError if the law ends before the motion turns.
+    Raises ValueError if the law ends before the motion turns, or has damping.
     """
+    _undamped(law)
     scale, force_scale = law.scales(0.5 * mass * velocity**2)
     square = mass * velocity**2 / (force_scale * scale)  # ν², falls from stage to stage
     time, peak = 0.0, 0.0
     for stage in law.stages():
         to = _turning_point(stage, 0.5 * square)
         left = 0.0 if to is not None else square - 2.0 * float(work_before(stage, stage.end, stage.end - stage.begin))
-        length = (stage.end if to is None else to) - stage.begin
-        end = stage.begin + length
-
-        def slowness(s: Array, stage: Stage = stage, end: float = end, length: float = length, left: float = left):
-            return 2.0 * length * s / np.sqrt(left + 2.0 * work_before(stage, end, length * s * s))
-
-        time += float(_integral(slowness))
+        end = stage.end if to is None else to
+        time += _passage(stage, end, left)
         peak = max(peak, _peak(stage, end))
         square = left
         if to is not None:
@@ -70,10 +65,9 @@ def quadrature(law: AbstractLaw, mass: float, velocity: float) -> dict[str, floa
     if stage.unloading is None:
         residual, out, opening = 0.0, velocity * clock / scale, time
     else:
-        residual, q = unloaded(stage.unloading, stage, end, force)
-        out = math.sqrt(2.0 * force * (end - residual) / (q + 1.0))
-        shape = math.gamma(1.0 + 1.0 / (q + 1.0)) / math.gamma(0.5 + 1.0 / (q + 1.0))
-        opening = math.sqrt(math.pi) * shape * (end - residual) / out
+        branch = unloaded(stage.unloading, stage, end, force)
+        residual, opening = branch.begin, _passage(branch, end, 0.0)
+        out = math.sqrt(2.0 * float(work_before(branch, end, end - residual)))
     rebound = -out * scale / clock
     times = (time * clock, time * clock, (time + opening) * clock)
     absorbed = 0.5 * mass * (velocity**2 - rebound**2) if stage.unloading is not None else 0.0
@@ -104,9 +98,10 @@ def integrate(
     With the defaults the errors are near 1e-12 of the largest value of a variable: a rebound of 2e-4 V_0 has eight
     digits. `atol` is in the units above. An impactor that does not stop in contact stops at NaN.
 
-    Adds "force_evaluations" to the names of `SUMMARY`. Raises ValueError if the law ends before the motion turns, or
-    if its force jumps up by more than the target's motion allows; RuntimeError if the method fails.
+    Adds "force_evaluations" to the names of `SUMMARY`. Raises ValueError if the law ends before the motion turns, has
+    damping, or if its force jumps up by more than the target's motion allows; RuntimeError if the method fails.
     """
+    _undamped(law)
     scale, force_scale = law.scales(0.5 * mass * velocity**2)
     stages = law.stages()
     square = mass * velocity**2 / (force_scale * scale)
@@ -134,10 +129,10 @@ def integrate(
 
     residual, given_back = 0.0, work
     if stage.unloading is not None:
-        residual, q = unloaded(stage.unloading, stage, depth, force)
-        given_back = force * (depth - residual) / (q + 1.0)
-        span = (depth - residual) / size
-        branches = [(span, lambda x: unit * force * (x / span) ** q)]
+        branch = unloaded(stage.unloading, stage, depth, force)
+        residual = branch.begin
+        given_back = float(work_before(branch, depth, depth - residual))
+        branches = [((depth - residual) / size, _loading(branch, size, unit))]
     else:  # back through the stages, the last of them from where it turned
         passed = stages[: stages.index(stage) + 1][::-1]
         branches = [((min(s.end, depth) - s.begin) / size, _loading(s, size, unit)) for s in passed]
@@ -153,6 +148,11 @@ def integrate(
     depths = (depth * scale, residual * scale)
     result = _summary(depths, peak * force_scale, times, (velocity, state[1] * velocity), energies)
     return {**result, "force_evaluations": float(solver.calls)}
+
+
+def _undamped(law: AbstractLaw) -> None:
+    if law.damped:
+        raise ValueError(f"law {law.name} is damped: these answers are for forces that depend on the indentation alone")
 
 
 @dataclass
@@ -252,13 +252,32 @@ def work_before(stage: Stage, to: float, lengths: Any) -> Array:
     return force.constant * d + force.slope * x * (top - 0.5 * x) + force.coefficient * difference / n
 
 
-def unloaded(rule: Unloading, stage: Stage, xi: float, force: float) -> tuple[float, float]:
-    """Where the branch that begins at (ξ, f) ends, ξ_f, and its exponent q."""
-    q = float(value(rule.exponent, xi, stage))
-    if rule.residual is not None:
-        return float(value(rule.residual, xi, stage)), q
-    assert rule.radius_ratio is not None
-    return xi - (force / math.sqrt(float(value(rule.radius_ratio, xi, stage)))) ** (1.0 / q), q
+def unloaded(rule: Unloading, stage: Stage, xi: float, force: float) -> Stage:
+    """The branch that leads back from (ξ, f), as a stage from ξ_f to ξ."""
+    name, function = rule.rule
+    q, given = float(value(rule.exponent, xi, stage)), float(value(function, xi, stage))
+    if name == "shifted":
+        free = max(xi**q - force / given, 0.0) ** (1.0 / q)
+        return Stage("unloading", free, xi, Power(force - given * xi**q, coefficient=given, exponent=q, origin=0.0))
+    if name == "residual":
+        free = given
+    elif name == "secant":
+        free = max(xi - force / given, 0.0)
+    else:
+        free = xi - (force / math.sqrt(given)) ** (1.0 / q)
+    return Stage("unloading", free, xi, Power(coefficient=force / (xi - free) ** q, exponent=q, origin=free))
+
+
+def _passage(stage: Stage, end: float, left: float) -> float:
+    """Time between the beginning of a stage and `end`, where ν² is `left`, without a load."""
+    length = end - stage.begin
+    if length == 0.0:
+        return 0.0
+
+    def slowness(s: Array) -> Array:
+        return 2.0 * length * s / np.sqrt(left + 2.0 * work_before(stage, end, length * s * s))
+
+    return float(_integral(slowness))
 
 
 def _origin(power: Power, stage: Stage) -> float:

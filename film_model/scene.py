@@ -180,6 +180,15 @@ class Scene:
         return reduce(lesser, strengths) if strengths else None
 
     @property
+    def poissons_ratio(self) -> float | None:
+        """Of the body that yields first, or what [contact] says; without yield strengths, the target's."""
+        if self.contact.poissons_ratio is not None:
+            return self.contact.poissons_ratio
+        materials = [m for m in (self.target.material, self.impactor.material) if m is not None]
+        first = min(materials, key=lambda m: math.inf if m.yield_strength is None else m.yield_strength, default=None)
+        return None if first is None else first.poissons_ratio
+
+    @property
     def approach_velocity(self) -> float:
         """Velocity of the impactor relative to the target when contact begins, m/s."""
         return self.impactor.speed - (self.target.velocity if isinstance(self.target, Body) else 0.0)
@@ -221,6 +230,8 @@ class Scene:
             both = (("impactor", self.impactor), ("target", target))
             missing = " and ".join(f"{part}.material" for part, body in both if body.material is None)
             found["contact.effective_modulus"] = f"missing: give {missing}, or effective_modulus"
+        if contact.needs("poissons_ratio") and self.poissons_ratio is None:
+            found["contact.poissons_ratio"] = f'missing: law "{name}" needs it: give a material, or poissons_ratio'
         if self.yield_strength is None:
             where = "give yield_strength in [target.material], [impactor.material] or [contact]"
             if contact.needs("yield_strength"):

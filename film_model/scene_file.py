@@ -23,7 +23,8 @@ KINDS: dict[str, type[Target]] = {cls.kind: cls for cls in (HalfSpace, Plate, Ro
 
 def read_scene(path: str | os.PathLike[str]) -> Scene:
     """The scene in a file."""
-    return scene_from_text(*read_text(path))
+    text, name = read_text(path)
+    return scene_from_text(text, name, os.path.dirname(os.fspath(path)))
 
 
 def read_text(path: str | os.PathLike[str]) -> tuple[str, str]:
@@ -47,9 +48,12 @@ def read_text(path: str | os.PathLike[str]) -> tuple[str, str]:
     return text, shown_name
 
 
-def scene_from_text(text: str, name: str) -> Scene:
-    """The scene in the text of a scene file called `name`."""
+def scene_from_text(text: str, name: str, folder: str = "") -> Scene:
+    """The scene in the text of a scene file called `name`; files that it names are looked for in `folder`."""
     table = toml_table(text, name)
+    contact = table.get("contact")
+    if isinstance(contact, dict) and isinstance(contact.get("file"), str):
+        contact["file"] = os.path.join(folder, contact["file"])
     try:
         return scene_from_table(table)
     except SceneError as error:

@@ -35,7 +35,7 @@ def simulate(
     problem = problem_of(scene)
     if problem.approach == 0.0 and problem.load <= 0.0:
         raise SimulationError("the impactor has no velocity and no force pushes it: there is no impact")
-    warnings = list(problem.curve.warnings)
+    warnings = [*problem.law.remarks(), *problem.curve.warnings]
     if solver.segments is not None:
         counts, estimated = (solver.segments, solver.segments), estimate(problem, solver)
     else:
@@ -101,7 +101,7 @@ def _summarise(problem: Problem, events: tuple[Event, ...], last: Any) -> dict[s
         summary["time_impactor_stops"] = stops.time
     if ends is not None:
         summary["contact_duration"] = ends.time
-        summary["permanent_indentation"] = ends.indentation
+        summary["permanent_indentation"] = float(last["xi_free"]) * problem.scales.length
         summary["rebound_velocity"] = ends.impactor_velocity
         summary["coefficient_of_restitution"] = -float(last["nu"]) / problem.approach if problem.approach else None
         spent = float(last["spent"])

@@ -43,6 +43,7 @@ DIMENSIONS: dict[str, Dimension] = {
     "mass": Dimension("kg", "a mass", "60 g"),
     "time": Dimension("s", "a time", "20 us"),
     "velocity": Dimension("m s-1", "a velocity", "0.25 m/s"),
+    "inverse_velocity": Dimension("s m-1", "an inverse velocity", "0.3 s/m"),
     "acceleration": Dimension("m s-2", "an acceleration", "9.81 m/s^2"),
     "frequency": Dimension("Hz", "a frequency", "10 kHz"),
     "force": Dimension("N", "a force", "500 N"),

@@ -38,6 +38,13 @@ class Saturating(fm.AbstractLaw):
         )
 
 
+def table():
+    """A stiffening curve in 25 points, as a measurement might give it."""
+    indentation = np.linspace(0.0, 80e-6, 25)
+    return fm.Tabulated(indentation, 2e7 * indentation + 3e11 * indentation**2)
+
+
+SPHERE = (EFFECTIVE_MODULUS, RADIUS)
 LAWS = {
     "hertz": fm.Hertz(EFFECTIVE_MODULUS, RADIUS),
     "meyer": fm.Meyer(stiffness=2e13, exponent=2.0),
@@ -46,6 +53,20 @@ LAWS = {
     "big-alabo-printed": fm.BigAlabo(EFFECTIVE_MODULUS, RADIUS, YIELD, "printed"),
     "stronge": fm.Stronge(EFFECTIVE_MODULUS, RADIUS, YIELD),
     "saturating": Saturating(),
+    "thornton": fm.Thornton(*SPHERE, 1.6 * YIELD),
+    "kogut-etsion": fm.KogutEtsion(*SPHERE, poissons_ratio=0.3, hardness=2.8 * YIELD),
+    "jackson-green": fm.JacksonGreen(*SPHERE, YIELD, poissons_ratio=0.3),
+    "yigit-christoforou": fm.YigitChristoforou(*SPHERE, YIELD),
+    "rigid-plastic": fm.RigidPlastic(*SPHERE, 0.6 * YIELD),
+    "walton-braun": fm.WaltonBraun(loading_stiffness=4e7, unloading_stiffness=8e7),
+    "luding": fm.Luding(RADIUS, loading_stiffness=4e7, plastic_stiffness=1e8, plasticity_depth=1e-3),
+    "tan-sun": fm.TanSun(stiffness=1e10, critical_indentation=5e-6),
+    "tabulated": fm.BrakeUnloading(table(), *SPHERE),
+    "linear-dashpot": fm.LinearDashpot(stiffness=4e7, restitution=0.7),
+    "tsuji": fm.Tsuji(*SPHERE, restitution=0.7),
+    "hunt-crossley": fm.HuntCrossley(*SPHERE, hysteresis_damping=2.0),
+    "kuwabara-kono": fm.KuwabaraKono(*SPHERE, dissipation_time=3e-6),
+    "big-alabo-brake": fm.BrakeUnloading(fm.BigAlabo(*SPHERE, YIELD), *SPHERE),
 }
 
 TARGETS = {

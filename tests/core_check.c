@@ -17,7 +17,7 @@ static const double SERIES_ROUNDING = 1e-7;
 static const double ENERGY = 1e-11;  /* balance of energy over a whole contact: the sum of some hundred roundings */
 
 enum { RANDOM_IMPACTS = 3000, RANDOM_SCHEDULES = 1500, SEGMENTS_MOST = 24, LINE_ROOM = 4096, EVENT_ROOM = 256, SAMPLES = 60 };
-enum { CURVES = 4, BATCH_CURVES = 8, PARTS = 6, BATCH = 500 };
+enum { CURVES = 7, BATCH_CURVES = 11, PARTS = 6, BATCH = 500 };
 
 /* ---------------------------------------------------------------- checking, hashing, random numbers */
 
@@ -242,9 +242,46 @@ static film_curve softening_curve(void) {
     return curve;
 }
 
-enum { HERTZ, ELASTOPLASTIC, SERIES, LINEAR, CLEARANCE, DENTED, VARIED, SOFTENING };
+
+/* x^1.5; a contact that turned at x leaves half of it, opens with the power 2.5 and closes again with 1.5. */
+static film_curve laminate_curve(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    film_piece *piece = add_stage(&curve, INFINITY, power(0.0, 0.0, 0.0, 1.0, 1.5));
+    piece->recovery = power(0.0, 0.0, 0.5, 0.0, 1.0);
+    piece->exponent = power(0.0, 2.5, 0.0, 0.0, 1.0);
+    curve.stage[0].unloading = FILM_RESIDUAL;
+    curve.stage[0].reload_exponent = 1.5;
+    return curve;
+}
+
+/* Elastic, then linear with the slope at yield; opens along the elastic curve, shifted down. Twice as deep, along a Hertz
+ * curve of the contact radius reached. */
+static film_curve shifted_curve(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    add_stage(&curve, 1.0, power(0.0, 0.0, 0.0, 1.0, 1.5));
+    add_stage(&curve, 4.0, power(1.0, 1.0, 1.5, 0.0, 1.0))->recovery = power(0.0, 1.0, 0.0, 0.0, 1.0);
+    add_stage(&curve, INFINITY, power(4.0, 5.5, 1.5, 0.0, 1.0))->recovery = power(0.0, 0.0, 0.0, 1.0, 0.5);
+    curve.stage[1].unloading = FILM_SHIFTED;
+    curve.stage[2].unloading = FILM_SECANT;
+    return curve;
+}
+
+/* A shifted branch ends with a slope 1.5 sqrt(xi_f), at most 2.04 here: 2/sqrt(slope). */
+static const double SHIFTED_OVER_DAMPED = 1.4;
+
+/* x^1.5 with damping in proportion to x^0.5: Kuwabara and Kono's. */
+static film_curve damped_curve(void) {
+    film_curve curve = hertz_curve();
+    curve.piece[0].damping = power(0.0, 0.0, 0.0, 1.0, 0.5);
+    curve.stage[0].damped = 1;
+    return curve;
+}
+
+enum { HERTZ, ELASTOPLASTIC, SERIES, LINEAR, LAMINATE, SHIFTED, DAMPED, CLEARANCE, DENTED, VARIED, SOFTENING };
 static film_curve curves[BATCH_CURVES];
-static const double work_rounding[CURVES] = {0.0, 0.0, 4e-15, 0.0}; /* of a series: of its largest value, near 5 */
+static const double work_rounding[CURVES] = {0.0, 0.0, 4e-15, 0.0, 0.0, 0.0, 0.0}; /* of a series: of its largest value, near 5 */
 
 /* ---------------------------------------------------------------- meshes */
 
@@ -294,13 +331,13 @@ static void check_lines(int which, const film_state *begin, int32_t count, int w
         force = fmax(force, values[2]);
         HOLD(values[2] >= -EXACT * force);
         double pull = fabs(line->phi) + fabs(line->kappa) * fabs(next->xi - line->xi) + fabs(line->load);
-        if (next->nu == begin->stop_velocity) /* cut where nu is that, to a length known to 1e-14, and maybe slow there */
-            late += 2e-14 * depth / fmax(fabs(values[1]), 1e-300);
+        if (next->nu == begin->stop_velocity) /* cut where nu is that, to a length known to 1e-13, and maybe slow there */
+            late += 1e-13 * depth / fmax(fabs(values[1]), 1e-300);
         NEAR(values[0], next->xi, depth + late * (speed + line->gamma * pull) / EXACT, tolerance);
         if (fabs(values[1]) < 1e-7 * speed) tolerance = 1e-7; /* at a turn a speed of which the square is rounding is dropped */
         NEAR(values[3], next->nu, speed + late * pull / EXACT, tolerance);
         NEAR(values[4], next->shift, moved + line->gamma * (speed + late * pull / EXACT), tolerance);
-        if (line->branch == FILM_FREE || next->branch == FILM_FREE) continue;
+        if (line->branch == FILM_FREE || next->branch == FILM_FREE || which == DAMPED) continue;
         if (!work_preserving || next->phase != line->phase || next->branch != line->branch) continue;
         double h = next->xi - line->xi, mean = line->phi + 0.5 * line->kappa * h;
         NEAR(mean * h, next->spent - line->spent, force * depth + work_rounding[which] / EXACT, EXACT);
@@ -387,23 +424,26 @@ static void check_events(const film_curve *curve, int32_t count, const film_star
         if (s->event == FILM_CONTACT_ENDS) {
             HOLD(s->force == 0.0 && s->phase == FILM_SEPARATED && s->branch == FILM_FREE);
             HOLD(relative <= EXACT * speed);
-            NEAR(s->xi, s->xi_free, s->xi_max, EXACT);
+            if (curve != &curves[DAMPED]) NEAR(s->xi, s->xi_free, s->xi_max, EXACT);
+            else HOLD(s->xi >= 0.0 && s->xi <= s->xi_max * (1.0 + EXACT));
         }
         if (s->branch >= 0) {
             film_law(curve, s->branch, s->xi, &force, &work);
-            NEAR(s->force, force, s->force_peak, EXACT);
+            NEAR(s->elastic, force, s->force_peak, EXACT);
+            if (s->event == FILM_MAXIMUM_INDENTATION || curve != &curves[DAMPED]) NEAR(s->force, force, s->force_peak, 1e-7);
         }
         time = s->time;
     }
 }
 
 static film_start random_start(int curve) {
-    film_start start = {over_decades(1e-3, 30.0), 0.0, 0.0, 0.0, INFINITY};
+    film_start start = {over_decades(1e-3, 30.0), 0.0, 0.0, 0.0, INFINITY, 0.0};
     if (curve == SERIES || curve == SOFTENING) start.nu = over_decades(0.03, 4.0); /* beyond 3.6 the law ends before a fixed target wins */
     if (uniform(0.0, 1.0) < 0.7) start.gamma = over_decades(1e-4, 30.0);
     if (uniform(0.0, 1.0) < 0.3) start.load = uniform(-0.5, 0.5) * fmin(1.0, start.nu);
     if (uniform(0.0, 1.0) < 0.2) start.stop_velocity = uniform(-0.5, 0.5) * start.nu;
     if (start.load > 0.0) start.time_limit = uniform(0.0, 200.0);
+    if (curve == DAMPED) start.damping = over_decades(1e-2, 3.0);
     return start;
 }
 
@@ -423,6 +463,7 @@ static void one_contact(int which, const film_mesh *mesh, const film_start *star
     HOLD(memcmp(&summary, &again, sizeof again) == 0);
 
     HOLD(film_init(curve, &begin, 0.0, start->nu, start->gamma, start->load, start->stop_velocity) == FILM_OK);
+    HOLD(film_damp(&begin, start->damping) == FILM_OK);
     s = begin;
     int recorded = film_record(curve, mesh, &s, start->time_limit, lines, LINE_ROOM, &line_count, events, EVENT_ROOM, &event_count);
     HOLD(recorded == status);
@@ -436,7 +477,8 @@ static void one_contact(int which, const film_mesh *mesh, const film_start *star
     check_samples(curve, line_count, s.time);
     check_little_room(curve, mesh, &begin, start->time_limit, line_count, event_count);
     stir_state(&s);
-    int creeps = (which == LINEAR && start->gamma > OVER_DAMPED) || (which == SERIES && !work_preserving);
+    int creeps = (which == LINEAR && start->gamma > OVER_DAMPED) || (which == SERIES && !work_preserving) ||
+                 (which == SHIFTED && start->gamma > SHIFTED_OVER_DAMPED);
     if (start->load <= 0.0) HOLD(status == FILM_EVENT || (status == FILM_ENDLESS && creeps));
     if (status != FILM_EVENT) return;
     double t = s.time, v = start->nu + fabs(s.nu), tolerance = EXACT + work_rounding[which] / (0.5 * v * v);
@@ -523,6 +565,7 @@ static void one_schedule(int which, const film_mesh *mesh) {
     snprintf(where, sizeof where, "schedule from seed %llu, curve %d, nu %.6g, gamma %.6g, mesh %d %d %d",
              (unsigned long long)from, which, nu, gamma, (int)mesh->linearisation, (int)mesh->loading, (int)mesh->unloading);
     HOLD(film_init(curve, &s, -gap, nu, gamma, 0.0, 0.0) == FILM_OK);
+    if (which == DAMPED) HOLD(film_damp(&s, 0.3) == FILM_OK);
     once = cut = s;
     int status = perform(curve, mesh, &once, parts, PARTS, 1, seen[0], &count[0]);
     int cut_status = perform(curve, mesh, &cut, parts, PARTS, whole(2, 40), seen[1], &count[1]);
@@ -616,7 +659,7 @@ static void check_batch(int which, const film_mesh *mesh, double same, double li
  * lines follow a straight law exactly, however few they are. */
 static void check_linear_law(const film_mesh *mesh) {
     for (int i = 0; i < 200; i++) {
-        film_start start = {over_decades(1e-3, 1e3), i % 4 == 0 ? 0.0 : over_decades(1e-3, 1.9), 0.0, 0.0, INFINITY};
+        film_start start = {over_decades(1e-3, 1e3), i % 4 == 0 ? 0.0 : over_decades(1e-3, 1.9), 0.0, 0.0, INFINITY, 0.0};
         film_summary got;
         snprintf(where, sizeof where, "linear law, nu %.17g, gamma %.17g", start.nu, start.gamma);
         double a = 0.5 * start.gamma, omega = sqrt(1.0 - a * a), turn = atan2(omega, a) / omega;
@@ -645,7 +688,7 @@ static void check_hertz(void) {
     double before = 0.0;
     for (int32_t n = 32; n <= 256; n *= 2) {
         owned_mesh own = make_mesh(FILM_WORK_PRESERVING, n, n);
-        film_start start = {2.5, 0.0, 0.0, 0.0, INFINITY};
+        film_start start = {2.5, 0.0, 0.0, 0.0, INFINITY, 0.0};
         film_summary got;
         snprintf(where, sizeof where, "Hertz, %d segments", (int)n);
         HOLD(film_impact(&curves[HERTZ], &own.mesh, &start, &got) == FILM_EVENT);
@@ -666,7 +709,7 @@ static void check_hertz(void) {
  * work; over a segment of 1e-5 at a force of 0.03 that is 1e-9 of the force, and more of a depth that is slowly reached. */
 static void check_series(const film_mesh *mesh) {
     for (int i = 0; i < 200; i++) {
-        film_start start = {over_decades(0.1, 0.89), i % 2 ? 0.0 : over_decades(1e-3, 5.0), 0.0, 0.0, INFINITY};
+        film_start start = {over_decades(0.1, 0.89), i % 2 ? 0.0 : over_decades(1e-3, 5.0), 0.0, 0.0, INFINITY, 0.0};
         film_summary a, b;
         snprintf(where, sizeof where, "Hertz twice, nu %.17g, gamma %.17g", start.nu, start.gamma);
         HOLD(film_impact(&curves[HERTZ], mesh, &start, &a) == FILM_EVENT);
@@ -705,8 +748,10 @@ static void check_bad_curves(void) {
         REFUSED(bad.stage[last].count = 0);
         REFUSED(bad.stage[last].count = FILM_MAX_PIECES + 1);
         REFUSED(bad.stage[last].count = INT32_MAX);
-        REFUSED(bad.stage[last].unloading = 3);
+        REFUSED(bad.stage[last].unloading = 5);
         REFUSED(bad.stage[last].unloading = -1);
+        REFUSED(bad.stage[last].reload_exponent = -1.0);
+        REFUSED(bad.stage[last].reload_exponent = NAN);
         REFUSED(bad.piece[0].end = 0.0);
         REFUSED(bad.piece[0].end = NAN);
         REFUSED(bad.piece[0].work_at_begin = NAN);
@@ -736,7 +781,12 @@ static void check_bad_curves(void) {
             REFUSED(bad.stage[0].end = INFINITY);
             REFUSED(bad.stage[1].first = 0);
         }
-        if (which != HERTZ) {
+        REFUSED(bad.stage[last].damped = 2);
+        if (which == DAMPED) {
+            REFUSED(bad.piece[0].damping.coefficient = NAN);
+            REFUSED(bad.stage[0].unloading = FILM_RESIDUAL);
+        } else if (which != HERTZ) {
+            REFUSED(bad.stage[last].damped = 1);
             REFUSED(bad.piece[curves[which].stage[last].first].recovery.form = 7);
             REFUSED(bad.piece[curves[which].stage[last].first].recovery.origin = NAN);
             REFUSED(bad.piece[curves[which].stage[last].first].exponent.per_span = -1.0);
@@ -748,7 +798,7 @@ static void check_bad_meshes(void) {
     static const int32_t counts[][3] = {{FILM_WORK_PRESERVING, 0, 5}, {FILM_WORK_PRESERVING, 5, 0},
                                         {FILM_CHORD, -1, 5}, {FILM_CHORD, 5, FILM_MAX_SEGMENTS + 1},
                                         {FILM_WORK_PRESERVING, INT32_MAX, 1}, {2, 5, 5}, {-1, 5, 5}};
-    film_start start = {1.0, 0.0, 0.0, 0.0, INFINITY};
+    film_start start = {1.0, 0.0, 0.0, 0.0, INFINITY, 0.0};
     film_summary summary;
     film_state s;
     int32_t a, b;
@@ -778,14 +828,15 @@ static void check_bad_numbers(const film_mesh *mesh) {
         HOLD(film_init(curve, &s, 0.0, 1.0, x, 0.0, 0.0) == FILM_BAD_NUMBER);
         HOLD(film_init(curve, &s, 0.0, 1.0, 0.0, x, 0.0) == FILM_BAD_NUMBER);
         HOLD(film_init(curve, &s, 0.0, 1.0, 0.0, 0.0, x) == FILM_BAD_NUMBER);
-        const film_start bad[] = {{x, 0.0, 0.0, 0.0, INFINITY}, {1.0, x, 0.0, 0.0, INFINITY},
-                                  {1.0, 0.0, x, 0.0, INFINITY}, {1.0, 0.0, 0.0, x, INFINITY}};
-        for (int i = 0; i < 4; i++) HOLD(film_impact(curve, mesh, &bad[i], &summary) == FILM_BAD_NUMBER);
+        const film_start bad[] = {{x, 0.0, 0.0, 0.0, INFINITY, 0.0}, {1.0, x, 0.0, 0.0, INFINITY, 0.0},
+                                  {1.0, 0.0, x, 0.0, INFINITY, 0.0}, {1.0, 0.0, 0.0, x, INFINITY, 0.0},
+                                  {1.0, 0.0, 0.0, 0.0, INFINITY, x}};
+        for (int i = 0; i < 5; i++) HOLD(film_impact(curve, mesh, &bad[i], &summary) == FILM_BAD_NUMBER);
     }
-    const film_start none[] = {{0.0, 0.0, 0.0, 0.0, INFINITY}, {-1.0, 0.0, 0.0, 0.0, INFINITY},
-                               {1.0, -1e-9, 0.0, 0.0, INFINITY}, {1.0, 0.0, 0.0, 0.0, NAN},
-                               {1.0, 0.0, 0.0, 0.0, -1.0}};
-    for (int i = 0; i < 5; i++) HOLD(film_impact(curve, mesh, &none[i], &summary) == FILM_BAD_NUMBER);
+    const film_start none[] = {{0.0, 0.0, 0.0, 0.0, INFINITY, 0.0}, {-1.0, 0.0, 0.0, 0.0, INFINITY, 0.0},
+                               {1.0, -1e-9, 0.0, 0.0, INFINITY, 0.0}, {1.0, 0.0, 0.0, 0.0, NAN, 0.0},
+                               {1.0, 0.0, 0.0, 0.0, -1.0, 0.0}, {1.0, 0.0, 0.0, 0.0, INFINITY, -1e-9}};
+    for (int i = 0; i < 6; i++) HOLD(film_impact(curve, mesh, &none[i], &summary) == FILM_BAD_NUMBER);
     HOLD(film_init(curve, &s, 1e-9, 1.0, 0.0, 0.0, 0.0) == FILM_BAD_NUMBER);
     HOLD(film_init(curve, &s, -1.0, 1.0, -1.0, 0.0, 0.0) == FILM_BAD_NUMBER);
 
@@ -849,6 +900,9 @@ int main(void) {
     curves[DENTED] = dented_curve();
     curves[VARIED] = varied_curve();
     curves[SOFTENING] = softening_curve();
+    curves[LAMINATE] = laminate_curve();
+    curves[SHIFTED] = shifted_curve();
+    curves[DAMPED] = damped_curve();
     check_bad_curves();
     check_bad_meshes();
     check_hertz();

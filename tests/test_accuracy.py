@@ -49,12 +49,38 @@ def random_scene(rng):
     return fm.Scene(ball, target, contact=fm.Contact(law=law))
 
 
-def check_estimates(count, seed):
+def random_law_scene(rng):
+    """A random scene under any other law of the catalogue, with parameters that make sense for it."""
+    case = random_scene(rng)
+    modulus, radius, strength = case.effective_modulus, case.effective_radius, case.yield_strength
+    energy, hertz = case.kinetic_energy, fm.Hertz(modulus, radius)
+    depth, force = hertz.scales(2.5 * energy)  # of Hertz's law
+    ball, stiffness, e = (modulus, radius), force / depth, rng.uniform(0.2, 0.98)
+    made = {
+        "thornton": lambda: fm.Thornton(*ball, 1.6 * strength),
+        "kogut-etsion": lambda: fm.KogutEtsion(*ball, 0.3, 2.8 * strength),
+        "jackson-green": lambda: fm.JacksonGreen(*ball, min(strength, 0.1 * modulus), 0.3),
+        "yigit-christoforou": lambda: fm.YigitChristoforou(*ball, strength),
+        "rigid-plastic": lambda: fm.RigidPlastic(*ball, 3 * strength),
+        "walton-braun": lambda: fm.WaltonBraun(stiffness, stiffness / e**2),
+        "luding": lambda: fm.Luding(radius, stiffness, stiffness / e**2, depth / radius * rng.uniform(0.1, 2)),
+        "tan-sun": lambda: fm.TanSun(force / depth**1.5, depth * rng.uniform(0.1, 2)),
+        "brake": lambda: fm.BrakeUnloading(fm.BigAlabo(*ball, strength), *ball),
+        "linear-dashpot": lambda: fm.LinearDashpot(stiffness, restitution=e),
+        "tsuji": lambda: fm.Tsuji(*ball, e),
+        "hunt-crossley": lambda: fm.HuntCrossley(*ball, restitution=e),
+        "kuwabara-kono": lambda: fm.KuwabaraKono(*ball, rng.uniform(0, 0.5) * depth / case.approach_velocity),
+    }
+    law = made[list(made)[rng.integers(len(made))]]()
+    return fm.Scene(case.impactor, case.target, contact=fm.Contact(law=law))
+
+
+def check_estimates(count, seed, make=random_scene, finest=1e-11):
     rng = np.random.default_rng(seed)
     bounded, ratios, kept = [], [], []
     for _ in range(count):
-        case = random_scene(rng)
-        exact = fm.simulate(case, accuracy=1e-11).summary
+        case = make(rng)
+        exact = fm.simulate(case, accuracy=finest).summary
         accuracy = 10 ** rng.uniform(-7, -3)
         history = fm.simulate(case, accuracy=accuracy)
         error = true_error(history, exact)
@@ -68,6 +94,15 @@ def check_estimates(count, seed):
 
 def test_the_estimate_bounds_the_error_of_random_scenes():
     check_estimates(250, seed=2017)
+
+
+def test_the_estimate_bounds_the_error_of_every_law():
+    check_estimates(130, seed=7, make=random_law_scene, finest=1e-10)
+
+
+@pytest.mark.slow
+def test_the_estimate_bounds_the_error_of_every_law_in_many_scenes():
+    check_estimates(2000, seed=11, make=random_law_scene, finest=1e-10)
 
 
 @pytest.mark.slow

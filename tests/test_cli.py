@@ -11,6 +11,7 @@ import xarray as xr
 
 from film_model.cli import main
 from film_model.history import SUMMARY
+from film_model.laws import LAWS
 
 SCENES = Path(__file__).parent.parent / "examples" / "scenes"
 BALL = SCENES / "tungsten_carbide_on_steel.toml"
@@ -77,8 +78,19 @@ def test_lists(capsys, command):
     assert ("big-alabo" if command == "laws" else "tungsten carbide") in out
     status, out, _ = run(capsys, command, "--json")
     rows = json.loads(out)[command]
-    assert len(rows) == (4 if command == "laws" else 17)
+    assert len(rows) == (len(LAWS) if command == "laws" else 17)
     assert all(row["name"] and row["source"] for row in rows)
+
+
+def test_laws_are_drawn(tmp_path, capsys):
+    pytest.importorskip("matplotlib")
+    picture = tmp_path / "laws.svg"
+    assert main(["laws", "--plot", str(picture)]) == 0
+    assert f"wrote {picture}" in capsys.readouterr().err
+    assert main(["laws", "--plot", str(picture)]) == 3
+    assert "use --force" in capsys.readouterr().err
+    assert main(["laws", "--plot", str(tmp_path / "laws.txt"), "--force"]) == 3
+    assert "must end in .png" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["laws", "--help"], ["--version"]])

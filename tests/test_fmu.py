@@ -114,7 +114,7 @@ def test_documentation_has_its_pictures(made):
 
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("target", ["half-space", "plate", "thin plate", "rod"])
-@pytest.mark.parametrize("law", list(LAWS))
+@pytest.mark.parametrize("law", [name for name in LAWS if not LAWS[name].damped])
 def test_check_agrees(made, law, target, version):
     on = scene(law, target)
     report = fmu_wrapper.check(made(on, version), on)

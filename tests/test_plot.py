@@ -12,6 +12,7 @@ import pytest
 
 import film_model as fm
 from film_model import plot
+from film_model.law_family import ENERGY, family_loops
 
 SCENES = Path(__file__).parents[1] / "examples" / "scenes"
 HEADS = {".png": b"\x89PNG\r\n", ".svg": b"<?xml", ".pdf": b"%PDF-"}
@@ -177,3 +178,27 @@ print("ok")
 """
     run = subprocess.run([sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False)
     assert run.stdout == "ok\n", run.stderr
+
+
+def _area(force: np.ndarray, depth: np.ndarray) -> float:
+    return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(depth)))
+
+
+def test_every_law_has_its_panel_and_its_loop(tmp_path: Path) -> None:
+    figure = plot.plot_laws(tmp_path / "a.png", dpi=50)
+    plot.plot_laws(tmp_path / "b.png", dpi=50)
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    assert [panel.get_title(loc="left") for panel in figure.axes if panel.axison] == list(fm.LAWS)
+    for panel, (name, loop) in zip(figure.axes, family_loops().items(), strict=False):
+        assert f"e = {loop.restitution:.2f}" in [text.get_text() for text in panel.texts]
+        depth, force = loop.curve
+        absorbed = _area(force, depth)  # in, and out again
+        assert absorbed == pytest.approx(ENERGY * (1.0 - loop.restitution**2), abs=2e-3 * ENERGY)
+        assert depth[loop.turn] == depth.max(), name
+
+
+def test_laws_are_compared_at_one_energy() -> None:
+    loops = family_loops()
+    for loop in loops.values():
+        depth, force = loop.curve[:, : loop.turn + 1]
+        assert _area(force, depth) == pytest.approx(ENERGY, rel=2e-3)

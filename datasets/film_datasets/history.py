@@ -23,10 +23,10 @@ NEAREST_SAMPLE = 1e-9
 
 COMMENT = (
     "t counts in seconds from first touch and is no date. The segments give the motion at any time in closed form. On "
-    "segment k, with time, indentation and velocity in the units scale_*, f = phi + kappa (xi - xi_k), "
-    "d nu/dt = load - f, d xi/dt = nu - gamma f, and the target's displacement grows at gamma f. The impactor's "
-    "velocity is drift_velocity + impactor_share nu. contact_force is the contact law's at that indentation. "
-    "scene_toml is the scene file to run again."
+    "segment k, with time, indentation and velocity in the units scale_*, f = phi + kappa (xi - xi_k) + "
+    "damping d xi/dt, d nu/dt = load - f, d xi/dt = nu - gamma f, and the target's displacement grows at gamma f. The "
+    "impactor's velocity is drift_velocity + impactor_share nu. contact_force is the contact law's at that indentation "
+    "and its rate. scene_toml is the scene file to run again."
 )
 
 

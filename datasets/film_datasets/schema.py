@@ -102,9 +102,14 @@ _SEGMENT = {
     "load": "external force on the impactor",
     "gamma": "compliance of the target, scale_force/(impedance scale_velocity)",
     "xi_free": "indentation at which the unloading branch ends",
-    "per_recovery": "one over the indentation from there to the turning point",
-    "f_max": "contact force at the turning point",
-    "exponent": "exponent of the unloading branch, f_max ((xi - xi_free) per_recovery)^exponent",
+    "per_recovery": "one over the indentation from xi_origin to the turning point",
+    "f_max": "scale of the force on it, the force at the turning point where f_shift is 0",
+    "exponent": "exponent of the unloading branch, f_shift + f_max ((xi - xi_origin) per_recovery)^exponent",
+    "xi_origin": "indentation from which the unloading branch is counted",
+    "f_shift": "constant part of the force on the unloading branch",
+    "work_free": "work of the unloading branch at xi_free, counted from xi_origin",
+    "damping": "damping held on the segment",
+    "damper": "factor of the contact law's damping",
 }
 
 _LAW = "see attribute comment for the equations of motion on a segment"

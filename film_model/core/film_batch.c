@@ -91,7 +91,7 @@ static int fixed_target(const film_curve *curve, const film_mesh *mesh, double n
 }
 
 static int undisturbed(const film_start *start) {
-    return start->load == 0.0 && start->stop_velocity == 0.0 && start->time_limit == INFINITY;
+    return start->load == 0.0 && start->stop_velocity == 0.0 && start->time_limit == INFINITY && start->damping == 0.0;
 }
 
 int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
@@ -103,6 +103,7 @@ int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start
     if (start->gamma == 0.0 && undisturbed(start) && mesh->linearisation == FILM_WORK_PRESERVING)
         return fixed_target(curve, mesh, start->nu, summary);
     int status = film_init(curve, &s, 0.0, start->nu, start->gamma, start->load, start->stop_velocity);
+    if (status >= 0) status = film_damp(&s, start->damping);
     while (status >= 0) {
         status = film_step(curve, mesh, &s, start->time_limit - s.time);
         if (status != FILM_EVENT || s.event == FILM_CONTACT_ENDS) break;
@@ -226,7 +227,7 @@ static int batch_begins(job *j) {
         const film_stage *stage = &curve->stage[k];
         const film_function *g = &curve->piece[stage->first].force;
         int rising = rises(curve, k), reversible = stage->unloading == FILM_RETRACE;
-        if (!reversible && stage->unloading != FILM_RADIUS && stage->unloading != FILM_RESIDUAL) return 0;
+        if (!reversible && stage->unloading == FILM_SHIFTED) return 0; /* it may creep out for ever: the march sees that */
         j->simple[k] = rising && g->origin == stage->begin;
         j->exponent[k] = reversible ? NAN : branch_exponent(curve, k);
         j->whole[k] = j->end_force[k] = INFINITY;

@@ -5,8 +5,12 @@
 
 #include <string.h>
 
-/* How a line, or a leg, ends. PART and STOP end between two nodes. */
-enum { ENDS_NODE, ENDS_EDGE, ENDS_TURN, ENDS_NEVER, ENDS_PART, ENDS_STOP };
+/* How a line, or a leg, ends. PART, STOP and RELEASE (F falls to 0) end between two nodes. */
+enum { ENDS_NODE, ENDS_EDGE, ENDS_TURN, ENDS_NEVER, ENDS_PART, ENDS_STOP, ENDS_RELEASE };
+/* The branches of a law that reloads on its own: from xi_max out; back in from xi_in to xi_max; from xi_out on the way
+ * in, out again to xi_in, and from there on as before. Reloading lies above unloading, and what turns on the innermost
+ * branch stays on it, so that no sequence of turns gives energy. */
+enum { LOOP_NONE, LOOP_RELOAD, LOOP_INNER };
 enum { GRADING_COARSE = -1 }; /* nodes of a trial leg: 3 s^2 - 2 s^3, no table needed */
 
 static const double TURN_TOLERANCE = 1e-12;      /* of the length of the last segment, a small part of the depth */
@@ -18,18 +22,75 @@ static const double REST_LENGTH = 1e-6;          /* of the contact's depth: curv
 static const double REST_SPEED = 1e-13;          /* of the impactor's: rounding of y = nu - gamma f */
 static const double NEWTON_SETTLED = 1e-9;       /* relative; the next step's error is the square */
 static const double SHORT_WAY = 2e-4;            /* of the distance to the law's singular point; see mean_force */
+static const double WITHIN = 1e-9;               /* of the depth: where to ask whether a contact still holds */
+static const double SMALL_LOOP = 1e-6;           /* of the recovery: a shorter way back in is the way out */
+enum { RELEASE_ITERATIONS = 120, PEAK_SAMPLES = 6, GOLDEN_STEPS = 40 };
 enum { TURN_ITERATIONS = 60, HALVINGS = 60, NEWTON_STEPS = 10 };
 
 /* ---------------------------------------------------------------- lines */
 
 static motion on_line(const film_state *s, double phi, double kappa) {
-    double d = s->direction;
-    motion m = {d * (s->nu - s->gamma * phi), d * (phi - s->load), kappa, 0.5 * kappa * s->gamma};
+    double d = s->direction, c = s->line.damping, per_m = 1.0 / (1.0 + s->gamma * c);
+    motion m = {d * (s->nu - s->gamma * phi) * per_m, d * (phi - s->load) * per_m, kappa * per_m,
+                0.5 * (kappa * s->gamma + c) * per_m};
     return m;
+}
+
+static int damped(const film_curve *curve, const film_state *s) {
+    return s->damper > 0.0 && s->branch >= 0 && curve->stage[s->branch].damped;
+}
+
+/* Abscissas and weights of Gauss's rule of five points on 0 .. 1. */
+enum { GAUSS = 5 };
+static const double GAUSS_AT[GAUSS] = {0.046910077030668004, 0.23076534494715845, 0.5, 0.76923465505284155, 0.953089922969332};
+static const double GAUSS_WEIGHT[GAUSS] = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
+                                           0.23931433524968324, 0.11846344252809454};
+
+/* The mean of the law's c over the next h, weighted with a speed that goes evenly from y0 to y1: as a constant it takes as
+ * much energy as c. */
+static double mean_damping(const film_curve *curve, const film_state *s, double h, double y0, double y1) {
+    double sum = 0.0, weights = 0.0, per_way = 2.0 / (y0 + y1);
+    int root = h > 0.0 && s->xi <= WITHIN * h; /* c may begin as a root there: fourth powers of even steps */
+    for (int k = 0; k < GAUSS; k++) {
+        double w = GAUSS_AT[k], u = root ? w * w * w * w : w, y = y0 + (y1 - y0) * u;
+        double weight = GAUSS_WEIGHT[k] * y * y * (root ? 4.0 * w * w * w : 1.0);
+        sum += weight * damping_at(curve, &s->line, s->xi + h * per_way * u * (y0 + 0.5 * (y1 - y0) * u));
+        weights += weight;
+    }
+    return sum / weights;
+}
+
+/* Speed along the direction of motion, of the true law. */
+static double speed_at(const film_curve *curve, const film_state *s, double xi, double force, double nu) {
+    return s->direction * (nu - s->gamma * force) / (1.0 + s->gamma * damping_at(curve, &s->line, xi));
+}
+
+/* Damping of the line over the next h, passed with speeds y0 to y1: a constant, and what c y is more or less than that at
+ * the ends put on the line's own force, with as much work as c y in all. At a turn c y is 0, and the line keeps its force. */
+static void damp(const film_curve *curve, const film_mesh *mesh, film_state *s, double h, double y0, double y1) {
+    double mean = mean_damping(curve, s, h, y0, y1), c0 = damping_at(curve, &s->line, s->xi), c1 = damping_at(curve, &s->line, s->xi + h);
+    double d = s->direction, at = mean, tilt;
+    s->line.damping = mean;
+    /* a line too long for the speeds to be known: what they say of c y might drive the motion */
+    if (mesh->linearisation == FILM_CHORD || mean * fabs(h) > 0.5 * fmax(y0, y1)) return;
+    /* the mean speed over the way: of y^2 that goes evenly with time, as in mean_damping */
+    double speed = 2.0 / 3.0 * (y0 * y0 + y0 * y1 + y1 * y1) / (y0 + y1);
+    if (y0 == 0.0 || y1 == 0.0) {
+        at = y0 == 0.0 ? c0 : c1;
+        tilt = (y0 == 0.0 ? 2.0 : -2.0) * d * (mean - at) * speed / h;
+        s->line.phi -= y0 == 0.0 ? 0.0 : tilt * h;
+    } else {
+        tilt = d * ((c1 - mean) * y1 - (c0 - mean) * y0) / h;
+        s->line.phi -= 0.5 * tilt * h;
+    }
+    s->line.damping = at;
+    s->line.kappa += tilt;
 }
 
 /* The edge of the current stage or branch towards the deep, or towards the free surface. */
 static double edge_of(const film_curve *curve, const film_state *s, int direction) {
+    if (s->branch == FILM_BRANCH && s->loop != LOOP_NONE)
+        return direction < 0 ? s->xi_in : s->loop == LOOP_INNER ? s->xi_out : s->xi_max;
     if (s->branch == FILM_BRANCH) return direction > 0 ? s->xi_max : s->xi_free;
     return direction > 0 ? curve->stage[s->branch].end : curve->stage[s->branch].begin;
 }
@@ -40,12 +101,12 @@ static double limit_of(const film_curve *curve, const film_state *s) { return ed
 /* Mean force between the current point and the end of the line. Over a short way work differences are mostly rounding,
  * and Simpson's rule is exact: its error is (h/x)^4/2880 of the force, x the distance from the law's singular point. */
 static double mean_force(const film_curve *curve, const film_state *s, double h) {
-    double origin = s->branch >= 0 ? piece_at(curve, s->branch, s->xi)->force.origin : s->xi_free;
+    double origin = s->branch >= 0 ? piece_at(curve, s->branch, s->xi)->force.origin : s->line.xi_origin;
     double x = fabs(s->xi - origin) < fabs(s->xi + h - origin) ? s->xi - origin : s->xi + h - origin;
     if (fabs(h) >= SHORT_WAY * fabs(x)) return (s->work_end - s->work) / h;
     double middle, work;
     law_at(curve, &s->line, s->xi + 0.5 * h, &middle, &work);
-    return (s->force + 4.0 * middle + s->force_end) / 6.0;
+    return (s->elastic + 4.0 * middle + s->force_end) / 6.0;
 }
 
 /* The line from the current point over `length` that meets the law's force at the far end: it does the law's work, or
@@ -53,9 +114,11 @@ static double mean_force(const film_curve *curve, const film_state *s, double h)
 static void line_to_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double length) {
     double h = s->direction * length;
     law_at(curve, &s->line, s->xi + h, &s->force_end, &s->work_end);
-    double near = mesh->linearisation == FILM_CHORD ? s->force : 2.0 * mean_force(curve, s, h) - s->force_end;
+    double near = mesh->linearisation == FILM_CHORD ? s->elastic : 2.0 * mean_force(curve, s, h) - s->force_end;
     s->line.kappa = (s->force_end - near) / h;
     s->line.phi = near;
+    s->line.damping = 0.0;
+    if (damped(curve, s)) damp(curve, mesh, s, h, fmax(speed_at(curve, s, s->xi, s->elastic, s->nu), 0.0), 0.0);
 }
 
 /* The last line must pass through the law's force where the motion turns, since y = nu - gamma f there: the length h
@@ -110,15 +173,31 @@ static double node(const film_mesh *mesh, const film_state *s, int32_t i) {
     return (s->direction > 0 ? mesh->loading_nodes : mesh->unloading_nodes)[s->leg_grading][i];
 }
 
-static void free_line(film_state *s) {
+/* A contact that let go within its dent, and that the load turns back there: when F rises from 0 again. */
+static double touches_again(const film_curve *curve, const film_state *s) {
+    film_line within = s->line;
+    double low = 0.0, high = -s->nu / s->load, f, work;
+    within.branch = 0;
+    within.damper = s->damper;
+    for (int k = 0; k < HALVINGS; k++) {
+        double t = 0.5 * (low + high), xi = s->xi + t * (s->nu + 0.5 * s->load * t);
+        law_at(curve, &within, xi, &f, &work);
+        if (total_force(&within, damping_at(curve, &within, xi), f, s->nu + s->load * t) > 0.0) high = t; else low = t;
+    }
+    return high;
+}
+
+static void free_line(const film_curve *curve, film_state *s) {
     double gap = s->xi_free - s->xi, p = s->load, nu = s->nu;
-    s->line.phi = s->line.kappa = 0.0;
+    s->line.phi = s->line.kappa = s->line.damping = 0.0;
     s->direction = 1;
     s->line_ends = ENDS_NEVER;
     s->tau_end = INFINITY;
     double square = nu * nu + 2.0 * p * gap;
     if (gap <= 0.0 && (nu > 0.0 || (nu == 0.0 && p > 0.0))) {
         s->tau_end = 0.0;
+    } else if (p > 0.0 && !(square > 0.0)) {
+        s->tau_end = touches_again(curve, s);
     } else if (p > 0.0) { /* falls, after rising if nu < 0 */
         s->tau_end = nu >= 0.0 ? 2.0 * gap / (nu + sqrt(square)) : (sqrt(square) - nu) / p;
     } else if (nu > 0.0 && square > 0.0) {
@@ -126,19 +205,25 @@ static void free_line(film_state *s) {
     }
     if (!(s->tau_end < INFINITY)) return;
     s->line_ends = ENDS_EDGE;
-    s->xi_end = s->xi_free;
+    s->xi_end = gap < 0.0 && !(square > 0.0 && p > 0.0 && nu < 0.0) ? s->xi + s->tau_end * (nu + 0.5 * p * s->tau_end) : s->xi_free;
     s->nu_end = nu + p * s->tau_end;
 }
 
 /* The motion stops here, at once. */
 static void end_here(film_state *s, int ends) {
-    s->line.phi = s->force;
-    s->line.kappa = s->tau_end = 0.0;
+    s->line.phi = s->elastic;
+    s->line.kappa = s->line.damping = s->tau_end = 0.0;
     s->line_ends = ends;
     s->xi_end = s->xi;
     s->nu_end = s->nu;
-    s->force_end = s->force;
+    s->force_end = s->elastic;
     s->work_end = s->work;
+}
+
+/* Whether the line leads to the end of a branch that meets zero force at an angle: over-damped, it never gets there. */
+static int ends_steeply(const film_state *s) {
+    int out = s->line_ends == ENDS_EDGE && s->branch == FILM_BRANCH && s->direction < 0;
+    return out && s->line.f_shift < 0.0 && s->gamma > 0.0;
 }
 
 /* The line over the next `length`, and the motion on it. Whatever its ends, it does the work of the law; chords do not. */
@@ -147,33 +232,49 @@ static motion draw(const film_curve *curve, const film_mesh *mesh, film_state *s
     law_at(curve, &s->line, s->xi + h, &s->force_end, &s->work_end);
     double mean = mean_force(curve, s, h);
     int at_rest = s->from_turn && s->leg_node == 0;
-    s->line.kappa = (s->force_end - s->force) * per_h;
+    s->line.kappa = (s->force_end - s->elastic) * per_h;
     s->line.phi = mean - 0.5 * s->line.kappa * h;
     if (mesh->linearisation == FILM_CHORD) {
-        s->line.phi = s->force;
+        s->line.phi = s->elastic;
     } else if (at_rest) { /* y = nu - gamma f is 0 there */
-        s->line.phi = s->force;
-        s->line.kappa = 2.0 * (mean - s->force) * per_h;
-    } else if (s->line_ends == ENDS_NEVER) { /* balance where the law balances */
+        s->line.phi = s->elastic;
+        s->line.kappa = 2.0 * (mean - s->elastic) * per_h;
+    } else if (s->line_ends == ENDS_NEVER || ends_steeply(s)) { /* balance where the law balances */
         s->line.kappa = 2.0 * (s->force_end - mean) * per_h;
         s->line.phi = 2.0 * mean - s->force_end;
     }
+    s->line.damping = 0.0;
+    if (damped(curve, s)) { /* its mean, and with that the velocity to weight it with */
+        double tau, y = 0.0;
+        s->line.damping = mean_damping(curve, s, h, 1.0, 1.0);
+        motion rough = on_line(s, s->line.phi, s->line.kappa);
+        if (at_rest) rough.y0 = 0.0;
+        if (leave(&rough, length, &tau, &y) == LEFT && y > 0.0) {
+            double nu = s->direction * y * (1.0 + s->gamma * s->line.damping) + s->gamma * (s->line.phi + s->line.kappa * h);
+            y = fmax(speed_at(curve, s, s->xi + h, s->force_end, nu), 0.0);
+        } else {
+            y = 0.0;
+        }
+        double y0 = at_rest ? 0.0 : fmax(speed_at(curve, s, s->xi, s->elastic, s->nu), 0.0);
+        if (y0 + y > 0.0) damp(curve, mesh, s, h, y0, y);
+    }
     motion m = on_line(s, s->line.phi, s->line.kappa);
-    if (at_rest && fabs(m.y0) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->force)) m.y0 = 0.0;
+    if (at_rest && fabs(m.y0) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->elastic)) m.y0 = 0.0;
     return m;
 }
 
 static void land(film_state *s, double length, double y) {
     double h = s->direction * length;
     s->xi_end = s->xi + h;
-    s->nu_end = s->direction * y + s->gamma * (s->line.phi + s->line.kappa * h);
+    double yield = s->gamma * s->line.damping;
+    s->nu_end = s->direction * y * (1.0 + yield) + s->gamma * (s->line.phi + s->line.kappa * h);
 }
 
 /* Whether the law lies below its chord over the next h: a flatter chord is to be had halfway. */
 static int sags(const film_curve *curve, const film_state *s, double h) {
     double middle, work;
     law_at(curve, &s->line, s->xi + 0.5 * h, &middle, &work);
-    return middle < 0.499999 * (s->force + s->force_end);
+    return middle < 0.499999 * (s->elastic + s->force_end);
 }
 
 /* The next line of the leg: replaces the law from the current point to the next node. */
@@ -184,7 +285,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
     double to = last ? s->leg_to : s->leg_from + (s->leg_to - s->leg_from) * node(mesh, s, s->leg_node + 1);
     double length = d * (to - s->xi), edge = d * (limit - s->xi);
     s->line_ends = last ? s->leg_ends : ENDS_NODE;
-    if (s->line_ends == ENDS_TURN && !at_rest && length <= SHORT_TURN * fabs(s->xi)) { /* under one force */
+    if (s->line_ends == ENDS_TURN && !at_rest && !damped(curve, s) && length <= SHORT_TURN * fabs(s->xi)) { /* under one force */
         double speed = d * (s->nu - s->gamma * s->force), pull = d * (s->force - s->load);
         if (speed > 0.0 && speed * speed <= 2.0 * SHORT_TURN * pull * fabs(s->xi)) {
             end_here(s, ENDS_TURN);
@@ -196,7 +297,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
     if (s->line_ends != ENDS_TURN || own_turn) {
         if (!(length > 0.0)) {
             end_here(s, s->line_ends);
-            if (s->line_ends == ENDS_TURN) s->nu_end = s->gamma * s->force; /* its speed is rounding */
+            if (s->line_ends == ENDS_TURN) s->nu_end = s->gamma * s->elastic; /* its speed is rounding */
             return FILM_OK;
         }
         if (at_rest && s->line_ends == ENDS_TURN && s->gamma > 0.0) { /* no line is true to the law at rest and at a turn */
@@ -205,10 +306,15 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         }
         motion m = draw(curve, mesh, s, length);
         int left = leave(&m, length, &s->tau_end, &y);
+        if (left != LEFT && d < 0.0 && s->load <= 0.0 && damped(curve, s)) { /* it lets go on the way */
+            s->line_ends = ENDS_NEVER;
+            s->tau_end = INFINITY;
+            return FILM_OK;
+        }
         /* A line may dip below zero where the law only touches it, or as a chord be too steep, and would hold the contact
          * shut for ever. Without a load nothing does: go halfway, and again, until the law is flat enough to let go. */
         for (int k = 0; left != LEFT && k < HALVINGS && d < 0.0 && s->load <= 0.0; k++) {
-            int dips = s->line.phi + s->line.kappa * d * length < -1e-12 * s->force;
+            int dips = s->line.phi + s->line.kappa * d * length < -1e-12 * s->elastic;
             if (!dips && !(mesh->linearisation == FILM_CHORD && sags(curve, s, d * length))) break;
             length *= 0.5;
             s->line_ends = ENDS_PART;
@@ -242,7 +348,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         }
         length *= 0.5;
     }
-    if (!(d * (s->nu - s->gamma * s->force) > 0.0)) {
+    if (!(d * (s->nu - s->gamma * s->elastic) > 0.0)) {
         end_here(s, ENDS_TURN);
         return FILM_OK;
     }
@@ -285,6 +391,7 @@ static void cut_at_stop(const film_curve *curve, const film_mesh *mesh, film_sta
         }
         land(s, length, y);
         double excess = s->nu_end - s->stop_velocity, phi = s->line.phi + s->line.kappa * s->direction * length;
+        phi += s->line.damping * s->direction * y;
         if (excess > 0.0) low = length; else high = length;
         double next = length + excess * y / (phi - s->load);
         if (!(next > low && next < high) || k > NEWTON_STEPS) next = 0.5 * (low + high);
@@ -298,16 +405,99 @@ static void cut_at_stop(const film_curve *curve, const film_mesh *mesh, film_sta
     *s = whole;
 }
 
+/* F of the true law at xi, a little within where the dent ends: there f and c are both 0. */
+static double holding_force(const film_curve *curve, const film_state *s, double xi, double nu) {
+    double f, work, at = fmax(xi, WITHIN * s->leg_from);
+    law_at(curve, &s->line, at, &f, &work);
+    return total_force(&s->line, damping_at(curve, &s->line, at), f, nu);
+}
+
+static int lets_go_between(const film_curve *curve, const film_state *s) {
+    double values[5];
+    for (int k = 0; k < GAUSS; k++) {
+        film_evaluate(curve, &s->line, GAUSS_AT[k] * s->tau_end, values);
+        if (holding_force(curve, s, values[0], values[3]) < 0.0) return 1;
+    }
+    return 0;
+}
+
+/* A damped contact ends when F falls to 0 on the way out: if it does so on the line just cut, end the line there. The
+ * length is sought over which the line brings it to 0. */
+static void cut_at_release(const film_curve *curve, const film_mesh *mesh, film_state *s) {
+    film_state whole = *s;
+    double d = s->direction, low = 0.0, above = holding_force(curve, s, s->xi, s->nu), y;
+    int never = s->line_ends == ENDS_NEVER;
+    if (!(above > 0.0) && d * (s->nu - s->gamma * s->elastic) > 0.0) {
+        end_here(s, ENDS_RELEASE);
+        return;
+    }
+    double high = d * ((never ? s->leg_to : s->xi_end) - s->xi);
+    double below = never ? NAN : holding_force(curve, s, s->xi_end, s->nu_end), length = 0.5 * high;
+    if (!(high > 0.0) || (never && s->load > 0.0)) return;
+    if (!never && below >= 0.0 && !(s->load > 0.0 && lets_go_between(curve, s))) return;
+    double full = high;
+    int seen = !never; /* a force that has fallen to 0 */
+    s->line_ends = ENDS_RELEASE;
+    for (int k = 0; k < RELEASE_ITERATIONS; k++) {
+        motion m = draw(curve, mesh, s, length);
+        if (leave(&m, length, &s->tau_end, &y) != LEFT) { /* it does not get as far */
+            high = length;
+            below = NAN;
+            length = 0.5 * (low + high);
+            continue;
+        }
+        land(s, length, y);
+        double force = holding_force(curve, s, s->xi_end, s->nu_end);
+        if (force > 0.0) {
+            low = length;
+            above = force;
+            if (k % 3 == 2) below *= 0.5;
+        } else {
+            high = length;
+            below = force;
+            seen = 1;
+            if (k % 3 == 2) above *= 0.5;
+        }
+        if (!seen && k >= 8) { /* it only creeps, on lines too long for the law: a part of the way, and on */
+            s->line_ends = ENDS_PART;
+            return;
+        }
+        double next = low + (high - low) * above / (above - below);
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        if (fabs(next - length) <= 1e-14 * full || high - low <= 1e-15 * full) return;
+        length = next;
+    }
+    *s = whole;
+}
+
+/* What damping took over the first tau of the line, at whose end the impactor is at xi with nu and the law's work is
+ * `work`: the energy that is gone and neither stored nor radiated, gamma F^2 dt. */
+static double dissipated(const film_line *line, double tau, double xi, double nu, double work) {
+    if (line->damper == 0.0) return 0.0;
+    double gamma = line->gamma, moved = gamma * (line->load * tau - (nu - line->nu)), radiated = 0.0, x, y;
+    double gone = 0.5 * (line->nu - nu) * (line->nu + nu) + line->load * (xi - line->xi + moved) - (work - line->work);
+    if (gamma == 0.0) return gone;
+    double c = line->damping, per_m = 1.0 / (1.0 + gamma * c);
+    motion m = {(line->nu - gamma * line->phi) * per_m, (line->phi - line->load) * per_m, line->kappa * per_m,
+                0.5 * (line->kappa * gamma + c) * per_m};
+    for (int k = 0; k < GAUSS; k++) {
+        move(&m, GAUSS_AT[k] * tau, &x, &y);
+        double force = line->phi + line->kappa * x + c * y;
+        radiated += GAUSS_WEIGHT[k] * force * force;
+    }
+    return gone - gamma * radiated * tau;
+}
+
 /* To the end of the current line. */
 static void follow(film_state *s) {
     s->shift = s->line.shift + s->gamma * (s->load * s->tau_end - (s->nu_end - s->line.nu));
-    s->spent = s->line.spent + (s->work_end - s->line.work);
+    s->spent = s->line.spent + (s->work_end - s->line.work) + dissipated(&s->line, s->tau_end, s->xi_end, s->nu_end, s->work_end);
     s->xi = s->xi_end;
     s->nu = s->nu_end;
-    s->force = s->force_end;
+    s->elastic = s->force_end;
     s->work = s->work_end;
-    if (s->force > s->force_peak) s->force_peak = s->force;
-    s->leg_node += s->line_ends != ENDS_PART && s->line_ends != ENDS_STOP;
+    if (s->elastic > s->force_peak) s->force_peak = s->elastic;
+    s->leg_node += s->line_ends != ENDS_PART && s->line_ends != ENDS_STOP && s->line_ends != ENDS_RELEASE;
 }
 
 /* ---------------------------------------------------------------- legs */
@@ -368,7 +558,7 @@ static int aim_by_energy(const film_curve *curve, film_state *s) {
 /* Where the true law balances the load, from the current point towards the end of the leg, and maybe beyond. */
 static double balance(const film_curve *curve, const film_state *s) {
     double low = s->xi, high = s->leg_to, limit = limit_of(curve, s), force, work;
-    double side = s->force - s->load;
+    double side = s->elastic - s->load;
     for (int k = 0; k < DOUBLINGS && high != limit; k++) {
         law_at(curve, &s->line, high, &force, &work);
         if ((force - s->load) * side <= 0.0) break;
@@ -417,30 +607,80 @@ static int aim_by_trial(const film_curve *curve, const film_mesh *mesh, film_sta
 /* The contact turns on the loading curve: remember the spot, and take the branch that leads back. */
 static int remember(const film_curve *curve, film_state *s) {
     s->xi_max = s->xi;
-    s->f_max = s->force;
+    s->f_max = s->elastic;
     s->stage_max = s->branch;
     s->line.branch = s->branch;
-    int status = open_branch(curve, &s->line, s->xi, s->force);
+    int status = open_branch(curve, &s->line, s->xi, s->elastic);
     if (status < 0 || s->line.branch == s->branch) return status;
     s->branch = FILM_BRANCH;
+    s->loop = LOOP_NONE;
     s->xi_free = s->line.xi_free;
     s->recovery = s->xi - s->xi_free;
     s->exponent = s->line.exponent;
-    s->work = s->force * s->recovery * work_of(s->exponent);
+    s->xi_origin = s->line.xi_origin;
+    s->f_scale = s->line.f_max;
+    s->f_shift = s->line.f_shift;
+    s->work_free = s->line.work_free;
+    double force;
+    law_at(curve, &s->line, s->xi, &force, &s->work);
     return FILM_OK;
 }
 
+/* The piece from (a, f_a) to (b, f_b) of ((xi - origin)/span)^q, stretched and shifted in force. */
+static void stretch(film_line *line, double origin, double span, double q, double a, double f_a, double b, double f_b) {
+    double low = raised((a - origin) / span, q);
+    line->xi_origin = origin;
+    line->per_recovery = 1.0 / span;
+    line->exponent = q;
+    line->f_max = (f_b - f_a) / (raised((b - origin) / span, q) - low);
+    line->f_shift = f_a - line->f_max * low;
+    line->work_free = 0.0;
+}
+
+static double reload_exponent(const film_curve *curve, const film_state *s) {
+    return s->stage_max >= 0 ? curve->stage[s->stage_max].reload_exponent : 0.0;
+}
+
 /* What all lines of a run share, and what each begins with. */
-static void open_run(film_state *s) {
+static void open_run(const film_curve *curve, film_state *s) {
     film_line *line = &s->line;
     line->load = s->load;
     line->gamma = s->gamma;
     line->xi_free = s->xi_free;
-    line->per_recovery = s->recovery > 0.0 ? 1.0 / s->recovery : 0.0;
-    line->f_max = s->f_max;
+    line->per_recovery = s->recovery > 0.0 ? 1.0 / (s->xi_max - s->xi_origin) : 0.0;
+    line->f_max = s->f_scale;
     line->exponent = s->exponent;
+    line->xi_origin = s->xi_origin;
+    line->f_shift = s->f_shift;
+    line->work_free = s->work_free;
+    if (s->branch == FILM_BRANCH && s->loop == LOOP_RELOAD)
+        stretch(line, s->xi_free, s->recovery, reload_exponent(curve, s), s->xi_in, s->f_in, s->xi_max, s->f_max);
+    if (s->branch == FILM_BRANCH && s->loop == LOOP_INNER)
+        stretch(line, s->xi_origin, s->xi_max - s->xi_origin, s->exponent, s->xi_in, s->f_in, s->xi_out, s->f_out);
     line->branch = s->branch;
     line->phase = s->phase;
+    line->damper = damped(curve, s) ? s->damper : 0.0;
+}
+
+/* From the current point on along another branch of the same force. */
+static void change_loop(const film_curve *curve, film_state *s, int32_t loop) {
+    s->loop = loop;
+    open_run(curve, s);
+    law_at(curve, &s->line, s->xi, &s->elastic, &s->work);
+}
+
+/* A law that reloads on its own leaves the branch it has turned on, but for a way too short to tell. */
+static void choose_loop(const film_curve *curve, film_state *s) {
+    if (s->branch != FILM_BRANCH || reload_exponent(curve, s) == 0.0) return;
+    if (s->direction > 0 && s->loop == LOOP_NONE && s->xi_max - s->xi > SMALL_LOOP * s->recovery) {
+        s->xi_in = s->xi;
+        s->f_in = s->elastic;
+        change_loop(curve, s, LOOP_RELOAD);
+    } else if (s->direction < 0 && s->loop == LOOP_RELOAD && s->xi - s->xi_in > SMALL_LOOP * s->recovery) {
+        s->xi_out = s->xi;
+        s->f_out = s->elastic;
+        change_loop(curve, s, LOOP_INNER);
+    }
 }
 
 static void open_line(film_state *s) {
@@ -462,8 +702,9 @@ static int rest(const film_curve *curve, film_state *s, double depth) {
     law_at(curve, &s->line, s->xi + reach, &f_high, &work);
     if (!(f_low < s->load && s->load < f_high)) return 0;
     open_line(s);
-    s->line.phi = s->force;
+    s->line.phi = s->elastic;
     s->line.kappa = (f_high - f_low) / (2.0 * reach);
+    s->line.damping = damping_at(curve, &s->line, s->xi);
     s->line_ends = ENDS_NEVER;
     s->tau_end = INFINITY;
     s->phase = s->line.phase = FILM_RESTING;
@@ -472,11 +713,11 @@ static int rest(const film_curve *curve, film_state *s, double depth) {
 
 /* Direction, number of nodes and end of the run that starts here. FILM_EVENT: the direction has changed. */
 static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
-    open_run(s);
+    open_run(curve, s);
     if (s->branch == FILM_FREE) return FILM_OK;
-    double y = s->nu - s->gamma * s->force, excess = s->force - s->load;
+    double y = s->nu - s->gamma * s->elastic, excess = s->elastic - s->load;
     if (!s->from_turn) {
-        int at_rest = fabs(y) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->force);
+        int at_rest = fabs(y) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->elastic);
         int direction = at_rest ? (excess < 0.0 ? 1 : -1) : (y > 0.0 ? 1 : -1);
         int turned = s->branch >= 0 && s->direction > 0 && direction < 0 && s->xi > 0.0 && s->xi >= s->xi_max;
         s->from_turn = at_rest;
@@ -489,12 +730,13 @@ static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
         }
         s->phase = direction < 0 ? FILM_UNLOADING : s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
     }
-    open_run(s);
+    choose_loop(curve, s);
+    open_run(curve, s);
     double depth = s->branch == FILM_BRANCH ? s->recovery : s->xi;
     s->leg_from = s->xi;
     s->leg_node = 0;
     s->leg_nodes = s->direction > 0 ? mesh->loading : mesh->unloading;
-    int status = s->gamma == 0.0 ? aim_by_energy(curve, s) : aim_by_trial(curve, mesh, s);
+    int status = s->gamma == 0.0 && !damped(curve, s) ? aim_by_energy(curve, s) : aim_by_trial(curve, mesh, s);
     if (status < 0) return status;
     if (rest(curve, s, fmin(depth, fabs(s->xi - s->xi_free)))) return FILM_OK;
     if (mesh->linearisation == FILM_CHORD) {
@@ -526,11 +768,12 @@ static int prepare(const film_curve *curve, const film_mesh *mesh, film_state *s
     }
     if (s->branch == FILM_FREE) {
         open_line(s);
-        free_line(s);
+        free_line(curve, s);
     } else if (s->has_leg) {
         open_line(s);
         int status = cut(curve, mesh, s, TURN_TOLERANCE);
         if (status < 0) return status;
+        if (s->direction < 0 && damped(curve, s)) cut_at_release(curve, mesh, s);
     }
     s->tau = s->tau_low = 0.0;
     if (s->moving_in && s->branch != FILM_FREE && s->tau_end < INFINITY && s->nu_end < s->stop_velocity)
@@ -540,19 +783,67 @@ static int prepare(const film_curve *curve, const film_mesh *mesh, film_state *s
     return FILM_OK;
 }
 
+/* F at the current point. */
+static double holding(const film_curve *curve, const film_state *s) {
+    if (s->branch == FILM_FREE) return 0.0;
+    return fmax(total_force(&s->line, damping_at(curve, &s->line, s->xi), s->elastic, s->nu), 0.0);
+}
+
+/* F where a line drawn over `length` from the beginning of the current one ends; values at ends are better than between. */
+static double force_after(const film_curve *curve, const film_mesh *mesh, const film_state *s, double length) {
+    film_state trial = *s;
+    double y;
+    trial.line_ends = ENDS_PART;
+    motion m = draw(curve, mesh, &trial, length);
+    if (leave(&m, length, &trial.tau_end, &y) != LEFT) return 0.0;
+    land(&trial, length, y);
+    return holding_force(curve, &trial, trial.xi_end, trial.nu_end);
+}
+
+/* With damping F is largest before the motion turns: the largest on the line just walked, sought where it has a hill. */
+static void raise_peak(const film_curve *curve, const film_mesh *mesh, const film_state *walked, double *peak) {
+    film_state s = *walked;
+    double at[PEAK_SAMPLES + 1], f[PEAK_SAMPLES + 1], values[5];
+    int top = 0;
+    for (int k = 0; k <= PEAK_SAMPLES; k++) {
+        film_evaluate(curve, &s.line, k * s.tau_end / PEAK_SAMPLES, values);
+        at[k] = s.direction * (values[0] - s.line.xi);
+        f[k] = values[2];
+        if (f[k] > f[top]) top = k;
+    }
+    if (f[top] < 0.99 * *peak) return;
+    double low = at[top > 0 ? top - 1 : 0], high = at[top < PEAK_SAMPLES ? top + 1 : top];
+    s.xi = s.line.xi;
+    s.nu = s.line.nu;
+    s.work = s.line.work;
+    law_at(curve, &s.line, s.xi, &s.elastic, &values[0]);
+    *peak = fmax(*peak, top == 0 ? f[0] : 0.0);
+    for (int k = 0; k < GOLDEN_STEPS; k++) {
+        double a = high - 0.61803398874989484 * (high - low), b = low + 0.61803398874989484 * (high - low);
+        double f_a = force_after(curve, mesh, &s, a), f_b = force_after(curve, mesh, &s, b);
+        *peak = fmax(*peak, fmax(f_a, f_b));
+        if (f_a < f_b) low = a; else high = b;
+    }
+}
+
 /* What follows when a line has been walked to its end: the next line, leg, stage or branch. */
-static int finish(const film_curve *curve, film_state *s) {
+static int finish(const film_curve *curve, const film_mesh *mesh, film_state *s) {
     int ends = s->line_ends, status = FILM_OK;
     if (s->branch == FILM_FREE) {
         s->xi = s->xi_end;
         s->nu = s->nu_end;
     } else {
+        double peak = s->force_peak;
+        if (s->line.damper > 0.0 && s->direction > 0 && mesh != NULL) raise_peak(curve, mesh, s, &peak);
         follow(s);
+        s->force_peak = fmax(peak, s->force_peak);
     }
     s->has_line = 0;
     if (s->nu > s->stop_velocity) s->moving_in = 1;
     s->event = FILM_NO_EVENT;
     s->from_turn = ends == ENDS_TURN;
+    s->force = holding(curve, s);
+    s->force_peak = fmax(s->force_peak, s->force);
     if (ends == ENDS_STOP) return stopped(s);
     if (ends == ENDS_PART || (ends == ENDS_NODE && s->leg_node < s->leg_nodes)) return FILM_OK;
     s->has_leg = 0;
@@ -568,14 +859,24 @@ static int finish(const film_curve *curve, film_state *s) {
         s->direction = 1;
         s->branch = s->stage_max >= 0 && curve->stage[s->stage_max].unloading != FILM_RETRACE ? FILM_BRANCH : 0;
         s->phase = s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
-        open_run(s);
-        law_at(curve, &s->line, s->xi, &s->force, &s->work);
-        if (s->force > 0.0 && s->nu < s->gamma * s->force) return FILM_TOO_STIFF;
-    } else if (ends == ENDS_EDGE && s->direction < 0 && s->branch <= 0) {
+        s->loop = s->branch == FILM_BRANCH && reload_exponent(curve, s) > 0.0 ? LOOP_RELOAD : LOOP_NONE;
+        s->xi_in = s->xi_free;
+        s->f_in = 0.0;
+        open_run(curve, s);
+        law_at(curve, &s->line, s->xi, &s->elastic, &s->work);
+        s->force = s->force_peak = holding(curve, s);
+        if (s->xi > s->xi_free) s->direction = s->nu > s->gamma * s->elastic ? 1 : -1;
+        else if (s->elastic > 0.0 && s->nu < s->gamma * s->elastic) return FILM_TOO_STIFF;
+    } else if (ends == ENDS_EDGE && s->branch == FILM_BRANCH && s->loop == LOOP_INNER && s->direction > 0) {
+        change_loop(curve, s, LOOP_RELOAD);
+    } else if (ends == ENDS_EDGE && s->branch == FILM_BRANCH && s->loop != LOOP_NONE && s->direction < 0 &&
+               s->xi_in > s->xi_free) {
+        change_loop(curve, s, LOOP_NONE);
+    } else if (ends == ENDS_RELEASE || (ends == ENDS_EDGE && s->direction < 0 && s->branch <= 0)) {
         s->event = FILM_CONTACT_ENDS;
         s->branch = FILM_FREE;
         s->phase = FILM_SEPARATED;
-        s->force = s->work = 0.0;
+        s->force = s->elastic = s->work = 0.0;
     } else if (ends == ENDS_EDGE) {
         s->event = FILM_STAGE_CHANGES;
         if (s->direction < 0) s->branch--;
@@ -583,8 +884,9 @@ static int finish(const film_curve *curve, film_state *s) {
         else s->branch = s->xi >= curve->stage[s->stage_max].end ? s->stage_max + 1 : s->stage_max;
         if (s->branch >= curve->stages) return FILM_BEYOND_LAW;
         if (s->direction > 0) s->phase = FILM_LOADING;
-        open_run(s);
-        law_at(curve, &s->line, s->xi, &s->force, &s->work);
+        open_run(curve, s);
+        law_at(curve, &s->line, s->xi, &s->elastic, &s->work);
+        s->force = s->elastic; /* a damped law has one stage */
     }
     if (status < 0) return status;
     return s->event == FILM_NO_EVENT ? FILM_OK : FILM_EVENT;
@@ -599,12 +901,14 @@ static void add(double *sum, double *low, double x) { /* with the remainder that
 }
 
 void film_evaluate(const film_curve *curve, const film_line *line, double tau, double values[5]) {
-    motion m = {line->nu - line->gamma * line->phi, line->phi - line->load, line->kappa, 0.5 * line->kappa * line->gamma};
-    double x, y, work;
+    double yield = 1.0 + line->gamma * line->damping, per_m = 1.0 / yield, x, y, work;
+    motion m = {(line->nu - line->gamma * line->phi) * per_m, (line->phi - line->load) * per_m, line->kappa * per_m,
+                0.5 * (line->kappa * line->gamma + line->damping) * per_m};
     move(&m, tau, &x, &y);
-    double nu = y + line->gamma * (line->phi + line->kappa * x);
+    double nu = y * yield + line->gamma * (line->phi + line->kappa * x);
     values[0] = line->xi + x;
     law_at(curve, line, values[0], &values[2], &work);
+    if (line->damper > 0.0) values[2] = fmax(total_force(line, damping_at(curve, line, values[0]), values[2], nu), 0.0);
     values[1] = nu - line->gamma * values[2];
     values[3] = nu;
     values[4] = line->shift + (line->branch == FILM_FREE ? 0.0 : line->gamma * (line->load * tau - (nu - line->nu)));
@@ -617,12 +921,13 @@ static void stand(const film_curve *curve, film_state *s, double tau) {
     s->xi = values[0];
     s->nu = values[3];
     s->shift = values[4];
-    law_at(curve, &s->line, s->xi, &s->force, &s->work);
-    s->spent = s->line.spent + (s->work - s->line.work);
+    law_at(curve, &s->line, s->xi, &s->elastic, &s->work);
+    s->force = values[2];
+    s->spent = s->line.spent + (s->work - s->line.work) + dissipated(&s->line, tau, s->xi, s->nu, s->work);
 }
 
 /* Forward by *dt at most, within one line; *dt becomes what is left. */
-static int advance(const film_curve *curve, film_state *s, double *dt) {
+static int advance(const film_curve *curve, const film_mesh *mesh, film_state *s, double *dt) {
     double left = (s->tau_end - s->tau) - s->tau_low;
     if (*dt < left) {
         add(&s->tau, &s->tau_low, *dt);
@@ -637,7 +942,7 @@ static int advance(const film_curve *curve, film_state *s, double *dt) {
         add(&s->time, &s->time_low, left);
         *dt -= left;
     }
-    return finish(curve, s);
+    return finish(curve, mesh, s);
 }
 
 static int ready(const film_mesh *mesh, const film_state *s) {
@@ -653,7 +958,7 @@ int film_step(const film_curve *curve, const film_mesh *mesh, film_state *s, dou
         if (k >= FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
         if (!s->has_line) status = prepare(curve, mesh, s);
         if (status != FILM_OK) break;
-        status = advance(curve, s, &dt);
+        status = advance(curve, mesh, s, &dt);
         if (status == FILM_OK && dt == 0.0) return FILM_OK;
     }
     return status;
@@ -673,7 +978,7 @@ int film_record(const film_curve *curve, const film_mesh *mesh, film_state *s, d
             }
         }
         if (status == FILM_OK) {
-            status = advance(curve, s, &dt);
+            status = advance(curve, mesh, s, &dt);
             if (status == FILM_ENDLESS || (status == FILM_OK && dt == 0.0)) return status;
         }
         if (status == FILM_EVENT) {
@@ -725,8 +1030,9 @@ void film_indicators(const film_curve *curve, const film_state *s, double speed,
 int film_switch(const film_curve *curve, film_state *s) {
     int ends = ENDS_EDGE;
     s->event = FILM_NO_EVENT;
-    open_run(s);
-    law_at(curve, &s->line, s->xi, &s->force, &s->work);
+    open_run(curve, s);
+    law_at(curve, &s->line, s->xi, &s->elastic, &s->work);
+    s->force = s->elastic;
     if (!isfinite(s->xi) || !isfinite(s->nu) || !isfinite(s->force)) return FILM_BAD_NUMBER;
     if (s->branch == FILM_FREE) {
         if (s->xi < s->xi_free || (s->xi == s->xi_free && !(s->nu > 0.0 || (s->nu == 0.0 && s->load > 0.0)))) return FILM_OK;
@@ -745,11 +1051,13 @@ int film_switch(const film_curve *curve, film_state *s) {
         }
     }
     if (s->branch == FILM_FREE) s->xi = s->xi_free;
-    law_at(curve, &s->line, s->xi, &s->force, &s->work);
+    law_at(curve, &s->line, s->xi, &s->elastic, &s->work);
+    s->force = s->elastic;
     open_line(s);
     end_here(s, ends);
-    int status = finish(curve, s);
-    open_run(s);
+    int status = finish(curve, NULL, s);
+    choose_loop(curve, s);
+    open_run(curve, s);
     return status;
 }
 
@@ -773,6 +1081,7 @@ static int bad_piece(const film_curve *curve, const film_stage *stage, const fil
     if (bad_function(&piece->force) || !isfinite(piece->work_at_begin)) return 1;
     if (piece->force.form != FILM_POWER && bad_function(&piece->work)) return 1;
     if (stage->unloading != FILM_RETRACE && (bad_function(&piece->recovery) || bad_function(&piece->exponent))) return 1;
+    if (stage->damped && bad_function(&piece->damping)) return 1;
     if (last && piece->end != stage->end) return 1;
     return !(piece->end < INFINITY) && !(last && stage == &curve->stage[curve->stages - 1] && piece->force.form == FILM_POWER);
 }
@@ -785,7 +1094,9 @@ int film_check_curve(const film_curve *curve) {
         double begin = stage->begin;
         if (k > 0 && begin != curve->stage[k - 1].end) return FILM_BAD_CURVE;
         if (stage->first != pieces || stage->count < 1 || stage->count > FILM_MAX_PIECES - pieces) return FILM_BAD_CURVE;
-        if (stage->unloading < FILM_RETRACE || stage->unloading > FILM_RESIDUAL) return FILM_BAD_CURVE;
+        if (stage->unloading < FILM_RETRACE || stage->unloading > FILM_SHIFTED) return FILM_BAD_CURVE;
+        if (stage->damped != 0 && (stage->damped != 1 || curve->stages > 1 || stage->unloading != FILM_RETRACE)) return FILM_BAD_CURVE;
+        if (!(stage->reload_exponent >= 0.0 && stage->reload_exponent < INFINITY)) return FILM_BAD_CURVE;
         pieces += stage->count;
         for (int32_t i = stage->first; i < pieces; i++) {
             if (!(curve->piece[i].end > begin) || bad_piece(curve, stage, &curve->piece[i])) return FILM_BAD_CURVE;
@@ -850,6 +1161,13 @@ int film_init(const film_curve *curve, film_state *s, double xi, double nu, doub
     s->branch = FILM_FREE;
     s->stage_max = -1;
     s->phase = FILM_APPROACHING;
+    return FILM_OK;
+}
+
+int film_damp(film_state *s, double factor) {
+    if (!(factor >= 0.0 && factor < INFINITY)) return FILM_BAD_NUMBER;
+    s->damper = factor;
+    s->has_line = s->has_leg = s->from_turn = 0;
     return FILM_OK;
 }
 

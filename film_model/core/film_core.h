@@ -1,7 +1,8 @@
 /* The FILM march: contact between an impactor and a target, in dimensionless form.
  *
- *     nu' = p - f(xi)          impactor velocity nu, load p held over a step
- *     xi' = nu - gamma f(xi)   indentation xi; gamma = 0 for a target that does not move
+ *     nu' = p - F          impactor velocity nu, load p held over a step
+ *     xi' = nu - gamma F   indentation xi; gamma = 0 for a target that does not move
+ *     F = f(xi) + c(xi) xi'   c = 0 but for a damped law, whose contact ends when F falls to 0
  *
  * Every number here is dimensionless: indentation in units of the law's delta_s, force in F_s, time in
  * t_s = sqrt(m delta_s/F_s), velocity in delta_s/t_s; gamma = F_s/(Z v_s), Z the target's impedance.
@@ -45,9 +46,11 @@ typedef struct {
 
 /* What a contact does when it turns at depth xi_m in a stage. */
 enum {
-    FILM_RETRACE = 0, /* goes back along the loading curve */
-    FILM_RADIUS = 1,  /* recovery() is R_d/R: xi_m - xi_f = (f_m/sqrt(R_d/R))^(1/q) */
-    FILM_RESIDUAL = 2 /* recovery() is xi_f itself */
+    FILM_RETRACE = 0,  /* goes back along the loading curve */
+    FILM_RADIUS = 1,   /* recovery() is R_d/R: xi_m - xi_f = (f_m/sqrt(R_d/R))^(1/q) */
+    FILM_RESIDUAL = 2, /* recovery() is xi_f itself */
+    FILM_SECANT = 3,   /* recovery() is f_m/(xi_m - xi_f), but xi_f >= 0 */
+    FILM_SHIFTED = 4   /* recovery() is c: f = f_m - c (xi_m^q - xi^q), down to f = 0 */
 };
 
 typedef struct {
@@ -56,14 +59,16 @@ typedef struct {
     film_function force;    /* f >= 0 */
     film_function work;     /* of a series: its integral from the stage's beginning; of a power: unused */
     film_function recovery; /* of xi_m */
-    film_function exponent; /* of xi_m: the unloading branch is f = f_m ((xi - xi_f)/(xi_m - xi_f))^q */
+    film_function damping;  /* c over the factor of film_damp, where the stage is damped */
+    film_function exponent; /* q of xi_m: but for FILM_SHIFTED, f = f_m ((xi - xi_f)/(xi_m - xi_f))^q */
 } film_piece;
 
 typedef struct {
     double begin, end; /* indentation; end may be INFINITY in the last stage, whose last piece must then be a power */
     int32_t first, count; /* its pieces */
-    int32_t unloading;    /* FILM_RETRACE, FILM_RADIUS, FILM_RESIDUAL */
-    int32_t reserved;
+    int32_t unloading;    /* FILM_RETRACE ... FILM_SHIFTED */
+    int32_t damped;       /* 1: the only stage of a reversible law with damping */
+    double reload_exponent; /* r > 0: a contact that closes again does so along ((xi - xi_f)/(xi_m - xi_f))^r; 0: as it opened */
 } film_stage;
 
 typedef struct {
@@ -143,7 +148,9 @@ typedef struct {
     double work, spent;     /* of the true law there, from the beginning of its stage; in all, since contact began */
     double load;            /* p */
     double gamma;
-    double xi_free, per_recovery, f_max, exponent; /* the unloading branch, where branch is FILM_BRANCH */
+    /* where branch is FILM_BRANCH: f_shift + f_max ((xi - xi_origin) per_recovery)^exponent, 0 at xi_free */
+    double xi_free, per_recovery, f_max, exponent, xi_origin, f_shift, work_free;
+    double damping, damper; /* c held on the line, and the factor of the law's c */
     int32_t branch;         /* loading stage, or FILM_BRANCH, or FILM_FREE */
     int32_t phase;
 } film_line;
@@ -155,13 +162,16 @@ typedef struct {
     double time, time_low; /* time and its rounding remainder */
     double xi, nu;         /* indentation (negative: gap), impactor velocity relative to the support */
     double shift;          /* target displacement relative to the support */
-    double force, work;    /* of the true law at xi; work from the beginning of its stage or branch */
+    double force, work;    /* of the true law at xi; work of f from the beginning of its stage or branch */
     double spent;          /* work done on the indentation so far */
     double force_peak;     /* largest force of this contact, at nodes and ends of stages */
     /* settings */
-    double gamma, load, stop_velocity;
+    double gamma, load, stop_velocity, damper;
+    double elastic; /* f(xi), the force without damping */
     /* memory of the spot: deepest point so far, its force, and the branch that leads back from it */
-    double xi_max, f_max, xi_free, recovery, exponent;
+    double xi_max, f_max, xi_free, recovery, exponent, xi_origin, f_scale, f_shift, work_free;
+    /* where a law that reloads on a branch of its own began to reload, and where it turned on the way */
+    double xi_in, f_in, xi_out, f_out;
     /* the leg: one run in one direction along one stage or branch, cut into lines at its nodes */
     double leg_from, leg_to;
     int32_t leg_node, leg_nodes, leg_grading, leg_ends;
@@ -173,6 +183,7 @@ typedef struct {
     int32_t direction;         /* +1 deeper, -1 out */
     int32_t branch, stage_max; /* loading stage, FILM_BRANCH or FILM_FREE; the stage of xi_max */
     int32_t moving_in;         /* nu is above stop_velocity */
+    int32_t loop, reserved;    /* which branch FILM_BRANCH is: the one from xi_max, the way back to it, or one in between */
     /* reports */
     int32_t phase, event, contacts, lines;
 } film_state;
@@ -181,13 +192,14 @@ typedef struct {
 typedef struct {
     double nu, gamma, load, stop_velocity;
     double time_limit; /* a contact that the load holds shut is left then; INFINITY allowed */
+    double damping;    /* the factor of film_damp */
 } film_start;
 
 /* What one contact did. Times count from first touch; NaN stands for what did not happen. */
 typedef struct {
     double maximum_force, maximum_indentation, time_of_maximum_indentation;
     double time_impactor_stops;
-    double contact_duration, permanent_indentation, final_velocity;
+    double contact_duration, permanent_indentation, final_velocity; /* a damped law's dent closes by itself after the end */
     double shift; /* of the target, at the end */
     double work;  /* done on the indentation and not given back */
     int32_t stage, lines;
@@ -204,6 +216,9 @@ FILM_API int film_mesh_init(film_mesh *mesh, int32_t linearisation, int32_t load
  * gamma >= 0, finite; stop_velocity: the velocity at which FILM_IMPACTOR_STOPS is reported (0 for a support at rest). */
 FILM_API int film_init(const film_curve *curve, film_state *state, double xi, double nu, double gamma, double load,
                        double stop_velocity);
+
+/* The law's c is `factor` >= 0 times the curve's from here on; 0, as after film_init, leaves damping out. */
+FILM_API int film_damp(film_state *state, double factor);
 
 /* A new load or a new support: nu is relative to the support, so a support that gains velocity u costs nu - u. */
 FILM_API int film_input(film_state *state, double load, double nu_change, double stop_velocity);

@@ -264,6 +264,13 @@ static void open_lanes(const film_curve *curve, int32_t stage, const double *res
         EACH(l) recovery[l] = xi[l] - given[l];
         return;
     }
+    if (curve->stage[stage].unloading == FILM_SECANT) {
+        EACH(l) {
+            double r = force[l] / given[l];
+            recovery[l] = r < xi[l] ? r : xi[l];
+        }
+        return;
+    }
     EACH(l) {
         load[l] = force[l] / sqrt(given[l]);
         e[l] = 1.0 / exponent[l];

@@ -84,9 +84,10 @@ static inline void law_at(const film_curve *curve, const film_line *line, double
     if (line->branch >= 0) {
         stage_law(curve, line->branch, xi, force, work);
     } else if (line->branch == FILM_BRANCH) {
-        double x = (xi - line->xi_free) * line->per_recovery;
-        *force = x > 0.0 ? line->f_max * raised(x, line->exponent) : 0.0;
-        *work = *force * (xi - line->xi_free) * work_of(line->exponent);
+        double reach = xi - line->xi_origin, x = reach * line->per_recovery;
+        double power = x > 0.0 ? line->f_max * raised(x, line->exponent) : 0.0, f = power + line->f_shift;
+        *force = f > 0.0 ? f : 0.0;
+        *work = reach * (power * work_of(line->exponent) + line->f_shift) - line->work_free;
     } else {
         *force = *work = 0.0;
     }
@@ -95,9 +96,20 @@ static inline void law_at(const film_curve *curve, const film_line *line, double
 /* The slope of the force in law_at. */
 static inline double law_slope(const film_curve *curve, const film_line *line, double xi) {
     if (line->branch >= 0) return slope_of(&piece_at(curve, line->branch, xi)->force, xi);
-    double x = (xi - line->xi_free) * line->per_recovery;
-    if (line->branch != FILM_BRANCH || !(x > 0.0)) return 0.0;
+    double x = (xi - line->xi_origin) * line->per_recovery;
+    if (line->branch != FILM_BRANCH || !(x > 0.0 && xi > line->xi_free)) return 0.0;
     return line->f_max * line->exponent * line->per_recovery * raised(x, line->exponent - 1.0);
+}
+
+/* c at xi. */
+static inline double damping_at(const film_curve *curve, const film_line *line, double xi) {
+    if (line->damper == 0.0 || line->branch < 0) return 0.0;
+    return line->damper * value(&piece_at(curve, line->branch, xi)->damping, xi);
+}
+
+/* F at xi where the elastic force is f, unclipped: xi' (1 + gamma c) = nu - gamma f. */
+static inline double total_force(const film_line *line, double c, double f, double nu) {
+    return c == 0.0 ? f : f + c * (nu - line->gamma * f) / (1.0 + line->gamma * c);
 }
 
 /* atan(sqrt z)/sqrt z, and atanh for z < 0. */
@@ -112,24 +124,35 @@ static inline double arc(double z) {
     return z > -1.0 ? atanh(sqrt(-z)) / sqrt(-z) : INFINITY;
 }
 
+static const double ROUNDED_TOUCH = 1e-12; /* a shifted branch that misses zero force by less ends at xi = 0 */
+
 /* The unloading rule: a run that turns on a loading stage at xi, under force, continues on the branch that leads back
  * from there, or, where the stage is reversible, on the stage itself. */
 static inline int open_branch(const film_curve *curve, film_line *run, double xi, double force) {
     const film_piece *piece = piece_at(curve, run->branch, xi);
     int unloading = curve->stage[run->branch].unloading;
     if (unloading == FILM_RETRACE) return FILM_OK;
-    double recovery, q = value(&piece->exponent, xi);
-    if (unloading == FILM_RADIUS) {
-        double load = force / sqrt(value(&piece->recovery, xi));
-        recovery = q == 1.5 ? cbrt(load * load) : pow(load, 1.0 / q);
-        run->xi_free = xi - recovery;
+    double given = value(&piece->recovery, xi), q = value(&piece->exponent, xi), span, scale = force, origin;
+    if (unloading == FILM_SHIFTED) {
+        origin = 0.0;
+        span = xi;
+        scale = given * raised(xi, q);
+        double left = 1.0 - force / scale;
+        run->xi_free = left > 0.0 ? pow(left, 1.0 / q) * xi : left > -ROUNDED_TOUCH ? 0.0 : NAN;
+    } else if (unloading == FILM_RADIUS) {
+        double load = force / sqrt(given);
+        span = q == 1.5 ? cbrt(load * load) : pow(load, 1.0 / q);
+        run->xi_free = origin = xi - span;
     } else {
-        run->xi_free = value(&piece->recovery, xi);
-        recovery = xi - run->xi_free;
+        run->xi_free = origin = unloading == FILM_RESIDUAL ? given : fmax(xi - force / given, 0.0);
+        span = xi - origin;
     }
-    if (!(recovery > 0.0 && recovery < INFINITY && q > 0.0)) return FILM_BAD_UNLOADING;
-    run->per_recovery = 1.0 / recovery;
-    run->f_max = force;
+    if (!(span > 0.0 && span < INFINITY && q > 0.0 && run->xi_free < xi)) return FILM_BAD_UNLOADING;
+    run->xi_origin = origin;
+    run->per_recovery = 1.0 / span;
+    run->f_max = scale;
+    run->f_shift = force - scale;
+    run->work_free = (run->xi_free - origin) * run->f_shift * (1.0 - work_of(q)); /* the force is 0 there */
     run->exponent = q;
     run->branch = FILM_BRANCH;
     return FILM_OK;

@@ -1,7 +1,8 @@
 /* The exact motion on one line. Internal.
  * With phi = phi_0 + kappa x the relative velocity y = xi' = nu - gamma phi obeys y'' + 2 a y' + kappa y = 0,
  * a = kappa gamma/2, y'(0) = -(phi_0 - p) - 2 a y_0: one formula for every damping regime, and kappa = 0 and
- * kappa = a^2 are regular points. Written for motion towards positive x; motion outwards is its mirror image. */
+ * kappa = a^2 are regular points. A damping c held on the line, F = phi + c y, makes it y = (nu - gamma phi)/M with
+ * M = 1 + gamma c: the same with (phi_0 - p)/M, kappa/M and a = (kappa gamma + c)/(2 M). Written for motion towards positive x; motion outwards is its mirror image. */
 #ifndef FILM_LINE_H
 #define FILM_LINE_H
 

@@ -17,7 +17,7 @@ MAX_PIECES = 64
 MAX_TERMS = 28
 MAX_SEGMENTS = 4_000_000
 POWER, SERIES, ROOT_SERIES = range(3)
-RETRACE, RADIUS, RESIDUAL = range(3)
+RETRACE, RADIUS, RESIDUAL, SECANT, SHIFTED = range(5)
 CHORD, WORK_PRESERVING = range(2)
 INSTRUCTIONS = ("plain", "AVX2", "AVX-512")
 BRANCH, FREE = -1, -2
@@ -60,6 +60,7 @@ class Piece(c.Structure):
         ("force", Function),
         ("work", Function),
         ("recovery", Function),
+        ("damping", Function),
         ("exponent", Function),
     ]
 
@@ -67,7 +68,11 @@ class Piece(c.Structure):
 class Stage(c.Structure):
     """film_stage: one loading stage."""
 
-    _fields_ = [("begin", _D), ("end", _D), ("first", _I), ("count", _I), ("unloading", _I), ("reserved", _I)]
+    _fields_ = (
+        [("begin", _D), ("end", _D)]
+        + [(name, _I) for name in ("first", "count", "unloading", "damped")]
+        + [("reload_exponent", _D)]
+    )
 
 
 class Curve(c.Structure):
@@ -91,7 +96,9 @@ class Mesh(c.Structure):
 
 _LINE = (
     *((name, _D) for name in ("time", "xi", "nu", "shift", "phi", "kappa", "work", "spent", "load", "gamma")),
-    *((name, _D) for name in ("xi_free", "per_recovery", "f_max", "exponent")),
+    *((name, _D) for name in ("xi_free", "per_recovery", "f_max", "exponent", "xi_origin", "f_shift", "work_free")),
+    ("damping", _D),
+    ("damper", _D),
     ("branch", _I),
     ("phase", _I),
 )
@@ -108,15 +115,17 @@ class State(c.Structure):
 
     _fields_ = (
         [(name, _D) for name in ("time", "time_low", "xi", "nu", "shift", "force", "work", "spent", "force_peak")]
-        + [(name, _D) for name in ("gamma", "load", "stop_velocity")]
+        + [(name, _D) for name in ("gamma", "load", "stop_velocity", "damper", "elastic")]
         + [(name, _D) for name in ("xi_max", "f_max", "xi_free", "recovery", "exponent")]
+        + [(name, _D) for name in ("xi_origin", "f_scale", "f_shift", "work_free")]
+        + [(name, _D) for name in ("xi_in", "f_in", "xi_out", "f_out")]
         + [("leg_from", _D), ("leg_to", _D)]
         + [(name, _I) for name in ("leg_node", "leg_nodes", "leg_grading", "leg_ends")]
         + [(name, _D) for name in ("tau", "tau_low", "tau_end")]
         + [(name, _D) for name in ("xi_end", "nu_end", "force_end", "work_end")]
         + [("line", Line)]
         + [(name, _I) for name in ("line_ends", "has_line", "has_leg", "from_turn", "direction", "branch")]
-        + [(name, _I) for name in ("stage_max", "moving_in", "phase", "event", "contacts", "lines")]
+        + [(name, _I) for name in ("stage_max", "moving_in", "loop", "reserved", "phase", "event", "contacts", "lines")]
     )
 
 
@@ -136,7 +145,7 @@ SUMMARY = (
 class Start(c.Structure):
     """film_start: how one contact starts."""
 
-    _fields_ = [(name, _D) for name in ("nu", "gamma", "load", "stop_velocity", "time_limit")]
+    _fields_ = [(name, _D) for name in ("nu", "gamma", "load", "stop_velocity", "time_limit", "damping")]
 
 
 class Summary(c.Structure):
@@ -175,6 +184,7 @@ def library() -> Any:
         "film_check_curve": ([pointer], c.c_int),
         "film_mesh_size": ([_I, _I], c.c_size_t),
         "film_mesh_init": ([pointer, _I, _I, _I, pointer], c.c_int),
+        "film_damp": ([pointer, _D], c.c_int),
         "film_init": ([pointer, pointer, _D, _D, _D, _D, _D], c.c_int),
         "film_input": ([pointer, _D, _D, _D], c.c_int),
         "film_step": ([pointer, pointer, pointer, _D], c.c_int),
@@ -211,8 +221,13 @@ def initial_state(curve: Curve, start: Start, gap: float = 0.0) -> State:
     status = library().film_init(
         c.byref(curve), c.byref(state), -gap, start.nu, start.gamma, start.load, start.stop_velocity
     )
+    if status == OK:
+        status = library().film_damp(c.byref(state), start.damping)
     if status != OK:
-        raise ValueError(f"the core refuses nu={start.nu!r}, gamma={start.gamma!r}, load={start.load!r}, gap={gap!r}")
+        raise ValueError(
+            f"the core refuses nu={start.nu!r}, gamma={start.gamma!r}, load={start.load!r}, damping={start.damping!r}, "
+            f"gap={gap!r}"
+        )
     return state
 
 

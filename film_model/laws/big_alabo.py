@@ -33,6 +33,9 @@ class BigAlabo(AbstractLaw):
     name: ClassVar[str] = "big-alabo"
     summary: ClassVar[str] = "elastic, two elastoplastic and a fully plastic stage; Hertz unloading with R_d"
     source: ClassVar[str] = "Big-Alabo, Cartmell & Harrison 2017, equations (19) and (20)"
+    validity: ClassVar[str] = (
+        "a/R below about 0.2; the force has a plateau above yield, so restitution is not monotone in velocity"
+    )
     parameters: ClassVar[Mapping[str, Parameter]] = {
         "constants": Parameter(
             "stage constants: continuous force, or as printed in the paper",

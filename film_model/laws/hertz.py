@@ -23,6 +23,7 @@ class Hertz(AbstractLaw):
     name: ClassVar[str] = "hertz"
     summary: ClassVar[str] = "elastic sphere, F = K δ^1.5; never yields"
     source: ClassVar[str] = "Hertz 1882"
+    validity: ClassVar[str] = "a/R = √(δ/R) below about 0.2, no yield"
 
     effective_modulus: float
     radius: float

@@ -20,6 +20,7 @@ class Meyer(AbstractLaw):
     name: ClassVar[str] = "meyer"
     summary: ClassVar[str] = "power law F = F0 + K (δ − δ0)^q, reversible"
     source: ClassVar[str] = "Meyer 1908; Big-Alabo, Cartmell & Harrison 2017, equations (1) and (9)"
+    validity: ClassVar[str] = "where your power law was fitted; reversible"
     parameters: ClassVar[Mapping[str, Parameter]] = {
         "stiffness": Parameter("K_c, in N/m^q with the exponent q", dimension="meyer_stiffness"),
         "exponent": Parameter("q"),

@@ -43,6 +43,7 @@ class Stronge(AbstractLaw):
         "elastic, logarithmic elastoplastic, fully plastic; Hertz unloading with R_d = (2δ/δy − 1)R"
     )
     source: ClassVar[str] = "Stronge 2000; Big-Alabo, Cartmell & Harrison 2017, equation (2)"
+    validity: ClassVar[str] = "a/R below about 0.2; returns more than it stored between 1 and 2.54 V_Y"
 
     effective_modulus: float
     radius: float

@@ -26,3 +26,9 @@ def yield_velocity(effective_modulus: float, radius: float, yield_strength: floa
     """Velocity [m/s] above which a half-space impact of `mass` [kg] yields: √(0.8 F_y δ_y/m)."""
     indentation, force = yield_point(effective_modulus, radius, yield_strength)
     return root(0.8 * force * indentation / mass)
+
+
+def limit_point(effective_modulus: float, radius: float, pressure: float) -> tuple[float, float]:
+    """Indentation (π p/2E)² R [m] and force [N] at which Hertz's largest pressure is p [Pa]."""
+    indentation = (0.5 * math.pi * pressure / effective_modulus) ** 2 * radius
+    return indentation, hertz_stiffness(effective_modulus, radius) * indentation**1.5

@@ -1,0 +1,43 @@
+"""Johnson's fully plastic sphere: a constant pressure, and elastic recovery only on the way out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from film_model.laws.law import AbstractLaw, Parameter, Power, Stage
+from film_model.laws.unloading import brake_unloading
+
+
+@dataclass(frozen=True)
+class RigidPlastic(AbstractLaw):
+    """Johnson 1985, Contact Mechanics, section 11.5. Pressure p_d on a contact of a² = 2 R δ:
+
+    F = 2 π R p_d δ; recovery with Hertz's curve of that radius, δ_m − δ_f = 3 F_m/(4 E a), hence
+    e = 1.884 √(p_d/E) (W/(p_d R³))^{−1/8}, W = ½ m V²; e ∝ V^{−1/4}.
+
+    yield_pressure: p_d, Pa, about 3 S_y. Right where the impact is far beyond yield, V above some hundred V_Y. Below
+    δ_s = (9π²/8) (p_d/E)² R, where e = 0.894, the recovery would exceed the indentation: there is no dent then, and e
+    stays. There is no elastic stage at all: a slow impact does not bounce as it should.
+    """
+
+    name: ClassVar[str] = "rigid-plastic"
+    summary: ClassVar[str] = "constant pressure, F = 2 π R p_d δ; elastic recovery of the contact radius"
+    source: ClassVar[str] = "Johnson 1985, Contact Mechanics, section 11.5"
+    validity: ClassVar[str] = "far beyond yield, V above some hundred V_Y; no elastic stage"
+    parameters: ClassVar[Mapping[str, Parameter]] = {
+        "yield_pressure": Parameter("dynamic contact pressure p_d, about 3 yield strengths", dimension="pressure")
+    }
+
+    effective_modulus: float
+    radius: float
+    yield_pressure: float
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        indentation = 9.0 * math.pi**2 / 8.0 * (self.yield_pressure / self.effective_modulus) ** 2 * self.radius
+        return indentation, 2.0 * math.pi * self.radius * self.yield_pressure * indentation
+
+    def stages(self) -> tuple[Stage, ...]:
+        return (Stage("plastic", 0.0, float("inf"), Power(slope=1.0), brake_unloading()),)

@@ -1,0 +1,200 @@
+"""A measured or computed force-indentation curve."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from typing import Any, ClassVar
+
+import numpy as np
+
+from film_model.errors import shown
+from film_model.laws.law import AbstractLaw, Array, Parameter, Stage
+from film_model.units import to_si
+
+MOST_ROWS = 5000
+MOST_KNOTS = 60
+"""Points of the curve that is marched; a longer table is followed by the 60 of its points that serve it best."""
+
+_CLOSE = 1e-9  # of the largest force: a thinned table that comes so near needs no more points
+_COLUMNS = {"indentation": "length", "force": "force"}
+_HEADING = re.compile(r"\s*(\w+)\s*[(\[]\s*(.*?)\s*[)\]]\s*")
+
+
+@dataclass(frozen=True)
+class _Interpolated:
+    """The monotone cubic interpolant of Fritsch and Carlson through points, for ξ and f."""
+
+    points: tuple[tuple[float, float], ...]
+
+    def __call__(self, xi: Array) -> Array:
+        return _interpolant(self.points)(xi)
+
+
+@lru_cache(maxsize=64)
+def _interpolant(points: tuple[tuple[float, float], ...]) -> Any:
+    from scipy.interpolate import PchipInterpolator
+
+    xi, force = np.array(points).T
+    return PchipInterpolator(xi, force)
+
+
+@lru_cache(maxsize=64)
+def _thinned(indentation: tuple[float, ...], force: tuple[float, ...]) -> tuple[tuple[tuple[float, float], ...], float]:
+    """At most MOST_KNOTS points (ξ, f) and the largest deviation from the others, over the largest force."""
+    xi, f = np.array(indentation) / indentation[-1], np.array(force) / max(force)
+    chosen = set(range(len(xi))) if len(xi) <= MOST_KNOTS else {0, len(xi) - 1}
+    while True:
+        points = tuple((float(xi[k]), float(f[k])) for k in sorted(chosen))
+        misses = np.abs(_interpolant.__wrapped__(points)(xi) - f)
+        worst = int(np.argmax(misses))
+        if misses[worst] <= _CLOSE or len(chosen) >= MOST_KNOTS:
+            return points, float(misses[worst])
+        chosen.add(worst)
+
+
+@dataclass(frozen=True)
+class Tabulated(AbstractLaw):
+    """F(δ) through given points, by monotone cubic interpolation (Fritsch & Carlson 1980): no force between two points
+    is outside theirs, and the slope is continuous.
+
+    indentation: m, from 0 on, increasing. force: N, >= 0, not decreasing. In a scene: `file`, a CSV table whose first
+    row names the columns with their units, "indentation (um), force (N)"; or both lists.
+
+    Of more than 60 points the 60 that serve the others best are interpolated, and a run says how far the others lie
+    off. Valid from zero to the last indentation of the table; a run beyond is an error. In a scene the contact opens by
+    Brake's rule (or reversibly, unloading = "retrace"); by itself this law is reversible.
+    """
+
+    name: ClassVar[str] = "tabulated"
+    summary: ClassVar[str] = "a measured or computed curve, interpolated monotonely; unloading as Brake's"
+    source: ClassVar[str] = "Fritsch & Carlson 1980, SIAM J. Numer. Anal. 17:238 (interpolation)"
+    validity: ClassVar[str] = "from zero to the last indentation of the table"
+    parameters: ClassVar[Mapping[str, Parameter]] = {
+        "file": Parameter("CSV with the columns indentation and force, units in the heading", "file", required=False),
+        "indentation": Parameter("from 0 on, increasing", "length", required=False, several=True),
+        "force": Parameter("as many values, not decreasing", "force", required=False, several=True),
+    }
+    default_unloading: ClassVar[str | None] = "brake"
+
+    indentation: tuple[float, ...]
+    force: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "indentation", tuple(map(float, self.indentation)))
+        object.__setattr__(self, "force", tuple(map(float, self.force)))
+        for name, message in _mistakes(self.indentation, self.force).items():
+            raise ValueError(f"Tabulated.{name}: {message}")
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        return self.indentation[-1], max(self.force)
+
+    def stages(self) -> tuple[Stage, ...]:
+        points, _ = _thinned(self.indentation, self.force)
+        inner = tuple(xi for xi, _ in points[1:-1])
+        return (Stage("table", 0.0, 1.0, _Interpolated(points), knots=inner),)
+
+    def remarks(self) -> tuple[str, ...]:
+        points, miss = _thinned(self.indentation, self.force)
+        if len(points) == len(self.force) or miss <= _CLOSE:
+            return ()
+        return (
+            f"law tabulated: {len(points)} of the table's {len(self.force)} points are interpolated; the others lie "
+            f"off by up to {100 * miss:.2g} % of its largest force",
+        )
+
+    @classmethod
+    def settle(cls, values: dict[str, Any]) -> dict[str, str]:
+        lists = [name for name in _COLUMNS if name in values]
+        path = values.pop("file", None)
+        if path is not None and lists:
+            return {lists[0]: "give file, or indentation and force, not both"}
+        if path is None and len(lists) < 2:
+            missing = next(name for name in _COLUMNS if name not in values)
+            return {missing: 'missing: law "tabulated" needs file, or indentation and force'}
+        if path is not None:
+            try:
+                values["indentation"], values["force"] = read_table(path)
+            except (OSError, ValueError) as error:
+                reason = f"{shown(path)} cannot be read: {error.strerror}" if isinstance(error, OSError) else str(error)
+                return {"file": reason}
+        wrong = _mistakes(values["indentation"], values["force"])
+        if path is not None and wrong:
+            return {"file": f"{shown(path)}: " + "; ".join(f"{name}: {text}" for name, text in wrong.items())}
+        return wrong
+
+
+def _mistakes(indentation: Sequence[float], force: Sequence[float]) -> dict[str, str]:
+    """What is wrong with a table, by column; points are counted from 1."""
+    if len(indentation) != len(force):
+        return {"force": f"{len(force)} values for {len(indentation)} indentations"}
+    if not 2 <= len(force) <= MOST_ROWS:
+        return {"force": f"{len(force)} points; 2 to {MOST_ROWS} are allowed"}
+    if indentation[0] != 0.0:
+        return {"indentation": f"the first value is {indentation[0]:g} m; it must be 0 m"}
+    for k, (a, b) in enumerate(pairwise(indentation), 2):
+        if not b > a:
+            return {"indentation": f"point {k}, {b:g} m, is not above the one before, {a:g} m: it must increase"}
+    if not force[0] >= 0.0:
+        return {"force": f"the first value is {force[0]:g} N; it must be >= 0 N"}
+    for k, (a, b) in enumerate(pairwise(force), 2):
+        if not b >= a:
+            return {"force": f"point {k}, {b:g} N, is below the one before, {a:g} N: it must not decrease"}
+    return {} if force[-1] > 0.0 else {"force": "is zero everywhere"}
+
+
+def read_table(path: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Indentations [m] and forces [N] of a CSV file: UTF-8, separated by commas, semicolons or tabs; a first row such
+    as "indentation (um), force (N)", lines that begin with # and further columns are passed over.
+
+    Raises OSError, or ValueError with the line of what is wrong.
+    """
+    columns: tuple[list[float], list[float]] = ([], [])
+    with open(path, encoding="utf-8-sig", newline="") as file:
+        rows = _rows(path, file.read(50_000_000))
+    line, heading = next(rows, (1, []))
+    where = dict(_heading(path, line, heading))
+    if set(where) != set(_COLUMNS):
+        example = '"indentation (um), force (N)"'
+        raise ValueError(f"{shown(path)}, line {line}: a heading is needed, with units, such as {example}")
+    for line, cells in rows:
+        if len(columns[0]) == MOST_ROWS:
+            raise ValueError(f"{shown(path)}, line {line}: more than {MOST_ROWS} rows")
+        for values, (name, dimension) in zip(columns, _COLUMNS.items(), strict=True):
+            place, unit = where[name]
+            cell = cells[place].strip() if place < len(cells) else ""
+            try:
+                values.append(to_si(f"{cell} {unit}", dimension))
+            except ValueError:
+                raise ValueError(f"{shown(path)}, line {line}: {name} is {shown(cell)}, a number is needed") from None
+    return tuple(columns[0]), tuple(columns[1])
+
+
+def _rows(path: str, text: str) -> Iterator[tuple[int, list[str]]]:
+    """Line number and cells of every row that is not empty or a comment."""
+    lines = text.splitlines()
+    first = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
+    separator = next((mark for mark in "\t;," if mark in first), ",")
+    for number, line in enumerate(lines, 1):
+        if line.strip() and not line.lstrip().startswith("#"):
+            try:
+                yield number, next(csv.reader([line], delimiter=separator))
+            except csv.Error as error:
+                raise ValueError(f"{shown(path)}, line {number}: {error}") from None
+
+
+def _heading(path: str, line: int, cells: list[str]) -> Iterator[tuple[str, tuple[int, str]]]:
+    """Column name → its place and unit."""
+    for place, cell in enumerate(cells):
+        match = _HEADING.fullmatch(cell)
+        name = match[1].lower() if match else ""
+        if match is not None and name in _COLUMNS:
+            try:
+                to_si(f"1 {match[2]}", _COLUMNS[name])
+            except ValueError as error:
+                raise ValueError(f"{shown(path)}, line {line}: {name}: {error}") from None
+            yield name, (place, match[2])

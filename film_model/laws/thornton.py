@@ -1,0 +1,45 @@
+"""Thornton: elastic, then perfectly plastic under a limiting contact pressure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from film_model.laws.law import AbstractLaw, Parameter, Power, Stage
+from film_model.laws.unloading import brake_unloading
+from film_model.laws.yielding import limit_point
+
+
+@dataclass(frozen=True)
+class Thornton(AbstractLaw):
+    """Thornton 1997, J. Appl. Mech. 64:383. Beyond δ_y = (π p_y/2E)² R the pressure is cut off at p_y:
+
+    F = F_y + π R p_y (δ − δ_y), that is f = 1 + (3/2)(d − 1) with d = δ/δ_y; the slope is continuous. Unloading is
+    Hertz's with R_p = R F_Hertz(δ_m)/F_m, which keeps the contact radius a² = R δ_m.
+
+    yield_pressure: p_y, Pa, about 1.6 S_y at first yield; 2.5 to 3 S_y is often taken to match deep indentations.
+    e² = (6√3/5)² … in closed form; for V ≫ V_Y, e = 1.18499 (V_Y/V)^{1/4}. No strain hardening and no growth of the
+    mean pressure between first yield and full plasticity; small indentations, a/R below about 0.2.
+    """
+
+    name: ClassVar[str] = "thornton"
+    summary: ClassVar[str] = "elastic, then linear under a limiting pressure; Hertz unloading that keeps the radius"
+    source: ClassVar[str] = "Thornton 1997, J. Appl. Mech. 64:383"
+    validity: ClassVar[str] = "a/R below about 0.2; no strain hardening, one pressure from yield to full plasticity"
+    parameters: ClassVar[Mapping[str, Parameter]] = {
+        "yield_pressure": Parameter("limiting contact pressure p_y, about 1.6 yield strengths", dimension="pressure")
+    }
+
+    effective_modulus: float
+    radius: float
+    yield_pressure: float
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        return limit_point(self.effective_modulus, self.radius, self.yield_pressure)
+
+    def stages(self) -> tuple[Stage, ...]:
+        return (
+            Stage("elastic", 0.0, 1.0, Power(coefficient=1.0, exponent=1.5)),
+            Stage("plastic", 1.0, float("inf"), Power(constant=1.0, slope=1.5), brake_unloading()),
+        )

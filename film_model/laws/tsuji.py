@@ -1,0 +1,51 @@
+"""Hertz's spring with Tsuji's dashpot, whose restitution does not depend on the velocity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from film_model.laws.damping import spring_ratio
+from film_model.laws.hertz import Hertz, hertz_stiffness
+from film_model.laws.law import AbstractLaw, Parameter, Power, Stage, raise_wrong, wrong_restitution
+
+
+@dataclass(frozen=True)
+class Tsuji(AbstractLaw):
+    """Tsuji, Tanaka & Ishida 1992, Powder Technol. 71:239: F = K δ^{3/2} + α √(m K) δ^{1/4} δ̇ until F falls to zero.
+
+    restitution: e on a target that does not move, at any velocity. With w = δ^{5/4} the law is a linear spring and
+    dashpot of damping ratio ζ = α/√5 in the (w, δ̇) plane, force zero where the spring's is: e(ζ) is that of
+    linear-dashpot, and α = √5 ζ(e) follows without fit. The usual α = √5 β, β = −ln e/√(ln² e + π²), is right for a
+    contact that is held by tension until δ = 0; without tension it returns 0.550 for e = 0.5.
+    """
+
+    name: ClassVar[str] = "tsuji"
+    summary: ClassVar[str] = "Hertz with a dashpot α √(m K) δ^¼: one restitution for all velocities"
+    source: ClassVar[str] = "Tsuji, Tanaka & Ishida 1992, Powder Technol. 71:239; α for an end at F = 0: derived here"
+    validity: ClassVar[str] = "a spring of granular simulations: no material has one restitution"
+    parameters: ClassVar[Mapping[str, Parameter]] = {"restitution": Parameter("e on a fixed target")}
+    damped: ClassVar[bool] = True
+
+    effective_modulus: float
+    radius: float
+    restitution: float
+
+    def __post_init__(self) -> None:
+        raise_wrong(self)
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        return Hertz(self.effective_modulus, self.radius).scales(energy)
+
+    def stages(self) -> tuple[Stage, ...]:
+        damping = Power(coefficient=1.0, exponent=0.25)
+        return (Stage("elastic", 0.0, float("inf"), Power(coefficient=1.0, exponent=1.5), damping=damping),)
+
+    def damping_factor(self, mass: Any, velocity: Any, length: float) -> Any:
+        stiffness = hertz_stiffness(self.effective_modulus, self.radius)
+        return 5.0**0.5 * spring_ratio(self.restitution) * (mass * stiffness) ** 0.5 * length**0.25
+
+    @classmethod
+    def settle(cls, values: dict[str, Any]) -> dict[str, str]:
+        return wrong_restitution(values)

@@ -1,0 +1,82 @@
+"""Ways to open that go with any loading law: [contact] unloading = "brake" or "retrace"."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+from film_model.laws.hertz import hertz_stiffness
+from film_model.laws.law import AbstractLaw, Power, Stage, Unloading
+
+
+def brake_unloading(stiffness: float = 1.0) -> Unloading:
+    """Hertz's curve of the contact radius a² = R δ_m: δ_m − δ_f = F_m/(K √δ_m). stiffness: K δ_s^{3/2}/F_s."""
+    return Unloading(secant=Power(coefficient=stiffness, exponent=0.5, origin=0.0))
+
+
+@dataclass(frozen=True)
+class _Reopened(AbstractLaw):
+    """The loading of another law."""
+
+    law: AbstractLaw
+
+    @property
+    def name(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The loading law's."""
+        return self.law.name
+
+    def damping_factor(self, mass: Any, velocity: Any, length: float) -> Any:
+        return self.law.damping_factor(mass, velocity, length)
+
+    def remarks(self) -> tuple[str, ...]:
+        return self.law.remarks()
+
+
+@dataclass(frozen=True)
+class BrakeUnloading(_Reopened):
+    """Any loading law with Brake's unloading (Brake 2015, Int. J. Solids Struct. 62:104):
+
+    δ_f = δ_m (1 − F_m/F_Hertz(δ_m)), F = (4/3) E √R̄ (δ − δ_f)^{3/2} with R̄ = F_m²/((4E/3)² (δ_m − δ_f)³).
+
+    For a sphere on a flat: effective_modulus E, Pa, and radius R, m. A law above Hertz's curve leaves no dent, and
+    returns F_m δ_m 2/5. The rule takes no energy from nothing where the loading work is at least
+    0.4 F_m² δ_m/F_Hertz(δ_m), as below Hertz's curve for the laws here; a run that returns more than it stored says so.
+    """
+
+    summary: ClassVar[str] = "δ_f = δ_m (1 − F_m/F_Hertz(δ_m)), then Hertz's curve through (δ_m, F_m)"
+    source: ClassVar[str] = "Brake 2015, Int. J. Solids Struct. 62:104"
+    validity: ClassVar[str] = "a sphere; a law that is not above Hertz's"
+
+    effective_modulus: float
+    radius: float
+
+    def __post_init__(self) -> None:
+        if self.law.damped:
+            raise ValueError(f"law {self.law.name} is damped: it takes no rule of unloading")
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        return self.law.scales(1.0)  # not those of the impact: the dent depends on the ratio to Hertz's force
+
+    def stages(self) -> tuple[Stage, ...]:
+        length, force = self.scales(1.0)
+        ratio = hertz_stiffness(self.effective_modulus, self.radius) * length**1.5 / force
+        return tuple(replace(stage, unloading=brake_unloading(ratio)) for stage in self.law.stages())
+
+
+@dataclass(frozen=True)
+class Retrace(_Reopened):
+    """Any loading law, reversible: it opens the way it closed, whatever its force."""
+
+    summary: ClassVar[str] = "back along the loading curve: reversible"
+    source: ClassVar[str] = "elastic contact"
+    validity: ClassVar[str] = "a contact that does not yield"
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        return self.law.scales(energy)
+
+    def stages(self) -> tuple[Stage, ...]:
+        return tuple(replace(stage, unloading=None) for stage in self.law.stages())
+
+
+UNLOADINGS: dict[str, type[AbstractLaw]] = {"brake": BrakeUnloading, "retrace": Retrace}
+"""By the names of [contact] unloading."""

@@ -1,0 +1,40 @@
+"""Yigit and Christoforou: elastic, then a line, and the elastic curve moved down."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from film_model.laws.law import AbstractLaw, Power, Stage, Unloading
+from film_model.laws.yielding import yield_point
+
+
+@dataclass(frozen=True)
+class YigitChristoforou(AbstractLaw):
+    """Yigit & Christoforou 1994, Compos. Eng. 4:1143, with K_h = (4/3) E √R:
+
+    F = K_h δ^{3/2}; beyond δ_y, F = F_y + K_y (δ − δ_y) with K_y = (3/2) K_h √δ_y, so that the slope is continuous;
+    unloading F = K_h (δ^{3/2} − δ_m^{3/2}) + F_m, which leaves δ_f^{3/2} = δ_m^{3/2} − F_m/K_h.
+
+    δ_y = 0.6806 π² R S_y²/E² (mean pressure 1.1 S_y). For laminates a strength of twice the shear strength is taken.
+    The stages are Thornton's; the dent is deeper, and contact ends with a force that is not tangent to zero.
+    """
+
+    name: ClassVar[str] = "yigit-christoforou"
+    summary: ClassVar[str] = "elastic, then linear with the slope at yield; unloads along Hertz's curve shifted down"
+    source: ClassVar[str] = "Yigit & Christoforou 1994, Compos. Eng. 4:1143"
+    validity: ClassVar[str] = "a/R below about 0.2; moderate plasticity"
+
+    effective_modulus: float
+    radius: float
+    yield_strength: float
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        return yield_point(self.effective_modulus, self.radius, self.yield_strength)
+
+    def stages(self) -> tuple[Stage, ...]:
+        shifted = Unloading(shifted=Power(constant=1.0))
+        return (
+            Stage("elastic", 0.0, 1.0, Power(coefficient=1.0, exponent=1.5)),
+            Stage("plastic", 1.0, float("inf"), Power(constant=1.0, slope=1.5), shifted),
+        )

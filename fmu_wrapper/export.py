@@ -150,7 +150,8 @@ def _experiment(problem: Problem, history: History | None, gap: float) -> Experi
 def _build_description(kind: Kind, sources: list[str]) -> bytes:
     files = "".join(f'      <SourceFile name="{name}"/>\n' for name in sources)
     files += "".join(
-        f'      <PreprocessorDefinition name="{name}" value="{value}"/>\n' for name, value in platforms.DEFINITIONS.items()
+        f'      <PreprocessorDefinition name="{name}" value="{value}"/>\n'
+        for name, value in platforms.DEFINITIONS.items()
     )
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'

@@ -12,7 +12,8 @@ import json
 import os
 import platform
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -86,6 +87,20 @@ def _row(case: Case, target: float, contender: str, setting: str, error: float |
     }
 
 
+def _fastest(call: Callable[[], object], repeats: int) -> float:
+    """Seconds of the fastest of 20 times `repeats` calls, but of one second at most: other work on the machine disturbs
+    many short looks less than a few long ones."""
+    call()
+    begun, best = time.perf_counter(), float("inf")
+    for _ in range(20 * repeats):
+        now = time.perf_counter()
+        if now - begun > 1.0 and best < float("inf"):
+            break
+        call()
+        best = min(best, time.perf_counter() - now)
+    return best
+
+
 def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kind: str) -> list[Row]:
     """On the processor's widest instructions and, for lines that preserve work, on the narrower ones too."""
     line, name = {
@@ -98,7 +113,7 @@ def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kin
     error = worst_error(film.values(film.batch(some, line, pair)()), exact)
     rows = []
     for using in range(native.instructions(), -1, -1) if kind == "work" else (native.instructions(),):
-        seconds = best_time(film.batch(case, line, pair, using), repeats, 3) / case.nu.size
+        seconds = _fastest(film.batch(case, line, pair, using), repeats) / case.nu.size
         said = name if not rows else f"  with {native.INSTRUCTIONS[using]} instructions"
         rows.append(_row(case, target, said, f"{pair[0]} + {pair[1]} segments", error, seconds))
     return rows
@@ -126,7 +141,7 @@ def dormand_prince_rows(case: Case, some: Case, exact: Array, repeats: int) -> l
             continue
         _, error, form, tolerance, floor = min(fitting)
         nu, gamma, rival = case.nu, case.gamma, rivals[form]
-        seconds = best_time(lambda: rival(nu, gamma, tolerance, floor, out), repeats, 3) / nu.size  # noqa: B023
+        seconds = _fastest(lambda: rival(nu, gamma, tolerance, floor, out), repeats) / nu.size  # noqa: B023
         setting = f"{form} form, rtol {tolerance:.1e}, floor {floor:g}"
         rows.append(_row(case, target, "Dormand–Prince 5(4), numba", setting, error, seconds))
     return rows
@@ -147,7 +162,7 @@ def _root_steps(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]
                 found[:] = np.nan
                 rival(some.nu, some.gamma, float(steps), stretch, found)
                 error = worst_error(found, exact)
-            seconds = best_time(lambda: rival(case.nu, case.gamma, float(steps), stretch, out), repeats, 3)  # noqa: B023
+            seconds = _fastest(lambda: rival(case.nu, case.gamma, float(steps), stretch, out), repeats)  # noqa: B023
             fitting.append((seconds / case.nu.size, error, steps, stretch))
         seconds, error, steps, stretch = min(fitting)
         setting = f"{steps} steps, stretch {stretch:g}"

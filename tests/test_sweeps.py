@@ -181,6 +181,13 @@ def test_designs_draw_what_they_say() -> None:
         assert not np.array_equal(other[0], v)
 
 
+def test_no_probability_is_an_infinite_value() -> None:
+    over = {"impactor.velocity": {"normal": ["10 m/s", "1 m/s"]}, "impactor.radius": {"lognormal": ["1 mm", "1 mm"]}}
+    for axis in Sweep.of(BALL, over, "random", samples=1).axes:
+        values = axis.quantile(np.array([0.0, 0.5, 1.0 - 2.0**-53]))
+        assert np.isfinite(values).all() and (np.diff(values) > 0).all() and values[0] > 0
+
+
 def test_zip_goes_side_by_side() -> None:
     over = {"impactor.velocity": ["3 m/s", "1 m/s"], "contact.law": ["hertz", "stronge"]}
     ds = fd.sweep(BALL, over, "zip")
@@ -188,6 +195,16 @@ def test_zip_goes_side_by_side() -> None:
     assert ds["maximum_force"].dims == ("impact",)
     assert ds["impactor_velocity"].values.tolist() == [3.0, 1.0]
     assert ds["coefficient_of_restitution"].values[0] == pytest.approx(1.0, rel=1e-9)
+
+
+def test_a_very_long_coordinate_is_not_held_in_memory(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    fd.sweep(BALL, SPEEDS, output=tmp_path / "x.nc").close()
+    for most, indexed in ((40, True), (39, False)):
+        monkeypatch.setattr("film_datasets.files.MOST_INDEXED", most)
+        with fd.open(tmp_path / "x.nc") as ds:
+            assert ("impactor_velocity" in ds.indexes) == indexed
+            assert fd.validate(ds) == []
+            assert ds.film.scene(impactor_velocity=5.0).impactor.velocity == 5.0
 
 
 def test_ends_of_a_range_are_exact() -> None:

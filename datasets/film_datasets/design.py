@@ -41,6 +41,9 @@ MOST_CASES = 10_000
 MOST_SAMPLES = {"random": 2**53, "sobol": 2**30, "latin-hypercube": 20_000_000}
 """Rows a design can have; a Latin hypercube is a permutation, held in memory."""
 
+LEAST = 2.0**-53
+"""Probabilities below this are taken for it, so that no design draws an infinite value: 8.1 standard deviations."""
+
 LISTED = 1000
 """Longer lists of values are in the coordinates of a dataset only, not in its sweep_toml."""
 
@@ -96,10 +99,11 @@ class Axis:
             return self._between(u, low, high)
         from scipy.special import ndtri
 
+        deviation = ndtri(np.maximum(u, LEAST))
         if self.kind == "normal":
-            return low + high * ndtri(u)
+            return low + high * deviation
         spread = math.log1p((high / low) ** 2)  # variance of the logarithm
-        return low * np.exp(math.sqrt(spread) * ndtri(u) - 0.5 * spread)
+        return low * np.exp(math.sqrt(spread) * deviation - 0.5 * spread)
 
     def _between(self, part: Array, low: float, high: float) -> Array:
         """From low to high, both exact."""

@@ -13,6 +13,9 @@ from film_model.files import written_whole
 
 SUFFIX, ZARR = ".nc", ".zarr"
 
+MOST_INDEXED = 10_000_000
+"""Values of a coordinate that `open_dataset` indexes, so that `sel` takes them."""
+
 DEFLATE_FROM = 4096
 """Bytes of a variable from which it is deflated: below, the chunk index (2 kB) takes more than deflating saves."""
 
@@ -47,7 +50,8 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
 def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     """The dataset in a netCDF file or Zarr folder of ours; it has the accessor `film`.
 
-    A history is read into memory; of a sweep, what is asked for is read when it is needed.
+    A history is read into memory; of a sweep, what is asked for is read when it is needed. A coordinate of more than
+    `MOST_INDEXED` values has no index.
 
     Raises OSError where there is no such file or it cannot be read, ValueError for a dataset that is not ours.
     """
@@ -56,7 +60,7 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         raise FileNotFoundError(f"{source}: there is no such file")
     engine = "zarr" if source.is_dir() else "netcdf4"
     try:
-        ds = xr.open_dataset(source, engine=engine)
+        ds = _indexed(xr.open_dataset(source, engine=engine, create_default_indexes=False))
     except ImportError as error:
         raise ImportError(f"{source}: {NEEDS_ZARR}") from error
     except PermissionError as error:
@@ -78,6 +82,14 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 NEEDS_ZARR = 'Zarr folders need zarr: install film-model[zarr] (pip install "film-model[zarr]")'
+
+
+def _indexed(ds: xr.Dataset) -> xr.Dataset:
+    """With an index, which is held in memory, for every coordinate that is not too long for it."""
+    along = [str(name) for name, array in ds.coords.items() if array.dims == (name,) and array.size <= MOST_INDEXED]
+    for name in along:
+        ds = ds.set_xindex(name)
+    return ds
 
 
 def check_place(target: Path, overwrite: bool) -> None:

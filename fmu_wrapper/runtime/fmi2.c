@@ -31,15 +31,15 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories, const fmi2String categories[]) {
     SELF;
     NEED(categories, nCategories);
-    i->logging = loggingOn;
+    (void)loggingOn; /* only errors are logged, and always */
     return fmi2OK;
 }
 
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID, fmi2String fmuResourceLocation,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean loggingOn) {
     char folder[4096];
-    instance_options options = {instanceName, fmuGUID, folder, fmuType == fmi2ModelExchange, 0, 0, loggingOn, tell, NULL, NULL};
-    (void)visible;
+    instance_options options = {instanceName, fmuGUID, folder, fmuType == fmi2ModelExchange, 0, 0, tell, NULL, NULL};
+    (void)visible, (void)loggingOn;
     if (functions) {
         options.environment = functions->componentEnvironment;
         options.logger = (void (*)(void))functions->logger;

@@ -25,16 +25,16 @@ const char *fmi3GetVersion(void) { return fmi3Version; }
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean loggingOn, size_t nCategories, const fmi3String categories[]) {
     SELF;
     NEED(categories, nCategories);
-    i->logging = loggingOn;
+    (void)loggingOn; /* only errors are logged, and always */
     return fmi3OK;
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
                                           fmi3Boolean visible, fmi3Boolean loggingOn, fmi3InstanceEnvironment environment,
                                           fmi3LogMessageCallback logMessage) {
-    instance_options options = {instanceName, instantiationToken, resourcePath, 1, 0, 0, loggingOn, tell, environment,
+    instance_options options = {instanceName, instantiationToken, resourcePath, 1, 0, 0, tell, environment,
                                 (void (*)(void))logMessage};
-    (void)visible;
+    (void)visible, (void)loggingOn;
     return instance_new(HERE, &options, NULL);
 }
 
@@ -43,9 +43,9 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3Boolean earlyReturnAllowed, const fmi3ValueReference requiredIntermediateVariables[],
                                          size_t nRequiredIntermediateVariables, fmi3InstanceEnvironment environment,
                                          fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate) {
-    instance_options options = {instanceName,      instantiationToken, resourcePath, 0,           eventModeUsed,
-                                earlyReturnAllowed, loggingOn,          tell,         environment, (void (*)(void))logMessage};
-    (void)visible, (void)requiredIntermediateVariables, (void)intermediateUpdate;
+    instance_options options = {instanceName, instantiationToken, resourcePath, 0, eventModeUsed, earlyReturnAllowed,
+                                tell,         environment,        (void (*)(void))logMessage};
+    (void)visible, (void)loggingOn, (void)requiredIntermediateVariables, (void)intermediateUpdate;
     instance *made = instance_new(HERE, &options, nRequiredIntermediateVariables ? "no variable has intermediate values" : NULL);
     if (made && made->data->kind == CONTACT && eventModeUsed) {
         instance_fails(made, HERE, "this FMU has no event mode");
@@ -60,9 +60,9 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
                                                fmi3LockPreemptionCallback lockPreemption,
                                                fmi3UnlockPreemptionCallback unlockPreemption) {
-    instance_options options = {instanceName, instantiationToken, resourcePath, 0, 0, 0, loggingOn, tell, environment,
+    instance_options options = {instanceName, instantiationToken, resourcePath, 0, 0, 0, tell, environment,
                                 (void (*)(void))logMessage};
-    (void)visible, (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
+    (void)visible, (void)loggingOn, (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
     return instance_new(HERE, &options, "Scheduled Execution is not supported by this FMU");
 }
 

@@ -88,7 +88,6 @@ instance *instance_new(const char *function, const instance_options *options, co
     i->model_exchange = options->model_exchange;
     i->event_mode = options->event_mode;
     i->early_return = options->early_return;
-    i->logging = options->logging;
     i->report = options->report;
     i->environment = options->environment;
     i->logger = options->logger;

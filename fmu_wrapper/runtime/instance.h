@@ -34,7 +34,7 @@ struct instance {
     model model;
     model_data *data;
     instance_state state; /* but for the memory, which is the model's */
-    int model_exchange, event_mode, early_return, logging;
+    int model_exchange, event_mode, early_return;
     report *report;
     void *environment;
     void (*logger)(void); /* as the importer gave it; report knows its type */
@@ -43,7 +43,7 @@ struct instance {
 
 typedef struct {
     const char *name, *token, *folder;
-    int model_exchange, event_mode, early_return, logging;
+    int model_exchange, event_mode, early_return;
     report *report;
     void *environment;
     void (*logger)(void);

@@ -205,3 +205,15 @@ def test_three_ways(tmp_path):
     for run in runs.values():
         assert run.sizes["event"] == len(history.events)
         assert run.event_time.values == pytest.approx([event.time for event in history.events], rel=1e-7)
+
+
+def test_accuracy_and_time(tmp_path, monkeypatch):
+    from film_model import study
+
+    monkeypatch.setattr(study, "MOST_TIME", 1e-3)
+    monkeypatch.setattr(study, "BATCH", 64)
+    studies = example("accuracy_and_time").main(tmp_path / "cost.png", ["FILM", "solve_ivp DOP853"])
+    assert is_png(tmp_path / "cost.png")
+    for done in studies.values():
+        assert {run.method for run in done.runs} == {*study.FILM, "solve_ivp DOP853"}
+        assert done.cheapest(1e-6, study.FILM[0]) is not None

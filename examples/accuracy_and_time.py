@@ -1,0 +1,38 @@
+"""What accuracy costs in time, for the three cases of Big-Alabo, Cartmell & Harrison 2017: docs/cost.png.
+
+Every method that is installed runs each impact at several settings (`pip install '.[benchmark]'` for all of them). It
+takes a minute or two, and the machine should have nothing else to do.
+"""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import film_model as fm
+from film_model.plot_study import plot_studies
+from film_model.study import Study, one_thread, study
+
+SCENES = Path(__file__).parent / "scenes"
+PICTURE = Path(__file__).parent.parent / "docs" / "cost.png"
+CASES = {
+    "Big-Alabo, half-space": "tungsten_carbide_on_steel",
+    "Stronge, half-space": "tungsten_carbide_on_steel_stronge",
+    "Hertz, plate": "olsson_plate",
+}
+
+
+def main(picture: str | Path = PICTURE, methods: Sequence[str] | None = None) -> dict[str, Study]:
+    """The studies by case; draws them side by side."""
+    studies = {
+        name: study(fm.Scene.from_toml(SCENES / f"{file}.toml"), methods=methods) for name, file in CASES.items()
+    }
+    plot_studies(list(studies.items()), picture)
+    return studies
+
+
+if __name__ == "__main__":
+    one_thread()
+    for case, done in main(*sys.argv[1:2]).items():
+        print(case)
+        for line in (*(done.sentence(error) for error in (1e-3, 1e-4, 1e-6)), *done.beaten()):
+            print(f"  {line}")

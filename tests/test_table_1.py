@@ -1,7 +1,7 @@
 """The claims of Table 1 of Big-Alabo, Cartmell & Harrison 2017, one by one, with numbers: how far each of them holds.
 
-1 to 4 say what the method is: the force is cut over indentation, each piece has a closed-form motion over a range of time,
-and nothing is iterated but the turning point. 7, that it can be done by hand, is examples/hand_calculation.py.
+1 to 4 say what the method is: the force is cut over indentation, each piece has a closed-form motion over a range of
+time, and nothing is iterated but the turning point. 7, that it can be done by hand, is examples/hand_calculation.py.
 """
 
 import math
@@ -39,7 +39,7 @@ def test_claim_5_few_segments_suffice_on_half_spaces(name):
 
 
 def test_claim_5_has_a_limit_on_plates():
-    """5 to 10 chords leave 4 to 10 % on the paper's plate, mostly of the rebound; ten work-preserving lines, 0.03 %."""
+    """5 to 10 chords leave 4 to 10 % on the paper's plate, most of it in the rebound; ten better lines, 0.03 %."""
     assert 0.05 < errors("olsson_plate", 5, "chord") < 0.15
     assert 0.02 < errors("olsson_plate", 10, "chord") < 0.06
     assert errors("olsson_plate", 10, "work-preserving") < 3e-4

@@ -39,7 +39,7 @@ def test_claim_5_few_segments_suffice_on_half_spaces(name):
 
 
 def test_claim_5_has_a_limit_on_plates():
-    """5 to 10 chords leave 4 to 10 % on the paper's plate, most of it in the rebound; ten better lines, 0.03 %."""
+    """5 to 10 chords leave 4 to 10 % on the paper plate, mostly in the rebound; ten better lines, 0.03 %."""
     assert 0.05 < errors("olsson_plate", 5, "chord") < 0.15
     assert 0.02 < errors("olsson_plate", 10, "chord") < 0.06
     assert errors("olsson_plate", 10, "work-preserving") < 3e-4

@@ -22,7 +22,7 @@ from film_model.accuracy import (
 )
 from film_model.bodies import STANDARD_GRAVITY, Body, Sphere
 from film_model.core import native
-from film_model.effects import GRAVITY_THRESHOLD
+from film_model.effects import change, gravity_change, march
 from film_model.errors import SimulationError
 from film_model.problem import Problem, contact_limit, problem_of
 from film_model.scene import Scene, Solver
@@ -47,9 +47,9 @@ def simulate_batch(
 ) -> BatchResult:
     """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
 
-    Law "auto" is decided at the largest velocity, gravity "auto" for every impact. With an accuracy, up to 64 of the
-    impacts, the extremes among them, are tried to find the mesh. A free body as target is refused with
-    SimulationError.
+    Law and target motion "auto" are decided at the largest velocity and mass, gravity "auto" for every impact. With an
+    accuracy, up to 64 of the impacts, the extremes among them, are tried to find the mesh. A free body as target is
+    refused with SimulationError.
     """
     speeds = units.array_to_si(velocity, "velocity")
     masses = np.asarray(scene.effective_mass) if mass is None else units.array_to_si(mass, "mass")
@@ -58,7 +58,7 @@ def simulate_batch(
         raise SimulationError("a free body as target cannot be run as a batch: its reduced mass depends on both")
     if speeds.size == 0 or not ((speeds > 0.0).all() and (masses > 0.0).all()):
         raise ValueError("velocity and mass must be > 0, and there must be at least one impact")
-    problem = problem_of(_at_velocity(scene, float(speeds.max())))
+    problem = problem_of(_hardest(scene, float(speeds.max()), None if mass is None else float(masses.max())))
     scales = problem.scales
     start: Any = np.zeros(speeds.size, native.START_DTYPE)
     clock = np.sqrt(masses.ravel() / problem.mass)  # t_s and 1/v_s grow with √m
@@ -82,23 +82,36 @@ def simulate_batch(
     return BatchResult(shaped, estimated, counts, failed.reshape(speeds.shape))
 
 
-def _at_velocity(scene: Scene, velocity: float) -> Scene:
+def _hardest(scene: Scene, velocity: float, mass: float | None) -> Scene:
+    """The scene at the largest velocity and mass, for which its effects are chosen."""
     ball = scene.impactor
-    mass = None if ball.mass is None else f"{ball.mass!r} kg"
-    impactor = Sphere(f"{ball.radius!r} m", velocity=f"{velocity!r} m/s", mass=mass, material=ball.material)
+    mass = ball.mass if mass is None else mass
+    given = None if mass is None else f"{mass!r} kg"
+    impactor = Sphere(f"{ball.radius!r} m", velocity=f"{velocity!r} m/s", mass=given, material=ball.material)
     return replace(scene, impactor=impactor)
 
 
 def _heavy(scene: Scene, problem: Problem, start: Any, mass: Any) -> NDArray[np.bool_]:
-    """Which impacts are simulated with their weight: the rule of `effects`, for each."""
+    """Which impacts are simulated with their weight: the rule of `effects`, for each.
+
+    One coarse batch without weight tells most of them apart; the doubtful are tried with and without, one by one.
+    """
     wanted = scene.effects.gravity
     if wanted != "auto":
         return np.full(mass.shape, wanted)
-    still = start.copy()
-    still["gamma"] = 0.0
-    status, summary = native.batch(problem.curve.native, native.mesh(native.WORK_PRESERVING, 1, 1), still)
-    force = np.where(status == native.EVENT, summary["maximum_force"] * problem.scales.force, np.nan)
-    return ~(mass * STANDARD_GRAVITY <= GRAVITY_THRESHOLD * force)
+    tolerance, ratio = scene.effect_tolerance, unloading_ratio(problem)
+    weight = mass * STANDARD_GRAVITY / problem.scales.force
+    status, seen = native.batch(problem.curve.native, native.mesh(native.WORK_PRESERVING, 4, 4 * ratio), start)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        push = gravity_change(weight, seen["maximum_force"], seen["maximum_indentation"], 0.5 * start["nu"] ** 2)
+        gained = weight * seen["contact_duration"] / -seen["final_velocity"]  # over the rebound velocity
+        light = np.where(start["gamma"] > 0.0, np.maximum(push, gained) <= 0.1 * tolerance, push <= 0.3 * tolerance)
+    heavy = ~light | (status != native.EVENT)
+    for row in np.flatnonzero(heavy):
+        one = replace(problem, approach=float(start["nu"][row]), gamma=float(start["gamma"][row]))
+        size = change(march(replace(one, load=float(weight[row]))), march(one))
+        heavy[row] = size is None or size > tolerance
+    return heavy
 
 
 def _batch_mesh(problem: Problem, solver: Solver, trial: Any) -> tuple[tuple[int, int], float]:

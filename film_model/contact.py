@@ -33,18 +33,21 @@ class Contact:
     """The contact law and what it needs.
 
     law: "auto", a name, or a law of your own. effective_modulus: Pa, overrides the materials' own. yield_strength:
-    Pa, likewise. parameters: the law's own, by their names, in SI units.
+    Pa, likewise. work_of_adhesion: J/m², by which adhesion is judged. parameters: the law's own, by their names, in SI
+    units.
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
         "law": Field(_read_law, "the name of a contact law is needed", required=True),
         "effective_modulus": measure("pressure", 1, 1e14),
         "yield_strength": measure("pressure", 1, 1e13),
+        "work_of_adhesion": measure("surface_energy", 0, 1e6),
     }
 
     law: str | AbstractLaw
     effective_modulus: float | None
     yield_strength: float | None
+    work_of_adhesion: float | None
     parameters: Mapping[str, Any] = field(hash=False)
 
     def __init__(
@@ -53,6 +56,7 @@ class Contact:
         law: str | AbstractLaw = "auto",
         effective_modulus: Value | None = None,
         yield_strength: Value | None = None,
+        work_of_adhesion: Value | None = None,
         **parameters: object,
     ) -> None:
         mistakes = fill(self, locals())

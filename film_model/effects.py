@@ -72,7 +72,7 @@ class Effect(NamedTuple):
         if self.state != NOT_MODELLED:
             return None
         size = "by an amount that is not known" if self.change is None else f"by about {percent(self.change)}"
-        return f"{self.name.replace('_', ' ')} is not modelled and would change the summary {size}: {self.reason}"
+        return f"not modelled: {self.name.replace('_', ' ')}, which would change the summary {size}; {self.reason}"
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, for JSON."""

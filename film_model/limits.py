@@ -20,6 +20,7 @@ from film_model.materials import Material
 from film_model.problem import assemble
 from film_model.scene import Scene
 from film_model.targets import plate_impedance, plate_stiffness
+from film_model.units import format_si
 
 REFLECTION_TIME = 0.04
 """t √(D/ρ_A)/L² of a half-sine push at the centre of a simply supported square plate, up to which its deflection is
@@ -34,12 +35,15 @@ JKR_WORK = 7.0922
 HERTZ_PULSE = 4.6851
 """∫Ḟ² dt over F_m²/t_c of an elastic impact; π²/2 for a half-sine."""
 
+HERTZ_SQUARE = 0.4113
+"""∫F² dt over F_m² t_c of an elastic impact; 1/2 for a half-sine."""
+
 MEAN_FREQUENCY = 0.7737 * math.pi
 """Mean of ω t_c over |F(ω)|² of a half-sine."""
 
 RADIATION = (
     (0.0, 0.1, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.49),
-    (0.21396, 0.18463, 0.15986, 0.14813, 0.13723, 0.12723, 0.11824, 0.11047, 0.10542),
+    (0.21396, 0.18556, 0.15986, 0.14813, 0.13723, 0.12723, 0.11824, 0.11047, 0.10542),
 )
 """Poisson's ratio, and β: a point force F(t) radiates β/(ρ c_T³) ∫Ḟ² dt into a half-space (Lamb's problem)."""
 
@@ -150,7 +154,8 @@ def reflections(case: Case, name: str, indicator: str, source: str) -> Effect:
         late = max(0.0, 1.0 - returns / case.duration)
         impulse = case.force * case.duration / math.pi * (1.0 - math.cos(math.pi * late))
         size = 2.0 * impulse / target.impedance / case.indentation
-        reason = f"the wave is back from the far end after {returns:.3g} s, the contact lasts {case.duration:.3g} s"
+        back, lasts = format_si(returns, "time", 3), format_si(case.duration, "time", 3)
+        reason = f"the wave is back from the far end after {back}, the contact lasts {lasts}"
         return _judged(case, name, indicator, source, case.duration / returns, 1.0, size, reason, "modes of the rod")
     if not isinstance(target, Plate):
         what = "a free body" if isinstance(target, Body) else "a half-space"
@@ -166,10 +171,8 @@ def reflections(case: Case, name: str, indicator: str, source: str) -> Effect:
     share = constant * case.motion / max(case.restitution, 1e-3)
     size = share * value**power
     threshold = (case.tolerance / share) ** (1.0 / power)
-    reason = (
-        f"from the centre of the push to the end of contact {case.back:.3g} s pass; edge waves are felt after "
-        f"{0.5 * limit:.3g} s"
-    )
+    back, felt = format_si(case.back, "time", 3), format_si(0.5 * limit, "time", 3)
+    reason = f"from the centre of the push to the end of contact {back} pass; edge waves are felt after {felt}"
     return _judged(case, name, indicator, source, value, threshold, min(size, 1.0), reason, "modes of the plate")
 
 
@@ -198,7 +201,7 @@ def thickness(case: Case, name: str, indicator: str, source: str) -> Effect:
     if isinstance(target, HalfSpace) and target.material is not None:
         least = _half_space_from(case, target.material)
         why = "missing: a thickness; this much or more counts as a half-space"
-        return _unjudged(name, "sufficient thickness [m]", why, source, least)
+        return _unjudged(name, "sufficient thickness, m", why, source, least)
     if isinstance(target, HalfSpace):
         return _unjudged(name, indicator, "missing: a thickness and target.material", source)
     return _absent(name, indicator, "the target is neither a half-space nor a plate", source)
@@ -209,7 +212,7 @@ def _half_space_from(case: Case, material: Material) -> float:
     unit = plate_impedance(
         material.density, plate_stiffness(material.youngs_modulus, material.poissons_ratio, 1.0)
     )  # of 1 m
-    lost = 0.5 * case.force**2 * case.duration / unit
+    lost = HERTZ_SQUARE * case.force**2 * case.duration / unit
     return math.sqrt(lost / (case.tolerance * case.energy))
 
 
@@ -348,7 +351,7 @@ RULES: dict[str, tuple[str, str, Callable[[Case, str, str, str], Effect]]] = {
     "adhesion": ("V/V_s", "Thornton & Ning 1998; work of parting of Johnson, Kendall & Roberts integrated", adhesion),
     "material_damping": ("tan δ", "half a cycle of linear hysteresis", material_damping),
     "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", wave_losses),
-    "strain_rate": ("strain rate [1/s]", "Tabor 1951; Johnson & Cook 1983", strain_rate),
-    "heating": ("plastic work/volume [J/m^3]", "balance of energy", heating),
+    "strain_rate": ("strain rate, 1/s", "Tabor 1951; Johnson & Cook 1983", strain_rate),
+    "heating": ("plastic work/volume, J/m³", "balance of energy", heating),
 }
 """Name → indicator, source and rule."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.bodies import Body
+from film_model.bodies import STANDARD_GRAVITY, Body
 from film_model.core import native
 from film_model.curve import Curve, curve_of
 from film_model.laws.law import AbstractLaw
@@ -113,8 +113,10 @@ def problem_of(scene: Scene) -> Problem:
 def assemble(scene: Scene, law: AbstractLaw, impedance: float, load: float) -> Problem:
     """The dimensionless problem of a scene under a law, for a target impedance [N s/m] and a load [N]."""
     mass, approach = scene.effective_mass, scene.approach_velocity
-    weight_energy = load * 1e-3 * scene.effective_radius  # a scale for a ball that is only laid down
-    scales = scales_of(law, max(0.5 * mass * approach**2, weight_energy), mass)
+    energy = max(0.5 * mass * approach**2, load * 1e-3 * scene.effective_radius)
+    if energy == 0.0:  # a ball at rest, for a component: what its weight would do
+        energy = mass * STANDARD_GRAVITY * 1e-3 * scene.effective_radius
+    scales = scales_of(law, energy, mass)
     drift, share = 0.0, 1.0
     if isinstance(scene.target, Body):
         share = mass / scene.mass  # m2/(m1 + m2)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from film_datasets.schema import BRANCHES, SCHEMA_NAME, SCHEMA_VERSION, VARIABLES, content_sha256
 from film_model.core.native import EVENTS, LINE_DTYPE
-from film_model.effects import Effect
+from film_model.effects import Effect, percent
 from film_model.history import MOTION, History, stage_names
 from film_model.laws import AbstractLaw
 from film_model.scene import Scene
@@ -168,10 +168,11 @@ def _attributes(history: History, content: str) -> dict[str, Any]:
 
 
 def _effect_line(effect: Effect) -> str:
-    """'plasticity: simulated, V/V_Y = 5.06 (threshold 1); the yield velocity is 0.0494 m/s: law big-alabo'."""
+    """'gravity: not needed, m g/F_m = 0.00115 (threshold 0.00667), left out 0.18 %; the weight is small …'."""
     value = "" if effect.value is None else f", {effect.indicator} = {effect.value:.4g}"
-    limit = "" if effect.threshold is None else f" (threshold {effect.threshold:g})"
-    return f"{effect.name}: {effect.state}{value}{limit}; {effect.reason}"
+    limit = "" if effect.threshold is None else f" (threshold {effect.threshold:.4g})"
+    change = "" if effect.change is None else f", left out it changes the summary by {percent(effect.change)}"
+    return f"{effect.name}: {effect.state}{value}{limit}{change}; {effect.reason}"
 
 
 def _now() -> str:

@@ -29,11 +29,17 @@ NOT_MODELLED, NOT_JUDGED = "needed but not modelled", "not judged"
 FREE = "none"
 """Cost of an effect that takes no lines: what is not computed, and what comes with the contact law."""
 
+DAMPED, PUSHED = "each about 3.5 × as long", "each about 2 × as long"
+"""What a line of the core takes with target motion, and with a load, as `benchmarks/effects.py` measures it."""
+
 FULLY_PLASTIC_RATIO = 200.0
 """V/V_Y of a half-space impact that reaches full plasticity: 200.6 by Stronge's law, 201.3 by Big-Alabo's."""
 
 ORDER = {name: k for k, name in enumerate(("plasticity", "fully_plastic", "target_motion", "gravity"))}
 """Effects that are computed come first."""
+
+DEEPEST = 3000.0
+"""Indentation, in those at yield, beyond which no stage before the last is stretched to compare with."""
 
 TRIAL = 16
 """Segments a stage of the trial marches; their errors, some 1e-5, are alike with and without an effect."""
@@ -94,20 +100,21 @@ class Trial(NamedTuple):
 
 @dataclass(frozen=True)
 class Shortened(AbstractLaw):
-    """A law whose last stage never begins: the one before goes on for ever."""
+    """A law whose last stage never begins: the one before goes on, to `end`."""
 
     name: ClassVar[str] = "shortened"
     summary: ClassVar[str] = "another law without its last stage"
     source: ClassVar[str] = ""
 
     law: AbstractLaw
+    end: float
 
     def scales(self, energy: float) -> tuple[float, float]:
         return self.law.scales(energy)
 
     def stages(self) -> tuple[Stage, ...]:
         *_, last, _ = stages = self.law.stages()
-        return (*stages[:-2], replace(last, end=math.inf))
+        return (*stages[:-2], replace(last, end=self.end))
 
 
 def percent(change: float) -> str:
@@ -156,14 +163,14 @@ def change(full: Trial, without: Trial) -> float | None:
     length, force = q.scales.length / p.scales.length, q.scales.force / p.scales.force
     time, speed, energy = q.scales.time / p.scales.time, q.scales.velocity / p.scales.velocity, length * force
     off = [
-        abs(b.maximum_force * force / a.maximum_force - 1.0),
-        abs(b.maximum_indentation * length / a.maximum_indentation - 1.0),
-        abs(b.time_of_maximum_indentation * time / a.time_of_maximum_indentation - 1.0),
+        _relative(b.maximum_force * force, a.maximum_force),
+        _relative(b.maximum_indentation * length, a.maximum_indentation),
+        _relative(b.time_of_maximum_indentation * time, a.time_of_maximum_indentation),
     ]
     if full.ends:
         impact = 0.5 * p.approach**2
         off += [
-            abs(b.contact_duration * time / a.contact_duration - 1.0),
+            _relative(b.contact_duration * time, a.contact_duration),
             abs(b.permanent_indentation * length - a.permanent_indentation) / a.maximum_indentation,
             abs(b.final_velocity * speed - a.final_velocity) / p.approach,
             abs(b.work * energy - a.work) / impact,
@@ -171,6 +178,13 @@ def change(full: Trial, without: Trial) -> float | None:
         if p.gamma > 0.0 or q.gamma > 0.0:
             off.append(abs(_radiated(without) * energy - _radiated(full)) / impact)
     return max(off)
+
+
+def _relative(value: float, to: float) -> float:
+    """Relative difference; 1 where only one of the two has happened."""
+    if value == to or (value != value and to != to):
+        return 0.0
+    return abs(value / to - 1.0) if to > 0.0 and value >= 0.0 else 1.0
 
 
 def _radiated(trial: Trial) -> float:
@@ -292,7 +306,10 @@ def _fully_plastic(scene: Scene, trial: Trial, yielding: bool, ratio: float | No
         return effect(NOT_JUDGED, None, f"the law {trial.problem.law.name} has no fully plastic stage of its own")
     if not trial.summary.maximum_indentation > curve.native.stage[curve.native.stages - 1].begin:
         return effect(NOT_NEEDED, 0.0, "the contact does not get that far")
-    size = change(trial, _other(scene, trial, law=Shortened(trial.problem.law)))
+    depth, size = trial.summary.maximum_indentation, None
+    if depth < DEEPEST:
+        end = 10.0 ** math.ceil(math.log10(depth) + 0.5)  # a power of ten: few curves have to be made
+        size = change(trial, _other(scene, trial, law=Shortened(trial.problem.law, end)))
     return effect(SIMULATED, size, "it is a stage of the law")
 
 
@@ -312,7 +329,7 @@ def _target_motion(scene: Scene, trial: Trial, notes: list[Effect] | None) -> Tr
         moved = trial if wanted is not False else _other(scene, trial, impedance=impedance)
         held = trial if wanted is False else _other(scene, trial, impedance=math.inf)
         size = change(moved, held)
-        cost = f"{moved.summary.lines / max(held.summary.lines, 1):.2g} × the lines, each of a damped motion"
+        cost = f"{moved.summary.lines / max(held.summary.lines, 1):.2g} × the lines, {DAMPED}"
     dropped = wanted == "auto" and math.isfinite(impedance) and size is not None and size <= tolerance
     if notes is not None:
         if dropped:
@@ -372,7 +389,8 @@ def _gravity(scene: Scene, chosen: Problem, notes: list[Effect] | None) -> Trial
             reason = "the scene asks for it" if wanted is True else "the weight is not small against the contact force"
         if pressed is not None and pressed.status >= 0 and not pressed.ends:
             reason += "; the ball comes to rest on the target"
-        notes.append(Effect("gravity", "m g/F_m", ratio, tolerance / 1.5, size, state, reason, source))
+        cost = FREE if free else f"1 × the lines, {PUSHED}"
+        notes.append(Effect("gravity", "m g/F_m", ratio, tolerance / 1.5, size, state, reason, source, cost))
     return cast("Trial", pressed) if heavy else trial
 
 

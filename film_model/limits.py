@@ -14,13 +14,16 @@ from typing import NamedTuple, cast
 import numpy as np
 
 from film_model.bodies import Body, HalfSpace, Plate, Rod
-from film_model.effects import FREE, NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, Effect, Trial, change, impedance_of, march
+from film_model.effects import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, Effect, Trial, change, impedance_of, march
 from film_model.laws import BigAlabo
 from film_model.materials import Material
 from film_model.problem import assemble
 from film_model.scene import Scene
 from film_model.targets import plate_impedance, plate_stiffness
 from film_model.units import format_si
+
+ABSENT = "not to be had"
+"""Cost of what this package does not simulate."""
 
 REFLECTION_TIME = 0.04
 """t √(D/ρ_A)/L² of a half-sine push at the centre of a simply supported square plate, up to which its deflection is
@@ -110,7 +113,7 @@ def _case(scene: Scene, trial: Trial) -> Case:
 
 
 def _unjudged(name: str, indicator: str, why: str, source: str, value: float | None = None) -> Effect:
-    return Effect(name, indicator, value, None, None, NOT_JUDGED, why, source)
+    return Effect(name, indicator, value, None, None, NOT_JUDGED, why, source, ABSENT)
 
 
 def _absent(name: str, indicator: str, why: str, source: str) -> Effect:
@@ -127,7 +130,7 @@ def _judged(
     threshold: float | None,
     size: float,
     reason: str,
-    cost: str = FREE,
+    cost: str = ABSENT,
 ) -> Effect:
     state = NOT_MODELLED if size > case.tolerance else NOT_NEEDED
     return Effect(name, indicator, value, threshold, size, state, reason, source, cost)
@@ -156,7 +159,17 @@ def reflections(case: Case, name: str, indicator: str, source: str) -> Effect:
         size = 2.0 * impulse / target.impedance / case.indentation
         back, lasts = format_si(returns, "time", 3), format_si(case.duration, "time", 3)
         reason = f"the wave is back from the far end after {back}, the contact lasts {lasts}"
-        return _judged(case, name, indicator, source, case.duration / returns, 1.0, size, reason, "modes of the rod")
+        return _judged(
+            case,
+            name,
+            indicator,
+            source,
+            case.duration / returns,
+            1.0,
+            size,
+            reason,
+            f"{ABSENT}: needs the modes of the rod",
+        )
     if not isinstance(target, Plate):
         what = "a free body" if isinstance(target, Body) else "a half-space"
         return _absent(name, indicator, f"{what} sends no wave back in this model", source)
@@ -173,7 +186,17 @@ def reflections(case: Case, name: str, indicator: str, source: str) -> Effect:
     threshold = (case.tolerance / share) ** (1.0 / power)
     back, felt = format_si(case.back, "time", 3), format_si(0.5 * limit, "time", 3)
     reason = f"from the centre of the push to the end of contact {back} pass; edge waves are felt after {felt}"
-    return _judged(case, name, indicator, source, value, threshold, min(size, 1.0), reason, "modes of the plate")
+    return _judged(
+        case,
+        name,
+        indicator,
+        source,
+        value,
+        threshold,
+        min(size, 1.0),
+        reason,
+        f"{ABSENT}: needs the modes of the plate",
+    )
 
 
 def thickness(case: Case, name: str, indicator: str, source: str) -> Effect:
@@ -194,7 +217,15 @@ def thickness(case: Case, name: str, indicator: str, source: str) -> Effect:
         value = math.sqrt(square) * target.thickness
         reason = "the plate counts as thin while its bending waves are long against its thickness"
         return _judged(
-            case, name, indicator, source, value, None, max(0.0, shear * carried), reason, "thick-plate theory"
+            case,
+            name,
+            indicator,
+            source,
+            value,
+            None,
+            max(0.0, shear * carried),
+            reason,
+            f"{ABSENT}: needs a thick plate's impedance",
         )
     if isinstance(target, Plate):
         return _unjudged(name, indicator, "missing: target.thickness", source)
@@ -239,9 +270,9 @@ def contact_width(case: Case, name: str, indicator: str, source: str) -> Effect:
     value = case.contact_radius / target.thickness
     if value > 1.0:
         reason = "the contact is wider than the plate is thick, which no half-space law describes"
-        return Effect(name, indicator, value, 1.0, None, NOT_MODELLED, reason, source)
+        return Effect(name, indicator, value, 1.0, None, NOT_MODELLED, reason, source, ABSENT)
     reason = "no verified estimate: the contact stiffens in proportion to a/h"
-    return Effect(name, indicator, value, 1.0, None, NOT_JUDGED, reason, source)
+    return Effect(name, indicator, value, 1.0, None, NOT_JUDGED, reason, source, ABSENT)
 
 
 def adhesion(case: Case, name: str, indicator: str, source: str) -> Effect:
@@ -322,7 +353,17 @@ def strain_rate(case: Case, name: str, indicator: str, source: str) -> Effect:
     reason = f"the yield strength grows by {100 * (hard / strength - 1.0):.2g} %"
     if size is None:
         return _unjudged(name, indicator, "the impact with the higher yield strength cannot be marched", source, rate)
-    return _judged(case, name, indicator, source, rate, None, min(size, 1.0), reason, "a rate-dependent law")
+    return _judged(
+        case,
+        name,
+        indicator,
+        source,
+        rate,
+        None,
+        min(size, 1.0),
+        reason,
+        f"{ABSENT}: needs a rate-dependent yield strength",
+    )
 
 
 def _plastic(case: Case, law: BigAlabo) -> Trial:
@@ -341,7 +382,7 @@ def heating(case: Case, name: str, indicator: str, source: str) -> Effect:
 
 RULES: dict[str, tuple[str, str, Callable[[Case, str, str, str], Effect]]] = {
     "reflections": (
-        "contact time/return time",
+        "t_c/t_return",
         "fitted to sums over the modes of simply supported plates struck at the centre; one-dimensional waves in a rod",
         reflections,
     ),

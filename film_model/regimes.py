@@ -58,10 +58,12 @@ def regimes(scene: Scene) -> Regimes:
     _, moved = native.batch(curve, mesh, start)
     held = np.repeat(native.batch(curve, mesh, still)[1], POINTS)
     impact = 0.5 * nu**2
-    radiated = (impact - 0.5 * moved["final_velocity"] ** 2 - moved["work"]) / impact
-    off = [abs(held[name] / moved[name] - 1.0) for name in ("maximum_force", "maximum_indentation", "contact_duration")]
+    with np.errstate(divide="ignore", invalid="ignore"):  # a contact that never turns
+        radiated = (impact - 0.5 * moved["final_velocity"] ** 2 - moved["work"]) / impact
+        ends = ("maximum_force", "maximum_indentation", "contact_duration")
+        off = [abs(held[name] / moved[name] - 1.0) for name in ends]
     off += [abs(held["final_velocity"] - moved["final_velocity"]) / nu, abs(held["work"] - moved["work"]) / impact]
-    motion = np.maximum.reduce([*off, radiated])
+    motion = np.nan_to_num(np.maximum.reduce([*off, radiated]), nan=1.0, posinf=1.0)
     reflected, rests = _boundaries(scene, start, moved)
     shape = (POINTS, POINTS)
     return Regimes(

@@ -268,7 +268,9 @@ def _mark_scene(panel: Axes, found: Regimes) -> str:
     style: dict[str, Any] = {"color": COLOURS[2], "zorder": 5}
     value, ratio = found.value, found.ratio
     if value is not None and ratio is not None:
-        panel.plot(value, ratio, "o", markersize=9, markeredgecolor="white", label="this scene", **style)
+        at = np.clip(value, *found.lambdas[[0, -1]]), np.clip(ratio, *found.ratios[[0, -1]])
+        label = "this scene" if at == (value, ratio) else "this scene, beyond the map"
+        panel.plot(*at, "o", markersize=9, markeredgecolor="white", clip_on=False, label=label, **style)
         return f"λ = {value:.3g}, {_RATIO} = {ratio:.3g}"
     if value is not None:
         panel.axvline(value, linewidth=1.8, label="this scene, yield velocity not known", **style)

@@ -22,7 +22,9 @@ from film_model.problem import Array
 from film_model.scene import Scene
 
 LAMBDAS, RATIOS = (1e-3, 10.0), (0.1, 1000.0)
-"""Ranges of λ and V/V_Y; they are widened to take in the scene."""
+"""Ranges of λ and V/V_Y; they are widened to take in the scene, by no more than `WIDEST` each way."""
+
+WIDEST = 10.0
 
 POINTS = 121  # a side of the grid
 
@@ -90,7 +92,9 @@ def _place(scene: Scene) -> tuple[float | None, float | None]:
 
 def _range(usual: tuple[float, float], place: float | None) -> tuple[float, float]:
     low, high = usual
-    return (low, high) if not place else (min(low, place / 3.0), max(high, 3.0 * place))
+    if not place:
+        return low, high
+    return min(low, max(place / 3.0, low / WIDEST)), max(high, min(3.0 * place, high * WIDEST))
 
 
 def _boundaries(scene: Scene, start: Any, moved: Any) -> tuple[Array | None, Array | None]:

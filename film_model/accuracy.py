@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from film_model.core import native
 from film_model.errors import Outcome, SimulationError
-from film_model.problem import Problem
 from film_model.scene import Scene, Solver
+
+if TYPE_CHECKING:
+    from film_model.problem import Problem
 
 Linearisation: TypeAlias = Literal["work-preserving", "chord"]
 

@@ -79,6 +79,13 @@ def _parser() -> argparse.ArgumentParser:
     hard.add_argument("--match", metavar="TEXT", default="", help="only cases whose name contains this")
     hard.add_argument("--json", action="store_true", help="print one JSON object")
     hard.set_defaults(command=_hard_cases)
+    explain = commands.add_parser("explain", help="say which effects a scene calls for, with the numbers that decide")
+    explain.add_argument("scene", help="scene file (TOML)")
+    explain.add_argument("--law", choices=("all",), help="all: also compare what the contact laws predict")
+    explain.add_argument("--plot", metavar="FILE", help="draw the scene on a map of regimes (.png, .svg or .pdf)")
+    explain.add_argument("--force", action="store_true", help="overwrite an existing picture")
+    explain.add_argument("--json", action="store_true", help="print one JSON object")
+    explain.set_defaults(command=_explain)
 
     export = commands.add_parser("export-fmu", help="write the impact of a scene file as an FMU")
     export.add_argument("scene", help="scene file (TOML)")
@@ -238,6 +245,32 @@ def _hard_cases(options: argparse.Namespace) -> int:
     return DONE if good else FAILED
 
 
+def _explain(options: argparse.Namespace) -> int:
+    from film_model import explain
+    from film_model.problem import problem_of
+    from film_model.scene import Scene
+
+    if options.plot:
+        _check_writable(options.plot, options.force)
+    scene = Scene.from_toml(options.scene)
+    report = explain.explain(scene, laws=options.law == "all")
+    if options.plot:
+        from film_model.plot import plot_regimes
+
+        plot_regimes(scene, options.plot)
+    if options.json:
+        _print_json(report)
+    else:
+        print(explain.effects_text(scene))
+        if options.law:
+            print("\n" + explain.laws_text(report["laws"]))
+        if options.plot:
+            print(f"wrote {options.plot}", file=sys.stderr)
+    for warning in problem_of(scene).warnings:
+        print(f"warning: {warning}", file=sys.stderr)
+    return DONE
+
+
 def _export_fmu(options: argparse.Namespace) -> int:
     import fmu_wrapper
     from film_model.scene import Scene
@@ -372,6 +405,7 @@ def _check_writable(path: str, force: bool) -> None:
 
 def _table(history: History) -> str:
     """Summary, events and choices as text."""
+    from film_model.effects import ORDER
     from film_model.history import SUMMARY
     from film_model.units import format_si
 
@@ -389,7 +423,11 @@ def _table(history: History) -> str:
         what = f"  ({event.stage})" if event.name == "stage_changes" else ""
         lines.append(f"  {event.name.replace('_', ' '):24}{numbers}{what}")
     lines.append("")
-    lines += [f"  {effect.name.replace('_', ' ')}: {effect.state}; {effect.reason}" for effect in problem.effects]
+    lines += [
+        f"  {effect.name.replace('_', ' ')}: {effect.state}; {effect.reason}"
+        for effect in problem.effects
+        if effect.name in ORDER
+    ]
     lines.append(f"  error at most {accuracy.estimated:.1e} of every value, by {accuracy.lines} lines")
     return "\n".join(lines)
 

@@ -39,7 +39,8 @@ class Contact:
 
     law: "auto", a name, or a law of your own. effective_modulus: Pa, overrides the materials' own. yield_strength,
     Pa, and poissons_ratio, of the body that yields: likewise. unloading: "brake" (Brake's rule) or "retrace" instead of
-    the law's own. parameters: the law's own, by their names, in SI units.
+    the law's own. work_of_adhesion: J/m², by which adhesion is judged. parameters: the law's own, by their names, in SI
+    units.
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
@@ -48,6 +49,7 @@ class Contact:
         "yield_strength": measure("pressure", 1, 1e13),
         "poissons_ratio": measure("dimensionless", -1, 0.5, open_ends=True),
         "unloading": Field(choice(*UNLOADINGS).read, "the name of an unloading rule is needed"),
+        "work_of_adhesion": measure("surface_energy", 0, 1e6),
     }
 
     law: str | AbstractLaw
@@ -55,6 +57,7 @@ class Contact:
     yield_strength: float | None
     poissons_ratio: float | None
     unloading: Literal["brake", "retrace"] | None
+    work_of_adhesion: float | None
     parameters: Mapping[str, Any] = field(hash=False)
 
     def __init__(
@@ -65,6 +68,7 @@ class Contact:
         yield_strength: Value | None = None,
         poissons_ratio: float | str | None = None,
         unloading: Literal["brake", "retrace"] | None = None,
+        work_of_adhesion: Value | None = None,
         **parameters: object,
     ) -> None:
         mistakes = fill(self, locals())

@@ -1,73 +1,217 @@
 """Which effects a scene calls for, each with the number that decides.
 
-One row an effect: an indicator with its value and threshold, what is done about it, and why in a sentence.
+An effect that can be computed is tried: the impact is marched on a coarse mesh with it and without it, and the
+largest relative difference of the two summaries (:func:`change`) is what leaving it out would change. "auto"
+computes it if that is more than the scene's tolerance. Effects that cannot be computed are judged by formulas
+(:mod:`film_model.limits`).
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, NamedTuple, cast
 
+from film_model.accuracy import unloading_ratio
 from film_model.bodies import STANDARD_GRAVITY, Body
 from film_model.core import native
-from film_model.curve import curve_of
 from film_model.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
-from film_model.laws.hertz import hertz_stiffness
-from film_model.laws.law import law_fields
-from film_model.laws.yielding import yield_velocity
-from film_model.scales import scales_of
+from film_model.laws.hertz import Hertz, hertz_stiffness
+from film_model.laws.law import Stage, law_fields
+from film_model.laws.yielding import yield_point, yield_velocity
+from film_model.problem import Problem, assemble
 from film_model.scene import Scene
 
-GRAVITY_THRESHOLD = 0.01
-"""m g/F_m above which gravity is simulated: it changes the maximum indentation by as much (linear estimate)."""
+SIMULATED, NOT_NEEDED, SWITCHED_OFF = "simulated", "not needed", "switched off"
+NOT_MODELLED, NOT_JUDGED = "needed but not modelled", "not judged"
 
-MOTION_THRESHOLD = 0.006
-"""Zener's λ below which target motion takes less than 1 % of the velocity: e ≈ 1 − 1.73 λ."""
+FREE = "none"
+"""Cost of an effect that takes no lines: what is not computed, and what comes with the contact law."""
+
+DAMPED, PUSHED = "each about 3.5 × as long", "each about 2 × as long"
+"""What a line of the core takes with target motion, and with a load, as `benchmarks/effects.py` measures it."""
+
+FULLY_PLASTIC_RATIO = 200.0
+"""V/V_Y of a half-space impact that reaches full plasticity: 200.6 by Stronge's law, 201.3 by Big-Alabo's."""
+
+ORDER = {name: k for k, name in enumerate(("plasticity", "fully_plastic", "target_motion", "gravity"))}
+"""Effects that are computed come first."""
+
+DEEPEST = 3000.0
+"""Indentation, in those at yield, beyond which no stage before the last is stretched to compare with."""
+
+TRIAL = 16
+"""Segments a stage of the trial marches; their errors, some 1e-5, are alike with and without an effect."""
+
+FIRST_ORDER_LOSS = 2 * 1.730173
+"""Energy an elastic impact loses to target motion, over Zener's λ, as λ → 0: e = 1 − 1.730173 λ."""
 
 
-@dataclass(frozen=True)
-class Effect:
+class Effect(NamedTuple):
     """One effect: what was measured, against what, and what came of it.
 
-    state: "simulated", "not needed", "switched off" or "not modelled".
+    value: of the indicator, threshold: that of it which matters, None where there is none. change: largest relative
+    change of the summary if the effect is left out, None if it is not known. state: "simulated", "not needed",
+    "switched off" (by the scene), "needed but not modelled" or "not judged" (the scene lacks what it takes; `reason`
+    says what). source: of indicator and change. cost: of simulating it.
     """
 
     name: str
     indicator: str
     value: float | None
     threshold: float | None
+    change: float | None
     state: str
     reason: str
+    source: str
+    cost: str = FREE
 
     @property
     def simulated(self) -> bool:
         """Whether the run includes it."""
-        return self.state == "simulated"
+        return self.state == SIMULATED
+
+    @property
+    def warning(self) -> str | None:
+        """What every output says of an effect that matters and is not computed."""
+        if self.state != NOT_MODELLED:
+            return None
+        size = "by an amount that is not known" if self.change is None else f"by about {percent(self.change)}"
+        return f"not modelled: {self.name.replace('_', ' ')}, which would change the summary {size}; {self.reason}"
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, for JSON."""
-        return asdict(self)
+        return self._asdict()
+
+
+class Trial(NamedTuple):
+    """One impact on a coarse mesh. status: the core's, negative where it could not follow."""
+
+    problem: Problem
+    status: int
+    summary: native.Summary
+
+    @property
+    def ends(self) -> bool:
+        """Whether the contact ends, so that there is a whole impact to judge by."""
+        return self.status == native.EVENT
 
 
 @dataclass(frozen=True)
-class Choice:
-    """What a scene comes down to: law, target impedance [N s/m] and load [N], with the effects behind them."""
+class Shortened(AbstractLaw):
+    """A law whose last stage never begins: the one before goes on, to `end`."""
+
+    name: ClassVar[str] = "shortened"
+    summary: ClassVar[str] = "another law without its last stage"
+    source: ClassVar[str] = ""
 
     law: AbstractLaw
-    impedance: float
-    load: float
-    effects: tuple[Effect, ...]
+    end: float
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        return self.law.scales(energy)
+
+    def stages(self) -> tuple[Stage, ...]:
+        *_, last, _ = stages = self.law.stages()
+        return (*stages[:-2], replace(last, end=self.end))
 
 
-def choose(scene: Scene) -> Choice:
-    """Law, impedance and load of a scene, with the effects that decided them."""
-    law, plasticity = _plasticity(scene)
-    law = _reopened(scene, law)
-    impedance, motion = _target_motion(scene)
-    load, gravity = _gravity(scene, law)
-    return Choice(law, impedance, load, (plasticity, motion, gravity))
+def percent(change: float) -> str:
+    """0.0123 → "1.2 %"."""
+    return f"{100 * change:.2g} %" if change < 0.995 else "100 % or more"
+
+
+def choose(scene: Scene, notes: list[Effect] | None = None) -> Problem:
+    """The problem a scene comes down to: law, impedance and load.
+
+    notes: takes the effects that decided, and those that are only judged; without it nothing is computed that no
+    decision hangs on.
+    """
+    law, yields = _law(scene)
+    still = math.isinf(scene.target_impedance) or scene.effects.target_motion is False
+    trial = _gravity(scene, assemble(scene, law, math.inf if still else scene.target_impedance, 0.0), notes)
+    if math.isfinite(scene.target_impedance) or notes is not None:
+        trial = _target_motion(scene, trial, notes)
+    if (yields and scene.contact.law == "auto" and scene.effects.plasticity == "auto") or notes is not None:
+        trial = _plasticity(scene, trial, yields, notes)
+    if notes is not None:
+        from film_model.limits import judge
+
+        notes.extend(judge(scene, trial))
+    return trial.problem
+
+
+def effects_of(scene: Scene) -> tuple[Effect, ...]:
+    """The effects of a scene, in the order of :data:`ORDER`."""
+    notes: list[Effect] = []
+    choose(scene, notes)
+    return tuple(sorted(notes, key=lambda effect: ORDER.get(effect.name, len(ORDER))))
+
+
+def change(full: Trial, without: Trial) -> float | None:
+    """Largest relative difference of two summaries; None where one could not be marched, 1 where one has no end.
+
+    Force, indentation and times count against the values of `full`, dents against its maximum indentation,
+    velocities against the approach velocity, energies against the impact energy.
+    """
+    if full.status < 0 or without.status < 0:
+        return None
+    if full.ends != without.ends:
+        return 1.0
+    a, b, p, q = full.summary, without.summary, full.problem, without.problem
+    length, force = q.scales.length / p.scales.length, q.scales.force / p.scales.force
+    time, speed, energy = q.scales.time / p.scales.time, q.scales.velocity / p.scales.velocity, length * force
+    off = [
+        _relative(b.maximum_force * force, a.maximum_force),
+        _relative(b.maximum_indentation * length, a.maximum_indentation),
+        _relative(b.time_of_maximum_indentation * time, a.time_of_maximum_indentation),
+    ]
+    if full.ends:
+        impact = 0.5 * p.approach**2
+        off += [
+            _relative(b.contact_duration * time, a.contact_duration),
+            abs(b.permanent_indentation * length - a.permanent_indentation) / a.maximum_indentation,
+            abs(b.final_velocity * speed - a.final_velocity) / p.approach,
+            abs(b.work * energy - a.work) / impact,
+        ]
+        if p.gamma > 0.0 or q.gamma > 0.0:
+            off.append(abs(_radiated(without) * energy - _radiated(full)) / impact)
+    return max(off)
+
+
+def _relative(value: float, to: float) -> float:
+    """Relative difference; 1 where only one of the two has happened."""
+    if value == to or (value != value and to != to):
+        return 0.0
+    return abs(value / to - 1.0) if to > 0.0 and value >= 0.0 else 1.0
+
+
+def _radiated(trial: Trial) -> float:
+    """Energy that went into target motion, in the core's units."""
+    s, p = trial.summary, trial.problem
+    weight = p.load * (s.permanent_indentation + s.shift)
+    return 0.5 * (p.approach**2 - s.final_velocity**2) - s.work + weight
+
+
+def march(problem: Problem) -> Trial:
+    """The problem on the trial mesh."""
+    ratio = unloading_ratio(problem)
+    return Trial(
+        problem,
+        *native.impact(problem.curve.native, native.mesh(native.WORK_PRESERVING, TRIAL, ratio * TRIAL), problem.start),
+    )
+
+
+def _other(scene: Scene, trial: Trial, **changed: Any) -> Trial:
+    """The trial again with another law, impedance or load."""
+    problem = trial.problem
+    now: dict[str, Any] = {
+        "law": problem.law,
+        "impedance": impedance_of(problem),
+        "load": problem.load * problem.scales.force,
+    }
+    return march(assemble(scene, **(now | changed)))
 
 
 _FROM_SCENE = {
@@ -80,17 +224,17 @@ _FROM_SCENE = {
 
 
 def law_values(scene: Scene, law: type[AbstractLaw]) -> dict[str, Any]:
-    """The values a law takes from the scene, by its fields."""
+    """The values a law takes from the scene, by its fields; its own parameters, if it is the scene's law."""
     filled = {field: getattr(scene, _FROM_SCENE[field]) for field in law_fields(law) if field in _FROM_SCENE}
-    return filled | dict(scene.contact.parameters)
+    return filled | (dict(scene.contact.parameters) if scene.contact.law == law.name else {})
 
 
-def _law(scene: Scene, name: str) -> AbstractLaw:
+def _named_law(scene: Scene, name: str) -> AbstractLaw:
     """The named law with its values from the scene."""
-    return LAWS[name](**law_values(scene, LAWS[name]))
+    return reopened(scene, LAWS[name](**law_values(scene, LAWS[name])))
 
 
-def _reopened(scene: Scene, law: AbstractLaw) -> AbstractLaw:
+def reopened(scene: Scene, law: AbstractLaw) -> AbstractLaw:
     """The law with the unloading rule of [contact], or its default one."""
     rule, modulus = scene.contact.unloading_name, scene.effective_modulus
     if rule == "retrace":
@@ -101,49 +245,123 @@ def _reopened(scene: Scene, law: AbstractLaw) -> AbstractLaw:
     return law
 
 
-def _plasticity(scene: Scene) -> tuple[AbstractLaw, Effect]:
+def _law(scene: Scene) -> tuple[AbstractLaw, bool | None]:
+    """The law before its plasticity is judged, and whether its materials yield (None: no yield strength is known)."""
     wanted, law = scene.effects.plasticity, scene.contact.law
     strength, modulus = scene.yield_strength, scene.effective_modulus
-    speed, threshold = scene.approach_velocity, None
+    yields = None
     if strength is not None and modulus is not None:
-        threshold = yield_velocity(modulus, scene.effective_radius, strength, scene.effective_mass)
-    ratio = None if threshold is None else speed / threshold
-
-    def effect(state: str, reason: str) -> Effect:
-        return Effect("plasticity", "V/V_Y", ratio, 1.0, state, reason)
-
+        indentation, force = yield_point(modulus, scene.effective_radius, strength)
+        heavy = scene.effects.gravity is not False and not isinstance(scene.target, Body)
+        weight = scene.effective_mass * STANDARD_GRAVITY if heavy else 0.0
+        yields = scene.kinetic_energy + weight * indentation > 0.4 * force * indentation
     if law != "auto":
-        chosen = law if isinstance(law, AbstractLaw) else _law(scene, law)
-        reason = f"the scene asks for the law {chosen.name}"
-        yields = any(stage.unloading is not None for stage in _reopened(scene, chosen).stages())
-        return chosen, effect("simulated" if yields else "switched off", reason)
-    if wanted is False:
-        return _law(scene, "hertz"), effect("switched off", "the scene asks for no plasticity: law hertz")
-    if threshold is None or ratio is None:
-        if wanted is True:
-            raise SimulationError("effects.plasticity is true, but neither material has a yield_strength")
-        return _law(scene, "hertz"), effect("not modelled", "no yield strength is given: law hertz")
-    if ratio <= 1.0 and wanted is not True:
-        reason = f"the impact stays below the yield velocity {threshold:.4g} m/s: law hertz"
-        return _law(scene, "hertz"), effect("not needed", reason)
-    return _law(scene, "big-alabo"), effect("simulated", f"the yield velocity is {threshold:.4g} m/s: law big-alabo")
+        return (reopened(scene, law) if isinstance(law, AbstractLaw) else _named_law(scene, law)), yields
+    if wanted is True and yields is None:
+        raise SimulationError("effects.plasticity is true, but neither material has a yield_strength")
+    plastic = wanted is True or (wanted is not False and yields is True)
+    return _named_law(scene, "big-alabo" if plastic else "hertz"), yields
 
 
-def _target_motion(scene: Scene) -> tuple[float, Effect]:
-    impedance = scene.target_impedance
+def _plasticity(scene: Scene, trial: Trial, yields: bool | None, notes: list[Effect] | None) -> Trial:
+    """The trial with the law "auto" comes down to."""
+    wanted, law, tolerance = scene.effects.plasticity, trial.problem.law, scene.effect_tolerance
+    modulus, auto = scene.effective_modulus, scene.contact.law == "auto"
+    core = trial.problem.curve.native
+    yielding = any(core.stage[k].unloading != native.RETRACE for k in range(core.stages))
+    plastic, elastic = (trial, None) if yielding else (None, trial)
+    if modulus is not None and yields is not False:
+        if elastic is None:
+            elastic = _other(scene, trial, law=Hertz(modulus, scene.effective_radius))
+        elif yields:
+            plastic = _other(scene, trial, law=_named_law(scene, "big-alabo"))
+    size = 0.0 if yields is False else None
+    if plastic is not None and elastic is not None and yields is not False:
+        size = change(plastic, elastic)
+    dropped = auto and wanted == "auto" and yielding and size is not None and size <= tolerance
+    if notes is not None:
+        strength, ratio, limit = scene.yield_strength, None, 0.0
+        if strength is not None and modulus is not None:
+            limit = yield_velocity(modulus, scene.effective_radius, strength, scene.effective_mass)
+            ratio = scene.approach_velocity / limit
+        if not auto:
+            small = size is not None and size <= tolerance
+            state = SIMULATED if yielding else NOT_NEEDED if small else SWITCHED_OFF
+            reason = f"the scene asks for the law {law.name}"
+        elif wanted is False:
+            state, reason = SWITCHED_OFF, "the scene asks for no plasticity: law hertz"
+        elif yields is None:
+            state, reason = NOT_JUDGED, "missing: a yield strength; law hertz"
+        elif dropped:
+            state = NOT_NEEDED
+            reason = f"beyond the yield velocity {limit:.4g} m/s, but by less than the tolerance: law hertz"
+        elif yielding:
+            state, reason = SIMULATED, f"the yield velocity is {limit:.4g} m/s: law big-alabo"
+        else:
+            state, reason = NOT_NEEDED, f"the impact stays below the yield velocity {limit:.4g} m/s: law hertz"
+        cost = FREE
+        if plastic is not None and elastic is not None and 0 < elastic.summary.lines < plastic.summary.lines:
+            cost = f"{plastic.summary.lines / elastic.summary.lines:.2g} × the lines"
+        source = "Big-Alabo, Cartmell & Harrison 2017, after (19): p_m = 1.1 S_y; marched with the law and with Hertz's"
+        notes.append(Effect("plasticity", "V/V_Y", ratio, 1.0, size, state, reason, source, cost))
+        notes.append(_fully_plastic(scene, trial, yielding, ratio))
+    return cast("Trial", elastic) if dropped else trial
+
+
+def _fully_plastic(scene: Scene, trial: Trial, yielding: bool, ratio: float | None) -> Effect:
+    """Whether the contact reaches the law's last stage, and what the law would give if the one before went on."""
+    curve = trial.problem.curve
+
+    def effect(state: str, size: float | None, reason: str) -> Effect:
+        source = "Stronge 2000: V/V_Y = 200.6; Big-Alabo's law: 201.3; marched with the last stage and without"
+        return Effect("fully_plastic", "V/V_Y", ratio, FULLY_PLASTIC_RATIO, size, state, reason, source)
+
+    if not yielding and ratio is None:
+        return effect(NOT_JUDGED, None, "missing: a yield strength")
+    if not yielding:
+        late = ratio is not None and ratio > FULLY_PLASTIC_RATIO
+        return effect(SWITCHED_OFF if late else NOT_NEEDED, None if late else 0.0, "the law does not yield")
+    if curve.stage_names[-1] != "fully plastic":
+        return effect(NOT_JUDGED, None, f"the law {trial.problem.law.name} has no fully plastic stage of its own")
+    if not trial.summary.maximum_indentation > curve.native.stage[curve.native.stages - 1].begin:
+        return effect(NOT_NEEDED, 0.0, "the contact does not get that far")
+    depth, size = trial.summary.maximum_indentation, None
+    if depth < DEEPEST:
+        end = 10.0 ** math.ceil(math.log10(depth) + 0.5)  # a power of ten: few curves have to be made
+        size = change(trial, _other(scene, trial, law=Shortened(trial.problem.law, end)))
+    return effect(SIMULATED, size, "it is a stage of the law")
+
+
+def _target_motion(scene: Scene, trial: Trial, notes: list[Effect] | None) -> Trial:
+    """The trial with the target's impedance, or without where it hardly matters."""
+    impedance, wanted, tolerance = scene.target_impedance, scene.effects.target_motion, scene.effect_tolerance
+    size, cost, held, value = None, FREE, trial, 0.0
     if math.isinf(impedance):
         free = isinstance(scene.target, Body)
+        state, size = NOT_NEEDED, 0.0
         reason = "the target moves freely: reduced mass" if free else "the target is a half-space"
-        return math.inf, Effect("target_motion", "Zener's λ", 0.0, MOTION_THRESHOLD, "not needed", reason)
-    value = _zener(scene, impedance)
-    if scene.effects.target_motion is False:
-        reason = "the scene asks for a target that does not move"
-        return math.inf, Effect("target_motion", "Zener's λ", value, MOTION_THRESHOLD, "switched off", reason)
-    reason = f"the target has an impedance of {impedance:.4g} N s/m"
-    return impedance, Effect("target_motion", "Zener's λ", value, MOTION_THRESHOLD, "simulated", reason)
+    elif wanted is False:
+        state, reason = SWITCHED_OFF, "the scene asks for a target that does not move"
+    else:
+        state, reason = SIMULATED, f"the target has an impedance of {impedance:.4g} N s/m"
+    if math.isfinite(impedance) and scene.approach_velocity > 0.0 and (wanted == "auto" or notes is not None):
+        moved = trial if wanted is not False else _other(scene, trial, impedance=impedance)
+        held = trial if wanted is False else _other(scene, trial, impedance=math.inf)
+        size = change(moved, held)
+        cost = f"{moved.summary.lines / max(held.summary.lines, 1):.2g} × the lines, {DAMPED}"
+    dropped = wanted == "auto" and math.isfinite(impedance) and size is not None and size <= tolerance
+    if notes is not None:
+        if dropped:
+            state, reason = NOT_NEEDED, f"an impedance of {impedance:.4g} N s/m hardly gives way"
+        if math.isfinite(impedance):
+            value = zener(scene, impedance)
+        source = "Zener 1941, Phys. Rev. 59:669; marched with the target's impedance and without"
+        threshold = tolerance / FIRST_ORDER_LOSS
+        notes.append(Effect("target_motion", "Zener's λ", value, threshold, size, state, reason, source, cost))
+    return held if dropped else trial
 
 
-def _zener(scene: Scene, impedance: float) -> float | None:
+def zener(scene: Scene, impedance: float) -> float | None:
     """λ = K^{2/5} m^{3/5} V^{1/5}/Z (Zener 1941), for the elastic contact; None where there is no Hertz stiffness."""
     if scene.effective_modulus is None:
         return None
@@ -151,29 +369,50 @@ def _zener(scene: Scene, impedance: float) -> float | None:
     return stiffness**0.4 * scene.effective_mass**0.6 * scene.approach_velocity**0.2 / impedance
 
 
-def _gravity(scene: Scene, law: AbstractLaw) -> tuple[float, Effect]:
-    weight = scene.effective_mass * STANDARD_GRAVITY
-    name, indicator = "gravity", "m g/F_m"
-    if isinstance(scene.target, Body):
-        return 0.0, Effect(name, indicator, 0.0, GRAVITY_THRESHOLD, "not needed", "both bodies fall alike")
-    force = _elastic_force(scene, law)
-    ratio = None if force is None else weight / force
-    wanted = scene.effects.gravity
-    if wanted is False:
-        return 0.0, Effect(name, indicator, ratio, GRAVITY_THRESHOLD, "switched off", "the scene asks for no gravity")
-    if wanted is True or ratio is None or ratio > GRAVITY_THRESHOLD:
-        reason = "the scene asks for it" if wanted is True else "the weight is not small against the contact force"
-        return weight, Effect(name, indicator, ratio, GRAVITY_THRESHOLD, "simulated", reason)
-    reason = "the weight is small against the contact force"
-    return 0.0, Effect(name, indicator, ratio, GRAVITY_THRESHOLD, "not needed", reason)
+def gravity_change(weight: Any, force: Any, indentation: Any, energy: Any) -> Any:
+    """Relative change of the summary by a weight [N] on a target that does not move; floats or arrays.
+
+    By the balance of energy, W(δ) = ½ m V² + m g δ, δ_m grows by m g/F_m and F_m by d ln F/d ln δ times that; for a
+    power law F ∝ δ^q the exponent is q = F_m δ_m/W − 1. First order in m g/F_m.
+    """
+    exponent = force * indentation / energy - 1.0
+    return weight / force * (exponent + abs(exponent - 1.0) + 1.0) / 2.0  # the larger of 1 and q
 
 
-def _elastic_force(scene: Scene, law: AbstractLaw) -> float | None:
-    """Maximum force [N] of the law on a target that does not move; None without a velocity or beyond the law."""
-    energy = 0.5 * scene.effective_mass * scene.approach_velocity**2
-    if energy == 0.0:
-        return None
-    scales = scales_of(law, energy, scene.effective_mass)
-    start = native.Start(scene.approach_velocity / scales.velocity, 0.0, 0.0, 0.0, math.inf)
-    status, summary = native.impact(curve_of(law).native, native.mesh(native.WORK_PRESERVING, 1, 1), start)
-    return summary.maximum_force * scales.force if status == native.EVENT else None
+def _gravity(scene: Scene, chosen: Problem, notes: list[Effect] | None) -> Trial:
+    """The trial of a problem without its weight, or with it if that matters."""
+    weight, wanted, tolerance = scene.effective_mass * STANDARD_GRAVITY, scene.effects.gravity, scene.effect_tolerance
+    free = isinstance(scene.target, Body)
+    trial, pressed = march(chosen), None
+    ratio, size, source = None, None, "balance of energy, to first order in m g/F_m"
+    if free:
+        ratio = size = 0.0
+    elif trial.ends:
+        force = trial.summary.maximum_force * chosen.scales.force
+        ratio = weight / force
+        if chosen.gamma == 0.0:
+            depth = trial.summary.maximum_indentation * chosen.scales.length
+            size = gravity_change(weight, force, depth, scene.kinetic_energy)
+        if (size is None or size > 0.3 * tolerance) and (wanted == "auto" or notes is not None):
+            pressed = _other(scene, trial, load=weight)
+            size, source = change(pressed, trial), "marched with the weight and without"
+    heavy = not free and wanted is not False and (wanted is True or size is None or size > tolerance)
+    if heavy and pressed is None:
+        pressed = march(assemble(scene, chosen.law, impedance_of(chosen), weight))
+    if notes is not None:
+        state = SIMULATED if heavy else SWITCHED_OFF if wanted is False and not free else NOT_NEEDED
+        reason = "both bodies fall alike" if free else "the weight is small against the contact force"
+        if state == SWITCHED_OFF:
+            reason = "the scene asks for no gravity"
+        elif heavy:
+            reason = "the scene asks for it" if wanted is True else "the weight is not small against the contact force"
+        if pressed is not None and pressed.status >= 0 and not pressed.ends:
+            reason += "; the ball comes to rest on the target"
+        cost = FREE if free else f"1 × the lines, {PUSHED}"
+        notes.append(Effect("gravity", "m g/F_m", ratio, tolerance / 1.5, size, state, reason, source, cost))
+    return cast("Trial", pressed) if heavy else trial
+
+
+def impedance_of(problem: Problem) -> float:
+    """Target impedance of a problem, N s/m."""
+    return math.inf if problem.gamma == 0.0 else problem.scales.force / (problem.gamma * problem.scales.velocity)

@@ -111,7 +111,8 @@ def problem_for(
     scales = scales_of(law, max(0.5 * mass * velocity**2, 1e-300), mass)
     gamma = 0.0 if math.isinf(impedance) else scales.force / (impedance * scales.velocity)
     approach = velocity / scales.velocity
-    return Problem(law, curve_of(law), scales, gamma, load / scales.force, approach, 0.0, 1.0, mass, ())
+    scene: Any = None  # there is none: nothing asks for its effects
+    return Problem(law, curve_of(law), scales, gamma, load / scales.force, approach, 0.0, 1.0, mass, scene)
 
 
 def examine(

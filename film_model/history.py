@@ -117,7 +117,8 @@ class History:
     """One impact from first touch to separation.
 
     summary: SI floats by the names of `SUMMARY`, None for what did not happen; the same names are attributes that
-    return pint quantities. lines: the closed-form pieces of the motion, as the core recorded them.
+    return pint quantities. lines: the closed-form pieces of the motion, as the core recorded them. remarks: what the
+    run itself gave cause to say.
     """
 
     scene: Scene
@@ -127,7 +128,7 @@ class History:
     outcome: Outcome
     summary: Mapping[str, float | None]
     accuracy: Accuracy
-    warnings: tuple[str, ...]
+    remarks: tuple[str, ...]
 
     maximum_force = _Quantity()
     maximum_indentation = _Quantity()
@@ -139,6 +140,11 @@ class History:
     coefficient_of_restitution = _Quantity()
     energy_absorbed = _Quantity()
     energy_radiated = _Quantity()
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a user of these results should know, in sentences."""
+        return tuple(dict.fromkeys((*self.problem.warnings, *self.remarks)))
 
     @property
     def duration(self) -> float:

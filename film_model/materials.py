@@ -18,6 +18,9 @@ class Material:
 
     youngs_modulus: Pa. poissons_ratio: 1. density: kg/m³. yield_strength: Pa, None for a material that breaks before
     it yields or whose yield does not matter. source: where the values come from.
+
+    Only to judge effects that are not computed: loss_factor, tan δ at the frequency of the contact;
+    strain_rate_coefficient, C of Johnson and Cook's 1 + C ln(ε̇/(1/s)), by which the yield strength grows.
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
@@ -27,6 +30,8 @@ class Material:
         "density": measure("density", 1e-3, 1e6, required=True),
         "yield_strength": measure("pressure", 1, 1e13),
         "source": words("a source"),
+        "loss_factor": measure("dimensionless", 0, 10),
+        "strain_rate_coefficient": measure("dimensionless", 0, 1),
     }
 
     name: str
@@ -35,6 +40,8 @@ class Material:
     density: float
     yield_strength: float | None
     source: str
+    loss_factor: float | None
+    strain_rate_coefficient: float | None
 
     def __init__(
         self,
@@ -44,6 +51,8 @@ class Material:
         density: Value | None = None,
         yield_strength: Value | None = None,
         source: str = "",
+        loss_factor: float | str | None = None,
+        strain_rate_coefficient: float | str | None = None,
     ) -> None:
         raise_all(fill(self, locals()))
 

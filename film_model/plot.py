@@ -13,8 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from film_model.bodies import Body
+from film_model.effects import percent
 from film_model.files import written_whole
 from film_model.history import MOTION, SUMMARY, History, Samples
+from film_model.laws.big_alabo import FULLY_PLASTIC
+from film_model.regimes import Regimes, regimes
+from film_model.scene import Scene
 from film_model.units import PREFIXED, format_si, scene_unit
 
 if TYPE_CHECKING:
@@ -48,8 +52,9 @@ NUMBERS = {
 VELOCITIES = {"impactor_velocity": "-", "target_velocity": "--", "relative_velocity": ":"}
 
 SIZE, LEFT = (9.0, 8.2), 0.085  # inches; part of the width left of the panels
+MAP_SIZE = (7.6, 5.4)
 _STYLE: dict[Any, Any] = {
-    **{"font.size": 9.0, "lines.linewidth": 1.6, "svg.hashsalt": "film-model"},
+    **{"font.size": 9.0, "lines.linewidth": 1.6, "svg.hashsalt": "film-model", "hatch.linewidth": 0.5},
     **{"axes.spines.top": False, "axes.spines.right": False, "xtick.direction": "in", "ytick.direction": "in"},
 }
 FAMILIES = ("elastic", "sphere that yields", "spring", "laminate, table", "damped")
@@ -64,14 +69,12 @@ def plot_history(history: History, path: str | os.PathLike[str] | None = None, d
     pyplot is not used. Raises ValueError for another suffix, ImportError without matplotlib, OSError where the file
     cannot be written.
     """
-    target = _target(path)
-    matplotlib, figure_class = _matplotlib()
-    with matplotlib.rc_context(_STYLE):
-        figure = figure_class(figsize=SIZE)
-        _draw(figure, history)
-        if target is not None:
-            _save(figure, target, dpi)
-    return figure
+    return picture(path, lambda figure: _draw(figure, history), SIZE, dpi)
+
+
+def plot_regimes(scene: Scene, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
+    """A map of regimes over Zener's λ and V/V_Y with the scene on it; written to `path` as `plot_history` does."""
+    return picture(path, lambda figure: _draw_regimes(figure, scene, regimes(scene)), MAP_SIZE, dpi)
 
 
 def _target(path: str | os.PathLike[str] | None) -> Path | None:
@@ -256,6 +259,82 @@ def _colour(history: History, stage: str) -> str:
 def _plain(text: str) -> str:
     """A text that matplotlib does not take for mathematics."""
     return text.replace("$", r"\$")
+
+
+_REGIMES: dict[str, tuple[str, str | None]] = {
+    "half-space": ("#e4eaef", None),
+    "moving": ("#a9cbe6", None),
+    "reflections": ("#ffdca8", ".."),
+    "quasi-static": ("#e0ad94", "//"),
+}
+"""Colours and hatches of the target's regimes: told apart without colour too."""
+
+_RATIO = r"$V_0/V_\mathrm{Y}$"
+
+
+def _draw_regimes(figure: Figure, scene: Scene, found: Regimes) -> None:
+    from matplotlib.patches import Patch
+
+    panel = figure.add_axes((0.095, 0.235, 0.88, 0.635))
+    tolerance, kind = scene.effect_tolerance, scene.target.kind
+    across, up = np.meshgrid(found.lambdas, found.ratios)
+    panel.set_facecolor(_REGIMES["moving"][0])
+    keys: list[Any] = []
+
+    def fill(field: Any, low: float, high: float, name: str, word: str) -> None:
+        colour, hatch = _REGIMES[name]
+        inside = (field >= low) & (field <= high)
+        if inside.any():
+            area = panel.contourf(across, up, field, [low, high], colors=[colour], hatches=[hatch])
+            area.set(edgecolor="0.6", linewidth=0.0)  # the hatch's
+        keys.append(Patch(facecolor=colour, hatch=hatch, edgecolor="0.55", linewidth=0.6, label=word))
+
+    fill(
+        found.motion, -1.0, tolerance, "half-space", f"half-space: target motion changes less than {percent(tolerance)}"
+    )
+    infinite = "infinite rod" if kind == "rod" else "infinite plate"
+    keys.append(Patch(facecolor=_REGIMES["moving"][0], edgecolor="0.55", linewidth=0.6, label=infinite))
+    if kind == "rod" and found.rests is not None:
+        fill(found.rests, 1.0, math.inf, "reflections", "finite rod: the wave is back before contact ends")
+    elif found.reflections is not None and found.rests is not None:
+        word = f"finite plate: its edges change more than {percent(tolerance)}"
+        fill(found.reflections, tolerance, math.inf, "reflections", word)
+        fill(found.rests, 1.0, math.inf, "quasi-static", "quasi-static: contact longer than the plate's period")
+    panel.contourf(across, up, found.motion, [-1.0, tolerance], colors=[_REGIMES["half-space"][0]])  # above the others
+    left, white = found.lambdas[0] * 1.25, {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0}
+    for level, stroke, above in ((1.0, "-", "elastoplastic"), (FULLY_PLASTIC, "--", "fully plastic")):
+        panel.contour(across, up, found.depth, [level], colors="0.15", linewidths=1.4, linestyles=stroke)
+        edge = float(np.interp(level, found.depth[:, 0], found.ratios))
+        panel.text(left, edge * 1.2, above, va="bottom", color="0.15", bbox=white)
+        if level == 1.0:
+            panel.text(left, edge / 1.2, "elastic", va="top", color="0.15", bbox=white)
+    where = _mark_scene(panel, found)
+    keys += panel.get_legend_handles_labels()[0]
+    panel.set(xscale="log", yscale="log", xlim=found.lambdas[[0, -1]], ylim=found.ratios[[0, -1]])
+    panel.set(xlabel="Zener's inelasticity number λ", ylabel=f"approach velocity over yield velocity {_RATIO}")
+    figure.legend(handles=keys, loc="lower left", bbox_to_anchor=(0.085, 0.005), ncols=2, frameon=False, fontsize=8)
+    title = " ".join(scene.title.split()) or f"Impact on a {kind}"
+    figure.text(0.095, 0.945, _plain(title), fontsize=min(12.0, 760.0 / len(title)), fontweight="bold")
+    figure.text(0.095, 0.905, f"{where}  ·  boundaries by Big-Alabo's law", fontsize=8, color="0.25")
+
+
+def _mark_scene(panel: Axes, found: Regimes) -> str:
+    """The scene on its map: a point, or a line where one of its numbers is not known; and that in words."""
+    style: dict[str, Any] = {"color": COLOURS[2], "zorder": 5}
+    value, ratio = found.value, found.ratio
+    if value is not None and ratio is not None:
+        at = np.clip(value, *found.lambdas[[0, -1]]), np.clip(ratio, *found.ratios[[0, -1]])
+        label = "this scene" if at == (value, ratio) else "this scene, beyond the map"
+        panel.plot(*at, "o", markersize=9, markeredgecolor="white", clip_on=False, label=label, **style)
+        return f"λ = {value:.3g}, {_RATIO} = {ratio:.3g}"
+    if value is not None:
+        panel.axvline(value, linewidth=1.8, label="this scene, yield velocity not known", **style)
+        return f"λ = {value:.3g}, {_RATIO} not known"
+    if ratio is not None:
+        panel.plot(found.lambdas[0], ratio, "<", markersize=11, clip_on=False, label="this scene, λ = 0", **style)
+        return f"λ = 0, {_RATIO} = {ratio:.3g}"
+    panel.plot([], [], " ", label="this scene has neither λ nor a yield velocity")
+    return "neither number is known"
 
 
 def _save(figure: Figure, target: Path, dpi: float) -> None:

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.bodies import Body
+from film_model.bodies import STANDARD_GRAVITY, Body
 from film_model.core import native
 from film_model.curve import Curve, curve_of
-from film_model.effects import Effect, choose
 from film_model.laws.law import AbstractLaw
 from film_model.scales import Scales, scales_of
 from film_model.scene import Scene
+
+if TYPE_CHECKING:
+    from film_model.effects import Effect
 
 Array = NDArray[np.float64]
 
@@ -41,8 +44,21 @@ class Problem:
     drift: float
     share: float
     mass: float
-    effects: tuple[Effect, ...]
+    scene: Scene = field(repr=False)
     damping: float = 0.0
+
+    @cached_property
+    def effects(self) -> tuple[Effect, ...]:
+        """What the scene calls for, and what it would call for: every effect with the number that decides."""
+        from film_model.effects import effects_of
+
+        return effects_of(self.scene)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What a user of these results should know, in sentences: of the law, and of effects that are not modelled."""
+        found = (effect.warning for effect in self.effects)
+        return (*self.law.remarks(), *self.curve.warnings, *(warning for warning in found if warning is not None))
 
     @property
     def start(self) -> native.Start:
@@ -96,25 +112,33 @@ def contact_limit(approach: Any, gamma: Any) -> Any:
 
 
 def problem_of(scene: Scene) -> Problem:
-    """The dimensionless problem of a scene."""
-    chosen = choose(scene)
+    """The dimensionless problem of a scene, with the effects it calls for."""
+    from film_model.effects import choose
+
+    return choose(scene)
+
+
+def assemble(scene: Scene, law: AbstractLaw, impedance: float, load: float) -> Problem:
+    """The dimensionless problem of a scene under a law, for a target impedance [N s/m] and a load [N]."""
     mass, approach = scene.effective_mass, scene.approach_velocity
-    weight_energy = chosen.load * 1e-3 * scene.effective_radius  # a scale for a ball that is only laid down
-    scales = scales_of(chosen.law, max(0.5 * mass * approach**2, weight_energy), mass)
+    energy = max(0.5 * mass * approach**2, load * 1e-3 * scene.effective_radius)
+    if energy == 0.0:  # a ball at rest, for a component: what its weight would do
+        energy = mass * STANDARD_GRAVITY * 1e-3 * scene.effective_radius
+    scales = scales_of(law, energy, mass)
     drift, share = 0.0, 1.0
     if isinstance(scene.target, Body):
         share = mass / scene.mass  # m2/(m1 + m2)
         drift = scene.impactor.speed - share * approach
     return Problem(
-        law=chosen.law,
-        curve=curve_of(chosen.law),
+        law=law,
+        curve=curve_of(law),
         scales=scales,
-        gamma=0.0 if math.isinf(chosen.impedance) else scales.force / (chosen.impedance * scales.velocity),
-        load=chosen.load / scales.force,
-        damping=float(chosen.law.damping_factor(mass, approach, scales.length)) * scales.velocity / scales.force,
+        gamma=0.0 if math.isinf(impedance) else scales.force / (impedance * scales.velocity),
+        load=load / scales.force,
+        damping=float(law.damping_factor(mass, approach, scales.length)) * scales.velocity / scales.force,
         approach=approach / scales.velocity,
         drift=drift,
         share=share,
         mass=mass,
-        effects=chosen.effects,
+        scene=scene,
     )

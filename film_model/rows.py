@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, cast
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from film_model.bodies import STANDARD_GRAVITY, Body
 from film_model.core import native
 from film_model.curve import Curve, curve_of
-from film_model.effects import GRAVITY_THRESHOLD, law_values
+from film_model.effects import FIRST_ORDER_LOSS, change, gravity_change, law_values, march, zener
 from film_model.elementwise import root
 from film_model.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw
@@ -73,11 +73,47 @@ def rows_of(scene: Scene, columns: Mapping[str, Array], count: int) -> list[Rows
     """
     moving = np.flatnonzero(_column(scene_of_columns(scene, columns).approach_velocity, count) > 0.0)
     try:
-        found = list(_by_arrays(scene, columns, moving))
+        plain = _plain(_part(scene, columns, moving), moving)
+        found = list(_by_arrays(scene, columns, moving[plain]))
         right = all(_agrees(rows, scene, columns) for rows in found)
     except (TypeError, ValueError):
-        found, right = [], False
-    return found if right else _one_by_one(scene, columns, moving)
+        found, right, plain = [], False, np.zeros(moving.size, np.bool_)
+    if not right:
+        return _one_by_one(scene, columns, moving)
+    return found + (_one_by_one(scene, columns, moving[~plain]) if not plain.all() else [])
+
+
+SURE = 3.0
+"""An effect is left in or out without a trial where its first-order size is so many times beyond the tolerance."""
+
+
+def _plain(scene: Scene, index: Index) -> NDArray[np.bool_]:
+    """Rows out of `index`, of which `scene` has the columns, whose effects formulas decide; others need trials."""
+    effects, tolerance, count = scene.effects, scene.effect_tolerance, index.size
+    plain = np.ones(count, np.bool_)
+    if effects.target_motion == "auto" and not isinstance(scene.target, Body):
+        value = _motion(scene, count)
+        off = np.where(np.isnan(value), tolerance, FIRST_ORDER_LOSS * value) / tolerance
+        plain &= (off == 0.0) | (off < 1.0 / SURE) | (off > SURE)
+    if effects.plasticity == "auto" and scene.contact.law == "auto":
+        strength, modulus = scene.yield_strength, scene.effective_modulus
+        if strength is not None and modulus is not None:
+            limit = yield_velocity(modulus, scene.effective_radius, strength, scene.effective_mass)
+            ratio = _column(scene.approach_velocity / limit, count)
+            plain &= (ratio < 0.9) | ((ratio > 2.0) & (tolerance <= 0.02))
+    return plain
+
+
+def _motion(scene: Scene, count: int) -> Array:
+    """Zener's λ of every row: 0 for a target that does not move, nan where there is no Hertz stiffness."""
+    impedance = _column(scene.target_impedance, count)
+    value = np.zeros(count)
+    if np.isfinite(impedance).any():
+        modulus = math.nan if scene.effective_modulus is None else scene.effective_modulus
+        stiffness = _column(hertz_stiffness(modulus, scene.effective_radius), count)
+        mass, speed = _column(scene.effective_mass, count), _column(scene.approach_velocity, count)
+        value = stiffness**0.4 * mass**0.6 * speed**0.2 / impedance
+    return value
 
 
 def _by_arrays(scene: Scene, columns: Mapping[str, Array], moving: Index) -> Iterator[Rows]:
@@ -126,11 +162,11 @@ def _gathered(members: list[tuple[int, Problem]]) -> Rows:
     index, problems = np.array([row for row, _ in members]), [problem for _, problem in members]
     numbers = {name: np.array([getattr(problem, name) for problem in problems]) for name in _NUMBERS}
     scales = [np.array([getattr(p.scales, scale.name) for p in problems]) for scale in fields(Scales)]
-    motion = [next(effect.value for effect in p.effects if effect.name == "target_motion") for p in problems]
-    zener = np.array([np.nan if value is None else value for value in motion])
+    motion = [zener(p.scene, p.scene.target_impedance) if p.gamma > 0.0 else 0.0 for p in problems]
+    lambdas = np.array([np.nan if value is None else value for value in motion])
     start = np.concatenate([np.frombuffer(bytes(problem.start), native.START_DTYPE) for problem in problems])
     made = Scales(*cast("Any", scales))
-    return Rows(index, problems[0].law.name, problems[0].curve, made, start, **numbers, zener=zener)
+    return Rows(index, problems[0].law.name, problems[0].curve, made, start, **numbers, zener=lambdas)
 
 
 def _at_row(scene: Scene, columns: Mapping[str, Array], row: int) -> Scene:
@@ -228,7 +264,19 @@ def _problem(
         drift = _column(scene.impactor.speed, index.size)[chosen] - share * speed
     still = scene.effects.target_motion is False
     impedance = _column(math.inf if still else scene.target_impedance, index.size)[chosen]
-    load = mass * STANDARD_GRAVITY * _heavy(scene, curve, scales, approach, mass)
+    value = np.where(np.isfinite(impedance), _motion(scene, index.size)[chosen], 0.0)
+
+    def one(row: int) -> Problem:
+        """One of the impacts without its weight."""
+        own = Scales(*(float(getattr(scales, scale.name)[row]) for scale in fields(Scales)))
+        gamma = 0.0 if math.isinf(impedance[row]) else own.force / (float(impedance[row]) * own.velocity)
+        numbers = float(approach[row]), float(drift[row]), float(share[row]), float(mass[row])
+        return Problem(_made(law, values, row), curve, own, gamma, 0.0, *numbers, scene)
+
+    compliance = scales.force / (impedance * scales.velocity)
+    load = mass * STANDARD_GRAVITY * _heavy(scene, curve, scales, approach, compliance, mass, one)
+    if scene.effects.target_motion == "auto":
+        impedance = np.where(FIRST_ORDER_LOSS * value < scene.effect_tolerance, math.inf, impedance)
     if load.any():
         weight_energy = load * 1e-3 * _column(scene.effective_radius, index.size)[chosen]
         scales = _scales(law, values, np.maximum(energy, weight_energy), mass)
@@ -237,37 +285,41 @@ def _problem(
     start["nu"], start["gamma"] = approach, scales.force / (impedance * scales.velocity)
     start["load"], start["stop_velocity"] = load / scales.force, -drift / (share * scales.velocity)
     start["time_limit"] = np.where(load > 0.0, contact_limit(approach, start["gamma"]), math.inf)
-    zener = np.zeros(count)
-    if np.isfinite(impedance).any():
-        modulus = math.nan if scene.effective_modulus is None else scene.effective_modulus
-        stiffness = _column(hertz_stiffness(modulus, scene.effective_radius), index.size)[chosen]
-        zener = stiffness**0.4 * mass**0.6 * speed**0.2 / impedance
-    return Rows(index[chosen], law.name, curve, scales, start, drift, share, mass, zener)
+    return Rows(index[chosen], law.name, curve, scales, start, drift, share, mass, value)
 
 
-def _heavy(scene: Scene, curve: Curve, scales: Scales, approach: Array, mass: Array) -> NDArray[np.bool_]:
-    """Which impacts are simulated with their weight: the rule of `effects`, for each."""
-    wanted = scene.effects.gravity
+def _heavy(
+    scene: Scene,
+    curve: Curve,
+    scales: Scales,
+    approach: Array,
+    gamma: Array,
+    mass: Array,
+    one: Callable[[int], Problem],
+) -> NDArray[np.bool_]:
+    """Which impacts are simulated with their weight: the rule of `effects`, for each.
+
+    One coarse batch without weight tells most of them apart; the doubtful are tried with and without, one by one.
+    """
+    wanted, tolerance, count = scene.effects.gravity, scene.effect_tolerance, approach.size
     if isinstance(scene.target, Body) or wanted is False:
-        return np.zeros(approach.size, np.bool_)
+        return np.zeros(count, np.bool_)
     if wanted is True:
-        return np.ones(approach.size, np.bool_)
-    weight = mass * STANDARD_GRAVITY
-    ends = _forces(curve, np.array([approach.min(), approach.max()]))
-    # the dimensionless force grows with the velocity: most rows are light even by the least of all
-    heavy = ~(weight <= GRAVITY_THRESHOLD * ends[0] * scales.force) | ~np.isfinite(ends[1])
-    doubtful = np.flatnonzero(heavy)
-    force = _forces(curve, approach[doubtful]) * cast("Any", scales.force)[doubtful]
-    heavy[doubtful] = ~(weight[doubtful] <= GRAVITY_THRESHOLD * force)
+        return np.ones(count, np.bool_)
+    start: Any = np.zeros(count, native.START_DTYPE)
+    start["nu"], start["gamma"], start["time_limit"] = approach, gamma, math.inf
+    weight = mass * STANDARD_GRAVITY / scales.force
+    status, seen = native.batch(curve.native, native.mesh(native.WORK_PRESERVING, 4, 8), start)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        push = gravity_change(weight, seen["maximum_force"], seen["maximum_indentation"], 0.5 * approach**2)
+        gained = weight * seen["contact_duration"] / -seen["final_velocity"]  # over the rebound velocity
+        light = np.where(gamma > 0.0, np.maximum(push, gained) <= 0.1 * tolerance, push <= 0.3 * tolerance)
+    heavy = ~light | (status != native.EVENT)
+    for row in np.flatnonzero(heavy):
+        problem = one(int(row))
+        size = change(march(replace(problem, load=float(weight[row]))), march(problem))
+        heavy[row] = size is None or size > tolerance
     return heavy
-
-
-def _forces(curve: Curve, approach: Array) -> Array:
-    """Maximum dimensionless force on a target that does not move; nan beyond the law."""
-    start: Any = np.zeros(approach.size, native.START_DTYPE)
-    start["nu"], start["time_limit"] = approach, math.inf
-    status, summary = native.batch(curve.native, native.mesh(native.WORK_PRESERVING, 1, 1), start)
-    return np.where(status == native.EVENT, summary["maximum_force"], np.nan)
 
 
 def _scales(law: AbstractLaw | type[AbstractLaw], values: Mapping[str, Any], energy: Array, mass: Array) -> Scales:

@@ -33,23 +33,37 @@ __all__ = [
 ]
 
 DEFAULT_ACCURACY = 1e-4
+DEFAULT_TOLERANCE = 0.01
 
 Switch: TypeAlias = Literal["auto"] | bool
 
 
 @dataclass(frozen=True, init=False)
 class Effects:
-    """Which effects are computed: each "auto", True or False."""
+    """Which effects are computed: each "auto", True or False.
+
+    tolerance: "auto" computes an effect if leaving it out would change a summary value by more than this, relative; and
+    an effect beyond it that cannot be computed is warned of. Left out: 1 %, or the accuracy asked for if that is
+    larger. It does not follow finer accuracies, so that a scene keeps its physics while its error is driven down.
+    """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
-        name: choice("auto", True, False) for name in ("plasticity", "target_motion", "gravity")
+        **{name: choice("auto", True, False) for name in ("plasticity", "target_motion", "gravity")},
+        "tolerance": measure("dimensionless", 1e-12, 1),
     }
 
     plasticity: Switch
     target_motion: Switch
     gravity: Switch
+    tolerance: float | None
 
-    def __init__(self, plasticity: Switch = "auto", target_motion: Switch = "auto", gravity: Switch = "auto") -> None:
+    def __init__(
+        self,
+        plasticity: Switch = "auto",
+        target_motion: Switch = "auto",
+        gravity: Switch = "auto",
+        tolerance: float | None = None,
+    ) -> None:
         raise_all(fill(self, locals()))
 
 
@@ -202,6 +216,13 @@ class Scene:
     def kinetic_energy(self) -> float:
         """½ m v² of the effective mass at the approach velocity, J: what the contact can take up."""
         return 0.5 * self.effective_mass * self.approach_velocity**2
+
+    @property
+    def effect_tolerance(self) -> float:
+        """Relative change of the summary up to which an effect may be left out; see :class:`Effects`."""
+        if self.effects.tolerance is not None:
+            return self.effects.tolerance
+        return max(DEFAULT_TOLERANCE, self.solver.accuracy or 0.0)
 
     def _wrong_types(self) -> list[Mistake]:
         parts = {"impactor": Sphere, "target": Target, "contact": Contact, "effects": Effects, "solver": Solver}

@@ -35,7 +35,7 @@ def simulate(
     problem = problem_of(scene)
     if problem.approach == 0.0 and problem.load <= 0.0:
         raise SimulationError("the impactor has no velocity and no force pushes it: there is no impact")
-    warnings = [*problem.law.remarks(), *problem.curve.warnings]
+    warnings: list[str] = []
     if solver.segments is not None:
         counts, estimated = (solver.segments, solver.segments), estimate(problem, solver)
     else:
@@ -53,7 +53,7 @@ def simulate(
         outcome=_outcome(status),
         summary=summary,
         accuracy=Accuracy(solver.accuracy if solver.segments is None else None, estimated, *counts, lines.size - 1),
-        warnings=tuple(warnings),
+        remarks=tuple(warnings),
     )
 
 

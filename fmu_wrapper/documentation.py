@@ -79,7 +79,7 @@ def documentation(scene: Scene, problem: Problem, data: Data, history: History |
             '<p><img src="law.svg" alt="Contact force over indentation"></p>',
         ]
     parts += ["<h2>Effects</h2>", _table(("effect", "state", "why"), _effect_rows(problem))]
-    warnings = history.warnings if history is not None else problem.curve.warnings
+    warnings = history.warnings if history is not None else problem.warnings
     parts += [f"<p><strong>Warning:</strong> {html.escape(warning)}</p>" for warning in warnings]
     parts += ["<h2>Steps</h2>", *_steps(kind, data, history)]
     parts += ["<h2>Variables</h2>", _table(("name", "unit", "causality", "meaning"), _variable_rows(data))]

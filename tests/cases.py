@@ -89,7 +89,7 @@ def scene(law, target="half-space", velocity=VELOCITY, **solver):
 
 
 def zener_scene(value, **solver):
-    """Hertz on a plate with Zener's λ = value: one-parameter family."""
+    """Hertz on a plate with Zener's λ = value: one-parameter family, without gravity."""
     velocity, mass, modulus = 1.0, 0.01, 1e10
     stiffness = 4 / 3 * modulus * math.sqrt(RADIUS)
     impedance = stiffness**0.4 * mass**0.6 * velocity**0.2 / value
@@ -101,4 +101,4 @@ def zener_scene(value, **solver):
     plate = fm.Plate(mass_per_area=f"{density} kg/m^2", bending_stiffness=stiffnesses)
     ball = fm.Sphere(radius="10 mm", mass=f"{mass} kg", velocity=f"{velocity} m/s")
     contact = fm.Contact(law="hertz", effective_modulus=f"{modulus} Pa")
-    return fm.Scene(ball, plate, contact=contact, solver=fm.Solver(**solver))
+    return fm.Scene(ball, plate, contact=contact, effects=fm.Effects(gravity=False), solver=fm.Solver(**solver))

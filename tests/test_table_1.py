@@ -39,14 +39,14 @@ def test_claim_5_few_segments_suffice_on_half_spaces(name):
 
 
 def test_claim_5_has_a_limit_on_plates():
-    """5 to 10 chords leave 4 to 10 % on the paper plate, mostly in the rebound; ten better lines, 0.03 %."""
+    """5 to 10 chords leave 4 to 10 % on the paper's plate; ten work-preserving lines, 0.03 %."""
     assert 0.05 < errors("olsson_plate", 5, "chord") < 0.15
     assert 0.02 < errors("olsson_plate", 10, "chord") < 0.06
     assert errors("olsson_plate", 10, "work-preserving") < 3e-4
 
 
 def test_claim_6_effort_does_not_depend_on_the_law():
-    """Confirmed: as many lines a stage and leg for every law; what a line costs is one evaluation of the law's force."""
+    """Confirmed: as many lines a stage and leg for every law, with one evaluation of the law's force each."""
     for law in LAWS:
         history = fm.simulate(scene(law), segments=20)
         if history.outcome is not fm.Outcome.SEPARATED or history.problem.damping > 0.0:

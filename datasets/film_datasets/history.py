@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from film_datasets.provenance import PROGRAM, provenance, scene_text, text_and_hash
 from film_datasets.schema import BRANCHES, HISTORY, TABLE, content_sha256, flag_words
 from film_model.core.native import EVENTS, LINE_DTYPE
-from film_model.effects import Effect, choose
+from film_model.effects import Effect, choose, percent
 from film_model.errors import Outcome, SceneError
 from film_model.history import MOTION, SUMMARY, Accuracy, Event, History, stage_names
 from film_model.problem import problem_of
@@ -178,7 +178,8 @@ def _attributes(history: History, command: str) -> dict[str, Any]:
 
 
 def _effect_line(effect: Effect) -> str:
-    """'plasticity: simulated, V/V_Y = 5.06 (threshold 1); the yield velocity is 0.0494 m/s: law big-alabo'."""
+    """'gravity: not needed, m g/F_m = 0.00115 (threshold 0.00667), left out 0.18 %; the weight is small …'."""
     value = "" if effect.value is None else f", {effect.indicator} = {effect.value:.4g}"
-    limit = "" if effect.threshold is None else f" (threshold {effect.threshold:g})"
-    return f"{effect.name}: {effect.state}{value}{limit}; {effect.reason}"
+    limit = "" if effect.threshold is None else f" (threshold {effect.threshold:.4g})"
+    change = "" if effect.change is None else f", left out it changes the summary by {percent(effect.change)}"
+    return f"{effect.name}: {effect.state}{value}{limit}{change}; {effect.reason}"

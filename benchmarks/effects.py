@@ -1,0 +1,139 @@
+"""What an effect costs, and that one which is off costs nothing: `python -m benchmarks.effects [--json FILE]`.
+
+The scene is an elastic ball on a half-space. First the whole simulation: as it stands, with every effect switched off
+by hand, and with the choice taken out (the problem is put together and marched, as if no effect existed). Then each
+effect switched on, by itself: the march in the core and the whole simulation, over the same without it. Contenders take
+turns; times are the least of many rounds. They are printed, never asserted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import film_model as fm
+from film_model.accuracy import mesh_of
+from film_model.core import native
+from film_model.effects import effects_of
+from film_model.laws import Hertz
+from film_model.problem import assemble, problem_of
+from film_model.solve import simulate
+
+STEEL = {
+    "youngs_modulus": "210 GPa",
+    "poissons_ratio": 0.3,
+    "density": "7850 kg/m^3",
+    "yield_strength": "1 GPa",
+}
+SWITCHES = ("plasticity", "target_motion", "gravity")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure, print, and write the rows as JSON if asked to."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.effects", description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--rounds", type=int, default=400, help="of ten calls each (default: 400)")
+    parser.add_argument("--json", metavar="FILE", type=Path, help="write the rows there")
+    options = parser.parse_args(arguments)
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    off, on = elastic(options.rounds), effects(options.rounds)
+    print("elastic half-space, one simulation of accuracy 1e-4        µs")
+    for name, seconds in off.items():
+        print(f"  {name:52}{1e6 * seconds:9.1f}")
+    print("\neffect on, over off                lines   march   a line   simulate")
+    for name, row in on.items():
+        lines, march = row["lines"], row["march"]
+        print(f"  {name:32}{lines:6.2f}{march:8.2f}{march / lines:9.2f}{row['simulate']:11.2f}")
+    if options.json is not None:
+        options.json.write_text(json.dumps({"elastic": off, "effects": on}, indent=1) + "\n")
+    return 0
+
+
+def scene(velocity: str, target: fm.HalfSpace | fm.Plate, **switches: Any) -> fm.Scene:
+    """A steel ball of 2 mm on a target of steel."""
+    chosen: dict[str, Any] = {**dict.fromkeys(SWITCHES, False), **switches}
+    ball = fm.Sphere("2 mm", velocity=velocity, material=STEEL)
+    return fm.Scene(ball, target, effects=fm.Effects(**chosen))
+
+
+def elastic(rounds: int) -> dict[str, float]:
+    """Seconds of one simulation of an elastic impact on a half-space."""
+    auto = scene("40 mm/s", fm.HalfSpace(STEEL), **dict.fromkeys(SWITCHES, "auto"))
+    off = scene("40 mm/s", fm.HalfSpace(STEEL))
+    assert auto.effective_modulus is not None
+    law = Hertz(auto.effective_modulus, auto.effective_radius)
+    assert problem_of(auto).start.load == 0.0 and problem_of(auto).law == law
+
+    def bare() -> None:
+        with patch("film_model.solve.problem_of", lambda given: assemble(given, law, math.inf, 0.0)):
+            simulate(auto)
+
+    def patched() -> None:
+        with patch("film_model.solve.problem_of", problem_of):
+            simulate(auto)
+
+    calls: dict[str, Callable[[], object]] = {
+        "every effect on auto": lambda: simulate(auto),
+        "every effect switched off": lambda: simulate(off),
+        "on auto, inside a patch": patched,
+        "no effect exists, inside a patch": bare,
+        "the report of effects, only when it is asked for": lambda: effects_of(auto),
+    }
+    return best(calls, rounds)
+
+
+def effects(rounds: int) -> dict[str, dict[str, float]]:
+    """Lines and times of an impact with an effect, over those without."""
+    half = fm.HalfSpace(STEEL)
+    pairs = [
+        ("plasticity", scene("0.25 m/s", half)),
+        ("target_motion", scene("40 mm/s", fm.Plate(STEEL, thickness="4 mm"))),
+        ("target_motion", scene("40 mm/s", fm.Plate(STEEL, thickness="0.8 mm"))),
+        ("gravity", scene("4 mm/s", half)),
+    ]
+    rows: dict[str, dict[str, float]] = {}
+    for switch, without in pairs:
+        full = without.replace({f"effects.{switch}": True})
+        effect = next(e for e in problem_of(full).effects if e.name == switch)
+        name = f"{switch.replace('_', ' ')}, {effect.indicator} = {effect.value:.2g}"
+        lines = [float(simulate(s).accuracy.lines) for s in (full, without)]
+        march = best({str(k): _march(s) for k, s in enumerate((full, without))}, rounds)
+        whole = best({str(k): (lambda s=s: simulate(s)) for k, s in enumerate((full, without))}, rounds)
+        rows[name] = {
+            "lines": lines[0] / lines[1],
+            "march": march["0"] / march["1"],
+            "simulate": whole["0"] / whole["1"],
+        }
+    return rows
+
+
+def _march(given: fm.Scene) -> Callable[[], object]:
+    """The march in the core on the mesh that the accuracy takes."""
+    history = simulate(given)
+    problem, accuracy = history.problem, history.accuracy
+    mesh = mesh_of(given.solver, (accuracy.segments, accuracy.unloading_segments))
+    start = problem.start
+    return lambda: [native.impact(problem.curve.native, mesh, start) for _ in range(10)]
+
+
+def best(calls: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
+    """Seconds a call, the least of the rounds, in each of which every contender has its turn of ten calls."""
+    least = dict.fromkeys(calls, math.inf)
+    for _ in range(rounds):
+        for name, call in calls.items():
+            begun = time.perf_counter()
+            for _ in range(10):
+                call()
+            least[name] = min(least[name], (time.perf_counter() - begun) / 10)
+    return least
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,501 @@
+"""Effects: the estimates are true, "auto" goes by the tolerance, and what is not modelled is said everywhere."""
+
+import json
+import math
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import integrate, optimize
+
+import film_datasets
+import film_model as fm
+import fmu_wrapper
+from film_model import effects, explain, limits
+from film_model.cli import main
+from film_model.errors import SceneError
+from film_model.problem import problem_of
+from film_model.regimes import regimes
+
+SCENES = Path(__file__).parent.parent / "examples" / "scenes"
+SWITCHES = ("plasticity", "target_motion", "gravity")
+STEEL = {
+    "youngs_modulus": "210 GPa",
+    "poissons_ratio": 0.3,
+    "density": "7850 kg/m^3",
+    "yield_strength": "1 GPa",
+}
+
+
+def by_name(scene):
+    return {effect.name: effect for effect in problem_of(scene).effects}
+
+
+def ball_on(target, velocity="1 m/s", radius="5 mm", contact=None, material=None, **switches):
+    ball = fm.Sphere(radius, velocity=velocity, material=material or STEEL)
+    return fm.Scene(ball, target, contact=contact or fm.Contact(), effects=fm.Effects(**switches))
+
+
+def measured(full, without):
+    """Largest change of the summary as `effects.change` defines it, from two histories."""
+    speed, energy, worst = full.scene.approach_velocity, full.scene.kinetic_energy, 0.0
+    for name, value in full.summary.items():
+        other = without.summary[name]
+        if name == "time_impactor_stops" or (value is None and other is None):
+            continue
+        if value is None or other is None:
+            return 1.0
+        scale = abs(value)
+        if name == "rebound_velocity":
+            scale = speed
+        elif name == "coefficient_of_restitution":
+            scale = 1.0
+        elif name == "permanent_indentation":
+            scale = full.summary["maximum_indentation"]
+        elif name.startswith("energy"):
+            scale = energy
+        worst = max(worst, abs(value - other) / scale)
+    return worst
+
+
+def random_scene(rng):
+    """Soft and hard balls from a crawl to metres a second, on all targets: every effect large, small and between."""
+    material = fm.Material(
+        "m", f"{10 ** rng.uniform(7, 11.6)!r} Pa", 0.3, "7850 kg/m^3", f"{10 ** rng.uniform(8, 9.6)!r} Pa"
+    )
+    radius = 10 ** rng.uniform(-4, -1)
+    target = [
+        lambda: fm.HalfSpace(material),
+        lambda: fm.Plate(material, thickness=f"{radius * 10 ** rng.uniform(-0.4, 1.6)!r} m"),
+        lambda: fm.Rod(material, diameter=f"{radius * 10 ** rng.uniform(0.3, 2)!r} m"),
+        lambda: fm.Body(material, radius=f"{radius * rng.uniform(0.5, 3)!r} m"),
+    ][rng.integers(4)]()
+    speed = 10 ** (rng.uniform(-3.5, 1.2) if rng.integers(2) else rng.uniform(-1, 1.2))
+    return ball_on(target, f"{speed!r} m/s", f"{radius!r} m", material=material)
+
+
+def check_estimates(count, seed):
+    rng, seen = np.random.default_rng(seed), dict.fromkeys(SWITCHES, 0)
+    for _ in range(count):
+        scene = random_scene(rng)
+        found = by_name(scene)
+        chosen = {f"effects.{name}": found[name].simulated for name in SWITCHES}
+        for name in SWITCHES:
+            if found[name].change == 0.0:
+                continue
+            full, without = (
+                fm.simulate(scene.replace({**chosen, f"effects.{name}": on}), accuracy=1e-6) for on in (True, False)
+            )
+            true = measured(full, without)
+            if 1e-4 <= true <= 0.3:
+                seen[name] += 1
+                assert true / 3 <= found[name].change <= 3 * true, (name, scene.to_toml())
+    return seen
+
+
+def test_estimates_are_within_a_factor_of_three():
+    assert min(check_estimates(300, seed=1941).values()) >= 10
+
+
+@pytest.mark.slow
+def test_estimates_of_many_scenes_are_within_a_factor_of_three():
+    assert min(check_estimates(2000, seed=7).values()) >= 80
+
+
+def test_auto_leaves_out_less_than_the_tolerance_and_no_more():
+    rng = np.random.default_rng(5)
+    left_out = 0
+    for _ in range(120):
+        scene = random_scene(rng).replace({"effects.tolerance": 10 ** rng.uniform(-3, -1)})
+        found = by_name(scene)
+        for name in SWITCHES:
+            effect = found[name]
+            assert effect.state in (effects.SIMULATED, effects.NOT_NEEDED)
+            if effect.change is not None and effect.change != 0.0:
+                assert effect.simulated == (effect.change > scene.effect_tolerance)
+                left_out += not effect.simulated
+        full = {f"effects.{name}": found[name].simulated or found[name].change != 0.0 for name in SWITCHES}
+        true = measured(fm.simulate(scene.replace(full), accuracy=1e-5), fm.simulate(scene, accuracy=1e-5))
+        assert true <= 3.5 * scene.effect_tolerance  # three effects at most are left out
+    assert left_out > 30
+
+
+@pytest.mark.parametrize(("tolerance", "simulated"), [(None, False), (0.003, False), (0.001, True)])
+def test_the_tolerance_decides(tolerance, simulated):
+    scene = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml").replace({"effects.tolerance": tolerance})
+    gravity = by_name(scene)["gravity"]
+    assert gravity.change == pytest.approx(0.00193, rel=0.1)
+    assert gravity.simulated is simulated
+    force = fm.simulate(scene).summary["maximum_force"]
+    assert force == pytest.approx(517.087 if simulated else 516.088, rel=2e-6 if simulated else 1e-6)
+
+
+def test_a_coarse_accuracy_is_a_tolerance_and_a_fine_one_is_not():
+    scene = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
+    assert scene.replace({"solver.accuracy": 0.05}).effect_tolerance == 0.05
+    assert scene.replace({"solver.accuracy": 1e-8}).effect_tolerance == 0.01
+
+
+@pytest.mark.parametrize("value", [0, -0.1, 2, "1 mm", True])
+def test_a_wrong_tolerance_is_refused(value):
+    with pytest.raises(SceneError, match="tolerance"):
+        fm.Effects(tolerance=value)
+
+
+def test_a_scene_with_a_tolerance_is_written_and_read():
+    scene = ball_on(fm.HalfSpace(STEEL), contact=fm.Contact(work_of_adhesion="0.1 J/m^2"), tolerance=0.02)
+    again = fm.Scene.from_text(scene.to_toml())
+    assert again == scene
+    assert (again.effects.tolerance, again.contact.work_of_adhesion) == (0.02, 0.1)
+
+
+def test_an_effect_that_is_off_takes_no_march(monkeypatch):
+    marched = []
+    monkeypatch.setattr(effects, "march", lambda problem, march=effects.march: marched.append(1) or march(problem))
+    hard = {**STEEL, "yield_strength": "3 GPa"}
+    scene = ball_on(fm.HalfSpace(hard), "0.3 m/s", material=hard)
+    lines = fm.simulate(scene).lines.size
+    assert len(marched) == 1
+    off = dict.fromkeys((f"effects.{name}" for name in SWITCHES), False)
+    assert fm.simulate(scene.replace(off)).lines.size == lines
+
+
+def test_a_ball_that_comes_to_rest():
+    soft = {**STEEL, "youngs_modulus": "1 MPa", "yield_strength": "1 GPa"}
+    scene = ball_on(fm.Plate(soft, thickness="2 mm"), "1 mm/s", material=soft)
+    gravity = by_name(scene)["gravity"]
+    assert gravity.change == 1.0
+    assert "comes to rest" in gravity.reason
+    laid = by_name(ball_on(fm.HalfSpace(STEEL), "0 m/s"))
+    assert laid["gravity"].simulated
+    assert laid["wave_losses"].state == effects.NOT_JUDGED
+
+
+def test_a_named_elastic_law_above_yield_is_switched_off_with_its_estimate():
+    plasticity = by_name(ball_on(fm.HalfSpace(STEEL), contact=fm.Contact(law="hertz")))["plasticity"]
+    assert plasticity.state == effects.SWITCHED_OFF
+    assert plasticity.change > 0.1
+    below = by_name(ball_on(fm.HalfSpace(STEEL), "1 mm/s", contact=fm.Contact(law="hertz")))["plasticity"]
+    assert (below.state, below.change) == (effects.NOT_NEEDED, 0.0)
+
+
+@pytest.mark.parametrize(("ratio", "state"), [(150.0, effects.NOT_NEEDED), (260.0, effects.SIMULATED)])
+def test_the_fully_plastic_stage(ratio, state):
+    scene = ball_on(fm.HalfSpace(STEEL))
+    limit = scene.approach_velocity / by_name(scene)["plasticity"].value
+    stage = by_name(scene.replace({"impactor.velocity": f"{ratio * limit!r} m/s"}))["fully_plastic"]
+    assert stage.value == pytest.approx(ratio)
+    assert stage.state == state
+    assert (0.0 < stage.change < 0.1) if state == effects.SIMULATED else stage.change == 0.0
+
+
+# What is judged only: each formula against an independent one.
+
+
+def modal_impact(value, mass_ratio, modes=19, steps=1500):
+    """Contact time and rebound of K = m = V = 1 on the centre of a simply supported square plate, by its modes."""
+    impedance, n = 1.0 / value, np.arange(1, 2 * modes, 2)
+    omega = (math.pi**2 * (n[:, None] ** 2 + n[None] ** 2) * impedance * mass_ratio / 8.0).ravel()
+    step = 3.2 * (1.0 + value**1.3) / steps
+    gain = 4.0 * mass_ratio / omega**2
+    whole, half = (np.cos(omega * step), np.sin(omega * step)), (np.cos(omega * step / 2), np.sin(omega * step / 2))
+    q, p = np.zeros_like(omega), np.zeros_like(omega)  # p: velocity over ω
+    x, v, force = 0.0, 1.0, 0.0
+    for count in range(1, 20 * steps):
+        a = gain * force
+        middle = x + v * step / 2 - force * step**2 / 8 - float(((q - a) * half[0] + p * half[1] + a).sum())
+        push = max(middle, 0.0) ** 1.5
+        a = gain * push
+        q, p = (q - a) * whole[0] + p * whole[1] + a, p * whole[0] - (q - a) * whole[1]
+        x, v = x + v * step - push * step**2 / 2, v - push * step
+        depth = x - float(q.sum())
+        if depth <= 0.0 and count > 5:
+            return count * step, -v
+        force = max(depth, 0.0) ** 1.5
+    raise AssertionError("no end of contact")
+
+
+@pytest.mark.parametrize(("value", "mass_ratio"), [(0.3, 0.052), (0.6, 0.068), (1.0, 0.089), (1.5, 0.051)])
+def test_reflections_against_the_modes_of_a_plate(value, mass_ratio):
+    still = modal_impact(value, 1e-3 * value, modes=60)  # so large a plate that no edge is felt
+    duration, rebound = modal_impact(value, mass_ratio)
+    true = max(abs(still[0] / duration - 1.0), abs(still[1] - rebound))
+    modulus, density, mass, radius = 1e10, 10.0, 0.01, 0.01
+    impedance = (4 / 3 * modulus * math.sqrt(radius)) ** 0.4 * mass**0.6 / value
+    bending = (impedance / 8) ** 2 / density
+    side = f"{math.sqrt(mass / mass_ratio / density)!r} m"
+    stiffness = {k: f"{c * bending!r} N*m" for k, c in (("D11", 1), ("D12", 0.3), ("D22", 1), ("D66", 0.35))}
+    plate = fm.Plate(mass_per_area=f"{density} kg/m^2", bending_stiffness=stiffness, size=[side, side])
+    ball = fm.Sphere(f"{radius} m", velocity="1 m/s", mass=f"{mass} kg")
+    scene = fm.Scene(ball, plate, fm.Contact(law="hertz", effective_modulus=f"{modulus} Pa"), fm.Effects(gravity=False))
+    effect = by_name(scene)["reflections"]
+    assert effect.state == effects.NOT_MODELLED
+    assert true / 3 <= effect.change <= 3 * true
+
+
+@pytest.mark.parametrize(("length", "late"), [("2 m", False), ("60 mm", True)])
+def test_a_wave_in_a_rod_is_back_after_its_way_there_and_back(length, late):
+    scene = ball_on(fm.Rod(STEEL, diameter="20 mm", length=length))
+    effect, duration = by_name(scene)["reflections"], fm.simulate(scene).summary["contact_duration"]
+    returns = 2 * fm.Scene.from_table(scene.to_table()).target.length / math.sqrt(210e9 / 7850)
+    assert effect.value == pytest.approx(duration / returns, rel=1e-3)
+    assert (effect.change > 0.0) is late
+
+
+def lamb(ratio):
+    """β of a half-space: imaginary part of ∫ s a/R ds/2π over body waves, and the residue of the Rayleigh wave."""
+    k = math.sqrt((1 - 2 * ratio) / (2 * (1 - ratio)))
+
+    def imaginary(s):
+        a = np.emath.sqrt(s * s - k * k + 0j)
+        b = np.emath.sqrt(s * s - 1 + 0j)
+        return (s * a / ((2 * s * s - 1) ** 2 - 4 * s * s * a * b)).imag
+
+    def rayleigh(s):
+        return (2 * s * s - 1) ** 2 - 4 * s * s * math.sqrt((s * s - k * k) * (s * s - 1))
+
+    # s = k sin u and s = k + (1 − k) sin² u take the roots out of the ends
+    body = integrate.quad(lambda u: imaginary(k * math.sin(u)) * k * math.cos(u), 0, math.pi / 2)[0]
+    body += integrate.quad(
+        lambda u: imaginary(k + (1 - k) * math.sin(u) ** 2) * (1 - k) * math.sin(2 * u), 0, math.pi / 2
+    )[0]
+    pole = optimize.brentq(rayleigh, 1 + 1e-9, 2)
+    slope = (rayleigh(pole + 1e-6) - rayleigh(pole - 1e-6)) / 2e-6
+    surface = math.pi * pole * math.sqrt(pole * pole - k * k) / slope
+    return (abs(body) + abs(surface)) / (2 * math.pi), abs(surface) / (abs(body) + abs(surface))
+
+
+def test_wave_losses_against_lambs_problem():
+    for ratio, beta in zip(*limits.RADIATION, strict=True):
+        assert lamb(ratio)[0] == pytest.approx(beta, rel=1e-3)
+    assert lamb(0.25)[1] == pytest.approx(0.674, abs=1e-3)  # Miller & Pursey 1955: 67.4 % in the Rayleigh wave
+    pulse = 4.5 * integrate.quad(lambda x: x * math.sqrt(1 - x**2.5), 0, 1)[0] * 2.9432751843
+    assert pytest.approx(pulse, rel=1e-4) == limits.HERTZ_PULSE
+    square = 2 / 2.9432751843 * integrate.quad(lambda x: x**3 / math.sqrt(1 - x**2.5), 0, 1)[0]
+    assert pytest.approx(square, rel=1e-3) == limits.HERTZ_SQUARE
+    x = np.linspace(5e-4, 400, 400_000)  # ω t_c/π; misses the pole at 1, which the cosine cancels
+    spectrum = (np.cos(math.pi * x / 2) / (1 - x * x)) ** 2
+    assert pytest.approx(math.pi * np.dot(x, spectrum) / spectrum.sum(), rel=1e-2) == limits.MEAN_FREQUENCY
+    slow, fast = (
+        by_name(ball_on(fm.HalfSpace(STEEL), v, plasticity=False))["wave_losses"] for v in ("1 m/s", "10 m/s")
+    )
+    assert fast.change / slow.change == pytest.approx(10**0.6, rel=1e-3)
+    assert fast.state == effects.NOT_MODELLED
+
+
+def test_small_slope_against_sneddons_sphere():
+    for a in (0.05, 0.1, 0.2, 0.3):
+        log = math.log((1 + a) / (1 - a))
+        depth, force = a / 2 * log, (a * a + 1) / 2 * log - a
+        assert 1 - force / (4 / 3 * depth**1.5) == pytest.approx(0.1 * a * a, rel=0.1)
+    soft = {**STEEL, "youngs_modulus": "5 MPa"}
+    effect = by_name(ball_on(fm.HalfSpace(soft), "5 m/s", material=soft))["small_slope"]
+    assert effect.value > effect.threshold
+    assert effect.state == effects.NOT_MODELLED
+
+
+def test_adhesion_against_the_work_of_parting():
+    # JKR with R = E = Γ = 1: δ and F by the contact radius, from first touch (δ = 0) to where δ is least
+    def depth(a):
+        return a * a - math.sqrt(2 * math.pi * a)
+
+    def force(a):
+        return 4 / 3 * a**3 - math.sqrt(8 * math.pi * a**3)
+
+    touch, least = (2 * math.pi) ** (1 / 3), (math.pi / 8) ** (1 / 3)
+    work = -integrate.quad(lambda a: force(a) * (2 * a - math.sqrt(math.pi / 2 / a)), least, touch)[0]
+    assert depth(touch) == pytest.approx(0.0, abs=1e-12)
+    assert work == pytest.approx(limits.JKR_WORK, rel=1e-4)
+    scene = ball_on(fm.HalfSpace(STEEL), "5 mm/s", "50 um", fm.Contact(work_of_adhesion="0.2 J/m^2"))
+    effect = by_name(scene)["adhesion"]
+    modulus = scene.effective_modulus
+    sticking = 1.84 * ((0.2 / 50e-6) ** 5 / (7850**3 * modulus**2)) ** (1 / 6)  # Thornton & Ning 1998
+    assert effect.value == pytest.approx(5e-3 / sticking, rel=1e-3)
+    assert effect.state == effects.NOT_MODELLED
+    assert by_name(scene.replace({"impactor.velocity": "1 m/s"}))["adhesion"].state == effects.NOT_NEEDED
+
+
+def test_material_damping_against_a_dashpot():
+    damped = {**STEEL, "loss_factor": 0.004}
+    effect = by_name(ball_on(fm.HalfSpace(damped), "1 mm/s", material=damped))["material_damping"]
+    zeta = 0.002  # tan δ = 2 ζ at resonance
+    restitution = math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2))
+    assert effect.value == pytest.approx(0.004)
+    assert effect.change == pytest.approx(1 - restitution**2, rel=0.01)
+    assert effect.state == effects.NOT_MODELLED
+    mixed = by_name(ball_on(fm.HalfSpace({**damped, "loss_factor": 0.0}), "1 mm/s", material=damped))
+    assert mixed["material_damping"].value == pytest.approx(0.002)
+
+
+def test_thick_plates_against_the_pole_of_mindlins_plate():
+    ratio, kappa = 0.3, 5 / 6
+    s = 2 / (kappa * (1 - ratio))
+    for kh2 in (0.02, 0.1):  # k_b² h²; units ω = D = h = 1
+        inertia = kh2**2  # ρ h ω²/D in 1/h⁴
+        twice = 2 * inertia / 12 * (1 + s)
+        k2 = (twice / 2 + math.sqrt((twice / 2) ** 2 + 4 * (inertia - inertia**2 * s / 144))) / 2
+        mobility = (1 + k2 * s / 12 - inertia * s / 144) / (k2 - twice / 4)
+        assert mobility * kh2 - 1 == pytest.approx(kh2 / (6 * kappa * (1 - ratio)), rel=0.1)
+    scene = ball_on(fm.Plate(STEEL, thickness="4 mm"))
+    effect, summary = by_name(scene)["thickness"], fm.simulate(scene).summary
+    carried = summary["energy_radiated"] / scene.kinetic_energy
+    assert effect.change == pytest.approx(effect.value**2 / (6 * kappa * (1 - ratio)) * carried, rel=1e-3)
+    assert effect.state == effects.NOT_MODELLED
+
+
+def test_the_thickness_of_a_half_space():
+    scene = ball_on(fm.HalfSpace(STEEL), plasticity=False)
+    least = by_name(scene)["thickness"].value
+    plate = ball_on(fm.Plate(STEEL, thickness=f"{least!r} m"), plasticity=False)
+    assert by_name(plate)["target_motion"].change == pytest.approx(scene.effect_tolerance, rel=0.1)
+
+
+def test_strain_rate_hardens_what_yields():
+    fast = {**STEEL, "strain_rate_coefficient": 0.02}
+    scene = ball_on(fm.HalfSpace(fast), material=fast)
+    effect = by_name(scene)["strain_rate"]
+    strength = 1e9 * (1 + 0.02 * math.log(effect.value))
+    hard = scene.replace({"contact.yield_strength": f"{strength!r} Pa"})
+    assert effect.change == pytest.approx(measured(fm.simulate(hard), fm.simulate(scene)), rel=0.01)
+    assert effect.state == effects.NOT_MODELLED
+    assert by_name(scene.replace({"impactor.velocity": "1 mm/s"}))["strain_rate"].state == effects.NOT_NEEDED
+
+
+def test_heating_is_the_plastic_work_over_the_heated_volume():
+    scene = ball_on(fm.HalfSpace(STEEL))
+    summary, effect = fm.simulate(scene).summary, by_name(scene)["heating"]
+    volume = 2 / 3 * math.pi * (5e-3 * summary["maximum_indentation"]) ** 1.5
+    assert effect.value == pytest.approx(summary["energy_absorbed"] / volume, rel=1e-3)
+    assert effect.state == effects.NOT_JUDGED
+
+
+def test_a_contact_wider_than_the_plate_is_thick():
+    soft = {**STEEL, "youngs_modulus": "1 MPa"}
+    effect = by_name(ball_on(fm.Plate(STEEL, thickness="0.2 mm"), "3 m/s", material=soft))["contact_width"]
+    assert effect.value > 1.0
+    assert effect.state == effects.NOT_MODELLED
+    assert "not known" in effect.warning
+
+
+@pytest.mark.parametrize(
+    ("name", "missing"),
+    [
+        ("reflections", "target.size"),
+        ("thickness", "target.thickness"),
+        ("contact_width", "target.thickness"),
+        ("adhesion", "contact.work_of_adhesion"),
+        ("material_damping", "loss_factor"),
+        ("strain_rate", "yield strength"),
+    ],
+)
+def test_what_a_scene_does_not_say_is_not_invented(name, missing):
+    olsson = fm.Scene.from_toml(SCENES / "olsson_plate.toml").replace({"target.size": None})
+    effect = by_name(olsson)[name]
+    assert effect.state == effects.NOT_JUDGED
+    assert effect.change is None
+    assert effect.warning is None
+    assert missing in effect.reason
+
+
+# What is said, and where.
+
+
+def test_what_is_not_modelled_is_said_in_every_output(capsys, tmp_path):
+    path = SCENES / "olsson_plate.toml"
+    history = fm.simulate(fm.Scene.from_toml(path))
+    (warning,) = history.warnings
+    assert warning.startswith("not modelled: reflections")
+    assert history.to_json()["warnings"] == [warning]
+    assert film_datasets.to_dataset(history).attrs["warnings"] == warning
+    assert "reflections: needed but not modelled" in film_datasets.to_dataset(history).attrs["effects"]
+    for command in ("run", "explain"):
+        assert main([command, str(path), "--json"]) == 0
+        captured = capsys.readouterr()
+        assert json.loads(captured.out)["warnings"] == [warning]
+        assert warning in captured.err
+    with zipfile.ZipFile(fmu_wrapper.export(history.scene, tmp_path / "impact.fmu")) as archive:
+        page = archive.read("documentation/index.html").decode()
+    assert "not modelled: reflections" in page
+
+
+@pytest.mark.parametrize(
+    "stem",
+    ["tungsten_carbide_on_steel", "tungsten_carbide_on_steel_stronge", "two_steel_balls", "steel_ball_on_rod"],
+)
+def test_scenes_without_cause_are_not_warned_of(stem):
+    assert fm.simulate(fm.Scene.from_toml(SCENES / f"{stem}.toml")).warnings == ()
+
+
+def test_explain_prints_every_effect(capsys):
+    assert main(["explain", str(SCENES / "tungsten_carbide_on_steel.toml")]) == 0
+    out, err = capsys.readouterr()
+    for name in ("plasticity", "fully plastic", "target motion", "gravity", *limits.RULES):
+        assert name.replace("_", " ") in out
+    assert "V/V_Y = 5.06" in out
+    assert "18 %" in out
+    assert err == ""
+
+
+def test_explain_as_json(capsys):
+    assert main(["explain", str(SCENES / "olsson_plate.toml"), "--json", "--law", "all"]) == 0
+    table = json.loads(capsys.readouterr().out)
+    assert set(table) == {"title", "law", "tolerance", "effects", "warnings", "laws"}
+    keys = {"name", "indicator", "value", "threshold", "change", "state", "reason", "source", "cost"}
+    assert all(set(effect) == keys for effect in table["effects"])
+    assert all(effect["source"] and effect["reason"] for effect in table["effects"])
+    rows = {row["name"]: row for row in table["laws"]}
+    assert set(rows) == set(fm.LAWS)
+    assert rows["hertz"]["summary"]["maximum_force"] == {"value": pytest.approx(331.755, rel=1e-4), "units": "N"}
+    assert rows["stronge"]["summary"] is None
+    assert "yield strength" in rows["stronge"]["missing"]
+
+
+def test_laws_are_compared_on_the_scenes_own_terms():
+    scene = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
+    rows = {row["name"]: row for row in explain.compare_laws(scene)}
+    for name in ("hertz", "big-alabo", "stronge"):
+        own = fm.simulate(scene.replace({"contact.law": name})).summary
+        assert {key: cell["value"] for key, cell in rows[name]["summary"].items()} == own
+    assert "stiffness" in rows["meyer"]["missing"]
+    meyer = scene.replace({"contact": {"law": "meyer", "stiffness": "1e9 N/m^1.5", "exponent": 1.5}})
+    rows = {row["name"]: row for row in explain.compare_laws(meyer)}
+    assert rows["meyer"]["summary"] is not None
+    assert rows["hertz"]["summary"] is not None
+
+
+def test_explain_draws_a_map(capsys, tmp_path):
+    picture = tmp_path / "map.svg"
+    assert main(["explain", str(SCENES / "olsson_plate.toml"), "--plot", str(picture)]) == 0
+    first = picture.read_text(encoding="utf-8")
+    assert "Zener's inelasticity number" in first
+    assert main(["explain", str(SCENES / "olsson_plate.toml"), "--plot", str(picture)]) == 3
+    assert "--force" in capsys.readouterr().err
+    assert main(["explain", str(SCENES / "olsson_plate.toml"), "--plot", str(picture), "--force"]) == 0
+    assert picture.read_text(encoding="utf-8") == first
+
+
+@pytest.mark.parametrize("stem", [path.stem for path in sorted(SCENES.glob("*.toml"))])
+def test_every_scene_has_its_place_on_the_map(stem):
+    from film_model.plot import plot_regimes
+
+    figure = plot_regimes(fm.Scene.from_toml(SCENES / f"{stem}.toml"))
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert any("this scene" in label for label in labels)
+
+
+def test_the_map_agrees_with_the_effects():
+    plate = fm.Plate(STEEL, thickness="4 mm", size=["0.3 m", "0.4 m"])
+    scene = ball_on(plate, gravity=False, plasticity=True)
+    found, grid = by_name(scene), regimes(scene)
+    assert grid.value == found["target_motion"].value
+    assert grid.ratio == found["plasticity"].value
+    row, column = (
+        np.argmin(abs(np.log(axis / at))) for axis, at in ((grid.ratios, grid.ratio), (grid.lambdas, grid.value))
+    )
+    assert grid.motion[row, column] == pytest.approx(found["target_motion"].change, rel=0.1)
+    assert grid.reflections[row, column] == pytest.approx(found["reflections"].change, rel=0.3)
+    elastic = grid.ratios[np.argmin(abs(grid.depth[:, 0] - 1.0))]
+    assert elastic == pytest.approx(1.0, rel=0.1)
+    full = grid.ratios[np.argmin(abs(grid.depth[:, 0] - 82.5))]
+    assert full == pytest.approx(effects.FULLY_PLASTIC_RATIO, rel=0.1)

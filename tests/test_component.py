@@ -275,3 +275,21 @@ def test_a_million_steps_do_not_drift():
     assert found.time == pytest.approx(expected.time, rel=EXACT)
     assert found.indentation == pytest.approx(expected.indentation, rel=EXACT)
     assert found.impactor_velocity == pytest.approx(expected.impactor_velocity, rel=1e-11)
+
+
+def test_initialize_begins_at_another_time_and_velocity():
+    component = drop(initial_gap="1 um")
+    component.step(1e-4)
+    component.initialize(time="2 s", velocity="0.5 m/s", initial_gap="0 m")
+    assert component.time == 2.0 and component.outputs.indentation == 0.0
+    events = component.step(2e-4).events
+    history = fm.simulate(component.scene.replace({"impactor.velocity": "0.5 m/s"}), segments=component.segments[0])
+    assert events[0].time == 2.0
+    assert events[-1].time - 2.0 == pytest.approx(history.summary["contact_duration"], rel=1e-6)
+    saved = component.save()
+    component.reset()
+    assert component.time == 0.0 and component.outputs.indentation == pytest.approx(-1e-6, rel=1e-12)
+    component.restore(saved)
+    assert component.time == pytest.approx(2.0 + 2e-4, rel=1e-15)
+    with pytest.raises(ValueError, match="initial_gap"):
+        component.initialize(initial_gap="-1 mm")

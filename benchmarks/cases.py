@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model import reference
+from film_model.conventional import SUMMARY
 from film_model.dormand_prince import ScalarLaw
 from film_model.laws import AbstractLaw, BigAlabo, Hertz, Power, Stronge
 from film_model.laws.stronge import FULLY_PLASTIC_PRESSURE
@@ -19,16 +20,6 @@ from film_model.laws.yielding import YIELD_PRESSURE_RATIO
 from film_model.targets import paper_plate_impedance
 
 Array = NDArray[np.float64]
-
-SUMMARY = (
-    "maximum_force",
-    "maximum_indentation",
-    "time_of_maximum_indentation",
-    "time_impactor_stops",
-    "contact_duration",
-    "rebound_velocity",
-)
-"""The values that count; the columns of every contender's result."""
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from film_model.batch import STATUSES
 from film_model.core.native import EVENTS, LINE_DTYPE, PHASES
 from film_model.history import MOTION, SUMMARY
 from film_model.problem import Scales
+from film_model.study import COMPARED
 from film_model.units import si_unit
 
 HISTORY, SWEEP, MEASUREMENT, COST = "impact_history", "impact_sweep", "impact_measurement", "impact_cost_study"
@@ -200,15 +201,6 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     ),
 }
 """Variables by the kind of dataset and what is kept in it, in the order in which `content_sha256` reads them."""
-
-COMPARED = (
-    "maximum_force",
-    "maximum_indentation",
-    "time_of_maximum_indentation",
-    "contact_duration",
-    "rebound_velocity",
-)
-"""Summary values whose errors a cost study has."""
 
 TABLE[COST] = (
     Variable("method", ("run",), INTEGER, None, "method", "its setting: attribute settings", more="methods"),

@@ -262,8 +262,7 @@ def _exchanged(
         passed = _passed(before, after, before["time"])
         names = [native.EVENTS[int(after["last_event"])]] if passed is None else list(passed)
         events += [_event(after["time"], name, after) for name in names]
-    kept = [row for row, following in zip(rows, [*rows[1:], None], strict=True) if not _repeated(row, following)]
-    return kept, events
+    return rows, events
 
 
 def _repeated(row: Row, following: Row | None) -> bool:

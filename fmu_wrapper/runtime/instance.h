@@ -5,7 +5,7 @@
 
 #include "model.h"
 
-enum { GOOD = 0, WARNING = 1, ERROR = 3 };
+enum { GOOD = 0, ERROR = 3 };
 
 /* Where an instance is, as a set for what a call allows. */
 enum {

@@ -217,3 +217,12 @@ def test_accuracy_and_time(tmp_path, monkeypatch):
     for done in studies.values():
         assert {run.method for run in done.runs} == {*study.FILM, "solve_ivp DOP853"}
         assert done.cheapest(1e-6, study.FILM[0]) is not None
+
+
+def test_loading_ends_at_the_deepest_indentation():
+    columns = example("end_of_loading").main()
+    right, wrong, ours = (columns[name] for name in ("deepest", "ball stops", "simulate"))
+    for name in right.keys() - {"unloading_begins"}:
+        assert ours[name] == pytest.approx(right[name], rel=1e-8), name
+    assert wrong["rebound_velocity"] / right["rebound_velocity"] == pytest.approx(1.2538, abs=1e-3)
+    assert wrong["unloading_begins"] > 1.2 * right["unloading_begins"]

@@ -226,3 +226,9 @@ def test_loading_ends_at_the_deepest_indentation():
         assert ours[name] == pytest.approx(right[name], rel=1e-8), name
     assert wrong["rebound_velocity"] / right["rebound_velocity"] == pytest.approx(1.2538, abs=1e-3)
     assert wrong["unloading_begins"] > 1.2 * right["unloading_begins"]
+
+
+def test_reference_pages_are_those_of_the_code(tmp_path):
+    page, picture = example("reference_pages").main(tmp_path)
+    assert page.read_text(encoding="utf-8") == (EXAMPLES.parent / "docs" / page.name).read_text(encoding="utf-8")
+    assert is_png(picture) and (EXAMPLES.parent / "docs" / picture.name).exists()

@@ -19,8 +19,9 @@ class Thornton(AbstractLaw):
     Hertz's with R_p = R F_Hertz(δ_m)/F_m, which keeps the contact radius a² = R δ_m.
 
     yield_pressure: p_y, Pa, about 1.6 S_y at first yield; 2.5 to 3 S_y is often taken to match deep indentations.
-    e² = (6√3/5)² … in closed form; for V ≫ V_Y, e = 1.18499 (V_Y/V)^{1/4}. No strain hardening and no growth of the
-    mean pressure between first yield and full plasticity; small indentations, a/R below about 0.2.
+    With v = V_Y/V, e = √(6√3/5) (1 − v²/6)^{1/2} [v/(v + 2√((6 − v²)/5))]^{1/4}; for V ≫ V_Y, e = 1.18499 v^{1/4}.
+    No strain hardening and no growth of the mean pressure between first yield and full plasticity; small indentations,
+    a/R below about 0.2.
     """
 
     name: ClassVar[str] = "thornton"

@@ -219,7 +219,7 @@ def test_accuracy_and_time(tmp_path, monkeypatch):
         assert done.cheapest(1e-6, study.FILM[0]) is not None
 
 
-def test_loading_ends_at_the_deepest_indentation():
+def test_end_of_loading():
     columns = example("end_of_loading").main()
     right, wrong, ours = (columns[name] for name in ("deepest", "ball stops", "simulate"))
     for name in right.keys() - {"unloading_begins"}:
@@ -228,7 +228,7 @@ def test_loading_ends_at_the_deepest_indentation():
     assert wrong["unloading_begins"] > 1.2 * right["unloading_begins"]
 
 
-def test_reference_pages_are_those_of_the_code(tmp_path):
+def test_reference_pages(tmp_path):
     page, picture = example("reference_pages").main(tmp_path)
     assert page.read_text(encoding="utf-8") == (EXAMPLES.parent / "docs" / page.name).read_text(encoding="utf-8")
     assert is_png(picture) and (EXAMPLES.parent / "docs" / picture.name).exists()

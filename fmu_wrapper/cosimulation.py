@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
 import os
-import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -330,7 +330,9 @@ def _summary(events: list[Row], touch: float) -> dict[str, float | None]:
 
 
 def _attributes(fmu: Fmu, mode: Mode) -> dict[str, Any]:
-    text = Path(fmu.folder, "resources", "scene.toml").read_text("utf-8")
+    resources = Path(fmu.folder, "resources")
+    text = (resources / "scene.toml").read_text("utf-8")
+    notes = json.loads((resources / resource.NOTES).read_text("utf-8"))
     how = {"steps": "Co-Simulation", "events": "Co-Simulation with event mode", "exchange": "Model Exchange with CVODE"}
     loading, unloading = (int(fmu.data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
     return {
@@ -340,13 +342,14 @@ def _attributes(fmu: Fmu, mode: Mode) -> dict[str, Any]:
             summary=f"Impact simulated by an FMU (FMI {fmu.description.fmiVersion}), {how[mode]}: motion and events.",
             source=f"{PROGRAM}, FMU under FMPy",
             command="fmu_wrapper.run",
-            comment="t counts in seconds from first touch and is no date. An FMU tells no segments and no energies.",
+            comment="t counts in seconds from first touch and is no date. An FMU tells no segments and no energies. "
+            "Effects and warnings are those of the exported scene, whatever start values the run was given.",
         ),
         **text_and_hash("scene", text),
-        "contact_law": tomllib.loads(text).get("contact", {}).get("law", "auto"),
+        "contact_law": notes["contact_law"],
         "outcome": "see events",
-        "effects": "see the FMU's documentation",
-        "warnings": "none",
+        "effects": "\n".join(notes["effects"]),
+        "warnings": "\n".join(notes["warnings"]) or "none",
         "estimated_accuracy": math.nan,
         "segments": np.int32(loading),
         "unloading_segments": np.int32(unloading),

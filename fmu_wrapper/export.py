@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import math
 import os
 import uuid
@@ -11,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from film_datasets.history import effect_line
 from film_datasets.provenance import scene_text
 from film_model import units
 from film_model.accuracy import mesh_for
@@ -121,6 +123,7 @@ def _contents(scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_so
         "modelDescription.xml": described(token),
         f"resources/{resource.NAME}": resource.finished(data, token),
         "resources/scene.toml": text.encode(),
+        f"resources/{resource.NOTES}": _notes(problem, history),
         **{f"documentation/{name}": page for name, page in documentation(scene, problem, data, history).items()},
     }
     if with_sources:
@@ -129,6 +132,14 @@ def _contents(scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_so
         if version == 3:
             files["sources/buildDescription.xml"] = _build_description(kind, sources)
     return files
+
+
+def _notes(problem: Problem, history: History | None) -> bytes:
+    """What is known of the scene when it is exported, for datasets of runs: law, effects and warnings."""
+    warnings = history.warnings if history is not None else problem.warnings
+    effects = [effect_line(effect) for effect in problem.effects]
+    notes = {"contact_law": str(problem.law), "effects": effects, "warnings": list(warnings)}
+    return json.dumps(notes, ensure_ascii=False, indent=1).encode()
 
 
 def _nominals(problem: Problem, history: History | None) -> tuple[float, float, float]:

@@ -15,7 +15,7 @@ from film_model.problem import Problem
 from film_model.scene import Scene
 from fmu_wrapper.variables import KINDS, RIGID, STATES, VARIABLES, Kind, reference, settable
 
-NAME = "model.film"
+NAME, NOTES = "model.film", "notes.json"
 MAGIC = b"FILMFMU1"
 SCALING = ("radius", "effective_modulus", "yield_strength")
 """Parameters that the march's length and force scales are powers of."""

@@ -237,6 +237,14 @@ def test_a_dataset_of_the_library_s_schema(made):
         assert float(ds.coefficient_of_restitution) == pytest.approx(0.91690837, rel=1e-5)
 
 
+def test_a_run_says_what_is_not_modelled(made):
+    on = ball(**{"contact.work_of_adhesion": "0.1 J/m^2", "impactor.velocity": "1 mm/s"})
+    ds, library = fmu_wrapper.run(made(on)), fd.to_dataset(fm.simulate(on))
+    for name in ("contact_law", "effects", "warnings"):
+        assert ds.attrs[name] == library.attrs[name]
+    assert ds.attrs["warnings"].startswith("not modelled: adhesion")
+
+
 # ---------------------------------------------------------------- saving, instances, memory, paths
 
 

@@ -168,7 +168,7 @@ def _attributes(history: History, command: str) -> dict[str, Any]:
         **text_and_hash("scene", scene_text(scene)),
         "contact_law": str(law),
         "outcome": history.outcome.value,
-        "effects": "\n".join(_effect_line(effect) for effect in history.problem.effects),
+        "effects": "\n".join(effect_line(effect) for effect in history.problem.effects),
         "warnings": "\n".join(history.warnings) or "none",
         **requested,
         "estimated_accuracy": accuracy.estimated,
@@ -177,7 +177,7 @@ def _attributes(history: History, command: str) -> dict[str, Any]:
     }
 
 
-def _effect_line(effect: Effect) -> str:
+def effect_line(effect: Effect) -> str:
     """'gravity: not needed, m g/F_m = 0.00115 (threshold 0.00667), left out 0.18 %; the weight is small …'."""
     value = "" if effect.value is None else f", {effect.indicator} = {effect.value:.4g}"
     limit = "" if effect.threshold is None else f" (threshold {effect.threshold:.4g})"

@@ -238,7 +238,7 @@ def test_a_dataset_of_the_library_s_schema(made):
 
 
 def test_a_run_says_what_is_not_modelled(made):
-    on = ball(**{"contact.work_of_adhesion": "0.1 J/m^2", "impactor.velocity": "1 mm/s"})
+    on = ball(**{"contact.work_of_adhesion": "50 J/m^2", "impactor.velocity": "1 mm/s"})
     ds, library = fmu_wrapper.run(made(on)), fd.to_dataset(fm.simulate(on))
     for name in ("contact_law", "effects", "warnings"):
         assert ds.attrs[name] == library.attrs[name]

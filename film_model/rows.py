@@ -11,10 +11,11 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.accuracy import STEEP
 from film_model.bodies import STANDARD_GRAVITY, Body
 from film_model.core import native
 from film_model.curve import Curve, curve_of
-from film_model.effects import FIRST_ORDER_LOSS, change, gravity_change, law_values, march, zener
+from film_model.effects import FIRST_ORDER_LOSS, TRIAL, change, gravity_change, law_values, march, zener
 from film_model.elementwise import root
 from film_model.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw
@@ -82,6 +83,9 @@ def rows_of(scene: Scene, columns: Mapping[str, Array], count: int) -> list[Rows
         return _one_by_one(scene, columns, moving)
     return found + (_one_by_one(scene, columns, moving[~plain]) if not plain.all() else [])
 
+
+CLOSE = 0.01
+"""A change by weight that comes so near the tolerance, of it, is marched for the impact alone."""
 
 SURE = 3.0
 """An effect is left in or out without a trial where its first-order size is so many times beyond the tolerance."""
@@ -299,7 +303,8 @@ def _heavy(
 ) -> NDArray[np.bool_]:
     """Which impacts are simulated with their weight: the rule of `effects`, for each.
 
-    One coarse batch without weight tells most of them apart; the doubtful are tried with and without, one by one.
+    One coarse batch without weight tells most of them apart; the doubtful are marched with and without. Batches err
+    otherwise than single marches: those at the tolerance are decided as a single impact is.
     """
     wanted, tolerance, count = scene.effects.gravity, scene.effect_tolerance, approach.size
     if isinstance(scene.target, Body) or wanted is False:
@@ -315,11 +320,57 @@ def _heavy(
         gained = weight * seen["contact_duration"] / -seen["final_velocity"]  # over the rebound velocity
         light = np.where(gamma > 0.0, np.maximum(push, gained) <= 0.1 * tolerance, push <= 0.3 * tolerance)
     heavy = ~light | (status != native.EVENT)
-    for row in np.flatnonzero(heavy):
-        problem = one(int(row))
-        size = change(march(replace(problem, load=float(weight[row]))), march(problem))
-        heavy[row] = size is None or size > tolerance
+    doubtful = np.flatnonzero(heavy)
+    size = weight_changes(curve, start[doubtful], weight[doubtful])
+    heavy[doubtful] = ~(size <= tolerance)
+    for row in doubtful[np.abs(size - tolerance) < CLOSE * tolerance].tolist():
+        problem = one(row)
+        single = change(march(replace(problem, load=float(weight[row]))), march(problem))
+        heavy[row] = single is None or single > tolerance
     return heavy
+
+
+def weight_changes(curve: Curve, start: NDArray[Any], weight: Array) -> Array:
+    """`effects.change` by a weight [F_s] on impacts that have none, marched on the trial mesh; nan where not to be."""
+    sizes = np.full(start.size, np.nan)
+    slow = start["gamma"] * start["nu"] ** 0.2
+    for ratio in (1, 2, 4):
+        steep = 2 if curve.steepest > STEEP else 1  # as in accuracy.unloading_ratio
+        rows = np.flatnonzero(np.where(slow == 0.0, 1, np.where(slow < 1.5, 2, 4)) == ratio)
+        if rows.size == 0:
+            continue
+        mesh = native.mesh(native.WORK_PRESERVING, TRIAL, steep * ratio * TRIAL)
+        without: Any = start[rows]
+        pressed = without.copy()
+        pressed["load"] = weight[rows]
+        pressed["time_limit"] = contact_limit(pressed["nu"], pressed["gamma"])
+        sizes[rows] = _changes(
+            *native.batch(curve.native, mesh, pressed), *native.batch(curve.native, mesh, without), pressed
+        )
+    return sizes
+
+
+def _changes(
+    status: NDArray[np.int32], full: NDArray[Any], status_without: NDArray[np.int32], without: NDArray[Any], start: Any
+) -> Array:
+    """`effects.change` of impacts under the loads of `start` and the same without; nan where one was not marched."""
+    a, b, impact = full, without, 0.5 * start["nu"] ** 2
+    names = ("maximum_force", "maximum_indentation", "time_of_maximum_indentation", "contact_duration")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = {name: np.where(a[name] == b[name], 0.0, np.abs(b[name] / a[name] - 1.0)) for name in names}
+        lost = [0.5 * (start["nu"] ** 2 - s["final_velocity"] ** 2) - s["work"] for s in (a, b)]
+        lost[0] += start["load"] * (a["permanent_indentation"] + a["shift"])
+        whole = [
+            relative.pop("contact_duration"),
+            np.abs(b["permanent_indentation"] - a["permanent_indentation"]) / a["maximum_indentation"],
+            np.abs(b["final_velocity"] - a["final_velocity"]) / start["nu"],
+            np.abs(b["work"] - a["work"]) / impact,
+            np.where(start["gamma"] > 0.0, np.abs(lost[1] - lost[0]) / impact, 0.0),
+        ]
+    ends, ends_without = status == native.EVENT, status_without == native.EVENT
+    size = np.max([*relative.values(), np.where(ends, np.max(whole, axis=0), 0.0)], axis=0)
+    size = np.where(ends == ends_without, size, 1.0)
+    return np.where((status < 0) | (status_without < 0), np.nan, size)
 
 
 def _scales(law: AbstractLaw | type[AbstractLaw], values: Mapping[str, Any], energy: Array, mass: Array) -> Scales:

@@ -1,6 +1,7 @@
 """Rows of a sweep give what the scene of each row gives."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -11,8 +12,10 @@ import film_model.rows
 from film_model.batch import NO_VELOCITY, STATUSES, simulate_rows
 from film_model.core import native
 from film_model.curve import curve_of
+from film_model.effects import change, march
+from film_model.hard_cases import problem_for
 from film_model.history import SUMMARY
-from film_model.rows import rows_of
+from film_model.rows import rows_of, weight_changes
 
 STIFFNESS = {"D11": "154.9 N*m", "D12": "4.76 N*m", "D22": "91.4 N*m", "D66": "8.97 N*m"}
 BALL = {"radius": "10 mm", "velocity": "0.3 m/s", "material": "tungsten carbide"}
@@ -103,6 +106,25 @@ def test_weight_counts_where_it_counts_alone(law):
         assert result.summary["maximum_force"][row] == pytest.approx(history.summary["maximum_force"], rel=2e-7)
         rebound = history.summary["rebound_velocity"]
         assert np.isnan(result.summary["rebound_velocity"][row]) == (rebound is None)
+
+
+@pytest.mark.parametrize("law", ["hertz", "big-alabo", "stronge", "luding"])
+def test_changes_by_weight_are_those_of_single_impacts(law):
+    """Beyond the differences of batches and single marches, 1e-4 of a change of 1 %."""
+    chance = np.random.default_rng(9)
+    count, curve = 60, curve_of(LAWS[law])
+    start = np.zeros(count, native.START_DTYPE)
+    start["nu"], start["time_limit"] = 10 ** chance.uniform(-2, 1, count), math.inf
+    start["gamma"] = np.where(chance.random(count) < 0.3, 0.0, 10 ** chance.uniform(-3, 0.5, count))
+    weight = 10 ** chance.uniform(-5, -0.5, count) * start["nu"]
+    found, unlike = weight_changes(curve, start, weight), 0
+    for row, size in enumerate(found.tolist()):
+        problem = problem_for(LAWS[law], 1.0, 1.0)
+        problem = dataclasses.replace(problem, approach=float(start["nu"][row]), gamma=float(start["gamma"][row]))
+        single = change(march(dataclasses.replace(problem, load=float(weight[row]))), march(problem))
+        unlike += abs(size - single) > 1e-3 * single + 1e-6
+        assert (size == 1.0) == (single == 1.0)
+    assert unlike == 0 and np.count_nonzero((found > 1e-3) & (found < 1.0)) > 10
 
 
 def test_curves_are_shared_where_the_dimensionless_form_allows():

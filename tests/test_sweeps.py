@@ -735,3 +735,17 @@ def test_cores_are_found() -> None:
     from film_datasets.run import _cores
 
     assert 1 <= _cores() <= (os.cpu_count() or 1)
+
+
+@pytest.mark.parametrize(("values", "options", "looked"), [
+    ({"from": "1 mm/s", "to": "1 m/s", "count": 4, "spacing": "log"}, {}, 2),
+    ({"uniform": ["1 mm/s", "5 mm/s"]}, {"design": "sobol", "samples": 64}, 8),
+])  # fmt: skip
+def test_what_is_not_modelled_is_said(values: dict, options: dict, looked: int) -> None:
+    sticky = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml").replace(
+        {"contact.work_of_adhesion": "50 J/m^2"}
+    )
+    said = fd.sweep(sticky, {"impactor.velocity": values}, **options).attrs["warnings"]
+    assert said.startswith("not modelled: adhesion, which would change the summary by up to ")
+    assert f" of the {looked} impacts that were looked at" in said
+    assert fd.sweep(sticky, {"impactor.velocity": ["0.5 m/s", "1 m/s"]}).attrs["warnings"] == "none"

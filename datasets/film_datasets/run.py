@@ -25,6 +25,7 @@ from film_datasets.provenance import PROGRAM, provenance, scene_text, text_and_h
 from film_datasets.schema import REFUSED, SWEEP, ContentHash, flag_words
 from film_datasets.stores import GROWING, Memory, Store, beside, put_in_place, store_for
 from film_datasets.sweeps import Sweep
+from film_datasets.unmodelled import unmodelled
 from film_model.batch import STATUSES
 from film_model.core.native import MAX_STAGES
 from film_model.errors import SimulationError
@@ -292,6 +293,7 @@ def _attributes(made: Sweep, command: str, estimated: float, gained: NDArray[np.
             warnings.append(f"law {law}: in {count} impacts its unloading returns more energy than its loading stored")
     if solver.accuracy is not None and estimated > solver.accuracy:
         warnings.append(f"accuracy {solver.accuracy:g} was not reached everywhere: estimated {estimated:.1e}")
+    warnings += unmodelled(made)
     requested = {} if solver.accuracy is None else {"requested_accuracy": solver.accuracy}
     if made.design in SAMPLED:
         requested |= {"samples": str(made.samples), "seed": str(made.seed)}

@@ -213,8 +213,9 @@ def _structure(root: ET.Element, data: Data, chosen: list[Variable], version: Fm
     def unknown(v: Variable) -> dict[str, str]:
         row = {"index" if version == 2 else "valueReference": place(v)}
         if v.variability == "continuous" and kind in v.depends:
-            row["dependencies"] = " ".join(sorted((place(name) for name in v.depends[kind]), key=int))
-            row["dependenciesKind"] = " ".join("dependent" for _ in v.depends[kind])
+            names = (*v.depends[kind], *(v.depends_damped.get(kind, ()) if data.curve.stage[0].damped else ()))
+            row["dependencies"] = " ".join(sorted((place(name) for name in names), key=int))
+            row["dependenciesKind"] = " ".join("dependent" for _ in names)
         return row
 
     def only(v: Variable) -> dict[str, str]:

@@ -67,7 +67,7 @@ def model_description(
     )
     if version == 2:
         root.set("numberOfEventIndicators", str(_indicators()))
-    _interfaces(root, kind, version, list(sources))
+    _interfaces(root, data, version, list(sources))
     _units(root, chosen)
     _types(root, chosen, version)
     categories = ET.SubElement(root, "LogCategories")
@@ -91,7 +91,9 @@ def _indicators() -> int:
     return sum(v.name.startswith("event_indicator") for v in VARIABLES)
 
 
-def _interfaces(root: ET.Element, kind: Kind, version: FmiVersion, sources: list[str]) -> None:
+def _interfaces(root: ET.Element, data: Data, version: FmiVersion, sources: list[str]) -> None:
+    kind = KINDS[data.kind]
+    remembers = kind == "contact" and bool(data.curve.stage[0].damped)  # a peak that no event tells
     if version == 2:
         able = {
             "modelIdentifier": kind,
@@ -100,7 +102,7 @@ def _interfaces(root: ET.Element, kind: Kind, version: FmiVersion, sources: list
             "canSerializeFMUstate": "true",
             "providesDirectionalDerivative": "true",
         }
-        exchange = ET.SubElement(root, "ModelExchange", {**able, "completedIntegratorStepNotNeeded": "true"})
+        exchange = ET.SubElement(root, "ModelExchange", {**able, "completedIntegratorStepNotNeeded": str(not remembers).lower()})
         steps = ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true"})
         for parent in (exchange, steps):
             if sources:
@@ -115,7 +117,7 @@ def _interfaces(root: ET.Element, kind: Kind, version: FmiVersion, sources: list
         "providesDirectionalDerivatives": "true",
         "providesAdjointDerivatives": "true",
     }
-    ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": "false"})
+    ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": str(remembers).lower()})
     events = {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"} if kind == "impact" else {}
     ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true", **events})
 

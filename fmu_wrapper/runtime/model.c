@@ -490,6 +490,13 @@ int model_indicators(model *m, double indicators[FILM_INDICATORS]) {
     return 0;
 }
 
+void model_reached(model *m) {
+    film_state *state = &m->memory.state;
+    if (m->data->kind == IMPACT || !damped(m)) return; /* an event tells the peak */
+    place(m);
+    state->force_peak = fmax(state->force_peak, film_force(&m->data->curve, state, state->xi, state->nu).force);
+}
+
 int model_switch(model *m) {
     model_memory *now = &m->memory;
     double indicators[FILM_INDICATORS];

@@ -92,5 +92,6 @@ int model_restored(model *m);
 int model_rates(model *m, double rates[STATES]);
 int model_indicators(model *m, double indicators[FILM_INDICATORS]);
 int model_switch(model *m); /* all events that are due */
+void model_reached(model *m); /* the states and inputs are a point of the motion, not only tried */
 
 #endif

@@ -457,9 +457,9 @@ static void parameters(const resources *r, int version) {
     double steps = r->data.kind == IMPACT && r->data.start[INITIAL_GAP] > 1e-5 ? 1e-2 : 1.1 * typical;
     for (unsigned k = 0; k < SETTABLE; k++) {
         if (!has(r, k) || VARIABLE[k].role[r->data.kind] != PARAMETER) continue;
+        if ((k == LOADING_SEGMENTS || k == UNLOADING_SEGMENTS) && straight(r)) continue;
         for (int late = 0; late < 2; late++) {
             unit made = started(version, COSIMULATION, r, NULL, 0.0), *u = &made;
-            if ((k == LOADING_SEGMENTS || k == UNLOADING_SEGMENTS) && straight(r)) continue;
             double value = r->data.start[k], other = value * (VARIABLE[k].type == WHOLE ? 2.0 : 0.9) + (k == GRAVITY ? 1e3 : 0.0);
             if (k == INITIAL_GAP) other += 1e-6;
             if (k == TARGET_IMPEDANCE && value >= RIGID) other = 3e3;

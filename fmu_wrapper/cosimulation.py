@@ -196,10 +196,11 @@ def _step_and_look_back(slave: Slave, time: float, end: float, rows: list[Row], 
 
 def _stage_after(slave: Slave, now: float, end: float) -> float:
     """The stage right after an event, which rounding may have put on the other side of the step."""
-    if end <= now:
+    ahead = 1e-6 * (end - now)
+    if not now + ahead > now:  # the step ends here, but for rounding
         return slave.get(("stage",))["stage"]
     saved = slave.save()
-    slave.step(now, 1e-6 * (end - now))
+    slave.step(now, ahead)
     stage = slave.get(("stage",))["stage"]
     slave.restore(saved)
     return stage

@@ -102,7 +102,8 @@ def _interfaces(root: ET.Element, data: Data, version: FmiVersion, sources: list
             "canSerializeFMUstate": "true",
             "providesDirectionalDerivative": "true",
         }
-        exchange = ET.SubElement(root, "ModelExchange", {**able, "completedIntegratorStepNotNeeded": str(not remembers).lower()})
+        without = {} if remembers else {"completedIntegratorStepNotNeeded": "true"}
+        exchange = ET.SubElement(root, "ModelExchange", {**able, **without})
         steps = ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true"})
         for parent in (exchange, steps):
             if sources:

@@ -81,7 +81,8 @@ def _motion(
 ) -> Variable:
     on: dict[Kind, tuple[str, ...]] = {"impact": depends}
     more: dict[Kind, tuple[str, ...]] = {"impact": damped}
-    return Variable(name, Real, dimension, {"impact": "output"}, "continuous", description, None, None, rate_of, on, more)
+    role: dict[Kind, str] = {"impact": "output"}
+    return Variable(name, Real, dimension, role, "continuous", description, None, None, rate_of, on, more)
 
 
 def _discrete(name: str, of: str, dimension: str | None, description: str, *kinds: Kind) -> Variable:

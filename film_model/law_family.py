@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.bodies import HalfSpace, Sphere
+from film_model.bodies import HalfSpace, Sphere, Target
 from film_model.contact import Contact
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.hertz import hertz_stiffness
@@ -82,15 +82,20 @@ def family_law(name: str) -> AbstractLaw:
     return law(**{key: _SPHERE[key] for key in law_fields(law) if key in _SPHERE}, **PARAMETERS.get(name, {}))
 
 
+def family_scene(name: str, target: Target | None = None) -> Scene:
+    """The family's impact under the named law, without gravity; on a half-space unless another target is given."""
+    ball = Sphere(f"{_SPHERE['radius']!r} m", velocity=f"{_VELOCITY!r} m/s", mass=f"{_MASS!r} kg")
+    contact = Contact(family_law(name), effective_modulus=f"{_SPHERE['effective_modulus']!r} Pa")
+    return Scene(ball, HalfSpace() if target is None else target, contact, Effects(gravity=False))
+
+
 def family_loops() -> dict[str, Loop]:
     """The loop of every named law."""
     return {name: _loop(name) for name in LAWS}
 
 
 def _loop(name: str) -> Loop:
-    ball = Sphere(f"{_SPHERE['radius']!r} m", velocity=f"{_VELOCITY!r} m/s", mass=f"{_MASS!r} kg")
-    contact = Contact(family_law(name), effective_modulus=f"{_SPHERE['effective_modulus']!r} Pa")
-    history = simulate(Scene(ball, HalfSpace(), contact, Effects(gravity=False)), accuracy=1e-5)
+    history = simulate(family_scene(name), accuracy=1e-5)
     deepest = history.summary["time_of_maximum_indentation"] or 0.0
     times = np.concatenate([np.linspace(0.0, deepest, 150), np.linspace(deepest, history.duration, 150)[1:]])
     samples = history.sample_si(times)

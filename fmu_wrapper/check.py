@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebval
 
 from film_model.component import ImpactComponent
 from film_model.core import native
 from film_model.history import MOTION
 from film_model.scene import Scene
 from film_model.units import format_si
+from fmu_wrapper import resource
 from fmu_wrapper.cosimulation import EXCHANGE_SOLVER, Mode, run
 from fmu_wrapper.instance import Fmu, opened, started
 from fmu_wrapper.variables import KINDS, reference
@@ -136,21 +138,35 @@ def _compared(what: str, path: str | os.PathLike[str], scene: Scene, mode: Mode,
 def _compared_contact(fmu: Fmu) -> list[Finding]:
     """The force element on a path in and out, beside the law's curve."""
     data = fmu.data
-    deepest, count = data.nominal[0], 200
+    deepest, count, rate = data.nominal[0], 200, data.speed
     path = deepest * np.sin(np.linspace(0.0, 0.5 * np.pi, count))
-    worst, where = 0.0, ""
-    with started(fmu, False, {"indentation": 0.0, "relative_velocity": 1.0}) as slave:
+    largest, worst, where = _law_force(data, deepest, rate), 0.0, ""
+    with started(fmu, False, {"indentation": 0.0, "relative_velocity": rate}) as slave:
         for n, depth in enumerate(path.tolist()):
             slave.set("indentation", depth)
             force = slave.get(("contact_force",))["contact_force"]
-            law = _law_force(data.curve, depth / data.length_scale) * data.force_scale
-            off = abs(force - law) / max(_law_force(data.curve, deepest / data.length_scale) * data.force_scale, 1e-300)
+            off = abs(force - _law_force(data, depth, rate)) / max(largest, 1e-300)
             if off > worst:
                 worst, where = off, f"indentation = {depth:.6g} m"
             slave.step(float(n), 1.0)
     return [Finding("contact: force in loading", worst, STEPS_TOLERANCE, where)]
 
 
-def _law_force(curve: native.Curve, xi: float) -> float:
+def _law_force(data: resource.Data, indentation: float, rate: float) -> float:
+    """Force of the loading curve, with its damping, N; 0 where there is no contact yet."""
+    xi, curve = indentation / data.length_scale, data.curve
     stage = sum(curve.stage[k].end < xi for k in range(curve.stages - 1))
-    return native.stage_law(curve, stage, xi)[0] if xi > 0.0 else 0.0
+    if xi < 0.0:
+        return 0.0
+    force = native.stage_law(curve, stage, xi)[0] * data.force_scale
+    return force + data.damping * _damping(curve, xi) * rate if curve.stage[0].damped else force
+
+
+def _damping(curve: native.Curve, xi: float) -> float:
+    """A damped law's c, over its factor."""
+    piece = next(piece for piece in curve.piece if xi <= piece.end)
+    c: native.Function = piece.damping
+    x = (xi - c.origin) * c.per_span
+    if c.form == native.POWER:
+        return float(c.constant + c.slope * x + c.coefficient * x**c.exponent)
+    return float(chebval(2.0 * (math.sqrt(x) if c.form == native.ROOT_SERIES else x) - 1.0, c.series[: c.terms]))

@@ -42,7 +42,8 @@ _TIMED = {
 """Outputs that tell the time of an event, in the order in which events at one time happen."""
 
 _TOLD = (*_TIMED, "event_count", "last_event", "time_of_last_event", "stage", "phase", "contact_count")
-RECORDED = (*MOTION, *_TOLD)
+_BESIDES = ("maximum_force", "support_velocity")
+RECORDED = (*MOTION, *_TOLD, *_BESIDES)
 
 
 def run(
@@ -195,10 +196,11 @@ def _step_and_look_back(slave: Slave, time: float, end: float, rows: list[Row], 
 
 def _stage_after(slave: Slave, now: float, end: float) -> float:
     """The stage right after an event, which rounding may have put on the other side of the step."""
-    if end <= now:
+    ahead = 1e-6 * (end - now)
+    if not now + ahead > now:  # the step ends here, but for rounding
         return slave.get(("stage",))["stage"]
     saved = slave.save()
-    slave.step(now, 1e-6 * (end - now))
+    slave.step(now, ahead)
     stage = slave.get(("stage",))["stage"]
     slave.restore(saved)
     return stage
@@ -224,7 +226,7 @@ def _passed(before: Mapping[str, float], after: Mapping[str, float], since: floa
 
 
 def _event(time: float, name: str, row: Row) -> Row:
-    return {"time": time, "kind": native.EVENTS.index(name), **{key: row[key] for key in (*MOTION, "stage")}}
+    return {"time": time, "kind": native.EVENTS.index(name), **{key: row[key] for key in (*MOTION, *_BESIDES, "stage")}}
 
 
 # ---------------------------------------------------------------- Model Exchange
@@ -282,8 +284,10 @@ def _dataset(fmu: Fmu, rows: list[Row], events: list[Row], mode: Mode) -> xr.Dat
     columns["event_kind"] = [event["kind"] for event in events]
     for name in (*MOTION, "stage"):
         columns[f"event_{name}"] = [event[name] for event in events]
-    columns.update({name: math.nan if value is None else value for name, value in _summary(events, touch).items()})
     data = fmu.data
+    peak = max(row["maximum_force"] for row in rows if row["contact_count"] <= 1)
+    summary = _summary(events, touch, peak, bool(data.curve.stage[0].damped))
+    columns.update({name: math.nan if value is None else value for name, value in summary.items()})
     mass = data.start[reference("mass")]
     tick = math.sqrt(mass * data.length_scale / data.force_scale)
     scales = {
@@ -305,8 +309,8 @@ def _dataset(fmu: Fmu, rows: list[Row], events: list[Row], mode: Mode) -> xr.Dat
     return ds
 
 
-def _summary(events: list[Row], touch: float) -> dict[str, float | None]:
-    """Summary of the first contact, from its events."""
+def _summary(events: list[Row], touch: float, peak: float, damped: bool) -> dict[str, float | None]:
+    """Summary of the first contact, from its events and the largest force that the FMU tells."""
     summary: dict[str, float | None] = dict.fromkeys(SUMMARY)
     names = [native.EVENTS[int(event["kind"])] for event in events]
     end = names.index("contact_ends") if "contact_ends" in names else len(names)
@@ -317,15 +321,16 @@ def _summary(events: list[Row], touch: float) -> dict[str, float | None]:
         deepest = max(turns, key=lambda event: event["indentation"])
         summary["maximum_indentation"] = deepest["indentation"]
         summary["time_of_maximum_indentation"] = deepest["time"] - touch
-        summary["maximum_force"] = max(event["contact_force"] for event in events[: end + 1])
+        summary["maximum_force"] = max(peak, *(event["contact_force"] for event in events[: end + 1]))
     if "impactor_stops" in contact:
         summary["time_impactor_stops"] = contact["impactor_stops"]["time"] - touch
     if begins is not None and ends is not None:
         summary["contact_duration"] = ends["time"] - touch
-        summary["permanent_indentation"] = ends["indentation"]
+        summary["permanent_indentation"] = 0.0 if damped else ends["indentation"]  # its dent closes after the end
         summary["rebound_velocity"] = ends["impactor_velocity"]
-        if begins["relative_velocity"] > 0.0:
-            summary["coefficient_of_restitution"] = -ends["relative_velocity"] / begins["relative_velocity"]
+        before, after = (event["impactor_velocity"] - event["support_velocity"] for event in (begins, ends))
+        if before > 0.0:  # the contact force of first touch may have moved the struck point already
+            summary["coefficient_of_restitution"] = -after / before
     return summary
 
 

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import html
 import io
+from inspect import cleandoc
 from typing import Any
 
 import numpy as np
 
 from film_datasets.provenance import scene_text
 from film_model.history import SUMMARY, History
+from film_model.laws.law import AbstractLaw
 from film_model.plot import plot_history
 from film_model.problem import Problem
 from film_model.scene import Scene
 from film_model.units import format_si, scene_unit
 from film_model.version import __version__
-from fmu_wrapper.resource import Data, has
+from fmu_wrapper.resource import DAMPING, Data, damping_power, has
 from fmu_wrapper.variables import KINDS, VARIABLES, reference, settable
 
 COUPLING_ERRORS = {
@@ -74,10 +76,10 @@ def documentation(scene: Scene, problem: Problem, data: Data, history: History |
         parts += [
             '<p><img src="history.svg" alt="Force, indentation and velocity over time"></p>',
             _table(("value", "of this scene"), _summary_rows(history)),
-            "<h2>Contact law</h2>",
-            f"<p>{html.escape(f'{problem.law.name}: {problem.law.summary}. {problem.law.source}.')}</p>",
-            '<p><img src="law.svg" alt="Contact force over indentation"></p>',
         ]
+    parts += ["<h2>Contact law</h2>", *_law(problem.law), *_damping(kind, problem, data)]
+    if history is not None:
+        parts.append('<p><img src="law.svg" alt="Contact force over indentation"></p>')
     parts += ["<h2>Effects</h2>", _table(("effect", "state", "why"), _effect_rows(problem))]
     warnings = history.warnings if history is not None else problem.warnings
     parts += [f"<p><strong>Warning:</strong> {html.escape(warning)}</p>" for warning in warnings]
@@ -89,6 +91,40 @@ def documentation(scene: Scene, problem: Problem, data: Data, history: History |
         f"<style>{_STYLE}</style>\n</head>\n<body>\n" + "\n".join(parts) + "\n</body>\n</html>\n"
     )
     return {"index.html": page.encode(), **pictures}
+
+
+def _law(law: AbstractLaw) -> list[str]:
+    """What the law is, its equations and where it is valid."""
+    own = type(law).__doc__ or ""
+    texts = [f"{law.name}: {law.summary}. {law.source}."]
+    if not own.startswith(f"{type(law).__name__}("):  # a dataclass that says nothing of itself
+        texts += cleandoc(own).split("\n\n")
+    texts += [f"Valid: {law.validity}."] if law.validity else []
+    return [f"<p>{html.escape(text)}</p>" for text in texts]
+
+
+def _damping(kind: str, problem: Problem, data: Data) -> list[str]:
+    """What a user of a damped law has to know of it as an FMU."""
+    if not problem.curve.native.stage[0].damped:
+        return []
+    texts = [
+        "The force depends on the rate of indentation too. Contact ends where it falls to zero, without tension. Then "
+        "the surface recovers by itself: the next contact begins at indentation zero, or within the dent, where the "
+        "law's force is above zero again."
+    ]
+    follows = [name for k, name in enumerate(DAMPING) if data.damping_power[k] != 0.0]
+    if follows:
+        texts.append(f"Set after export, {', '.join(follows)} change the damping as the law says.")
+    fixed = [name for name in DAMPING if damping_power(problem.law, name, problem) != 0.0 and not has(data, name)]
+    if fixed:
+        texts.append(f"The damping is that for the scene's {', '.join(fixed)}: export again for others.")
+    if "initial_velocity" in follows:
+        texts.append("Its restitution is that of an approach at initial_velocity, which must be above 0 m/s.")
+    if kind == "contact":
+        texts.append(
+            "The largest force is that of communication points and, in Model Exchange, of completed integrator steps."
+        )
+    return [f"<p>{html.escape(text)}</p>" for text in texts]
 
 
 def _steps(kind: str, data: Data, history: History | None) -> list[str]:
@@ -148,9 +184,10 @@ def _law_picture(problem: Problem, history: History) -> bytes:
     reach = min(1.3 * deepest, stage_end)
     xi = np.linspace(0.0, reach, 401) / problem.scales.length
     force = np.array([problem.curve.force(x) for x in xi.tolist()]) * problem.scales.force
+    curve = "without damping" if problem.damping > 0.0 else "loading curve"
     figure = Figure(figsize=(7.0, 4.2), layout="constrained")
     panel = figure.add_subplot()
-    panel.plot(xi * problem.scales.length * 1e6, force, "--", color="#717581", label="loading curve")
+    panel.plot(xi * problem.scales.length * 1e6, force, "--", color="#717581", label=curve)
     panel.plot(loop.indentation * 1e6, loop.contact_force, color="#3f90da", label="this impact")
     panel.set(xlabel="indentation (µm)", ylabel="contact force (N)", xlim=(0, None), ylim=(0, None))
     panel.legend(frameon=False)

@@ -103,8 +103,6 @@ def _binaries(platform: str | Sequence[str] | None) -> dict[str, bytes]:
 def _contents(scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_sources: bool) -> dict[str, bytes]:
     """Every file but the binaries."""
     problem = problem_of(scene)
-    if problem.damping > 0.0:
-        raise SimulationError(f"law {problem.law.name}: a damped law cannot be exported: the FMU knows no damping")
     segments, _ = mesh_for(scene, problem, None, None, None, fallback=DEFAULT_SEGMENTS)
     history = simulate(scene) if problem.approach > 0.0 or problem.load > 0.0 else None
     data = resource.model_data(scene, problem, kind, gap, segments, _nominals(problem, history))

@@ -67,7 +67,7 @@ def model_description(
     )
     if version == 2:
         root.set("numberOfEventIndicators", str(_indicators()))
-    _interfaces(root, kind, version, list(sources))
+    _interfaces(root, data, version, list(sources))
     _units(root, chosen)
     _types(root, chosen, version)
     categories = ET.SubElement(root, "LogCategories")
@@ -91,7 +91,9 @@ def _indicators() -> int:
     return sum(v.name.startswith("event_indicator") for v in VARIABLES)
 
 
-def _interfaces(root: ET.Element, kind: Kind, version: FmiVersion, sources: list[str]) -> None:
+def _interfaces(root: ET.Element, data: Data, version: FmiVersion, sources: list[str]) -> None:
+    kind = KINDS[data.kind]
+    remembers = kind == "contact" and bool(data.curve.stage[0].damped)  # a peak that no event tells
     if version == 2:
         able = {
             "modelIdentifier": kind,
@@ -100,7 +102,8 @@ def _interfaces(root: ET.Element, kind: Kind, version: FmiVersion, sources: list
             "canSerializeFMUstate": "true",
             "providesDirectionalDerivative": "true",
         }
-        exchange = ET.SubElement(root, "ModelExchange", {**able, "completedIntegratorStepNotNeeded": "true"})
+        without = {} if remembers else {"completedIntegratorStepNotNeeded": "true"}
+        exchange = ET.SubElement(root, "ModelExchange", {**able, **without})
         steps = ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true"})
         for parent in (exchange, steps):
             if sources:
@@ -115,7 +118,7 @@ def _interfaces(root: ET.Element, kind: Kind, version: FmiVersion, sources: list
         "providesDirectionalDerivatives": "true",
         "providesAdjointDerivatives": "true",
     }
-    ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": "false"})
+    ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": str(remembers).lower()})
     events = {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"} if kind == "impact" else {}
     ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true", **events})
 
@@ -213,8 +216,9 @@ def _structure(root: ET.Element, data: Data, chosen: list[Variable], version: Fm
     def unknown(v: Variable) -> dict[str, str]:
         row = {"index" if version == 2 else "valueReference": place(v)}
         if v.variability == "continuous" and kind in v.depends:
-            row["dependencies"] = " ".join(sorted((place(name) for name in v.depends[kind]), key=int))
-            row["dependenciesKind"] = " ".join("dependent" for _ in v.depends[kind])
+            names = (*v.depends[kind], *(v.depends_damped.get(kind, ()) if data.curve.stage[0].damped else ()))
+            row["dependencies"] = " ".join(sorted((place(name) for name in names), key=int))
+            row["dependenciesKind"] = " ".join("dependent" for _ in names)
         return row
 
     def only(v: Variable) -> dict[str, str]:

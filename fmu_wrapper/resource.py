@@ -19,6 +19,8 @@ NAME, NOTES = "model.film", "notes.json"
 MAGIC = b"FILMFMU1"
 SCALING = ("radius", "effective_modulus", "yield_strength")
 """Parameters that the march's length and force scales are powers of."""
+DAMPING = (*SCALING, "mass", "initial_velocity")
+"""Parameters that the factor of a damped law's damping is powers of."""
 
 _SETTABLE = settable()
 _D, _I = c.c_double, c.c_int32
@@ -42,6 +44,8 @@ class Data(c.Structure):
         ("length_power", _D * len(SCALING)),
         ("force_scale", _D),
         ("force_power", _D * len(SCALING)),
+        ("damping", _D),
+        ("damping_power", _D * len(DAMPING)),
         ("speed", _D),
         ("nominal", _D * len(STATES)),
         ("curve", native.Curve),
@@ -75,16 +79,21 @@ def model_data(
         "unloading_segments": segments[1],
     }
     powers = {name: powers_of(law, name, problem) for name in SCALING}
+    damping = {name: damping_power(law, name, problem) for name in DAMPING}
     for k, variable in enumerate(VARIABLES[:_SETTABLE]):
+        name = variable.name
         exists = kind in variable.causality
-        if variable.name in powers:
-            exists = exists and powers[variable.name] is not None
-            data.start[k] = getattr(law, variable.name) if exists else variable.low
+        if name in powers:
+            exists = exists and powers[name] is not None
+            data.start[k] = getattr(law, name) if exists else variable.low
         else:
-            data.start[k] = start.get(variable.name, 0.0) if exists else max(variable.low or 0.0, 0.0)
-        data.available[k] = exists
+            data.start[k] = start.get(name, 0.0) if exists else max(variable.low or 0.0, 0.0)
+        data.available[k] = exists and not (name in damping and damping[name] is None)
     for k, name in enumerate(SCALING):
         data.length_power[k], data.force_power[k] = powers[name] or (0.0, 0.0)
+    data.damping = _damping(law, problem)
+    for k, name in enumerate(DAMPING):
+        data.damping_power[k] = damping[name] or 0.0 if data.available[reference(name)] else 0.0
     data.speed = max(scene.approach_velocity, 1e-9)
     data.nominal[:] = nominal
     data.curve = problem.curve.native
@@ -110,6 +119,34 @@ def powers_of(law: AbstractLaw, name: str, problem: Problem) -> tuple[float, flo
         length, force = (math.log(b / a) / math.log(factor) for a, b in zip(base, other.scales(energy), strict=True))
         found.append((_plain(length), _plain(force)))
     return found[0] if found[0] == found[1] else None
+
+
+def damping_power(law: AbstractLaw, name: str, problem: Problem) -> float | None:
+    """Power of a parameter in what the curve's damping is multiplied with; 0 without damping or such a parameter.
+
+    None when it is no power of it: then the FMU does not have the parameter.
+    """
+    base = _damping(law, problem)
+    if base == 0.0 or (name in SCALING and powers_of(law, name, problem) is None):
+        return 0.0
+    found: list[float] = []
+    for factor in _PROBES:
+        other, length = law, 1.0
+        if name in SCALING:
+            other = replace(law, **{name: getattr(law, name) * factor})  # type: ignore[type-var]
+            length = other.scales(1.0)[0] / law.scales(1.0)[0]
+        mass, velocity = (factor if name == one else 1.0 for one in ("mass", "initial_velocity"))
+        ratio = _damping(other, problem, mass, velocity, length) / base
+        found.append(_plain(math.log(ratio) / math.log(factor)) if ratio > 0.0 else math.nan)
+    return found[0] if found[0] == found[1] else None
+
+
+def _damping(
+    law: AbstractLaw, problem: Problem, mass: float = 1.0, velocity: float = 1.0, length: float = 1.0
+) -> float:
+    """What the curve's damping is multiplied with, N s/m, for so many times the problem's mass, velocity and length."""
+    speed = problem.scene.approach_velocity
+    return float(law.damping_factor(mass * problem.mass, velocity * speed, length * problem.scales.length))
 
 
 def _plain(power: float) -> float:

@@ -45,7 +45,8 @@ class Variable:
 
     type: one of the four. dimension: of `film_model.units`, None for whole numbers and enumerations. causality: by
     kind of FMU, absent where the variable does not exist. low, high: the smallest and largest value that may be set.
-    rate_of: the state it is the time derivative of. depends: the states and inputs it depends on at the same time.
+    rate_of: the state it is the time derivative of. depends: the states and inputs it depends on at the same time;
+    depends_damped: those that it depends on besides if the law is damped.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Variable:
     high: float | None = None
     rate_of: str | None = None
     depends: Mapping[Kind, tuple[str, ...]] = field(default_factory=dict)
+    depends_damped: Mapping[Kind, tuple[str, ...]] = field(default_factory=dict)
 
 
 def _parameter(name: str, dimension: str, low: float, high: float, description: str, *kinds: Kind) -> Variable:
@@ -69,9 +71,18 @@ def _segments(name: str, description: str) -> Variable:
     return Variable(name, Whole, None, {"impact": "parameter"}, "fixed", description, 1, 1_000_000)
 
 
-def _motion(name: str, dimension: str, description: str, *depends: str, rate_of: str | None = None) -> Variable:
+def _motion(
+    name: str,
+    dimension: str,
+    description: str,
+    *depends: str,
+    rate_of: str | None = None,
+    damped: tuple[str, ...] = (),
+) -> Variable:
     on: dict[Kind, tuple[str, ...]] = {"impact": depends}
-    return Variable(name, Real, dimension, {"impact": "output"}, "continuous", description, None, None, rate_of, on)
+    more: dict[Kind, tuple[str, ...]] = {"impact": damped}
+    role: dict[Kind, str] = {"impact": "output"}
+    return Variable(name, Real, dimension, role, "continuous", description, None, None, rate_of, on, more)
 
 
 def _discrete(name: str, of: str, dimension: str | None, description: str, *kinds: Kind) -> Variable:
@@ -148,6 +159,7 @@ VARIABLES: tuple[Variable, ...] = (
         "velocity of the struck point of the target",
         *("indentation", "support_velocity"),
         rate_of="target_displacement",
+        damped=("impactor_velocity",),
     ),
     _motion(
         "impactor_acceleration",
@@ -155,6 +167,7 @@ VARIABLES: tuple[Variable, ...] = (
         "acceleration of the impactor",
         *("indentation", "external_force"),
         rate_of="impactor_velocity",
+        damped=("impactor_velocity", "support_velocity"),
     ),
     Variable(
         "contact_force",
@@ -164,6 +177,7 @@ VARIABLES: tuple[Variable, ...] = (
         "continuous",
         "force of the contact law, pressing the bodies apart",
         depends=dict.fromkeys(KINDS, ("indentation",)),
+        depends_damped={"impact": ("impactor_velocity", "support_velocity"), "contact": ("relative_velocity",)},
     ),
     _discrete("phase", Phase, None, "where the impactor is", *_BOTH),
     _discrete("stage", Whole, None, "stage of the contact law from 0; -1 unloading, -2 no contact", *_BOTH),
@@ -189,7 +203,13 @@ VARIABLES: tuple[Variable, ...] = (
             f"an event is due when this falls to zero: {what}",
         )
         for k, what in enumerate(
-            ("indentation turns", "the stage ends ahead", "the stage ends behind", "impactor stops")
+            (
+                "indentation turns",
+                "the stage ends ahead, or a damped force falls to zero",
+                "the stage ends behind",
+                "impactor stops",
+                "a damped force has its peak",
+            )
         )
     ),
 )

@@ -254,6 +254,15 @@ static inline int deserialize(unit *u, const unsigned char *bytes, size_t size, 
                   fmi3DeserializeFMUState(u->c, bytes, size, saved));
 }
 
+static inline int completed_step(unit *u) {
+    fmi2Boolean event = fmi2True, end = fmi2True;
+    fmi3Boolean event_3 = fmi3True, end_3 = fmi3True;
+    int status = EITHER(fmi2CompletedIntegratorStep(u->c, fmi2True, &event, &end),
+                        fmi3CompletedIntegratorStep(u->c, fmi3True, &event_3, &end_3));
+    HOLD(u->version == 2 ? !event && !end : !event_3 && !end_3);
+    return status;
+}
+
 static inline int set_time(unit *u, double time) { return EITHER(fmi2SetTime(u->c, time), fmi3SetTime(u->c, time)); }
 
 static inline int set_states(unit *u, const double *x, size_t count) {

@@ -23,6 +23,7 @@ static const double REST_SPEED = 1e-13;          /* of the impactor's: rounding 
 static const double NEWTON_SETTLED = 1e-9;       /* relative; the next step's error is the square */
 static const double SHORT_WAY = 2e-4;            /* of the distance to the law's singular point; see mean_force */
 static const double WITHIN = 1e-9;               /* of the depth: where to ask whether a contact still holds */
+static const double SHALLOWEST = 1e-12;          /* of the scale: where to ask for f/c of a contact that has no depth */
 static const double SMALL_LOOP = 1e-6;           /* of the recovery: a shorter way back in is the way out */
 enum { RELEASE_ITERATIONS = 120, PEAK_SAMPLES = 6, GOLDEN_STEPS = 40 };
 enum { TURN_ITERATIONS = 60, HALVINGS = 60, NEWTON_STEPS = 10 };
@@ -1006,28 +1007,66 @@ void film_sample(const film_curve *curve, const film_line *lines, int32_t line_c
     }
 }
 
-void film_force(const film_curve *curve, const film_state *s, double xi, double *force, double *slope) {
-    double work;
-    law_at(curve, &s->line, xi, force, &work);
-    *slope = law_slope(curve, &s->line, xi);
+/* The line whose law serves now; of a damped law in flight, the one that serves where its dent has not opened yet. */
+static film_line serving(const film_curve *curve, const film_state *s) {
+    film_line line = s->line;
+    if (s->branch == FILM_FREE && s->damper > 0.0 && curve->stage[0].damped) {
+        line.branch = 0;
+        line.damper = s->damper;
+    }
+    return line;
+}
+
+film_contact film_force(const film_curve *curve, const film_state *s, double xi, double nu) {
+    film_contact at = {0.0, 0.0, 0.0};
+    if (s->branch == FILM_FREE) return at;
+    double work, c = damping_at(curve, &s->line, xi);
+    law_at(curve, &s->line, xi, &at.force, &work);
+    at.by_xi = law_slope(curve, &s->line, xi);
+    if (s->line.damper > 0.0 && s->line.branch >= 0) { /* y (1 + gamma c) = nu - gamma f, F = f + c y */
+        double yield = 1.0 + s->gamma * c, c_slope = s->line.damper * slope_of(&piece_at(curve, s->line.branch, xi)->damping, xi);
+        at.by_xi = (at.by_xi + c_slope * (nu - s->gamma * at.force) / yield) / yield;
+        at.force = total_force(&s->line, c, at.force, nu);
+        at.by_nu = c / yield;
+    }
+    return at;
+}
+
+/* By how much nu is above the velocity outwards at which F is 0, nu + f/c: of the sign of F, and smooth where f and c go
+ * to 0 together. Without damping nothing lets go, or takes hold, but at the dent's end. */
+static double hold(const film_curve *curve, const film_state *s) {
+    film_line line = serving(curve, s);
+    double f, work, at = fmax(s->xi, SHALLOWEST), c = damping_at(curve, &line, at);
+    if (!(c > 0.0)) return INFINITY;
+    law_at(curve, &line, at, &f, &work);
+    return fmin(s->nu + f / c, 1e300);
+}
+
+/* dF/dt. */
+static double force_rate(const film_curve *curve, const film_state *s) {
+    film_contact at = film_force(curve, s, s->xi, s->nu);
+    return at.by_xi * (s->nu - s->gamma * at.force) + at.by_nu * (s->load - at.force);
 }
 
 void film_indicators(const film_curve *curve, const film_state *s, double speed, double indicators[FILM_INDICATORS]) {
-    double late = 1e-10 * fabs(speed), force, slope;
-    indicators[0] = indicators[1] = indicators[2] = indicators[3] = 1.0;
+    double late = 1e-10 * fabs(speed), force, work;
+    for (int k = 0; k < FILM_INDICATORS; k++) indicators[k] = 1.0;
     if (s->branch == FILM_FREE) {
-        indicators[1] = s->xi_free - s->xi + late;
+        indicators[1] = fmax(s->xi_free - s->xi, -hold(curve, s)) + late;
         return;
     }
-    film_force(curve, s, s->xi, &force, &slope);
+    law_at(curve, &s->line, s->xi, &force, &work);
     double far = limit_of(curve, s), near = edge_of(curve, s, -s->direction);
     indicators[0] = s->direction * (s->nu - s->gamma * force) + late;
     if (far < INFINITY) indicators[1] = s->direction * (far - s->xi) + late;
     if (near < INFINITY) indicators[2] = s->direction * (s->xi - near) + late;
     indicators[3] = (s->moving_in ? s->nu - s->stop_velocity : s->stop_velocity - s->nu) + late;
+    if (!damped(curve, s)) return;
+    if (s->direction < 0) indicators[1] = fmin(indicators[1], hold(curve, s) + late);
+    else indicators[4] = (s->rising ? 1.0 : -1.0) * force_rate(curve, s) + late;
 }
 
-int film_switch(const film_curve *curve, film_state *s) {
+static int switched(const film_curve *curve, film_state *s) {
     int ends = ENDS_EDGE;
     s->event = FILM_NO_EVENT;
     open_run(curve, s);
@@ -1036,13 +1075,20 @@ int film_switch(const film_curve *curve, film_state *s) {
     if (!isfinite(s->xi) || !isfinite(s->nu) || !isfinite(s->force)) return FILM_BAD_NUMBER;
     if (s->branch == FILM_FREE) {
         if (s->xi < s->xi_free || (s->xi == s->xi_free && !(s->nu > 0.0 || (s->nu == 0.0 && s->load > 0.0)))) return FILM_OK;
+        double above = hold(curve, s);
+        if (!(above > 0.0)) return FILM_OK; /* its dent opens faster than it */
+        if (above == INFINITY) s->xi = s->xi_free;
     } else {
         double ahead = s->direction * (s->nu - s->gamma * s->force), edge = limit_of(curve, s);
         double to_edge = s->direction * (edge - s->xi);
+        if (damped(curve, s)) s->force_peak = fmax(s->force_peak, holding(curve, s));
         if (s->moving_in && s->nu < s->stop_velocity) return stopped(s);
         if (s->nu > s->stop_velocity) s->moving_in = 1;
-        if (ahead >= 0.0 && to_edge > 0.0) return FILM_OK;
-        if (to_edge > 0.0) { /* within the run: who jumps back over its beginning turned there at the latest */
+        int lets_go = s->direction < 0 && damped(curve, s) && hold(curve, s) < 0.0;
+        if (ahead >= 0.0 && to_edge > 0.0 && !lets_go) return FILM_OK;
+        if (lets_go && to_edge > 0.0) {
+            ends = ENDS_RELEASE;
+        } else if (to_edge > 0.0) { /* within the run: who jumps back over its beginning turned there at the latest */
             ends = ENDS_TURN;
             edge = edge_of(curve, s, -s->direction);
             if (s->direction * (s->xi - edge) < 0.0) s->xi = edge;
@@ -1050,7 +1096,6 @@ int film_switch(const film_curve *curve, film_state *s) {
             s->xi = edge;
         }
     }
-    if (s->branch == FILM_FREE) s->xi = s->xi_free;
     law_at(curve, &s->line, s->xi, &s->elastic, &s->work);
     s->force = s->elastic;
     open_line(s);
@@ -1058,6 +1103,12 @@ int film_switch(const film_curve *curve, film_state *s) {
     int status = finish(curve, NULL, s);
     choose_loop(curve, s);
     open_run(curve, s);
+    return status;
+}
+
+int film_switch(const film_curve *curve, film_state *s) {
+    int status = switched(curve, s);
+    s->rising = status >= 0 && s->direction > 0 && damped(curve, s) && force_rate(curve, s) >= 0.0;
     return status;
 }
 

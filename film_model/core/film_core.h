@@ -183,7 +183,8 @@ typedef struct {
     int32_t direction;         /* +1 deeper, -1 out */
     int32_t branch, stage_max; /* loading stage, FILM_BRANCH or FILM_FREE; the stage of xi_max */
     int32_t moving_in;         /* nu is above stop_velocity */
-    int32_t loop, reserved;    /* which branch FILM_BRANCH is: the one from xi_max, the way back to it, or one in between */
+    int32_t loop;              /* which branch FILM_BRANCH is: the one from xi_max, the way back to it, or one in between */
+    int32_t rising;            /* film_switch: a damped contact's force grows on the way in */
     /* reports */
     int32_t phase, event, contacts, lines;
 } film_state;
@@ -242,15 +243,20 @@ FILM_API void film_sample(const film_curve *curve, const film_line *lines, int32
                           int64_t count, double *values, int8_t *stages, int8_t *phases);
 
 /* The same contact for somebody else's integrator of the true law, who owns xi, nu and shift and puts them into the state
- * before each call. The state keeps where the contact is and what the spot remembers; lines play no part.
- *
- * Force and its slope at xi, as the contact is now: beyond the end of a stage or branch its own curve goes on. */
-FILM_API void film_force(const film_curve *curve, const film_state *state, double xi, double *force, double *slope);
+ * before each call. The state keeps where the contact is and what the spot remembers; lines play no part. */
+typedef struct {
+    double force, by_xi, by_nu; /* F, and its partial derivatives: by xi at one nu, and by nu */
+} film_contact;
+
+/* F at xi and nu, as the contact is now: beyond the end of a stage or branch its own curve goes on, and a damped contact's
+ * F goes on below 0. */
+FILM_API film_contact film_force(const film_curve *curve, const film_state *state, double xi, double nu);
 
 /* All > 0 while the contact goes on as it is; film_switch is due when one falls to 0 or below. None is ever 0 right after
  * film_switch: each is a little late, by 1e-10 of `speed` or of the way at that speed in unit time.
- * indicators: of direction, of the run's far end, of its near end, of the impactor's stop. */
-enum { FILM_INDICATORS = 4 };
+ * indicators: of direction, of the run's far end, of its near end, of the impactor's stop, of a peak. The far end of a
+ * damped run outwards is where F falls to 0. A damped force has its peak within a run; film_switch only remembers it. */
+enum { FILM_INDICATORS = 5 };
 FILM_API void film_indicators(const film_curve *curve, const film_state *state, double speed,
                               double indicators[FILM_INDICATORS]);
 

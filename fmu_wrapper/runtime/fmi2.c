@@ -199,9 +199,9 @@ fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStat
                                        fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation) {
     SELF;
     (void)noSetFMUStatePriorToCurrentPoint;
-    if (!instance_allows(i, HERE, CONTINUOUS)) return fmi2Error;
     NEED(enterEventMode, 1);
     NEED(terminateSimulation, 1);
+    if (instance_completed(i, HERE) != GOOD) return fmi2Error;
     *enterEventMode = *terminateSimulation = fmi2False;
     return fmi2OK;
 }

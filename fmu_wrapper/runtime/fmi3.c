@@ -329,9 +329,9 @@ fmi3Status fmi3CompletedIntegratorStep(fmi3Instance c, fmi3Boolean noSetFMUState
                                        fmi3Boolean *terminateSimulation) {
     SELF;
     (void)noSetFMUStatePriorToCurrentPoint;
-    if (!instance_allows(i, HERE, CONTINUOUS)) return fmi3Error;
     NEED(enterEventMode, 1);
     NEED(terminateSimulation, 1);
+    if (instance_completed(i, HERE) != GOOD) return fmi3Error;
     *enterEventMode = *terminateSimulation = fmi3False;
     return fmi3OK;
 }

@@ -319,6 +319,12 @@ int instance_leave_event_mode(instance *i, const char *function, int mode) {
     return GOOD;
 }
 
+int instance_completed(instance *i, const char *function) {
+    ALLOW(CONTINUOUS);
+    model_reached(&i->model);
+    return GOOD;
+}
+
 int instance_set_time(instance *i, const char *function, double time) {
     ALLOW(EVENT | CONTINUOUS);
     if (!i->model_exchange) return instance_fails(i, function, "the instance was made for Co-Simulation");

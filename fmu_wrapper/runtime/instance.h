@@ -81,6 +81,7 @@ int instance_step(instance *i, const char *function, double from, double size, i
 int instance_enter_event_mode(instance *i, const char *function);
 int instance_update(instance *i, const char *function);
 int instance_leave_event_mode(instance *i, const char *function, int mode);
+int instance_completed(instance *i, const char *function);
 int instance_set_time(instance *i, const char *function, double time);
 int instance_set_states(instance *i, const char *function, const double *states, size_t count);
 /* What: the states, their rates, their nominals, the event indicators. */

@@ -12,6 +12,7 @@ static const char *const EVENT_NAMES[] = {"no event", "contact begins", "stage c
 
 enum { SEEN_MAXIMUM = 1, SEEN_STOP = 2 }; /* in this contact */
 enum { MOST_SWITCHES = 1000 };
+static const double BARELY = 1e-300; /* speed of a path where only its direction counts */
 
 static int failed(model *m, const char *format, ...) {
     va_list arguments;
@@ -60,9 +61,9 @@ int model_set(model *m, unsigned reference, double value) {
     return 0;
 }
 
-static double scaled(const model *m, double scale, const double power[SCALING]) {
-    static const int by[SCALING] = {RADIUS, EFFECTIVE_MODULUS, YIELD_STRENGTH};
-    for (int k = 0; k < SCALING; k++) {
+static double scaled(const model *m, double scale, const double *power, int powers) {
+    static const int by[DAMPING] = {RADIUS, EFFECTIVE_MODULUS, YIELD_STRENGTH, MASS, INITIAL_VELOCITY};
+    for (int k = 0; k < powers; k++) {
         double ratio = power[k] == 0.0 ? 1.0 : m->memory.value[by[k]] / m->data->start[by[k]];
         if (ratio != 1.0) scale *= pow(ratio, power[k]);
     }
@@ -89,8 +90,8 @@ int model_begin(model *m, double time) {
     model_memory *now = &m->memory;
     const double *value = now->value;
     int contact = m->data->kind == CONTACT;
-    now->length = scaled(m, m->data->length_scale, m->data->length_power);
-    now->force = scaled(m, m->data->force_scale, m->data->force_power);
+    now->length = scaled(m, m->data->length_scale, m->data->length_power, SCALING);
+    now->force = scaled(m, m->data->force_scale, m->data->force_power, SCALING);
     now->tick = contact ? 1.0 : sqrt(value[MASS] * now->length / now->force);
     now->velocity = now->length / now->tick;
     if (!(now->length > 0.0 && now->length < INFINITY && now->force > 0.0 && now->force < INFINITY && now->tick > 0.0 &&
@@ -107,6 +108,10 @@ int model_begin(model *m, double time) {
     int status = film_init(&m->data->curve, &now->state, -gap / now->length, start, gamma, now->load,
                            contact ? -1e300 : -now->support / now->velocity); /* no impactor, none that stops */
     if (status < 0) return refused(m, status);
+    double damping = scaled(m, m->data->damping, m->data->damping_power, DAMPING);
+    if (film_damp(&now->state, damping * now->velocity / now->force) < 0)
+        return failed(m, "the parameters give no damping: %g N*s/m; initial_velocity must be > 0 m/s where the contact law's "
+                      "damping is for a restitution at it", damping);
     now->start_time = now->now = time;
     memset(&now->happened, 0, sizeof now->happened);
     now->happened.stage = FILM_FREE;
@@ -127,8 +132,10 @@ int model_begin(model *m, double time) {
 
 typedef struct {
     double indentation, velocity, target; /* m, m/s, m */
-    double force, stiffness;              /* N, N/m */
+    double force, stiffness, damping;     /* N; its derivatives by indentation and by velocity, N/m, N s/m */
 } motion_now;
+
+static int damped(const model *m) { return m->data->curve.stage[0].damped; }
 
 /* The contact's path since the last communication point to its input, or to where that has been extended; and every event. */
 static int follow_path(model *m, film_state *state, model_record *record);
@@ -136,26 +143,30 @@ static int follow_path(model *m, film_state *state, model_record *record);
 static int observe(model *m, motion_now *seen, int with_stiffness) {
     const model_memory *now = &m->memory;
     const film_state *state = &now->state;
-    double force = state->force, slope = 0.0;
+    film_contact at = {state->force, 0.0, 0.0};
     if (m->data->kind == CONTACT && !now->continuous) {
         film_state ahead = *state;
         if (follow_path(m, &ahead, NULL) < 0) return -1;
-        film_force(&m->data->curve, &ahead, ahead.xi, &force, &slope);
+        at = film_force(&m->data->curve, &ahead, ahead.xi, now->value[RELATIVE_VELOCITY] / now->velocity);
+        if (at.force < 0.0) at.force = at.by_xi = at.by_nu = 0.0; /* between two steps nobody stops it at 0 */
         seen->indentation = now->reached;
         seen->velocity = now->value[RELATIVE_VELOCITY];
     } else if (now->continuous) {
-        seen->indentation = m->data->kind == CONTACT ? now->value[INDENTATION] : now->at[0];
-        film_force(&m->data->curve, state, seen->indentation / now->length, &force, &slope);
-        seen->velocity = now->at[1];
+        int contact = m->data->kind == CONTACT;
+        seen->indentation = contact ? now->value[INDENTATION] : now->at[0];
+        seen->velocity = contact ? now->value[RELATIVE_VELOCITY] : now->at[1];
         seen->target = now->at[2];
+        double support = contact ? 0.0 : now->value[SUPPORT_VELOCITY];
+        at = film_force(&m->data->curve, state, seen->indentation / now->length, (seen->velocity - support) / now->velocity);
     } else {
-        if (with_stiffness) film_force(&m->data->curve, state, state->xi, &force, &slope);
+        if (with_stiffness) at = film_force(&m->data->curve, state, state->xi, state->nu);
         seen->indentation = state->xi * now->length;
         seen->velocity = state->nu * now->velocity + now->support;
         seen->target = state->shift * now->length + now->support_displacement;
     }
-    seen->force = force * now->force;
-    seen->stiffness = slope * now->force / now->length;
+    seen->force = at.force * now->force;
+    seen->stiffness = at.by_xi * now->force / now->length;
+    seen->damping = at.by_nu * now->force / now->velocity;
     return 0;
 }
 
@@ -222,16 +233,19 @@ int model_get(model *m, unsigned reference, double *value) {
 
 /* Partial derivatives of the outputs: by row the unknown, by column what it may depend on. */
 int model_depends(const model *m, unsigned unknown, unsigned known) {
+    int impact = m->data->kind == IMPACT;
+    int by_rate = impact ? known == IMPACTOR_VELOCITY || known == SUPPORT_VELOCITY : known == RELATIVE_VELOCITY;
+    int by_force = known == INDENTATION || (damped(m) && by_rate);
     switch (unknown) {
-    case CONTACT_FORCE: return known == INDENTATION;
-    case INDENTATION: return m->data->kind == IMPACT && known == INDENTATION;
+    case CONTACT_FORCE: return by_force;
+    case INDENTATION: return impact && known == INDENTATION;
     case IMPACTOR_VELOCITY:
     case TARGET_DISPLACEMENT: return known == unknown;
     case IMPACTOR_DISPLACEMENT: return known == INDENTATION || known == TARGET_DISPLACEMENT;
     case RELATIVE_VELOCITY:
-        return m->data->kind == IMPACT && (known == INDENTATION || known == IMPACTOR_VELOCITY || known == SUPPORT_VELOCITY);
-    case TARGET_VELOCITY: return known == INDENTATION || known == SUPPORT_VELOCITY;
-    case IMPACTOR_ACCELERATION: return known == INDENTATION || known == EXTERNAL_FORCE;
+        return impact && (known == INDENTATION || known == IMPACTOR_VELOCITY || known == SUPPORT_VELOCITY);
+    case TARGET_VELOCITY: return by_force || known == SUPPORT_VELOCITY;
+    case IMPACTOR_ACCELERATION: return by_force || known == EXTERNAL_FORCE;
     default: return -1;
     }
 }
@@ -247,15 +261,17 @@ int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
     if (!m->memory.begun && model_begin(m, m->memory.start_time) < 0) return -1;
     if (!model_depends(m, unknown, known)) return 0;
     if (observe(m, &seen, 1) < 0) return -1;
-    double stiffness = seen.stiffness, mass = m->memory.value[MASS];
-    int of_indentation = known == INDENTATION;
+    double mass = m->memory.value[MASS], force = 0.0;
+    if (known == INDENTATION) force = seen.stiffness;
+    if (known == IMPACTOR_VELOCITY || known == RELATIVE_VELOCITY) force = seen.damping;
+    if (known == SUPPORT_VELOCITY) force = -seen.damping;
     switch (unknown) {
-    case CONTACT_FORCE: *partial = stiffness; break;
+    case CONTACT_FORCE: *partial = force; break;
     case RELATIVE_VELOCITY:
-        *partial = of_indentation ? -stiffness * mobility(m) : known == SUPPORT_VELOCITY ? -1.0 : 1.0;
+        *partial = (known == SUPPORT_VELOCITY ? -1.0 : known == IMPACTOR_VELOCITY ? 1.0 : 0.0) - force * mobility(m);
         break;
-    case TARGET_VELOCITY: *partial = of_indentation ? stiffness * mobility(m) : 1.0; break;
-    case IMPACTOR_ACCELERATION: *partial = (of_indentation ? -stiffness : 1.0) / mass; break;
+    case TARGET_VELOCITY: *partial = (known == SUPPORT_VELOCITY ? 1.0 : 0.0) + force * mobility(m); break;
+    case IMPACTOR_ACCELERATION: *partial = ((known == EXTERNAL_FORCE ? 1.0 : 0.0) - force) / mass; break;
     default: *partial = 1.0; break;
     }
     return isfinite(*partial) ? 0 : not_finite(m, VARIABLE[unknown].name);
@@ -376,7 +392,7 @@ static int settle(model *m, film_state *state, double xi, double nu, model_recor
 
 /* Straight on to an indentation, m, and every event on the way. */
 static int walk(model *m, film_state *state, double indentation, double rate, model_record *record) {
-    double nu = rate < 0.0 ? -1.0 : 1.0;
+    double nu = (rate < 0.0 ? -1.0 : 1.0) * (damped(m) ? BARELY : 1.0);
     int turns = nu < 0.0 && state->direction > 0 && state->branch != FILM_FREE; /* where it was, and goes back from there */
     if (turns && settle(m, state, state->xi, nu, record) < 0) return -1;
     return settle(m, state, indentation / m->memory.length, nu, record);
@@ -399,7 +415,9 @@ static int follow_path(model *m, film_state *state, model_record *record) {
     double time = to == now->value[INDENTATION] ? now->now - now->committed_time : 0.0; /* extended: a straight line */
     if (peak_between(from, now->committed_rate, to, rate, time, &peak) && walk(m, state, peak, 1.0, record) < 0) return -1;
     double way = to - state->xi * now->length;
-    return walk(m, state, to, way != 0.0 ? way : rate, record);
+    int apart = state->branch == FILM_FREE && state->xi > 0.0; /* of a damped law: in its dent, which has not opened */
+    if (!(damped(m) && apart) && walk(m, state, to, way != 0.0 ? way : rate, record) < 0) return -1;
+    return damped(m) ? settle(m, state, to / now->length, rate / now->velocity, record) : 0;
 }
 
 /* The input has been heard: it is the path now, and remembered. */
@@ -466,10 +484,17 @@ int model_rates(model *m, double rates[STATES]) {
 int model_indicators(model *m, double indicators[FILM_INDICATORS]) {
     if (m->memory.continuous) place(m);
     film_indicators(&m->data->curve, &m->memory.state, m->memory.contact_speed, indicators);
-    if (m->data->kind == CONTACT) indicators[3] = 1.0;
+    if (m->data->kind == CONTACT) indicators[3] = indicators[4] = 1.0; /* no impactor, no acceleration */
     for (int k = 0; k < FILM_INDICATORS; k++)
         if (!isfinite(indicators[k])) return not_finite(m, VARIABLE[EVENT_INDICATOR_1 + k].name);
     return 0;
+}
+
+void model_reached(model *m) {
+    film_state *state = &m->memory.state;
+    if (m->data->kind == IMPACT || !damped(m)) return; /* an event tells the peak */
+    place(m);
+    state->force_peak = fmax(state->force_peak, film_force(&m->data->curve, state, state->xi, state->nu).force);
 }
 
 int model_switch(model *m) {

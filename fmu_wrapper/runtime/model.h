@@ -6,12 +6,13 @@
 #include "film_core.h"
 #include "variables.h"
 
-enum { STATES = 3, SCALING = 3 }; /* indentation, impactor velocity, target displacement */
+enum { STATES = 3, SCALING = 3, DAMPING = 5 }; /* indentation, impactor velocity, target displacement; see model_data */
 enum { MOST_EVENTS = 1000000 };   /* in one step: a ball that bounces for ever has no end of them */
 
 /* What an export fixes: resources/model.film, written by fmu_wrapper/resource.py, little endian as all platforms are.
  * The scales of the march are length = length_scale * prod (p/start)^length_power over p = radius, effective modulus and
- * yield strength; force likewise. */
+ * yield strength; force likewise. What the curve's damping is multiplied with, N s/m, is a product of powers of mass and
+ * initial velocity too. */
 typedef struct {
     char magic[8];
     uint64_t size;     /* of this structure */
@@ -23,6 +24,7 @@ typedef struct {
     double start[SETTABLE];
     double length_scale, length_power[SCALING];
     double force_scale, force_power[SCALING];
+    double damping, damping_power[DAMPING];
     double speed; /* typical relative velocity, m/s */
     double nominal[STATES];
     film_curve curve;
@@ -90,5 +92,6 @@ int model_restored(model *m);
 int model_rates(model *m, double rates[STATES]);
 int model_indicators(model *m, double indicators[FILM_INDICATORS]);
 int model_switch(model *m); /* all events that are due */
+void model_reached(model *m); /* the states and inputs are a point of the motion, not only tried */
 
 #endif

@@ -43,7 +43,8 @@ static model_data *fault(model_data *data, FILE *file, char *message, size_t roo
 }
 
 static int bad_numbers(const model_data *data) {
-    int bad = data->kind < 0 || data->kind >= KINDS || !(data->length_scale > 0.0) || !(data->force_scale > 0.0);
+    int bad = data->kind < 0 || data->kind >= KINDS || !(data->length_scale > 0.0) || !(data->force_scale > 0.0) ||
+              !(data->damping >= 0.0);
     for (unsigned k = 0; k < SETTABLE; k++)
         bad |= !(data->start[k] >= VARIABLE[k].low && data->start[k] <= VARIABLE[k].high);
     return bad || film_check_curve(&data->curve) < 0;

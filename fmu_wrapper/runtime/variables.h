@@ -42,6 +42,7 @@ enum {
     EVENT_INDICATOR_2,
     EVENT_INDICATOR_3,
     EVENT_INDICATOR_4,
+    EVENT_INDICATOR_5,
     VARIABLES,
     SETTABLE = 15 /* parameters and inputs come before this one */
 };
@@ -98,6 +99,7 @@ static const film_variable VARIABLE[VARIABLES] = {
     {"event_indicator_2", "", REAL, {OUTPUT, OUTPUT}, -1e300, 1e300},
     {"event_indicator_3", "", REAL, {OUTPUT, OUTPUT}, -1e300, 1e300},
     {"event_indicator_4", "", REAL, {OUTPUT, OUTPUT}, -1e300, 1e300},
+    {"event_indicator_5", "", REAL, {OUTPUT, OUTPUT}, -1e300, 1e300},
 };
 
 #endif

@@ -174,6 +174,8 @@ def _step_and_look_back(slave: Slave, time: float, end: float, rows: list[Row], 
         _step_and_look_back(slave, time, middle, rows, events)
         _step_and_look_back(slave, middle, end, rows, events)
         return
+    if passed is None:
+        passed = dict.fromkeys(_at_once(before, after), after["time_of_last_event"])
     if not passed:
         rows.append({"time": end, **after})
         slave.own.freeFMUstate(saved) if slave.version == 2 else slave.own.freeFMUState(saved)
@@ -225,6 +227,12 @@ def _passed(before: Mapping[str, float], after: Mapping[str, float], since: floa
     return dict(sorted(found.items(), key=lambda item: item[1]))
 
 
+def _at_once(before: Mapping[str, float], after: Mapping[str, float]) -> list[str]:
+    """Events at one time of which the outputs tell the last alone: where the target is fixed, a turn is a stop too."""
+    last, turn = native.EVENTS[int(after["last_event"])], ["maximum_indentation", "impactor_stops"]
+    return turn if after["event_count"] - before["event_count"] == 2 and last in turn else [last]
+
+
 def _event(time: float, name: str, row: Row) -> Row:
     return {"time": time, "kind": native.EVENTS.index(name), **{key: row[key] for key in (*MOTION, *_BESIDES, "stage")}}
 
@@ -262,7 +270,7 @@ def _exchanged(
     events = [_event(0.0, name, rows[0]) for name in _passed(dict.fromkeys(_TOLD, 0.0), rows[0], 0.0) or {}]
     for before, after in itertools.pairwise(rows):
         passed = _passed(before, after, before["time"])
-        names = [native.EVENTS[int(after["last_event"])]] if passed is None else list(passed)
+        names = _at_once(before, after) if passed is None else list(passed)
         events += [_event(after["time"], name, after) for name in names]
     return rows, events
 

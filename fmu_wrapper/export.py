@@ -50,7 +50,8 @@ def export(
     initial_gap: distance before first touch ("5 mm" or m). platform: names of `fmu_wrapper.platforms.PLATFORMS`, or
     "all"; this machine's own by default, which needs no compiler. with_sources: C sources too, for importers that
     compile. The law, the effects and the number of segments are those the library chooses for the scene; mass,
-    velocity, gap, radius, modulus, yield strength and impedance can still be set before each simulation.
+    velocity, gap, radius, modulus, yield strength and impedance can still be set before each simulation. A damped law's
+    damping follows them; a user's law whose damping is no power of one of them is exported without that one.
 
     Raises ValueError for a bad argument, FileExistsError, SimulationError as `simulate` does and for a free body as
     target, ImportError when matplotlib (for the pictures) or ziglang (for other platforms) is missing.

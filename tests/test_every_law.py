@@ -1,5 +1,5 @@
-"""Every law of the registry runs everywhere, so that a new one cannot be left out: on every target, alone, stepped, in a
-batch, and in an FMU of either version, stepped, with events and integrated by the importer."""
+"""Every law of the registry runs everywhere, so that a new one cannot be left out: on every target, alone, stepped, in
+a batch, and in an FMU of either version, stepped, with events and integrated by the importer."""
 
 import cases
 import numpy as np

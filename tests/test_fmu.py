@@ -60,7 +60,7 @@ def test_the_header_is_the_table():
 
 @VERSIONS
 @pytest.mark.parametrize("kind", ["impact", "contact"])
-@pytest.mark.parametrize("law", ["hertz", "stronge"])
+@pytest.mark.parametrize("law", ["hertz", "stronge", "tsuji"])
 def test_validators_are_silent(made, version, kind, law):
     from fmpy import read_model_description
     from fmpy.validation import validate_fmu
@@ -114,7 +114,7 @@ def test_documentation_has_its_pictures(made):
 
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("target", ["half-space", "plate", "thin plate", "rod"])
-@pytest.mark.parametrize("law", [name for name in LAWS if not LAWS[name].damped])
+@pytest.mark.parametrize("law", list(LAWS))
 def test_check_agrees(made, law, target, version):
     on = scene(law, target)
     report = fmu_wrapper.check(made(on, version), on)
@@ -472,7 +472,9 @@ def test_directional_derivatives(made, version):
 
 
 @VERSIONS
-@pytest.mark.parametrize("law", ["hertz", "big-alabo", "stronge", "saturating"])
+@pytest.mark.parametrize(
+    "law", ["hertz", "big-alabo", "stronge", "saturating", "linear-dashpot", "tsuji", "hunt-crossley", "kuwabara-kono"]
+)
 def test_the_contact_remembers(made, law, version):
     """Along the path of a whole impact, the contact alone gives the impact's force."""
     on = scene(law)

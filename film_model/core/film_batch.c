@@ -56,7 +56,7 @@ static int fixed_target(const film_curve *curve, const film_mesh *mesh, double n
         v = speed_at(v, work);
     }
     summary->maximum_force = peak;
-    summary->maximum_indentation = xi;
+    summary->maximum_indentation = xi - curve->compliance * force;
     summary->time_of_maximum_indentation = summary->time_impactor_stops = time;
     summary->stage = run.branch;
     double given_back = stored;
@@ -100,8 +100,9 @@ int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start
         status = film_step(curve, mesh, &s, start->time_limit - s.time);
         if (status != FILM_EVENT || s.event == FILM_CONTACT_ENDS) break;
         if (s.lines > FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
-        if (s.event == FILM_MAXIMUM_INDENTATION && s.xi > summary->maximum_indentation) {
-            summary->maximum_indentation = s.xi;
+        double indentation = s.xi - curve->compliance * s.force;
+        if (s.event == FILM_MAXIMUM_INDENTATION && indentation > summary->maximum_indentation) {
+            summary->maximum_indentation = indentation;
             summary->time_of_maximum_indentation = s.time;
             summary->stage = s.stage_max;
         } else if (s.event == FILM_IMPACTOR_STOPS && isnan(summary->time_impactor_stops)) {
@@ -421,7 +422,8 @@ void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, c
                 film_summary *summary, int32_t *status) {
     queue waiting[FILM_MAX_STAGES];
     for (int32_t k = 0; k < curve->stages; k++) waiting[k].count = 0;
-    int lined = mesh->linearisation == FILM_WORK_PRESERVING && mesh->loading >= 3 && mesh->unloading >= 3;
+    int lined = mesh->linearisation == FILM_WORK_PRESERVING && mesh->loading >= 3 && mesh->unloading >= 3 &&
+                curve->compliance == 0.0;
     for (int64_t i = 0; i < count; i++) {
         const film_start *s = &start[i];
         double aim = 0.0;

@@ -69,9 +69,15 @@ class Stage(c.Structure):
 
 
 class Curve(c.Structure):
-    """film_curve: a law as the core sees it."""
+    """film_curve: a law as the core sees it, in series with a spring if it has a compliance."""
 
-    _fields_ = [("stages", _I), ("pieces", _I), ("stage", Stage * MAX_STAGES), ("piece", Piece * MAX_PIECES)]
+    _fields_ = [
+        ("stages", _I),
+        ("pieces", _I),
+        ("stage", Stage * MAX_STAGES),
+        ("piece", Piece * MAX_PIECES),
+        ("compliance", _D),
+    ]
 
 
 class Mesh(c.Structure):
@@ -178,6 +184,10 @@ def library() -> Any:
         "film_step": ([pointer, pointer, pointer, _D], c.c_int),
         "film_record": ([pointer, pointer, pointer, _D, pointer, _I, pointer, pointer, _I, pointer], c.c_int),
         "film_sample": ([pointer, pointer, _I, pointer, i64, pointer, pointer, pointer], None),
+        "film_motion": ([pointer, pointer, pointer], None),
+        "film_force": ([pointer, pointer, _D, pointer, pointer], None),
+        "film_indicators": ([pointer, pointer, _D, pointer], None),
+        "film_switch": ([pointer, pointer], c.c_int),
         "film_law": ([pointer, _I, _D, pointer, pointer], None),
         "film_impact": ([pointer, pointer, pointer, pointer], c.c_int),
         "film_batch": ([pointer, pointer, i64, pointer, pointer, pointer], None),
@@ -282,6 +292,13 @@ def batch(curve: Curve, cut: Mesh, start: NDArray[Any]) -> tuple[NDArray[np.int3
         c.byref(curve), c.byref(cut), start.size, start.ctypes.data, summary.ctypes.data, status.ctypes.data
     )
     return status, summary
+
+
+def motion(curve: Curve, state: State) -> NDArray[np.float64]:
+    """Indentation, its rate, force, ν and displacement of the struck point, as `sample` has them."""
+    values = np.empty(5)
+    library().film_motion(c.byref(curve), c.byref(state), values.ctypes.data)
+    return values
 
 
 def stage_law(curve: Curve, stage: int, xi: float) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal, TypeAlias
 
-from film_model.bodies import STANDARD_GRAVITY, BendingStiffness, Body, HalfSpace, Plate, Rod, Sphere, Target
+from film_model.bodies import STANDARD_GRAVITY, Beam, BendingStiffness, Body, HalfSpace, Plate, Rod, Sphere, Target
 from film_model.contact import Contact
 from film_model.errors import Mistake, raise_all, shown
 from film_model.fields import Field, choice, fill, measure, whole
@@ -16,6 +16,7 @@ from film_model.materials import Material
 
 __all__ = [
     "STANDARD_GRAVITY",
+    "Beam",
     "BendingStiffness",
     "Body",
     "Contact",
@@ -37,17 +38,27 @@ Switch: TypeAlias = Literal["auto"] | bool
 
 @dataclass(frozen=True, init=False)
 class Effects:
-    """Which effects are computed: each "auto", True or False."""
+    """Which effects are computed: each "auto", True or False.
+
+    boundary_reflections: waves that come back from the edges of a plate; where False, the plate is infinite.
+    """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
-        name: choice("auto", True, False) for name in ("plasticity", "target_motion", "gravity")
+        name: choice("auto", True, False) for name in ("plasticity", "target_motion", "gravity", "boundary_reflections")
     }
 
     plasticity: Switch
     target_motion: Switch
     gravity: Switch
+    boundary_reflections: Switch
 
-    def __init__(self, plasticity: Switch = "auto", target_motion: Switch = "auto", gravity: Switch = "auto") -> None:
+    def __init__(
+        self,
+        plasticity: Switch = "auto",
+        target_motion: Switch = "auto",
+        gravity: Switch = "auto",
+        boundary_reflections: Switch = "auto",
+    ) -> None:
         raise_all(fill(self, locals()))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes as c
 import sys
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -292,6 +293,36 @@ def batch(curve: Curve, cut: Mesh, start: NDArray[Any]) -> tuple[NDArray[np.int3
         c.byref(curve), c.byref(cut), start.size, start.ctypes.data, summary.ctypes.data, status.ctypes.data
     )
     return status, summary
+
+
+def force_of(curve: Curve, state: State) -> Callable[[float], float]:
+    """f(ξ) as the contact of `state` is at the time of each call."""
+    force, slope = _D(), _D()
+    at = [c.byref(thing) for thing in (curve, state, force, slope)]
+    function = library().film_force
+
+    def evaluate(xi: float) -> float:
+        function(at[0], at[1], xi, at[2], at[3])
+        return force.value
+
+    return evaluate
+
+
+def indicators(curve: Curve, state: State, speed: float) -> list[float]:
+    """film_indicators: all > 0 while the contact goes on as it is."""
+    values = (_D * 4)()
+    library().film_indicators(c.byref(curve), c.byref(state), speed, values)
+    return list(values)
+
+
+def switch(curve: Curve, state: State) -> list[tuple[str, int]]:
+    """Names of the events that are due in `state`, made in place, and the branch after each."""
+    made: list[tuple[str, int]] = []
+    while (status := library().film_switch(c.byref(curve), c.byref(state))) == EVENT:
+        made.append((EVENTS[state.event], state.branch))
+    if status != OK:
+        raise ValueError(f"the core refuses to go on from ξ = {state.xi!r} (status {status})")
+    return made
 
 
 def motion(curve: Curve, state: State) -> NDArray[np.float64]:

@@ -24,7 +24,7 @@ from film_model.bodies import STANDARD_GRAVITY, Body, Sphere
 from film_model.core import native
 from film_model.effects import GRAVITY_THRESHOLD
 from film_model.errors import SimulationError
-from film_model.problem import Problem, contact_limit, problem_of
+from film_model.problem import Problem, contact_limit, problem_of, refuse_vibrations
 from film_model.scene import Scene, Solver
 
 
@@ -48,8 +48,8 @@ def simulate_batch(
     """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
 
     Law "auto" is decided at the largest velocity, gravity "auto" for every impact. With an accuracy, up to 64 of the
-    impacts, the extremes among them, are tried to find the mesh. A free body as target is refused with
-    SimulationError.
+    impacts, the extremes among them, are tried to find the mesh. A free body, or a vibrating plate or beam, as target is
+    refused with SimulationError.
     """
     speeds = units.array_to_si(velocity, "velocity")
     masses = np.asarray(scene.effective_mass) if mass is None else units.array_to_si(mass, "mass")
@@ -59,6 +59,7 @@ def simulate_batch(
     if speeds.size == 0 or not ((speeds > 0.0).all() and (masses > 0.0).all()):
         raise ValueError("velocity and mass must be > 0, and there must be at least one impact")
     problem = problem_of(_at_velocity(scene, float(speeds.max())))
+    refuse_vibrations(problem, "a batch")
     scales = problem.scales
     start: Any = np.zeros(speeds.size, native.START_DTYPE)
     clock = np.sqrt(masses.ravel() / problem.mass)  # t_s and 1/v_s grow with √m

@@ -194,7 +194,8 @@ def _table(history: History) -> str:
         lines.append(f"  {event.name.replace('_', ' '):24}{numbers}{what}")
     lines.append("")
     lines += [f"  {effect.name.replace('_', ' ')}: {effect.state}; {effect.reason}" for effect in problem.effects]
-    lines.append(f"  error at most {accuracy.estimated:.1e} of every value, by {accuracy.lines} lines")
+    means = f"{accuracy.modes} modes" if accuracy.modes else f"{accuracy.lines} lines"
+    lines.append(f"  error at most {accuracy.estimated:.1e} of every value, by {means}")
     return "\n".join(lines)
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from film_model.core import native
+from film_model.errors import SimulationError
 from film_model.laws.law import AbstractLaw, Array, Function, Power, Stage
 
 FIT_TOLERANCE = 1e-13
@@ -66,8 +67,8 @@ def curve_of(law: AbstractLaw, compliance: float = 0.0) -> Curve:
     """The curve of a law; with a `compliance` c [δ_s/F_s] in series with a spring, over ξ + c f.
 
     Raises ValueError when stages do not follow each other, a force is negative or not finite, a stage that has to be
-    fitted has no end, a fit does not come within `FIT_LIMIT`, or a spring would let a force that falls or jumps snap
-    through; the message names the law, the stage and the value.
+    fitted has no end, or a fit does not come within `FIT_LIMIT`; SimulationError for a force that jumps, or falls so fast
+    that it snaps through, in series with a spring. The message names the law, the stage and the value.
     """
     try:
         return _build(_name(law), tuple(law.stages()), compliance)
@@ -117,12 +118,12 @@ def _put_in_series(law: str, made: native.Curve, stages: list[Stage], compliance
         xi = np.linspace(stage.begin, reach, _CHECKS)
         force = _values(stage.force, xi, stage)
         if abs(force[0] - before) > 1e-9 * float(np.abs(force).max()):
-            raise ValueError(
-                f"{law}: on a target with a static stiffness no force may jump, and that of stage {stage.name!r} does, "
+            raise SimulationError(
+                f"{law}: on a target that gives way no force may jump, and that of stage {stage.name!r} does, "
                 f"from {before:g} to {force[0]:g}"
             )
         if (np.diff(xi + compliance * force) <= 0.0).any():
-            raise ValueError(
+            raise SimulationError(
                 f"{law}: the force of stage {stage.name!r} falls faster than the target springs back: the contact snaps "
                 "through, which a static stiffness does not describe"
             )

@@ -13,6 +13,7 @@ from film_model.bodies import Body
 from film_model.core import native
 from film_model.curve import Curve, curve_of
 from film_model.effects import Effect, choose
+from film_model.errors import SimulationError
 from film_model.laws.law import AbstractLaw
 from film_model.scales import Scales, scales_of
 from film_model.scene import Scene
@@ -29,7 +30,7 @@ class Problem:
 
     gamma: F_s/(Z v_s). load: external force over F_s. approach: relative velocity over v_s. drift, share: the
     impactor's velocity is drift + share·ν v_s, a free target's drift − (1 − share)·ν v_s; drift 0 and share 1 unless
-    the target is a free body.
+    the target is a free body. vibrates: the target moves by its modes, which the core knows nothing of.
     """
 
     law: AbstractLaw
@@ -42,6 +43,7 @@ class Problem:
     share: float
     mass: float
     effects: tuple[Effect, ...]
+    vibrates: bool = False
 
     @property
     def start(self) -> native.Start:
@@ -99,7 +101,7 @@ def problem_of(scene: Scene) -> Problem:
         drift = scene.impactor.speed - share * approach
     return Problem(
         law=chosen.law,
-        curve=curve_of(chosen.law),
+        curve=curve_of(chosen.law, chosen.compliance * scales.force / scales.length),
         scales=scales,
         gamma=0.0 if math.isinf(chosen.impedance) else scales.force / (chosen.impedance * scales.velocity),
         load=chosen.load / scales.force,
@@ -108,4 +110,14 @@ def problem_of(scene: Scene) -> Problem:
         share=share,
         mass=mass,
         effects=chosen.effects,
+        vibrates=chosen.vibrates,
     )
+
+
+def refuse_vibrations(problem: Problem, what: str) -> None:
+    """SimulationError where the target moves by its modes and `what` is not to be had for it."""
+    if problem.vibrates:
+        raise SimulationError(
+            f"{what} is not to be had for a target that vibrates between its edges: simulate() gives its motion; "
+            "boundary_reflections = false in [effects] makes a plate infinite"
+        )

@@ -41,16 +41,18 @@ class Effects:
     """Which effects are computed: each "auto", True or False.
 
     boundary_reflections: waves that come back from the edges of a plate; where False, the plate is infinite.
+    target_inertia: of a plate or beam with edges; where False, it follows the force with its static stiffness alone.
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
-        name: choice("auto", True, False) for name in ("plasticity", "target_motion", "gravity", "boundary_reflections")
+        name: choice("auto", True, False) for name in ("plasticity", "target_motion", "gravity", "boundary_reflections", "target_inertia")
     }
 
     plasticity: Switch
     target_motion: Switch
     gravity: Switch
     boundary_reflections: Switch
+    target_inertia: Switch
 
     def __init__(
         self,
@@ -58,6 +60,7 @@ class Effects:
         target_motion: Switch = "auto",
         gravity: Switch = "auto",
         boundary_reflections: Switch = "auto",
+        target_inertia: Switch = "auto",
     ) -> None:
         raise_all(fill(self, locals()))
 

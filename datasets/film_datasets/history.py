@@ -36,7 +36,9 @@ COMMENT = (
     "into the target. No featureType: the data have no place on Earth. The segments give the motion at any time in "
     "closed form. On segment k, with time, indentation and velocity in the units scale_*, f = phi + kappa (xi - xi_k), "
     "d nu/dt = load - f, d xi/dt = nu - gamma f, and the target's displacement grows at gamma f. The impactor's "
-    "velocity is drift_velocity + impactor_share nu. contact_force is the contact law's at that indentation. "
+    "velocity is drift_velocity + impactor_share nu. contact_force is the contact law's at that indentation. Where "
+    "target_compliance is not 0, xi is the indentation and target_compliance contact_force together. A target that "
+    "vibrates has no segments. "
     "scene_toml is the scene file to run again."
 )
 
@@ -129,6 +131,7 @@ def _segments(history: History) -> dict[str, Any]:
         **{f"scale_{name}": value for name, value in asdict(problem.scales).items()},
         "drift_velocity": problem.drift,
         "impactor_share": problem.share,
+        "target_compliance": problem.curve.native.compliance,
         **{f"segment_{name}": lines[name] for name in LINE_DTYPE.names or ()},
     }
 
@@ -144,7 +147,7 @@ def _attributes(history: History, content: str) -> dict[str, Any]:
         "title": scene.title or f"Impact on a {kind}",
         "summary": f"Impact of a compact body (target: {kind}, contact law: {law.name}): motion, contact force and "
         f"events from first touch. Outcome: {history.outcome.value}.",
-        "source": f"{name}, force-indentation linearisation method (FILM), {accuracy.lines} segments",
+        "source": f"{name}, {_method(history)}",
         "references": REFERENCES,
         "history": f"{now} {name}: film_datasets.to_dataset",
         "license": "film-model claims no rights in its results; the software is under the MIT license",
@@ -165,6 +168,12 @@ def _attributes(history: History, content: str) -> dict[str, Any]:
         "segments": np.int32(accuracy.segments),
         "unloading_segments": np.int32(accuracy.unloading_segments),
     }
+
+
+def _method(history: History) -> str:
+    if history.vibration is None:
+        return f"force-indentation linearisation method (FILM), {history.accuracy.lines} segments"
+    return f"contact law on {history.accuracy.modes} modes of the target, integrated by DOP853"
 
 
 def _effect_line(effect: Effect) -> str:

@@ -112,6 +112,13 @@ VARIABLES: tuple[Variable, ...] = (
     _number(
         "impactor_share", (), "dimensionless", "share of the impactor in the motion", "1 unless the target is free"
     ),
+    _number(
+        "target_compliance",
+        (),
+        "dimensionless",
+        "static compliance of the target, scale_force/(static stiffness scale_length)",
+        "0 unless the target follows the force statically",
+    ),
     *(_number(f"segment_{key}", ("segment",), "dimensionless", what, _LAW) for key, what in _SEGMENT.items()),
     _stage("segment_branch", ("segment",), "stage of the contact law on the segment"),
     Variable("segment_phase", ("segment",), BYTE, None, "phase of the contact", flags=tuple(enumerate(PHASES))),

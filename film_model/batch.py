@@ -48,7 +48,7 @@ def simulate_batch(
     """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
 
     Law "auto" is decided at the largest velocity, gravity "auto" for every impact. With an accuracy, up to 64 of the
-    impacts, the extremes among them, are tried to find the mesh. A free body, or a vibrating plate or beam, as target is
+    impacts, the extremes among them, are tried to find the mesh. A free body as target, and one that vibrates, are
     refused with SimulationError.
     """
     speeds = units.array_to_si(velocity, "velocity")

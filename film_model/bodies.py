@@ -231,9 +231,9 @@ class Plate:
     def return_time(self) -> float:
         """Time within which no wave that matters has come back from an edge, s; infinite without edges.
 
-        0.08 d² √(ρ_A/D) for an edge at distance d, D the stiffness towards it: a Hertz contact as long, on a square plate
-        struck at its centre with Zener's λ up to 1, ends within 1 % of the time that an infinite plate gives it, and its
-        peak force differs by 1e-4. A slower rebound (λ above 1.5) is touched again by every plate with edges.
+        0.08 d² √(ρ_A/D) for an edge at distance d, D the stiffness towards it. A Hertz contact as long, on a square
+        plate struck at its centre with Zener's λ up to 1, ends within 1 % of the time that an infinite plate gives
+        it, and its peak force differs by 1e-4. A slow rebound (λ above 1.5) is touched again by any plate with edges.
         """
         if self.size is None:
             return math.inf
@@ -267,9 +267,9 @@ class Beam:
     """A slender beam of rectangular cross-section, struck across its thickness.
 
     length: between the supports, width and thickness, m. ends: both "simply supported" or "clamped", or "cantilever",
-    clamped at the first only. position: of the impact, distance from the first end, m; left out, the middle, or the free
-    end of a cantilever. static_stiffness: force over deflection at that point, N/m, instead of the one of such a beam.
-    radius: of a curved surface, m.
+    clamped at the first only. position: of the impact, distance from the first end, m; left out, the middle, or the
+    free end of a cantilever. static_stiffness: force over deflection at that point, N/m, instead of the one of such a
+    beam. radius: of a curved surface, m.
     """
 
     kind: ClassVar[str] = "beam"

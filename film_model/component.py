@@ -66,8 +66,8 @@ class ImpactComponent:
     that earlier ones left. Quantities, texts with units and plain SI floats are all taken. The scene's gravity, if it
     is simulated, comes on top of the external force.
 
-    Raises SceneError or SimulationError as `simulate` does; SimulationError for a free body, or a vibrating plate or beam, as
-    target.
+    Raises SceneError or SimulationError as `simulate` does; SimulationError for a free body as target, and for one that
+    vibrates.
     """
 
     def __init__(

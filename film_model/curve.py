@@ -67,8 +67,8 @@ def curve_of(law: AbstractLaw, compliance: float = 0.0) -> Curve:
     """The curve of a law; with a `compliance` c [δ_s/F_s] in series with a spring, over ξ + c f.
 
     Raises ValueError when stages do not follow each other, a force is negative or not finite, a stage that has to be
-    fitted has no end, or a fit does not come within `FIT_LIMIT`; SimulationError for a force that jumps, or falls so fast
-    that it snaps through, in series with a spring. The message names the law, the stage and the value.
+    fitted has no end, or a fit does not come within `FIT_LIMIT`; SimulationError for a force that jumps, or falls so
+    fast that it snaps through, in series with a spring. The message names the law, the stage and the value.
     """
     try:
         return _build(_name(law), tuple(law.stages()), compliance)
@@ -124,8 +124,8 @@ def _put_in_series(law: str, made: native.Curve, stages: list[Stage], compliance
             )
         if (np.diff(xi + compliance * force) <= 0.0).any():
             raise SimulationError(
-                f"{law}: the force of stage {stage.name!r} falls faster than the target springs back: the contact snaps "
-                "through, which a static stiffness does not describe"
+                f"{law}: the force of stage {stage.name!r} falls faster than the target springs back: the contact "
+                "would snap through"
             )
         for piece in made.piece[entry.first : entry.first + entry.count]:
             piece.work_at_begin += 0.5 * compliance * force[0] ** 2

@@ -31,7 +31,7 @@ INERTIA_THRESHOLD = 0.01
 """Vibration over quasi-static force below which a plate or beam follows statically: forces then differ by less."""
 
 LARGE_MASS = 2.0
-"""Mass of the impactor over that of a plate whose modes are not known, above which its static stiffness is the better model."""
+"""Mass of the impactor over that of a plate of unknown modes, above which its static stiffness is simulated."""
 
 
 @dataclass(frozen=True)
@@ -147,10 +147,10 @@ def _target_motion(scene: Scene) -> tuple[float, Effect]:
 def _edges(scene: Scene, law: AbstractLaw, impedance: float) -> tuple[float, bool, tuple[Effect, Effect]]:
     """Compliance [m/N] of a plate or beam that follows a force statically, or 0; whether it vibrates; the effects.
 
-    Boundary reflections: contact time against the return time of waves from the edges. Target inertia: the amplitude of
-    vibration over the quasi-static force. A contact of stiffness k_c = 1.5 F/δ that closes on a support k_b at velocity V
-    asks the target for V k_c/(k_b + k_c) at once, and what of its mass m_e is under the impactor then oscillates:
-    k_c^{3/2} √(m_e/m)/((k_b + k_c) √k_b), with m_e a quarter of a plate and half of a beam.
+    Boundary reflections: contact time against the return time of waves from the edges. Target inertia: the amplitude
+    of vibration over the quasi-static force. A contact of stiffness k_c = 1.5 F/δ that closes on a support k_b at
+    velocity V asks the target for V k_c/(k_b + k_c) at once, and the part m_e of its mass that is under the impactor
+    then oscillates: k_c^{3/2} √(m_e/m)/((k_b + k_c) √k_b), with m_e a quarter of a plate and half of a beam.
     """
     target, wanted, inertia = scene.target, scene.effects.boundary_reflections, scene.effects.target_inertia
     assert isinstance(target, Plate | Beam)
@@ -191,7 +191,9 @@ def _edges(scene: Scene, law: AbstractLaw, impedance: float) -> tuple[float, boo
         return compliance, False, effects("simulated", reason, state, value, f"{why} {static} alone")
     if known:
         return 0.0, True, effects("simulated", reason, "simulated", value, f"by the vibrations of the {target.kind}")
-    missing = "a given static stiffness has none" if target.static_stiffness else f"modes of {target.edges} ones are not known"
+    missing = f"the vibrations of a {target.edges} {target.kind} are not known"
+    if target.static_stiffness is not None:
+        missing = "a given static stiffness says nothing about vibrations"
     if inertia is True:
         raise SimulationError(f"effects.target_inertia is true, but it cannot be simulated: {missing}")
     if beam or target.static_stiffness is not None or whole is None or scene.mass >= LARGE_MASS * whole:

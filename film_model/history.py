@@ -120,9 +120,9 @@ class History:
     """One impact from first touch to separation.
 
     summary: SI floats by the names of `SUMMARY`, None for what did not happen; the same names are attributes that
-    return pint quantities. lines: the closed-form pieces of the motion, as the core recorded them; none where the target
-    vibrates, and the motion is in `vibration`. Contact may then be lost and come back: contact_duration is that of the first
-    contact, the permanent indentation and all that counts at the end are those after the last.
+    return pint quantities. lines: the closed-form pieces of the motion, as the core recorded them; none where the
+    target vibrates, and the motion is in `vibration`. Contact may then be lost and come back: contact_duration is that
+    of the first contact; dent, rebound and energies are those after the last.
     """
 
     scene: Scene
@@ -154,8 +154,9 @@ class History:
     def sample_si(self, times: Any) -> Samples:
         """Motion at `times` [s, from first touch, >= 0; any shape], as SI floats.
 
-        Exact on the lines of the march, with the true law's force at the marched indentation; on a vibrating target as near
-        as the integrator's interpolation. After the end of contact the impactor flies on. Raises ValueError for a negative or unordered-to-number time.
+        Exact on the lines of the march, with the true law's force at the marched indentation; on a target that
+        vibrates, the integrator's interpolation. After the end of contact the impactor flies on. Raises ValueError for
+        a time that is negative or not finite.
         """
         t = np.asarray(times, dtype=np.float64)
         if not (np.isfinite(t).all() and (t >= 0.0).all()):

@@ -45,7 +45,8 @@ class Effects:
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
-        name: choice("auto", True, False) for name in ("plasticity", "target_motion", "gravity", "boundary_reflections", "target_inertia")
+        name: choice("auto", True, False)
+        for name in ("plasticity", "target_motion", "gravity", "boundary_reflections", "target_inertia")
     }
 
     plasticity: Switch

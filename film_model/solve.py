@@ -116,8 +116,8 @@ def _on_modes(scene: Scene, problem: Problem, warnings: list[str]) -> History:
         summary["energy_radiated"] = vibration.energy * scales.energy
     if len(lost) > 1:
         warnings.append(
-            f"contact is lost after {lost[0]:.4g} s and comes back: contact_duration is that of the first of {len(lost)} "
-            f"contacts, the rebound that after the last, {lost[-1]:.4g} s"
+            f"contact is lost after {lost[0]:.4g} s and comes back: contact_duration is that of the first of "
+            f"{len(lost)} contacts, the rebound that after the last, which ends after {lost[-1]:.4g} s"
         )
     if vibration.waited:
         warnings.append("the target still vibrates within reach of the impactor and might touch it again")

@@ -159,7 +159,8 @@ def clamped_plate_compliance(
 
     Ritz's method with products of polynomials and the energy D11 w_xx² + 2 (D12 + 2 D66) w_xy² + D22 w_yy². What the
     polynomials miss of the singularity under the force they miss on simply supported edges too, where
-    :func:`plate_compliance` knows it, and that much is added. A square isotropic plate yields 0.0056120 L²/D at its centre.
+    :func:`plate_compliance` knows it, and that much is added. A square isotropic plate yields 0.0056120 L²/D at its
+    centre.
     """
     known = plate_compliance(stiffness, size, position)
     held, free = (_ritz(stiffness, size, position, first) for first in (2, 0))

@@ -103,7 +103,7 @@ def _contents(scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_so
     problem = problem_of(scene)
     refuse_vibrations(problem, "an FMU")
     if problem.curve.native.compliance > 0.0:
-        raise SimulationError("an FMU is not to be had for a target with a static stiffness: simulate() gives its motion")
+        raise SimulationError("an FMU is not to be had for a target of a static stiffness: simulate() gives its motion")
     segments, _ = mesh_for(scene, problem, None, None, None, fallback=DEFAULT_SEGMENTS)
     history = simulate(scene) if problem.approach > 0.0 or problem.load > 0.0 else None
     data = resource.model_data(scene, problem, kind, gap, segments, _nominals(problem, history))

@@ -85,7 +85,7 @@ def test_flags_read_as_stages_and_events(dataset: xr.Dataset, history: fm.Histor
     ("stem", "changes", "count"),
     [
         ("two_steel_balls", {"impactor.mass": "1 kg"}, 1),
-        ("olsson_plate", {"impactor.mass": "8 g", "impactor.velocity": "1 mm/s"}, 6),
+        ("olsson_plate", {"impactor.mass": "8 g", "impactor.velocity": "1 mm/s", "target.size": None}, 6),
     ],
 )
 def test_missing_summary_values_are_nan(stem: str, changes: dict[str, str], count: int) -> None:

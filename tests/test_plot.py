@@ -23,7 +23,7 @@ def _history(stem: str, title: str | None = None, **impactor: str) -> fm.History
     scene = fm.Scene.from_toml(SCENES / f"{stem}.toml")
     changes: dict[str, str | None] = {f"impactor.{key}": value for key, value in impactor.items()}
     if "velocity" in impactor:
-        changes["impactor.drop_height"] = None
+        changes |= {"impactor.drop_height": None, "target.size": None}
     return fm.simulate(scene.replace({**changes, "title": scene.title if title is None else title}))
 
 

@@ -61,7 +61,7 @@ def test_square_plates_at_the_centre():
 
 @pytest.mark.parametrize(("stiffness", "size"), [(ISOTROPIC, (1.0, 1.0)), (OLSSON, (0.2, 0.25))])
 def test_clamped_plate_against_finite_differences(stiffness, size):
-    """Second differences, of a w that is mirrored at the edges: clamped. Errors fall about with the square of the step."""
+    """Second differences of a w that is mirrored at the edges: clamped. Errors fall about with the step squared."""
     d11, d12, d22, d66 = stiffness
 
     def centre(steps):

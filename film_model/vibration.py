@@ -33,10 +33,11 @@ LONGEST = 3.0
 """A contact is left after this many times the quasi-static contact's duration and the slowest period together."""
 
 MODES_FACTOR = 1.0
-"""Bound on the error of a run over its difference to one with half the highest frequency, which may meet it by chance."""
+"""Bound on the error of a run over its difference to one with half the highest frequency: by chance, that may be small."""
 
 _FIRST_PHASE = 24.0  # highest frequency of the first run times the time from touch to the deepest point
 _INTEGRATION = 1e-2  # tolerance of the integrator over the accuracy that is asked of the summary
+_LATE = 1e-3  # events are late by 1e-10 times this of the depth: above rounding, below what a sample shows
 _NEVER = -1e300  # velocity at which the core would report the impactor's stop, which is watched here
 
 
@@ -187,7 +188,7 @@ def _integrate(
     def indicator(k: int) -> Any:
         def watch(_: float, y: Array) -> float:
             stand(y)
-            return native.indicators(curve, state, problem.approach)[k]
+            return native.indicators(curve, state, _LATE * problem.approach)[k]
 
         event: Any = watch
         event.terminal, event.direction = True, -1.0

@@ -67,7 +67,7 @@ def to_dataset(history: History, samples: int = 201) -> xr.Dataset:
 
 
 def lines_of(ds: xr.Dataset) -> NDArray[Any]:
-    """The segments of a dataset as the core's lines (`native.LINE_DTYPE`), for `native.sample`."""
+    """The segments of a dataset as the core's lines (`native.LINE_DTYPE`), for `native.sample`; none if it vibrates."""
     lines: NDArray[Any] = np.empty(ds.sizes["segment"], LINE_DTYPE)
     for name in LINE_DTYPE.names or ():
         lines[name] = ds[f"segment_{name}"].values

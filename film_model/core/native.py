@@ -262,6 +262,8 @@ def sample(
     curve: Curve, lines: NDArray[Any], times: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int8], NDArray[np.int8]]:
     """(count, 5) values ξ, ξ', f, ν, target displacement at ascending times; branch and phase of each."""
+    if len(lines) == 0:
+        raise ValueError("there are no lines to sample")
     times = np.ascontiguousarray(times, dtype=np.float64)
     values = np.empty((times.size, 5))
     stages, phases = np.empty(times.size, np.int8), np.empty(times.size, np.int8)

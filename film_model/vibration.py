@@ -33,7 +33,7 @@ LONGEST = 3.0
 """A contact is left after this many times the quasi-static contact's duration and the slowest period together."""
 
 MODES_FACTOR = 1.0
-"""Bound on the error of a run over its difference to one with half the highest frequency: by chance, that may be small."""
+"""Bound on the error of a run over its difference to one with half the highest frequency: it may be small by chance."""
 
 _FIRST_PHASE = 24.0  # highest frequency of the first run times the time from touch to the deepest point
 _INTEGRATION = 1e-2  # tolerance of the integrator over the accuracy that is asked of the summary

@@ -25,8 +25,8 @@ from film_model.targets import Modes
 
 Array = NDArray[np.float64]
 
-MOST_WORK = 10_000_000
-"""Modes times steps that a run may be expected to take: some ten seconds."""
+MOST_WORK = 300_000_000
+"""Evaluations of the force, each counted as the modes and 400 more, that a run may take: some ten seconds."""
 
 MOST_EVENTS = 10_000
 LONGEST = 3.0
@@ -72,7 +72,7 @@ class Vibration:
     outcome: Outcome
     summary: native.Summary
     energy: float
-    steps: int
+    work: int
     waited: bool
 
     @property
@@ -122,7 +122,7 @@ def vibrate(
         estimated = MODES_FACTOR * difference(problem, coarse.summary, fine.summary) + accuracy * _INTEGRATION
         if estimated <= accuracy:
             return fine, estimated
-        if 4 * fine.modes * fine.steps > MOST_WORK:
+        if 4 * fine.work > MOST_WORK:
             warnings.append(
                 f"accuracy {accuracy:g} cannot be had: the error is estimated at {estimated:.1e} with {fine.modes} "
                 "modes"
@@ -170,9 +170,16 @@ def _integrate(
     curve, load, count = curve_of(problem.law, rest).native, problem.load, frequency.size
     state = native.initial_state(curve, native.Start(problem.approach, 0.0, load, _NEVER, math.inf))
     square, w, u = frequency**2, slice(3, 3 + count), slice(3 + count, 3 + 2 * count)
-    force = native.force_of(curve, state)
+    force, work = native.force_of(curve, state), 0
 
     def rates(_: float, y: Array) -> Array:
+        nonlocal work
+        work += count + 400
+        if work > MOST_WORK:
+            raise SimulationError(
+                f"the motion on {count} modes takes too long: {len(events)} events were met; a coarser accuracy needs "
+                "fewer modes, and target_inertia = false in [effects] none"
+            )
         moved, rate = y[w].sum(), y[u].sum()
         f = force(y[0] - moved)
         dy = np.empty_like(y)
@@ -200,7 +207,7 @@ def _integrate(
     stops.direction = -1.0  # pyright: ignore[reportFunctionMemberAccess]
     watched = [indicator(0), indicator(1), indicator(2), stops]
 
-    y, t, steps = np.zeros(3 + 2 * count), 0.0, 0
+    y, t = np.zeros(3 + 2 * count), 0.0
     y[1] = problem.approach
     speed = max(problem.approach, math.sqrt(depth))
     sizes = [[depth, speed, speed**2], np.full(count, depth), np.full(count, speed)]
@@ -225,7 +232,6 @@ def _integrate(
         solution: Any = solve_ivp(rates, (t, until), y, events=watched, dense_output=True, **options)
         if solution.status < 0:
             raise SimulationError(f"the vibrating target could not be integrated: {solution.message}")
-        steps += solution.t.size - 1
         if free and solution.status == 0:
             break
         if not free:
@@ -239,7 +245,7 @@ def _integrate(
     energy = float(np.sum((y[u] ** 2 + square * y[w] ** 2) / share)) / 2.0
     summary = _summary(events, y, problem.approach, outcome)
     return Vibration(
-        curve, frequency, share, tuple(spans), tuple(events), outcome, summary, energy, steps, free and waits
+        curve, frequency, share, tuple(spans), tuple(events), outcome, summary, energy, work, free and waits
     )
 
 

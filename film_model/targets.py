@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.errors import SimulationError
+
 
 def plate_stiffness(youngs_modulus: float, poissons_ratio: float, thickness: float) -> float:
     """Bending stiffness D = E h³ / (12 (1 − ν²)) of an isotropic thin plate, N·m."""
@@ -77,6 +79,9 @@ def _agm(a: float, b: float) -> float:
 Array = NDArray[np.float64]
 
 
+MOST_MODES = 10_000_000
+
+
 @dataclass(frozen=True)
 class Modes:
     """Natural vibrations of a structure as seen from the struck point, by ascending frequency.
@@ -110,7 +115,9 @@ def plate_modes(
     (d11, _, d22, _), (a, b), (x, y) = stiffness, size, position
     coupling = stiffness[1] + 2 * stiffness[3]
     bound = highest**2 * mass_per_area / math.pi**4 / min(1.0, (1.0 + anisotropy(*stiffness)) / 2)
-    i, j = (np.arange(1.0, (bound / d) ** 0.25 * length + 2.0) for d, length in ((d11, a), (d22, b)))
+    most = [(bound / d) ** 0.25 * length + 2.0 for d, length in ((d11, a), (d22, b))]
+    _check_room(most[0] * most[1])
+    i, j = (np.arange(1.0, end) for end in most)
     u, v = (i / a)[:, None] ** 2, (j / b) ** 2
     square = math.pi**4 / mass_per_area * (d11 * u**2 + 2 * coupling * u * v + d22 * v**2)
     shape = (np.sin(i * math.pi * x / a)[:, None] * np.sin(j * math.pi * y / b)) ** 2
@@ -204,7 +211,9 @@ def beam_modes(mass_per_length: float, bending: float, length: float, position: 
     Slender beams only (Bernoulli's): wavelengths long against the thickness.
     """
     clock = math.sqrt(bending / mass_per_length) * (math.pi / length) ** 2
-    n = np.arange(1.0, math.sqrt(highest / clock) + 2.0)
+    most = math.sqrt(highest / clock) + 2.0
+    _check_room(most)
+    n = np.arange(1.0, most)
     return _sorted_modes(
         clock * n**2, np.sin(n * math.pi * position / length) ** 2 * 2 / (mass_per_length * length), highest
     )
@@ -218,6 +227,14 @@ def beam_compliance(bending: float, length: float, position: float, ends: str) -
     a, b = position, length - position
     lever = {"simply supported": a**2 * b**2 / length, "clamped": (a * b / length) ** 3, "cantilever": a**3}[ends]
     return lever / (3 * bending)
+
+
+def _check_room(count: float) -> None:
+    if count > MOST_MODES:
+        raise SimulationError(
+            f"some {count:.1e} natural vibrations would be needed: the contact is so short against them that the target "
+            "has no edges (boundary_reflections = false in [effects])"
+        )
 
 
 def _sorted_modes(frequency: Array, share: Array, highest: float) -> Modes:

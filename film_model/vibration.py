@@ -142,8 +142,8 @@ def _fixed(problem: Problem, curve: native.Curve) -> native.Summary:
 
 def _lowest(modes_up_to: Callable[[float], Modes], unit: float) -> float:
     """The lowest frequency that the struck point takes part in, in units of `unit` [rad/s]."""
-    highest = unit
-    for _ in range(200):
+    highest = unit * 2.0**-60
+    for _ in range(120):
         found = modes_up_to(highest).frequency
         if found.size > 0:
             return float(found[0]) / unit

@@ -307,6 +307,12 @@ def test_what_cannot_be_had_is_refused(changes, message):
         fm.simulate(OLSSON.replace(changes))
 
 
+def test_more_modes_than_there_is_room_for():
+    wide = OLSSON.replace({"target.size": ["200 m", "200 m"], "effects.boundary_reflections": True})
+    with pytest.raises(fm.SimulationError, match="so short against them that the target has no edges"):
+        fm.simulate(wide)
+
+
 def test_a_beam_without_ends_is_refused():
     beam = fm.Beam(STEEL, "1 m", "20 mm", "10 mm")
     with pytest.raises(fm.SimulationError, match="a beam without ends has no impedance"):

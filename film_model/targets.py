@@ -232,8 +232,8 @@ def beam_compliance(bending: float, length: float, position: float, ends: str) -
 def _check_room(count: float) -> None:
     if count > MOST_MODES:
         raise SimulationError(
-            f"some {count:.1e} natural vibrations would be needed: the contact is so short against them that the target "
-            "has no edges (boundary_reflections = false in [effects])"
+            f"some {count:.1e} natural vibrations would be needed: the contact is so short against them that the "
+            "target has no edges (boundary_reflections = false in [effects])"
         )
 
 

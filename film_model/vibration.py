@@ -103,7 +103,10 @@ def vibrate(
     """
     scales = problem.scales
     soft = compliance * scales.force / scales.length
-    still, spring = (_fixed(problem, curve) for curve in (problem.curve.native, curve_of(problem.law, soft).native))
+    spring = _without_inertia(problem, curve_of(problem.law, soft).native)
+    still = _without_inertia(problem, problem.curve.native) or spring
+    if still is None or spring is None:
+        raise SimulationError(f"law {problem.law.name}: {Outcome.BEYOND_LAW.value}; it cannot stop this impactor")
     depth = still.maximum_indentation
     lowest = _lowest(modes_up_to, 1.0 / scales.time)
     limit = LONGEST * (spring.contact_duration + 2.0 * math.pi / lowest)
@@ -131,13 +134,11 @@ def vibrate(
         coarse = fine
 
 
-def _fixed(problem: Problem, curve: native.Curve) -> native.Summary:
-    """The impact on a target without inertia."""
+def _without_inertia(problem: Problem, curve: native.Curve) -> native.Summary | None:
+    """The impact on a fixed target, or on a spring; None where the law ends before it turns."""
     start = native.Start(max(problem.approach, 1e-3), 0.0, 0.0, 0.0, math.inf)
     status, summary = native.impact(curve, native.mesh(native.WORK_PRESERVING, 6, 6), start)
-    if status != native.EVENT:
-        raise SimulationError(f"law {problem.law.name}: {Outcome.BEYOND_LAW.value}; it cannot stop this impactor")
-    return summary
+    return summary if status == native.EVENT else None
 
 
 def _lowest(modes_up_to: Callable[[float], Modes], unit: float) -> float:

@@ -115,12 +115,10 @@ static inline double indentation_at(const film_curve *curve, const film_line *li
     double xi = high;
     for (int k = 0; k < SERIES_STEPS; k++) {
         contact_at(line, piece, xi, &force, &work);
-        double miss = xi + c * force - x;
+        double miss = xi + c * force - x, next = xi - miss / (1.0 + c * contact_slope(line, piece, xi));
+        if (fabs(next - xi) <= 4e-16 * x) return next;
         if (miss < 0.0) low = xi; else high = xi;
-        double next = xi - miss / (1.0 + c * contact_slope(line, piece, xi));
-        if (!(next > low && next < high)) next = miss == 0.0 ? xi : 0.5 * (low + high);
-        if (fabs(next - xi) <= 2e-16 * x) return next;
-        xi = next;
+        xi = next > low && next < high ? next : 0.5 * (low + high);
     }
     return xi;
 }

@@ -158,7 +158,8 @@ def test_pyplot_and_settings_are_left_alone(tmp_path: Path) -> None:
 import sys, matplotlib, film_model as fm
 from film_model.plot import plot_history
 before = matplotlib.rcParams.copy()
-plot_history(fm.simulate(fm.Scene.from_toml({str(SCENES / "steel_ball_on_rod.toml")!r})), {str(tmp_path / "a.png")!r})
+scene = fm.Scene.from_toml({str(SCENES / "steel_ball_on_rod.toml")!r})
+plot_history(fm.simulate(scene), {str(tmp_path / "a.png")!r})
 assert matplotlib.rcParams.copy() == before
 assert "matplotlib.pyplot" not in sys.modules
 print("ok")

@@ -20,7 +20,7 @@ from film_model.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.yielding import yield_velocity
-from film_model.problem import Array, Problem, contact_limit, problem_of
+from film_model.problem import Array, Problem, contact_limit, problem_of, refuse_vibrations
 from film_model.scales import Scales
 from film_model.scene import Scene
 
@@ -149,6 +149,7 @@ def _one_by_one(scene: Scene, columns: Mapping[str, Array], moving: Index) -> li
     for row in moving.tolist():
         try:
             problem = problem_of(_at_row(scene, columns, row))
+            refuse_vibrations(problem, "a batch")
         except (SimulationError, ValueError) as error:
             first = first or error
             continue

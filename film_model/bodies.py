@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from typing import Any, ClassVar, Literal, TypeAlias, cast
 
 from film_model import targets
-from film_model.elementwise import root
+from film_model.elementwise import lesser, root
 from film_model.errors import Mistake, raise_all
 from film_model.fields import Field, choice, fill, measure, part, several
 from film_model.materials import Material, material
@@ -240,7 +241,8 @@ class Plate:
             return math.inf
         d11, _, d22, _ = self.stiffness
         sides = zip(self._struck, self.size, (d11, d22), strict=True)
-        return min(0.08 * min(x, side - x) ** 2 * math.sqrt(self.surface_density / d) for x, side, d in sides)
+        times = (0.08 * min(x, side - x) ** 2 * root(self.surface_density / d) for x, side, d in sides)
+        return reduce(lesser, times)
 
     @property
     def compliance(self) -> float | None:

@@ -12,6 +12,7 @@ from typing import NamedTuple
 from film_model.bodies import Beam, Plate
 from film_model.effects import (
     FREE,
+    INTEGRATED,
     NOT_JUDGED,
     NOT_MODELLED,
     NOT_NEEDED,
@@ -24,13 +25,11 @@ from film_model.effects import (
 )
 from film_model.errors import SimulationError
 from film_model.laws import AbstractLaw
-from film_model.limits import RULES, judged
+from film_model.limits import judged
 from film_model.problem import assemble
 from film_model.scene import Scene
 
 REFLECTIONS, INERTIA = "boundary_reflections", "target_inertia"
-
-INTEGRATED = "no lines: the modes are integrated, thousands of times as long"
 
 LARGE_MASS = 2.0
 """Mass of the impactor over that of a plate of unknown modes, above which its static stiffness is simulated."""
@@ -118,6 +117,8 @@ def support_of(scene: Scene, law: AbstractLaw) -> tuple[Support, tuple[Effect, .
     def follows(state: str, reason: str) -> tuple[Support, tuple[Effect, ...]]:
         return Support(math.inf, compliance), _effects(scene, seen, wide, slow, value, state, reason, FREE)
 
+    if endless and given:
+        seen = seen._replace(reason="the scene gives a static stiffness")
     if inertia is False:
         return follows(SWITCHED_OFF, f"the scene asks for {static} alone")
     if inertia == "auto" and value is not None and value <= scene.effect_tolerance:
@@ -151,10 +152,9 @@ _SOURCE = "a contact that closes on a support in vibration, to first order"
 
 def _seen(scene: Scene, wide: Trial | None) -> Effect:
     """What is to be said of reflections by the trial on the infinite plate."""
-    indicator, source, _ = RULES[REFLECTIONS]
     if wide is None:
-        reason = "a beam is as narrow as its waves are long: they are back at once"
-        return Effect(REFLECTIONS, indicator, None, None, None, NOT_MODELLED, reason, source)
+        reason = "an endless beam has no impedance: its ends always count"
+        return Effect(REFLECTIONS, "-", None, None, None, NOT_MODELLED, reason, "bending waves have no greatest speed")
     return judged(scene, wide, REFLECTIONS)
 
 

@@ -35,6 +35,11 @@ FREE = "none"
 DAMPED, PUSHED = "each about 3.5 × as long", "each about 2 × as long"
 """What a line of the core takes with target motion, and with a load, as `benchmarks/effects.py` measures it."""
 
+SPRUNG = "each about 5 × as long"
+"""What a line takes in series with a spring, on a target that is otherwise fixed."""
+
+INTEGRATED = "no lines: the modes are integrated, thousands of times as long"
+
 FULLY_PLASTIC_RATIO = 200.0
 """V/V_Y of a half-space impact that reaches full plasticity: 200.6 by Stronge's law, 201.3 by Big-Alabo's."""
 
@@ -344,7 +349,7 @@ def _fully_plastic(scene: Scene, trial: Trial, yielding: bool, ratio: float | No
         return effect(SWITCHED_OFF if late else NOT_NEEDED, None if late else 0.0, "the law does not yield")
     if curve.stage_names[-1] != "fully plastic":
         return effect(NOT_JUDGED, None, f"the law {trial.problem.law.name} has no fully plastic stage of its own")
-    if not trial.summary.maximum_indentation > curve.native.stage[curve.native.stages - 1].begin:
+    if trial.summary.stage != curve.native.stages - 1:
         return effect(NOT_NEEDED, 0.0, "the contact does not get that far")
     depth, size = trial.summary.maximum_indentation, None
     if depth < DEEPEST:
@@ -372,7 +377,10 @@ def _target_motion(scene: Scene, trial: Trial, support: Support, notes: list[Eff
         else:
             held = _other(scene, trial, impedance=math.inf, compliance=0.0)
         size = change(moved, held)
-        cost = f"{moved.summary.lines / max(held.summary.lines, 1):.2g} × the lines, {DAMPED}"
+        each = SPRUNG if moved.problem.compliance > 0.0 else DAMPED
+        cost = f"{moved.summary.lines / max(held.summary.lines, 1):.2g} × the lines, {each}"
+        if support.vibrates:
+            cost = INTEGRATED
     asked = scene.effects.boundary_reflections is True or scene.effects.target_inertia is True
     dropped = wanted == "auto" and not asked and gives and size is not None and size <= tolerance
     if notes is not None:

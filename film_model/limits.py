@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -134,6 +134,20 @@ def _judged(
 ) -> Effect:
     state = NOT_MODELLED if size > case.tolerance else NOT_NEEDED
     return Effect(name, indicator, value, threshold, size, state, reason, source, cost)
+
+
+def reflection_change(approach: Any, gamma: Any, seen: Any, returns: Any) -> Any:
+    """Change by waves from the edges of a plate, as in :func:`reflections`, for arrays in the units of the march.
+
+    approach, gamma: ν and m/Z. seen: summaries (native.SUMMARY_DTYPE) of the impacts on the infinite plate. returns:
+    return times.
+    """
+    push, duration = approach - seen["final_velocity"], seen["contact_duration"]
+    back = (approach * duration - seen["permanent_indentation"] - seen["shift"]) / push
+    restitution = np.maximum(-seen["final_velocity"] / approach, 1e-3)
+    constant, power = REFLECTION_CHANGE
+    share = constant * push / approach * gamma / duration / restitution
+    return np.minimum(share * (back / returns) ** power, 1.0)
 
 
 def reflections(case: Case, name: str, indicator: str, source: str) -> Effect:

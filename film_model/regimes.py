@@ -17,7 +17,7 @@ from film_model.curve import curve_of
 from film_model.effects import zener
 from film_model.laws import BigAlabo
 from film_model.laws.yielding import yield_velocity
-from film_model.limits import REFLECTION_CHANGE
+from film_model.limits import reflection_change
 from film_model.problem import Array
 from film_model.scene import Scene
 
@@ -108,11 +108,6 @@ def _boundaries(scene: Scene, start: Any, moved: Any) -> tuple[Array | None, Arr
         return None, None
     stiff = max(target.stiffness[0], target.stiffness[2])
     rate = math.sqrt(stiff / target.surface_density) / min(target.size) ** 2
-    push = start["nu"] - moved["final_velocity"]
-    shift = moved["permanent_indentation"] + moved["shift"]
-    back = (start["nu"] * moved["contact_duration"] - shift) / push / start["gamma"]
-    restitution = np.maximum(-moved["final_velocity"] / start["nu"], 1e-3)
-    share = (1.0 + restitution) / (restitution * unit)
-    constant, power = REFLECTION_CHANGE
-    change = np.minimum(constant * share * (back * mass / impedance / target.return_time) ** power, 1.0)
+    returns = target.return_time * impedance / mass * start["gamma"]
+    change = reflection_change(start["nu"], start["gamma"], moved, returns)
     return change, unit * mass / impedance * rate * math.pi  # T_1 = L² √(ρ_A/D)/π of a square

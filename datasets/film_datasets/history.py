@@ -17,6 +17,7 @@ from film_model.errors import Outcome, SceneError
 from film_model.history import MOTION, SUMMARY, Accuracy, Event, History, stage_names
 from film_model.problem import problem_of
 from film_model.scene import Scene
+from film_model.solve import simulate
 
 NEAREST_SAMPLE = 1e-9
 """Even samples nearer to an event than this part of the contact are left out: differences would be mere rounding."""
@@ -71,10 +72,13 @@ def lines_of(ds: xr.Dataset) -> NDArray[Any]:
 def history_of(ds: xr.Dataset) -> History:
     """The history that a dataset was made from, with which it can be sampled and drawn, from the dataset alone.
 
-    Raises ValueError where the contact law is not one of film-model's own.
+    On a target that vibrates there are no segments: the impact is simulated anew. Raises ValueError where the contact
+    law is not one of film-model's own.
     """
     scene = scene_of(ds)
     problem = problem_of(scene)
+    if problem.vibrates:
+        return simulate(scene)
     lines, names = lines_of(ds), stage_names(problem)
     rows = zip(
         *(ds[f"event_{name}"].values.tolist() for name in ("kind", "time", "stage", *MOTION)),

@@ -97,7 +97,7 @@ def support_of(scene: Scene, law: AbstractLaw) -> tuple[Support, tuple[Effect, .
     if wanted == "auto" and not (beam or endless) and seen.state != NOT_MODELLED:
         return without(seen.state, seen.reason)
     damped = any(stage.damping is not None for stage in law.stages())
-    if damped and (beam or given or wanted is True):
+    if damped and (beam or given or wanted is True or inertia is True):
         otherwise = "target_motion = false in [effects] holds it still"
         if not beam:
             otherwise = "boundary_reflections = false in [effects] makes it infinite"

@@ -17,7 +17,7 @@ static const double SERIES_ROUNDING = 1e-7;
 static const double ENERGY = 1e-11;  /* balance of energy over a whole contact: the sum of some hundred roundings */
 
 enum { RANDOM_IMPACTS = 3000, RANDOM_SCHEDULES = 1500, SEGMENTS_MOST = 24, LINE_ROOM = 4096, EVENT_ROOM = 256, SAMPLES = 60 };
-enum { CURVES = 8, BATCH_CURVES = 12, PARTS = 6, BATCH = 500 };
+enum { CURVES = 10, BATCH_CURVES = 14, PARTS = 6, BATCH = 500 };
 
 /* ---------------------------------------------------------------- checking, hashing, random numbers */
 
@@ -154,18 +154,6 @@ static film_curve elastoplastic_curve(void) {
     return curve;
 }
 
-/* The same in series with a spring. */
-static film_curve sprung_curve(void) {
-    film_curve curve = elastoplastic_curve();
-    const double c = curve.compliance = 0.3, force[] = {0.0, 1.0, 1.0 + pow(12.93, 1.5)};
-    for (int k = 0; k < 3; k++) {
-        curve.piece[k].work_at_begin += 0.5 * c * force[k] * force[k];
-        curve.stage[k].begin += c * force[k];
-        if (k < 2) curve.stage[k].end = curve.piece[k].end += c * force[k + 1];
-    }
-    return curve;
-}
-
 /* x^1.5 up to 1, as a series in the root; then 1 + (x - 1) + (x - 1)^2/4 in two pieces up to 3, where the law ends. A
  * contact that turns there leaves (x - 1)^2/4. */
 static film_curve series_curve(void) {
@@ -280,6 +268,23 @@ static film_curve shifted_curve(void) {
     return curve;
 }
 
+/* A curve of powers in series with a spring. */
+static film_curve sprung(film_curve curve) {
+    const double c = 0.3;
+    double force = 0.0, work;
+    for (int32_t k = 0; k < curve.stages; k++) {
+        double before = force, end = curve.stage[k].end;
+        curve.piece[k].work_at_begin += 0.5 * c * before * before;
+        curve.stage[k].begin += c * before;
+        if (end < INFINITY) {
+            film_law(&curve, k, end, &force, &work);
+            curve.stage[k].end = curve.piece[k].end = end + c * force;
+        }
+    }
+    curve.compliance = c;
+    return curve;
+}
+
 /* A shifted branch ends with a slope 1.5 sqrt(xi_f), at most 2.04 here: 2/sqrt(slope). */
 static const double SHIFTED_OVER_DAMPED = 1.4;
 
@@ -291,9 +296,9 @@ static film_curve damped_curve(void) {
     return curve;
 }
 
-enum { HERTZ, ELASTOPLASTIC, SERIES, LINEAR, LAMINATE, SHIFTED, DAMPED, SPRUNG, CLEARANCE, DENTED, VARIED, SOFTENING };
+enum { HERTZ, ELASTOPLASTIC, SERIES, LINEAR, LAMINATE, SHIFTED, DAMPED, SPRUNG, SPRUNG_LAMINATE, SPRUNG_SHIFTED, CLEARANCE, DENTED, VARIED, SOFTENING };
 static film_curve curves[BATCH_CURVES];
-static const double work_rounding[CURVES] = {0.0, 0.0, 4e-15, 0.0, 0.0, 0.0, 0.0, 0.0}; /* of a series: of its largest value, near 5 */
+static const double work_rounding[CURVES] = {0.0, 0.0, 4e-15, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0}; /* of a series: of its largest value, near 5 */
 
 /* ---------------------------------------------------------------- meshes */
 
@@ -491,7 +496,7 @@ static void one_contact(int which, const film_mesh *mesh, const film_start *star
     check_little_room(curve, mesh, &begin, start->time_limit, line_count, event_count);
     stir_state(&s);
     int creeps = (which == LINEAR && start->gamma > OVER_DAMPED) || (which == SERIES && !work_preserving) ||
-                 (which == SHIFTED && start->gamma > SHIFTED_OVER_DAMPED);
+                 ((which == SHIFTED || which == SPRUNG_SHIFTED) && start->gamma > SHIFTED_OVER_DAMPED);
     if (start->load <= 0.0) HOLD(status == FILM_EVENT || (status == FILM_ENDLESS && creeps));
     if (status != FILM_EVENT) return;
     double t = s.time, v = start->nu + fabs(s.nu), tolerance = EXACT + work_rounding[which] / (0.5 * v * v);
@@ -765,6 +770,10 @@ static void check_bad_curves(void) {
         REFUSED(bad.stage[last].unloading = -1);
         REFUSED(bad.stage[last].reload_exponent = -1.0);
         REFUSED(bad.stage[last].reload_exponent = NAN);
+        REFUSED(bad.compliance = -1e-9);
+        REFUSED(bad.compliance = NAN);
+        REFUSED(bad.compliance = INFINITY);
+        if (which == DAMPED) REFUSED(bad.compliance = 1e-9);
         REFUSED(bad.piece[0].end = 0.0);
         REFUSED(bad.piece[0].end = NAN);
         REFUSED(bad.piece[0].work_at_begin = NAN);
@@ -916,7 +925,9 @@ int main(void) {
     curves[LAMINATE] = laminate_curve();
     curves[SHIFTED] = shifted_curve();
     curves[DAMPED] = damped_curve();
-    curves[SPRUNG] = sprung_curve();
+    curves[SPRUNG] = sprung(curves[ELASTOPLASTIC]);
+    curves[SPRUNG_LAMINATE] = sprung(curves[LAMINATE]);
+    curves[SPRUNG_SHIFTED] = sprung(curves[SHIFTED]);
     check_bad_curves();
     check_bad_meshes();
     check_hertz();

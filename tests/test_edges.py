@@ -12,7 +12,10 @@ import film_datasets as fd
 import film_model as fm
 import fmu_wrapper
 from film_model import reference, targets, vibration
+from film_model.batch import STATUSES, simulate_rows
+from film_model.cli import main
 from film_model.problem import problem_of
+from film_model.rows import VIBRATES, rows_of
 
 SCENES = Path(__file__).parent.parent / "examples" / "scenes"
 OLSSON = fm.Scene.from_toml(SCENES / "olsson_plate.toml")
@@ -412,3 +415,122 @@ def test_picture(history, tmp_path):
     pytest.importorskip("matplotlib")
     plot.plot_history(history, tmp_path / "impact.png")
     assert (tmp_path / "impact.png").stat().st_size > 10_000
+
+
+# ---------------------------------------------------------------- many impacts
+
+
+def test_rows_that_vibrate_say_so_and_harm_no_other():
+    """The light and slow are on an infinite plate, as one by one; the others wait for `simulate`."""
+    masses = np.geomspace(0.5e-3, 16e-3, 40)
+    result = simulate_rows(OLSSON, {"impactor.mass": masses})
+    for row, mass in enumerate(masses.tolist()):
+        problem = problem_of(OLSSON.replace({"impactor.mass": f"{mass!r} kg"}))
+        assert STATUSES[int(result.status[row])][0] == ("vibrates" if problem.vibrates else "separated"), mass
+    assert 5 < np.count_nonzero(result.status == VIBRATES) < 35
+    one = fm.simulate(OLSSON.replace({"impactor.mass": f"{float(masses[3])!r} kg"}), accuracy=1e-7)
+    assert result.summary["maximum_force"][3] == pytest.approx(one.summary["maximum_force"], rel=1e-4)
+    assert np.isnan(result.summary["maximum_force"][-1])
+
+
+def test_most_rows_without_edges_are_arrays():
+    count = 5000
+    masses = np.geomspace(0.2e-3, 1e-3, count)
+    whole, *others = rows_of(OLSSON, {"impactor.mass": masses}, count)
+    assert whole.index.size == count and not others
+    wide = rows_of(OLSSON.replace({"effects.boundary_reflections": False}), {"impactor.mass": masses}, count)
+    assert bytes(whole.start) == bytes(wide[0].start)
+
+
+@pytest.mark.parametrize("kind", ["beam", "plate", "given"])
+def test_rows_on_static_stiffnesses(kind):
+    beam, plate = fm.Beam(STEEL, "300 mm", "20 mm", "8 mm"), fm.Plate(STEEL, "8 mm", size=["200 mm", "200 mm"])
+    given = fm.Plate(STEEL, "8 mm", static_stiffness="3 kN/mm")
+    target = {"beam": beam, "plate": plate, "given": given}[kind]
+    ball = fm.Sphere("10 mm", "1 m/s", mass="5 kg")
+    contact = fm.Contact("hertz", effective_modulus="1 GPa")
+    effects = fm.Effects(gravity=False, target_inertia=False, boundary_reflections=True)
+    scene = fm.Scene(ball, target, contact, effects)
+    speeds = np.array([0.5, 1.0, 2.0])
+    result = simulate_rows(scene, {"impactor.velocity": speeds})
+    for row, speed in enumerate(speeds.tolist()):
+        one = fm.simulate(scene.replace({"impactor.velocity": f"{speed!r} m/s"}), accuracy=1e-8)
+        for name in ("maximum_force", "maximum_indentation", "contact_duration", "rebound_velocity"):
+            assert result.summary[name][row] == pytest.approx(one.summary[name], rel=1e-4), name
+        energy = one.summary["maximum_force"] ** 2 * target.compliance / 2
+        assert 0.1 * one.scene.kinetic_energy < energy < one.scene.kinetic_energy
+
+
+def test_sweeps_of_plates_with_edges(tmp_path):
+    static = OLSSON.replace({"effects.target_inertia": False, "impactor.mass": "2 kg"})
+    ds = fd.sweep(static, {"impactor.velocity": ["1 m/s", "2 m/s"]}, keep="segments")
+    assert fd.validate(ds) == []
+    for k, speed in enumerate((1.0, 2.0)):
+        one = fm.simulate(static.replace({"impactor.velocity": f"{speed} m/s"}), accuracy=1e-8)
+        times = np.linspace(0.0, one.duration, 7)
+        motion = ds.film.sample(times, impactor_velocity=speed)
+        exact = one.sample_si(times)
+        np.testing.assert_allclose(
+            motion["target_displacement"], exact.target_displacement, atol=1e-3 * exact.target_displacement.max()
+        )
+        assert float(ds["target_compliance"][k]) == one.problem.curve.native.compliance
+    with pytest.raises(fm.SimulationError, match="a batch is not to be had for a target that vibrates"):
+        fd.sweep(OLSSON, {"impactor.velocity": ["2 m/s", "3 m/s"]})
+
+
+def test_a_vibrating_history_is_drawn_from_its_file(history, tmp_path):
+    pytest.importorskip("matplotlib")
+    path = fd.write(fd.to_dataset(history), tmp_path / "impact.nc")
+    ds = fd.open(path)
+    assert ds.film.sample(["20 us"])["contact_force"].item() == history.sample_si([20e-6]).contact_force[0]
+    assert main(["plot", str(path), "--output", str(tmp_path / "impact.png")]) == 0
+    assert (tmp_path / "impact.png").stat().st_size > 10_000
+
+
+# ---------------------------------------------------------------- what a user sees
+
+
+def test_commands_on_scenes_with_edges(tmp_path, capsys):
+    path = tmp_path / "scene.toml"
+    path.write_text(OLSSON.to_toml(), encoding="utf-8")
+    assert main(["explain", str(path), "--plot", str(tmp_path / "map.png")]) == 0
+    assert "boundary reflections" in capsys.readouterr().out
+    assert main(["export-fmu", str(path), "--output", str(tmp_path / "impact.fmu")]) == 3
+    assert "an FMU is not to be had for a target that vibrates" in capsys.readouterr().err
+    assert main(["cost", str(path)]) == 3
+    assert "a study is not to be had for a target that vibrates" in capsys.readouterr().err
+    assert not (tmp_path / "impact.fmu").exists()
+
+
+@pytest.mark.parametrize(
+    ("target", "word"),
+    [
+        (fm.Beam(STEEL, "300 mm", "20 mm", "8 mm", ends="clamped"), "target inertia"),
+        (fm.Plate(STEEL, "4 mm", size=["150 mm", "150 mm"], edges="clamped"), "boundary reflections"),
+    ],
+)
+def test_what_is_not_modelled_is_a_warning_in_every_output(target, word, tmp_path, capsys):
+    scene = fm.Scene(fm.Sphere("10 mm", "1 m/s", material=STEEL), target, fm.Contact("hertz"))
+    path = tmp_path / "scene.toml"
+    path.write_text(scene.to_toml(), encoding="utf-8")
+    warnings = fm.simulate(scene).warnings
+    warning = next(text for text in warnings if text.startswith(f"not modelled: {word}, which would change the "))
+    for command in ("run", "explain"):
+        assert main([command, str(path), "--json"]) == 0
+        captured = capsys.readouterr()
+        assert json.loads(captured.out)["warnings"] == list(warnings) and warning in captured.err
+    assert main(["run", str(path), "--output", str(tmp_path / "impact.nc")]) == 0
+    captured = capsys.readouterr()
+    assert f"{word}: needed but not modelled" in captured.out and warning in captured.err
+    assert fd.open(tmp_path / "impact.nc").attrs["warnings"] == "\n".join(warnings)
+
+
+def test_a_damped_law_falls_back_to_an_infinite_plate_and_says_so():
+    scene = OLSSON.replace({"contact": {"law": "tsuji", "restitution": 0.8, "effective_modulus": "9.72 GPa"}})
+    history = fm.simulate(scene)
+    (warning,) = history.warnings
+    assert "not modelled: boundary reflections" in warning and "on an infinite plate only" in warning
+    assert history.vibration is None and history.problem.gamma > 0.0
+    for name in ("boundary_reflections", "target_inertia"):
+        with pytest.raises(fm.SimulationError, match="a damped law cannot be simulated on a plate with edges"):
+            fm.simulate(scene.replace({f"effects.{name}": True}))

@@ -7,7 +7,6 @@ finds the static stiffness, in series with the contact law; any other excites th
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 from film_model.bodies import Beam, Plate
 from film_model.effects import (
@@ -19,6 +18,7 @@ from film_model.effects import (
     SIMULATED,
     SWITCHED_OFF,
     Effect,
+    Support,
     Trial,
     change,
     march,
@@ -36,29 +36,6 @@ LARGE_MASS = 2.0
 
 TAKES_PART = {Plate: 0.25, Beam: 0.5}
 """Share of the target's mass that is under the impactor in its first vibration."""
-
-
-class Support(NamedTuple):
-    """How a target gives way: impedance [N s/m], and compliance [m/N] where it follows the force statically.
-
-    vibrates: by its natural vibrations instead; impedance or compliance are then those it is tried with.
-    """
-
-    impedance: float
-    compliance: float = 0.0
-    vibrates: bool = False
-
-    @property
-    def how(self) -> str:
-        """In words."""
-        if self.vibrates:
-            return "vibrates between its edges"
-        if self.compliance > 0.0:
-            return f"has a static stiffness of {1 / self.compliance:.4g} N/m"
-        return f"has an impedance of {self.impedance:.4g} N s/m"
-
-
-RIGID = Support(math.inf)
 
 
 def edged(scene: Scene) -> bool:

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
+from typing import Any, ClassVar, NamedTuple, cast
 
 from film_model.accuracy import unloading_ratio
-from film_model.bodies import STANDARD_GRAVITY, Beam, Body, HalfSpace
+from film_model.bodies import STANDARD_GRAVITY, Beam, Body, HalfSpace, Plate
 from film_model.core import native
 from film_model.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
@@ -22,9 +22,6 @@ from film_model.laws.law import Stage, law_fields
 from film_model.laws.yielding import yield_point, yield_velocity
 from film_model.problem import Problem, assemble
 from film_model.scene import Scene
-
-if TYPE_CHECKING:
-    from film_model.edges import Support
 
 SIMULATED, NOT_NEEDED, SWITCHED_OFF = "simulated", "not needed", "switched off"
 NOT_MODELLED, NOT_JUDGED = "needed but not modelled", "not judged"
@@ -98,6 +95,29 @@ class Effect(NamedTuple):
         return self._asdict()
 
 
+class Support(NamedTuple):
+    """How a target gives way: impedance [N s/m], and compliance [m/N] where it follows the force statically.
+
+    vibrates: by its natural vibrations instead; impedance or compliance are then those it is tried with.
+    """
+
+    impedance: float
+    compliance: float = 0.0
+    vibrates: bool = False
+
+    @property
+    def how(self) -> str:
+        """In words."""
+        if self.vibrates:
+            return "vibrates between its edges"
+        if self.compliance > 0.0:
+            return f"has a static stiffness of {1 / self.compliance:.4g} N/m"
+        return f"has an impedance of {self.impedance:.4g} N s/m"
+
+
+RIGID = Support(math.inf)
+
+
 class Trial(NamedTuple):
     """One impact on a coarse mesh. status: the core's, negative where it could not follow."""
 
@@ -141,12 +161,13 @@ def choose(scene: Scene, notes: list[Effect] | None = None) -> Problem:
     notes: takes the effects that decided, and those that are only judged; without it nothing is computed that no
     decision hangs on.
     """
-    from film_model.edges import RIGID, Support, edged, support_of
-
     law, yields = _law(scene)
     support, edges = RIGID if scene.effects.target_motion is False else Support(scene.target_impedance), ()
-    if edged(scene):
-        support, edges = support_of(scene, law)
+    if isinstance(scene.target, Plate | Beam):
+        from film_model.edges import edged, support_of
+
+        if edged(scene):
+            support, edges = support_of(scene, law)
     trial = _gravity(scene, assemble(scene, law, support.impedance, 0.0, support.compliance), notes)
     moved = trial
     if support != RIGID or notes is not None:

@@ -27,6 +27,50 @@ static const double SMALL_LOOP = 1e-6;           /* of the recovery: a shorter w
 enum { RELEASE_ITERATIONS = 120, PEAK_SAMPLES = 6, GOLDEN_STEPS = 40 };
 enum { TURN_ITERATIONS = 60, HALVINGS = 60, NEWTON_STEPS = 10 };
 
+/* ---------------------------------------------------------------- a contact in series with a spring */
+
+enum { SERIES_STEPS = 100 };
+static const double SERIES_REACH = 1.05; /* of a series' interval: how far beyond its end it still serves */
+
+/* The indentation xi at which xi + compliance force(xi) = x. The sum grows with xi, so Newton's method in a bracket. */
+static double indentation_at(const film_curve *curve, const film_line *line, const film_piece *piece, double x) {
+    double c = curve->compliance, low = line->xi_free, high = x, force, work;
+    if (line->branch >= 0) {
+        const film_function *g = &piece->force;
+        low = g->origin;
+        if (g->form != FILM_POWER) high = fmin(x, low + SERIES_REACH / g->per_span);
+    }
+    if (!(x > low)) return x;
+    contact_at(line, piece, low, &force, &work);
+    if (!(low + c * force < x)) return low;
+    double xi = high;
+    for (int k = 0; k < SERIES_STEPS; k++) {
+        contact_at(line, piece, xi, &force, &work);
+        double miss = xi + c * force - x, next = xi - miss / (1.0 + c * contact_slope(line, piece, xi));
+        if (fabs(next - xi) <= 4e-16 * x) return next;
+        if (miss < 0.0) low = xi; else high = xi;
+        xi = next > low && next < high ? next : 0.5 * (low + high);
+    }
+    return xi;
+}
+
+void film_law_in_series(const film_curve *curve, const film_line *line, double x, double *force, double *work) {
+    const film_piece *piece = line->branch >= 0 ? piece_at(curve, line->branch, x) : 0;
+    if (line->branch == FILM_FREE) {
+        *force = *work = 0.0;
+        return;
+    }
+    contact_at(line, piece, indentation_at(curve, line, piece, x), force, work);
+    *work += 0.5 * curve->compliance * *force * *force;
+}
+
+double film_slope_in_series(const film_curve *curve, const film_line *line, double x) {
+    const film_piece *piece = line->branch >= 0 ? piece_at(curve, line->branch, x) : 0;
+    if (line->branch == FILM_FREE) return 0.0;
+    double slope = contact_slope(line, piece, indentation_at(curve, line, piece, x));
+    return slope / (1.0 + curve->compliance * slope);
+}
+
 /* ---------------------------------------------------------------- lines */
 
 static motion on_line(const film_state *s, double phi, double kappa) {

@@ -103,48 +103,20 @@ static inline double contact_slope(const film_line *line, const film_piece *piec
     return line->f_max * line->exponent * line->per_recovery * raised(x, line->exponent - 1.0);
 }
 
-enum { SERIES_STEPS = 100 };
-static const double SERIES_REACH = 1.05; /* of a series' interval: how far beyond its end it still serves */
+/* law_at and law_slope in series with a spring: kept out of line, where they cost other laws nothing. */
+void film_law_in_series(const film_curve *curve, const film_line *line, double x, double *force, double *work);
+double film_slope_in_series(const film_curve *curve, const film_line *line, double x);
 
-/* The indentation xi at which xi + compliance force(xi) = x. The sum grows with xi, so Newton's method in a bracket. */
-static inline double indentation_at(const film_curve *curve, const film_line *line, const film_piece *piece, double x) {
-    double c = curve->compliance, low = line->xi_free, high = x, force, work;
-    if (line->branch >= 0) {
-        const film_function *g = &piece->force;
-        low = g->origin;
-        if (g->form != FILM_POWER) high = fmin(x, low + SERIES_REACH / g->per_span);
-    }
-    if (!(x > low)) return x;
-    contact_at(line, piece, low, &force, &work);
-    if (!(low + c * force < x)) return low;
-    double xi = high;
-    for (int k = 0; k < SERIES_STEPS; k++) {
-        contact_at(line, piece, xi, &force, &work);
-        double miss = xi + c * force - x, next = xi - miss / (1.0 + c * contact_slope(line, piece, xi));
-        if (fabs(next - xi) <= 4e-16 * x) return next;
-        if (miss < 0.0) low = xi; else high = xi;
-        xi = next > low && next < high ? next : 0.5 * (low + high);
-    }
-    return xi;
-}
-
-/* The true law where a line lives, at x = indentation + compliance force. */
+/* The true law where a line lives: at an indentation, or, in series with a spring, at indentation + compliance force. */
 static inline void law_at(const film_curve *curve, const film_line *line, double x, double *force, double *work) {
-    const film_piece *piece = line->branch >= 0 ? piece_at(curve, line->branch, x) : 0;
-    if (curve->compliance == 0.0 || line->branch == FILM_FREE) {
-        contact_at(line, piece, x, force, work);
-        return;
-    }
-    contact_at(line, piece, indentation_at(curve, line, piece, x), force, work);
-    *work += 0.5 * curve->compliance * *force * *force;
+    if (curve->compliance != 0.0) film_law_in_series(curve, line, x, force, work);
+    else contact_at(line, line->branch >= 0 ? piece_at(curve, line->branch, x) : 0, x, force, work);
 }
 
 /* The slope of the force in law_at. */
 static inline double law_slope(const film_curve *curve, const film_line *line, double x) {
-    const film_piece *piece = line->branch >= 0 ? piece_at(curve, line->branch, x) : 0;
-    if (curve->compliance == 0.0 || line->branch == FILM_FREE) return contact_slope(line, piece, x);
-    double slope = contact_slope(line, piece, indentation_at(curve, line, piece, x));
-    return slope / (1.0 + curve->compliance * slope);
+    if (curve->compliance != 0.0) return film_slope_in_series(curve, line, x);
+    return contact_slope(line, line->branch >= 0 ? piece_at(curve, line->branch, x) : 0, x);
 }
 
 /* c at xi. */

@@ -11,10 +11,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from film_model.bodies import Plate, Rod
+from film_model.bodies import Beam, Plate, Rod
 from film_model.core import native
 from film_model.curve import curve_of
 from film_model.effects import zener
+from film_model.errors import SimulationError
 from film_model.laws import BigAlabo
 from film_model.laws.yielding import yield_velocity
 from film_model.limits import reflection_change
@@ -47,7 +48,12 @@ class Regimes(NamedTuple):
 
 
 def regimes(scene: Scene) -> Regimes:
-    """The grid for a scene: its target's mass and sides are kept while the stiffness goes with λ."""
+    """The grid for a scene: its target's mass and sides are kept while the stiffness goes with λ.
+
+    Raises SimulationError for a beam.
+    """
+    if isinstance(scene.target, Beam):
+        raise SimulationError("a beam has no place on a map of regimes: without a wave impedance it has no λ")
     value, ratio = _place(scene)
     lambdas = np.geomspace(*_range(LAMBDAS, value), POINTS)
     ratios = np.geomspace(*_range(RATIOS, ratio), POINTS)

@@ -500,6 +500,12 @@ def test_commands_on_scenes_with_edges(tmp_path, capsys):
     assert main(["cost", str(path)]) == 3
     assert "a study is not to be had for a target that vibrates" in capsys.readouterr().err
     assert not (tmp_path / "impact.fmu").exists()
+    beam = fm.Scene(_ball(), fm.Beam(STEEL, "300 mm", "20 mm", "8 mm"), fm.Contact("hertz"))
+    path.write_text(beam.to_toml(), encoding="utf-8")
+    assert main(["explain", str(path)]) == 0
+    assert "an endless beam has no impedance" in capsys.readouterr().out
+    assert main(["explain", str(path), "--plot", str(tmp_path / "beam.png")]) == 3
+    assert "a beam has no place on a map of regimes" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -23,8 +23,10 @@ CASES = {
 
 def main(picture: str | Path = PICTURE, methods: Sequence[str] | None = None) -> dict[str, Study]:
     """The studies by case; draws them side by side."""
+    wide = {"effects.boundary_reflections": False}
     studies = {
-        name: study(fm.Scene.from_toml(SCENES / f"{file}.toml"), methods=methods) for name, file in CASES.items()
+        name: study(fm.Scene.from_toml(SCENES / f"{file}.toml").replace(wide), methods=methods)
+        for name, file in CASES.items()
     }
     plot_studies(list(studies.items()), picture)
     return studies

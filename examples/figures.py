@@ -174,7 +174,9 @@ def main(folder: str | Path = "figures") -> dict[str, dict]:
     """Write figure_2.png to figure_6.png; the numbers of each figure by its name."""
     ball = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
     stronge = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel_stronge.toml")
-    plate = fm.Scene.from_toml(SCENES / "olsson_plate.toml").replace({"target.impedance_formula": "paper"})
+    plate = fm.Scene.from_toml(SCENES / "olsson_plate.toml").replace(
+        {"target.impedance_formula": "paper", "effects.boundary_reflections": False}
+    )
     drawn = {
         "figure_2": history_figure(ball, 5, "Figure 2: tungsten carbide on steel, Big-Alabo's law, 5 segments a stage"),
         "figure_3": history_figure(

@@ -37,7 +37,9 @@ def paper() -> dict[str, xr.Dataset]:
     scenes = {
         "paper_big_alabo": fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml"),
         "paper_stronge": fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel_stronge.toml"),
-        "paper_plate": fm.Scene.from_toml(SCENES / "olsson_plate.toml").replace({"target.impedance_formula": "paper"}),
+        "paper_plate": fm.Scene.from_toml(SCENES / "olsson_plate.toml").replace(
+            {"target.impedance_formula": "paper", "effects.boundary_reflections": False}
+        ),
     }
     return {name: fd.to_dataset(fm.simulate(scene, accuracy=1e-8)) for name, scene in scenes.items()}
 

@@ -1,7 +1,7 @@
 """Impacts of compact bodies by the force–indentation linearisation method (FILM)."""
 
 from film_model.batch import BatchResult, simulate_batch
-from film_model.bodies import BendingStiffness, Body, HalfSpace, Plate, Rod, Sphere
+from film_model.bodies import Beam, BendingStiffness, Body, HalfSpace, Plate, Rod, Sphere
 from film_model.component import ImpactComponent
 from film_model.contact import Contact
 from film_model.errors import Outcome, SceneError, SimulationError
@@ -42,6 +42,7 @@ __all__ = [
     "LAWS",
     "AbstractLaw",
     "BatchResult",
+    "Beam",
     "BendingStiffness",
     "BigAlabo",
     "Body",

@@ -26,7 +26,7 @@ from film_model.core import native
 from film_model.errors import Outcome
 from film_model.history import SUMMARY
 from film_model.problem import Array
-from film_model.rows import Rows, rows_of, scene_of_columns
+from film_model.rows import VIBRATES, Rows, rows_of, scene_of_columns
 from film_model.scene import Scene, Solver
 
 TRIED_LEAST, TRIED_SHARE = 64, 256
@@ -44,6 +44,7 @@ STATUSES: dict[int, tuple[str, str]] = {
     native.BAD_UNLOADING: ("bad_unloading", "the law's unloading from the deepest point reached has no length"),
     native.TOO_STIFF: ("too_stiff", "the law's force at first touch is more than the target's impedance can resist"),
     native.BAD_NUMBER: ("bad_number", "the values of this row make no impact"),
+    VIBRATES: ("vibrates", "the target vibrates between its edges, which only simulate() follows"),
     NO_VELOCITY: ("no_velocity", "the impactor does not approach the target"),
 }
 """How a row can end: a word, and a sentence. Negative: it failed, and its values are nan."""
@@ -87,7 +88,8 @@ def simulate_batch(
     """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
 
     Law "auto" and gravity "auto" are decided for every impact. With an accuracy, 64 of the impacts or more, the
-    extremes among them, are tried to find the mesh. Raises ValueError for a velocity or mass that is not > 0.
+    extremes among them, are tried to find the mesh. Raises ValueError for a velocity or mass that is not > 0,
+    SimulationError if the target vibrates in all of them; if only in some, those have failed.
     """
     speeds = units.array_to_si(velocity, "velocity")
     masses = None if mass is None else units.array_to_si(mass, "mass")
@@ -120,7 +122,7 @@ def simulate_rows(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     status[np.broadcast_to(np.less_equal(speed, 0.0), (count,))] = NO_VELOCITY
     law = np.zeros(count, np.int8)
     segments, laws, estimated, parts = np.zeros((count, 2), np.int32), [], 0.0, []
-    for rows in rows_of(scene, columns, count):
+    for rows in rows_of(scene, columns, count, status):
         if rows.law not in laws:
             laws.append(rows.law)
         start = rows.start

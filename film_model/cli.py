@@ -428,7 +428,8 @@ def _table(history: History) -> str:
         for effect in problem.effects
         if effect.name in ORDER
     ]
-    lines.append(f"  error at most {accuracy.estimated:.1e} of every value, by {accuracy.lines} lines")
+    means = f"{accuracy.modes} modes" if accuracy.modes else f"{accuracy.lines} lines"
+    lines.append(f"  error at most {accuracy.estimated:.1e} of every value, by {means}")
     return "\n".join(lines)
 
 

@@ -11,7 +11,7 @@ from film_model.accuracy import Linearisation, mesh_for, raise_failure
 from film_model.core import native
 from film_model.errors import SimulationError
 from film_model.history import Event
-from film_model.problem import Problem, problem_of
+from film_model.problem import Problem, problem_of, refuse_vibrations
 from film_model.scene import Body, Scene
 
 _NOW = struct.Struct("9d")  # the first fields of film_state: time … force_peak
@@ -66,7 +66,8 @@ class ImpactComponent:
     that earlier ones left. Quantities, texts with units and plain SI floats are all taken. The scene's gravity, if it
     is simulated, comes on top of the external force.
 
-    Raises SceneError or SimulationError as `simulate` does; SimulationError for a free body as target.
+    Raises SceneError or SimulationError as `simulate` does; SimulationError for a free body as target, and for one that
+    vibrates.
     """
 
     def __init__(
@@ -82,6 +83,7 @@ class ImpactComponent:
             raise SimulationError("a free body as target cannot be stepped: simulate() gives its motion")
         self.scene = scene
         self.problem: Problem = problem_of(scene)
+        refuse_vibrations(self.problem, "an ImpactComponent")
         self._gap = _gap(initial_gap)
         self.segments, self._mesh = mesh_for(
             scene, self.problem, accuracy, segments, linearisation, fallback=DEFAULT_SEGMENTS
@@ -132,6 +134,9 @@ class ImpactComponent:
         phase, _, contacts, _ = _REPORT.unpack_from(self._state, _REPORT_AT)
         s, support = self.problem.scales, self._support_velocity
         target = self.problem.gamma * force * s.velocity
+        if self._curve.compliance > 0.0:
+            xi, rate, force, _, shift = native.motion(self._curve, self._state).tolist()
+            target = (nu - rate) * s.velocity
         velocity = nu * s.velocity
         moved = shift * s.length + self._support_displacement
         return Outputs(

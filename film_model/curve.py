@@ -18,6 +18,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from film_model.core import native
+from film_model.errors import SimulationError
 from film_model.laws.law import AbstractLaw, Array, Function, Power, Stage
 
 FIT_TOLERANCE = 1e-13
@@ -40,7 +41,7 @@ _CHECKS = 157  # points between the nodes at which a fit is checked; shares no f
 class Curve:
     """A law ready for the core.
 
-    native: the core's structure. stage_names: one a stage. fit_error: largest relative
+    native: the core's structure, with its compliance. stage_names: one a stage. fit_error: largest relative
     difference between a fitted function and the law (0 when nothing had to be fitted). steepest: largest exponent of
     an unloading branch. warnings: what a user of the law should know, in sentences.
     """
@@ -69,14 +70,15 @@ class Curve:
         return min(sum(end < xi for end in stages), len(stages) - 1)
 
 
-def curve_of(law: AbstractLaw) -> Curve:
-    """The curve of a law.
+def curve_of(law: AbstractLaw, compliance: float = 0.0) -> Curve:
+    """The curve of a law; with a `compliance` c [δ_s/F_s] in series with a spring, over ξ + c f.
 
     Raises ValueError when stages do not follow each other, a force is negative or not finite, a stage that has to be
-    fitted has no end, or a fit does not come within `FIT_LIMIT`; the message names the law, the stage and the value.
+    fitted has no end, or a fit does not come within `FIT_LIMIT`; SimulationError for a force that jumps, or falls so
+    fast that it snaps through, in series with a spring. The message names the law, the stage and the value.
     """
     try:
-        return _build(_name(law), tuple(law.stages()))
+        return _build(_name(law), tuple(law.stages()), compliance)
     except TypeError as error:
         if "unhashable" not in str(error):
             raise
@@ -84,7 +86,7 @@ def curve_of(law: AbstractLaw) -> Curve:
 
 
 @lru_cache(maxsize=256)
-def _build(law: str, given: tuple[Stage, ...]) -> Curve:
+def _build(law: str, given: tuple[Stage, ...], compliance: float) -> Curve:
     """The curve of these stages: laws that differ in their scales only share it."""
     stages = _checked(law, given)
     made = native.Curve()
@@ -112,9 +114,40 @@ def _build(law: str, given: tuple[Stage, ...]) -> Curve:
             work = _fill(made.piece[pieces], stage, functions, span, work)
             pieces += 1
     made.pieces = pieces
+    if compliance > 0.0:
+        _put_in_series(law, made, stages, compliance)
     if native.library().film_check_curve(ctypes.byref(made)) != native.OK:
         raise ValueError(f"{law}: its stages do not make a curve; each must end beyond where it begins")
     return Curve(made, tuple(stage.name for stage in stages), error, steepest, tuple(_remarks(law, stages, error)))
+
+
+def _put_in_series(law: str, made: native.Curve, stages: list[Stage], compliance: float) -> None:
+    """Ends of stages and pieces over ξ + c f, and their work with the spring's, c f²/2 from the stage's beginning."""
+    if any(stage.damping is not None for stage in stages):
+        raise SimulationError(f"{law}: a damped law cannot be put in series with a spring, nor on vibrations")
+    made.compliance, before, begin = compliance, 0.0, 0.0
+    for entry, stage in zip(made.stage, stages, strict=False):
+        reach = stage.end if math.isfinite(stage.end) else 10.0 * (stage.begin + 1.0)
+        xi = np.linspace(stage.begin, reach, _CHECKS)
+        force = _values(stage.force, xi, stage)
+        if abs(force[0] - before) > 1e-9 * float(np.abs(force).max()):
+            raise SimulationError(
+                f"{law}: on a target that gives way no force may jump, and that of stage {stage.name!r} does, "
+                f"from {before:g} to {force[0]:g}"
+            )
+        if (np.diff(xi + compliance * force) <= 0.0).any():
+            raise SimulationError(
+                f"{law}: the force of stage {stage.name!r} falls faster than the target springs back: the contact "
+                "would snap through"
+            )
+        for piece in made.piece[entry.first : entry.first + entry.count]:
+            piece.work_at_begin += 0.5 * compliance * force[0] ** 2
+            piece.work.series[0] -= 0.5 * compliance * force[0] ** 2
+            if math.isfinite(piece.end):
+                piece.end += compliance * float(_values(stage.force, np.array([piece.end]), stage)[0])
+        before = float(force[-1])
+        entry.begin, entry.end = begin, made.piece[entry.first + entry.count - 1].end
+        begin = entry.end
 
 
 def _name(law: AbstractLaw) -> str:

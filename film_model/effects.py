@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple, cast
 
 from film_model.accuracy import unloading_ratio
-from film_model.bodies import STANDARD_GRAVITY, Body
+from film_model.bodies import STANDARD_GRAVITY, Beam, Body, HalfSpace, Plate
 from film_model.core import native
 from film_model.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
@@ -32,10 +32,20 @@ FREE = "none"
 DAMPED, PUSHED = "each about 3.5 × as long", "each about 2 × as long"
 """What a line of the core takes with target motion, and with a load, as `benchmarks/effects.py` measures it."""
 
+SPRUNG = "each about 5 × as long"
+"""What a line takes in series with a spring, on a target that is otherwise fixed."""
+
+INTEGRATED = "no lines: the modes are integrated, thousands of times as long"
+
 FULLY_PLASTIC_RATIO = 200.0
 """V/V_Y of a half-space impact that reaches full plasticity: 200.6 by Stronge's law, 201.3 by Big-Alabo's."""
 
-ORDER = {name: k for k, name in enumerate(("plasticity", "fully_plastic", "target_motion", "gravity"))}
+ORDER = {
+    name: k
+    for k, name in enumerate(
+        ("plasticity", "fully_plastic", "target_motion", "boundary_reflections", "target_inertia", "gravity")
+    )
+}
 """Effects that are computed come first."""
 
 DEEPEST = 3000.0
@@ -85,6 +95,29 @@ class Effect(NamedTuple):
         return self._asdict()
 
 
+class Support(NamedTuple):
+    """How a target gives way: impedance [N s/m], and compliance [m/N] where it follows the force statically.
+
+    vibrates: by its natural vibrations instead; impedance or compliance are then those it is tried with.
+    """
+
+    impedance: float
+    compliance: float = 0.0
+    vibrates: bool = False
+
+    @property
+    def how(self) -> str:
+        """In words."""
+        if self.vibrates:
+            return "vibrates between its edges"
+        if self.compliance > 0.0:
+            return f"has a static stiffness of {1 / self.compliance:.4g} N/m"
+        return f"has an impedance of {self.impedance:.4g} N s/m"
+
+
+RIGID = Support(math.inf)
+
+
 class Trial(NamedTuple):
     """One impact on a coarse mesh. status: the core's, negative where it could not follow."""
 
@@ -123,22 +156,35 @@ def percent(change: float) -> str:
 
 
 def choose(scene: Scene, notes: list[Effect] | None = None) -> Problem:
-    """The problem a scene comes down to: law, impedance and load.
+    """The problem a scene comes down to: law, how the target gives way, and load.
 
     notes: takes the effects that decided, and those that are only judged; without it nothing is computed that no
     decision hangs on.
     """
     law, yields = _law(scene)
-    still = math.isinf(scene.target_impedance) or scene.effects.target_motion is False
-    trial = _gravity(scene, assemble(scene, law, math.inf if still else scene.target_impedance, 0.0), notes)
-    if math.isfinite(scene.target_impedance) or notes is not None:
-        trial = _target_motion(scene, trial, notes)
+    support, edges = RIGID if scene.effects.target_motion is False else Support(scene.target_impedance), ()
+    if isinstance(scene.target, Plate | Beam):
+        from film_model.edges import edged, support_of
+
+        if edged(scene):
+            support, edges = support_of(scene, law)
+    trial = _gravity(scene, assemble(scene, law, support.impedance, 0.0, support.compliance), notes)
+    moved = trial
+    if support != RIGID or notes is not None:
+        trial = _target_motion(scene, trial, support, notes)
+    held = trial is not moved
     if (yields and scene.contact.law == "auto" and scene.effects.plasticity == "auto") or notes is not None:
         trial = _plasticity(scene, trial, yields, notes)
     if notes is not None:
         from film_model.limits import judge
 
-        notes.extend(judge(scene, trial))
+        why = "the target hardly gives way"
+        notes.extend(effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in edges)
+        known = {effect.name for effect in edges}
+        notes.extend(effect for effect in judge(scene, trial) if effect.name not in known)
+    if support.vibrates and not held:
+        problem = trial.problem
+        return assemble(scene, problem.law, math.inf, problem.load * problem.scales.force, vibrates=True)
     return trial.problem
 
 
@@ -204,12 +250,13 @@ def march(problem: Problem) -> Trial:
 
 
 def _other(scene: Scene, trial: Trial, **changed: Any) -> Trial:
-    """The trial again with another law, impedance or load."""
+    """The trial again with another law, impedance, load or compliance."""
     problem = trial.problem
     now: dict[str, Any] = {
         "law": problem.law,
-        "impedance": impedance_of(problem),
+        "impedance": problem.impedance,
         "load": problem.load * problem.scales.force,
+        "compliance": problem.compliance,
     }
     return march(assemble(scene, **(now | changed)))
 
@@ -323,7 +370,7 @@ def _fully_plastic(scene: Scene, trial: Trial, yielding: bool, ratio: float | No
         return effect(SWITCHED_OFF if late else NOT_NEEDED, None if late else 0.0, "the law does not yield")
     if curve.stage_names[-1] != "fully plastic":
         return effect(NOT_JUDGED, None, f"the law {trial.problem.law.name} has no fully plastic stage of its own")
-    if not trial.summary.maximum_indentation > curve.native.stage[curve.native.stages - 1].begin:
+    if trial.summary.stage != curve.native.stages - 1:
         return effect(NOT_NEEDED, 0.0, "the contact does not get that far")
     depth, size = trial.summary.maximum_indentation, None
     if depth < DEEPEST:
@@ -332,30 +379,37 @@ def _fully_plastic(scene: Scene, trial: Trial, yielding: bool, ratio: float | No
     return effect(SIMULATED, size, "it is a stage of the law")
 
 
-def _target_motion(scene: Scene, trial: Trial, notes: list[Effect] | None) -> Trial:
-    """The trial with the target's impedance, or without where it hardly matters."""
-    impedance, wanted, tolerance = scene.target_impedance, scene.effects.target_motion, scene.effect_tolerance
-    size, cost, held, value = None, FREE, trial, 0.0
-    if math.isinf(impedance):
-        free = isinstance(scene.target, Body)
-        state, size = NOT_NEEDED, 0.0
-        reason = "the target moves freely: reduced mass" if free else "the target is a half-space"
+def _target_motion(scene: Scene, trial: Trial, support: Support, notes: list[Effect] | None) -> Trial:
+    """The trial with the target's motion, or without where it hardly matters."""
+    target, wanted, tolerance = scene.target, scene.effects.target_motion, scene.effect_tolerance
+    size, cost, held, value, gives = None, FREE, trial, None, not isinstance(target, Body | HalfSpace)
+    if not gives:
+        state, size, value = NOT_NEEDED, 0.0, 0.0
+        reason = "the target moves freely: reduced mass" if isinstance(target, Body) else "the target is a half-space"
     elif wanted is False:
         state, reason = SWITCHED_OFF, "the scene asks for a target that does not move"
     else:
-        state, reason = SIMULATED, f"the target has an impedance of {impedance:.4g} N s/m"
-    if math.isfinite(impedance) and scene.approach_velocity > 0.0 and (wanted == "auto" or notes is not None):
-        moved = trial if wanted is not False else _other(scene, trial, impedance=impedance)
-        held = trial if wanted is False else _other(scene, trial, impedance=math.inf)
+        state, reason = SIMULATED, f"the target {support.how}"
+    if gives and scene.approach_velocity > 0.0 and (wanted == "auto" or notes is not None):
+        moved = trial
+        if wanted is False:
+            own = target.compliance if isinstance(target, Beam) else 0.0
+            moved = _other(scene, trial, impedance=scene.target_impedance, compliance=own)
+        else:
+            held = _other(scene, trial, impedance=math.inf, compliance=0.0)
         size = change(moved, held)
-        cost = f"{moved.summary.lines / max(held.summary.lines, 1):.2g} × the lines, {DAMPED}"
-    dropped = wanted == "auto" and math.isfinite(impedance) and size is not None and size <= tolerance
+        each = SPRUNG if moved.problem.compliance > 0.0 else DAMPED
+        cost = f"{moved.summary.lines / max(held.summary.lines, 1):.2g} × the lines, {each}"
+        if support.vibrates:
+            cost = INTEGRATED
+    asked = scene.effects.boundary_reflections is True or scene.effects.target_inertia is True
+    dropped = wanted == "auto" and not asked and gives and size is not None and size <= tolerance
     if notes is not None:
         if dropped:
-            state, reason = NOT_NEEDED, f"an impedance of {impedance:.4g} N s/m hardly gives way"
-        if math.isfinite(impedance):
-            value = zener(scene, impedance)
-        source = "Zener 1941, Phys. Rev. 59:669; marched with the target's impedance and without"
+            state, reason = NOT_NEEDED, f"a target that {support.how} hardly gives way"
+        if math.isfinite(scene.target_impedance):
+            value = zener(scene, scene.target_impedance)
+        source = "Zener 1941, Phys. Rev. 59:669; marched with the target's motion and without"
         threshold = tolerance / FIRST_ORDER_LOSS
         notes.append(Effect("target_motion", "Zener's λ", value, threshold, size, state, reason, source, cost))
     return held if dropped else trial
@@ -391,14 +445,14 @@ def _gravity(scene: Scene, chosen: Problem, notes: list[Effect] | None) -> Trial
         force = trial.summary.maximum_force * chosen.scales.force
         ratio = weight / force
         if chosen.gamma == 0.0:
-            depth = trial.summary.maximum_indentation * chosen.scales.length
+            depth = trial.summary.maximum_indentation * chosen.scales.length + chosen.compliance * force
             size = gravity_change(weight, force, depth, scene.kinetic_energy)
         if (size is None or size > 0.3 * tolerance) and (wanted == "auto" or notes is not None):
             pressed = _other(scene, trial, load=weight)
             size, source = change(pressed, trial), "marched with the weight and without"
     heavy = not free and wanted is not False and (wanted is True or size is None or size > tolerance)
     if heavy and pressed is None:
-        pressed = march(assemble(scene, chosen.law, impedance_of(chosen), weight))
+        pressed = _other(scene, trial, load=weight)
     if notes is not None:
         state = SIMULATED if heavy else SWITCHED_OFF if wanted is False and not free else NOT_NEEDED
         reason = "both bodies fall alike" if free else "the weight is small against the contact force"
@@ -411,8 +465,3 @@ def _gravity(scene: Scene, chosen: Problem, notes: list[Effect] | None) -> Trial
         cost = FREE if free else f"1 × the lines, {PUSHED}"
         notes.append(Effect("gravity", "m g/F_m", ratio, tolerance / 1.5, size, state, reason, source, cost))
     return cast("Trial", pressed) if heavy else trial
-
-
-def impedance_of(problem: Problem) -> float:
-    """Target impedance of a problem, N s/m."""
-    return math.inf if problem.gamma == 0.0 else problem.scales.force / (problem.gamma * problem.scales.velocity)

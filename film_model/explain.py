@@ -72,11 +72,11 @@ def effects_text(scene: Scene) -> str:
     problem = problem_of(scene)
     what = f"law {problem.law.name}; an effect is left out if it changes the summary by less than "
     lines = [scene.title or f"Impact on a {scene.target.kind}", what + percent(scene.effect_tolerance), ""]
-    lines.append(f"{'effect':18}{'state':25}{'indicator':40}{'left out, changes':>18}  cost")
+    lines.append(f"{'effect':22}{'state':25}{'indicator':40}{'left out, changes':>18}  cost")
     for effect in problem.effects:
         size = "?" if effect.change is None else percent(effect.change) if effect.change else "0"
         name = effect.name.replace("_", " ")
-        lines.append(f"{name:18}{effect.state:25}{_indicator(effect):40}{size:>18}  {effect.cost}")
+        lines.append(f"{name:22}{effect.state:25}{_indicator(effect):40}{size:>18}  {effect.cost}")
         lines += textwrap.wrap(
             f"{effect.reason} [{effect.source}]", 110, initial_indent=" " * 4, subsequent_indent=" " * 4
         )

@@ -14,6 +14,7 @@ from film_model.core import native
 from film_model.errors import Outcome
 from film_model.problem import Problem
 from film_model.scene import Scene
+from film_model.vibration import Vibration
 
 SUMMARY: dict[str, tuple[str, str]] = {
     "maximum_force": ("force", "largest contact force"),
@@ -86,6 +87,7 @@ class Samples:
 class Accuracy:
     """requested: relative accuracy asked for, None where segments were given. estimated: bound on the relative error
     of every summary value. segments: lines a loading stage; unloading_segments: lines of the unloading; lines: in all.
+    modes: of a target that vibrates; there are no lines then.
 
     Values smaller than a thousandth of their scale (approach velocity, maximum indentation) are judged against that
     thousandth, energies against the impact energy.
@@ -96,6 +98,7 @@ class Accuracy:
     segments: int
     unloading_segments: int
     lines: int
+    modes: int = 0
 
 
 class _Quantity:
@@ -117,8 +120,10 @@ class History:
     """One impact from first touch to separation.
 
     summary: SI floats by the names of `SUMMARY`, None for what did not happen; the same names are attributes that
-    return pint quantities. lines: the closed-form pieces of the motion, as the core recorded them. remarks: what the
-    run itself gave cause to say.
+    return pint quantities. lines: the closed-form pieces of the motion, as the core recorded them; none where the
+    target vibrates, and the motion is in `vibration`. Contact may then be lost and come back: contact_duration is that
+    of the first contact; dent, rebound and energies are those after the last. remarks: what the run itself gave cause
+    to say.
     """
 
     scene: Scene
@@ -129,6 +134,7 @@ class History:
     summary: Mapping[str, float | None]
     accuracy: Accuracy
     remarks: tuple[str, ...]
+    vibration: Vibration | None = field(default=None, repr=False)
 
     maximum_force = _Quantity()
     maximum_indentation = _Quantity()
@@ -154,8 +160,9 @@ class History:
     def sample_si(self, times: Any) -> Samples:
         """Motion at `times` [s, from first touch, >= 0; any shape], as SI floats.
 
-        Exact on the lines of the march, with the true law's force at the marched indentation. After the end of contact
-        the impactor flies on. Raises ValueError for a negative or unordered-to-number time.
+        Exact on the lines of the march, with the true law's force at the marched indentation; on a target that
+        vibrates, the integrator's interpolation. After the end of contact the impactor flies on. Raises ValueError for
+        a time that is negative or not finite.
         """
         t = np.asarray(times, dtype=np.float64)
         if not (np.isfinite(t).all() and (t >= 0.0).all()):
@@ -163,7 +170,11 @@ class History:
         order = np.argsort(t, axis=None, kind="stable")
         flat = t.reshape(-1)
         scales = self.problem.scales
-        values, branches, _ = native.sample(self.problem.curve.native, self.lines, flat[order] / scales.time)
+        ascending = flat[order] / scales.time
+        if self.vibration is not None:
+            values, branches = self.vibration.sample(ascending)
+        else:
+            values, branches, _ = native.sample(self.problem.curve.native, self.lines, ascending)
         back = np.empty_like(order)
         back[order] = np.arange(order.size)
         motion = self.problem.motion(flat, values[back])

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from film_model.bodies import Body, HalfSpace, Plate, Rod
-from film_model.effects import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, Effect, Trial, change, impedance_of, march
+from film_model.bodies import Beam, Body, HalfSpace, Plate, Rod
+from film_model.effects import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, Effect, Trial, change, march
 from film_model.laws import BigAlabo
 from film_model.materials import Material
 from film_model.problem import assemble
@@ -25,12 +25,8 @@ from film_model.units import format_si
 ABSENT = "not to be had"
 """Cost of what this package does not simulate."""
 
-REFLECTION_TIME = 0.04
-"""t √(D/ρ_A)/L² of a half-sine push at the centre of a simply supported square plate, up to which its deflection is
-the infinite plate's to 1 %."""
-
 REFLECTION_CHANGE = 0.03, 2.2
-"""c and p of the change c m (1 + e)/(Z e t_c) (τ/0.04)^p by waves from the edges of a plate."""
+"""c and p of the change c m (1 + e)/(Z e t_c) (t/t_return)^p by waves from the edges of a plate."""
 
 JKR_WORK = 7.0922
 """Work to part a sphere from a flat, over (Γ⁵ R⁴/E²)^{1/3}: Johnson, Kendall & Roberts' force, integrated."""
@@ -83,11 +79,15 @@ class Case(NamedTuple):
 
 def judge(scene: Scene, trial: Trial) -> tuple[Effect, ...]:
     """All rules on the impact of a trial; "not judged" without a whole impact."""
+    return tuple(judged(scene, trial, name) for name in RULES)
+
+
+def judged(scene: Scene, trial: Trial, name: str) -> Effect:
+    """One rule, by name."""
+    indicator, source, rule = RULES[name]
     if not trial.ends or scene.approach_velocity == 0.0:
-        why = "there is no whole impact to judge by"
-        return tuple(_unjudged(name, indicator, why, source) for name, (indicator, source, _) in RULES.items())
-    case = _case(scene, trial)
-    return tuple(rule(case, name, indicator, source) for name, (indicator, source, rule) in RULES.items())
+        return _unjudged(name, indicator, "there is no whole impact to judge by", source)
+    return rule(_case(scene, trial), name, indicator, source)
 
 
 def _case(scene: Scene, trial: Trial) -> Case:
@@ -108,7 +108,7 @@ def _case(scene: Scene, trial: Trial) -> Case:
         restitution=restitution,
         fraction=max(0.0, s.work / (0.5 * p.approach**2)),
         back=back,
-        motion=push / (velocity * impedance_of(p) * duration),
+        motion=push / (velocity * p.impedance * duration),
     )
 
 
@@ -136,14 +136,28 @@ def _judged(
     return Effect(name, indicator, value, threshold, size, state, reason, source, cost)
 
 
+def reflection_change(approach: Any, gamma: Any, seen: Any, returns: Any) -> Any:
+    """Change by waves from the edges of a plate, as in :func:`reflections`, for arrays in the units of the march.
+
+    approach, gamma: ν and m/Z. seen: summaries (native.SUMMARY_DTYPE) of the impacts on the infinite plate. returns:
+    return times.
+    """
+    push, duration = approach - seen["final_velocity"], seen["contact_duration"]
+    back = (approach * duration - seen["permanent_indentation"] - seen["shift"]) / push
+    restitution = np.maximum(-seen["final_velocity"] / approach, 1e-3)
+    constant, power = REFLECTION_CHANGE
+    share = constant * push / approach * gamma / duration / restitution
+    return np.minimum(share * (back / returns) ** power, 1.0)
+
+
 def reflections(case: Case, name: str, indicator: str, source: str) -> Effect:
     """Waves that come back from the edges of a plate or the end of a rod before the contact is over.
 
-    Plate: with the time t from the centre of the push to the end of contact, τ = 2 t √(D/ρ_A)/L² (for a half-sine
-    2 t is the contact time). What comes back moves the plate by a part of its displacement m (1 + e) V/Z, and the
-    contact closes at e V at its end: the change is 0.03 (τ/0.04)^2.2 m (1 + e)/(Z e t_c). The constants are fitted to
-    impacts on the centre of simply supported square plates, summed over their modes, for λ from 0.1 to 2; they hit
-    the change, which swings with τ, within a factor of three from 0.003 to 0.3. Shortest side, stiffest direction.
+    Plate: with the time t from the centre of the push to the end of contact (for a half-sine 2 t is the contact time)
+    over t_return, `Plate.return_time`. What comes back moves the plate by a part of its displacement m (1 + e) V/Z,
+    and the contact closes at e V at its end: the change is 0.03 (t/t_return)^2.2 m (1 + e)/(Z e t_c). The constants
+    are fitted to impacts on the centre of simply supported square plates, summed over their modes, for λ from 0.1 to
+    2; they hit the change, which swings with t, within a factor of three from 0.003 to 0.3.
 
     Rod: the wave is back after 2 L/c. It moves the end by 2/Z times the impulse that was given 2 L/c earlier, which
     is held against the indentation (half-sine force).
@@ -170,6 +184,8 @@ def reflections(case: Case, name: str, indicator: str, source: str) -> Effect:
             reason,
             f"{ABSENT}: needs the modes of the rod",
         )
+    if isinstance(target, Beam):
+        return _unjudged(name, indicator, "the target is taken not to move", source)
     if not isinstance(target, Plate):
         what = "a free body" if isinstance(target, Body) else "a half-space"
         return _absent(name, indicator, f"{what} sends no wave back in this model", source)
@@ -177,14 +193,12 @@ def reflections(case: Case, name: str, indicator: str, source: str) -> Effect:
         return _unjudged(name, indicator, "missing: target.size", source)
     if case.trial.problem.gamma == 0.0:
         return _unjudged(name, indicator, "the target is taken not to move", source)
-    stiffness = max(target.stiffness[0], target.stiffness[2])
-    limit = REFLECTION_TIME * min(target.size) ** 2 * math.sqrt(target.surface_density / stiffness)
-    value = 2.0 * case.back / limit
+    value = case.back / target.return_time
     constant, power = REFLECTION_CHANGE
     share = constant * case.motion / max(case.restitution, 1e-3)
     size = share * value**power
     threshold = (case.tolerance / share) ** (1.0 / power)
-    back, felt = format_si(case.back, "time", 3), format_si(0.5 * limit, "time", 3)
+    back, felt = format_si(case.back, "time", 3), format_si(target.return_time, "time", 3)
     reason = f"from the centre of the push to the end of contact {back} pass; edge waves are felt after {felt}"
     return _judged(
         case,
@@ -195,7 +209,7 @@ def reflections(case: Case, name: str, indicator: str, source: str) -> Effect:
         threshold,
         min(size, 1.0),
         reason,
-        f"{ABSENT}: needs the modes of the plate",
+        ABSENT,
     )
 
 
@@ -206,9 +220,18 @@ def thickness(case: Case, name: str, indicator: str, source: str) -> Effect:
     contact shorter than the wave's way through the plate and back does not feel its thickness. Plate: shear makes the
     driving-point mobility 1/Z larger by k² h²/(6 κ (1 − ν)), k² = ω √(ρ_A/D), κ = 5/6: the pole of Mindlin's plate, to
     first order (rotary inertia drops out). ω is the mean over the spectrum of a half-sine, 0.77 π/t_c; what changes
-    is the energy that the bending waves carry off.
+    is the energy that the bending waves carry off. Beam: the energy ½ c F² that its shear takes up, with Timoshenko's
+    c.
     """
-    target = case.scene.target
+    target, problem = case.scene.target, case.trial.problem
+    if isinstance(target, Beam):
+        value, reason = target.thickness / target.length, "shear in the beam takes up energy that is not counted"
+        moves = problem.compliance > 0.0
+        size = 0.5 * target.shear_compliance * case.force**2 / case.energy if moves else 0.0
+        return _judged(case, name, "h/L", source, value, None, min(size, 1.0), reason)
+    if isinstance(target, Plate) and problem.compliance > 0.0:
+        reason = "no verified estimate of the shear in a plate that is bent statically"
+        return _unjudged(name, indicator, reason, source)
     if isinstance(target, Plate) and target.thickness is not None and target.material is not None:
         ratio = target.material.poissons_ratio
         square = MEAN_FREQUENCY / case.duration * math.sqrt(target.surface_density / target.stiffness[0])
@@ -261,15 +284,15 @@ def small_slope(case: Case, name: str, indicator: str, source: str) -> Effect:
 
 
 def contact_width(case: Case, name: str, indicator: str, source: str) -> Effect:
-    """The half-space's contact law on a plate: it holds while the contact is narrow against the thickness."""
+    """The half-space's contact law on a plate or beam: it holds while the contact is narrow against the thickness."""
     target = case.scene.target
-    if not isinstance(target, Plate):
-        return _absent(name, indicator, "the target is no plate", source)
+    if not isinstance(target, Plate | Beam):
+        return _absent(name, indicator, "the target is neither a plate nor a beam", source)
     if target.thickness is None:
         return _unjudged(name, indicator, "missing: target.thickness", source)
     value = case.contact_radius / target.thickness
     if value > 1.0:
-        reason = "the contact is wider than the plate is thick, which no half-space law describes"
+        reason = f"the contact is wider than the {target.kind} is thick, which no half-space law describes"
         return Effect(name, indicator, value, 1.0, None, NOT_MODELLED, reason, source, ABSENT)
     reason = "no verified estimate: the contact stiffens in proportion to a/h"
     return Effect(name, indicator, value, 1.0, None, NOT_JUDGED, reason, source, ABSENT)
@@ -368,7 +391,7 @@ def strain_rate(case: Case, name: str, indicator: str, source: str) -> Effect:
 
 def _plastic(case: Case, law: BigAlabo) -> Trial:
     problem = case.trial.problem
-    return march(assemble(case.scene, law, impedance_of(problem), problem.load * problem.scales.force))
+    return march(assemble(case.scene, law, problem.impedance, problem.load * problem.scales.force, problem.compliance))
 
 
 def heating(case: Case, name: str, indicator: str, source: str) -> Effect:
@@ -381,7 +404,7 @@ def heating(case: Case, name: str, indicator: str, source: str) -> Effect:
 
 
 RULES: dict[str, tuple[str, str, Callable[[Case, str, str, str], Effect]]] = {
-    "reflections": (
+    "boundary_reflections": (
         "t_c/t_return",
         "fitted to sums over the modes of simply supported plates struck at the centre; one-dimensional waves in a rod",
         reflections,

@@ -34,6 +34,7 @@ UNLOADING = "#94a4a2"
 """Petroff's ten colours (arXiv:2107.02270), safe for the colour-blind: the law's stages, and the unloading branch."""
 
 LABELS = {
+    "contact_begins": "contact again",
     "stage_changes": "{stage} begins",
     "maximum_indentation": "deepest",
     "impactor_stops": "impactor stops",

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from film_model.bodies import STANDARD_GRAVITY, Body
 from film_model.core import native
 from film_model.curve import Curve, curve_of
+from film_model.errors import SimulationError
 from film_model.laws.law import AbstractLaw
 from film_model.scales import Scales, scales_of
 from film_model.scene import Scene
@@ -32,7 +33,8 @@ class Problem:
 
     gamma: F_s/(Z v_s). load: external force over F_s. damping: factor of a damped law's c over F_s/v_s. approach:
     relative velocity over v_s. drift, share: the impactor's velocity is drift + share·ν v_s, a free target's
-    drift − (1 − share)·ν v_s; drift 0 and share 1 unless the target is a free body.
+    drift − (1 − share)·ν v_s; drift 0 and share 1 unless the target is a free body. vibrates: the target moves by its
+    modes, which the core knows nothing of.
     """
 
     law: AbstractLaw
@@ -46,6 +48,7 @@ class Problem:
     mass: float
     scene: Scene = field(repr=False)
     damping: float = 0.0
+    vibrates: bool = False
 
     @cached_property
     def effects(self) -> tuple[Effect, ...]:
@@ -59,6 +62,16 @@ class Problem:
         """What a user of these results should know, in sentences: of the law, and of effects that are not modelled."""
         found = (effect.warning for effect in self.effects)
         return (*self.law.remarks(), *self.curve.warnings, *(warning for warning in found if warning is not None))
+
+    @property
+    def impedance(self) -> float:
+        """Target impedance, N s/m; infinite where it is not what the target moves by."""
+        return math.inf if self.gamma == 0.0 else self.scales.force / (self.gamma * self.scales.velocity)
+
+    @property
+    def compliance(self) -> float:
+        """Static compliance of the target, m/N; 0 where it is not what the target moves by."""
+        return self.curve.native.compliance * self.scales.length / self.scales.force
 
     @property
     def start(self) -> native.Start:
@@ -118,8 +131,13 @@ def problem_of(scene: Scene) -> Problem:
     return choose(scene)
 
 
-def assemble(scene: Scene, law: AbstractLaw, impedance: float, load: float) -> Problem:
-    """The dimensionless problem of a scene under a law, for a target impedance [N s/m] and a load [N]."""
+def assemble(
+    scene: Scene, law: AbstractLaw, impedance: float, load: float, compliance: float = 0.0, vibrates: bool = False
+) -> Problem:
+    """The dimensionless problem of a scene under a law, for a target impedance [N s/m] and a load [N].
+
+    compliance: of a target that follows the force statically, m/N. vibrates: it moves by its modes instead.
+    """
     mass, approach = scene.effective_mass, scene.approach_velocity
     energy = max(0.5 * mass * approach**2, load * 1e-3 * scene.effective_radius)
     if energy == 0.0:  # a ball at rest, for a component: what its weight would do
@@ -131,7 +149,7 @@ def assemble(scene: Scene, law: AbstractLaw, impedance: float, load: float) -> P
         drift = scene.impactor.speed - share * approach
     return Problem(
         law=law,
-        curve=curve_of(law),
+        curve=curve_of(law, compliance * scales.force / scales.length),
         scales=scales,
         gamma=0.0 if math.isinf(impedance) else scales.force / (impedance * scales.velocity),
         load=load / scales.force,
@@ -141,4 +159,14 @@ def assemble(scene: Scene, law: AbstractLaw, impedance: float, load: float) -> P
         share=share,
         mass=mass,
         scene=scene,
+        vibrates=vibrates,
     )
+
+
+def refuse_vibrations(problem: Problem, what: str) -> None:
+    """SimulationError where the target moves by its modes and `what` is not to be had for it."""
+    if problem.vibrates:
+        raise SimulationError(
+            f"{what} is not to be had for a target that vibrates between its edges: simulate() gives its motion; "
+            "boundary_reflections = false in [effects] makes a plate infinite"
+        )

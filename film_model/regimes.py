@@ -11,13 +11,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from film_model.bodies import Plate, Rod
+from film_model.bodies import Beam, Plate, Rod
 from film_model.core import native
 from film_model.curve import curve_of
 from film_model.effects import zener
+from film_model.errors import SimulationError
 from film_model.laws import BigAlabo
 from film_model.laws.yielding import yield_velocity
-from film_model.limits import REFLECTION_CHANGE, REFLECTION_TIME
+from film_model.limits import reflection_change
 from film_model.problem import Array
 from film_model.scene import Scene
 
@@ -47,7 +48,12 @@ class Regimes(NamedTuple):
 
 
 def regimes(scene: Scene) -> Regimes:
-    """The grid for a scene: its target's mass and sides are kept while the stiffness goes with λ."""
+    """The grid for a scene: its target's mass and sides are kept while the stiffness goes with λ.
+
+    Raises SimulationError for a beam.
+    """
+    if isinstance(scene.target, Beam):
+        raise SimulationError("a beam has no place on a map of regimes: without a wave impedance it has no λ")
     value, ratio = _place(scene)
     lambdas = np.geomspace(*_range(LAMBDAS, value), POINTS)
     ratios = np.geomspace(*_range(RATIOS, ratio), POINTS)
@@ -107,13 +113,7 @@ def _boundaries(scene: Scene, start: Any, moved: Any) -> tuple[Array | None, Arr
     if not isinstance(target, Plate) or target.size is None:
         return None, None
     stiff = max(target.stiffness[0], target.stiffness[2])
-    rate = math.sqrt(stiff / target.surface_density) / min(target.size) ** 2  # τ over time
-    push = start["nu"] - moved["final_velocity"]
-    shift = moved["permanent_indentation"] + moved["shift"]
-    back = (start["nu"] * moved["contact_duration"] - shift) / push / start["gamma"]
-    restitution = np.maximum(-moved["final_velocity"] / start["nu"], 1e-3)
-    share = (1.0 + restitution) / (restitution * unit)
-    tau = 2.0 * back * mass / impedance * rate
-    constant, power = REFLECTION_CHANGE
-    change = np.minimum(constant * share * (tau / REFLECTION_TIME) ** power, 1.0)
+    rate = math.sqrt(stiff / target.surface_density) / min(target.size) ** 2
+    returns = target.return_time * impedance / mass * start["gamma"]
+    change = reflection_change(start["nu"], start["gamma"], moved, returns)
     return change, unit * mass / impedance * rate * math.pi  # T_1 = L² √(ρ_A/D)/π of a square

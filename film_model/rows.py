@@ -12,16 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.accuracy import STEEP
-from film_model.bodies import STANDARD_GRAVITY, Body
+from film_model.bodies import STANDARD_GRAVITY, Body, Plate
 from film_model.core import native
 from film_model.curve import Curve, curve_of
+from film_model.edges import edged
 from film_model.effects import FIRST_ORDER_LOSS, TRIAL, change, gravity_change, law_values, march, zener
 from film_model.elementwise import root
 from film_model.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.yielding import yield_velocity
-from film_model.problem import Array, Problem, contact_limit, problem_of
+from film_model.limits import reflection_change
+from film_model.problem import Array, Problem, contact_limit, problem_of, refuse_vibrations
 from film_model.scales import Scales
 from film_model.scene import Scene
 
@@ -64,13 +66,19 @@ def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
     return made
 
 
-def rows_of(scene: Scene, columns: Mapping[str, Array], count: int) -> list[Rows]:
+VIBRATES = -101
+"""Status of a row whose target vibrates between its edges."""
+
+
+def rows_of(
+    scene: Scene, columns: Mapping[str, Array], count: int, status: NDArray[np.int32] | None = None
+) -> list[Rows]:
     """The problems of `count` impacts of a scene, some of whose numbers are columns (path → SI values, one a row).
 
     They are those of `problem_of` for the scene of each row, computed on whole arrays, which some rows are checked
     for; where arrays do not serve, row by row. Rows whose laws have the same dimensionless stages share a curve. Rows
     whose impactor does not approach, or that make no problem, are left out; if none makes one, the first one's error
-    is raised.
+    is raised. status: takes `VIBRATES` for rows whose target vibrates, of which no curve knows.
     """
     moving = np.flatnonzero(_column(scene_of_columns(scene, columns).approach_velocity, count) > 0.0)
     try:
@@ -78,10 +86,11 @@ def rows_of(scene: Scene, columns: Mapping[str, Array], count: int) -> list[Rows
         found = list(_by_arrays(scene, columns, moving[plain]))
         right = all(_agrees(rows, scene, columns) for rows in found)
     except (TypeError, ValueError):
-        found, right, plain = [], False, np.zeros(moving.size, np.bool_)
+        found, right = [], False
     if not right:
-        return _one_by_one(scene, columns, moving)
-    return found + (_one_by_one(scene, columns, moving[~plain]) if not plain.all() else [])
+        return _one_by_one(scene, columns, moving, status)
+    left = np.setdiff1d(moving, np.concatenate([rows.index for rows in found])) if found else moving
+    return found + (_one_by_one(scene, columns, left, status, bool(found)) if left.size else [])
 
 
 CLOSE = 0.01
@@ -94,7 +103,7 @@ SURE = 3.0
 def _plain(scene: Scene, index: Index) -> NDArray[np.bool_]:
     """Rows out of `index`, of which `scene` has the columns, whose effects formulas decide; others need trials."""
     effects, tolerance, count = scene.effects, scene.effect_tolerance, index.size
-    plain = np.ones(count, np.bool_)
+    plain = np.full(count, not edged(scene) or _wide(scene) or effects.boundary_reflections is False)
     if effects.target_motion == "auto" and not isinstance(scene.target, Body):
         value = _motion(scene, count)
         off = np.where(np.isnan(value), tolerance, FIRST_ORDER_LOSS * value) / tolerance
@@ -106,6 +115,13 @@ def _plain(scene: Scene, index: Index) -> NDArray[np.bool_]:
             ratio = _column(scene.approach_velocity / limit, count)
             plain &= (ratio < 0.9) | ((ratio > 2.0) & (tolerance <= 0.02))
     return plain
+
+
+def _wide(scene: Scene) -> bool:
+    """Whether the target of an :func:`~film_model.edges.edged` scene is infinite unless its edges matter."""
+    target, effects = scene.target, scene.effects
+    asked = effects.boundary_reflections is True or effects.target_inertia is True
+    return isinstance(target, Plate) and target.size is not None and not asked
 
 
 def _motion(scene: Scene, count: int) -> Array:
@@ -127,7 +143,9 @@ def _by_arrays(scene: Scene, columns: Mapping[str, Array], moving: Index) -> Ite
         speed = _column(part.approach_velocity, index.size)
         mass = _column(part.effective_mass, index.size)
         for curve, chosen in _curves(law, values, index.size):
-            yield _problem(part, law, _picked(values, chosen), curve, index, chosen, speed[chosen], mass[chosen])
+            rows = _problem(part, law, _picked(values, chosen), curve, index, chosen, speed[chosen], mass[chosen])
+            if rows.index.size:
+                yield rows
 
 
 _NUMBERS = ("drift", "share", "mass")
@@ -141,23 +159,33 @@ def _agrees(rows: Rows, scene: Scene, columns: Mapping[str, Array]) -> bool:
         same += [(getattr(rows.scales, name)[place], value) for name, value in vars(problem.scales).items()]
         same += [(rows.start[name][place], getattr(problem.start, name)) for name in native.START_DTYPE.names or ()]
         curve = problem.curve is rows.curve or bytes(problem.curve.native) == bytes(rows.curve.native)
-        if not (curve and problem.law.name == rows.law and np.allclose(*zip(*same, strict=True), rtol=1e-12, atol=0.0)):
+        same_kind = problem.law.name == rows.law and not problem.vibrates
+        if not (curve and same_kind and np.allclose(*zip(*same, strict=True), rtol=1e-12, atol=0.0)):
             return False
     return True
 
 
-def _one_by_one(scene: Scene, columns: Mapping[str, Array], moving: Index) -> list[Rows]:
-    """As `_by_arrays`, from the scene of every row."""
+def _one_by_one(
+    scene: Scene,
+    columns: Mapping[str, Array],
+    moving: Index,
+    status: NDArray[np.int32] | None,
+    others: bool = False,
+) -> list[Rows]:
+    """As `_by_arrays`, from the scene of every row. others: rows that make no problem are not all there are."""
     groups: dict[tuple[str, int], list[tuple[int, Problem]]] = {}
     first: Exception | None = None
     for row in moving.tolist():
         try:
             problem = problem_of(_at_row(scene, columns, row))
+            if problem.vibrates and status is not None:
+                status[row] = VIBRATES
+            refuse_vibrations(problem, "a batch")
         except (SimulationError, ValueError) as error:
             first = first or error
             continue
         groups.setdefault((problem.law.name, id(problem.curve)), []).append((row, problem))
-    if not groups and first is not None:
+    if not groups and not others and first is not None:
         raise first
     return [_gathered(members) for members in groups.values()]
 
@@ -277,8 +305,13 @@ def _problem(
         numbers = float(approach[row]), float(drift[row]), float(share[row]), float(mass[row])
         return Problem(_made(law, values, row), curve, own, gamma, 0.0, *numbers, scene)
 
-    compliance = scales.force / (impedance * scales.velocity)
-    load = mass * STANDARD_GRAVITY * _heavy(scene, curve, scales, approach, compliance, mass, one)
+    gamma = scales.force / (impedance * scales.velocity)
+    load = mass * STANDARD_GRAVITY * _heavy(scene, curve, scales, approach, gamma, mass, one)
+    kept = slice(None)
+    if edged(scene) and scene.effects.boundary_reflections == "auto":
+        assert isinstance(scene.target, Plate)
+        returns = _column(scene.target.return_time, index.size)[chosen]
+        kept = _edges_hardly_matter(scene, curve, scales, approach, gamma, returns)
     if scene.effects.target_motion == "auto":
         impedance = np.where(FIRST_ORDER_LOSS * value < scene.effect_tolerance, math.inf, impedance)
     if load.any():
@@ -289,7 +322,27 @@ def _problem(
     start["nu"], start["gamma"] = approach, scales.force / (impedance * scales.velocity)
     start["load"], start["stop_velocity"] = load / scales.force, -drift / (share * scales.velocity)
     start["time_limit"] = np.where(load > 0.0, contact_limit(approach, start["gamma"]), math.inf)
-    return Rows(index[chosen], law.name, curve, scales, start, drift, share, mass, value)
+    whole = Rows(index[chosen], law.name, curve, scales, start, drift, share, mass, value)
+    return whole if isinstance(kept, slice) else _some(whole, kept)
+
+
+def _some(rows: Rows, kept: NDArray[np.bool_]) -> Rows:
+    """Some of the rows."""
+    numbers = {name: getattr(rows, name)[kept] for name in ("index", "start", "zener", *_NUMBERS)}
+    scales = Scales(*cast("Any", (getattr(rows.scales, scale.name)[kept] for scale in fields(Scales))))
+    return replace(rows, scales=scales, **numbers)
+
+
+def _edges_hardly_matter(
+    scene: Scene, curve: Curve, scales: Scales, approach: Array, gamma: Array, returns: Array
+) -> NDArray[np.bool_]:
+    """Impacts on a plate with edges that need no trial to be on an infinite one. returns: return times, s."""
+    start: Any = np.zeros(approach.size, native.START_DTYPE)
+    start["nu"], start["gamma"], start["time_limit"] = approach, gamma, math.inf
+    status, seen = native.batch(curve.native, native.mesh(native.WORK_PRESERVING, 4, 8), start)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        off = reflection_change(approach, gamma, seen, returns / scales.time)
+    return (status == native.EVENT) & (off < scene.effect_tolerance / SURE)
 
 
 def _heavy(

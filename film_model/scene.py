@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import reduce
 from typing import Any, ClassVar, Literal, TypeAlias
 
-from film_model.bodies import STANDARD_GRAVITY, BendingStiffness, Body, HalfSpace, Plate, Rod, Sphere, Target
+from film_model.bodies import STANDARD_GRAVITY, Beam, BendingStiffness, Body, HalfSpace, Plate, Rod, Sphere, Target
 from film_model.contact import Contact
 from film_model.elementwise import endless, lesser
 from film_model.errors import Mistake, raise_all, shown
@@ -18,6 +18,7 @@ from film_model.materials import Material
 
 __all__ = [
     "STANDARD_GRAVITY",
+    "Beam",
     "BendingStiffness",
     "Body",
     "Contact",
@@ -42,19 +43,26 @@ Switch: TypeAlias = Literal["auto"] | bool
 class Effects:
     """Which effects are computed: each "auto", True or False.
 
+    boundary_reflections: waves that come back from the edges of a plate; where False, the plate is infinite.
+    target_inertia: of a plate or beam with edges; where False, it follows the force with its static stiffness alone.
     tolerance: "auto" computes an effect if leaving it out would change a summary value by more than this, relative; and
     an effect beyond it that cannot be computed is warned of. Left out: 1 %, or the accuracy asked for if that is
     larger. It does not follow finer accuracies, so that a scene keeps its physics while its error is driven down.
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
-        **{name: choice("auto", True, False) for name in ("plasticity", "target_motion", "gravity")},
+        **{
+            name: choice("auto", True, False)
+            for name in ("plasticity", "target_motion", "gravity", "boundary_reflections", "target_inertia")
+        },
         "tolerance": measure("dimensionless", 1e-12, 1),
     }
 
     plasticity: Switch
     target_motion: Switch
     gravity: Switch
+    boundary_reflections: Switch
+    target_inertia: Switch
     tolerance: float | None
 
     def __init__(
@@ -63,6 +71,8 @@ class Effects:
         target_motion: Switch = "auto",
         gravity: Switch = "auto",
         tolerance: float | None = None,
+        boundary_reflections: Switch = "auto",
+        target_inertia: Switch = "auto",
     ) -> None:
         raise_all(fill(self, locals()))
 

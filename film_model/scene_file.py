@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, cast
 
-from film_model.bodies import Body, HalfSpace, Plate, Rod, Sphere, Target
+from film_model.bodies import Beam, Body, HalfSpace, Plate, Rod, Sphere, Target
 from film_model.contact import Contact, contact_table
 from film_model.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.fields import build, key_text, table_of
@@ -18,7 +18,7 @@ from film_model.scene import Effects, Scene, Solver
 
 LARGEST_FILE = 1_000_000  # bytes; a scene has a thousand
 
-KINDS: dict[str, type[Target]] = {cls.kind: cls for cls in (HalfSpace, Plate, Rod, Body)}
+KINDS: dict[str, type[Target]] = {cls.kind: cls for cls in (HalfSpace, Plate, Beam, Rod, Body)}
 
 
 def read_scene(path: str | os.PathLike[str]) -> Scene:

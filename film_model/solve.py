@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +13,8 @@ from film_model.core import native
 from film_model.errors import Outcome, SimulationError
 from film_model.history import SUMMARY, Accuracy, Event, History, stage_names
 from film_model.problem import Problem, problem_of
-from film_model.scene import Scene, Solver
+from film_model.scene import DEFAULT_ACCURACY, Beam, Plate, Scene, Solver
+from film_model.vibration import vibrate
 
 
 def simulate(
@@ -29,6 +31,8 @@ def simulate(
     segments; linearisation="chord" is the paper's, of second order. The error estimate is the difference between two
     meshes, one with twice the segments of the other.
 
+    A plate or beam whose vibrations matter is integrated with so many of its modes as the accuracy needs.
+
     Raises SceneError for a bad option, SimulationError for a contact the core cannot follow.
     """
     solver = solver_for(scene.solver, accuracy, segments, linearisation)
@@ -36,6 +40,8 @@ def simulate(
     if problem.approach == 0.0 and problem.load <= 0.0:
         raise SimulationError("the impactor has no velocity and no force pushes it: there is no impact")
     warnings: list[str] = []
+    if problem.vibrates:
+        return _on_modes(replace(scene, solver=solver), problem, warnings)
     if solver.segments is not None:
         counts, estimated = (solver.segments, solver.segments), estimate(problem, solver)
     else:
@@ -71,12 +77,60 @@ def events_of(problem: Problem, states: Any) -> tuple[Event, ...]:
     t = states["time"] * problem.scales.time
     relative = states["nu"] - problem.gamma * states["force"]
     values = np.stack([states["xi"], relative, states["force"], states["nu"], states["shift"]], axis=-1)
+    if problem.curve.native.compliance > 0.0:
+        at = [native.State.from_buffer_copy(state) for state in states]
+        values = np.array([native.motion(problem.curve.native, state) for state in at]).reshape(-1, 5)
+    kinds = [native.EVENTS[kind] for kind in states["event"].tolist()]
+    return _events(problem, kinds, t, values, states["branch"].tolist())
+
+
+def _events(problem: Problem, kinds: list[str], t: Any, values: Any, branches: list[int]) -> tuple[Event, ...]:
     columns = [column.tolist() for column in problem.motion(t, values).values()]
     names = stage_names(problem)
-    heads = zip(states["event"].tolist(), t.tolist(), states["branch"].tolist(), strict=True)
-    return tuple(
-        Event(native.EVENTS[kind], time, names[branch], *motion)
-        for (kind, time, branch), motion in zip(heads, zip(*columns, strict=True), strict=True)
+    rows = zip(kinds, t.tolist(), branches, zip(*columns, strict=True), strict=True)
+    return tuple(Event(kind, time, names[branch], *motion) for kind, time, branch, motion in rows)
+
+
+def _on_modes(scene: Scene, problem: Problem, warnings: list[str]) -> History:
+    """The history of an impact on a vibrating target."""
+    target, solver = scene.target, scene.solver
+    assert isinstance(target, Plate | Beam) and target.compliance is not None
+    asked = solver.accuracy or DEFAULT_ACCURACY
+    vibration, estimated = vibrate(problem, target.modes, target.compliance, asked, warnings)
+    scales, found, moments = problem.scales, vibration.summary, vibration.events
+    t = np.array([moment.time for moment in moments]) * scales.time
+    values = np.stack([moment.values for moment in moments])
+    events = _events(problem, [m.name for m in moments], t, values, [m.branch for m in moments])
+    units = {"force": scales.force, "length": scales.length, "time": scales.time}
+    summary: dict[str, float | None] = dict.fromkeys(SUMMARY)
+    for name in native.SUMMARY:
+        value = getattr(found, name)
+        if name in SUMMARY and not math.isnan(value):
+            summary[name] = value * units[SUMMARY[name][0]]
+    lost = [event.time for event in events if event.name == "contact_ends"]
+    if vibration.outcome is Outcome.SEPARATED:
+        summary["rebound_velocity"] = found.final_velocity * scales.velocity
+        summary["coefficient_of_restitution"] = -found.final_velocity / problem.approach if problem.approach else None
+        small = asked * problem.approach**2
+        summary["energy_absorbed"] = found.work * scales.energy if abs(found.work) > small else 0.0
+        summary["energy_radiated"] = vibration.energy * scales.energy
+    if len(lost) > 1:
+        warnings.append(
+            f"contact is lost after {lost[0]:.4g} s and comes back: contact_duration is that of the first of "
+            f"{len(lost)} contacts, the rebound that after the last, which ends after {lost[-1]:.4g} s"
+        )
+    if vibration.waited:
+        warnings.append("the target still vibrates within reach of the impactor and might touch it again")
+    return History(
+        scene=scene,
+        problem=problem,
+        lines=np.empty(0, native.LINE_DTYPE),
+        events=events,
+        outcome=vibration.outcome,
+        summary=summary,
+        accuracy=Accuracy(solver.accuracy, estimated + problem.curve.fit_error, 0, 0, 0, vibration.modes),
+        remarks=tuple(warnings),
+        vibration=vibration,
     )
 
 

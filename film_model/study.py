@@ -20,7 +20,7 @@ from film_model.accuracy import unloading_ratio
 from film_model.bodies import Body
 from film_model.core import native
 from film_model.errors import SimulationError
-from film_model.problem import Array, Problem, problem_of
+from film_model.problem import Array, Problem, problem_of, refuse_vibrations
 from film_model.scene import Scene
 
 COMPARED = (
@@ -166,11 +166,15 @@ def study(
     Timings are of one thread: the median over repeated loops after a warm-up. Errors are against
     extended precision where the law allows it and mpmath is installed, else quadrature (half-space) or DOP853 near
     rounding; none of them uses the march, and `reference` states the error of each. The scene's own
-    accuracy does not matter. Raises SimulationError for a scene with a load or a free body, whose reference is missing.
+    accuracy does not matter. Raises SimulationError for a scene with a load, a free body, or a target whose edges
+    matter: their reference is missing.
     """
     problem = problem_of(scene)
     if problem.load != 0.0 or isinstance(scene.target, Body) or problem.approach <= 0.0:
         raise SimulationError("a study needs an impact without load on a target that is no free body")
+    refuse_vibrations(problem, "a study")
+    if problem.compliance > 0.0:
+        raise SimulationError(f"a study is not to be had for a {scene.target.kind} of a static stiffness")
     exact, stated = _exact(scene, problem)
     runs: list[CostRun] = []
     for name, settings in _methods(problem, scene):

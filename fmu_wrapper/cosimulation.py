@@ -305,7 +305,7 @@ def _dataset(fmu: Fmu, rows: list[Row], events: list[Row], mode: Mode) -> xr.Dat
         "velocity": data.length_scale / tick,
     }
     columns.update({f"scale_{name}": value for name, value in scales.items()})
-    columns.update(drift_velocity=0.0, impactor_share=1.0)
+    columns.update(drift_velocity=0.0, impactor_share=1.0, target_compliance=0.0)
     meanings = {"stages": tuple(f"stage_{k}" for k in range(data.curve.stages))}
     arrays: dict[str, Any] = {}
     for v in TABLE[HISTORY]:

@@ -21,7 +21,7 @@ from film_model.component import DEFAULT_SEGMENTS
 from film_model.errors import SimulationError
 from film_model.files import written_whole
 from film_model.history import History
-from film_model.problem import Problem, problem_of
+from film_model.problem import Problem, problem_of, refuse_vibrations
 from film_model.scene import Scene
 from film_model.solve import simulate
 from fmu_wrapper import platforms, resource
@@ -104,6 +104,9 @@ def _binaries(platform: str | Sequence[str] | None) -> dict[str, bytes]:
 def _contents(scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_sources: bool) -> dict[str, bytes]:
     """Every file but the binaries."""
     problem = problem_of(scene)
+    refuse_vibrations(problem, "an FMU")
+    if problem.compliance > 0.0:
+        raise SimulationError("an FMU is not to be had for a target of a static stiffness: simulate() gives its motion")
     segments, _ = mesh_for(scene, problem, None, None, None, fallback=DEFAULT_SEGMENTS)
     history = simulate(scene) if problem.approach > 0.0 or problem.load > 0.0 else None
     data = resource.model_data(scene, problem, kind, gap, segments, _nominals(problem, history))

@@ -48,7 +48,7 @@ def load(name, changes=None):
     [
         ("tungsten_carbide_on_steel", None, BIG_ALABO),
         ("tungsten_carbide_on_steel_stronge", None, STRONGE),
-        ("olsson_plate", {"target.impedance_formula": "paper"}, PLATE_PAPER),
+        ("olsson_plate", {"target.impedance_formula": "paper", "effects.boundary_reflections": False}, PLATE_PAPER),
     ],
 )
 def test_paper_cases_within_the_accuracy_asked_for(name, changes, exact, accuracy):
@@ -80,7 +80,8 @@ def test_table_3_permanent_indentation_comes_out_with_the_printed_constants():
 
 
 def test_olsson_plate_with_the_exact_impedance():
-    summary = fm.simulate(load("olsson_plate"), accuracy=1e-6).summary
+    scene = load("olsson_plate", {"effects.boundary_reflections": False})
+    summary = fm.simulate(scene, accuracy=1e-6).summary
     assert summary["maximum_force"] == pytest.approx(331.76, abs=0.005)
     assert summary["maximum_indentation"] == pytest.approx(46.905e-6, abs=0.0005e-6)
     assert summary["time_of_maximum_indentation"] == pytest.approx(34.80e-6, abs=0.005e-6)

@@ -85,7 +85,11 @@ BAD_LINES = [
     ('material = "tungsten carbide"', "material = 5", "s.toml:6: impactor.material: 5 is not allowed: a name from"),
     ('material = "tungsten carbide"', "", "contact.effective_modulus: missing: give impactor.material"),
     ('kind = "half-space"', 'kind = "halfspace"', 's.toml:8: target.kind: "halfspace" is not allowed'),
-    ('kind = "half-space"', "", 's.toml:7: target.kind: missing: "half-space", "plate", "rod", "body" is needed'),
+    (
+        'kind = "half-space"',
+        "",
+        's.toml:7: target.kind: missing: "half-space", "plate", "beam", "rod", "body" is needed',
+    ),
     ('kind = "half-space"', 'kind = "plate"', "s.toml:7: target.thickness: missing: give thickness (isotropic), or"),
     ('kind = "half-space"', 'kind = "rod"', "s.toml:7: target.diameter: missing: diameter or area is needed"),
     ('kind = "half-space"', 'kind = "body"', "s.toml:7: target.radius: missing: a length is needed"),

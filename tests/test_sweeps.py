@@ -27,7 +27,7 @@ from film_model.history import MOTION, SUMMARY
 
 SCENES = Path(__file__).parents[1] / "examples" / "scenes"
 BALL = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
-PLATE = fm.Scene.from_toml(SCENES / "olsson_plate.toml")
+PLATE = fm.Scene.from_toml(SCENES / "olsson_plate.toml").replace({"effects.boundary_reflections": False})
 SPEEDS = {"impactor.velocity": {"from": "0.1 m/s", "to": "5 m/s", "count": 40, "spacing": "log"}}
 STRENGTHS = {"target.material.yield_strength": {"normal": ["1 GPa", "0.15 GPa"]}}
 

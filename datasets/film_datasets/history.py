@@ -17,6 +17,7 @@ from film_model.errors import Outcome, SceneError
 from film_model.history import MOTION, SUMMARY, Accuracy, Event, History, stage_names
 from film_model.problem import problem_of
 from film_model.scene import Scene
+from film_model.solve import simulate
 
 NEAREST_SAMPLE = 1e-9
 """Even samples nearer to an event than this part of the contact are left out: differences would be mere rounding."""
@@ -26,7 +27,8 @@ COMMENT = (
     "segment k, with time, indentation and velocity in the units scale_*, f = phi + kappa (xi - xi_k) + "
     "damping d xi/dt, d nu/dt = load - f, d xi/dt = nu - gamma f, and the target's displacement grows at gamma f. The "
     "impactor's velocity is drift_velocity + impactor_share nu. contact_force is the contact law's at that indentation "
-    "and its rate. scene_toml is the scene file to run again."
+    "and its rate. Where target_compliance is not 0, xi is the indentation and target_compliance contact_force "
+    "together. A target that vibrates has no segments. scene_toml is the scene file to run again."
 )
 
 
@@ -60,7 +62,7 @@ def to_dataset(history: History | Any, samples: int = 201, command: str = "film_
 
 
 def lines_of(ds: xr.Dataset) -> NDArray[Any]:
-    """The segments of a dataset as the core's lines (`native.LINE_DTYPE`), for `native.sample`."""
+    """The segments of a dataset as the core's lines (`native.LINE_DTYPE`), for `native.sample`; none if it vibrates."""
     lines: NDArray[Any] = np.empty(ds.sizes["segment"], LINE_DTYPE)
     for name in LINE_DTYPE.names or ():
         lines[name] = ds[f"segment_{name}"].values
@@ -70,10 +72,13 @@ def lines_of(ds: xr.Dataset) -> NDArray[Any]:
 def history_of(ds: xr.Dataset) -> History:
     """The history that a dataset was made from, with which it can be sampled and drawn, from the dataset alone.
 
-    Raises ValueError where the contact law is not one of film-model's own.
+    On a target that vibrates there are no segments: the impact is simulated anew. Raises ValueError where the contact
+    law is not one of film-model's own.
     """
     scene = scene_of(ds)
     problem = problem_of(scene)
+    if problem.vibrates:
+        return simulate(scene)
     lines, names = lines_of(ds), stage_names(problem)
     rows = zip(
         *(ds[f"event_{name}"].values.tolist() for name in ("kind", "time", "stage", *MOTION)),
@@ -146,6 +151,7 @@ def _segments(history: History) -> dict[str, Any]:
         **{f"scale_{name}": value for name, value in asdict(problem.scales).items()},
         "drift_velocity": problem.drift,
         "impactor_share": problem.share,
+        "target_compliance": problem.curve.native.compliance,
         **{f"segment_{name}": lines[name] for name in LINE_DTYPE.names or ()},
     }
 
@@ -161,7 +167,7 @@ def _attributes(history: History, command: str) -> dict[str, Any]:
             title=scene.title or f"Impact on a {kind}",
             summary=f"Impact of a compact body (target: {kind}, contact law: {law.name}): motion, contact force and "
             f"events from first touch. Outcome: {history.outcome.value}.",
-            source=f"{PROGRAM}, force-indentation linearisation method (FILM), {accuracy.lines} segments",
+            source=f"{PROGRAM}, {_method(history)}",
             command=command,
             comment=COMMENT,
         ),
@@ -175,6 +181,12 @@ def _attributes(history: History, command: str) -> dict[str, Any]:
         "segments": np.int32(accuracy.segments),
         "unloading_segments": np.int32(accuracy.unloading_segments),
     }
+
+
+def _method(history: History) -> str:
+    if history.vibration is None:
+        return f"force-indentation linearisation method (FILM), {history.accuracy.lines} segments"
+    return f"contact law on {history.accuracy.modes} modes of the target, integrated by DOP853"
 
 
 def effect_line(effect: Effect) -> str:

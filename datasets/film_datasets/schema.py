@@ -129,6 +129,12 @@ def _units_of_segments(dims: tuple[str, ...], optional: bool = False) -> tuple[V
         *((f"scale_{s.name}", s.name, f"unit of {s.name} of the segments", "") for s in fields(Scales)),
         ("drift_velocity", "velocity", "velocity of the centre of mass", "0 unless the target is a free body"),
         ("impactor_share", "dimensionless", "share of the impactor in the motion", "1 unless the target is free"),
+        (
+            "target_compliance",
+            "dimensionless",
+            "static compliance of the target, scale_force/(static stiffness scale_length)",
+            "0 unless the target follows the force statically",
+        ),
     )
     return tuple(_number(name, dims, dimension, *what, optional=optional) for name, dimension, *what in rows)
 

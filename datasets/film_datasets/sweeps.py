@@ -377,8 +377,9 @@ class Sweep:
         found = native.record_many(part.curve.native, mesh_of(scene.solver, counts), part.start, room)
         if self.keep == "segments":
             lines.update(zip(own.tolist(), found, strict=True))
-            scales = {f"scale_{name}": value for name, value in vars(part.scales).items()}
-            for name, value in {**scales, "drift_velocity": part.drift, "impactor_share": part.share}.items():
+            units = {f"scale_{name}": value for name, value in vars(part.scales).items()}
+            units.update(drift_velocity=part.drift, impactor_share=part.share)
+            for name, value in {**units, "target_compliance": part.curve.native.compliance}.items():
                 columns[name][own] = value
             return
         duration = result.summary["contact_duration"][part.index]

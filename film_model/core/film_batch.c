@@ -63,7 +63,7 @@ static int fixed_target(const film_curve *curve, const film_mesh *mesh, double n
         v = speed_at(v, work);
     }
     summary->maximum_force = peak;
-    summary->maximum_indentation = xi;
+    summary->maximum_indentation = xi - curve->compliance * force;
     summary->time_of_maximum_indentation = summary->time_impactor_stops = time;
     summary->stage = run.branch;
     double given_back = stored;
@@ -108,8 +108,9 @@ int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start
         status = film_step(curve, mesh, &s, start->time_limit - s.time);
         if (status != FILM_EVENT || s.event == FILM_CONTACT_ENDS) break;
         if (s.lines > FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
-        if (s.event == FILM_MAXIMUM_INDENTATION && s.xi > summary->maximum_indentation) {
-            summary->maximum_indentation = s.xi;
+        double indentation = s.xi - curve->compliance * s.force;
+        if (s.event == FILM_MAXIMUM_INDENTATION && indentation > summary->maximum_indentation) {
+            summary->maximum_indentation = indentation;
             summary->time_of_maximum_indentation = s.time;
             summary->stage = s.stage_max;
         } else if (s.event == FILM_IMPACTOR_STOPS && isnan(summary->time_impactor_stops)) {
@@ -374,7 +375,7 @@ void film_batch_with(int instructions, const film_curve *curve, const film_mesh 
     j->start = start;
     j->summary = summary;
     j->status = status;
-    int lined = batch_begins(j);
+    int lined = curve->compliance == 0.0 && batch_begins(j);
     b.run = sets[instructions];
     for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b.fixed[p].count = b.moving[p].count = 0;
     for (int32_t k = 0; k < FILM_MAX_STAGES; k++)

@@ -28,6 +28,50 @@ static const double SMALL_LOOP = 1e-6;           /* of the recovery: a shorter w
 enum { RELEASE_ITERATIONS = 120, PEAK_SAMPLES = 6, GOLDEN_STEPS = 40 };
 enum { TURN_ITERATIONS = 60, HALVINGS = 60, NEWTON_STEPS = 10 };
 
+/* ---------------------------------------------------------------- a contact in series with a spring */
+
+enum { SERIES_STEPS = 100 };
+static const double SERIES_REACH = 1.05; /* of a series' interval: how far beyond its end it still serves */
+
+/* The indentation xi at which xi + compliance force(xi) = x. The sum grows with xi, so Newton's method in a bracket. */
+static double indentation_at(const film_curve *curve, const film_line *line, const film_piece *piece, double x) {
+    double c = curve->compliance, low = line->xi_free, high = x, force, work;
+    if (line->branch >= 0) {
+        const film_function *g = &piece->force;
+        low = g->origin;
+        if (g->form != FILM_POWER) high = fmin(x, low + SERIES_REACH / g->per_span);
+    }
+    if (!(x > low)) return x;
+    contact_at(line, piece, low, &force, &work);
+    if (!(low + c * force < x)) return low;
+    double xi = high;
+    for (int k = 0; k < SERIES_STEPS; k++) {
+        contact_at(line, piece, xi, &force, &work);
+        double miss = xi + c * force - x, next = xi - miss / (1.0 + c * contact_slope(line, piece, xi));
+        if (fabs(next - xi) <= 4e-16 * x) return next;
+        if (miss < 0.0) low = xi; else high = xi;
+        xi = next > low && next < high ? next : 0.5 * (low + high);
+    }
+    return xi;
+}
+
+void film_law_in_series(const film_curve *curve, const film_line *line, double x, double *force, double *work) {
+    const film_piece *piece = line->branch >= 0 ? piece_at(curve, line->branch, x) : 0;
+    if (line->branch == FILM_FREE) {
+        *force = *work = 0.0;
+        return;
+    }
+    contact_at(line, piece, indentation_at(curve, line, piece, x), force, work);
+    *work += 0.5 * curve->compliance * *force * *force;
+}
+
+double film_slope_in_series(const film_curve *curve, const film_line *line, double x) {
+    const film_piece *piece = line->branch >= 0 ? piece_at(curve, line->branch, x) : 0;
+    if (line->branch == FILM_FREE) return 0.0;
+    double slope = contact_slope(line, piece, indentation_at(curve, line, piece, x));
+    return slope / (1.0 + curve->compliance * slope);
+}
+
 /* ---------------------------------------------------------------- lines */
 
 static motion on_line(const film_state *s, double phi, double kappa) {
@@ -103,7 +147,8 @@ static double limit_of(const film_curve *curve, const film_state *s) { return ed
  * and Simpson's rule is exact: its error is (h/x)^4/2880 of the force, x the distance from the law's singular point. */
 static double mean_force(const film_curve *curve, const film_state *s, double h) {
     double origin = s->branch >= 0 ? piece_at(curve, s->branch, s->xi)->force.origin : s->line.xi_origin;
-    double x = fabs(s->xi - origin) < fabs(s->xi + h - origin) ? s->xi - origin : s->xi + h - origin;
+    double near = s->xi - curve->compliance * s->elastic - origin, far = s->xi + h - curve->compliance * s->force_end - origin;
+    double x = fabs(near) < fabs(far) ? near : far;
     if (fabs(h) >= SHORT_WAY * fabs(x)) return (s->work_end - s->work) / h;
     double middle, work;
     law_at(curve, &s->line, s->xi + 0.5 * h, &middle, &work);
@@ -526,7 +571,7 @@ int film_turning_point(const film_curve *curve, const film_line *run, double xi,
         const film_piece *piece = piece_at(curve, run->branch, INFINITY);
         const film_function *g = &piece->force;
         double reach = INFINITY;
-        if (g->coefficient > 0.0 && g->slope >= 0.0 && g->constant >= 0.0 && load <= 0.0)
+        if (g->coefficient > 0.0 && g->slope >= 0.0 && g->constant >= 0.0 && load <= 0.0 && curve->compliance == 0.0)
             reach = pow((g->exponent + 1.0) * (total + piece->work_at_begin) / g->coefficient, work_of(g->exponent));
         outer = reach < INFINITY ? g->origin + reach * (1.0 + 1e-12) : xi + 1.0;
         for (int k = 0; energy_at(curve, run, total, load, outer, &slope) > 0.0; k++) {
@@ -616,7 +661,7 @@ static int remember(const film_curve *curve, film_state *s) {
     s->branch = FILM_BRANCH;
     s->loop = LOOP_NONE;
     s->xi_free = s->line.xi_free;
-    s->recovery = s->xi - s->xi_free;
+    s->recovery = s->xi - curve->compliance * s->elastic - s->xi_free;
     s->exponent = s->line.exponent;
     s->xi_origin = s->line.xi_origin;
     s->f_scale = s->line.f_max;
@@ -627,8 +672,11 @@ static int remember(const film_curve *curve, film_state *s) {
     return FILM_OK;
 }
 
-/* The piece from (a, f_a) to (b, f_b) of ((xi - origin)/span)^q, stretched and shifted in force. */
-static void stretch(film_line *line, double origin, double span, double q, double a, double f_a, double b, double f_b) {
+/* The piece from (a, f_a) to (b, f_b) of ((xi - origin)/span)^q, stretched and shifted in force; a and b are the march's. */
+static void stretch(const film_curve *curve, film_line *line, double origin, double span, double q, double a, double f_a, double b,
+                    double f_b) {
+    a -= curve->compliance * f_a;
+    b -= curve->compliance * f_b;
     double low = raised((a - origin) / span, q);
     line->xi_origin = origin;
     line->per_recovery = 1.0 / span;
@@ -648,16 +696,17 @@ static void open_run(const film_curve *curve, film_state *s) {
     line->load = s->load;
     line->gamma = s->gamma;
     line->xi_free = s->xi_free;
-    line->per_recovery = s->recovery > 0.0 ? 1.0 / (s->xi_max - s->xi_origin) : 0.0;
+    double span = s->xi_max - curve->compliance * s->f_max - s->xi_origin;
+    line->per_recovery = s->recovery > 0.0 ? 1.0 / span : 0.0;
     line->f_max = s->f_scale;
     line->exponent = s->exponent;
     line->xi_origin = s->xi_origin;
     line->f_shift = s->f_shift;
     line->work_free = s->work_free;
     if (s->branch == FILM_BRANCH && s->loop == LOOP_RELOAD)
-        stretch(line, s->xi_free, s->recovery, reload_exponent(curve, s), s->xi_in, s->f_in, s->xi_max, s->f_max);
+        stretch(curve, line, s->xi_free, s->recovery, reload_exponent(curve, s), s->xi_in, s->f_in, s->xi_max, s->f_max);
     if (s->branch == FILM_BRANCH && s->loop == LOOP_INNER)
-        stretch(line, s->xi_origin, s->xi_max - s->xi_origin, s->exponent, s->xi_in, s->f_in, s->xi_out, s->f_out);
+        stretch(curve, line, s->xi_origin, span, s->exponent, s->xi_in, s->f_in, s->xi_out, s->f_out);
     line->branch = s->branch;
     line->phase = s->phase;
     line->damper = damped(curve, s) ? s->damper : 0.0;
@@ -901,7 +950,8 @@ static void add(double *sum, double *low, double x) { /* with the remainder that
     *sum = t;
 }
 
-void film_evaluate(const film_curve *curve, const film_line *line, double tau, double values[5]) {
+/* The state on a line, tau after its beginning, in the march's own xi and shift. */
+static void evaluate(const film_curve *curve, const film_line *line, double tau, double values[5]) {
     double yield = 1.0 + line->gamma * line->damping, per_m = 1.0 / yield, x, y, work;
     motion m = {(line->nu - line->gamma * line->phi) * per_m, (line->phi - line->load) * per_m, line->kappa * per_m,
                 0.5 * (line->kappa * line->gamma + line->damping) * per_m};
@@ -915,10 +965,34 @@ void film_evaluate(const film_curve *curve, const film_line *line, double tau, d
     values[4] = line->shift + (line->branch == FILM_FREE ? 0.0 : line->gamma * (line->load * tau - (nu - line->nu)));
 }
 
+/* From the march's own values to the true ones: the spring's deflection belongs to the target. */
+static void part(const film_curve *curve, const film_line *line, double values[5]) {
+    double bent = curve->compliance * values[2];
+    if (curve->compliance == 0.0 || line->branch == FILM_FREE) return;
+    values[1] *= 1.0 - curve->compliance * law_slope(curve, line, values[0]);
+    values[0] -= bent;
+    values[4] += bent;
+}
+
+void film_evaluate(const film_curve *curve, const film_line *line, double tau, double values[5]) {
+    double x[5];
+    evaluate(curve, line, tau, x);
+    part(curve, line, x);
+    memcpy(values, x, sizeof x);
+}
+
+void film_motion(const film_curve *curve, const film_state *s, double values[5]) {
+    double x[5] = {s->xi, s->nu - s->gamma * s->force, s->force, s->nu, s->shift};
+    film_state at = *s;
+    open_run(curve, &at);
+    part(curve, &at.line, x);
+    memcpy(values, x, sizeof x);
+}
+
 /* The current point, tau along the line. */
 static void stand(const film_curve *curve, film_state *s, double tau) {
     double values[5];
-    film_evaluate(curve, &s->line, tau, values);
+    evaluate(curve, &s->line, tau, values);
     s->xi = values[0];
     s->nu = values[3];
     s->shift = values[4];
@@ -1113,7 +1187,10 @@ int film_switch(const film_curve *curve, film_state *s) {
 }
 
 void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work) {
-    stage_law(curve, stage, xi, force, work);
+    film_line line;
+    memset(&line, 0, sizeof line);
+    line.branch = stage;
+    law_at(curve, &line, xi, force, work);
 }
 
 static int bad_function(const film_function *g) {
@@ -1140,6 +1217,8 @@ static int bad_piece(const film_curve *curve, const film_stage *stage, const fil
 int film_check_curve(const film_curve *curve) {
     int32_t pieces = 0;
     if (curve->stages < 1 || curve->stages > FILM_MAX_STAGES || curve->stage[0].begin != 0.0) return FILM_BAD_CURVE;
+    if (!(curve->compliance >= 0.0 && curve->compliance < INFINITY)) return FILM_BAD_CURVE;
+    if (curve->compliance > 0.0 && curve->stage[0].damped) return FILM_BAD_CURVE;
     for (int32_t k = 0; k < curve->stages; k++) {
         const film_stage *stage = &curve->stage[k];
         double begin = stage->begin;

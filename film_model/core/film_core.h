@@ -71,10 +71,13 @@ typedef struct {
     double reload_exponent; /* r > 0: a contact that closes again does so along ((xi - xi_f)/(xi_m - xi_f))^r; 0: as it opened */
 } film_stage;
 
+/* With a compliance c the contact is in series with a spring: what the march calls xi is the indentation and the spring's
+ * deflection c f together. The beginnings and ends of stages and pieces are in that sum, the functions in indentation. */
 typedef struct {
     int32_t stages, pieces;
     film_stage stage[FILM_MAX_STAGES];
     film_piece piece[FILM_MAX_PIECES];
+    double compliance;
 } film_curve;
 
 enum { FILM_CHORD = 0, FILM_WORK_PRESERVING = 1 };
@@ -235,7 +238,9 @@ FILM_API int film_record(const film_curve *curve, const film_mesh *mesh, film_st
                          film_line *lines, int32_t line_room, int32_t *line_count, film_state *events,
                          int32_t event_room, int32_t *event_count);
 
-/* The state on a line, tau after its beginning. values: xi, relative velocity, force, nu, shift - of the true law. */
+/* values: indentation, its rate, force, nu, displacement of the struck point - of the true law. In the state, and on a
+ * line, tau after its beginning. They differ from the state's own xi and shift where the curve has a compliance. */
+FILM_API void film_motion(const film_curve *curve, const film_state *state, double values[5]);
 FILM_API void film_evaluate(const film_curve *curve, const film_line *line, double tau, double values[5]);
 
 /* Samples at count times, ascending, from lines; stages[i] the line's branch, phases[i] its phase. */

@@ -65,8 +65,7 @@ static inline const film_piece *piece_at(const film_curve *curve, int32_t stage,
     return piece;
 }
 
-static inline void stage_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work) {
-    const film_piece *piece = piece_at(curve, stage, xi);
+static inline void piece_law(const film_piece *piece, double xi, double *force, double *work) {
     const film_function *g = &piece->force;
     if (g->form == FILM_POWER) {
         double x = variable(g, xi);
@@ -79,10 +78,14 @@ static inline void stage_law(const film_curve *curve, int32_t stage, double xi, 
     }
 }
 
-/* The true law where a line lives: a loading stage, the unloading branch, or no contact. */
-static inline void law_at(const film_curve *curve, const film_line *line, double xi, double *force, double *work) {
+static inline void stage_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work) {
+    piece_law(piece_at(curve, stage, xi), xi, force, work);
+}
+
+/* The contact law at an indentation, on the piece that serves there: a loading stage, the unloading branch, or no contact. */
+static inline void contact_at(const film_line *line, const film_piece *piece, double xi, double *force, double *work) {
     if (line->branch >= 0) {
-        stage_law(curve, line->branch, xi, force, work);
+        piece_law(piece, xi, force, work);
     } else if (line->branch == FILM_BRANCH) {
         double reach = xi - line->xi_origin, x = reach * line->per_recovery;
         double power = x > 0.0 ? line->f_max * raised(x, line->exponent) : 0.0, f = power + line->f_shift;
@@ -93,12 +96,27 @@ static inline void law_at(const film_curve *curve, const film_line *line, double
     }
 }
 
-/* The slope of the force in law_at. */
-static inline double law_slope(const film_curve *curve, const film_line *line, double xi) {
-    if (line->branch >= 0) return slope_of(&piece_at(curve, line->branch, xi)->force, xi);
+static inline double contact_slope(const film_line *line, const film_piece *piece, double xi) {
+    if (line->branch >= 0) return slope_of(&piece->force, xi);
     double x = (xi - line->xi_origin) * line->per_recovery;
     if (line->branch != FILM_BRANCH || !(x > 0.0 && xi > line->xi_free)) return 0.0;
     return line->f_max * line->exponent * line->per_recovery * raised(x, line->exponent - 1.0);
+}
+
+/* law_at and law_slope in series with a spring: kept out of line, where they cost other laws nothing. */
+void film_law_in_series(const film_curve *curve, const film_line *line, double x, double *force, double *work);
+double film_slope_in_series(const film_curve *curve, const film_line *line, double x);
+
+/* The true law where a line lives: at an indentation, or, in series with a spring, at indentation + compliance force. */
+static inline void law_at(const film_curve *curve, const film_line *line, double x, double *force, double *work) {
+    if (curve->compliance != 0.0) film_law_in_series(curve, line, x, force, work);
+    else contact_at(line, line->branch >= 0 ? piece_at(curve, line->branch, x) : 0, x, force, work);
+}
+
+/* The slope of the force in law_at. */
+static inline double law_slope(const film_curve *curve, const film_line *line, double x) {
+    if (curve->compliance != 0.0) return film_slope_in_series(curve, line, x);
+    return contact_slope(line, line->branch >= 0 ? piece_at(curve, line->branch, x) : 0, x);
 }
 
 /* c at xi. */
@@ -126,12 +144,13 @@ static inline double arc(double z) {
 
 static const double ROUNDED_TOUCH = 1e-12; /* a shifted branch that misses zero force by less ends at xi = 0 */
 
-/* The unloading rule: a run that turns on a loading stage at xi, under force, continues on the branch that leads back
- * from there, or, where the stage is reversible, on the stage itself. */
+/* The unloading rule: a run that turns on a loading stage at xi (with the spring's deflection), under force, continues on
+ * the branch that leads back from there, or, where the stage is reversible, on the stage itself. */
 static inline int open_branch(const film_curve *curve, film_line *run, double xi, double force) {
     const film_piece *piece = piece_at(curve, run->branch, xi);
     int unloading = curve->stage[run->branch].unloading;
     if (unloading == FILM_RETRACE) return FILM_OK;
+    xi -= curve->compliance * force;
     double given = value(&piece->recovery, xi), q = value(&piece->exponent, xi), span, scale = force, origin;
     if (unloading == FILM_SHIFTED) {
         origin = 0.0;

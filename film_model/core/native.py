@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes as c
 import math
 import sys
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -76,9 +77,15 @@ class Stage(c.Structure):
 
 
 class Curve(c.Structure):
-    """film_curve: a law as the core sees it."""
+    """film_curve: a law as the core sees it, in series with a spring if it has a compliance."""
 
-    _fields_ = [("stages", _I), ("pieces", _I), ("stage", Stage * MAX_STAGES), ("piece", Piece * MAX_PIECES)]
+    _fields_ = [
+        ("stages", _I),
+        ("pieces", _I),
+        ("stage", Stage * MAX_STAGES),
+        ("piece", Piece * MAX_PIECES),
+        ("compliance", _D),
+    ]
 
 
 class Mesh(c.Structure):
@@ -190,6 +197,10 @@ def library() -> Any:
         "film_step": ([pointer, pointer, pointer, _D], c.c_int),
         "film_record": ([pointer, pointer, pointer, _D, pointer, _I, pointer, pointer, _I, pointer], c.c_int),
         "film_sample": ([pointer, pointer, _I, pointer, i64, pointer, pointer, pointer], None),
+        "film_motion": ([pointer, pointer, pointer], None),
+        "film_force": ([pointer, pointer, _D, pointer, pointer], None),
+        "film_indicators": ([pointer, pointer, _D, pointer], None),
+        "film_switch": ([pointer, pointer], c.c_int),
         "film_law": ([pointer, _I, _D, pointer, pointer], None),
         "film_impact": ([pointer, pointer, pointer, pointer], c.c_int),
         "film_instructions": ([], c.c_int),
@@ -282,6 +293,8 @@ def sample(
     curve: Curve, lines: NDArray[Any], times: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int8], NDArray[np.int8]]:
     """(count, 5) values ξ, ξ', f, ν, target displacement at ascending times; branch and phase of each."""
+    if len(lines) == 0:
+        raise ValueError("there are no lines to sample")
     times = np.ascontiguousarray(times, dtype=np.float64)
     values = np.empty((times.size, 5))
     stages, phases = np.empty(times.size, np.int8), np.empty(times.size, np.int8)
@@ -330,6 +343,43 @@ def batch(
         status.ctypes.data,
     )
     return status, summary
+
+
+def force_of(curve: Curve, state: State) -> Callable[[float], float]:
+    """f(ξ) as the contact of `state` is at the time of each call."""
+    force, slope = _D(), _D()
+    at = [c.byref(thing) for thing in (curve, state, force, slope)]
+    function = library().film_force
+
+    def evaluate(xi: float) -> float:
+        function(at[0], at[1], xi, at[2], at[3])
+        return force.value
+
+    return evaluate
+
+
+def indicators(curve: Curve, state: State, speed: float) -> list[float]:
+    """film_indicators: all > 0 while the contact goes on as it is."""
+    values = (_D * 4)()
+    library().film_indicators(c.byref(curve), c.byref(state), speed, values)
+    return list(values)
+
+
+def switch(curve: Curve, state: State) -> list[tuple[str, int]]:
+    """Names of the events that are due in `state`, made in place, and the branch after each."""
+    made: list[tuple[str, int]] = []
+    while (status := library().film_switch(c.byref(curve), c.byref(state))) == EVENT:
+        made.append((EVENTS[state.event], state.branch))
+    if status != OK:
+        raise ValueError(f"the core refuses to go on from ξ = {state.xi!r} (status {status})")
+    return made
+
+
+def motion(curve: Curve, state: State) -> NDArray[np.float64]:
+    """Indentation, its rate, force, ν and displacement of the struck point, as `sample` has them."""
+    values = np.empty(5)
+    library().film_motion(c.byref(curve), c.byref(state), values.ctypes.data)
+    return values
 
 
 def stage_law(curve: Curve, stage: int, xi: float) -> tuple[float, float]:

@@ -94,20 +94,27 @@ static int undisturbed(const film_start *start) {
     return start->load == 0.0 && start->stop_velocity == 0.0 && start->time_limit == INFINITY && start->damping == 0.0;
 }
 
-int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
-    film_state s;
+static void nothing_yet(film_summary *summary) {
     memset(summary, 0, sizeof *summary);
     summary->time_impactor_stops = summary->contact_duration = summary->permanent_indentation = NAN;
     summary->final_velocity = NAN;
+}
+
+int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
+    film_state s;
+    nothing_yet(summary);
     if (!(start->nu > 0.0 && start->nu < INFINITY)) return FILM_BAD_NUMBER;
-    if (start->gamma == 0.0 && undisturbed(start) && mesh->linearisation == FILM_WORK_PRESERVING)
-        return fixed_target(curve, mesh, start->nu, summary);
+    if (start->gamma == 0.0 && undisturbed(start) && mesh->linearisation == FILM_WORK_PRESERVING) {
+        int status = fixed_target(curve, mesh, start->nu, summary);
+        if (status < 0 || summary->contact_duration < INFINITY) return status;
+        nothing_yet(summary); /* energies lost in the rounding of the law's work: the march knows more */
+    }
     int status = film_init(curve, &s, 0.0, start->nu, start->gamma, start->load, start->stop_velocity);
     if (status >= 0) status = film_damp(&s, start->damping);
-    while (status >= 0) {
+    for (int32_t events = 0; status >= 0; events++) {
         status = film_step(curve, mesh, &s, start->time_limit - s.time);
         if (status != FILM_EVENT || s.event == FILM_CONTACT_ENDS) break;
-        if (s.lines > FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
+        if (events >= FILM_MAX_EVENTS || s.lines > FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
         double indentation = s.xi - curve->compliance * s.force;
         if (s.event == FILM_MAXIMUM_INDENTATION && indentation > summary->maximum_indentation) {
             summary->maximum_indentation = indentation;

@@ -24,6 +24,7 @@ static const double NEWTON_SETTLED = 1e-9;       /* relative; the next step's er
 static const double SHORT_WAY = 2e-4;            /* of the distance to the law's singular point; see mean_force */
 static const double WITHIN = 1e-9;               /* of the depth: where to ask whether a contact still holds */
 static const double SHALLOWEST = 1e-12;          /* of the scale: where to ask for f/c of a contact that has no depth */
+static const double TINY = 1e-100;               /* of a load, a velocity, a gap: their squares and powers underflow */
 static const double SMALL_LOOP = 1e-6;           /* of the recovery: a shorter way back in is the way out */
 enum { RELEASE_ITERATIONS = 120, PEAK_SAMPLES = 6, GOLDEN_STEPS = 40 };
 enum { TURN_ITERATIONS = 60, HALVINGS = 60, NEWTON_STEPS = 10 };
@@ -204,8 +205,9 @@ static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state 
         last_h = h;
         last_miss = miss;
         double top = high < limit ? high : limit;
-        if (!(next > low && next < high)) next = high < INFINITY ? 0.5 * (low + high) : 2.0 * h;
-        if (k > 20 && high < INFINITY) next = 0.5 * (low + high);
+        double middle = high > 100.0 * low ? (low > 0.0 ? sqrt(low * high) : 1e-3 * high) : 0.5 * (low + high);
+        if (!(next > low && next < high)) next = high < INFINITY ? middle : 2.0 * h;
+        if (k > 20 && high < INFINITY) next = middle;
         h = next < top ? next : top;
     }
     return high < INFINITY;
@@ -264,6 +266,21 @@ static void end_here(film_state *s, int ends) {
     s->nu_end = s->nu;
     s->force_end = s->elastic;
     s->work_end = s->work;
+}
+
+/* What is left of the way out is rounding, and nothing pushes back. */
+static void let_go(const film_curve *curve, film_state *s) {
+    end_here(s, ENDS_EDGE);
+    s->xi_end = limit_of(curve, s);
+    law_at(curve, &s->line, s->xi_end, &s->force_end, &s->work_end);
+    s->nu_end = fmin(s->nu, s->gamma * s->force_end);
+}
+
+/* The motion turns here. On the way out without a load only rounding turns it, and it starts again from rest, unless that
+ * was tried. */
+static void turn_here(const film_curve *curve, film_state *s) {
+    if (s->direction < 0 && s->load <= 0.0 && s->xi == s->leg_from) let_go(curve, s);
+    else end_here(s, ENDS_TURN);
 }
 
 /* Whether the line leads to the end of a branch that meets zero force at an angle: over-damped, it never gets there. */
@@ -364,6 +381,10 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
             if (!dips && !(mesh->linearisation == FILM_CHORD && sags(curve, s, d * length))) break;
             length *= 0.5;
             s->line_ends = ENDS_PART;
+            if (s->xi + d * length == s->xi) {
+                let_go(curve, s);
+                return FILM_OK;
+            }
             m = draw(curve, mesh, s, length);
             left = leave(&m, length, &s->tau_end, &y);
         }
@@ -382,7 +403,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         if (own_turn) { /* the line's own turn; on a chord as in the paper, with the law's force there */
             s->tau_end = turn_time(&m);
             if (!(m.y0 >= 0.0 && s->tau_end > 0.0 && s->tau_end < INFINITY)) {
-                end_here(s, ENDS_TURN);
+                turn_here(curve, s);
                 return FILM_OK;
             }
             move(&m, s->tau_end, &x, &y);
@@ -390,12 +411,13 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
             land(s, x, 0.0);
             law_at(curve, &s->line, s->xi_end, &s->force_end, &s->work_end);
             s->nu_end = s->gamma * s->force_end;
+            if (d < 0.0 && s->load <= 0.0 && s->xi_end == s->leg_from) let_go(curve, s);
             return FILM_OK;
         }
         length *= 0.5;
     }
     if (!(d * (s->nu - s->gamma * s->elastic) > 0.0)) {
-        end_here(s, ENDS_TURN);
+        turn_here(curve, s);
         return FILM_OK;
     }
     if (!(length > 0.0)) length = 1e-3 * fabs(s->leg_to - s->leg_from);
@@ -897,7 +919,10 @@ static int finish(const film_curve *curve, const film_mesh *mesh, film_state *s)
     if (ends == ENDS_STOP) return stopped(s);
     if (ends == ENDS_PART || (ends == ENDS_NODE && s->leg_node < s->leg_nodes)) return FILM_OK;
     s->has_leg = 0;
-    if (ends == ENDS_TURN) {
+    int pushed_out = s->direction < 0 && s->elastic >= fmax(s->load, 0.0) && !(s->load > 0.0 && s->xi == s->leg_from);
+    if (ends == ENDS_TURN && pushed_out && mesh != NULL) { /* its speed is rounding: nothing turns it here */
+        s->nu = s->gamma * s->elastic;
+    } else if (ends == ENDS_TURN) {
         s->event = s->direction > 0 ? FILM_MAXIMUM_INDENTATION : FILM_RELOADING_BEGINS;
         if (s->direction > 0 && s->branch >= 0) status = remember(curve, s);
         s->direction = -s->direction;
@@ -1275,6 +1300,9 @@ int film_mesh_init(film_mesh *mesh, int32_t linearisation, int32_t loading, int3
     return FILM_OK;
 }
 
+/* A number so small that its powers underflow is none. */
+static double told(double x) { return fabs(x) < TINY ? 0.0 : x; }
+
 int film_init(const film_curve *curve, film_state *s, double xi, double nu, double gamma, double load,
               double stop_velocity) {
     memset(s, 0, sizeof *s);
@@ -1282,12 +1310,12 @@ int film_init(const film_curve *curve, film_state *s, double xi, double nu, doub
         gamma < 0.0 || xi > 0.0)
         return FILM_BAD_NUMBER;
     if (curve->stages < 1) return FILM_BAD_CURVE;
-    s->xi = xi;
-    s->nu = nu;
-    s->gamma = gamma;
-    s->load = load;
-    s->stop_velocity = stop_velocity;
-    s->moving_in = nu > stop_velocity;
+    s->xi = told(xi);
+    s->nu = told(nu);
+    s->gamma = told(gamma);
+    s->load = told(load);
+    s->stop_velocity = told(stop_velocity);
+    s->moving_in = s->nu > s->stop_velocity;
     s->branch = FILM_FREE;
     s->stage_max = -1;
     s->phase = FILM_APPROACHING;
@@ -1303,6 +1331,8 @@ int film_damp(film_state *s, double factor) {
 
 int film_input(film_state *s, double load, double nu_change, double stop_velocity) {
     if (!isfinite(load) || !isfinite(nu_change) || !isfinite(stop_velocity)) return FILM_BAD_NUMBER;
+    load = told(load);
+    stop_velocity = told(stop_velocity);
     if (load == s->load && nu_change == 0.0 && stop_velocity == s->stop_velocity) return FILM_OK;
     s->load = load;
     s->nu += nu_change;

@@ -135,13 +135,13 @@ enum {
     FILM_BAD_CURVE = -2,     /* stages that do not follow each other, no stage, unknown form */
     FILM_BAD_MESH = -3,      /* segment counts out of range */
     FILM_BEYOND_LAW = -4,    /* indentation passed the end of the law's last stage */
-    FILM_TOO_MANY = -5,      /* more than FILM_MAX_STEP_LINES lines in one call: ask for a shorter step */
-    FILM_BAD_UNLOADING = -6, /* the unloading rule gives a branch of no length */
+    FILM_TOO_MANY = -5,      /* more than FILM_MAX_STEP_LINES lines in one call, or a contact that swings without end */
+    FILM_BAD_UNLOADING = -6, /* the unloading rule gives a branch of no length, less than 1e-12 of the depth */
     FILM_FULL = -7,          /* the caller's array is too short */
     FILM_TOO_STIFF = -8      /* the force jumps at first touch by more than Z nu: the target gives way at once */
 };
 
-enum { FILM_MAX_STEP_LINES = 50000000 };
+enum { FILM_MAX_STEP_LINES = 50000000, FILM_MAX_EVENTS = 20000 /* of a contact that film_impact follows to its end */ };
 
 /* One straight piece of the force: everything about the motion in it is closed-form. */
 typedef struct {

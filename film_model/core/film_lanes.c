@@ -182,7 +182,7 @@ static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) 
         s->work = stored + work[l] - given[l];
         s->stage = stage;
         s->lines = drawn;
-        int whole = recovery[l] > 0.0 && ended[l] < INFINITY && last > -INFINITY;
+        int whole = recovery[l] > SHORTEST_RECOVERY * xi[l] && ended[l] < INFINITY && last > -INFINITY;
         whole = whole && xi[l] - curve->stage[stage].begin > SHORT_LEG * xi[l];
         j->status[index[l]] = whole ? FILM_EVENT : film_impact(curve, mesh, &j->start[index[l]], s);
     }
@@ -370,7 +370,7 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
     if (curve->stage[stage].unloading != FILM_RETRACE)
         open_lanes(curve, stage, s->xi, s->force, t->recovery, t->exponent);
     EACH(l) {
-        s->bad[l] = t->recovery[l] > 0.0 ? s->bad[l] : 1.0;
+        s->bad[l] = t->recovery[l] > SHORTEST_RECOVERY * s->xi[l] ? s->bad[l] : 1.0;
         s->bad[l] = t->exponent[l] > 0.0 ? s->bad[l] : 1.0;
         t->slowness[l] = s->gamma[l] * sqrt(s->force[l] / t->recovery[l]);
     }

@@ -142,6 +142,7 @@ static inline double arc(double z) {
     return z > -1.0 ? atanh(sqrt(-z)) / sqrt(-z) : INFINITY;
 }
 
+static const double SHORTEST_RECOVERY = 1e-12; /* of depth times force: the work of a shorter branch is rounding */
 static const double ROUNDED_TOUCH = 1e-12; /* a shifted branch that misses zero force by less ends at xi = 0 */
 
 /* The unloading rule: a run that turns on a loading stage at xi (with the spring's deflection), under force, continues on
@@ -166,7 +167,7 @@ static inline int open_branch(const film_curve *curve, film_line *run, double xi
         run->xi_free = origin = unloading == FILM_RESIDUAL ? given : fmax(xi - force / given, 0.0);
         span = xi - origin;
     }
-    if (!(span > 0.0 && span < INFINITY && q > 0.0 && run->xi_free < xi)) return FILM_BAD_UNLOADING;
+    if (!(span > 0.0 && span < INFINITY && q > 0.0 && force * (xi - run->xi_free) > SHORTEST_RECOVERY * scale * xi)) return FILM_BAD_UNLOADING;
     run->xi_origin = origin;
     run->per_recovery = 1.0 / span;
     run->f_max = scale;

@@ -36,7 +36,7 @@ from film_model.core import native
 from film_model.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.history import MOTION
 from film_model.problem import motion_of
-from film_model.rows import Rows
+from film_model.row_problems import Rows
 from film_model.scene import Scene
 from film_model.scene_file import line_of, lines_of_keys, read_text, toml_table
 

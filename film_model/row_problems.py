@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -96,51 +97,87 @@ class Group:
         """A value of the scene for each row."""
         return column(value, self.index.size)
 
+    @cached_property
+    def mass(self) -> Array:
+        """Effective, kg."""
+        return self.column(self.scene.effective_mass)
+
+    @cached_property
+    def speed(self) -> Array:
+        """Of approach, m/s."""
+        return self.column(self.scene.approach_velocity)
+
     @property
     def weight(self) -> Array:
         """Of the impactors, N."""
-        return self.column(self.scene.effective_mass) * STANDARD_GRAVITY
+        return self.mass * STANDARD_GRAVITY
+
+    @cached_property
+    def zener(self) -> Array:
+        """As `Rows` has it."""
+        return zener_numbers(self.scene, self.index.size)
+
+    @cached_property
+    def _drift_and_share(self) -> tuple[Array, Array]:
+        if not isinstance(self.scene.target, Body):
+            return np.zeros(self.index.size), np.ones(self.index.size)
+        share = self.mass / self.column(self.scene.mass)
+        return self.column(self.scene.impactor.speed) - share * self.speed, share
+
+    @cached_property
+    def _energy(self) -> Array:
+        return 0.5 * self.mass * self.speed**2
+
+    @cached_property
+    def _scales(self) -> Scales:
+        return self._scales_for(self._energy)
 
     def assemble(self, impedance: Array, load: Array) -> Rows:
         """The problems for target impedances [N s/m] and loads [N]."""
-        scene, count = self.scene, self.index.size
-        mass, speed = self.column(scene.effective_mass), self.column(scene.approach_velocity)
-        energy = 0.5 * mass * speed**2
-        if load.any():
-            energy = np.maximum(energy, load * 1e-3 * self.column(scene.effective_radius))
-        length, force = self._on_arrays(lambda law, rows: law.scales(energy[rows]), 2)
-        time = root(mass * length / force)
-        velocity = length / time
-        scales = Scales(*cast("Any", (length, force, time, velocity)))
-        drift, share = np.zeros(count), np.ones(count)
-        if isinstance(scene.target, Body):
-            share = mass / self.column(scene.mass)
-            drift = self.column(scene.impactor.speed) - share * speed
+        count, scales = self.index.size, self._scales
+        weighed = load * 1e-3 * self.column(self.scene.effective_radius)
+        if (weighed > self._energy).any():
+            scales = self._scales_for(np.maximum(self._energy, weighed))
+        force, velocity = cast("Any", scales.force), cast("Any", scales.velocity)
+        drift, share = self._drift_and_share
         start: Any = np.zeros(count, native.START_DTYPE)
-        start["nu"], start["gamma"], start["load"] = speed / velocity, force / (impedance * velocity), load / force
-        start["stop_velocity"] = -drift / (share * velocity)
-        start["time_limit"] = np.where(load > 0.0, contact_limit(start["nu"], start["gamma"]), math.inf)
+        start["nu"], start["load"] = self.speed / velocity, load / force
+        start["time_limit"] = math.inf
+        if drift.any():
+            start["stop_velocity"] = -drift / (share * velocity)
+        if np.isfinite(impedance).any():
+            start["gamma"] = force / (impedance * velocity)
+        if load.any():
+            limit = contact_limit(start["nu"], start["gamma"])
+            start["time_limit"] = np.where(load > 0.0, limit, math.inf)
         if self.law.law.damped:
-            (factor,) = self._on_arrays(lambda law, rows: (law.damping_factor(mass[rows], speed[rows], length[rows]),), 1)
+            length = cast("Any", scales.length)
+            (factor,) = self._on_arrays(
+                lambda law, rows: (law.damping_factor(self.mass[rows], self.speed[rows], length[rows]),), 1
+            )
             start["damping"] = factor * velocity / force
-        zener = zener_numbers(scene, count)
-        return Rows(self.index, self.law.law.name, self.curve, scales, start, drift, share, mass, zener)
+        return Rows(self.index, self.law.law.name, self.curve, scales, start, drift, share, self.mass, self.zener)
+
+    def _scales_for(self, energy: Array) -> Scales:
+        length, force = self._on_arrays(lambda law, rows: law.scales(energy[rows]), 2)
+        time = root(self.mass * length / force)
+        return Scales(*cast("Any", (length, force, time, length / time)))
 
     def _on_arrays(self, formula: Callable[[AbstractLaw, Any], tuple[Any, ...]], results: int) -> list[Array]:
         """A formula of the law for every row: on arrays if that gives what it gives for some rows, else row by row."""
         count = self.index.size
         try:
             found = [self.column(value) for value in formula(self.law.at(slice(None)), slice(None))]
-            rows = (0, count // 2, count - 1)
-            if all(np.allclose([f[row] for f in found], self._at(formula, row), 1e-13, 0.0) for row in rows):
+            if all(self._right(found, formula, row) for row in {0, count // 2, count - 1}):
                 return found
         except (TypeError, ValueError):
             pass
-        table = np.array([self._at(formula, row) for row in range(count)])
+        table = np.array([formula(self.law.at(row), row) for row in range(count)])
         return [table[:, k] for k in range(results)]
 
-    def _at(self, formula: Callable[[AbstractLaw, Any], tuple[Any, ...]], row: int) -> tuple[float, ...]:
-        return tuple(float(value) for value in formula(self.law.at(row), row))
+    def _right(self, found: list[Array], formula: Callable[[AbstractLaw, Any], tuple[Any, ...]], row: int) -> bool:
+        pairs = zip(found, formula(self.law.at(row), row), strict=True)
+        return all(abs(value[row] - alone) <= 1e-13 * abs(alone) for value, alone in pairs)
 
 
 def zener_numbers(scene: Scene, count: int) -> Array:

@@ -109,27 +109,6 @@ def _part(scene: Scene, columns: Mapping[str, Array], index: Index) -> Scene:
     return scene_of_columns(scene, {path: values[index] for path, values in columns.items()})
 
 
-def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], Index]]:
-    """Laws and their rows out of `index`, of which `scene` has the columns: `effects.choose` for arrays."""
-    law, wanted = scene.contact.law, scene.effects.plasticity
-    if index.size == 0:
-        return
-    if law != "auto":
-        yield (law if isinstance(law, AbstractLaw) else LAWS[law]), index
-        return
-    strength, modulus = scene.yield_strength, scene.effective_modulus
-    if wanted is True and strength is None:
-        raise SimulationError("effects.plasticity is true, but neither material has a yield_strength")
-    if wanted is False or strength is None or modulus is None:
-        yield LAWS["hertz"], index
-        return
-    threshold = yield_velocity(modulus, scene.effective_radius, strength, scene.effective_mass)
-    elastic = _column(scene.approach_velocity <= threshold, index.size) & (wanted is not True)
-    for name, mask in (("hertz", elastic), ("big-alabo", ~elastic)):
-        if mask.any():
-            yield LAWS[name], index[mask]
-
-
 def _groups(scene: Scene, columns: Mapping[str, Array], index: Index) -> Iterator[Group]:
     """The rows `index` by law and curve. Raises ValueError where there are nearly as many curves as rows."""
     for law, own in _laws(_part(scene, columns, index), index):

@@ -251,6 +251,9 @@ def _blocks(
 ) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
     """The columns of every block in order; `ahead` blocks at most are under way."""
     here = isinstance(pool, ThreadPoolExecutor)
+    if here and made.blocks == 1:  # nothing to wait for: no thread is needed
+        yield 0, made.compute(0)
+        return
     saves = parts is not None and made.blocks > 1
     kept = parts.done() if parts is not None else set[int]()
 

@@ -159,7 +159,7 @@ class Group:
         return Rows(self.index, self.law.law.name, self.curve, scales, start, drift, share, self.mass, self.zener)
 
     def _scales_for(self, energy: Array) -> Scales:
-        length, force = self._on_arrays(lambda law, rows: law.scales(energy[rows]), 2)
+        length, force = self._on_arrays(lambda law, rows: law.scales(cast("Any", energy[rows])), 2)
         time = root(self.mass * length / force)
         return Scales(*cast("Any", (length, force, time, length / time)))
 

@@ -119,7 +119,12 @@ def run(
             _fill(made, store, pool, ahead, None, command, progress)
         return store.dataset
     target = Path(output)
-    if resume and target.exists() and not overwrite and _is_of(target, made):
+    if resume and target.exists() and not overwrite:
+        if not _is_of(target, made):
+            raise FileExistsError(
+                f"{target}: is not the finished output of this sweep and scene; say overwrite=True to replace it "
+                "(--force on the command line)"
+            )
         _Parts(target, made).remove()
         return open_dataset(target)
     if target.suffix not in (SUFFIX, ZARR):

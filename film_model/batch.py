@@ -26,7 +26,8 @@ from film_model.core import native
 from film_model.errors import Outcome
 from film_model.history import SUMMARY
 from film_model.problem import Array
-from film_model.rows import VIBRATES, Rows, rows_of, scene_of_columns
+from film_model.row_problems import Rows
+from film_model.rows import VIBRATES, rows_of, scene_of_columns
 from film_model.scene import Scene, Solver
 
 TRIED_LEAST, TRIED_SHARE = 64, 256

@@ -63,6 +63,16 @@ def test_heat_map_and_cloud() -> None:
     assert bar.get_ylabel() == "coefficient of restitution"
 
 
+def test_axes_of_values_in_a_geometric_sequence_are_logarithmic() -> None:
+    over = {"impactor.velocity": {**VELOCITY, "from": "0.5 m/s"}, "impactor.radius": ["5 mm", "6 mm"]}
+    panel = fd.plot(fd.sweep(BALL, over)).axes[0]
+    assert panel.get_xscale() == "log"
+    panel.figure.canvas.draw()
+    assert {"0.5", "1", "2", "5"} <= {text.get_text() for text in panel.get_xticklabels()}
+    over["impactor.velocity"] = {"from": "0.5 m/s", "to": "5 m/s", "count": 30}
+    assert fd.plot(fd.sweep(BALL, over)).axes[0].get_xscale() == "linear"
+
+
 def test_a_million_impacts_are_thinned() -> None:
     ds = fd.sweep(BALL, {"impactor.velocity": {**VELOCITY, "count": 100_000}})
     assert len(fd.plot(ds).axes[0].lines[0].get_xdata()) == 20_000

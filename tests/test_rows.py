@@ -1,21 +1,19 @@
 """Rows of a sweep give what the scene of each row gives."""
 
 import dataclasses
-import math
 
 import numpy as np
 import pytest
 from cases import LAWS, STEEL, TARGETS, scene
 
 import film_model as fm
-import film_model.rows
 from film_model.batch import NO_VELOCITY, STATUSES, simulate_rows
 from film_model.core import native
 from film_model.curve import curve_of
-from film_model.effects import change, march
-from film_model.hard_cases import problem_for
 from film_model.history import SUMMARY
-from film_model.rows import rows_of, weight_changes
+from film_model.problem import problem_of
+from film_model.row_problems import Group
+from film_model.rows import rows_of
 
 STIFFNESS = {"D11": "154.9 N*m", "D12": "4.76 N*m", "D22": "91.4 N*m", "D66": "8.97 N*m"}
 BALL = {"radius": "10 mm", "velocity": "0.3 m/s", "material": "tungsten carbide"}
@@ -108,23 +106,32 @@ def test_weight_counts_where_it_counts_alone(law):
         assert np.isnan(result.summary["rebound_velocity"][row]) == (rebound is None)
 
 
-@pytest.mark.parametrize("law", ["hertz", "big-alabo", "stronge", "luding"])
-def test_changes_by_weight_are_those_of_single_impacts(law):
-    """Beyond the differences of batches and single marches, 1e-4 of a change of 1 %."""
-    chance = np.random.default_rng(9)
-    count, curve = 60, curve_of(LAWS[law])
-    start = np.zeros(count, native.START_DTYPE)
-    start["nu"], start["time_limit"] = 10 ** chance.uniform(-2, 1, count), math.inf
-    start["gamma"] = np.where(chance.random(count) < 0.3, 0.0, 10 ** chance.uniform(-3, 0.5, count))
-    weight = 10 ** chance.uniform(-5, -0.5, count) * start["nu"]
-    found, unlike = weight_changes(curve, start, weight), 0
-    for row, size in enumerate(found.tolist()):
-        problem = problem_for(LAWS[law], 1.0, 1.0)
-        problem = dataclasses.replace(problem, approach=float(start["nu"][row]), gamma=float(start["gamma"][row]))
-        single = change(march(dataclasses.replace(problem, load=float(weight[row]))), march(problem))
-        unlike += abs(size - single) > 1e-3 * single + 1e-6
-        assert (size == 1.0) == (single == 1.0)
-    assert unlike == 0 and np.count_nonzero((found > 1e-3) & (found < 1.0)) > 10
+@pytest.mark.parametrize("target", ["half-space", "plate", "thin plate", "rod"])
+@pytest.mark.parametrize("law", ["auto", "hertz", "meyer", "stronge", "yigit-christoforou", "tabulated", "tsuji"])
+def test_effects_are_those_of_each_impact(law, target):
+    """What is decided for neighbours together is what is decided for each alone."""
+    count = 60 if law == "tsuji" else 250
+    base = scene("hertz" if law == "auto" else law, target)
+    base = base.replace({"contact.law": "auto"}) if law == "auto" else base
+    rng = np.random.default_rng(11)
+    columns = {"impactor.velocity": 10 ** rng.uniform(-3.5, 0.5, count), "impactor.mass": rng.uniform(0.02, 0.2, count)}
+    found = rows_of(base, columns, count)
+    assert sum(rows.index.size for rows in found) == count
+    effects = {"weight": set(), "motion": set(), "law": set()}
+    for rows in found:
+        for place, row in enumerate(rows.index.tolist()):
+            speed, mass = (float(values[row]) for values in columns.values())
+            own = base.replace({"impactor.velocity": f"{speed!r} m/s", "impactor.mass": f"{mass!r} kg"})
+            problem = problem_of(own)
+            start = rows.start[place]
+            assert rows.law == problem.law.name
+            assert (start["load"] > 0.0) == (problem.load > 0.0)
+            assert (start["gamma"] > 0.0) == (problem.gamma > 0.0)
+            assert start["damping"] == pytest.approx(problem.damping, rel=1e-12)
+            for name, value in (("weight", start["load"] > 0), ("motion", start["gamma"] > 0), ("law", rows.law)):
+                effects[name].add(bool(value) if name != "law" else value)
+    assert effects["weight"] == {True, False}
+    assert law != "auto" or effects["law"] == {"hertz", "big-alabo"}
 
 
 def test_curves_are_shared_where_the_dimensionless_form_allows():
@@ -180,14 +187,14 @@ def test_rows_that_arrays_get_wrong_are_made_one_by_one(target, monkeypatch):
     base = scene("big-alabo", target).replace({"contact.law": "auto"})
     columns = {"impactor.velocity": np.geomspace(0.12, 2, 9), "impactor.mass": np.linspace(0.03, 0.09, 9)}
     right = simulate_rows(base, columns)
-    made = film_model.rows._problem
+    made = Group.assemble
 
     def wrong(*arguments):
         rows = made(*arguments)
         rows.start["gamma"] += 0.1
         return rows
 
-    monkeypatch.setattr(film_model.rows, "_problem", wrong)
+    monkeypatch.setattr(Group, "assemble", wrong)
     again = simulate_rows(base, columns)
     for name in SUMMARY:
         np.testing.assert_allclose(again.summary[name], right.summary[name], rtol=1e-11, atol=1e-15)

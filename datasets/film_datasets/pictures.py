@@ -36,6 +36,12 @@ MOST_CELLS = 1500
 LOG_FROM = 30.0
 """Ratio of the largest to the smallest value from which an axis is logarithmic, if the values are all > 0."""
 
+LOG_SPACED_FROM = 3.0
+"""The same ratio for values in a geometric sequence."""
+
+MOST_NAMED = 2000.0
+"""Ratio up to which a logarithmic axis has a number at 1, 2 and 5 of each decade; beyond, powers of ten."""
+
 STROKES = ("-", "--", ":", "-.")
 
 MAP = "cividis"
@@ -107,7 +113,7 @@ def _lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: d
         panel.plot(x_values, line.values / size, style, color=COLOURS[k % len(COLOURS)], marker=marker, label=label)
     panel.set(xlabel=x_label, ylabel=_label(quantity, unit))
     _ticks(panel.xaxis, ds[x])
-    _scale(panel.set_xscale, ds[x], array[x].values)
+    _scale(panel.xaxis, panel.set_xscale, array[x])
     if word is not None:
         panel.legend(title=_plain(word), frameon=False, fontsize=8)
     _title(figure, ds, said)
@@ -126,7 +132,7 @@ def _map(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dic
     panel.set(xlabel=x_label, ylabel=y_label)
     for axis, name, scale in ((panel.xaxis, x, panel.set_xscale), (panel.yaxis, y, panel.set_yscale)):
         _ticks(axis, ds[name])
-        _scale(scale, ds[name], array[name].values)
+        _scale(axis, scale, array[name])
     _title(figure, ds, said)
 
 
@@ -148,9 +154,9 @@ def _cloud(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: d
         figure.colorbar(points, ax=panel, label=_label(quantity, unit))
         panel.set(xlabel=x_label, ylabel=y_label)
         _ticks(panel.yaxis, ds[over[1]])
-        _scale(panel.set_yscale, ds[over[1]], ds[over[1]].values)
+        _scale(panel.yaxis, panel.set_yscale, ds[over[1]])
     _ticks(panel.xaxis, ds[over[0]])
-    _scale(panel.set_xscale, ds[over[0]], ds[over[0]].values)
+    _scale(panel.xaxis, panel.set_xscale, ds[over[0]])
     _title(figure, ds, [])
 
 
@@ -219,10 +225,22 @@ def _ticks(axis: Any, array: xr.DataArray) -> None:
         axis.set_ticks(range(len(words)), words)
 
 
-def _scale(set_scale: Any, array: xr.DataArray, values: Any) -> None:
-    low, high = float(np.min(values)), float(np.max(values))
-    if "flag_meanings" not in array.attrs and low > 0.0 and high >= LOG_FROM * low and math.isfinite(high):
+def _scale(axis: Any, set_scale: Any, array: xr.DataArray) -> None:
+    """A logarithmic axis, with plain numbers, for values that span much or are spaced so; `array` is the dataset's."""
+    values = np.asarray(array.values[:: max(1, array.size // MOST_POINTS)], np.float64)
+    low, high = float(values.min()), float(values.max())
+    if "flag_meanings" in array.attrs or not (low > 0.0 and math.isfinite(high)):
+        return
+    steps = values[1:] / values[:-1]
+    even = steps.size > 1 and high >= LOG_SPACED_FROM * low and np.ptp(steps) <= 1e-6 * abs(steps[0])
+    if even or high >= LOG_FROM * low:
+        from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
         set_scale("log")
+        if high <= MOST_NAMED * low:
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def _plain(name: str) -> str:

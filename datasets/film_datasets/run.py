@@ -120,7 +120,12 @@ def run(
             _fill(made, store, pool, ahead, None, command, progress)
         return store.dataset
     target = Path(output)
-    if resume and target.exists() and not overwrite and _is_of(target, made):
+    if resume and target.exists() and not overwrite:
+        if not _is_of(target, made):
+            raise FileExistsError(
+                f"{target}: is not the finished output of this sweep and scene; say overwrite=True to replace it "
+                "(--force on the command line)"
+            )
         _Parts(target, made).remove()
         return open_dataset(target)
     if target.suffix not in (SUFFIX, ZARR):
@@ -252,6 +257,9 @@ def _blocks(
 ) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
     """The columns of every block in order; `ahead` blocks at most are under way."""
     here = isinstance(pool, ThreadPoolExecutor)
+    if here and made.blocks == 1:  # nothing to wait for: no thread is needed
+        yield 0, made.compute(0)
+        return
     saves = parts is not None and made.blocks > 1
     kept = parts.done() if parts is not None else set[int]()
 

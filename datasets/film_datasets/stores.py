@@ -79,7 +79,7 @@ class Memory:
         self._arrays: dict[str, Any] = {}
         self._parts: dict[str, list[Any]] = {}
         self._variables: dict[str, tuple[Variable, dict[str, Any]]] = {}
-        self.dataset = xr.Dataset()
+        self.dataset: Any = None
 
     def create(
         self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
@@ -99,11 +99,13 @@ class Memory:
 
     def close(self, attributes: Mapping[str, Any]) -> None:
         arrays = {**self._arrays, **{name: np.concatenate(parts) for name, parts in self._parts.items()}}
-        data = {name: (v.dims, arrays[name], attrs) for name, (v, attrs) in self._variables.items()}
         named = {word for _, attrs in self._variables.values() for word in str(attrs.get("coordinates", "")).split()}
-        for _, _, attrs in data.values():
+        named |= {name for name, (variable, _) in self._variables.items() if variable.dims == (name,)}
+        data: dict[bool, dict[str, Any]] = {True: {}, False: {}}
+        for name, (variable, attrs) in self._variables.items():
             attrs.pop("coordinates", None)
-        self.dataset = xr.Dataset(data, attrs=dict(attributes)).set_coords(named)
+            data[name in named][name] = xr.Variable(variable.dims, arrays[name], attrs)
+        self.dataset = xr.Dataset(data[False], data[True], dict(attributes))
 
     def abandon(self) -> None:
         self._arrays.clear()

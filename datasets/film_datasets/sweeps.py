@@ -36,7 +36,7 @@ from film_model.core import native
 from film_model.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.history import MOTION
 from film_model.problem import motion_of
-from film_model.rows import Rows
+from film_model.row_problems import Rows
 from film_model.scene import Scene
 from film_model.scene_file import line_of, lines_of_keys, read_text, toml_table
 
@@ -153,17 +153,17 @@ class Sweep:
             return tuple(axis.count for axis in self.axes)
         return (self.axes[0].count if self.design == ZIP else self.samples,)
 
-    @property
+    @cached_property
     def dims(self) -> tuple[str, ...]:
         """Dimensions of every variable: the swept quantities, or `impact`."""
         return tuple(axis.name for axis in self.axes) if self.design == GRID else ("impact",)
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of impacts."""
         return math.prod(self.shape)
 
-    @property
+    @cached_property
     def kept(self) -> tuple[str, ...]:
         """What is kept of every impact."""
         return tuple(dict.fromkeys(("summary", self.keep)))
@@ -177,7 +177,7 @@ class Sweep:
             names += ["hertz", "big-alabo"] if contact.law == "auto" else [contact.law_name]
         return tuple(dict.fromkeys(names))
 
-    @property
+    @cached_property
     def variables(self) -> tuple[Variable, ...]:
         """The rows of the schema's table for this sweep: swept quantities, then what is kept."""
         swept = tuple(axis.variable((axis.name,) if self.design == GRID else ("impact",)) for axis in self.axes)

@@ -57,10 +57,15 @@ class BrakeUnloading(_Reopened):
     def scales(self, energy: float) -> tuple[float, float]:
         return self.law.scales(1.0)  # not those of the impact: the dent depends on the ratio to Hertz's force
 
-    def stages(self) -> tuple[Stage, ...]:
+    @property
+    def ratio(self) -> Any:
+        """K δ_s^{3/2}/F_s: 1 for laws whose scales lie on Hertz's curve, where rounding must not make other curves."""
         length, force = self.scales(1.0)
         ratio = hertz_stiffness(self.effective_modulus, self.radius) * length**1.5 / force
-        return tuple(replace(stage, unloading=brake_unloading(ratio)) for stage in self.law.stages())
+        return ratio + (1.0 - ratio) * (abs(ratio - 1.0) < 1e-14)
+
+    def stages(self) -> tuple[Stage, ...]:
+        return tuple(replace(stage, unloading=brake_unloading(self.ratio)) for stage in self.law.stages())
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.yielding import yield_velocity
 from film_model.limits import reflection_change
-from film_model.problem import Array, Problem, contact_limit, problem_of, refuse_vibrations
+from film_model.problem import Array, Problem, contact_limit, problem_of
 from film_model.scales import Scales
 from film_model.scene import Scene
 
@@ -77,8 +77,9 @@ def rows_of(
     They are those of `problem_of` for the scene of each row, computed on whole arrays, which some rows are checked
     for; where arrays do not serve, row by row. Rows whose laws have the same dimensionless stages share a curve. Rows
     whose impactor does not approach, or that make no problem, are left out; if none makes one, the first one's error
-    is raised. status: takes `VIBRATES` for rows whose target vibrates, of which no curve knows.
+    is raised. Left out, too, are rows whose target vibrates, of which no curve knows; status takes `VIBRATES` for them.
     """
+    status = np.zeros(count, np.int32) if status is None else status
     moving = np.flatnonzero(_column(scene_of_columns(scene, columns).approach_velocity, count) > 0.0)
     try:
         plain = _plain(_part(scene, columns, moving), moving)
@@ -165,7 +166,7 @@ def _one_by_one(
     scene: Scene,
     columns: Mapping[str, Array],
     moving: Index,
-    status: NDArray[np.int32] | None,
+    status: NDArray[np.int32],
     others: bool = False,
 ) -> list[Rows]:
     """As `_by_arrays`, from the scene of every row. others: rows that make no problem are not all there are."""
@@ -174,14 +175,14 @@ def _one_by_one(
     for row in moving.tolist():
         try:
             problem = problem_of(_at_row(scene, columns, row))
-            if problem.vibrates and status is not None:
-                status[row] = VIBRATES
-            refuse_vibrations(problem, "a batch")
         except (SimulationError, ValueError) as error:
             first = first or error
             continue
+        if problem.vibrates:
+            status[row] = VIBRATES
+            continue
         groups.setdefault((problem.law.name, id(problem.curve)), []).append((row, problem))
-    if not groups and not others and first is not None:
+    if not groups and not others and first is not None and not (status[moving] == VIBRATES).any():
         raise first
     return [_gathered(members) for members in groups.values()]
 

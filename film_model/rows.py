@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from film_model.bodies import STANDARD_GRAVITY, Body, Plate
 from film_model.core import native
 from film_model.curve import Curve, curve_of
-from film_model.edges import edged
+from film_model.edges import edged, wide
 from film_model.effects import FIRST_ORDER_LOSS, change, gravity_change, law_values, march, zener
 from film_model.elementwise import root
 from film_model.errors import SimulationError
@@ -100,7 +100,7 @@ SURE = 3.0
 def _plain(scene: Scene, index: Index) -> NDArray[np.bool_]:
     """Rows out of `index`, of which `scene` has the columns, whose effects formulas decide; others need trials."""
     effects, tolerance, count = scene.effects, scene.effect_tolerance, index.size
-    plain = np.full(count, not edged(scene) or _wide(scene) or effects.boundary_reflections is False)
+    plain = np.full(count, not edged(scene) or wide(scene))
     if effects.target_motion == "auto" and not isinstance(scene.target, Body):
         value = _motion(scene, count)
         off = np.where(np.isnan(value), tolerance, FIRST_ORDER_LOSS * value) / tolerance
@@ -112,13 +112,6 @@ def _plain(scene: Scene, index: Index) -> NDArray[np.bool_]:
             ratio = _column(scene.approach_velocity / limit, count)
             plain &= (ratio < 0.9) | ((ratio > 2.0) & (tolerance <= 0.02))
     return plain
-
-
-def _wide(scene: Scene) -> bool:
-    """Whether the target of an :func:`~film_model.edges.edged` scene is infinite unless its edges matter."""
-    target, effects = scene.target, scene.effects
-    asked = effects.boundary_reflections is True or effects.target_inertia is True
-    return isinstance(target, Plate) and target.size is not None and not asked
 
 
 def _motion(scene: Scene, count: int) -> Array:

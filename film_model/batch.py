@@ -23,9 +23,9 @@ from film_model.accuracy import (
 )
 from film_model.bodies import Body
 from film_model.core import native
-from film_model.errors import Outcome
+from film_model.errors import Outcome, SimulationError
 from film_model.history import SUMMARY
-from film_model.problem import Array
+from film_model.problem import Array, vibrations_refused
 from film_model.row_problems import Rows
 from film_model.rows import VIBRATES, rows_of, scene_of_columns
 from film_model.scene import Scene, Solver
@@ -45,7 +45,11 @@ STATUSES: dict[int, tuple[str, str]] = {
     native.BAD_UNLOADING: ("bad_unloading", "the law's unloading from the deepest point reached has no length"),
     native.TOO_STIFF: ("too_stiff", "the law's force at first touch is more than the target's impedance can resist"),
     native.BAD_NUMBER: ("bad_number", "the values of this row make no impact"),
-    VIBRATES: ("vibrates", "the target vibrates between its edges, which only simulate() follows"),
+    VIBRATES: (
+        "vibrates",
+        "the target vibrates between its edges: simulate() gives its motion; boundary_reflections = false in [effects] "
+        "makes a plate infinite",
+    ),
     NO_VELOCITY: ("no_velocity", "the impactor does not approach the target"),
 }
 """How a row can end: a word, and a sentence. Negative: it failed, and its values are nan."""
@@ -104,6 +108,8 @@ def simulate_batch(
         raise ValueError(f"velocity must be > {least:g} m/s, the target's")
     solver = solver_for(scene.solver, accuracy, segments, None)
     result = simulate_rows(scene, columns, solver)
+    if (result.status == VIBRATES).all():
+        raise SimulationError(vibrations_refused("a batch"))
     shaped = {name: column.reshape(shape) for name, column in result.summary.items()}
     counts = result.segments.max(axis=0).tolist()
     return BatchResult(shaped, result.estimated, (counts[0], counts[1]), (result.status < 0).reshape(shape))

@@ -49,6 +49,15 @@ def edged(scene: Scene) -> bool:
     return target.size is not None or target.static_stiffness is not None or asked
 
 
+def wide(scene: Scene) -> bool:
+    """Whether the target of an :func:`edged` scene is an infinite plate unless its edges matter."""
+    target, effects = scene.target, scene.effects
+    if effects.boundary_reflections is False:
+        return isinstance(target, Plate)
+    asked = effects.boundary_reflections is True or effects.target_inertia is True
+    return isinstance(target, Plate) and target.size is not None and not asked
+
+
 def support_of(scene: Scene, law: AbstractLaw) -> tuple[Support, tuple[Effect, ...]]:
     """How the target of an :func:`edged` scene gives way under a law, and the effects that say so.
 

@@ -166,7 +166,12 @@ def assemble(
 def refuse_vibrations(problem: Problem, what: str) -> None:
     """SimulationError where the target moves by its modes and `what` is not to be had for it."""
     if problem.vibrates:
-        raise SimulationError(
-            f"{what} is not to be had for a target that vibrates between its edges: simulate() gives its motion; "
-            "boundary_reflections = false in [effects] makes a plate infinite"
-        )
+        raise SimulationError(vibrations_refused(what))
+
+
+def vibrations_refused(what: str) -> str:
+    """That `what` is not to be had for a target that moves by its modes."""
+    return (
+        f"{what} is not to be had for a target that vibrates between its edges: simulate() gives its motion; "
+        "boundary_reflections = false in [effects] makes a plate infinite"
+    )

@@ -46,9 +46,7 @@ def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
     return made
 
 
-def rows_of(
-    scene: Scene, columns: Mapping[str, Array], count: int, status: NDArray[np.int32]
-) -> list[Rows]:
+def rows_of(scene: Scene, columns: Mapping[str, Array], count: int, status: NDArray[np.int32]) -> list[Rows]:
     """The problems of `count` impacts of a scene, some of whose numbers are columns (path → SI values, one a row).
 
     They are those of `problem_of` for the scene of each row, computed on whole arrays, which some rows are checked

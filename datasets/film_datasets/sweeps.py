@@ -33,6 +33,7 @@ from film_datasets.schema import REFUSED, SWEEP, TABLE, Variable, swept_name
 from film_model.accuracy import mesh_of
 from film_model.batch import NO_VELOCITY, RowResult, simulate_rows
 from film_model.core import native
+from film_model.edges import edged, wide
 from film_model.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.history import MOTION
 from film_model.problem import motion_of
@@ -42,6 +43,9 @@ from film_model.scene_file import line_of, lines_of_keys, read_text, toml_table
 
 BLOCK_BYTES, BLOCK_ROWS = 6_000_000, 65_536
 """A block has about so many bytes of data, and no more rows; results do not depend on who computes it."""
+
+OWN_CURVES = 1024
+"""Rows of a block where each may take a curve of its own, 91 kB: on beams and static stiffnesses."""
 
 MOST_CORNERS = 64
 """Corners of a design that are tried for one that makes a scene."""
@@ -203,7 +207,9 @@ class Sweep:
     @cached_property
     def _layout(self) -> tuple[int, int, int]:
         """Axis that is cut, rows of it in a block, and blocks along it: later axes are whole, earlier ones single."""
-        most = max(1, min(BLOCK_ROWS, BLOCK_BYTES // self.bytes_a_row))
+        cases = (self.case(k) for k in range(self.cases))
+        rows = OWN_CURVES if any(edged(case) and not wide(case) for case in cases) else BLOCK_ROWS
+        most = max(1, min(rows, BLOCK_BYTES // self.bytes_a_row))
         shape = self.shape
         cut = next((k for k in range(len(shape)) if math.prod(shape[k + 1 :]) <= most), len(shape) - 1)
         parts = -(-shape[cut] // max(1, most // math.prod(shape[cut + 1 :])))

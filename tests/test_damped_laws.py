@@ -306,6 +306,30 @@ def test_a_contact_that_let_go_within_its_dent_takes_hold_again(name, load):
     assert outputs.impactor_velocity == pytest.approx(velocity, rel=2e-4, abs=2e-5)
 
 
+@pytest.mark.parametrize("name", ["linear-dashpot", "tsuji", "kuwabara-kono"])
+@pytest.mark.parametrize("share", [0.5, 0.9])
+def test_a_support_that_follows_the_ball_takes_hold_again(name, share):
+    """Right after the end, while the ball leaves the dent, the rate of indentation is less: F = max(f + c δ̇, 0) > 0."""
+    law = LAWS[name]
+    component = fm.ImpactComponent(case(law), segments=200)
+    while component.phase != "separated":
+        left = component.step(1.0, stop_at_events=True).outputs
+    support, dt = share * left.impactor_velocity, 2e-6
+    f, c = laws_in_si(law, 0.25)
+
+    def rates(_, s):
+        rate = s[1] - support
+        return [rate, -max(f(max(s[0], 0.0)) + c(max(s[0], 0.0)) * rate, 0.0) / MASS]
+
+    started = [left.indentation, left.impactor_velocity]
+    exact = solve_ivp(rates, (0.0, dt), started, method="DOP853", rtol=1e-11, atol=[1e-18, 1e-14]).y[:, -1]
+    result = component.step(dt, support_velocity=support)
+    assert [event.name for event in result.events] == ["contact_begins"]
+    assert component.phase == "unloading" and result.outputs.contact_force > 0.0
+    assert result.outputs.indentation == pytest.approx(exact[0], rel=1e-6)
+    assert result.outputs.impactor_velocity - left.impactor_velocity == pytest.approx(exact[1] - started[1], rel=1e-4)
+
+
 def test_restitution_needs_a_velocity():
     ball = fm.Sphere("10 mm", velocity="0 m/s", mass="50 g")
     laid = fm.Scene(ball, fm.HalfSpace(), contact=fm.Contact(fm.HuntCrossley(*SPHERE, restitution=0.5)))

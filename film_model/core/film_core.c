@@ -221,6 +221,26 @@ static double node(const film_mesh *mesh, const film_state *s, int32_t i) {
     return (s->direction > 0 ? mesh->loading_nodes : mesh->unloading_nodes)[s->leg_grading][i];
 }
 
+/* The line whose law serves now; of a damped law in flight, the one that serves where its dent has not opened yet. */
+static film_line serving(const film_curve *curve, const film_state *s) {
+    film_line line = s->line;
+    if (s->branch == FILM_FREE && s->damper > 0.0 && curve->stage[0].damped) {
+        line.branch = 0;
+        line.damper = s->damper;
+    }
+    return line;
+}
+
+/* By how much nu is above the velocity outwards at which F is 0, nu + f/c: of the sign of F, and smooth where f and c go
+ * to 0 together. Without damping nothing lets go, or takes hold, but at the dent's end. */
+static double hold(const film_curve *curve, const film_state *s) {
+    film_line line = serving(curve, s);
+    double f, work, at = fmax(s->xi, SHALLOWEST), c = damping_at(curve, &line, at);
+    if (!(c > 0.0)) return INFINITY;
+    law_at(curve, &line, at, &f, &work);
+    return fmin(s->nu + f / c, 1e300);
+}
+
 /* A contact that let go within its dent, and that the load turns back there: when F rises from 0 again. */
 static double touches_again(const film_curve *curve, const film_state *s) {
     film_line within = s->line;
@@ -241,8 +261,9 @@ static void free_line(const film_curve *curve, film_state *s) {
     s->direction = 1;
     s->line_ends = ENDS_NEVER;
     s->tau_end = INFINITY;
-    double square = nu * nu + 2.0 * p * gap;
-    if (gap <= 0.0 && (nu > 0.0 || (nu == 0.0 && p > 0.0))) {
+    double square = nu * nu + 2.0 * p * gap, above = gap < 0.0 ? hold(curve, s) : INFINITY;
+    int pressed = above < INFINITY && above > WITHIN * fabs(nu); /* within its dent: the support's velocity has changed */
+    if (pressed || (gap <= 0.0 && (nu > 0.0 || (nu == 0.0 && p > 0.0)))) {
         s->tau_end = 0.0;
     } else if (p > 0.0 && !(square > 0.0)) {
         s->tau_end = touches_again(curve, s);
@@ -253,7 +274,7 @@ static void free_line(const film_curve *curve, film_state *s) {
     }
     if (!(s->tau_end < INFINITY)) return;
     s->line_ends = ENDS_EDGE;
-    s->xi_end = gap < 0.0 && !(square > 0.0 && p > 0.0 && nu < 0.0) ? s->xi + s->tau_end * (nu + 0.5 * p * s->tau_end) : s->xi_free;
+    s->xi_end = gap < 0.0 && (pressed || !(square > 0.0 && p > 0.0 && nu < 0.0)) ? s->xi + s->tau_end * (nu + 0.5 * p * s->tau_end) : s->xi_free;
     s->nu_end = nu + p * s->tau_end;
 }
 
@@ -1106,16 +1127,6 @@ void film_sample(const film_curve *curve, const film_line *lines, int32_t line_c
     }
 }
 
-/* The line whose law serves now; of a damped law in flight, the one that serves where its dent has not opened yet. */
-static film_line serving(const film_curve *curve, const film_state *s) {
-    film_line line = s->line;
-    if (s->branch == FILM_FREE && s->damper > 0.0 && curve->stage[0].damped) {
-        line.branch = 0;
-        line.damper = s->damper;
-    }
-    return line;
-}
-
 film_contact film_force(const film_curve *curve, const film_state *s, double xi, double nu) {
     film_contact at = {0.0, 0.0, 0.0};
     if (s->branch == FILM_FREE) return at;
@@ -1129,16 +1140,6 @@ film_contact film_force(const film_curve *curve, const film_state *s, double xi,
         at.by_nu = c / yield;
     }
     return at;
-}
-
-/* By how much nu is above the velocity outwards at which F is 0, nu + f/c: of the sign of F, and smooth where f and c go
- * to 0 together. Without damping nothing lets go, or takes hold, but at the dent's end. */
-static double hold(const film_curve *curve, const film_state *s) {
-    film_line line = serving(curve, s);
-    double f, work, at = fmax(s->xi, SHALLOWEST), c = damping_at(curve, &line, at);
-    if (!(c > 0.0)) return INFINITY;
-    law_at(curve, &line, at, &f, &work);
-    return fmin(s->nu + f / c, 1e300);
 }
 
 /* dF/dt. */

@@ -46,7 +46,9 @@ def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
     return made
 
 
-def rows_of(scene: Scene, columns: Mapping[str, Array], count: int, status: NDArray[np.int32]) -> list[Rows]:
+def rows_of(
+    scene: Scene, columns: Mapping[str, Array], count: int, status: NDArray[np.int32] | None = None
+) -> list[Rows]:
     """The problems of `count` impacts of a scene, some of whose numbers are columns (path → SI values, one a row).
 
     They are those of `problem_of` for the scene of each row, computed on whole arrays, which some rows are checked
@@ -54,9 +56,10 @@ def rows_of(scene: Scene, columns: Mapping[str, Array], count: int, status: NDAr
     whose impactor does not approach, or that make no problem, are left out; if none makes one, the first one's error
     is raised. Left out, too, are rows whose target vibrates, of which no curve knows; status takes `VIBRATES` for them.
     """
+    status = np.zeros(count, np.int32) if status is None else status
     moving = np.flatnonzero(column(scene_of_columns(scene, columns).approach_velocity, count) > 0.0)
     part, found = _part(scene, columns, moving), []
-    right = wide(part) if edged(part) else True
+    right = wide(part) or not edged(part)
     try:
         if right:
             found = [rows for group in _groups(scene, columns, moving) for rows in decided(group)]

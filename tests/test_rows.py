@@ -60,7 +60,8 @@ CASES = {
         ["contact.damping", "contact.stiffness"],
     ),
     "Brake's unloading": (
-        fm.Scene(fm.Sphere(**BALL), TARGETS["plate"], fm.Contact("big-alabo", effective_modulus="150 GPa", unloading="brake")),
+        fm.Scene(fm.Sphere(**BALL), TARGETS["plate"],
+                 fm.Contact("big-alabo", effective_modulus="150 GPa", unloading="brake")),
         ["contact.effective_modulus", "impactor.radius"],
     ),
 }  # fmt: skip

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal, TypeAlias
 
 from film_model.bodies import STANDARD_GRAVITY, Beam, BendingStiffness, Body, HalfSpace, Plate, Rod, Sphere, Target
 from film_model.contact import Contact
-from film_model.elementwise import endless, lesser
+from film_model.elementwise import either, endless, lesser
 from film_model.errors import Mistake, raise_all, shown
 from film_model.fields import Field, choice, fill, measure, whole
 from film_model.materials import Material
@@ -208,9 +208,12 @@ class Scene:
         """Of the body that yields first, or what [contact] says; without yield strengths, the target's."""
         if self.contact.poissons_ratio is not None:
             return self.contact.poissons_ratio
-        materials = [m for m in (self.target.material, self.impactor.material) if m is not None]
-        first = min(materials, key=lambda m: math.inf if m.yield_strength is None else m.yield_strength, default=None)
-        return None if first is None else first.poissons_ratio
+        own, other = self.target.material, self.impactor.material
+        if own is None or other is None:
+            only = own or other
+            return None if only is None else only.poissons_ratio
+        one, two = (math.inf if m.yield_strength is None else m.yield_strength for m in (own, other))
+        return either(one <= two, own.poissons_ratio, other.poissons_ratio)
 
     @property
     def approach_velocity(self) -> float:

@@ -49,9 +49,25 @@ CASES = {
                  fm.Contact("meyer", stiffness="2e9 N/m^1.3", exponent=1.3, initial_indentation="2 um")),
         ["contact.initial_indentation"],
     ),
+    "two that yield": (
+        fm.Scene(fm.Sphere("10 mm", velocity="0.3 m/s", material="aluminium 6061-T6"), TARGETS["half-space"],
+                 fm.Contact("kogut-etsion", hardness="2.8 GPa")),
+        ["contact.hardness", "impactor.material.yield_strength"],
+    ),
+    "damped": (
+        fm.Scene(fm.Sphere(**BALL), TARGETS["half-space"], fm.Contact("linear-dashpot", stiffness="4e7 N/m",
+                 damping="500 N*s/m")),
+        ["contact.damping", "contact.stiffness"],
+    ),
+    "Brake's unloading": (
+        fm.Scene(fm.Sphere(**BALL), TARGETS["plate"],
+                 fm.Contact("big-alabo", effective_modulus="150 GPa", unloading="brake")),
+        ["contact.effective_modulus", "impactor.radius"],
+    ),
 }  # fmt: skip
 UNITS = {"poissons_ratio": "", "D11": "N*m", "D22": "N*m", "D66": "N*m", "density": "kg/m^3", "mass_per_area": "kg/m^2",
-         "youngs_modulus": "Pa", "effective_modulus": "Pa", "yield_strength": "Pa", "velocity": "m/s"}  # fmt: skip
+         "youngs_modulus": "Pa", "effective_modulus": "Pa", "yield_strength": "Pa", "velocity": "m/s",
+         "hardness": "Pa", "stiffness": "N/m", "damping": "N*s/m"}  # fmt: skip
 
 
 def value(case, path):

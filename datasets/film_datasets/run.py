@@ -245,9 +245,10 @@ def _coordinates(made: Sweep, store: Store, content: ContentHash) -> None:
         values = np.linspace(0.0, 1.0, made.dense)
         store.put("normalised_time", (slice(None),), values)
         content.update("normalised_time", values)
-    for axis in made.axes if made.dims != ("impact",) else ():
-        for first in range(0, axis.count, 1 << 20):
-            values = axis.at(np.arange(first, min(first + (1 << 20), axis.count)))
+    for axis, chunk in zip(made.axes, made.chunks, strict=True) if made.dims != ("impact",) else ():
+        piece = chunk * max(1, (1 << 20) // chunk)  # whole chunks: half a chunk would be read and written again
+        for first in range(0, axis.count, piece):
+            values = axis.at(np.arange(first, min(first + piece, axis.count)))
             store.put(axis.name, (slice(first, first + len(values)),), values)
             content.update(axis.name, values)
 

@@ -244,7 +244,7 @@ static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *
     for (int i = 0; i <= steps; i++) {
         EACH(l) {
             double g = s->gamma[l], a2 = g * kappa[l], b = -a2 * tau[l], c = -kappa[l] * (tau[l] * tau[l]), along;
-            double y = polynomial(y0[l], (-phi[l] - a2 * y0[l]) * tau[l], b, c, tau[l], 1, &along);
+            double y = polynomial(y0[l], (-phi[l] - a2 * y0[l]) * tau[l], b, c, tau[l], &along);
             falling[l] = a2 * y; /* of gamma f, by the line's slope */
             w[l] = y + g * (phi[l] + kappa[l] * along);
             x[l] = s->xi[l] + along;
@@ -388,9 +388,9 @@ static void await_stops(stops *restrict stop) {
 }
 
 /* Keeps the line just passed, which began at `from` under f0 with w0, for the lanes that stopped on it. */
-static void keep_stops(stops *restrict stop, const lanes *restrict s, const lines *restrict n, const double *restrict w0,
-                       const double *restrict f0, const double *restrict f1, const double *restrict from,
-                       int32_t stage, int from_rest) {
+static void keep_stops(stops *restrict stop, const lanes *restrict s, const lines *restrict n,
+                       const double *restrict w0, const double *restrict f0, const double *restrict f1,
+                       const double *restrict from, int32_t stage, int from_rest) {
     double here[LANES], rest = from_rest ? 1.0 : 0.0;
     EACH(l) here[l] = s->w[l] > 0.0 ? 0.0 : stop->moving[l];
     if (!any(here)) return;
@@ -449,7 +449,7 @@ INLINED void along_lines(const double *restrict gamma, const double *restrict w0
     EACH(l) {
         double a2 = gamma[l] * kappa[l], b = -a2 * tau[l], c = -kappa[l] * (tau[l] * tau[l]);
         double y0 = from_rest[l] > 0.0 ? 0.0 : gamma[l] * phi[l] - w0[l];
-        y[l] = polynomial(y0, (phi[l] - a2 * y0) * tau[l], b, c, tau[l], 1, &x[l]);
+        y[l] = polynomial(y0, (phi[l] - a2 * y0) * tau[l], b, c, tau[l], &x[l]);
         unfit[l] = fabs(b) * FAR_REACH + fabs(c) <= FAR_REACH * FAR_REACH ? 0.0 : 1.0;
     }
 }
@@ -601,7 +601,7 @@ static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int co
         double to = j->curve->stage[k].begin;
         EACH(l) {
             from[l] = s->xi[l];
-            nodes[l] = mesh->unloading_nodes[grading_of(s->gamma[l] * sqrt(largest[l] / from[l]))];
+            nodes[l] = mesh->unloading_nodes[film_grading(s->gamma[l] * sqrt(largest[l] / from[l]))];
         }
         law_lanes(j->curve, k, from, s->force, s->work);
         for (int32_t i = 1; i <= mesh->unloading; i++) {

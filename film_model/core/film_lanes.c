@@ -8,6 +8,7 @@
 enum { AIM_STEPS = 8 };
 static const double SHORT_WAY_OUT = 1e-4; /* of the way that is left: a shorter one's mean force is rounding */
 static const double AIM = 5e-3; /* of the energy: closer than the formula for it */
+static const double HERTZ_AIM = 1e-5; /* of the depth: what its formula leaves */
 
 /* ---------------------------------------------------------------- fixed targets, side by side */
 
@@ -266,6 +267,24 @@ static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *
     }
 }
 
+/* Where the impacts turn on Hertz's law, within 1e-5 for gamma nu^{1/5} up to 60: on a fixed target at the depth X that
+ * energy gives, on this one under 1/P of the force there, P a function of gamma f(X)/nu alone, fitted to the march. */
+static void hertz_aim(const job *j, const double *restrict nu, const double *restrict gamma, double *restrict aim) {
+    double k = j->curve->piece[0].force.coefficient, power[LANES], e[LANES], x[LANES], p[LANES], share[LANES];
+    EACH(l) {
+        power[l] = 1.25 * (nu[l] * nu[l]) / k;
+        e[l] = 0.4;
+    }
+    power_lanes(power, e, x);
+    EACH(l) {
+        double s = gamma[l] * k * x[l] * sqrt(x[l]) / nu[l];
+        p[l] = (1.0 + s * (1.1872359 + s * (0.28208004 + s * 0.0117072))) / (1.0 + s * (0.27930149 + s * 0.01171541));
+        e[l] = -2.0 / 3;
+    }
+    power_lanes(p, e, share);
+    EACH(l) aim[l] = x[l] * share[l];
+}
+
 /* About where the impacts turn, within 2 % on Hertz's law: false position, the stale end halved. A fixed target would
  * stop them later. */
 static void first_aim(job *j, int32_t stage, double stored, const double *restrict nu, const double *restrict gamma,
@@ -339,8 +358,17 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
     }
     EACH(l) s->xi[l] = curve->stage[stage].begin;
     law_lanes(curve, stage, s->xi, s->force, s->work);
-    first_aim(j, stage, before, nu, s->gamma, aim);
-    for (int32_t m = AIMING_SEGMENTS; m == AIMING_SEGMENTS || 3 * m <= segments; m *= 4) { /* each aims the next */
+    int32_t m = AIMING_SEGMENTS;
+    int sure = 0;
+    if (plain_power(j, stage) && curve->piece[0].force.exponent == 1.5) {
+        hertz_aim(j, nu, s->gamma, aim);
+        EACH(l) aim[l] = aim[l] < end ? aim[l] : end;
+        m *= 4;
+        sure = 1.0 - nodes[segments - 1] > 100.0 * HERTZ_AIM;
+    } else {
+        first_aim(j, stage, before, nu, s->gamma, aim);
+    }
+    for (; m == AIMING_SEGMENTS || 3 * m <= segments; m *= 4) { /* each aims the next */
         trial = *s;
         run_towards(j, stage, m, NULL, aim, &trial);
         turn_lanes(j, stage, aim, &trial, 0, 1, tau);
@@ -350,14 +378,17 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
         }
     }
     run_towards(j, stage, segments, nodes, aim, s);
-    trial = *s;
-    turn_lanes(j, stage, aim, &trial, 0, 1, tau);
-    EACH(l) {
-        last[l] = s->xi[l];
-        s->bad[l] = fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? s->bad[l] : 1.0; /* a last line too long or short */
-        aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
+    EACH(l) last[l] = s->xi[l];
+    if (!sure) {
+        trial = *s;
+        turn_lanes(j, stage, aim, &trial, 0, 1, tau);
+        EACH(l) {
+            /* a last line too long or short */
+            s->bad[l] = fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? s->bad[l] : 1.0;
+            aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
+        }
     }
-    turn_lanes(j, stage, aim, s, 1, 3, tau);
+    turn_lanes(j, stage, aim, s, !sure, 3, tau);
     double exponent = plain_power(j, stage) ? j->exponent[stage] : 1.0; /* back along the law it is of no use */
     EACH(l) {
         s->bad[l] = s->xi[l] <= end ? s->bad[l] : 1.0;

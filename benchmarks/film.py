@@ -43,18 +43,14 @@ def values(result: Any) -> Array:
     return columns
 
 
-def fewest_segments(case: Case, exact: Array, linearisation: int, error: float) -> tuple[int, int] | None:
-    """Loading and unloading segments a stage, fewest in all, that keep every error of the case below `error`."""
-    best: tuple[int, int] | None = None
+def sufficient_segments(case: Case, exact: Array, linearisation: int, error: float) -> list[tuple[int, int]]:
+    """Loading and unloading segments a stage, fewest for each of several ratios, that keep all errors below `error`."""
+    found: list[tuple[int, int]] = []
     for ratio in (1.0,) if linearisation == native.CHORD else _RATIOS:
-        for n in _ladder():
-            pair = (n, max(1, round(ratio * n)))
-            if best is not None and sum(pair) >= sum(best):
-                break
-            if worst_error(values(batch(case, linearisation, pair)()), exact) <= error:
-                best = pair
-                break
-    return best
+        pairs = ((n, max(1, round(ratio * n))) for n in _ladder())
+        fits = (p for p in pairs if worst_error(values(batch(case, linearisation, p)()), exact) <= error)
+        found += [pair for pair in (next(fits, None),) if pair is not None]
+    return found
 
 
 def _ladder() -> Iterable[int]:

@@ -107,9 +107,10 @@ def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kin
         "work": (native.WORK_PRESERVING, "FILM, work-preserving"),
         "chord": (native.CHORD, "FILM, the paper's chords"),
     }[kind]
-    pair = film.fewest_segments(some, exact, line, target)
-    if pair is None:
+    pairs = film.sufficient_segments(some, exact, line, target)
+    if not pairs:
         return [_row(case, target, name, f"> {film.MOST_SEGMENTS} segments", None, None)]
+    pair = min(pairs, key=lambda p: _fastest(film.batch(case, line, p), 1)) if len(pairs) > 1 else pairs[0]
     error = worst_error(film.values(film.batch(some, line, pair)()), exact)
     rows = []
     for using in range(native.instructions(), -1, -1) if kind == "work" else (native.instructions(),):

@@ -24,7 +24,7 @@ STEEP = 2.0
 
 ORDER_FACTOR = {
     # bound on error of n segments over |difference to 2n|, and on error of 2n over the same
-    "work-preserving": (1.6, 0.3),
+    "work-preserving": (1.6, 0.5),
     "chord": (2.0, 0.6),
 }
 """Asymptotically 16/15 and 1/15 for fourth order, 4/3 and 1/3 for second; with room for what is not asymptotic yet."""
@@ -109,14 +109,17 @@ def estimate(problem: Problem, solver: Solver) -> float:
 
 
 def unloading_ratio(problem: Problem) -> int:
+    """Unloading segments for one loading segment in this problem."""
+    return ratio_for(problem.gamma * problem.approach**0.2, problem.curve.steepest)
+
+
+def ratio_for(slow: float, steepest: float) -> int:
     """Unloading segments for one loading segment: more where the contact fades out slowly.
 
     `slow` is Zener's λ of the scaled problem; measured over λ from 0.001 to 8, this keeps the errors of loading and
     unloading alike. Twice as many where the unloading is a steeper power than laws of spheres have.
     """
-    slow = problem.gamma * problem.approach**0.2
-    steep = 2 if problem.curve.steepest > STEEP else 1
-    return steep * (1 if slow == 0.0 else 2 if slow < 1.5 else 4)
+    return (2 if steepest > STEEP else 1) * (1 if slow < 0.7 else 2 if slow < 2.5 else 4)
 
 
 def difference(problem: Problem, a: native.Summary, b: native.Summary, approach: float | None = None) -> float:

@@ -16,9 +16,9 @@ from film_model.accuracy import (
     MOST_SEGMENTS,
     ORDER_FACTOR,
     ROUNDING,
-    STEEP,
     first_segments,
     mesh_of,
+    ratio_for,
     solver_for,
 )
 from film_model.bodies import Body
@@ -148,9 +148,7 @@ def simulate_rows(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
 def _mesh(rows: Rows, start: NDArray[Any], solver: Solver) -> tuple[tuple[int, int], float]:
     """Smallest mesh on which every trial impact meets the accuracy, seen from twice as many segments."""
     some = start[_trial(start)]
-    slow = float((some["gamma"] * some["nu"] ** 0.2).max(initial=0.0))  # as in accuracy.unloading_ratio
-    ratio = 1 if slow == 0.0 else 2 if slow < 1.5 else 4
-    ratio *= 2 if rows.curve.steepest > STEEP else 1
+    ratio = ratio_for(float((some["gamma"] * some["nu"] ** 0.2).max(initial=0.0)), rows.curve.steepest)
     damping = float(some["damping"].max(initial=0.0))
     n = solver.segments or (first_segments(damping) if damping > 0.0 else 4)
     before, after = ORDER_FACTOR[solver.linearisation]

@@ -325,7 +325,7 @@ static void flush_moving(batch *b, int32_t stage, block *waiting) {
             j->status[i] = film_impact(j->curve, j->mesh, &j->start[i], out);
             continue;
         }
-        int32_t k = grading_of(t.slowness[l]) - FILM_PLATE_OUT;
+        int32_t k = film_grading(t.slowness[l]) - FILM_PLATE_OUT;
         leaving *q = &b->leaving[stage][k];
         int at = q->count++;
         q->index[at] = i;

@@ -65,11 +65,6 @@ static inline int plain_power(const job *j, int32_t stage) {
     return stage == 0 && j->simple[0] && g->constant == 0.0 && g->slope == 0.0 && g->coefficient > 0.0;
 }
 
-/* How an unloading leg is graded, by gamma sqrt(force/depth) where it begins: see film_core.h. */
-static inline int32_t grading_of(double slowness) {
-    return slowness < 1.2 ? FILM_PLATE_OUT : slowness < 1.75 ? FILM_PLATE_SLOW : FILM_PLATE_CREEP;
-}
-
 /* W + g f (0.79 nu - 0.27 g f) - nu^2/2, which is about 0 where the target turns the impactor; g f cannot exceed nu. */
 static inline double spent_less_energy(double work, double force, double nu, double gamma) {
     double push = gamma * force < nu ? gamma * force : nu;

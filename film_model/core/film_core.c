@@ -836,11 +836,11 @@ static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
         s->leg_grading = FILM_EQUAL;
     } else if (s->gamma == 0.0) {
         s->leg_grading = FILM_COSINE;
-    } else if (s->direction > 0) {
-        s->leg_grading = FILM_PLATE_IN;
     } else {
-        double slowness = s->gamma * sqrt(s->f_max / depth);
-        s->leg_grading = slowness < 1.2 ? FILM_PLATE_OUT : slowness < 1.75 ? FILM_PLATE_SLOW : FILM_PLATE_CREEP;
+        double slowness = s->direction > 0 ? 0.0 : s->gamma * sqrt(s->f_max / depth);
+        s->leg_grading = s->direction > 0 ? FILM_PLATE_IN : film_grading(slowness);
+        /* a dashpot's force bends most where the indentation is none */
+        if (damped(curve, s)) s->leg_grading = slowness < 1.75 ? FILM_COSINE : FILM_PLATE_CREEP;
     }
     s->has_leg = 1;
     return FILM_OK;
@@ -1265,12 +1265,13 @@ int film_check_curve(const film_curve *curve) {
 /* ---------------------------------------------------------------- meshes and states */
 
 static double graded(int grading, double s) {
-    static const double a[FILM_GRADINGS] = {1.0, 0.0, 1.75, 1.5, 1.25, 1.0};
-    static const double b[FILM_GRADINGS] = {1.0, 0.0, 1.75, 1.8, 2.0, 3.0};
+    static const double a[FILM_GRADINGS] = {1.0, 0.0, 1.2, 1.6, 1.6, 1.0};
+    static const double b[FILM_GRADINGS] = {1.0, 0.0, 1.7, 1.2, 1.15, 2.5};
+    static const double c[FILM_GRADINGS] = {1.0, 0.0, 1.0, 1.0, 0.19, 0.3};
     if (grading == FILM_EQUAL || s <= 0.0 || s >= 1.0) return s;
     if (grading == FILM_COSINE) return 0.5 * (1.0 - cos(PI * s));
     double from = pow(s, a[grading]);
-    return from / (from + pow(1.0 - s, b[grading]));
+    return from / (from + c[grading] * pow(1.0 - s, b[grading]));
 }
 
 static const int LOADING_GRADINGS[] = {FILM_EQUAL, FILM_COSINE, FILM_PLATE_IN};

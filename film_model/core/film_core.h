@@ -86,12 +86,17 @@ enum { FILM_CHORD = 0, FILM_WORK_PRESERVING = 1 };
 enum {
     FILM_EQUAL = 0,       /* s                          chords */
     FILM_COSINE = 1,      /* sin^2(pi s/2)              half-space */
-    FILM_PLATE_IN = 2,    /* a = b = 1.75 in s^a/(s^a + (1 - s)^b), loading on a compliant target */
-    FILM_PLATE_OUT = 3,   /* a = 1.5,  b = 1.8          unloading, gamma sqrt(f_m/(xi_m - xi_f)) below 1.2 */
-    FILM_PLATE_SLOW = 4,  /* a = 1.25, b = 2            ... below 1.75 */
-    FILM_PLATE_CREEP = 5, /* a = 1,    b = 3            ... above */
+    FILM_PLATE_IN = 2,    /* a = 1.2, b = 1.7,  c = 1    in s^a/(s^a + c (1 - s)^b), loading on a compliant target */
+    FILM_PLATE_OUT = 3,   /* a = 1.6, b = 1.2,  c = 1    unloading, gamma sqrt(f_m/(xi_m - xi_f)) below 1.2 */
+    FILM_PLATE_SLOW = 4,  /* a = 1.6, b = 1.15, c = 0.19 ... below 2.5 */
+    FILM_PLATE_CREEP = 5, /* a = 1,   b = 2.5,  c = 0.3  ... above */
     FILM_GRADINGS = 6
 };
+
+/* Of an unloading leg, by gamma sqrt(force/depth) where it begins. */
+static inline int32_t film_grading(double slowness) {
+    return slowness < 1.2 ? FILM_PLATE_OUT : slowness < 2.5 ? FILM_PLATE_SLOW : FILM_PLATE_CREEP;
+}
 
 /* How legs are cut: number of segments and fractions of their nodes, shared by any number of states.
  * fractions[g] points at loading + 1 (unloading + 1 for the three unloading gradings) numbers inside the

@@ -8,6 +8,7 @@
 enum { AIM_STEPS = 8 };
 static const double SHORT_WAY_OUT = 1e-4; /* of the way that is left: a shorter one's mean force is rounding */
 static const double AIM = 5e-3; /* of the energy: closer than the formula for it */
+static const double HERTZ_AIM = 1e-5; /* of the depth: what its formula leaves */
 
 /* ---------------------------------------------------------------- fixed targets, side by side */
 
@@ -244,7 +245,7 @@ static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *
     for (int i = 0; i <= steps; i++) {
         EACH(l) {
             double g = s->gamma[l], a2 = g * kappa[l], b = -a2 * tau[l], c = -kappa[l] * (tau[l] * tau[l]), along;
-            double y = polynomial(y0[l], (-phi[l] - a2 * y0[l]) * tau[l], b, c, tau[l], 1, &along);
+            double y = polynomial(y0[l], (-phi[l] - a2 * y0[l]) * tau[l], b, c, tau[l], &along);
             falling[l] = a2 * y; /* of gamma f, by the line's slope */
             w[l] = y + g * (phi[l] + kappa[l] * along);
             x[l] = s->xi[l] + along;
@@ -264,6 +265,24 @@ static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *
         s->work[l] = w1[l];
         s->w[l] = g * f1[l];
     }
+}
+
+/* Where the impacts turn on Hertz's law, within 1e-5 for gamma nu^{1/5} up to 60: on a fixed target at the depth X that
+ * energy gives, on this one under 1/P of the force there, P a function of gamma f(X)/nu alone, fitted to the march. */
+static void hertz_aim(const job *j, const double *restrict nu, const double *restrict gamma, double *restrict aim) {
+    double k = j->curve->piece[0].force.coefficient, power[LANES], e[LANES], x[LANES], p[LANES], share[LANES];
+    EACH(l) {
+        power[l] = 1.25 * (nu[l] * nu[l]) / k;
+        e[l] = 0.4;
+    }
+    power_lanes(power, e, x);
+    EACH(l) {
+        double s = gamma[l] * k * x[l] * sqrt(x[l]) / nu[l];
+        p[l] = (1.0 + s * (1.1872359 + s * (0.28208004 + s * 0.0117072))) / (1.0 + s * (0.27930149 + s * 0.01171541));
+        e[l] = -2.0 / 3;
+    }
+    power_lanes(p, e, share);
+    EACH(l) aim[l] = x[l] * share[l];
 }
 
 /* About where the impacts turn, within 2 % on Hertz's law: false position, the stale end halved. A fixed target would
@@ -339,8 +358,17 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
     }
     EACH(l) s->xi[l] = curve->stage[stage].begin;
     law_lanes(curve, stage, s->xi, s->force, s->work);
-    first_aim(j, stage, before, nu, s->gamma, aim);
-    for (int32_t m = AIMING_SEGMENTS; m == AIMING_SEGMENTS || 3 * m <= segments; m *= 4) { /* each aims the next */
+    int32_t m = AIMING_SEGMENTS;
+    int sure = 0;
+    if (plain_power(j, stage) && curve->piece[0].force.exponent == 1.5) {
+        hertz_aim(j, nu, s->gamma, aim);
+        EACH(l) aim[l] = aim[l] < end ? aim[l] : end;
+        m *= 4;
+        sure = 1.0 - nodes[segments - 1] > 100.0 * HERTZ_AIM;
+    } else {
+        first_aim(j, stage, before, nu, s->gamma, aim);
+    }
+    for (; m == AIMING_SEGMENTS || 3 * m <= segments; m *= 4) { /* each aims the next */
         trial = *s;
         run_towards(j, stage, m, NULL, aim, &trial);
         turn_lanes(j, stage, aim, &trial, 0, 1, tau);
@@ -350,14 +378,17 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
         }
     }
     run_towards(j, stage, segments, nodes, aim, s);
-    trial = *s;
-    turn_lanes(j, stage, aim, &trial, 0, 1, tau);
-    EACH(l) {
-        last[l] = s->xi[l];
-        s->bad[l] = fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? s->bad[l] : 1.0; /* a last line too long or short */
-        aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
+    EACH(l) last[l] = s->xi[l];
+    if (!sure) {
+        trial = *s;
+        turn_lanes(j, stage, aim, &trial, 0, 1, tau);
+        EACH(l) {
+            /* a last line too long or short */
+            s->bad[l] = fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? s->bad[l] : 1.0;
+            aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
+        }
     }
-    turn_lanes(j, stage, aim, s, 1, 3, tau);
+    turn_lanes(j, stage, aim, s, !sure, 3, tau);
     double exponent = plain_power(j, stage) ? j->exponent[stage] : 1.0; /* back along the law it is of no use */
     EACH(l) {
         s->bad[l] = s->xi[l] <= end ? s->bad[l] : 1.0;
@@ -376,79 +407,128 @@ static void plate_in_lanes(job *j, int32_t stage, const int64_t *index, int coun
     }
 }
 
-/* The line on which each lane's impactor stops: kept until it is there. */
+/* The line on which each lane's impactor stops: where it begins, and the law's force at both its ends. */
 typedef struct {
     double time[LANES], tau[LANES], w0[LANES], w1[LANES], f0[LANES], f1[LANES];
-    double phi[LANES], kappa[LANES], xi[LANES], stage[LANES], moving[LANES];
+    double phi[LANES], kappa[LANES], xi[LANES], stage[LANES], from_rest[LANES], moving[LANES];
 } stops;
 
-static void keep_stop(stops *restrict stop, const lanes *restrict s, const lines *restrict n, const double *restrict w0,
-                      const double *restrict f0, const double *restrict f1, const double *restrict from, int32_t stage) {
+static void await_stops(stops *restrict stop) {
+    memset(stop, 0, sizeof *stop);
+    EACH(l) stop->moving[l] = 1.0;
+}
+
+/* Keeps the line just passed, which began at `from` under f0 with w0, for the lanes that stopped on it. */
+static void keep_stops(stops *restrict stop, const lanes *restrict s, const lines *restrict n,
+                       const double *restrict w0, const double *restrict f0, const double *restrict f1,
+                       const double *restrict from, int32_t stage, int from_rest) {
+    double here[LANES], rest = from_rest ? 1.0 : 0.0;
+    EACH(l) here[l] = s->w[l] > 0.0 ? 0.0 : stop->moving[l];
+    if (!any(here)) return;
     EACH(l) {
-        double moving = stop->moving[l];
-        stop->time[l] = moving > 0.0 ? s->time[l] - n->tau[l] : stop->time[l];
-        stop->tau[l] = moving > 0.0 ? n->tau[l] : stop->tau[l];
-        stop->w0[l] = moving > 0.0 ? w0[l] : stop->w0[l];
-        stop->w1[l] = moving > 0.0 ? s->w[l] : stop->w1[l];
-        stop->f0[l] = moving > 0.0 ? f0[l] : stop->f0[l];
-        stop->f1[l] = moving > 0.0 ? f1[l] : stop->f1[l];
-        stop->phi[l] = moving > 0.0 ? n->phi[l] : stop->phi[l];
-        stop->kappa[l] = moving > 0.0 ? n->kappa[l] : stop->kappa[l];
-        stop->xi[l] = moving > 0.0 ? from[l] : stop->xi[l];
-        stop->stage[l] = moving > 0.0 ? (double)stage : stop->stage[l];
-        stop->moving[l] = s->w[l] > 0.0 ? moving : 0.0;
+        stop->time[l] = here[l] > 0.0 ? s->time[l] - n->tau[l] : stop->time[l];
+        stop->tau[l] = here[l] > 0.0 ? n->tau[l] : stop->tau[l];
+        stop->w0[l] = here[l] > 0.0 ? w0[l] : stop->w0[l];
+        stop->w1[l] = here[l] > 0.0 ? s->w[l] : stop->w1[l];
+        stop->f0[l] = here[l] > 0.0 ? f0[l] : stop->f0[l];
+        stop->f1[l] = here[l] > 0.0 ? f1[l] : stop->f1[l];
+        stop->phi[l] = here[l] > 0.0 ? n->phi[l] : stop->phi[l];
+        stop->kappa[l] = here[l] > 0.0 ? n->kappa[l] : stop->kappa[l];
+        stop->xi[l] = here[l] > 0.0 ? from[l] : stop->xi[l];
+        stop->stage[l] = here[l] > 0.0 ? (double)stage : stop->stage[l];
+        stop->from_rest[l] = here[l] > 0.0 ? rest : stop->from_rest[l];
+        stop->moving[l] = here[l] > 0.0 ? 0.0 : stop->moving[l];
     }
 }
 
-/* When an impactor stops, near tau after its line begins: the line is drawn again to where it is then, as the march cuts
- * it there, and Newton's method finds the time on that line. branch: force and length of the branch, where stage < 0. */
-static double stop_on_line(const job *j, const stops *n, int l, double gamma, double tau, const leaving *branch) {
-    double phi = n->phi[l], kappa = n->kappa[l], f0 = n->f0[l], x, y, f1, w1, before;
-    int from_rest = n->w0[l] == gamma * f0;
-    motion m = {from_rest ? 0.0 : gamma * phi - n->w0[l], -phi, kappa, 0.5 * kappa * gamma};
-    move(&m, tau, &x, &y);
-    if (!(x > SHORT_WAY_OUT * n->xi[l]) || !(x < n->xi[l])) return tau; /* the cubic is good enough so near */
+/* The law where the lines of the stops begin and at x1, either along the branches, whose exponent is `same` or, NAN,
+ * each lane's own, or, without branches, along each lane's stage. */
+static void law_of_stops(const job *j, const stops *restrict n, const leaving *branch, double same,
+                         const double *restrict x1, double *restrict w0, double *restrict f1, double *restrict w1) {
     if (branch != NULL) {
-        double q = branch->exponent[l], end = n->xi[l] - x;
-        f1 = branch->force[l] * raised(end / branch->recovery[l], q);
-        w1 = f1 * end / (q + 1.0);
-        before = f0 * n->xi[l] / (q + 1.0);
-    } else {
-        stage_law(j->curve, (int32_t)n->stage[l], n->xi[l], &f0, &before);
-        stage_law(j->curve, (int32_t)n->stage[l], n->xi[l] - x, &f1, &w1);
+        double u[LANES];
+        EACH(l) u[l] = x1[l] / branch->recovery[l];
+        if (same == same) raised_lanes(u, same, f1);
+        else power_lanes(u, branch->exponent, f1);
+        EACH(l) {
+            double per = 1.0 / (branch->exponent[l] + 1.0);
+            f1[l] *= branch->force[l];
+            w1[l] = f1[l] * x1[l] * per;
+            w0[l] = n->f0[l] * n->xi[l] * per;
+        }
+        return;
     }
-    double mean = (before - w1) / x;
-    kappa = from_rest ? 2.0 * (f0 - mean) / x : (f0 - f1) / x;
-    phi = from_rest ? f0 : mean + 0.5 * kappa * x;
-    motion again = {from_rest ? 0.0 : gamma * phi - n->w0[l], -phi, kappa, 0.5 * kappa * gamma};
-    double found = tau;
-    for (int i = 0; i < 3; i++) {
-        move(&again, found, &x, &y);
-        double force = phi - kappa * x, next = found + (gamma * force - y) / force;
-        if (!(fabs(next - tau) <= 0.1 * n->tau[l])) return tau;
-        found = next;
+    EACH(l) w0[l] = f1[l] = w1[l] = 0.0;
+    for (int32_t k = 0; k < j->curve->stages; k++) {
+        double here[LANES], f[LANES], before[LANES], after[LANES];
+        EACH(l) here[l] = n->stage[l] == (double)k ? 1.0 : 0.0;
+        if (!any(here)) continue;
+        law_lanes(j->curve, k, n->xi, f, before);
+        EACH(l) w0[l] = here[l] > 0.0 ? before[l] : w0[l];
+        law_lanes(j->curve, k, x1, f, after);
+        EACH(l) {
+            f1[l] = here[l] > 0.0 ? f[l] : f1[l];
+            w1[l] = here[l] > 0.0 ? after[l] : w1[l];
+        }
     }
-    return found;
 }
 
-/* When the impactors stop, within lines that begin at w0 > 0 and end at w1 <= 0: first by the cubic through both
- * velocities and both accelerations, -f. NAN where one does not. */
-static void stop_times(const job *j, const stops *restrict n, const double *restrict gamma, const leaving *branch,
-                       double *restrict time) {
-    double tau[LANES];
+/* Along lines outwards that begin at w0 under phi: ways and velocities after tau, and 1 where the polynomial errs. */
+INLINED void along_lines(const double *restrict gamma, const double *restrict w0, const double *restrict phi,
+                         const double *restrict kappa, const double *restrict from_rest, const double *restrict tau,
+                         double *restrict x, double *restrict y, double *restrict unfit) {
     EACH(l) {
-        double w0 = n->w0[l], w1 = n->w1[l], d0 = -n->f0[l] * n->tau[l], d1 = -n->f1[l] * n->tau[l], s = w0 / (w0 - w1);
-        double c2 = 3.0 * (w1 - w0) - 2.0 * d0 - d1, c3 = 2.0 * (w0 - w1) + d0 + d1;
-        for (int i = 0; i < 3; i++) {
-            s -= (w0 + s * (d0 + s * (c2 + s * c3))) / (d0 + s * (2.0 * c2 + 3.0 * s * c3));
-            s = s > 0.0 ? s : 0.0; /* a line too long for its cubic */
-            s = s < 1.0 ? s : 1.0;
-        }
-        tau[l] = s * n->tau[l];
+        double a2 = gamma[l] * kappa[l], b = -a2 * tau[l], c = -kappa[l] * (tau[l] * tau[l]);
+        double y0 = from_rest[l] > 0.0 ? 0.0 : gamma[l] * phi[l] - w0[l];
+        y[l] = polynomial(y0, (phi[l] - a2 * y0) * tau[l], b, c, tau[l], &x[l]);
+        unfit[l] = fabs(b) * FAR_REACH + fabs(c) <= FAR_REACH * FAR_REACH ? 0.0 : 1.0;
     }
-    for (int l = 0; l < LANES; l++) {
-        int stops_here = n->moving[l] == 0.0 && n->w0[l] > 0.0;
-        time[l] = stops_here ? n->time[l] + stop_on_line(j, n, l, gamma[l], tau[l], branch) : NAN;
+}
+
+/* When the impactors stop, within lines that begin at w0 > 0 and end at w1 <= 0; NAN where one does not. The cubic
+ * through both velocities and both accelerations, -f, says where about; the line is drawn again to there, as the march
+ * cuts it, and Newton's method finds the time on that line. Where it is too long for that, the march is left to it. */
+static void stop_times(const job *j, const stops *restrict n, lanes *restrict s, const leaving *branch, double same,
+                       double *restrict time) {
+    double tau[LANES], near[LANES], x[LANES], y[LANES], unfit[LANES], x1[LANES], before[LANES], f1[LANES], w1[LANES];
+    double phi[LANES], kappa[LANES], far[LANES];
+    EACH(l) {
+        double w0 = n->w0[l], d0 = -n->f0[l] * n->tau[l], d1 = -n->f1[l] * n->tau[l], r = w0 / (w0 - n->w1[l]);
+        double c2 = 3.0 * (n->w1[l] - w0) - 2.0 * d0 - d1, c3 = 2.0 * (w0 - n->w1[l]) + d0 + d1;
+        for (int i = 0; i < 3; i++) {
+            r -= (w0 + r * (d0 + r * (c2 + r * c3))) / (d0 + r * (2.0 * c2 + 3.0 * r * c3));
+            r = r > 0.0 ? r : 0.0; /* a line too long for its cubic */
+            r = r < 1.0 ? r : 1.0;
+        }
+        near[l] = tau[l] = r * n->tau[l];
+    }
+    along_lines(s->gamma, n->w0, n->phi, n->kappa, n->from_rest, near, x, y, unfit);
+    EACH(l) {
+        far[l] = x[l] > SHORT_WAY_OUT * n->xi[l] ? 1.0 : 0.0; /* the cubic is good enough nearer than that */
+        far[l] = x[l] < n->xi[l] ? far[l] : 0.0;
+        x1[l] = far[l] > 0.0 ? n->xi[l] - x[l] : n->xi[l];
+    }
+    law_of_stops(j, n, branch, same, x1, before, f1, w1);
+    EACH(l) {
+        double per = 1.0 / x[l], mean = (before[l] - w1[l]) * per;
+        kappa[l] = n->from_rest[l] > 0.0 ? 2.0 * (n->f0[l] - mean) * per : (n->f0[l] - f1[l]) * per;
+        phi[l] = n->from_rest[l] > 0.0 ? n->f0[l] : mean + 0.5 * kappa[l] * x[l];
+    }
+    for (int i = 0; i < 2; i++) {
+        double over[LANES];
+        along_lines(s->gamma, n->w0, phi, kappa, n->from_rest, tau, x, y, over);
+        EACH(l) {
+            double force = phi[l] - kappa[l] * x[l], next = tau[l] + (s->gamma[l] * force - y[l]) / force;
+            far[l] = fabs(next - near[l]) <= 0.1 * n->tau[l] ? far[l] : 0.0;
+            tau[l] = next;
+            unfit[l] += far[l] > 0.0 ? over[l] : 0.0;
+        }
+    }
+    EACH(l) {
+        double stopped = n->time[l] + (far[l] > 0.0 ? tau[l] : near[l]), here = n->moving[l] > 0.0 ? 0.0 : 1.0;
+        here = n->w0[l] > 0.0 ? here : 0.0;
+        time[l] = here > 0.0 ? stopped : NAN;
+        s->bad[l] += here > 0.0 ? unfit[l] : 0.0;
     }
 }
 
@@ -494,11 +574,9 @@ static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
         s.force[l] = q->force[l];
         s.work[l] = q->force[l] * q->recovery[l] / (q->exponent[l] + 1.0);
         stiff[l] = q->force[l] / q->recovery[l];
-        stop.moving[l] = 1.0;
-        stop.time[l] = stop.tau[l] = stop.w0[l] = stop.w1[l] = stop.f0[l] = stop.f1[l] = 0.0;
-        stop.phi[l] = stop.kappa[l] = stop.xi[l] = stop.stage[l] = 0.0;
         f1[l] = q->force[l];
     }
+    await_stops(&stop);
     for (int32_t i = 1; i <= segments; i++) {
         if (any_moves) {
             EACH(l) {
@@ -529,11 +607,11 @@ static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
         if (i == 1) pass_from_rest(&s, &n);
         else pass_outwards(&s, &n);
         if (any_moves) {
-            keep_stop(&stop, &s, &n, w0, f0, f1, from, FILM_BRANCH);
+            keep_stops(&stop, &s, &n, w0, f0, f1, from, FILM_BRANCH, i == 1);
             any_moves = any(stop.moving);
         }
     }
-    stop_times(j, &stop, s.gamma, q, stopped);
+    stop_times(j, &stop, &s, q, same, stopped);
     for (int l = 0; l < q->count; l++)
         leave_lane(j, &s, stopped[l], l, q->index[l], q->top[l] - q->recovery[l], q->stored[l],
                    q->force[l] * q->recovery[l] / (q->exponent[l] + 1.0));
@@ -548,17 +626,13 @@ static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int co
     const double *nodes[LANES];
     lines n;
     stops stop;
-    EACH(l) {
-        largest[l] = s->force[l];
-        stop.moving[l] = 1.0;
-        stop.time[l] = stop.tau[l] = stop.w0[l] = stop.w1[l] = stop.f0[l] = stop.f1[l] = 0.0;
-        stop.phi[l] = stop.kappa[l] = stop.xi[l] = stop.stage[l] = 0.0;
-    }
+    EACH(l) largest[l] = s->force[l];
+    await_stops(&stop);
     for (int32_t k = stage; k >= 0; k--) {
         double to = j->curve->stage[k].begin;
         EACH(l) {
             from[l] = s->xi[l];
-            nodes[l] = mesh->unloading_nodes[grading_of(s->gamma[l] * sqrt(largest[l] / from[l]))];
+            nodes[l] = mesh->unloading_nodes[film_grading(s->gamma[l] * sqrt(largest[l] / from[l]))];
         }
         law_lanes(j->curve, k, from, s->force, s->work);
         for (int32_t i = 1; i <= mesh->unloading; i++) {
@@ -572,10 +646,10 @@ static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int co
             draw_lines(s, &n, -1.0, i == 1 && k == stage, x1, f1, w1);
             if (i == 1 && k == stage) pass_from_rest(s, &n);
             else pass_outwards(s, &n);
-            keep_stop(&stop, s, &n, w0, f0, f1, begin, k);
+            keep_stops(&stop, s, &n, w0, f0, f1, begin, k, i == 1 && k == stage);
         }
     }
-    stop_times(j, &stop, s->gamma, NULL, stopped);
+    stop_times(j, &stop, s, NULL, NAN, stopped);
     for (int l = 0; l < count; l++) leave_lane(j, s, stopped[l], l, index[l], 0.0, stored[l], stored[l]);
 }
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MAX_STAGES = 12
+INDICATORS = 5
 MAX_PIECES = 64
 MAX_TERMS = 28
 MAX_SEGMENTS = 4_000_000
@@ -155,6 +156,12 @@ class Start(c.Structure):
     _fields_ = [(name, _D) for name in ("nu", "gamma", "load", "stop_velocity", "time_limit", "damping")]
 
 
+class Force(c.Structure):
+    """film_contact: the contact force, and its partial derivatives by ξ and ν."""
+
+    _fields_ = [(name, _D) for name in ("force", "by_xi", "by_nu")]
+
+
 class Summary(c.Structure):
     """film_summary: what one contact did."""
 
@@ -198,7 +205,7 @@ def library() -> Any:
         "film_record": ([pointer, pointer, pointer, _D, pointer, _I, pointer, pointer, _I, pointer], c.c_int),
         "film_sample": ([pointer, pointer, _I, pointer, i64, pointer, pointer, pointer], None),
         "film_motion": ([pointer, pointer, pointer], None),
-        "film_force": ([pointer, pointer, _D, pointer, pointer], None),
+        "film_force": ([pointer, pointer, _D, _D], Force),
         "film_indicators": ([pointer, pointer, _D, pointer], None),
         "film_switch": ([pointer, pointer], c.c_int),
         "film_law": ([pointer, _I, _D, pointer, pointer], None),
@@ -347,20 +354,18 @@ def batch(
 
 def force_of(curve: Curve, state: State) -> Callable[[float], float]:
     """f(ξ) as the contact of `state` is at the time of each call."""
-    force, slope = _D(), _D()
-    at = [c.byref(thing) for thing in (curve, state, force, slope)]
+    at = c.byref(curve), c.byref(state)
     function = library().film_force
 
     def evaluate(xi: float) -> float:
-        function(at[0], at[1], xi, at[2], at[3])
-        return force.value
+        return function(*at, xi, state.nu).force
 
     return evaluate
 
 
 def indicators(curve: Curve, state: State, speed: float) -> list[float]:
     """film_indicators: all > 0 while the contact goes on as it is."""
-    values = (_D * 4)()
+    values = (_D * INDICATORS)()
     library().film_indicators(c.byref(curve), c.byref(state), speed, values)
     return list(values)
 

@@ -131,8 +131,8 @@ ZENER = (0.0, 1e-9, 0.4, 1.2, 8.0, 50.0)
 ROUNDED = {"tabulated": 1e-3}
 """Pieces of a table are rounded at their largest force; an impact a million times slower is little more than that."""
 
-STEEPLY = {"luding", "walton-braun", "yigit-christoforou", "linear-dashpot", "jackson-green", "kogut-etsion"}
-"""Laws whose contact may creep out for ever on a soft target: they end at an angle, or with a damping of their own."""
+STRAIGHT = {"meyer-shifted", "luding", "walton-braun", "linear-dashpot", "saturating", "kogut-etsion"}
+"""Laws whose contact creeps out for ever on a target soft enough: they meet zero force at an angle, over-damped; or rest in a clearance."""
 
 
 def hard_velocities(law, problem):
@@ -143,8 +143,9 @@ def hard_velocities(law, problem):
         end = curve.native.stage[k].end
         if law != "big-alabo-printed":  # its force jumps there: on which side the motion turns makes all the difference
             exact = math.sqrt(2.0 * curve.work(end))
-            found += [exact, math.nextafter(exact, 1e300), math.nextafter(exact, 0.0)]
-    return [nu for nu in found if nu > 0.0]
+            if exact > 0.0:
+                found += [exact, math.nextafter(exact, 1e300), math.nextafter(exact, 0.0)]
+    return found
 
 
 @pytest.mark.slow
@@ -165,7 +166,7 @@ def test_every_law_target_and_linearisation(law, linearisation, record_property,
         outcomes[status] += 1
         assert status in (native.EVENT, native.OK, native.ENDLESS, native.BEYOND_LAW, native.TOO_STIFF), where
         if status == native.ENDLESS:
-            assert zener >= 1.2 and (law in STEEPLY or LAWS[law].damped or part > 0.0), where
+            assert part > 0.0 or (gamma >= 1.0 and law in STRAIGHT), where
         if status != native.EVENT:
             continue
         values = [getattr(whole, name) for name in native.SUMMARY if name != "time_impactor_stops"]

@@ -112,14 +112,14 @@ def page(reports: Sequence[Report]) -> str:
     lines = [
         "# Hard cases",
         "",
-        "Written by `film-model hard-cases --markdown docs/hard_cases.md`. Errors are relative, of the worst value of the",
-        "summary, against extended precision, quadrature or a tight integration of the true law; for steps, batches and",
-        f"balances the same number stands for {ALLOWED / STEPPED:g} times their own, of which {STEPPED:g} is allowed. Times",
-        "are of the whole examination: meshes, steps, a batch, chords and the reference. Beside each impact stand conventional",
-        "integrators at usual settings, on the same law in the same run.",
+        "Written by `film-model hard-cases --markdown docs/hard_cases.md`. Errors are relative, of the worst value of",
+        "the summary, against extended precision, quadrature or a tight integration of the true law; for steps, batch",
+        f"and balances the number stands for {ALLOWED / STEPPED:g} times their own, of which {STEPPED:g} is allowed.",
+        "Times are of the whole examination: meshes, steps, a batch, chords, the reference. Beside each impact stand",
+        "conventional integrators at usual settings, on the same law in the same run.",
         "",
-        f"{sum(r.finding.good for r in reports)} of {len(reports)} cases are good; the worst balance of momentum or energy is",
-        f"{max(balances, default=0.0):.1e}.",
+        f"{sum(r.finding.good for r in reports)} of {len(reports)} cases are good; the worst balance of momentum or",
+        f"energy is {max(balances, default=0.0):.1e}.",
     ]
     why = ""
     for r in reports:
@@ -129,7 +129,12 @@ def page(reports: Sequence[Report]) -> str:
         f = r.finding
         balance = "" if f.balance is None else f"{f.balance:.0e}"
         numbers = [f"{f.error:.1e}", f"{f.allowed:.0e}", balance, str(f.segments or ""), f"{r.seconds:.2f} s"]
-        cells = [r.case.name, f.outcome if f.good else f"**{f.outcome}**", *numbers, *(r.others.get(n, "") for n in names)]
+        cells = [
+            r.case.name,
+            f.outcome if f.good else f"**{f.outcome}**",
+            *numbers,
+            *(r.others.get(n, "") for n in names),
+        ]
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(lines) + "\n"
 

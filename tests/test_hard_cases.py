@@ -132,7 +132,7 @@ ROUNDED = {"tabulated": 1e-3}
 """Pieces of a table are rounded at their largest force; an impact a million times slower is little more than that."""
 
 STRAIGHT = {"meyer-shifted", "luding", "walton-braun", "linear-dashpot", "saturating", "kogut-etsion"}
-"""Laws whose contact creeps out for ever on a target soft enough: they meet zero force at an angle, over-damped; or rest in a clearance."""
+"""Laws whose contact creeps out for ever on a target soft enough: over-damped at the end, or at rest in a clearance."""
 
 
 def hard_velocities(law, problem):

@@ -24,7 +24,7 @@ static const double NEWTON_SETTLED = 1e-9;       /* relative; the next step's er
 static const double SHORT_WAY = 2e-4;            /* of the distance to the law's singular point; see mean_force */
 static const double WITHIN = 1e-9;               /* of the depth: where to ask whether a contact still holds */
 static const double TINY = 1e-100;               /* of a load, a velocity, a gap: their squares and powers underflow */
-static const double CREPT = 1e-30;               /* of the depth: a contact that creeps as far never ends */
+static const double CREPT = 1e-30;               /* of the depth, or of one over the time: a contact that creeps as far never ends */
 static const double SMALL_LOOP = 1e-6;           /* of the recovery: a shorter way back in is the way out */
 enum { RELEASE_ITERATIONS = 120, PEAK_SAMPLES = 6, GOLDEN_STEPS = 40 };
 enum { TURN_ITERATIONS = 60, HALVINGS = 60, NEWTON_STEPS = 10 };
@@ -483,7 +483,7 @@ static void cut_at_release(const film_curve *curve, const film_mesh *mesh, film_
         }
         if (!seen && k >= 8) { /* it only creeps, on lines too long for the law: a part of the way, and on */
             s->line_ends = ENDS_PART;
-            if (s->xi < CREPT * s->xi_max) {
+            if (s->xi < CREPT * s->xi_max || s->tau_end * CREPT > 1.0) {
                 s->line_ends = ENDS_NEVER;
                 s->tau_end = INFINITY;
             }

@@ -77,6 +77,8 @@ def _parser() -> argparse.ArgumentParser:
 
     hard = commands.add_parser("hard-cases", help="run the catalogue of hard cases")
     hard.add_argument("--match", metavar="TEXT", default="", help="only cases whose name contains this")
+    hard.add_argument("--markdown", metavar="FILE.md", help="write the report as a page")
+    hard.add_argument("--force", action="store_true", help="overwrite an existing page")
     hard.add_argument("--json", action="store_true", help="print one JSON object")
     hard.set_defaults(command=_hard_cases)
     explain = commands.add_parser("explain", help="say which effects a scene calls for, with the numbers that decide")
@@ -222,8 +224,13 @@ def _cost(options: argparse.Namespace) -> int:
 
 
 def _hard_cases(options: argparse.Namespace) -> int:
-    from film_model.hard_cases import all_cases, report
+    from pathlib import Path
 
+    from film_model.files import written_whole
+    from film_model.hard_cases import all_cases, page, report
+
+    if options.markdown:
+        _check_writable(options.markdown, options.force)
     reports = []
     for case in all_cases():
         if options.match not in case.name:
@@ -231,6 +238,9 @@ def _hard_cases(options: argparse.Namespace) -> int:
         print(f"running {case.name}", file=sys.stderr)
         reports.append(report(case))
     good = all(r.finding.good for r in reports)
+    if options.markdown:
+        with written_whole(Path(options.markdown)) as beside:
+            beside.write_text(page(reports), "utf-8")
     if options.json:
         _print_json({"good": good, "cases": [r.to_json() for r in reports]})
         return DONE if good else FAILED

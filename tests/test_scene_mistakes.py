@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import pickle
+import random
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+import scene_fuzz
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
@@ -302,3 +304,10 @@ VALUES = st.recursive(
 def test_any_value_anywhere_reads_or_says_why(bad: tuple[str, str, str], section: str, value: Any) -> None:
     key = bad[0].split()[0]
     read_or_refused(lambda: Scene.from_text(GOOD).replace({f"{section}.{key}": value}))
+
+
+def test_whatever_the_file_the_answer_is_a_scene_or_its_mistakes() -> None:
+    chance, known = random.Random(20170417), scene_fuzz.seeds()
+    assert sum(scene_fuzz.read(text) for text in known) == len(known)
+    read = [scene_fuzz.read(scene_fuzz.mutated(chance, known)) for _ in range(400)]
+    assert 0 < sum(read) < len(read)

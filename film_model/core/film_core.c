@@ -25,6 +25,7 @@ static const double SHORT_WAY = 2e-4;            /* of the distance to the law's
 static const double WITHIN = 1e-9;               /* of the depth: where to ask whether a contact still holds */
 static const double SHALLOWEST = 1e-12;          /* of the scale: where to ask for f/c of a contact that has no depth */
 static const double TINY = 1e-100;               /* of a load, a velocity, a gap: their squares and powers underflow */
+static const double CREPT = 1e-30;               /* of the depth, or of one over the time: a contact that creeps as far never ends */
 static const double SMALL_LOOP = 1e-6;           /* of the recovery: a shorter way back in is the way out */
 enum { RELEASE_ITERATIONS = 120, PEAK_SAMPLES = 6, GOLDEN_STEPS = 40 };
 enum { TURN_ITERATIONS = 60, HALVINGS = 60, NEWTON_STEPS = 10 };
@@ -549,6 +550,10 @@ static void cut_at_release(const film_curve *curve, const film_mesh *mesh, film_
         }
         if (!seen && k >= 8) { /* it only creeps, on lines too long for the law: a part of the way, and on */
             s->line_ends = ENDS_PART;
+            if (s->xi < CREPT * s->xi_max || s->tau_end * CREPT > 1.0) {
+                s->line_ends = ENDS_NEVER;
+                s->tau_end = INFINITY;
+            }
             return;
         }
         double next = low + (high - low) * above / (above - below);
@@ -975,6 +980,7 @@ static int finish(const film_curve *curve, const film_mesh *mesh, film_state *s)
         s->force = s->elastic = s->work = 0.0;
     } else if (ends == ENDS_EDGE) {
         s->event = FILM_STAGE_CHANGES;
+        if (pushed_out && mesh != NULL) s->nu = fmin(s->nu, s->gamma * s->elastic); /* the last line's force was another */
         if (s->direction < 0) s->branch--;
         else if (s->branch != FILM_BRANCH) s->branch++;
         else s->branch = s->xi >= curve->stage[s->stage_max].end ? s->stage_max + 1 : s->stage_max;

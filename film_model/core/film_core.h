@@ -146,7 +146,7 @@ enum {
     FILM_TOO_STIFF = -8      /* the force jumps at first touch by more than Z nu: the target gives way at once */
 };
 
-enum { FILM_MAX_STEP_LINES = 50000000, FILM_MAX_EVENTS = 20000 /* of a contact that film_impact follows to its end */ };
+enum { FILM_MAX_STEP_LINES = 50000000, FILM_MAX_EVENTS = 200000 /* of a contact that film_impact follows to its end */ };
 
 /* One straight piece of the force: everything about the motion in it is closed-form. */
 typedef struct {

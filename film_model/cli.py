@@ -415,7 +415,7 @@ def _check_writable(path: str, force: bool) -> None:
 
 def _table(history: History) -> str:
     """Summary, events and choices as text."""
-    from film_model.effects import ORDER
+    from film_model.effects import COMPUTED
     from film_model.history import SUMMARY
     from film_model.units import format_si
 
@@ -436,7 +436,7 @@ def _table(history: History) -> str:
     lines += [
         f"  {effect.name.replace('_', ' ')}: {effect.state}; {effect.reason}"
         for effect in problem.effects
-        if effect.name in ORDER
+        if effect.name in COMPUTED
     ]
     means = f"{accuracy.modes} modes" if accuracy.modes else f"{accuracy.lines} lines"
     lines.append(f"  error at most {accuracy.estimated:.1e} of every value, by {means}")

@@ -40,13 +40,17 @@ INTEGRATED = "no lines: the modes are integrated, thousands of times as long"
 FULLY_PLASTIC_RATIO = 200.0
 """V/V_Y of a half-space impact that reaches full plasticity: 200.6 by Stronge's law, 201.3 by Big-Alabo's."""
 
-ORDER = {
-    name: k
-    for k, name in enumerate(
-        ("plasticity", "fully_plastic", "target_motion", "boundary_reflections", "target_inertia", "gravity")
-    )
+COMPUTED = {
+    "plasticity": 'the contact yields: for law "auto", big-alabo instead of hertz',
+    "fully_plastic": "the contact reaches the last stage of a law that yields",
+    "target_motion": "the target moves away: by its impedance, its static stiffness or its vibrations",
+    "boundary_reflections": "waves come back from the edges of a plate or beam before contact ends",
+    "target_inertia": "a plate or beam with edges vibrates, and does not give way by its static stiffness alone",
+    "gravity": "the impactor's weight presses on the contact",
 }
-"""Effects that are computed come first."""
+"""Effects that are computed, and what they are; they come before those that are judged."""
+
+_ORDER = {name: k for k, name in enumerate(COMPUTED)}
 
 DEEPEST = 3000.0
 """Indentation, in those at yield, beyond which no stage before the last is stretched to compare with."""
@@ -189,10 +193,10 @@ def choose(scene: Scene, notes: list[Effect] | None = None) -> Problem:
 
 
 def effects_of(scene: Scene) -> tuple[Effect, ...]:
-    """The effects of a scene, in the order of :data:`ORDER`."""
+    """The effects of a scene, in the order of :data:`COMPUTED`."""
     notes: list[Effect] = []
     choose(scene, notes)
-    return tuple(sorted(notes, key=lambda effect: ORDER.get(effect.name, len(ORDER))))
+    return tuple(sorted(notes, key=lambda effect: _ORDER.get(effect.name, len(_ORDER))))
 
 
 def change(full: Trial, without: Trial) -> float | None:

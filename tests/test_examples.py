@@ -231,6 +231,7 @@ def test_end_of_loading():
 
 
 def test_reference_pages(tmp_path):
-    page, picture = example("reference_pages").main(tmp_path)
-    assert page.read_text(encoding="utf-8") == (EXAMPLES.parent / "docs" / page.name).read_text(encoding="utf-8")
+    *pages, picture = example("reference_pages").main(tmp_path)
+    for page in pages:
+        assert page.read_text(encoding="utf-8") == (EXAMPLES.parent / "docs" / page.name).read_text(encoding="utf-8")
     assert is_png(picture) and (EXAMPLES.parent / "docs" / picture.name).exists()

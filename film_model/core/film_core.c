@@ -649,8 +649,9 @@ static int aim_by_energy(const film_curve *curve, film_state *s) {
     return status < 0 ? status : FILM_OK;
 }
 
-/* Where the true law balances the load, from the current point towards the end of the leg, and maybe beyond. */
-static double balance(const film_curve *curve, const film_state *s) {
+/* Where the true law balances the load, from the current point towards the end of the leg, and maybe beyond; `otherwise`
+ * if it never does. */
+static double balance(const film_curve *curve, const film_state *s, double otherwise) {
     double low = s->xi, high = s->leg_to, limit = limit_of(curve, s), force, work;
     double side = s->elastic - s->load;
     for (int k = 0; k < DOUBLINGS && high != limit; k++) {
@@ -658,6 +659,7 @@ static double balance(const film_curve *curve, const film_state *s) {
         if ((force - s->load) * side <= 0.0) break;
         high = limit < INFINITY ? limit : s->xi + 2.0 * (high - s->xi);
     }
+    if (!(high < INFINITY)) return otherwise;
     for (int k = 0; k < 100; k++) {
         double middle = 0.5 * (low + high);
         law_at(curve, &s->line, middle, &force, &work);
@@ -692,7 +694,7 @@ static int aim_by_trial(const film_curve *curve, const film_mesh *mesh, film_sta
             follow(&trial);
         }
         s->leg_ends = trial.line_ends == ENDS_NODE ? ENDS_TURN : trial.line_ends;
-        s->leg_to = s->leg_ends == ENDS_EDGE ? limit : s->leg_ends == ENDS_NEVER ? balance(curve, s) : trial.xi_end;
+        s->leg_to = s->leg_ends == ENDS_EDGE ? limit : s->leg_ends == ENDS_NEVER ? balance(curve, s, trial.xi_end) : trial.xi_end;
         if (s->leg_ends == ENDS_EDGE) break;
     }
     return FILM_OK;

@@ -351,10 +351,11 @@ static void check_record(const film_state *begin, double limit) {
 
 /* Somebody else's integrator of the true law: it may come from anywhere, and what is due is soon done. */
 static void check_switches(film_state s) {
-    double indicators[FILM_INDICATORS], force, slope, speed = fabs(s.nu) + 1e-3;
+    double indicators[FILM_INDICATORS], speed = fabs(s.nu) + 1e-3;
     for (int32_t k = whole(0, 12); k > 0; k--) {
-        film_force(&curve, &s, s.xi, &force, &slope);
-        HOLD(isfinite(force) && !isnan(slope));
+        const film_contact contact = film_force(&curve, &s, s.xi, s.nu);
+        const double force = contact.force;
+        HOLD(isfinite(force) && !isnan(contact.by_xi) && !isnan(contact.by_nu));
         double h = decades(1e-6, 1.0) * (fabs(s.xi) + 1e-3) / (fabs(s.nu) + s.gamma * force + 1e-9);
         double xi = s.xi + h * (s.nu - s.gamma * force), nu = s.nu + h * (s.load - force);
         s.shift += h * s.gamma * force;

@@ -653,6 +653,7 @@ static int aim_by_energy(const film_curve *curve, film_state *s) {
 static double balance(const film_curve *curve, const film_state *s) {
     double low = s->xi, high = s->leg_to, limit = limit_of(curve, s), force, work;
     double side = s->elastic - s->load;
+    if (side == 0.0) return high; /* no force where it begins, and damping alone slows the motion: the balance is everywhere */
     for (int k = 0; k < DOUBLINGS && high != limit; k++) {
         law_at(curve, &s->line, high, &force, &work);
         if ((force - s->load) * side <= 0.0) break;

@@ -911,6 +911,110 @@ static void check_endless(const film_mesh *mesh) {
     }
 }
 
+/* Inputs that broke the march once, each as small as it was found: a power up to `end`, straight on with `slope` after that,
+ * or a root; a contact that turns leaves `left` of its depth, or opens with the slope `shifted`. */
+typedef struct {
+    const char *what;
+    double coefficient, exponent, left, end, slope, root, shifted, damping_exponent;
+    film_start start;
+    int linearisation;
+    int32_t loading, unloading;
+    int status;
+} found;
+
+static const found found_cases[] = {
+    {"a branch of 1e-13 of the depth", 1, 2, 1.0 - 1e-13, 0, 0, 0, 0, 0, {1, 0, 0, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 1, 3, FILM_BAD_UNLOADING},
+    {"a branch so steep that its work is rounding", 10, 1, 0, 1e-3, 10, 0, 1e15, 0, {1000, 0, 0, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 2, 2, FILM_BAD_UNLOADING},
+    {"a short branch on a soft target", 0.01, 8, 1.0 - 1e-5, 0, 0, 0, 0, 0, {1, 10, 0, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 1, 1, FILM_EVENT},
+    {"out of a stage that begins steeply", 1e-3, 0.5, 0, 0.1, 0, 1, 0, 0, {1, 10, 0, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 1, 3, FILM_EVENT},
+    {"out of a stiff root", 1e5, 0.3, 0, 0, 0, 0, 0, 0, {1e-3, 10, 0, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 4, 2, FILM_EVENT},
+    {"a turn on a root", 1e4, 0.3, 0, 0, 0, 0, 0, 0, {1e-6, 0.1, 0, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 1, 2, FILM_EVENT},
+    {"a turn on a root, a stage behind", 1e4, 0.3, 0, 1, 10, 0, 0, 0, {1, 10, 0, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 1, 2, FILM_EVENT},
+    {"an over-damped turn", 1e-4, 1, 0, 0, 0, 0, 0, 4, {1, 0, 0, 0, INFINITY, 10}, FILM_WORK_PRESERVING, 1, 3, FILM_EVENT},
+    {"creeping out", 10, 1, 0, 0, 0, 0, 0, 0.1, {1, 10, 0, 0, INFINITY, 0.1}, FILM_CHORD, 1, 1, FILM_ENDLESS},
+    {"creeping out of a dashpot", 1, 1.5, 0, 0, 0, 0, 0, 0.1, {10, 0, 0, 0, INFINITY, 10}, FILM_WORK_PRESERVING, 1, 1, FILM_ENDLESS},
+    {"all energy spent where a stage ends", 0.01, 1, 0, 1, 0, 1, 0, 0, {0.1, 0, 0, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 4, 4, FILM_EVENT},
+    {"held shut by a load, swinging without end", 1, 1, 0.2, 0, 0, 0, 0, 0, {0.1, 0, 0.5, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 1, 1, FILM_TOO_MANY},
+};
+
+static film_curve found_curve(const found *at) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    film_piece *piece = add_stage(&curve, at->end > 0.0 ? at->end : INFINITY, power(0.0, 0.0, 0.0, at->coefficient, at->exponent));
+    if (at->end > 0.0) {
+        double force = at->coefficient * pow(at->end, at->exponent);
+        piece = add_stage(&curve, INFINITY, power(at->end, force, at->slope, at->root, 0.5));
+    }
+    film_stage *stage = &curve.stage[curve.stages - 1];
+    if (at->left > 0.0) {
+        stage->unloading = FILM_RESIDUAL;
+        piece->recovery = power(0.0, 0.0, at->left, 0.0, 1.0);
+    }
+    if (at->shifted > 0.0) {
+        stage->unloading = FILM_SHIFTED;
+        piece->recovery = power(0.0, at->shifted, 0.0, 0.0, 1.0);
+        piece->exponent = power(0.0, 1.0, 0.0, 0.0, 1.0);
+    }
+    if (at->damping_exponent > 0.0) {
+        stage->damped = 1;
+        piece->damping = power(0.0, 0.0, 0.0, 1.0, at->damping_exponent);
+    }
+    return curve;
+}
+
+static void check_found(void) {
+    for (size_t k = 0; k < sizeof found_cases / sizeof *found_cases; k++) {
+        const found *at = &found_cases[k];
+        film_curve curve = found_curve(at);
+        owned_mesh own = make_mesh(at->linearisation, at->loading, at->unloading);
+        film_summary summary;
+        film_state s;
+        snprintf(where, sizeof where, "%s", at->what);
+        HOLD(film_check_curve(&curve) == FILM_OK);
+        HOLD(film_impact(&curve, &own.mesh, &at->start, &summary) == at->status);
+        stir_summary(at->status, &summary);
+        int ended = at->status == FILM_EVENT;
+        if (ended) HOLD(summary.contact_duration > 0.0 && isfinite(summary.contact_duration) && isfinite(summary.maximum_force));
+        if (ended) HOLD(isfinite(summary.time_of_maximum_indentation) && summary.work >= -ENERGY * at->start.nu * at->start.nu);
+        if (ended) HOLD(fabs(summary.final_velocity) <= at->start.nu && summary.permanent_indentation >= 0.0);
+
+        HOLD(film_init(&curve, &s, 0.0, at->start.nu, at->start.gamma, at->start.load, 0.0) == FILM_OK);
+        HOLD(film_damp(&s, at->start.damping) == FILM_OK);
+        double before = 0.5 * s.nu * s.nu;
+        int status = FILM_EVENT, count = 0;
+        for (; status == FILM_EVENT && s.event != FILM_CONTACT_ENDS && count < 20; count++) {
+            status = film_step(&curve, &own.mesh, &s, INFINITY);
+            double after = 0.5 * s.nu * s.nu + s.spent - s.load * (s.xi + s.shift);
+            HOLD(status < 0 || (isfinite(s.time) && isfinite(s.force)));
+            HOLD(status < 0 || after <= before + ENERGY * (fabs(before) + fabs(s.spent)));
+            HOLD(s.load > 0.0 || s.event != FILM_RELOADING_BEGINS);
+            before = after;
+        }
+        HOLD(count < 20 || at->status == FILM_TOO_MANY);
+        free(own.memory);
+    }
+}
+
+/* A load or a velocity whose powers underflow is none. */
+static void check_tiny(const film_mesh *mesh) {
+    static const double tiny[] = {5e-324, 1e-310, 1e-200};
+    for (int k = 0; k < 3; k++) {
+        for (int which = 0; which < CURVES; which++) {
+            for (int sign = -1; sign <= 1; sign += 2) {
+                film_state s;
+                int status = FILM_EVENT, count = 0;
+                snprintf(where, sizeof where, "a load of %g, curve %d", sign * tiny[k], which);
+                HOLD(film_init(&curves[which], &s, -1e-8, 0.0, 0.5, sign * tiny[k], 0.0) == FILM_OK);
+                for (; status == FILM_EVENT && count < 20; count++) status = film_step(&curves[which], mesh, &s, INFINITY);
+                HOLD(status == FILM_ENDLESS && isfinite(s.xi) && isfinite(s.nu) && isfinite(s.time));
+                HOLD(film_init(&curves[which], &s, 0.0, tiny[k], 0.5, 0.0, 0.0) == FILM_OK);
+                for (count = 0, status = FILM_EVENT; status == FILM_EVENT && count < 20; count++) status = film_step(&curves[which], mesh, &s, INFINITY);
+                HOLD(status == FILM_ENDLESS && isfinite(s.xi) && isfinite(s.nu) && isfinite(s.time));
+            }
+        }
+    }
+}
+
 int main(void) {
     lines = room_for(LINE_ROOM, sizeof *lines);
     events = room_for(EVENT_ROOM, sizeof *events);
@@ -931,10 +1035,12 @@ int main(void) {
     check_bad_curves();
     check_bad_meshes();
     check_hertz();
+    check_found();
     for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {
         owned_mesh few = make_mesh(linearisation, 3, 5), fine = make_mesh(linearisation, 40, 80);
         check_bad_numbers(&few.mesh);
         check_endless(&few.mesh);
+        check_tiny(&few.mesh);
         check_linear_law(&few.mesh);
         if (linearisation == FILM_WORK_PRESERVING) check_series(&fine.mesh);
         for (int which = 0; which < BATCH_CURVES; which++) {

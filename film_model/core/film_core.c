@@ -470,7 +470,9 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
 static void cut_at_stop(const film_curve *curve, const film_mesh *mesh, film_state *s) {
     film_state whole = *s;
     double full = s->direction * (s->xi_end - s->xi), low = 0.0, high = full, y = 0.0;
-    double length = full * (s->nu - s->stop_velocity) / (s->nu - s->nu_end);
+    double part = (s->nu - s->stop_velocity) / (s->nu - s->nu_end);
+    int at_rest = s->from_turn && s->leg_node == 0; /* the way grows as the square of time, and nu falls with its root */
+    double length = at_rest ? full * part * part : full * part;
     s->line_ends = ENDS_STOP;
     for (int k = 0; k < TURN_ITERATIONS; k++) {
         motion m = draw(curve, mesh, s, length);
@@ -483,9 +485,10 @@ static void cut_at_stop(const film_curve *curve, const film_mesh *mesh, film_sta
         double excess = s->nu_end - s->stop_velocity, phi = s->line.phi + s->line.kappa * s->direction * length;
         phi += s->line.damping * s->direction * y;
         if (excess > 0.0) low = length; else high = length;
-        double next = length + excess * y / (phi - s->load);
+        double step = excess * y / (phi - s->load), root = 1.0 + 0.5 * step / length;
+        double next = !at_rest ? length + step : root > 0.0 ? length * root * root : 0.0;
         if (!(next > low && next < high) || k > NEWTON_STEPS) next = 0.5 * (low + high);
-        if (fabs(next - length) <= 1e-14 * full) {
+        if (fabs(next - length) <= (at_rest ? 1e-12 * length : 1e-14 * full)) {
             if (fabs(excess) > 1e-6 * (whole.nu - whole.nu_end)) break; /* only the line that meets the turn stops */
             s->nu_end = s->stop_velocity;
             return;
@@ -654,6 +657,7 @@ static int aim_by_energy(const film_curve *curve, film_state *s) {
 static double balance(const film_curve *curve, const film_state *s, double otherwise) {
     double low = s->xi, high = s->leg_to, limit = limit_of(curve, s), force, work;
     double side = s->elastic - s->load;
+    if (side == 0.0) return high; /* no force where it begins, and damping alone slows the motion: the balance is everywhere */
     for (int k = 0; k < DOUBLINGS && high != limit; k++) {
         law_at(curve, &s->line, high, &force, &work);
         if ((force - s->load) * side <= 0.0) break;

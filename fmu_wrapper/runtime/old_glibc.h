@@ -5,11 +5,13 @@
 #if defined(__GLIBC__)
 __asm__(".symver pow,pow@GLIBC_2.2.5");
 __asm__(".symver exp,exp@GLIBC_2.2.5");
+__asm__(".symver log,log@GLIBC_2.2.5");
 #endif
 #elif defined(__linux__) && defined(__aarch64__)
 #include <features.h>
 #if defined(__GLIBC__)
 __asm__(".symver pow,pow@GLIBC_2.17");
 __asm__(".symver exp,exp@GLIBC_2.17");
+__asm__(".symver log,log@GLIBC_2.17");
 #endif
 #endif

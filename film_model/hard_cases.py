@@ -113,7 +113,7 @@ def page(reports: Sequence[Report]) -> str:
         "# Hard cases",
         "",
         "Written by `film-model hard-cases --markdown docs/hard_cases.md`. Errors are relative, of the worst value of",
-        "the summary, against extended precision, quadrature or a tight integration of the true law; for steps, batch",
+        "the summary, against extended precision, quadrature or a tight integration of the true law; for steps, batches",
         f"and balances the number stands for {ALLOWED / STEPPED:g} times their own, of which {STEPPED:g} is allowed.",
         "Times are of the whole examination: meshes, steps, a batch, chords, the reference. Beside each impact stand",
         "conventional integrators at usual settings, on the same law in the same run.",

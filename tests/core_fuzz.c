@@ -22,7 +22,7 @@
 enum { LINES = 20000, EVENTS = 400, SEGMENTS_MOST = 40, EVENTS_A_CALL = 60, CALLS = 24, BATCH = 40 };
 
 static const double EXACT = 1e-9;  /* of the largest value of its kind: rounding, which adverse numbers multiply */
-static const double LINES_MEET = 1e-5; /* where a line is cut at a turn or a stop, ways of 1e-9 of the depth are neglected */
+static const double LINES_MEET = 1e-7; /* where a line is cut at a turn or a stop, ways of 1e-9 of the depth are neglected */
 static const double STIFF = 60.0;  /* damping over a line, up to which the rule of five points integrates it */
 
 static char where[300];

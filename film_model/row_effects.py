@@ -34,11 +34,9 @@ SURE = 3.0
 PLASTIC_FROM = 2.0
 """Ratio to the yield velocity from which yielding changes the summary by more than 2 %."""
 
-CELL, LOAD_CELL = math.log(1.1), math.log(2.0)
-"""Logarithms of the ratios that a cell spans: in velocity, target compliance and damping; and in load."""
-
-CLEAR = 2.0
-"""A change is clear where, scaled with the load, it is so many times off the tolerance."""
+LEVELS = ((1.1, 2.0, 2.0), (1.01, 1.2, 1.1), (1.001, 1.05, 1.01))
+"""Ratios that a cell spans in velocity, target compliance and damping; that it spans in load; and by which a change,
+scaled with the load, must be off the tolerance to be clear for the whole cell. What is not clear is cut finer."""
 
 
 def yields(scene: Scene, count: int) -> Mask | None:
@@ -129,25 +127,32 @@ def _matters(rows: Rows, places: Index, tolerance: float, change: Callable[[Inde
 
     rows: with the effect, by whose numbers neighbours are found. change: what `_change` gives for some places.
     """
-    start = rows.start[places]
-    load = start["load"]
-    _, first, cell = np.unique(_cells(start), return_index=True, return_inverse=True)
-    tried = change(places[first])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        size = tried[cell] * np.where(load > 0.0, load / load[first][cell], 1.0)
-    clear = (size < tolerance / CLEAR) | (size > CLEAR * tolerance)
-    size[first], clear[first] = tried, True
-    size[~clear] = change(places[~clear])
+    start, size = rows.start[places], np.full(places.size, np.nan)
+    left = np.arange(places.size)
+    for ratio, load_ratio, clear in LEVELS:
+        load = start["load"][left]
+        _, first, cell = np.unique(_cells(start[left], ratio, load_ratio), return_index=True, return_inverse=True)
+        tried = change(places[left[first]])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = tried[cell] * np.where(load > 0.0, load / load[first][cell], 1.0)
+        known = (found < tolerance / clear) | (found > clear * tolerance)
+        found[first], known[first] = tried, True
+        size[left[known]] = found[known]
+        left = left[~known]
+        if left.size == 0:
+            break
+    else:
+        size[left] = change(places[left])
     return ~(size <= tolerance)
 
 
-def _cells(start: NDArray[Any]) -> NDArray[np.int64]:
+def _cells(start: NDArray[Any], ratio: float, load_ratio: float) -> NDArray[np.int64]:
     """A number for each impact, the same for those whose dimensionless numbers are alike."""
     cells = np.zeros(start.size, np.int64)
-    for name, width in (("nu", CELL), ("gamma", CELL), ("damping", CELL), ("load", LOAD_CELL)):
+    for name, width in (("nu", ratio), ("gamma", ratio), ("damping", ratio), ("load", load_ratio)):
         if start[name].any():
             with np.errstate(divide="ignore", invalid="ignore"):
-                step = np.floor(np.log(start[name]) / width)
+                step = np.floor(np.log(start[name]) / math.log(width))
             number = np.where(np.isfinite(step), step, 0.0).astype(np.int64)
             number = np.where(np.isfinite(step), number - number.min() + 1, 0)
             cells = cells * (number.max() + 1) + number

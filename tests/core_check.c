@@ -933,6 +933,7 @@ static const found found_cases[] = {
     {"an over-damped turn", 1e-4, 1, 0, 0, 0, 0, 0, 4, {1, 0, 0, 0, INFINITY, 10}, FILM_WORK_PRESERVING, 1, 3, FILM_EVENT},
     {"creeping out", 10, 1, 0, 0, 0, 0, 0, 0.1, {1, 10, 0, 0, INFINITY, 0.1}, FILM_CHORD, 1, 1, FILM_ENDLESS},
     {"creeping out of a dashpot", 1, 1.5, 0, 0, 0, 0, 0, 0.1, {10, 0, 0, 0, INFINITY, 10}, FILM_WORK_PRESERVING, 1, 1, FILM_ENDLESS},
+    {"pulled out of a dashpot with hardly a spring", 1e-11, 1, 0, 0, 0, 0, 0, 4, {0.746, 0, -1e-12, 0, INFINITY, 1e-6}, FILM_WORK_PRESERVING, 8, 8, FILM_EVENT},
     {"all energy spent where a stage ends", 0.01, 1, 0, 1, 0, 1, 0, 0, {0.1, 0, 0, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 4, 4, FILM_EVENT},
     {"held shut by a load, swinging without end", 1, 1, 0.2, 0, 0, 0, 0, 0, {0.1, 0, 0.5, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 1, 1, FILM_TOO_MANY},
 };

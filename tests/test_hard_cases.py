@@ -67,7 +67,8 @@ def finite_or_refused(problem, segments):
     mesh = native.mesh(native.WORK_PRESERVING, segments, 2 * segments)
     start = native.Start(problem.approach, problem.gamma, problem.load, 0.0, 1e4)
     status, found = native.impact(problem.curve.native, mesh, start)
-    assert status in (native.EVENT, native.OK, native.ENDLESS, native.BEYOND_LAW, native.TOO_STIFF), status
+    swings = status == native.TOO_MANY and problem.load > 0.0  # under a load that holds it shut: 2 of 100,000
+    assert swings or status in (native.EVENT, native.OK, native.ENDLESS, native.BEYOND_LAW, native.TOO_STIFF), status
     if status >= 0:
         assert math.isfinite(found.maximum_force) and found.maximum_force >= 0.0
     if status == native.EVENT:
@@ -131,7 +132,9 @@ ZENER = (0.0, 1e-9, 0.4, 1.2, 8.0, 50.0)
 ROUNDED = {"tabulated": 1e-3}
 """Pieces of a table are rounded at their largest force; an impact a million times slower is little more than that."""
 
-STRAIGHT = {"meyer-shifted", "luding", "walton-braun", "linear-dashpot", "saturating", "kogut-etsion"}
+STRAIGHT = {
+    *("meyer-shifted", "luding", "walton-braun", "linear-dashpot", "saturating", "kogut-etsion", "yigit-christoforou"),
+}
 """Laws whose contact creeps out for ever on a target soft enough: over-damped at the end, or at rest in a clearance."""
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from film_model.core import native
 from film_model.errors import Outcome, SimulationError
@@ -113,13 +113,13 @@ def unloading_ratio(problem: Problem) -> int:
     return ratio_for(problem.gamma * problem.approach**0.2, problem.curve.steepest)
 
 
-def ratio_for(slow: float, steepest: float) -> int:
-    """Unloading segments for one loading segment: more where the contact fades out slowly.
+def ratio_for(slow: Any, steepest: float) -> Any:
+    """Unloading segments for one loading segment, of one impact or an array: more where the contact fades out slowly.
 
     `slow` is Zener's λ of the scaled problem; measured over λ from 0.001 to 8, this keeps the errors of loading and
     unloading alike. Twice as many where the unloading is a steeper power than laws of spheres have.
     """
-    return (2 if steepest > STEEP else 1) * (1 if slow < 0.7 else 2 if slow < 2.5 else 4)
+    return (2 if steepest > STEEP else 1) * (1 + (slow >= 0.7) + 2 * (slow >= 2.5))
 
 
 def difference(problem: Problem, a: native.Summary, b: native.Summary, approach: float | None = None) -> float:

@@ -176,11 +176,12 @@ def _mesh(rows: Rows, start: NDArray[Any], solver: Solver) -> tuple[tuple[int, i
 def _trial(start: NDArray[Any]) -> NDArray[np.intp]:
     """Rows to try: spread evenly, and the extremes of velocity, Zener's number and load."""
     sound = np.flatnonzero(np.isfinite(start["nu"] + start["gamma"] + start["load"]))
-    start, count = start[sound], sound.size
+    nu, gamma, load = (start[name][sound] for name in ("nu", "gamma", "load"))
+    count = sound.size
     if count == 0:
         return sound
     spread = np.linspace(0, count - 1, min(count, max(TRIED_LEAST, count // TRIED_SHARE))).astype(np.intp)
-    measures = (start["nu"], start["gamma"] * start["nu"] ** 0.2 + 1e-9 * start["nu"], start["load"])
+    measures = (nu, gamma * nu**0.2 + 1e-9 * nu, load)
     extremes = [pick(values) for values in measures for pick in (np.argmin, np.argmax)]
     return sound[np.unique(np.concatenate([spread, extremes]))]
 
@@ -227,6 +228,8 @@ def _summary(rows: Rows, start: NDArray[Any], status: NDArray[np.int32], core: N
         "energy_absorbed": np.where(over, absorbed * s.energy, np.nan),
         "energy_radiated": np.where(over, _radiated(rows, start, core), np.nan),
     }
+    if not failed.any():
+        return columns
     return {name: np.where(failed, np.nan, column) for name, column in columns.items()}
 
 

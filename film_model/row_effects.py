@@ -127,11 +127,10 @@ def _matters(rows: Rows, places: Index, tolerance: float, change: Callable[[Inde
 
     rows: with the effect, by whose numbers neighbours are found. change: what `_change` gives for some places.
     """
-    start, size = rows.start[places], np.full(places.size, np.nan)
-    left = np.arange(places.size)
+    size, left = np.full(places.size, np.nan), np.arange(places.size)
     for ratio, load_ratio, clear in LEVELS:
-        load = start["load"][left]
-        _, first, cell = np.unique(_cells(start[left], ratio, load_ratio), return_index=True, return_inverse=True)
+        load = rows.start["load"][places[left]]
+        first, cell = _firsts(_cells(rows.start, places[left], ratio, load_ratio))
         tried = change(places[left[first]])
         with np.errstate(divide="ignore", invalid="ignore"):
             found = tried[cell] * np.where(load > 0.0, load / load[first][cell], 1.0)
@@ -146,13 +145,28 @@ def _matters(rows: Rows, places: Index, tolerance: float, change: Callable[[Inde
     return ~(size <= tolerance)
 
 
-def _cells(start: NDArray[Any], ratio: float, load_ratio: float) -> NDArray[np.int64]:
+def _firsts(cells: NDArray[np.int64]) -> tuple[Index, Index]:
+    """The first impact of each cell, and for every impact the place of its cell among these."""
+    most = int(cells.max(initial=0))
+    if most > 8 * cells.size:  # a table would be mostly empty
+        _, first, cell = np.unique(cells, return_index=True, return_inverse=True)
+        return first, cell
+    table = np.full(most + 1, -1)
+    table[cells[::-1]] = np.arange(cells.size - 1, -1, -1)  # of many in a cell the last one written stays: the first
+    filled = np.flatnonzero(table >= 0)
+    first = table[filled]
+    table[filled] = np.arange(filled.size)
+    return first, table[cells]
+
+
+def _cells(start: NDArray[Any], places: Index, ratio: float, load_ratio: float) -> NDArray[np.int64]:
     """A number for each impact, the same for those whose dimensionless numbers are alike."""
-    cells = np.zeros(start.size, np.int64)
+    cells = np.zeros(places.size, np.int64)
     for name, width in (("nu", ratio), ("gamma", ratio), ("damping", ratio), ("load", load_ratio)):
-        if start[name].any():
+        values = start[name][places]
+        if values.any():
             with np.errstate(divide="ignore", invalid="ignore"):
-                step = np.floor(np.log(start[name]) / math.log(width))
+                step = np.floor(np.log(values) / math.log(width))
             number = np.where(np.isfinite(step), step, 0.0).astype(np.int64)
             number = np.where(np.isfinite(step), number - number.min() + 1, 0)
             cells = cells * (number.max() + 1) + number

@@ -68,7 +68,11 @@ def rows_of(
         right = False
     if not right:
         return _one_by_one(scene, columns, moving, status)
-    left = np.setdiff1d(moving, np.concatenate([rows.index for rows in found])) if found else moving
+    rest = np.zeros(count, np.bool_)
+    rest[moving] = True
+    for rows in found:
+        rest[rows.index] = False
+    left = np.flatnonzero(rest)
     return found + (_one_by_one(scene, columns, left, status, bool(found)) if left.size else [])
 
 

@@ -38,6 +38,7 @@ from film_model.errors import Mistake, SceneError, did_you_mean, raise_all, show
 from film_model.history import MOTION
 from film_model.problem import motion_of
 from film_model.row_problems import Rows
+from film_model.rows import scene_of_columns
 from film_model.scene import Scene
 from film_model.scene_file import line_of, lines_of_keys, read_text, toml_table
 
@@ -271,15 +272,17 @@ class Sweep:
             self._scenes[number] = self.first.replace(changes) if changes else self.scene
         return self._scenes[number]
 
-    def scene_of(self, row: int) -> Scene:
-        """The scene of one impact, by its place in C order."""
-        changes: dict[str, Any] = {}
-        for axis, (value,) in zip(self.axes, self.values(row, 1), strict=True):
+    def scene_of(self, row: int) -> Scene | None:
+        """The scene of one impact, by its place in C order; None where a value is out of range."""
+        case, numbers = 0, dict[str, Any]()
+        for axis, value in zip(self.axes, self.values(row, 1), strict=True):
             if axis.kind == "words":
-                changes[axis.path] = axis.words[int(value)]
+                case = case * axis.count + int(value[0])
+            elif axis.outside(value)[0]:
+                return None
             else:
-                changes[axis.path] = f"{float(value)!r} {axis.unit}" if axis.unit else float(value)
-        return self.scene.replace(changes)
+                numbers[axis.path] = float(value[0])
+        return scene_of_columns(self.case(case), numbers)
 
     def _check_numbers(self) -> None:
         """Refuse a sweep whose numbers make no scene at all; a number that fails here and there fails in its row."""
@@ -324,7 +327,7 @@ class Sweep:
                 columns["status"][outside] = REFUSED + place
                 sound &= ~outside
         lines: dict[int, NDArray[Any]] = {}
-        for number in np.unique(case).tolist():
+        for number in np.flatnonzero(np.bincount(case, minlength=self.cases)).tolist():
             rows = np.flatnonzero((case == number) & sound) if self.cases > 1 or not sound.all() else np.arange(count)
             if rows.size:
                 self._fill(columns, lines, self.case(number), rows, numbers)

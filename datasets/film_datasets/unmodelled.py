@@ -9,10 +9,10 @@ import numpy as np
 from film_datasets.design import GRID
 from film_datasets.sweeps import Sweep
 from film_model.effects import NOT_MODELLED, effects_of, percent
-from film_model.errors import SceneError, SimulationError
+from film_model.errors import SimulationError
 
 MOST_ROWS = 8
-"""Impacts of a sweep that are looked at: it is 0.2 ms for each."""
+"""Impacts of a sweep that are looked at: it is 0.1 ms for each."""
 
 
 def unmodelled(made: Sweep) -> list[str]:
@@ -25,10 +25,13 @@ def unmodelled(made: Sweep) -> list[str]:
     found: dict[str, list[float | None]] = {}
     looked = 0
     for row in rows:
+        scene = made.scene_of(row)
+        if scene is None or not scene.approach_velocity > 0.0:
+            continue  # its status says why, as do those of impacts that make no problem
         try:
-            effects = effects_of(made.scene_of(row))
-        except (SceneError, SimulationError):
-            continue  # its status says why
+            effects = effects_of(scene)
+        except (SimulationError, ValueError):
+            continue
         looked += 1
         for effect in effects:
             if effect.state == NOT_MODELLED:

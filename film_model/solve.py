@@ -47,9 +47,9 @@ def simulate(
     else:
         counts, estimated = refine(problem, solver, warnings)
     estimated += problem.curve.fit_error
-    status, lines, states = _record(problem, solver, counts)
+    status, lines, states, peak = _record(problem, solver, counts)
     events = events_of(problem, states)
-    summary = _summarise(problem, events, states[-1])
+    summary = _summarise(problem, events, states[-1], peak)
     warnings.extend(_energy_warning(problem, summary))
     return History(
         scene=replace(scene, solver=solver),
@@ -63,13 +63,13 @@ def simulate(
     )
 
 
-def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[int, Any, Any]:
-    """Status, lines and states at events."""
+def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[int, Any, Any, float]:
+    """Status, lines, states at events, and the largest force."""
     state = native.initial_state(problem.curve.native, problem.start)
     room = (counts[0] + 2) * (problem.curve.native.stages + 1) + counts[1] + 64
     status, lines, states = native.record(problem.curve.native, mesh_of(solver, counts), state, problem.limit, room)
     raise_failure(status, problem)
-    return status, lines, states
+    return status, lines, states, max(state.force_peak, state.force)
 
 
 def events_of(problem: Problem, states: Any) -> tuple[Event, ...]:
@@ -140,14 +140,14 @@ def _outcome(status: int) -> Outcome:
     return Outcome.RESTING if status == native.ENDLESS else Outcome.TIME_LIMIT
 
 
-def _summarise(problem: Problem, events: tuple[Event, ...], last: Any) -> dict[str, float | None]:
-    """Summary in SI, with the core's state at the last event; None for what did not happen."""
+def _summarise(problem: Problem, events: tuple[Event, ...], last: Any, peak: float) -> dict[str, float | None]:
+    """Summary in SI, with the core's state at the last event and largest force; None for what did not happen."""
     first = {event.name: event for event in reversed(events)}
     turns = [event for event in events if event.name == "maximum_indentation"]
     deepest = max(turns, key=lambda event: event.indentation, default=None)
     stops, ends = first.get("impactor_stops"), first.get("contact_ends")
     summary: dict[str, float | None] = dict.fromkeys(SUMMARY)
-    summary["maximum_force"] = float(last["force_peak"]) * problem.scales.force
+    summary["maximum_force"] = peak * problem.scales.force
     if deepest is not None:
         summary["maximum_indentation"] = deepest.indentation
         summary["time_of_maximum_indentation"] = deepest.time
@@ -184,7 +184,5 @@ def _energy_warning(problem: Problem, summary: dict[str, float | None]) -> list[
     impact = 0.5 * problem.approach**2 * problem.scales.energy
     if absorbed is None or absorbed >= -1e-9 * impact:
         return []
-    return [
-        f"law {problem.law.name}: its unloading returns {-absorbed:.4g} J ({-100 * absorbed / impact:.3g} % of the "
-        "impact energy) more than its loading stored"
-    ]
+    share = f" ({-100 * absorbed / impact:.3g} % of the impact energy)" if impact > 0.0 else ""
+    return [f"law {problem.law.name}: its unloading returns {-absorbed:.4g} J{share} more than its loading stored"]

@@ -145,3 +145,17 @@ def test_chung_and_ooi(target, modulus, ratio, density, radius, speed, depth, fo
     assert summary["maximum_force"] == pytest.approx(force, rel=1e-6)
     assert summary["contact_duration"] == pytest.approx(duration, rel=2e-6)
     assert summary["coefficient_of_restitution"] == pytest.approx(1, abs=1e-12)
+
+
+def test_a_ball_laid_down():
+    """A load at once makes 5/2 of itself on a spring of power 3/2; on a soft target the force creeps up to the load."""
+    ball = fm.Sphere(radius="10 mm", velocity="0 m/s", material="tungsten carbide")
+    hertz, heavy = fm.Contact(law="hertz"), fm.Effects(gravity=True)
+    on = fm.Scene(ball, fm.HalfSpace("mild steel"), contact=hertz, effects=heavy)
+    weight = on.mass * 9.80665
+    found = fm.simulate(on, accuracy=1e-8)
+    assert found.summary["maximum_force"] == pytest.approx(2.5 * weight, rel=1e-8)
+    assert found.summary["contact_duration"] is None and found.summary["coefficient_of_restitution"] is None
+    soft = fm.simulate(fm.Scene(ball, fm.Plate("mild steel", thickness="1 mm"), contact=hertz, effects=heavy))
+    assert soft.summary["maximum_force"] == pytest.approx(weight, rel=1e-9) and soft.summary["maximum_indentation"] is None
+    assert soft.outcome in (fm.Outcome.TIME_LIMIT, fm.Outcome.RESTING)

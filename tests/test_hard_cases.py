@@ -17,7 +17,7 @@ from film_model import extended, hard_cases, reference
 from film_model.cli import main
 from film_model.core import native
 from film_model.hard_cases import HardCase, all_cases, problem_for, report
-from fmu_wrapper.instance import opened
+from fmu_wrapper.instance import opened, started
 
 LONG = ("a million steps", "1000000 segments", "Hertz, λ = 50", "Hertz, λ = 20", "Hertz, λ = 8")
 CASES = all_cases()
@@ -226,3 +226,113 @@ def test_the_catalogue_in_the_fmu(tmp_path, monkeypatch, capsys):
     with capsys.disabled():
         print(f"\n{ran} impacts in FMUs, {len(refused)} scenes refused: {refused}; worst difference {worst}")
     assert ran >= 50
+
+
+def laid_down():
+    """A ball laid on a plate sinks in under its weight; then a load comes and goes."""
+    on = hard_cases._ball("0 m/s", "20 mm")
+    return on, {}, lambda _: iter([(1e-3, 0.0), (10.0, 0.0), (1e-4, 30.0), (1.0, 30.0), (1.0, 0.0)])
+
+
+def comes_to_rest():
+    """Bounces without end within finite time; then a long wait."""
+    return hard_cases._ball("0.3 m/s", "12 mm"), {}, lambda _: iter([(1e-2, 0.0)] * 100 + [(100.0, 0.0)])
+
+
+def force_holds():
+    """Pressed for longer than the contact, then let go."""
+    return hard_cases._ball("0.25 m/s"), {}, lambda _: iter([(5e-6, 200.0)] * 60 + [(5e-6, 0.0)] * 60)
+
+
+def force_reverses():
+    """A force of the contact's size that changes its sign at every step."""
+    return hard_cases._ball("0.25 m/s"), {}, lambda _: ((5e-6, 900.0 * (-1) ** k) for k in range(60))
+
+
+def force_balances():
+    """The contact force itself: the impactor has no acceleration at the beginning of any step."""
+    return (
+        hard_cases._ball("0.25 m/s"),
+        {},
+        lambda component: ((5e-6, component.outputs.contact_force) for _ in range(60)),
+    )
+
+
+def a_thousand_reloadings():
+    """Partial unloading and reloading on one branch."""
+
+    def steps(component):
+        yield 60e-6, 0.0
+        force = component.outputs.contact_force
+        for k in range(16_000):
+            yield 2e-6, force + 150.0 * (-1) ** (k // 8)
+
+    return (
+        hard_cases._ball("0.25 m/s"),
+        {},
+        steps,
+        1e-10,
+    )  # each of two thousand turns multiplies the rounding before it
+
+
+def steps_without_length():
+    """Steps below the rounding of the time they are added to."""
+    return hard_cases._ball("0.25 m/s"), {}, lambda _: iter([(3e-5, 0.0)] + [(1e-18, 0.0)] * 1000 + [(1e-4, 0.0)])
+
+
+def a_step_of_a_year():
+    """A step a million million times the contact."""
+    on = replace(hard_cases._ball("0.25 m/s"), effects=fm.Effects(gravity=False))
+    return on, {}, lambda _: iter([(3e-5, 0.0), (3.15e7, 0.0)])
+
+
+def many_steps():
+    """Rounding must not add up."""
+    return hard_cases._ball("0.25 m/s"), {}, lambda _: iter([(4e-9, 0.0)] * 50_000)
+
+
+def meshes(*counts):
+    def case():
+        on = replace(hard_cases._ball("0.25 m/s", "20 mm"), solver=fm.Solver(segments=counts[0]))
+        start = {f"{leg}_segments": counts[0] for leg in ("loading", "unloading")}
+        return on, start, lambda _: iter([(7e-6, 0.0)] * 40)
+
+    return case
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "case",
+    [
+        laid_down,
+        comes_to_rest,
+        force_holds,
+        force_reverses,
+        force_balances,
+        a_thousand_reloadings,
+        steps_without_length,
+        a_step_of_a_year,
+        many_steps,
+        *(pytest.param(meshes(count), id=f"{count} segments") for count in (1, 2, 1_000_000)),
+    ],
+)
+@pytest.mark.parametrize("version", [2, 3])
+def test_loads_steps_and_settings_in_the_fmu(tmp_path, case, version):
+    """The component beside the FMU, step by step."""
+    on, start, steps, *explained = case()
+    allowed = explained[0] if explained else 1e-12
+    names = ("indentation", "impactor_velocity", "contact_force", "impactor_displacement")
+    component = fm.ImpactComponent(on)
+    ours, theirs, time = [], [], 0.0
+    with opened(fmu_wrapper.export(on, tmp_path / "a.fmu", version)) as fmu, started(fmu, False, start) as slave:
+        for size, force in steps(component):
+            slave.set("external_force", force)
+            slave.step(time, size)
+            before, time = time, time + size
+            theirs.append(slave.get(names))
+            outputs = component.step(time - before, external_force=force).outputs
+            ours.append([getattr(outputs, name) for name in names])
+    found = np.array([[row[name] for name in names] for row in theirs])
+    assert np.isfinite(found).all()
+    off = np.abs(found - ours).max(axis=0) / np.abs(ours).max(axis=0)
+    assert (off <= allowed).all(), dict(zip(names, off.tolist(), strict=True))

@@ -103,7 +103,7 @@ static void nothing_yet(film_summary *summary) {
 int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
     film_state s;
     nothing_yet(summary);
-    if (!(start->nu > 0.0 && start->nu < INFINITY)) return FILM_BAD_NUMBER;
+    if (!(start->nu > 0.0 || (start->nu == 0.0 && start->load > 0.0)) || start->nu == INFINITY) return FILM_BAD_NUMBER;
     if (start->gamma == 0.0 && undisturbed(start) && mesh->linearisation == FILM_WORK_PRESERVING) {
         int status = fixed_target(curve, mesh, start->nu, summary);
         if (status < 0 || summary->contact_duration < INFINITY) return status;
@@ -125,7 +125,7 @@ int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start
         }
     }
     if (status < 0) return status;
-    summary->maximum_force = s.force_peak;
+    summary->maximum_force = fmax(s.force_peak, s.force); /* that of the end, where the time is up on the way in */
     summary->shift = s.shift;
     summary->work = s.spent;
     summary->lines = s.lines;

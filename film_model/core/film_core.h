@@ -197,7 +197,8 @@ typedef struct {
     int32_t phase, event, contacts, lines;
 } film_state;
 
-/* How one contact starts: at first touch, with velocity nu > 0 of the impactor relative to the support. */
+/* How one contact starts: at first touch, with velocity nu > 0 of the impactor relative to the support, or with none
+ * and a load > 0. */
 typedef struct {
     double nu, gamma, load, stop_velocity;
     double time_limit; /* a contact that the load holds shut is left then; INFINITY allowed */

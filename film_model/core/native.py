@@ -260,10 +260,10 @@ def set_input(state: State, load: float, nu_change: float, stop_velocity: float)
 
 
 def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tuple[int, NDArray[Any], NDArray[Any]]:
-    """Status, lines and event states from `state` to the end of the next contact or to the time `limit`."""
+    """Status, lines and event states from `state`, which is moved on, to the end of the next contact or to `limit`."""
     lines, events = np.empty(room, LINE_DTYPE), np.empty(room, STATE_DTYPE)
     counts = (_I * 2)()
-    begun = State.from_buffer_copy(state)
+    begun = bytes(state)
     status = library().film_record(
         c.byref(curve),
         c.byref(cut),
@@ -279,7 +279,8 @@ def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tu
     if status == FULL and room > _MOST_ROOM:
         return TOO_MANY, lines, events
     if status == FULL:
-        return record(curve, cut, begun, limit, 4 * room)
+        c.memmove(c.byref(state), begun, len(begun))
+        return record(curve, cut, state, limit, 4 * room)
     return status, lines[: counts[0]].copy(), events[: counts[1]].copy()
 
 

@@ -59,12 +59,21 @@ def mesh_for(
     linearisation: Linearisation | None,
     fallback: tuple[int, int],
 ) -> tuple[tuple[int, int], native.Mesh]:
-    """Segment counts and mesh for a scene whose impact is not simulated in one go; `fallback` without an impact."""
+    """Segment counts and mesh for a scene whose impact is not simulated in one go.
+
+    fallback: the counts without an impact, and the least for a load that meets no impactor in motion: it may creep in,
+    of which a summary tells no more than the end.
+    """
     solver = solver_for(scene.solver, accuracy, segments, linearisation)
     if solver.segments is not None:
         counts = (solver.segments, solver.segments)
+    elif problem.approach > 0.0:
+        counts = refine(problem, solver, [])[0]
+    elif problem.load > 0.0:
+        found = refine(problem, solver, [])[0]
+        counts = (max(found[0], fallback[0]), max(found[1], fallback[1]))
     else:
-        counts = refine(problem, solver, [])[0] if problem.approach > 0.0 else fallback
+        counts = fallback
     return counts, mesh_of(solver, counts)
 
 

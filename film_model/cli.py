@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 DONE, WRONG, FAILED = 0, 2, 3
 
+MOST_EVENTS = 24
+"""Events in a table; JSON and files have all."""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit status."""
@@ -425,13 +428,15 @@ def _table(history: History) -> str:
         value = history.summary[name]
         lines.append(f"  {name.replace('_', ' '):30}{'-' if value is None else format_si(value, dimension, 6):>16}")
     lines += ["", f"  {'event':24}{'time':>14}{'indentation':>16}{'force':>14}"]
-    for event in history.events:
+    for event in history.events[:MOST_EVENTS]:
         numbers = (
             f"{format_si(event.time, 'time', 5):>14}{format_si(event.indentation, 'length', 5):>16}"
             f"{format_si(event.contact_force, 'force', 5):>14}"
         )
         what = f"  ({event.stage})" if event.name == "stage_changes" else ""
         lines.append(f"  {event.name.replace('_', ' '):24}{numbers}{what}")
+    if len(history.events) > MOST_EVENTS:
+        lines.append(f"  and {len(history.events) - MOST_EVENTS} more")
     lines.append("")
     lines += [
         f"  {effect.name.replace('_', ' ')}: {effect.state}; {effect.reason}"

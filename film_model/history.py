@@ -154,8 +154,9 @@ class History:
 
     @property
     def duration(self) -> float:
-        """Time of the last event, s."""
-        return self.events[-1].time if self.events else 0.0
+        """Time of the last event, s; of the last line, where a load lets the contact creep on after first touch."""
+        last = self.events[-1].time if self.events else 0.0
+        return last or (float(self.lines["time"][-1]) * self.problem.scales.time if self.lines.size else 0.0)
 
     def sample_si(self, times: Any) -> Samples:
         """Motion at `times` [s, from first touch, >= 0; any shape], as SI floats.

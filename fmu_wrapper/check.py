@@ -128,11 +128,11 @@ def _compared(what: str, path: str | os.PathLike[str], scene: Scene, mode: Mode,
             Finding(f"{what}: events", math.inf, 0.0, f"{', '.join(theirs)}; the library has {', '.join(ours)}"),
         ]
     span = max(float(ds["t"][-1]), 1e-300)
+    worst: dict[str, Finding] = {}
     for at, name, event in zip(ds["event_time"].values.tolist(), theirs, events, strict=False):
-        findings.append(
-            Finding(f"{what}: time of {name}", abs(at + touch - event.time) / span, allowed, f"t = {at:.6g} s")
-        )
-    return findings
+        found = Finding(f"{what}: time of {name}", abs(at + touch - event.time) / span, allowed, f"t = {at:.6g} s")
+        worst[name] = max(worst.get(name, found), found, key=lambda finding: finding.difference)
+    return [*findings, *worst.values()]
 
 
 def _compared_contact(fmu: Fmu) -> list[Finding]:

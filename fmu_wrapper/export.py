@@ -12,13 +12,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from film_datasets.history import effect_line
 from film_datasets.provenance import scene_text
 from film_model import units
 from film_model.accuracy import mesh_for
 from film_model.bodies import Body
 from film_model.component import DEFAULT_SEGMENTS
-from film_model.errors import SimulationError
+from film_model.errors import Outcome, SimulationError
 from film_model.files import written_whole
 from film_model.history import History
 from film_model.problem import Problem, problem_of, refuse_vibrations
@@ -146,16 +148,21 @@ def _notes(problem: Problem, history: History | None) -> bytes:
 
 def _nominals(problem: Problem, history: History | None) -> tuple[float, float, float]:
     """Sizes of the states: indentation, impactor velocity, target displacement."""
-    depth = None if history is None else history.summary["maximum_indentation"]
-    speed = problem.approach * problem.scales.velocity
+    units, most = problem.scales, {"xi": 1.0, "nu": 1.0}
+    if history is not None and history.lines.size:
+        most = {name: float(np.abs(history.lines[name]).max()) or 1.0 for name in most}
+    deepest = None if history is None else history.summary["maximum_indentation"]
+    depth = deepest or most["xi"] * units.length
+    speed = (problem.approach or most["nu"]) * units.velocity
     moved = 0.0 if history is None or not history.events else history.events[-1].target_displacement
-    depth = depth or problem.scales.length
-    return depth, speed or problem.scales.velocity, max(abs(moved), depth)
+    return depth, speed, max(abs(moved), depth)
 
 
 def _experiment(problem: Problem, history: History | None, gap: float) -> Experiment:
-    """From the start to somewhat beyond the end of contact, in a few hundred steps."""
-    contact = history.duration if history is not None else 0.0
+    """From the start to somewhat beyond the end of contact, or of its first swing if it has none, in 250 steps."""
+    contact = 0.0 if history is None else history.duration
+    if history is not None and history.outcome is Outcome.TIME_LIMIT:
+        contact = 2.0 * (history.summary["time_of_maximum_indentation"] or 0.5 * contact)
     contact = contact or 10.0 * problem.scales.time
     speed = problem.approach * problem.scales.velocity
     pull = problem.load * problem.scales.force / problem.mass

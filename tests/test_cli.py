@@ -47,6 +47,16 @@ def test_json(capsys):
     assert {"name", "time", "indentation", "force"} <= set(table["events"][0])
 
 
+def test_long_lists_of_events_are_cut(capsys, tmp_path):
+    scene = tmp_path / "laid.toml"
+    text = BALL.read_text(encoding="utf-8").replace("0.25 m/s", "0 m/s").replace('"auto"', '"big-alabo"')
+    scene.write_text(text + "\n[effects]\ngravity = true\n", encoding="utf-8")
+    status, out, _ = run(capsys, "run", scene)
+    assert status == 0 and len(out.splitlines()) < 60
+    events = json.loads(run(capsys, "run", scene, "--json")[1])["events"]
+    assert f"and {len(events) - 24} more" in out
+
+
 def test_segments_and_chords(capsys):
     status, out, _ = run(capsys, "run", BALL, "--json", "--segments", "5", "--linearisation", "chord")
     table = json.loads(out)
@@ -203,6 +213,11 @@ def test_a_reader_that_leaves_is_no_error():
     )
     os.close(write)
     assert b"Traceback" not in done.stderr
+
+
+def test_the_package_is_a_command():
+    done = subprocess.run([sys.executable, "-m", "film_model", "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("film-model ")
 
 
 def test_an_ordinary_run_needs_neither_pint_nor_scipy_nor_xarray():

@@ -157,5 +157,7 @@ def test_a_ball_laid_down():
     assert found.summary["maximum_force"] == pytest.approx(2.5 * weight, rel=1e-8)
     assert found.summary["contact_duration"] is None and found.summary["coefficient_of_restitution"] is None
     soft = fm.simulate(fm.Scene(ball, fm.Plate("mild steel", thickness="1 mm"), contact=hertz, effects=heavy))
-    assert soft.summary["maximum_force"] == pytest.approx(weight, rel=1e-9) and soft.summary["maximum_indentation"] is None
+    assert (
+        soft.summary["maximum_force"] == pytest.approx(weight, rel=1e-9) and soft.summary["maximum_indentation"] is None
+    )
     assert soft.outcome in (fm.Outcome.TIME_LIMIT, fm.Outcome.RESTING)

@@ -220,6 +220,18 @@ def test_target_impedance_after_export(made):
         assert float(ds[key]) == pytest.approx(history.summary[key], rel=EXACT), key
 
 
+def test_a_ball_laid_down(made):
+    """A contact that a weight alone begins, and that swings without end: its file is of the first swing."""
+    on = fm.Scene(
+        fm.Sphere(radius="10 mm", velocity="0 m/s", material="tungsten carbide"),
+        fm.Plate("mild steel", thickness="20 mm"),
+        effects=fm.Effects(gravity=True),
+    )
+    report = fmu_wrapper.check(made(on))
+    assert report.good, report
+    assert len({finding.what for finding in report.findings}) == len(report.findings)
+
+
 @VERSIONS
 def test_segments_after_export(made, version):
     ds = fmu_wrapper.run(

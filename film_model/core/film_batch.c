@@ -253,7 +253,7 @@ static int batch_begins(job *j) {
     }
     /* of each stage's exponent: loading, graded and by cosines, and by trials (together less than n/2 + 12), and by as
      * many cosines as unloading; of each branch's: every grading and cosines; of each stage: across and back */
-    int64_t rows = (int64_t)powers * (2 * (n + 1) + n / 2 + 12 + m + 1) + (int64_t)branches * 4 * (m + 1) +
+    int64_t rows = (int64_t)powers * (2 * (n + 1) + n / 2 + 12 + m + 1) + (int64_t)branches * (8 * m + 4) +
                    (int64_t)curve->stages * 2 * (n + 1) + (int64_t)back * (m + 1);
     return rows <= ROWS && 8 * powers + 4 * branches + 3 * curve->stages <= TABLES;
 }
@@ -309,6 +309,7 @@ static void flush_moving(batch *b, int32_t stage, block *waiting) {
     job *j = &b->j;
     deepest t;
     int count = waiting->count, back = j->curve->stage[stage].unloading == FILM_RETRACE && !plain_power(j, stage);
+    int32_t in = j->mesh->loading * (stage + 1);
     if (count == 0) return;
     waiting->count = 0;
     b->run->in(j, stage, waiting->index, count, &t);
@@ -319,14 +320,15 @@ static void flush_moving(batch *b, int32_t stage, block *waiting) {
         out->time_of_maximum_indentation = t.at.time[l];
         out->maximum_force = t.peak[l];
         out->stage = stage;
-        out->lines = j->mesh->loading * (stage + 1) + j->mesh->unloading * (back ? stage + 1 : 1);
+        out->lines = in;
         if (back) continue;
         if (t.at.bad[l] > 0.0) {
             j->status[i] = film_impact(j->curve, j->mesh, &j->start[i], out);
             continue;
         }
-        int32_t k = film_grading(t.slowness[l]) - FILM_PLATE_OUT;
+        int32_t grading = film_grading(t.slowness[l]), k = grading - FILM_PLATE_OUT;
         leaving *q = &b->leaving[stage][k];
+        out->lines = in + film_unloading(j->mesh, grading);
         int at = q->count++;
         q->index[at] = i;
         q->gamma[at] = t.at.gamma[l];

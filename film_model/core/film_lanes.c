@@ -550,7 +550,7 @@ static void leave_lane(job *j, const lanes *s, double stopped, int l, int64_t in
 /* A block of impacts from rest at their deepest point out along their branches; exponent NAN: each lane has its own. */
 static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
     const double *nodes = j->mesh->unloading_nodes[grading];
-    int32_t segments = j->mesh->unloading;
+    int32_t segments = film_unloading(j->mesh, grading);
     double stiff[LANES], w0[LANES], f0[LANES], f1[LANES], from[LANES], stopped[LANES];
     const row *r = same == same ? film_lines_of(j, UNIT_POWER, -1, segments, nodes, same)->rows : NULL;
     lanes s;
@@ -623,34 +623,56 @@ static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int co
                              const double *restrict stored) {
     const film_mesh *mesh = j->mesh;
     double largest[LANES], from[LANES], begin[LANES], x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES], stopped[LANES];
+    double until[LANES];
     const double *nodes[LANES];
+    int32_t segments[LANES], drawn[LANES] = {0};
     lines n;
     stops stop;
     EACH(l) largest[l] = s->force[l];
     await_stops(&stop);
     for (int32_t k = stage; k >= 0; k--) {
         double to = j->curve->stage[k].begin;
+        int32_t most = 0;
         EACH(l) {
+            int32_t grading = film_grading(s->gamma[l] * sqrt(largest[l] / s->xi[l]));
             from[l] = s->xi[l];
-            nodes[l] = mesh->unloading_nodes[film_grading(s->gamma[l] * sqrt(largest[l] / from[l]))];
+            nodes[l] = mesh->unloading_nodes[grading];
+            segments[l] = film_unloading(mesh, grading);
+            most = segments[l] > most ? segments[l] : most;
+            drawn[l] += segments[l];
         }
         law_lanes(j->curve, k, from, s->force, s->work);
-        for (int32_t i = 1; i <= mesh->unloading; i++) {
+        for (int32_t i = 1; i <= most; i++) {
             EACH(l) {
-                x1[l] = i < mesh->unloading ? from[l] + (to - from[l]) * nodes[l][i] : to;
+                x1[l] = i < segments[l] ? from[l] + (to - from[l]) * nodes[l][i] : to;
                 w0[l] = s->w[l];
                 f0[l] = s->force[l];
                 begin[l] = s->xi[l];
+                until[l] = s->time[l];
             }
             law_lanes(j->curve, k, x1, f1, w1);
             draw_lines(s, &n, -1.0, i == 1 && k == stage, x1, f1, w1);
+            EACH(l) { /* a lane that has no line left takes one that comes to nothing, while others go on */
+                if (i <= segments[l]) continue;
+                n.h[l] = 1.0;
+                n.phi[l] = n.kappa[l] = 0.0;
+                s->w[l] = -1.0;
+            }
             if (i == 1 && k == stage) pass_from_rest(s, &n);
             else pass_outwards(s, &n);
+            EACH(l) {
+                if (i <= segments[l]) continue;
+                s->w[l] = w0[l];
+                s->time[l] = until[l];
+            }
             keep_stops(&stop, s, &n, w0, f0, f1, begin, k, i == 1 && k == stage);
         }
     }
     stop_times(j, &stop, s, NULL, NAN, stopped);
-    for (int l = 0; l < count; l++) leave_lane(j, s, stopped[l], l, index[l], 0.0, stored[l], stored[l]);
+    for (int l = 0; l < count; l++) {
+        j->summary[index[l]].lines += drawn[l];
+        leave_lane(j, s, stopped[l], l, index[l], 0.0, stored[l], stored[l]);
+    }
 }
 
 const routines FILM_ROUTINES = {fixed_lanes, plate_in_lanes, plate_out_lanes, plate_back_lanes};

@@ -60,8 +60,8 @@ class RowResult:
     """Many impacts, one a row. summary: arrays, SI, by the names of `history.SUMMARY` (nan: did not happen).
 
     status: keys of `STATUSES`. laws: names, and law: the number of each row's among them. segments: loading and
-    unloading lines of each row, as `Accuracy` has them. estimated: bound on the relative error of every value, from the rows that were tried
-    on two meshes. parts: the problems behind the rows.
+    unloading lines of each row, as `Accuracy` has them. estimated: bound on the relative error of every value, from
+    the rows that were tried on two meshes. parts: the problems behind the rows.
     """
 
     summary: dict[str, Array]

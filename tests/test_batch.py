@@ -172,7 +172,8 @@ def test_slow_contacts_take_more_unloading_lines_for_the_same_error(segments, er
     assert np.array_equal(batch["lines"], 60 + np.where(slow, 2, 1) * segments)
     for found in (batch, one):
         assert differences(found, truth, start).max() < error
-    _, creeping = native.batch(curve, native.mesh(native.WORK_PRESERVING, 60, segments), starts(np.ones(9), gamma[-1:] * 2))
+    start = starts(np.ones(9), np.array([6.0]))
+    _, creeping = native.batch(curve, native.mesh(native.WORK_PRESERVING, 60, segments), start)
     assert (creeping["lines"] == 60 + 4 * segments).all()
 
 

@@ -7,11 +7,11 @@
 
 #include "film_line.h"
 
-static const double REACH = 0.8, FAR_REACH = 2.6; /* of a line: see polynomial */
+static const double REACH = 0.8, FAR_REACH = 3.6; /* of a line: see polynomial */
 
 /* x and y = x' after tau on a line, y'' = -a2 y' - k y, b = -a2 tau, c = -k tau^2: Taylor polynomials, whose terms
  * before division by j! are t_j = b t_{j-1} + c t_{j-2}, two at a time. They err by reach^10/10! and, where far, by
- * reach^20/20!, for |b| reach + |c| <= reach^2: 3e-8 and 8e-11 of a line at most, and like n^-10 in n segments. */
+ * reach^20/20!, for |b| reach + |c| <= reach^2: 3e-8 and 6e-8 of a line at most, and like n^-10 in n segments. */
 typedef struct {
     double t1, t2, t3, t4, t8, t9, high_x, high_y; /* high: the terms from t5 on */
 } terms;
@@ -91,6 +91,9 @@ INLINED void cross_lines(const double *restrict gamma, const double *restrict h,
         double from = from_rest ? 0.0 : d * (w[l] - gamma[l] * phi[l]);
         if (again) {
             q[l] = tau[l];
+        } else if (from_rest) { /* by inertia alone, and by damping alone */
+            double slow = (1.0 / 3) * damping * length / (-load - 0.5 * k * length);
+            q[l] = slow + sqrt(slow * slow + 2.0 * length / (-load - (1.0 / 6) * k * length));
         } else {
             double drag = 0.5 * (damping * length), before = from - drag;
             double square = before * before - length * (load + load + k * length);

@@ -121,7 +121,8 @@ def differences(a, b, start):
 
 
 @pytest.mark.parametrize(
-    ("segments", "agreement"), [((3, 3), 1e-9), ((6, 4), 1e-11), ((20, 20), 1e-13), ((40, 70), 1e-13)]
+    ("segments", "agreement"),
+    [((1, 1), 4e-5), ((2, 2), 2e-7), ((3, 3), 1e-9), ((6, 4), 1e-11), ((20, 20), 1e-13), ((40, 70), 1e-13)],
 )
 @pytest.mark.parametrize("law", [name for name in LAWS if name != "tabulated"])  # which ends before most of these do
 def test_lanes_are_the_march_on_a_half_space(law, segments, agreement):

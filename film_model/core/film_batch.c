@@ -230,7 +230,7 @@ static int batch_begins(job *j) {
     int32_t n = mesh->loading, m = mesh->unloading, back = 0, powers = 0, branches = 0;
     double power[FILM_MAX_STAGES], branch[FILM_MAX_STAGES];
     j->table_count = j->row_count = 0;
-    if (mesh->linearisation != FILM_WORK_PRESERVING || n < 3 || m < 3 || n > ROWS || m > ROWS) return 0;
+    if (mesh->linearisation != FILM_WORK_PRESERVING || n > ROWS || m > ROWS) return 0;
     for (int32_t k = 0; k < curve->stages; k++) {
         const film_stage *stage = &curve->stage[k];
         const film_function *g = &curve->piece[stage->first].force;
@@ -375,6 +375,8 @@ static int32_t moving_piece(const job *j, double nu, double gamma, int32_t *stag
     return -1;
 }
 
+enum { FEWEST = 3 }; /* segments of a leg on targets that give way: fewer are too rough to find the turn from */
+
 void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
                      const film_start *start, film_summary *summary, int32_t *status) {
     batch b;
@@ -385,6 +387,7 @@ void film_batch_with(int instructions, const film_curve *curve, const film_mesh 
     j->summary = summary;
     j->status = status;
     int lined = curve->compliance == 0.0 && batch_begins(j);
+    int moving = lined && mesh->loading >= FEWEST && mesh->unloading >= FEWEST;
     b.run = sets[instructions];
     for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b.fixed[p].count = b.moving[p].count = 0;
     for (int32_t k = 0; k < FILM_MAX_STAGES; k++)
@@ -393,7 +396,9 @@ void film_batch_with(int instructions, const film_curve *curve, const film_mesh 
         const film_start *s = &start[i];
         int32_t stage = 0, piece = -1;
         if (lined && s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && undisturbed(s))
-            piece = s->gamma == 0.0 ? fixed_piece(j, s->nu, &stage) : moving_piece(j, s->nu, s->gamma, &stage);
+            piece = s->gamma == 0.0 ? fixed_piece(j, s->nu, &stage)
+                    : moving        ? moving_piece(j, s->nu, s->gamma, &stage)
+                                    : -1;
         if (piece < 0) {
             status[i] = film_impact(curve, mesh, s, &summary[i]);
             continue;

@@ -7,7 +7,7 @@
 
 #include "film_line.h"
 
-static const double REACH = 0.8, FAR_REACH = 3.6; /* of a line: see polynomial */
+static const double REACH = 0.8, FAR_REACH = 3.6; /* of a line: see terms */
 
 /* x and y = x' after tau on a line, y'' = -a2 y' - k y, b = -a2 tau, c = -k tau^2: Taylor polynomials, whose terms
  * before division by j! are t_j = b t_{j-1} + c t_{j-2}, two at a time. They err by reach^10/10! and, where far, by
@@ -39,17 +39,10 @@ INLINED void further_terms(double t8, double t9, double b, double c, double *hig
                t18 * (1.0 / 121645100408832000.0) + t19 * (1.0 / 2432902008176640000.0);
 }
 
-INLINED double polynomial(double y0, double t1, double b, double c, double tau, double *x) {
-    terms t = first_terms(y0, t1, b, c);
-    further_terms(t.t8, t.t9, b, c, &t.high_x, &t.high_y);
-    *x = tau * ((y0 + 0.5 * t1) + (t.t2 * (1.0 / 6) + t.t3 * (1.0 / 24)) + (t.t4 * (1.0 / 120) + t.high_x));
-    return (y0 + t1) + (t.t2 * 0.5 + t.t3 * (1.0 / 6)) + (t.t4 * (1.0 / 24) + t.high_y);
-}
-
-/* The same for all lanes; the further terms only where they are needed, or always. unfit: 1 where they do not reach. */
+/* For all lanes, from y0 with y' = d1; the further terms only where they are needed. unfit: 1 where they do not reach. */
 INLINED void polynomials(const double *restrict y0, const double *restrict d1, const double *restrict a2,
-                         const double *restrict kappa, const double *restrict q, int always, double *restrict x,
-                         double *restrict y, double *restrict unfit) {
+                         const double *restrict kappa, const double *restrict q, double *restrict x, double *restrict y,
+                         double *restrict unfit) {
     double t8[LANES], t9[LANES], high_x[LANES], high_y[LANES], far[LANES];
     EACH(l) {
         double b = -a2[l] * q[l], c = -kappa[l] * (q[l] * q[l]), t1 = d1[l] * q[l];
@@ -60,10 +53,10 @@ INLINED void polynomials(const double *restrict y0, const double *restrict d1, c
         t9[l] = t.t9;
         high_x[l] = t.high_x;
         high_y[l] = t.high_y;
-        far[l] = always || !(fabs(b) * REACH + fabs(c) <= REACH * REACH) ? 1.0 : 0.0;
+        far[l] = fabs(b) * REACH + fabs(c) <= REACH * REACH ? 0.0 : 1.0;
         unfit[l] = fabs(b) * FAR_REACH + fabs(c) <= FAR_REACH * FAR_REACH ? 0.0 : 1.0;
     }
-    if (always || any(far)) {
+    if (any(far)) {
         EACH(l) {
             double further_x = high_x[l], further_y = high_y[l];
             further_terms(t8[l], t9[l], -a2[l] * q[l], -kappa[l] * (q[l] * q[l]), &further_x, &further_y);
@@ -108,7 +101,7 @@ INLINED void cross_lines(const double *restrict gamma, const double *restrict h,
     }
     for (int pass = 0; pass <= from_rest; pass++) {
         if (pass > 0) EACH(l) q[l] += u[l];
-        polynomials(y0, d1, a2, kappa, q, from_rest, x, y, unfit);
+        polynomials(y0, d1, a2, kappa, q, x, y, unfit);
         EACH(l) {
             double k = kappa[l], slope = -(d * phi[l] + k * x[l]) - a2[l] * y[l], bend = -a2[l] * slope - k * y[l];
             double per_y = 1.0 / y[l], half = 0.5 * (slope * per_y), sixth = (1.0 / 6) * (bend * per_y);

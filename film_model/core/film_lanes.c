@@ -232,28 +232,29 @@ static void run_towards(job *j, int32_t stage, int32_t segments, const double *n
  * by steps of Newton's method from tau or, where it is not known, from Halley's step at the line's beginning. */
 static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *restrict s, int known, int steps,
                        double *restrict tau) {
-    double phi[LANES], kappa[LANES], y0[LANES], x[LANES], f1[LANES], w1[LANES], w[LANES], miss[LANES], falling[LANES];
+    double phi[LANES], kappa[LANES], y0[LANES], d1[LANES], a2[LANES], x[LANES], y[LANES], f1[LANES], w1[LANES];
+    double w[LANES], miss[LANES];
     law_lanes(j->curve, stage, x1, f1, w1);
     EACH(l) {
         double g = s->gamma[l], h = x1[l] - s->xi[l], mean = (w1[l] - s->work[l]) / h;
         phi[l] = 2.0 * mean - f1[l];
         kappa[l] = 2.0 * (f1[l] - mean) / h;
-        double a2 = g * kappa[l], y = s->w[l] - g * phi[l], d1 = -phi[l] - a2 * y, d2 = -a2 * d1 - kappa[l] * y;
-        y0[l] = y;
-        tau[l] = known ? tau[l] : 2.0 * y * d1 / (y * d2 - 2.0 * d1 * d1);
+        a2[l] = g * kappa[l];
+        y0[l] = s->w[l] - g * phi[l];
+        d1[l] = -phi[l] - a2[l] * y0[l];
+        double d2 = -a2[l] * d1[l] - kappa[l] * y0[l];
+        tau[l] = known ? tau[l] : 2.0 * y0[l] * d1[l] / (y0[l] * d2 - 2.0 * d1[l] * d1[l]);
     }
     for (int i = 0; i <= steps; i++) {
+        polynomials(y0, d1, a2, kappa, tau, x, y, miss);
         EACH(l) {
-            double g = s->gamma[l], a2 = g * kappa[l], b = -a2 * tau[l], c = -kappa[l] * (tau[l] * tau[l]), along;
-            double y = polynomial(y0[l], (-phi[l] - a2 * y0[l]) * tau[l], b, c, tau[l], &along);
-            falling[l] = a2 * y; /* of gamma f, by the line's slope */
-            w[l] = y + g * (phi[l] + kappa[l] * along);
-            x[l] = s->xi[l] + along;
-            miss[l] = fabs(b) * FAR_REACH + fabs(c) <= FAR_REACH * FAR_REACH ? 0.0 : 1.0;
+            w[l] = y[l] + s->gamma[l] * (phi[l] + kappa[l] * x[l]);
+            x[l] += s->xi[l];
         }
         law_lanes(j->curve, stage, x, f1, w1);
         if (i == steps) break;
-        EACH(l) tau[l] += (w[l] - s->gamma[l] * f1[l]) / (f1[l] + falling[l]);
+        /* gamma f falls by a2 y, as on the line */
+        EACH(l) tau[l] += (w[l] - s->gamma[l] * f1[l]) / (f1[l] + a2[l] * y[l]);
     }
     EACH(l) {
         double g = s->gamma[l], bad = fabs(w[l] - g * f1[l]) < 1e-9 * w[l] ? miss[l] : 1.0;
@@ -477,12 +478,13 @@ static void law_of_stops(const job *j, const stops *restrict n, const leaving *b
 INLINED void along_lines(const double *restrict gamma, const double *restrict w0, const double *restrict phi,
                          const double *restrict kappa, const double *restrict from_rest, const double *restrict tau,
                          double *restrict x, double *restrict y, double *restrict unfit) {
+    double y0[LANES], d1[LANES], a2[LANES];
     EACH(l) {
-        double a2 = gamma[l] * kappa[l], b = -a2 * tau[l], c = -kappa[l] * (tau[l] * tau[l]);
-        double y0 = from_rest[l] > 0.0 ? 0.0 : gamma[l] * phi[l] - w0[l];
-        y[l] = polynomial(y0, (phi[l] - a2 * y0) * tau[l], b, c, tau[l], &x[l]);
-        unfit[l] = fabs(b) * FAR_REACH + fabs(c) <= FAR_REACH * FAR_REACH ? 0.0 : 1.0;
+        a2[l] = gamma[l] * kappa[l];
+        y0[l] = from_rest[l] > 0.0 ? 0.0 : gamma[l] * phi[l] - w0[l];
+        d1[l] = phi[l] - a2[l] * y0[l];
     }
+    polynomials(y0, d1, a2, kappa, tau, x, y, unfit);
 }
 
 /* When the impactors stop, within lines that begin at w0 > 0 and end at w1 <= 0; NAN where one does not. The cubic

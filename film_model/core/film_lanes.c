@@ -38,53 +38,60 @@ static void cross_stage(job *j, int32_t stage, int32_t segments, const double *n
     EACH(l) peak[l] = t->peak > peak[l] ? t->peak : peak[l];
 }
 
-/* From the beginning of the stage, at v, to the turn at xi, by energy. */
+/* From the beginning of the stage, at v, to the turn at xi, where the law is force and work, by energy. */
 static void run_to_turn(job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict v,
-                        const double *restrict xi, double *restrict time, double *restrict peak) {
+                        const double *restrict xi, const double *restrict force, const double *restrict work,
+                        double *restrict time, double *restrict peak) {
     const film_curve *curve = j->curve;
     const film_function *g = &curve->piece[curve->stage[stage].first].force;
     double begin = curve->stage[stage].begin, v0[LANES], x0[LANES], f0[LANES], w0[LANES];
     if (plain_power(j, stage)) { /* one run, scaled */
         double rest = film_lines_of(j, UNIT_POWER, 1, segments, nodes, g->exponent)->rest;
-        double power[LANES];
-        raised_lanes(xi, g->exponent, power);
-        EACH(l) time[l] += rest * sqrt(xi[l] / (g->coefficient * power[l]));
-        EACH(l) peak[l] = g->coefficient * power[l] > peak[l] ? g->coefficient * power[l] : peak[l];
+        EACH(l) time[l] += rest * sqrt(xi[l] / force[l]);
+        EACH(l) peak[l] = force[l] > peak[l] ? force[l] : peak[l];
         return;
     }
     EACH(l) v0[l] = v[l];
     if (j->simple[stage]) {
         const row *r = film_lines_of(j, UNIT_POWER, 1, segments, nodes, g->exponent)->rows;
-        double flat[LANES], linear[LANES], power[LANES], sum[LANES] = {0.0}, constant = g->constant, slope = g->slope;
+        double flat[LANES], linear[LANES], power[LANES], sum[LANES] = {0.0};
         EACH(l) x0[l] = xi[l] - begin;
         raised_lanes(x0, g->exponent, power);
         EACH(l) {
-            flat[l] = 2.0 * constant * x0[l];
-            linear[l] = slope * x0[l] * x0[l];
+            flat[l] = 2.0 * g->constant * x0[l];
+            linear[l] = g->slope * x0[l] * x0[l];
             power[l] *= g->coefficient * x0[l];
         }
         for (int32_t i = 1; i <= segments; i++) {
-            double x = r[i].x, h = r[i].h, left1 = 1.0 - x, left2 = 1.0 - x * x, work = r[i].work, hh = h * h;
+            double x = r[i].x, h = r[i].h, left1 = 1.0 - x, left2 = 1.0 - x * x, left3 = r[i].work, hh = h * h;
             double bent = r[i].kappa * hh;
             EACH(l) {
-                double v1 = sqrt(flat[l] * left1 + linear[l] * left2 + power[l] * work);
+                double v1 = sqrt(flat[l] * left1 + linear[l] * left2 + power[l] * left3);
                 sum[l] += h * crossing(v0[l] + v1, linear[l] * hh + power[l] * bent);
                 v0[l] = v1;
             }
         }
         EACH(l) {
-            double force = constant + slope * x0[l] + power[l] / x0[l];
             time[l] += 2.0 * x0[l] * sum[l];
-            peak[l] = force > peak[l] ? force : peak[l];
+            peak[l] = force[l] > peak[l] ? force[l] : peak[l];
         }
         return;
     }
-    EACH(l) x0[l] = begin;
-    law_lanes(curve, stage, x0, f0, w0);
+    double first_force, first_work;
+    stage_law(curve, stage, begin, &first_force, &first_work);
+    EACH(l) {
+        x0[l] = begin;
+        f0[l] = first_force;
+        w0[l] = first_work;
+    }
     for (int32_t i = 1; i <= segments; i++) {
         double x1[LANES], f1[LANES], w1[LANES], fraction = nodes[i];
-        EACH(l) x1[l] = i < segments ? begin + (xi[l] - begin) * fraction : xi[l];
-        law_lanes(curve, stage, x1, f1, w1);
+        EACH(l) {
+            x1[l] = i < segments ? begin + (xi[l] - begin) * fraction : xi[l];
+            f1[l] = force[l];
+            w1[l] = work[l];
+        }
+        if (i < segments) law_lanes(curve, stage, x1, f1, w1);
         EACH(l) {
             double h = x1[l] - x0[l], per_h = 1.0 / h, mean = (w1[l] - w0[l]) * per_h, left = v[l] * v[l] - 2.0 * w1[l];
             double bend = i < segments ? (f1[l] - f0[l]) * h : 2.0 * (f1[l] - mean) * h;
@@ -139,7 +146,7 @@ static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) 
     EACH(l) energy[l] = 0.5 * v[l] * v[l];
     depth_lanes(curve, stage, j->whole[stage], energy, xi);
     law_lanes(curve, stage, xi, force, work);
-    run_to_turn(j, stage, n, in, v, xi, turned, peak);
+    run_to_turn(j, stage, n, in, v, xi, force, work, turned, peak);
     if (curve->stage[stage].unloading != FILM_RETRACE) {
         double exponent[LANES], time[LANES];
         open_lanes(curve, stage, xi, force, recovery, exponent);
@@ -160,7 +167,7 @@ static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) 
         EACH(l) v[l] = nu[l];
         if (n != m) {
             for (int32_t k = 0; k < stage; k++) cross_stage(j, k, m, out, v, back, peak_again);
-            run_to_turn(j, stage, m, out, v, xi, back, peak_again);
+            run_to_turn(j, stage, m, out, v, xi, force, work, back, peak_again);
         }
         EACH(l) {
             ended[l] = turned[l] + (n == m ? turned[l] : back[l]);

@@ -8,6 +8,7 @@
 #include "film_line.h"
 
 static const double REACH = 0.8, FAR_REACH = 3.6; /* of a line: see terms */
+static const double LONGEST_STEP = 0.03; /* of a line's time: what a correction errs by is of its fourth power */
 
 /* x and y = x' after tau on a line, y'' = -a2 y' - k y, b = -a2 tau, c = -k tau^2: Taylor polynomials, whose terms
  * before division by j! are t_j = b t_{j-1} + c t_{j-2}, two at a time. They err by reach^10/10! and, where far, by
@@ -78,7 +79,6 @@ INLINED void cross_lines(const double *restrict gamma, const double *restrict h,
                          const double *restrict kappa, double d, int from_rest, int again, const double *restrict w,
                          double *restrict tau, double *restrict w1, double *restrict unserved) {
     double y0[LANES], d1[LANES], a2[LANES], q[LANES], x[LANES], y[LANES], u[LANES], unfit[LANES];
-    const double rough = from_rest || again ? 0.03 : 0.01;
     EACH(l) {
         double length = h[l], k = kappa[l], load = d * phi[l], damping = gamma[l] * k;
         double from = from_rest ? 0.0 : d * (w[l] - gamma[l] * phi[l]);
@@ -109,7 +109,7 @@ INLINED void cross_lines(const double *restrict gamma, const double *restrict h,
             double step = part * (1.0 - part * (half - (2.0 * (half * half) - sixth) * part));
             double third = (1.0 / 6) * (a2[l] * bend + k * slope);
             double end = y[l] + step * (slope + step * (0.5 * bend - step * third));
-            double sure = fabs(part) < rough * q[l] ? unfit[l] : 1.0; /* u may be short by chance */
+            double sure = fabs(part) < LONGEST_STEP * q[l] ? unfit[l] : 1.0; /* u may be short by chance */
             u[l] = step;
             unserved[l] = end > 0.0 ? sure : 1.0;
             tau[l] = q[l] + step;

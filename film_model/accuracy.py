@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from film_model.core import native
 from film_model.errors import Outcome, SimulationError
 from film_model.scene import Scene, Solver
 
 if TYPE_CHECKING:
+    from film_model.curve import Curve
     from film_model.problem import Problem
 
 Linearisation: TypeAlias = Literal["work-preserving", "chord"]
@@ -86,7 +87,7 @@ def _impact(problem: Problem, solver: Solver, counts: tuple[int, int]) -> native
 def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple[int, int], float]:
     """Segment counts that meet the accuracy, doubled until two meshes agree, and the error estimate."""
     assert solver.accuracy is not None
-    n, ratio = first_segments(problem.damping), unloading_ratio(problem)
+    n, ratio = first_segments(problem.damping), unloading_ratio(problem.curve)
     factor = ORDER_FACTOR[solver.linearisation][1]
     coarse, last = _impact(problem, solver, (n, ratio * n)), math.inf
     while True:
@@ -117,18 +118,10 @@ def estimate(problem: Problem, solver: Solver) -> float:
     return ORDER_FACTOR[solver.linearisation][0] * difference(problem, given, double) + ROUNDING
 
 
-def unloading_ratio(problem: Problem) -> int:
-    """Unloading segments for one loading segment in this problem."""
-    return ratio_for(problem.gamma * problem.approach**0.2, problem.curve.steepest)
-
-
-def ratio_for(slow: Any, steepest: float) -> Any:
-    """Unloading segments for one loading segment, of one impact or an array: more where the contact fades out slowly.
-
-    `slow` is Zener's λ of the scaled problem; measured over λ from 0.001 to 8, this keeps the errors of loading and
-    unloading alike. Twice as many where the unloading is a steeper power than laws of spheres have.
-    """
-    return (2 if steepest > STEEP else 1) * (1 + (slow >= 0.7) + 2 * (slow >= 2.5))
+def unloading_ratio(curve: Curve) -> int:
+    """Unloading segments for one loading segment where contact does not fade out slowly: where it does, the core draws
+    two or four times as many (`film_unloading`)."""
+    return 2 if curve.steepest > STEEP else 1
 
 
 def difference(problem: Problem, a: native.Summary, b: native.Summary, approach: float | None = None) -> float:

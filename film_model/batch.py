@@ -18,8 +18,8 @@ from film_model.accuracy import (
     ROUNDING,
     first_segments,
     mesh_of,
-    ratio_for,
     solver_for,
+    unloading_ratio,
 )
 from film_model.bodies import Body
 from film_model.core import native
@@ -60,8 +60,8 @@ class RowResult:
     """Many impacts, one a row. summary: arrays, SI, by the names of `history.SUMMARY` (nan: did not happen).
 
     status: keys of `STATUSES`. laws: names, and law: the number of each row's among them. segments: loading and
-    unloading lines of each row. estimated: bound on the relative error of every value, from the rows that were tried
-    on two meshes. parts: the problems behind the rows.
+    unloading lines of each row, as `Accuracy` has them. estimated: bound on the relative error of every value, from
+    the rows that were tried on two meshes. parts: the problems behind the rows.
     """
 
     summary: dict[str, Array]
@@ -148,12 +148,12 @@ def simulate_rows(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
 def _mesh(rows: Rows, start: NDArray[Any], solver: Solver) -> tuple[tuple[int, int], float]:
     """Smallest mesh on which every trial impact meets the accuracy, seen from twice as many segments."""
     some = start[_trial(start)]
-    ratio = ratio_for(float((some["gamma"] * some["nu"] ** 0.2).max(initial=0.0)), rows.curve.steepest)
     damping = float(some["damping"].max(initial=0.0))
     n = solver.segments or (first_segments(damping) if damping > 0.0 else 4)
+    ratio = 1 if solver.segments else unloading_ratio(rows.curve)
     before, after = ORDER_FACTOR[solver.linearisation]
     while True:
-        counts = (n, n) if solver.segments else (n, ratio * n)
+        counts = (n, ratio * n)
         coarse, fine = (
             native.batch(rows.curve.native, mesh_of(solver, (k * counts[0], k * counts[1])), some) for k in (1, 2)
         )

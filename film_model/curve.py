@@ -24,6 +24,9 @@ from film_model.laws.law import AbstractLaw, Array, Function, Power, Stage
 FIT_TOLERANCE = 1e-13
 """Largest difference between a fitted function and the law, relative to the function's largest value in the stage."""
 
+FIT_ROUNDING = 4e-16
+"""Last terms of a series that are smaller than this part of the function's largest value are left out."""
+
 FIT_LIMIT = 1e-6
 """A law that cannot be fitted better than this within the core's room is refused."""
 
@@ -270,8 +273,8 @@ def _fit(
 
         terms = chebyshev.chebfit(nodes, on(nodes), _TERMS - 1)
         scale = max(float(np.abs(on(checks)).max()), 1e-300)
-        worst = max(worst, float(np.abs(chebyshev.chebval(checks, terms) - on(checks)).max()) / scale)
-        series[name] = chebyshev.chebtrim(terms, 1e-17 * scale)
+        series[name] = chebyshev.chebtrim(terms, FIT_ROUNDING * scale)
+        worst = max(worst, float(np.abs(chebyshev.chebval(checks, series[name]) - on(checks)).max()) / scale)
     return series, worst
 
 

@@ -246,11 +246,8 @@ def _radiated(trial: Trial) -> float:
 
 def march(problem: Problem) -> Trial:
     """The problem on the trial mesh."""
-    ratio = unloading_ratio(problem)
-    return Trial(
-        problem,
-        *native.impact(problem.curve.native, native.mesh(native.WORK_PRESERVING, TRIAL, ratio * TRIAL), problem.start),
-    )
+    mesh = native.mesh(native.WORK_PRESERVING, TRIAL, unloading_ratio(problem.curve) * TRIAL)
+    return Trial(problem, *native.impact(problem.curve.native, mesh, problem.start))
 
 
 def _other(scene: Scene, trial: Trial, **changed: Any) -> Trial:

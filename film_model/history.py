@@ -86,8 +86,9 @@ class Samples:
 @dataclass(frozen=True)
 class Accuracy:
     """requested: relative accuracy asked for, None where segments were given. estimated: bound on the relative error
-    of every summary value. segments: lines a loading stage; unloading_segments: lines of the unloading; lines: in all.
-    modes: of a target that vibrates; there are no lines then.
+    of every summary value. segments: lines a loading stage; unloading_segments: lines of the unloading, of which two
+    or four times as many are drawn where contact fades out slowly; lines: in all. modes: of a target that vibrates;
+    there are no lines then.
 
     Values smaller than a thousandth of their scale (approach velocity, maximum indentation) are judged against that
     thousandth, energies against the impact energy.

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.accuracy import ratio_for
+from film_model.accuracy import unloading_ratio
 from film_model.bodies import STANDARD_GRAVITY, Body, Plate
 from film_model.core import native
 from film_model.curve import curve_of
@@ -217,10 +217,5 @@ def _radiated(rows: Rows, summary: NDArray[Any]) -> Array:
 
 def _march(rows: Rows) -> tuple[NDArray[np.int32], NDArray[Any]]:
     """The rows on the trial mesh, as `effects.march` does."""
-    start = rows.start
-    ratio = ratio_for(start["gamma"] * start["nu"] ** 0.2, rows.curve.steepest)
-    status, summary = np.empty(start.size, np.int32), np.empty(start.size, native.SUMMARY_DTYPE)
-    for own in np.unique(ratio).tolist():
-        mesh = native.mesh(native.WORK_PRESERVING, TRIAL, own * TRIAL)
-        status[ratio == own], summary[ratio == own] = native.batch(rows.curve.native, mesh, start[ratio == own])
-    return status, summary
+    mesh = native.mesh(native.WORK_PRESERVING, TRIAL, unloading_ratio(rows.curve) * TRIAL)
+    return native.batch(rows.curve.native, mesh, rows.start)

@@ -66,7 +66,7 @@ def simulate(
 def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[int, Any, Any, float]:
     """Status, lines, states at events, and the largest force."""
     state = native.initial_state(problem.curve.native, problem.start)
-    room = (counts[0] + 2) * (problem.curve.native.stages + 1) + counts[1] + 64
+    room = (counts[0] + 2) * (problem.curve.native.stages + 1) + 4 * counts[1] + 64
     status, lines, states = native.record(problem.curve.native, mesh_of(solver, counts), state, problem.limit, room)
     raise_failure(status, problem)
     return status, lines, states, max(state.force_peak, state.force)

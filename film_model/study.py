@@ -275,7 +275,7 @@ def _methods(problem: Problem, scene: Scene) -> Iterator[tuple[str, list[Setting
 
 
 def _film(problem: Problem, kind: int, n: int) -> Prepared:
-    ratio = unloading_ratio(problem) if kind == native.WORK_PRESERVING else 1
+    ratio = unloading_ratio(problem.curve) if kind == native.WORK_PRESERVING else 1
     curve, mesh, start = problem.curve.native, native.mesh(kind, n, ratio * n), problem.start
 
     def single() -> Result:

@@ -109,7 +109,7 @@ VARIABLES: tuple[Variable, ...] = (
     ),
     _parameter("gravity", "acceleration", -1e9, 1e9, "acceleration of free fall towards the target"),
     _segments("loading_segments", "straight pieces of the force in a loading stage"),
-    _segments("unloading_segments", "straight pieces of the force in unloading"),
+    _segments("unloading_segments", "straight pieces of the force in unloading; more where contact fades out slowly"),
     Variable(
         "external_force",
         Real,

@@ -313,7 +313,7 @@ static owned_mesh make_mesh(int32_t linearisation, int32_t loading, int32_t unlo
     HOLD(film_mesh_init(&made.mesh, linearisation, loading, unloading, made.memory) == FILM_OK);
     for (int g = 0; g < FILM_GRADINGS; g++) {
         const double *nodes[] = {made.mesh.loading_nodes[g], made.mesh.unloading_nodes[g]};
-        const int32_t counts[] = {loading, unloading};
+        const int32_t counts[] = {loading, film_unloading(&made.mesh, g)};
         for (int k = 0; k < 2; k++) {
             if (nodes[k] == NULL) continue;
             HOLD(nodes[k][0] == 0.0 && nodes[k][counts[k]] == 1.0);

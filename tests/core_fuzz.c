@@ -271,7 +271,7 @@ static int usable(void) {
 /* ---------------------------------------------------------------- what must hold */
 
 static film_mesh mesh;
-static double memory[8 * (SEGMENTS_MOST + 1)];
+static double memory[12 * (SEGMENTS_MOST + 1)]; /* film_mesh_size and some */
 static film_line lines[LINES];
 static film_state events[EVENTS];
 

@@ -142,6 +142,12 @@ def test_a_fit_that_needs_many_pieces_is_exact_too():
     assert [curve.force(p) for p in x] == pytest.approx(x + 0.3 * np.sin(3 * x), abs=1e-11)
 
 
+def test_a_fit_has_no_terms_of_rounding():
+    curve = curve_of(own(fm.Stage("cubic", 0.0, 4.0, lambda x: x + 0.2 * x**3)))
+    assert (curve.native.piece[0].force.terms, curve.native.piece[0].work.terms) == (4, 5)
+    assert curve.fit_error < 1e-14
+
+
 def test_a_root_is_fitted_in_its_own_variable():
     law = own(fm.Stage("root", 0.0, 4.0, lambda x: np.sqrt(x) + x, root=True))
     curve = curve_of(law)

@@ -230,7 +230,7 @@ static int batch_begins(job *j) {
     int32_t n = mesh->loading, m = mesh->unloading, back = 0, powers = 0, branches = 0;
     double power[FILM_MAX_STAGES], branch[FILM_MAX_STAGES];
     j->table_count = j->row_count = 0;
-    if (mesh->linearisation != FILM_WORK_PRESERVING || n < 3 || m < 3 || n > ROWS || m > ROWS) return 0;
+    if (mesh->linearisation != FILM_WORK_PRESERVING || n > ROWS || m > ROWS) return 0;
     for (int32_t k = 0; k < curve->stages; k++) {
         const film_stage *stage = &curve->stage[k];
         const film_function *g = &curve->piece[stage->first].force;
@@ -253,7 +253,7 @@ static int batch_begins(job *j) {
     }
     /* of each stage's exponent: loading, graded and by cosines, and by trials (together less than n/2 + 12), and by as
      * many cosines as unloading; of each branch's: every grading and cosines; of each stage: across and back */
-    int64_t rows = (int64_t)powers * (2 * (n + 1) + n / 2 + 12 + m + 1) + (int64_t)branches * 4 * (m + 1) +
+    int64_t rows = (int64_t)powers * (2 * (n + 1) + n / 2 + 12 + m + 1) + (int64_t)branches * (8 * m + 4) +
                    (int64_t)curve->stages * 2 * (n + 1) + (int64_t)back * (m + 1);
     return rows <= ROWS && 8 * powers + 4 * branches + 3 * curve->stages <= TABLES;
 }
@@ -309,6 +309,7 @@ static void flush_moving(batch *b, int32_t stage, block *waiting) {
     job *j = &b->j;
     deepest t;
     int count = waiting->count, back = j->curve->stage[stage].unloading == FILM_RETRACE && !plain_power(j, stage);
+    int32_t in = j->mesh->loading * (stage + 1);
     if (count == 0) return;
     waiting->count = 0;
     b->run->in(j, stage, waiting->index, count, &t);
@@ -319,14 +320,15 @@ static void flush_moving(batch *b, int32_t stage, block *waiting) {
         out->time_of_maximum_indentation = t.at.time[l];
         out->maximum_force = t.peak[l];
         out->stage = stage;
-        out->lines = j->mesh->loading * (stage + 1) + j->mesh->unloading * (back ? stage + 1 : 1);
+        out->lines = in;
         if (back) continue;
         if (t.at.bad[l] > 0.0) {
             j->status[i] = film_impact(j->curve, j->mesh, &j->start[i], out);
             continue;
         }
-        int32_t k = film_grading(t.slowness[l]) - FILM_PLATE_OUT;
+        int32_t grading = film_grading(t.slowness[l]), k = grading - FILM_PLATE_OUT;
         leaving *q = &b->leaving[stage][k];
+        out->lines = in + film_unloading(j->mesh, grading);
         int at = q->count++;
         q->index[at] = i;
         q->gamma[at] = t.at.gamma[l];
@@ -373,6 +375,8 @@ static int32_t moving_piece(const job *j, double nu, double gamma, int32_t *stag
     return -1;
 }
 
+enum { FEWEST = 3 }; /* segments of a leg on targets that give way: fewer are too rough to find the turn from */
+
 void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
                      const film_start *start, film_summary *summary, int32_t *status) {
     batch b;
@@ -383,6 +387,7 @@ void film_batch_with(int instructions, const film_curve *curve, const film_mesh 
     j->summary = summary;
     j->status = status;
     int lined = curve->compliance == 0.0 && batch_begins(j);
+    int moving = lined && mesh->loading >= FEWEST && mesh->unloading >= FEWEST;
     b.run = sets[instructions];
     for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b.fixed[p].count = b.moving[p].count = 0;
     for (int32_t k = 0; k < FILM_MAX_STAGES; k++)
@@ -391,7 +396,9 @@ void film_batch_with(int instructions, const film_curve *curve, const film_mesh 
         const film_start *s = &start[i];
         int32_t stage = 0, piece = -1;
         if (lined && s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && undisturbed(s))
-            piece = s->gamma == 0.0 ? fixed_piece(j, s->nu, &stage) : moving_piece(j, s->nu, s->gamma, &stage);
+            piece = s->gamma == 0.0 ? fixed_piece(j, s->nu, &stage)
+                    : moving        ? moving_piece(j, s->nu, s->gamma, &stage)
+                                    : -1;
         if (piece < 0) {
             status[i] = film_impact(curve, mesh, s, &summary[i]);
             continue;

@@ -30,7 +30,7 @@ typedef struct {
 
 static const double SHORT_LEG = 1e-9; /* of the depth: a leg to the turn whose length rounding has made too uncertain */
 static const double ANY_POWER = 1.5; /* where only the nodes of a run are asked for */
-enum { UNIT_POWER = -1, ROWS = 2304, TABLES = 128, AIMING_SEGMENTS = 4 };
+enum { UNIT_POWER = -1, ROWS = 3456, TABLES = 128, AIMING_SEGMENTS = 4 };
 
 typedef struct {
     const film_curve *curve;

@@ -853,6 +853,7 @@ static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
         /* a dashpot's force bends most where the indentation is none */
         if (damped(curve, s)) s->leg_grading = slowness < 1.75 ? FILM_COSINE : FILM_PLATE_CREEP;
     }
+    if (s->direction < 0) s->leg_nodes = film_unloading(mesh, s->leg_grading);
     s->has_leg = 1;
     return FILM_OK;
 }
@@ -1286,18 +1287,13 @@ static double graded(int grading, double s) {
     return from / (from + c[grading] * pow(1.0 - s, b[grading]));
 }
 
-static const int LOADING_GRADINGS[] = {FILM_EQUAL, FILM_COSINE, FILM_PLATE_IN};
-static const int UNLOADING_GRADINGS[] = {FILM_EQUAL, FILM_COSINE, FILM_PLATE_OUT, FILM_PLATE_SLOW, FILM_PLATE_CREEP};
-
 size_t film_mesh_size(int32_t loading, int32_t unloading) {
-    return 3 * ((size_t)loading + 1) + 5 * ((size_t)unloading + 1);
+    return 3 * ((size_t)loading + 1) + 9 * (size_t)unloading + 5;
 }
 
-static double *fill(const double **nodes, const int *gradings, int count, int32_t segments, double *memory) {
-    for (int g = 0; g < count; g++) {
-        nodes[gradings[g]] = memory;
-        for (int32_t i = 0; i <= segments; i++) *memory++ = graded(gradings[g], (double)i / segments);
-    }
+static double *fill(const double **nodes, int grading, int32_t segments, double *memory) {
+    *nodes = memory;
+    for (int32_t i = 0; i <= segments; i++) *memory++ = graded(grading, (double)i / segments);
     return memory;
 }
 
@@ -1309,8 +1305,9 @@ int film_mesh_init(film_mesh *mesh, int32_t linearisation, int32_t loading, int3
     mesh->linearisation = linearisation;
     mesh->loading = loading;
     mesh->unloading = unloading;
-    memory = fill(mesh->loading_nodes, LOADING_GRADINGS, 3, loading, memory);
-    fill(mesh->unloading_nodes, UNLOADING_GRADINGS, 5, unloading, memory);
+    for (int g = FILM_EQUAL; g <= FILM_PLATE_IN; g++) memory = fill(&mesh->loading_nodes[g], g, loading, memory);
+    for (int g = FILM_EQUAL; g < FILM_GRADINGS; g++)
+        if (g != FILM_PLATE_IN) memory = fill(&mesh->unloading_nodes[g], g, film_unloading(mesh, g), memory);
     return FILM_OK;
 }
 

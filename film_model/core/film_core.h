@@ -87,30 +87,35 @@ enum {
     FILM_EQUAL = 0,       /* s                          chords */
     FILM_COSINE = 1,      /* sin^2(pi s/2)              half-space */
     FILM_PLATE_IN = 2,    /* a = 1.2, b = 1.7,  c = 1    in s^a/(s^a + c (1 - s)^b), loading on a compliant target */
-    FILM_PLATE_OUT = 3,   /* a = 1.6, b = 1.2,  c = 1    unloading, gamma sqrt(f_m/(xi_m - xi_f)) below 1.2 */
-    FILM_PLATE_SLOW = 4,  /* a = 1.6, b = 1.15, c = 0.19 ... below 2.5 */
-    FILM_PLATE_CREEP = 5, /* a = 1,   b = 2.5,  c = 0.3  ... above */
+    FILM_PLATE_OUT = 3,   /* a = 1.6, b = 1.2,  c = 1    unloading, gamma sqrt(f_m/(xi_m - xi_f)) below 1.1 */
+    FILM_PLATE_SLOW = 4,  /* a = 1.6, b = 1.15, c = 0.19 ... below 2.5: twice as many segments */
+    FILM_PLATE_CREEP = 5, /* a = 1,   b = 2.5,  c = 0.3  ... above: four times as many */
     FILM_GRADINGS = 6
 };
 
 /* Of an unloading leg, by gamma sqrt(force/depth) where it begins. */
 static inline int32_t film_grading(double slowness) {
-    return slowness < 1.2 ? FILM_PLATE_OUT : slowness < 2.5 ? FILM_PLATE_SLOW : FILM_PLATE_CREEP;
+    return slowness < 1.1 ? FILM_PLATE_OUT : slowness < 2.5 ? FILM_PLATE_SLOW : FILM_PLATE_CREEP;
 }
 
 /* How legs are cut: number of segments and fractions of their nodes, shared by any number of states.
- * fractions[g] points at loading + 1 (unloading + 1 for the three unloading gradings) numbers inside the
- * caller's memory, filled by film_mesh_init; fractions for both counts exist for EQUAL and COSINE. */
+ * ..._nodes[g] points at one number more than a leg of grading g has segments, inside the caller's memory, filled by
+ * film_mesh_init; EQUAL and COSINE are there both for loading and for unloading. */
 typedef struct {
     int32_t linearisation; /* FILM_CHORD or FILM_WORK_PRESERVING */
     int32_t loading;       /* segments of a loading leg in one stage, 1 .. FILM_MAX_SEGMENTS */
-    int32_t unloading;     /* segments of an unloading leg */
+    int32_t unloading;     /* segments of an unloading leg that is not slow: film_unloading */
     int32_t reserved;
     const double *loading_nodes[FILM_GRADINGS];
     const double *unloading_nodes[FILM_GRADINGS];
 } film_mesh;
 
 enum { FILM_MAX_SEGMENTS = 4000000 };
+
+/* Segments of an unloading leg: more where contact fades out slowly, so that their error stays about the same. */
+static inline int32_t film_unloading(const film_mesh *mesh, int32_t grading) {
+    return mesh->unloading * (grading == FILM_PLATE_CREEP ? 4 : grading == FILM_PLATE_SLOW ? 2 : 1);
+}
 
 /* Where the impactor is. */
 enum {

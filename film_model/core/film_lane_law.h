@@ -99,54 +99,72 @@ static void raised_lanes(const double *restrict x, double exponent, double *rest
 
 /* ---------------------------------------------------------------- the law */
 
-static void chebyshev_lanes(const film_function *g, const double *restrict z, double *restrict out) {
-    double b1[LANES] = {0.0}, b2[LANES] = {0.0};
-    int k = g->terms - 1;
-    for (; k > 1; k -= 2) {
-        double upper = g->series[k], lower = g->series[k - 1];
+/* Clenshaw's sums of two series at once: a processor works on the one while a step of the other waits for the step
+ * before. Terms that one has not are 0 and leave its sums 0. */
+static void chebyshev_lanes(const film_function *g, const film_function *h, const double *restrict zg,
+                            const double *restrict zh, double *restrict a, double *restrict b) {
+    double a1[LANES] = {0.0}, a2[LANES] = {0.0}, b1[LANES] = {0.0}, b2[LANES] = {0.0};
+    double of_g[FILM_MAX_TERMS + 4] = {0.0}, of_h[FILM_MAX_TERMS + 4] = {0.0};
+    memcpy(of_g, g->series, (size_t)g->terms * sizeof *of_g);
+    memcpy(of_h, h->series, (size_t)h->terms * sizeof *of_h);
+    for (int k = ((g->terms > h->terms ? g->terms : h->terms) + 2) / 4 * 4; k > 0; k -= 4) {
+        const double *cg = of_g + k, *ch = of_h + k;
+        double g0 = cg[0], g1 = cg[-1], g2 = cg[-2], g3 = cg[-3], h0 = ch[0], h1 = ch[-1], h2 = ch[-2], h3 = ch[-3];
         EACH(l) {
-            b2[l] = 2.0 * z[l] * b1[l] - b2[l] + upper;
-            b1[l] = 2.0 * z[l] * b2[l] - b1[l] + lower;
+            double z = 2.0 * zg[l], p = z * a1[l] - a2[l] + g0, q = z * p - a1[l] + g1;
+            a2[l] = z * q - p + g2;
+            a1[l] = z * a2[l] - q + g3;
+        }
+        EACH(l) {
+            double z = 2.0 * zh[l], p = z * b1[l] - b2[l] + h0, q = z * p - b1[l] + h1;
+            b2[l] = z * q - p + h2;
+            b1[l] = z * b2[l] - q + h3;
         }
     }
-    if (k == 1) {
-        EACH(l) {
-            double b = 2.0 * z[l] * b1[l] - b2[l] + g->series[1];
-            b2[l] = b1[l];
-            b1[l] = b;
-        }
+    EACH(l) {
+        a[l] = zg[l] * a1[l] - a2[l] + of_g[0];
+        b[l] = zh[l] * b1[l] - b2[l] + of_h[0];
     }
-    EACH(l) out[l] = z[l] * b1[l] - b2[l] + g->series[0];
 }
 
-static void value_lanes(const film_function *g, const double *restrict xi, double *restrict out) {
-    double x[LANES], power[LANES];
+static void variable_lanes(const film_function *g, const double *restrict xi, double *restrict z) {
     EACH(l) {
-        x[l] = (xi[l] - g->origin) * g->per_span;
-        x[l] = x[l] > 0.0 ? x[l] : 0.0;
-    }
-    if (g->form == FILM_POWER) {
-        if (g->coefficient == 0.0) {
-            EACH(l) out[l] = g->constant + g->slope * x[l];
-            return;
-        }
-        raised_lanes(x, g->exponent, power);
-        EACH(l) out[l] = g->constant + g->slope * x[l] + g->coefficient * power[l];
-        return;
+        double x = (xi[l] - g->origin) * g->per_span;
+        z[l] = x > 0.0 ? x : 0.0;
     }
     if (g->form == FILM_ROOT_SERIES) {
-        EACH(l) x[l] = sqrt(x[l]);
+        EACH(l) z[l] = sqrt(z[l]);
     }
-    EACH(l) x[l] = 2.0 * x[l] - 1.0;
-    chebyshev_lanes(g, x, out);
+    if (g->form != FILM_POWER) {
+        EACH(l) z[l] = 2.0 * z[l] - 1.0;
+    }
+}
+
+static void power_value_lanes(const film_function *g, const double *restrict xi, double *restrict out) {
+    double x[LANES], power[LANES] = {0.0};
+    variable_lanes(g, xi, x);
+    if (g->coefficient != 0.0) raised_lanes(x, g->exponent, power);
+    EACH(l) out[l] = g->constant + g->slope * x[l] + g->coefficient * power[l];
+}
+
+static void value_lanes(const film_function *g, const film_function *h, const double *restrict xi, double *restrict a,
+                        double *restrict b) {
+    double zg[LANES], zh[LANES], none[LANES];
+    int power_g = g->form == FILM_POWER, power_h = h->form == FILM_POWER;
+    if (power_g) power_value_lanes(g, xi, a);
+    else variable_lanes(g, xi, zg);
+    if (power_h) power_value_lanes(h, xi, b);
+    else variable_lanes(h, xi, zh);
+    if (!power_g && !power_h) chebyshev_lanes(g, h, zg, zh, a, b);
+    else if (!power_g) chebyshev_lanes(g, g, zg, zg, a, none);
+    else if (!power_h) chebyshev_lanes(h, h, zh, zh, b, none);
 }
 
 static void piece_law_lanes(const film_piece *piece, const double *restrict xi, double *restrict force,
                             double *restrict work) {
     const film_function *g = &piece->force;
     if (g->form != FILM_POWER) {
-        value_lanes(g, xi, force);
-        value_lanes(&piece->work, xi, work);
+        value_lanes(g, &piece->work, xi, force, work);
         return;
     }
     double x[LANES], power[LANES] = {0.0}, per = work_of(g->exponent);
@@ -164,30 +182,42 @@ static void piece_law_lanes(const film_piece *piece, const double *restrict xi, 
 
 enum { FORCE_AND_WORK, RECOVERY_AND_EXPONENT };
 
+static void piece_lanes(const film_piece *piece, int which, const double *restrict xi, double *restrict a,
+                        double *restrict b) {
+    if (which == FORCE_AND_WORK) piece_law_lanes(piece, xi, a, b);
+    else value_lanes(&piece->recovery, &piece->exponent, xi, a, b);
+}
+
+/* 1 for the lanes in a piece of a stage, as piece_at has it. */
+static void lanes_in(const film_curve *curve, int32_t stage, const film_piece *piece, const double *restrict xi,
+                     double *restrict here) {
+    const film_piece *first = &curve->piece[curve->stage[stage].first];
+    const film_piece *last = first + curve->stage[stage].count - 1;
+    double from = piece == first ? 0.0 : piece[-1].end, to = piece == last ? INFINITY : piece->end;
+    double below = piece == first ? 1.0 : 0.0;
+    EACH(l) {
+        here[l] = xi[l] > from ? 1.0 : below;
+        here[l] = xi[l] > to ? 0.0 : here[l];
+    }
+}
+
 /* Two functions of a stage, each lane from the piece it is in. */
 static void stage_lanes(const film_curve *curve, int32_t stage, int which, const double *restrict xi,
                         double *restrict a, double *restrict b) {
-    const film_piece *piece = &curve->piece[curve->stage[stage].first];
-    int32_t count = curve->stage[stage].count;
-    double at[LANES] = {0.0}, one[LANES], two[LANES];
-    for (int32_t p = 0; p + 1 < count; p++) {
-        double end = piece[p].end;
-        EACH(l) at[l] = xi[l] > end ? at[l] + 1.0 : at[l];
-    }
-    EACH(l) a[l] = b[l] = 0.0;
-    for (int32_t p = 0; p < count; p++) {
-        double here[LANES];
-        EACH(l) here[l] = at[l] == (double)p ? 1.0 : 0.0;
-        if (count > 1 && !any(here)) continue;
-        if (which == FORCE_AND_WORK) {
-            piece_law_lanes(&piece[p], xi, one, two);
-        } else {
-            value_lanes(&piece[p].recovery, xi, one);
-            value_lanes(&piece[p].exponent, xi, two);
-        }
-        EACH(l) {
-            a[l] = here[l] > 0.0 ? one[l] : a[l];
-            b[l] = here[l] > 0.0 ? two[l] : b[l];
+    const film_piece *piece = piece_at(curve, stage, xi[0]);
+    double done[LANES], here[LANES], one[LANES], two[LANES];
+    piece_lanes(piece, which, xi, a, b);
+    if (curve->stage[stage].count == 1) return;
+    lanes_in(curve, stage, piece, xi, done);
+    for (int l = 1; l < LANES; l++) {
+        if (done[l] > 0.0) continue;
+        piece = piece_at(curve, stage, xi[l]);
+        piece_lanes(piece, which, xi, one, two);
+        lanes_in(curve, stage, piece, xi, here);
+        EACH(k) {
+            done[k] = here[k] > 0.0 ? 1.0 : done[k];
+            a[k] = here[k] > 0.0 ? one[k] : a[k];
+            b[k] = here[k] > 0.0 ? two[k] : b[k];
         }
     }
 }

@@ -7,11 +7,12 @@
 
 #include "film_line.h"
 
-static const double REACH = 0.8, FAR_REACH = 2.6; /* of a line: see polynomial */
+static const double REACH = 0.8, FAR_REACH = 3.6; /* of a line: see terms */
+static const double LONGEST_STEP = 0.03; /* of a line's time: what a correction errs by is of its fourth power */
 
 /* x and y = x' after tau on a line, y'' = -a2 y' - k y, b = -a2 tau, c = -k tau^2: Taylor polynomials, whose terms
  * before division by j! are t_j = b t_{j-1} + c t_{j-2}, two at a time. They err by reach^10/10! and, where far, by
- * reach^20/20!, for |b| reach + |c| <= reach^2: 3e-8 and 8e-11 of a line at most, and like n^-10 in n segments. */
+ * reach^20/20!, for |b| reach + |c| <= reach^2: 3e-8 and 6e-8 of a line at most, and like n^-10 in n segments. */
 typedef struct {
     double t1, t2, t3, t4, t8, t9, high_x, high_y; /* high: the terms from t5 on */
 } terms;
@@ -39,17 +40,10 @@ INLINED void further_terms(double t8, double t9, double b, double c, double *hig
                t18 * (1.0 / 121645100408832000.0) + t19 * (1.0 / 2432902008176640000.0);
 }
 
-INLINED double polynomial(double y0, double t1, double b, double c, double tau, double *x) {
-    terms t = first_terms(y0, t1, b, c);
-    further_terms(t.t8, t.t9, b, c, &t.high_x, &t.high_y);
-    *x = tau * ((y0 + 0.5 * t1) + (t.t2 * (1.0 / 6) + t.t3 * (1.0 / 24)) + (t.t4 * (1.0 / 120) + t.high_x));
-    return (y0 + t1) + (t.t2 * 0.5 + t.t3 * (1.0 / 6)) + (t.t4 * (1.0 / 24) + t.high_y);
-}
-
-/* The same for all lanes; the further terms only where they are needed, or always. unfit: 1 where they do not reach. */
+/* For all lanes, from y0 with y' = d1; the further terms only where they are needed. unfit: 1 where they do not reach. */
 INLINED void polynomials(const double *restrict y0, const double *restrict d1, const double *restrict a2,
-                         const double *restrict kappa, const double *restrict q, int always, double *restrict x,
-                         double *restrict y, double *restrict unfit) {
+                         const double *restrict kappa, const double *restrict q, double *restrict x, double *restrict y,
+                         double *restrict unfit) {
     double t8[LANES], t9[LANES], high_x[LANES], high_y[LANES], far[LANES];
     EACH(l) {
         double b = -a2[l] * q[l], c = -kappa[l] * (q[l] * q[l]), t1 = d1[l] * q[l];
@@ -60,10 +54,10 @@ INLINED void polynomials(const double *restrict y0, const double *restrict d1, c
         t9[l] = t.t9;
         high_x[l] = t.high_x;
         high_y[l] = t.high_y;
-        far[l] = always || !(fabs(b) * REACH + fabs(c) <= REACH * REACH) ? 1.0 : 0.0;
+        far[l] = fabs(b) * REACH + fabs(c) <= REACH * REACH ? 0.0 : 1.0;
         unfit[l] = fabs(b) * FAR_REACH + fabs(c) <= FAR_REACH * FAR_REACH ? 0.0 : 1.0;
     }
-    if (always || any(far)) {
+    if (any(far)) {
         EACH(l) {
             double further_x = high_x[l], further_y = high_y[l];
             further_terms(t8[l], t9[l], -a2[l] * q[l], -kappa[l] * (q[l] * q[l]), &further_x, &further_y);
@@ -85,12 +79,14 @@ INLINED void cross_lines(const double *restrict gamma, const double *restrict h,
                          const double *restrict kappa, double d, int from_rest, int again, const double *restrict w,
                          double *restrict tau, double *restrict w1, double *restrict unserved) {
     double y0[LANES], d1[LANES], a2[LANES], q[LANES], x[LANES], y[LANES], u[LANES], unfit[LANES];
-    const double rough = from_rest || again ? 0.03 : 0.01;
     EACH(l) {
         double length = h[l], k = kappa[l], load = d * phi[l], damping = gamma[l] * k;
         double from = from_rest ? 0.0 : d * (w[l] - gamma[l] * phi[l]);
         if (again) {
             q[l] = tau[l];
+        } else if (from_rest) { /* by inertia alone, and by damping alone */
+            double slow = (1.0 / 3) * damping * length / (-load - 0.5 * k * length);
+            q[l] = slow + sqrt(slow * slow + 2.0 * length / (-load - (1.0 / 6) * k * length));
         } else {
             double drag = 0.5 * (damping * length), before = from - drag;
             double square = before * before - length * (load + load + k * length);
@@ -105,7 +101,7 @@ INLINED void cross_lines(const double *restrict gamma, const double *restrict h,
     }
     for (int pass = 0; pass <= from_rest; pass++) {
         if (pass > 0) EACH(l) q[l] += u[l];
-        polynomials(y0, d1, a2, kappa, q, from_rest, x, y, unfit);
+        polynomials(y0, d1, a2, kappa, q, x, y, unfit);
         EACH(l) {
             double k = kappa[l], slope = -(d * phi[l] + k * x[l]) - a2[l] * y[l], bend = -a2[l] * slope - k * y[l];
             double per_y = 1.0 / y[l], half = 0.5 * (slope * per_y), sixth = (1.0 / 6) * (bend * per_y);
@@ -113,7 +109,7 @@ INLINED void cross_lines(const double *restrict gamma, const double *restrict h,
             double step = part * (1.0 - part * (half - (2.0 * (half * half) - sixth) * part));
             double third = (1.0 / 6) * (a2[l] * bend + k * slope);
             double end = y[l] + step * (slope + step * (0.5 * bend - step * third));
-            double sure = fabs(part) < rough * q[l] ? unfit[l] : 1.0; /* u may be short by chance */
+            double sure = fabs(part) < LONGEST_STEP * q[l] ? unfit[l] : 1.0; /* u may be short by chance */
             u[l] = step;
             unserved[l] = end > 0.0 ? sure : 1.0;
             tau[l] = q[l] + step;

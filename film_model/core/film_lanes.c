@@ -38,53 +38,60 @@ static void cross_stage(job *j, int32_t stage, int32_t segments, const double *n
     EACH(l) peak[l] = t->peak > peak[l] ? t->peak : peak[l];
 }
 
-/* From the beginning of the stage, at v, to the turn at xi, by energy. */
+/* From the beginning of the stage, at v, to the turn at xi, where the law is force and work, by energy. */
 static void run_to_turn(job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict v,
-                        const double *restrict xi, double *restrict time, double *restrict peak) {
+                        const double *restrict xi, const double *restrict force, const double *restrict work,
+                        double *restrict time, double *restrict peak) {
     const film_curve *curve = j->curve;
     const film_function *g = &curve->piece[curve->stage[stage].first].force;
     double begin = curve->stage[stage].begin, v0[LANES], x0[LANES], f0[LANES], w0[LANES];
     if (plain_power(j, stage)) { /* one run, scaled */
         double rest = film_lines_of(j, UNIT_POWER, 1, segments, nodes, g->exponent)->rest;
-        double power[LANES];
-        raised_lanes(xi, g->exponent, power);
-        EACH(l) time[l] += rest * sqrt(xi[l] / (g->coefficient * power[l]));
-        EACH(l) peak[l] = g->coefficient * power[l] > peak[l] ? g->coefficient * power[l] : peak[l];
+        EACH(l) time[l] += rest * sqrt(xi[l] / force[l]);
+        EACH(l) peak[l] = force[l] > peak[l] ? force[l] : peak[l];
         return;
     }
     EACH(l) v0[l] = v[l];
     if (j->simple[stage]) {
         const row *r = film_lines_of(j, UNIT_POWER, 1, segments, nodes, g->exponent)->rows;
-        double flat[LANES], linear[LANES], power[LANES], sum[LANES] = {0.0}, constant = g->constant, slope = g->slope;
+        double flat[LANES], linear[LANES], power[LANES], sum[LANES] = {0.0};
         EACH(l) x0[l] = xi[l] - begin;
         raised_lanes(x0, g->exponent, power);
         EACH(l) {
-            flat[l] = 2.0 * constant * x0[l];
-            linear[l] = slope * x0[l] * x0[l];
+            flat[l] = 2.0 * g->constant * x0[l];
+            linear[l] = g->slope * x0[l] * x0[l];
             power[l] *= g->coefficient * x0[l];
         }
         for (int32_t i = 1; i <= segments; i++) {
-            double x = r[i].x, h = r[i].h, left1 = 1.0 - x, left2 = 1.0 - x * x, work = r[i].work, hh = h * h;
+            double x = r[i].x, h = r[i].h, left1 = 1.0 - x, left2 = 1.0 - x * x, left3 = r[i].work, hh = h * h;
             double bent = r[i].kappa * hh;
             EACH(l) {
-                double v1 = sqrt(flat[l] * left1 + linear[l] * left2 + power[l] * work);
+                double v1 = sqrt(flat[l] * left1 + linear[l] * left2 + power[l] * left3);
                 sum[l] += h * crossing(v0[l] + v1, linear[l] * hh + power[l] * bent);
                 v0[l] = v1;
             }
         }
         EACH(l) {
-            double force = constant + slope * x0[l] + power[l] / x0[l];
             time[l] += 2.0 * x0[l] * sum[l];
-            peak[l] = force > peak[l] ? force : peak[l];
+            peak[l] = force[l] > peak[l] ? force[l] : peak[l];
         }
         return;
     }
-    EACH(l) x0[l] = begin;
-    law_lanes(curve, stage, x0, f0, w0);
+    double first_force, first_work;
+    stage_law(curve, stage, begin, &first_force, &first_work);
+    EACH(l) {
+        x0[l] = begin;
+        f0[l] = first_force;
+        w0[l] = first_work;
+    }
     for (int32_t i = 1; i <= segments; i++) {
         double x1[LANES], f1[LANES], w1[LANES], fraction = nodes[i];
-        EACH(l) x1[l] = i < segments ? begin + (xi[l] - begin) * fraction : xi[l];
-        law_lanes(curve, stage, x1, f1, w1);
+        EACH(l) {
+            x1[l] = i < segments ? begin + (xi[l] - begin) * fraction : xi[l];
+            f1[l] = force[l];
+            w1[l] = work[l];
+        }
+        if (i < segments) law_lanes(curve, stage, x1, f1, w1);
         EACH(l) {
             double h = x1[l] - x0[l], per_h = 1.0 / h, mean = (w1[l] - w0[l]) * per_h, left = v[l] * v[l] - 2.0 * w1[l];
             double bend = i < segments ? (f1[l] - f0[l]) * h : 2.0 * (f1[l] - mean) * h;
@@ -139,7 +146,7 @@ static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) 
     EACH(l) energy[l] = 0.5 * v[l] * v[l];
     depth_lanes(curve, stage, j->whole[stage], energy, xi);
     law_lanes(curve, stage, xi, force, work);
-    run_to_turn(j, stage, n, in, v, xi, turned, peak);
+    run_to_turn(j, stage, n, in, v, xi, force, work, turned, peak);
     if (curve->stage[stage].unloading != FILM_RETRACE) {
         double exponent[LANES], time[LANES];
         open_lanes(curve, stage, xi, force, recovery, exponent);
@@ -160,7 +167,7 @@ static void fixed_lanes(job *j, int32_t stage, const int64_t *index, int count) 
         EACH(l) v[l] = nu[l];
         if (n != m) {
             for (int32_t k = 0; k < stage; k++) cross_stage(j, k, m, out, v, back, peak_again);
-            run_to_turn(j, stage, m, out, v, xi, back, peak_again);
+            run_to_turn(j, stage, m, out, v, xi, force, work, back, peak_again);
         }
         EACH(l) {
             ended[l] = turned[l] + (n == m ? turned[l] : back[l]);
@@ -232,28 +239,29 @@ static void run_towards(job *j, int32_t stage, int32_t segments, const double *n
  * by steps of Newton's method from tau or, where it is not known, from Halley's step at the line's beginning. */
 static void turn_lanes(job *j, int32_t stage, const double *restrict x1, lanes *restrict s, int known, int steps,
                        double *restrict tau) {
-    double phi[LANES], kappa[LANES], y0[LANES], x[LANES], f1[LANES], w1[LANES], w[LANES], miss[LANES], falling[LANES];
+    double phi[LANES], kappa[LANES], y0[LANES], d1[LANES], a2[LANES], x[LANES], y[LANES], f1[LANES], w1[LANES];
+    double w[LANES], miss[LANES];
     law_lanes(j->curve, stage, x1, f1, w1);
     EACH(l) {
         double g = s->gamma[l], h = x1[l] - s->xi[l], mean = (w1[l] - s->work[l]) / h;
         phi[l] = 2.0 * mean - f1[l];
         kappa[l] = 2.0 * (f1[l] - mean) / h;
-        double a2 = g * kappa[l], y = s->w[l] - g * phi[l], d1 = -phi[l] - a2 * y, d2 = -a2 * d1 - kappa[l] * y;
-        y0[l] = y;
-        tau[l] = known ? tau[l] : 2.0 * y * d1 / (y * d2 - 2.0 * d1 * d1);
+        a2[l] = g * kappa[l];
+        y0[l] = s->w[l] - g * phi[l];
+        d1[l] = -phi[l] - a2[l] * y0[l];
+        double d2 = -a2[l] * d1[l] - kappa[l] * y0[l];
+        tau[l] = known ? tau[l] : 2.0 * y0[l] * d1[l] / (y0[l] * d2 - 2.0 * d1[l] * d1[l]);
     }
     for (int i = 0; i <= steps; i++) {
+        polynomials(y0, d1, a2, kappa, tau, x, y, miss);
         EACH(l) {
-            double g = s->gamma[l], a2 = g * kappa[l], b = -a2 * tau[l], c = -kappa[l] * (tau[l] * tau[l]), along;
-            double y = polynomial(y0[l], (-phi[l] - a2 * y0[l]) * tau[l], b, c, tau[l], &along);
-            falling[l] = a2 * y; /* of gamma f, by the line's slope */
-            w[l] = y + g * (phi[l] + kappa[l] * along);
-            x[l] = s->xi[l] + along;
-            miss[l] = fabs(b) * FAR_REACH + fabs(c) <= FAR_REACH * FAR_REACH ? 0.0 : 1.0;
+            w[l] = y[l] + s->gamma[l] * (phi[l] + kappa[l] * x[l]);
+            x[l] += s->xi[l];
         }
         law_lanes(j->curve, stage, x, f1, w1);
         if (i == steps) break;
-        EACH(l) tau[l] += (w[l] - s->gamma[l] * f1[l]) / (f1[l] + falling[l]);
+        /* gamma f falls by a2 y, as on the line */
+        EACH(l) tau[l] += (w[l] - s->gamma[l] * f1[l]) / (f1[l] + a2[l] * y[l]);
     }
     EACH(l) {
         double g = s->gamma[l], bad = fabs(w[l] - g * f1[l]) < 1e-9 * w[l] ? miss[l] : 1.0;
@@ -477,12 +485,13 @@ static void law_of_stops(const job *j, const stops *restrict n, const leaving *b
 INLINED void along_lines(const double *restrict gamma, const double *restrict w0, const double *restrict phi,
                          const double *restrict kappa, const double *restrict from_rest, const double *restrict tau,
                          double *restrict x, double *restrict y, double *restrict unfit) {
+    double y0[LANES], d1[LANES], a2[LANES];
     EACH(l) {
-        double a2 = gamma[l] * kappa[l], b = -a2 * tau[l], c = -kappa[l] * (tau[l] * tau[l]);
-        double y0 = from_rest[l] > 0.0 ? 0.0 : gamma[l] * phi[l] - w0[l];
-        y[l] = polynomial(y0, (phi[l] - a2 * y0) * tau[l], b, c, tau[l], &x[l]);
-        unfit[l] = fabs(b) * FAR_REACH + fabs(c) <= FAR_REACH * FAR_REACH ? 0.0 : 1.0;
+        a2[l] = gamma[l] * kappa[l];
+        y0[l] = from_rest[l] > 0.0 ? 0.0 : gamma[l] * phi[l] - w0[l];
+        d1[l] = phi[l] - a2[l] * y0[l];
     }
+    polynomials(y0, d1, a2, kappa, tau, x, y, unfit);
 }
 
 /* When the impactors stop, within lines that begin at w0 > 0 and end at w1 <= 0; NAN where one does not. The cubic
@@ -550,7 +559,7 @@ static void leave_lane(job *j, const lanes *s, double stopped, int l, int64_t in
 /* A block of impacts from rest at their deepest point out along their branches; exponent NAN: each lane has its own. */
 static void plate_out_lanes(job *j, int32_t grading, double same, leaving *q) {
     const double *nodes = j->mesh->unloading_nodes[grading];
-    int32_t segments = j->mesh->unloading;
+    int32_t segments = film_unloading(j->mesh, grading);
     double stiff[LANES], w0[LANES], f0[LANES], f1[LANES], from[LANES], stopped[LANES];
     const row *r = same == same ? film_lines_of(j, UNIT_POWER, -1, segments, nodes, same)->rows : NULL;
     lanes s;
@@ -623,34 +632,56 @@ static void plate_back_lanes(job *j, int32_t stage, const int64_t *index, int co
                              const double *restrict stored) {
     const film_mesh *mesh = j->mesh;
     double largest[LANES], from[LANES], begin[LANES], x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES], stopped[LANES];
+    double until[LANES];
     const double *nodes[LANES];
+    int32_t segments[LANES], drawn[LANES] = {0};
     lines n;
     stops stop;
     EACH(l) largest[l] = s->force[l];
     await_stops(&stop);
     for (int32_t k = stage; k >= 0; k--) {
         double to = j->curve->stage[k].begin;
+        int32_t most = 0;
         EACH(l) {
+            int32_t grading = film_grading(s->gamma[l] * sqrt(largest[l] / s->xi[l]));
             from[l] = s->xi[l];
-            nodes[l] = mesh->unloading_nodes[film_grading(s->gamma[l] * sqrt(largest[l] / from[l]))];
+            nodes[l] = mesh->unloading_nodes[grading];
+            segments[l] = film_unloading(mesh, grading);
+            most = segments[l] > most ? segments[l] : most;
+            drawn[l] += segments[l];
         }
         law_lanes(j->curve, k, from, s->force, s->work);
-        for (int32_t i = 1; i <= mesh->unloading; i++) {
+        for (int32_t i = 1; i <= most; i++) {
             EACH(l) {
-                x1[l] = i < mesh->unloading ? from[l] + (to - from[l]) * nodes[l][i] : to;
+                x1[l] = i < segments[l] ? from[l] + (to - from[l]) * nodes[l][i] : to;
                 w0[l] = s->w[l];
                 f0[l] = s->force[l];
                 begin[l] = s->xi[l];
+                until[l] = s->time[l];
             }
             law_lanes(j->curve, k, x1, f1, w1);
             draw_lines(s, &n, -1.0, i == 1 && k == stage, x1, f1, w1);
+            EACH(l) { /* a lane that has no line left takes one that comes to nothing, while others go on */
+                if (i <= segments[l]) continue;
+                n.h[l] = 1.0;
+                n.phi[l] = n.kappa[l] = 0.0;
+                s->w[l] = -1.0;
+            }
             if (i == 1 && k == stage) pass_from_rest(s, &n);
             else pass_outwards(s, &n);
+            EACH(l) {
+                if (i <= segments[l]) continue;
+                s->w[l] = w0[l];
+                s->time[l] = until[l];
+            }
             keep_stops(&stop, s, &n, w0, f0, f1, begin, k, i == 1 && k == stage);
         }
     }
     stop_times(j, &stop, s, NULL, NAN, stopped);
-    for (int l = 0; l < count; l++) leave_lane(j, s, stopped[l], l, index[l], 0.0, stored[l], stored[l]);
+    for (int l = 0; l < count; l++) {
+        j->summary[index[l]].lines += drawn[l];
+        leave_lane(j, s, stopped[l], l, index[l], 0.0, stored[l], stored[l]);
+    }
 }
 
 const routines FILM_ROUTINES = {fixed_lanes, plate_in_lanes, plate_out_lanes, plate_back_lanes};

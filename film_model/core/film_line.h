@@ -31,10 +31,11 @@ static inline void move(const motion *m, double tau, double *x, double *y) {
     if (fabs(b) <= 1.0 && fabs(c) <= 1.0) {
         double before = m->y0, last = (-m->phi - 2.0 * m->a * m->y0) * tau;
         double small = 1e-17 * (fabs(before) + fabs(last));
-        double sum_y = before + last, sum_x = before + 0.5 * last;
-        for (int k = 2; k < 24; k += 2) {
-            before = b * last + c * before;
-            last = b * before + c * last;
+        double sum_y = before + last, sum_x = before + 0.5 * last, p = b * b + c, r = b * c;
+        for (int k = 2; k < 24; k += 2) { /* two terms from the two before, at the same time */
+            double next = b * last + c * before;
+            last = p * last + r * before;
+            before = next;
             sum_y += before * over[k] + last * over[k + 1];
             sum_x += before * over[k + 1] + last * over[k + 2];
             if ((fabs(before) + fabs(last)) * over[k + 1] <= small) break;

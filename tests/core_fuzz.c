@@ -164,7 +164,7 @@ static void any_piece(film_piece *piece, double begin, double end, double before
     double start = !jumps || whole(0, 3) ? before : before * 2.0 * fraction();
     piece->end = end;
     if (begin == 0.0 || !(end < INFINITY) || whole(0, 3)) {
-        double origin = whole(0, 3) ? begin : begin * fraction(), q = any_exponent(), span = (end < INFINITY ? end : begin + 1.0) - begin;
+        double origin = whole(0, 3) || !(start > 0.0) ? begin : begin * fraction(), q = any_exponent(), span = (end < INFINITY ? end : begin + 1.0) - begin;
         double slope = whole(0, 1) ? 0.0 : size * decades(1e-6, 1e2) / span, rise = whole(0, 3) ? size * decades(1e-6, 1e2) : 0.0;
         if (whole(0, 7) == 0 && end < INFINITY) slope = rise = 0.0;
         if (whole(0, 7) == 0) slope = size * 1e-14;

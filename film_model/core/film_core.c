@@ -19,6 +19,7 @@ static const double TRIAL_TURN_TOLERANCE = 1e-2; /* a trial only aims the nodes 
 static const double TURN_SPEED = 1e-6;           /* of the speed a line began with: its energy, 1e-12, is rounding */
 static const double SHORT_TURN = 1e-9;           /* of the depth: a way to the turn of which rounding is a part */
 static const double REST_LENGTH = 1e-6;          /* of the contact's depth: curvature changes the force by 1e-12 */
+static const double NEIGHBOURS = 1e-15;           /* of the indentation: numbers that can hardly be told apart */
 static const double REST_SPEED = 1e-13;          /* of the impactor's: rounding of y = nu - gamma f */
 static const double NEWTON_SETTLED = 1e-9;       /* relative; the next step's error is the square */
 static const double SHORT_WAY = 2e-4;            /* of the distance to the law's singular point; see mean_force */
@@ -194,6 +195,8 @@ static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state 
             move(&m, tau, &reach, &y);
         } else if (m.kappa > 0.0 && m.phi < 0.0) {
             reach = -m.phi / m.kappa;
+        } else if (m.kappa == 0.0 && m.phi == 0.0) {
+            reach = 0.5 * m.y0 / m.a;
         }
         double miss = reach - h;
         s->tau_end = tau;
@@ -362,10 +365,29 @@ static int sags(const film_curve *curve, const film_state *s, double h) {
     return middle < 0.499999 * (s->elastic + s->force_end);
 }
 
+/* Without a load nothing turns the motion on the way out, but the line just drawn over `length` does, or ends with the motion
+ * inwards: it begins with less force than the law's, or ends with more. One that is true to the law at that end leaves
+ * outwards, or creeps for ever. */
+static int push_out(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int left) {
+    film_state drawn = *s;
+    double y, h = s->direction * length;
+    if (left == LEFT) {
+        line_to_turn(curve, mesh, s, length);
+    } else {
+        s->line.kappa = 2.0 * (mean_force(curve, s, h) - s->elastic) / h;
+        s->line.phi = s->elastic;
+    }
+    motion m = on_line(s, s->line.phi, s->line.kappa);
+    int now = leave(&m, length, &s->tau_end, &y);
+    if (now == LEFT) land(s, length, y);
+    else if (now == LEFT_NOT) *s = drawn;
+    return now == LEFT_NOT ? left : now;
+}
+
 /* The next line of the leg: replaces the law from the current point to the next node. */
 static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, double turn_tolerance) {
     int last = s->leg_node + 1 >= s->leg_nodes, at_rest = s->from_turn && s->leg_node == 0;
-    int own_turn = at_rest || (mesh->linearisation == FILM_CHORD && s->gamma == 0.0);
+    int own_turn = at_rest || (mesh->linearisation == FILM_CHORD && s->gamma == 0.0 && !damped(curve, s));
     double d = s->direction, limit = limit_of(curve, s), x, y;
     double to = last ? s->leg_to : s->leg_from + (s->leg_to - s->leg_from) * node(mesh, s, s->leg_node + 1);
     double length = d * (to - s->xi), edge = d * (limit - s->xi);
@@ -391,11 +413,19 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         }
         motion m = draw(curve, mesh, s, length);
         int left = leave(&m, length, &s->tau_end, &y);
+        int turning = at_rest && s->gamma > 0.0 && (d > 0.0 || s->load > 0.0) && s->leg_grading != GRADING_COARSE;
+        for (int k = 0; left == LEFT_NOT && turning && k < HALVINGS; k++) { /* as before a turn */
+            length *= 0.5;
+            s->line_ends = ENDS_PART;
+            m = draw(curve, mesh, s, length);
+            left = leave(&m, length, &s->tau_end, &y);
+        }
         if (left != LEFT && d < 0.0 && s->load <= 0.0 && damped(curve, s)) { /* it lets go on the way */
             s->line_ends = ENDS_NEVER;
             s->tau_end = INFINITY;
             return FILM_OK;
         }
+        if (left == LEFT_NOT && m.y0 < 0.0 && d < 0.0 && s->load <= 0.0 && !at_rest) left = push_out(curve, mesh, s, length, left);
         /* A line may dip below zero where the law only touches it, or as a chord be too steep, and would hold the contact
          * shut for ever. Without a load nothing does: go halfway, and again, until the law is flat enough to let go. */
         for (int k = 0; left != LEFT && k < HALVINGS && d < 0.0 && s->load <= 0.0; k++) {
@@ -413,6 +443,9 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         if (left == LEFT) {
             if (s->line_ends == ENDS_TURN && y > TURN_SPEED * m.y0) s->line_ends = ENDS_NODE; /* later: plan afresh */
             land(s, length, s->line_ends == ENDS_TURN ? 0.0 : y);
+            if (d < 0.0 && s->load <= 0.0 && s->nu_end > s->gamma * s->force_end) left = push_out(curve, mesh, s, length, left);
+        }
+        if (left == LEFT) {
             if (s->line_ends != ENDS_PART) s->xi_end = to;
             if (s->line_ends == ENDS_TURN && turn_time(&m) < INFINITY) s->tau_end = turn_time(&m); /* y: root of rounding */
             return FILM_OK;
@@ -699,7 +732,11 @@ static int aim_by_trial(const film_curve *curve, const film_mesh *mesh, film_sta
         }
         s->leg_ends = trial.line_ends == ENDS_NODE ? ENDS_TURN : trial.line_ends;
         s->leg_to = s->leg_ends == ENDS_EDGE ? limit : s->leg_ends == ENDS_NEVER ? balance(curve, s, trial.xi_end) : trial.xi_end;
-        if (s->leg_ends == ENDS_EDGE) break;
+        if (s->leg_ends == ENDS_EDGE && limit < INFINITY) break;
+        if (s->leg_ends == ENDS_EDGE) { /* further than a fixed target, on so few lines */
+            s->leg_ends = ENDS_TURN;
+            s->leg_to = trial.xi_end;
+        }
     }
     return FILM_OK;
 }
@@ -800,7 +837,7 @@ static void open_line(film_state *s) {
 /* A leg so short, and so close to balance, that the law is straight: one line for all time to come, in either direction.
  * 1 if it was drawn. */
 static int rest(const film_curve *curve, film_state *s, double depth) {
-    double f_low, f_high, work, reach = REST_LENGTH * depth;
+    double f_low, f_high, work, reach = fmax(REST_LENGTH * depth, NEIGHBOURS * fabs(s->xi));
     if (s->leg_ends == ENDS_EDGE || fabs(s->leg_to - s->leg_from) >= reach) return 0;
     law_at(curve, &s->line, s->xi - reach, &f_low, &work);
     law_at(curve, &s->line, s->xi + reach, &f_high, &work);

@@ -78,7 +78,8 @@ static inline double turn_time(const motion *m) {
         double r = m->y0 / rate;
         if (square * r * r > -0.98) return r * arc(square * r * r);
         double d = sqrt(-square), left = m->phi + m->kappa / (m->a + d) * m->y0; /* rate - d y0, without a difference */
-        return m->a > 0.0 && left > 0.0 ? 0.5 / d * log((rate + d * m->y0) / left) : r * arc(square * r * r);
+        if (m->a > 0.0) return left > 0.0 ? 0.5 / d * log((rate + d * m->y0) / left) : INFINITY;
+        return r * arc(square * r * r);
     }
     if (!(square > 0.0)) return INFINITY;
     double angle = atan2(sqrt(square) * m->y0, rate);
@@ -97,6 +98,7 @@ static inline int leave_slowly(const motion *m, double length, double *tau, doub
         high = m->y0 > 0.0 ? length / m->y0 : sqrt(-2.0 * length / m->phi);
         for (int k = 0; k < DOUBLINGS; k++, high *= 2.0) {
             move(m, high, &x, y);
+            if (!(x > -INFINITY)) return LEFT_NOT; /* a start backwards, on and on */
             if (!(x < length)) break;
             if (k == DOUBLINGS - 1 || high > 1e300) return LEFT_NEVER;
         }

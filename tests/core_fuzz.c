@@ -431,7 +431,7 @@ static int march(film_state *s, double dt) {
             HOLD(s->event > FILM_NO_EVENT && s->event <= FILM_RELOADING_BEGINS);
             if (mesh.linearisation == FILM_WORK_PRESERVING && !node.has_line) {
                 double scale = energy_scale(s) + energy_scale(&node);
-                double blurred = 2e-15 * s->gamma * fabs(s->line.kappa * s->xi * s->nu); /* gamma f turns it, and xi is rounded */
+                double blurred = 4e-15 * s->gamma * fabs(s->line.kappa * s->xi * s->nu); /* gamma f turns it, and xi is rounded */
                 HOLD(energy(s) <= energy(&node) + EXACT * scale + blurred);
                 if (s->gamma == 0.0 && s->damper == 0.0) NEAR(energy(s), energy(&node), scale, EXACT);
             }

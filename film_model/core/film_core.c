@@ -17,6 +17,7 @@ static const double TURN_TOLERANCE = 1e-12;      /* of the length of the last se
 static const double TURN_ROUNDING = 2e-15;       /* of the depth: a short segment's mean force is not known better */
 static const double TRIAL_TURN_TOLERANCE = 1e-2; /* a trial only aims the nodes */
 static const double TURN_SPEED = 1e-6;           /* of the speed a line began with: its energy, 1e-12, is rounding */
+static const double SLOWED = 1e-12;              /* of the velocity a line takes away: a stop is met as well as that */
 static const double SHORT_TURN = 1e-9;           /* of the depth: a way to the turn of which rounding is a part */
 static const double REST_LENGTH = 1e-6;          /* of the contact's depth: curvature changes the force by 1e-12 */
 static const double NEIGHBOURS = 1e-15;           /* of the indentation: numbers that can hardly be told apart */
@@ -187,7 +188,7 @@ static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state 
         } else if (m.a == 0.0) {
             double root = m.phi * m.phi + m.kappa * m.y0 * m.y0;
             if (root >= 0.0 && m.phi + sqrt(root) > 0.0) {
-                reach = m.y0 * m.y0 / (m.phi + sqrt(root));
+                reach = m.phi < 0.0 && m.kappa > 0.0 ? (sqrt(root) - m.phi) / m.kappa : m.y0 * m.y0 / (m.phi + sqrt(root));
                 double ratio = reach / m.y0;
                 tau = 2.0 * ratio * arc(m.kappa * ratio * ratio);
             }
@@ -368,9 +369,9 @@ static int sags(const film_curve *curve, const film_state *s, double h) {
 /* Without a load nothing turns the motion on the way out, but the line just drawn over `length` does, or ends with the motion
  * inwards: it begins with less force than the law's, or ends with more. One that is true to the law at that end leaves
  * outwards, or creeps for ever. */
-static int push_out(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int left) {
+static int push_out(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int left, double *y) {
     film_state drawn = *s;
-    double y, h = s->direction * length;
+    double h = s->direction * length;
     if (left == LEFT) {
         line_to_turn(curve, mesh, s, length);
     } else {
@@ -378,8 +379,8 @@ static int push_out(const film_curve *curve, const film_mesh *mesh, film_state *
         s->line.phi = s->elastic;
     }
     motion m = on_line(s, s->line.phi, s->line.kappa);
-    int now = leave(&m, length, &s->tau_end, &y);
-    if (now == LEFT) land(s, length, y);
+    int now = leave(&m, length, &s->tau_end, y);
+    if (now == LEFT) land(s, length, *y);
     else if (now == LEFT_NOT) *s = drawn;
     return now == LEFT_NOT ? left : now;
 }
@@ -425,7 +426,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
             s->tau_end = INFINITY;
             return FILM_OK;
         }
-        if (left == LEFT_NOT && m.y0 < 0.0 && d < 0.0 && s->load <= 0.0 && !at_rest) left = push_out(curve, mesh, s, length, left);
+        if (left == LEFT_NOT && m.y0 < 0.0 && d < 0.0 && s->load <= 0.0 && !at_rest) left = push_out(curve, mesh, s, length, left, &y);
         /* A line may dip below zero where the law only touches it, or as a chord be too steep, and would hold the contact
          * shut for ever. Without a load nothing does: go halfway, and again, until the law is flat enough to let go. */
         for (int k = 0; left != LEFT && k < HALVINGS && d < 0.0 && s->load <= 0.0; k++) {
@@ -443,7 +444,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         if (left == LEFT) {
             if (s->line_ends == ENDS_TURN && y > TURN_SPEED * m.y0) s->line_ends = ENDS_NODE; /* later: plan afresh */
             land(s, length, s->line_ends == ENDS_TURN ? 0.0 : y);
-            if (d < 0.0 && s->load <= 0.0 && s->nu_end > s->gamma * s->force_end) left = push_out(curve, mesh, s, length, left);
+            if (d < 0.0 && s->load <= 0.0 && s->nu_end > s->gamma * s->force_end) left = push_out(curve, mesh, s, length, left, &y);
         }
         if (left == LEFT) {
             if (s->line_ends != ENDS_PART) s->xi_end = to;
@@ -523,6 +524,8 @@ static void cut_at_stop(const film_curve *curve, const film_mesh *mesh, film_sta
         if (!(next > low && next < high) || k > NEWTON_STEPS) next = 0.5 * (low + high);
         if (fabs(next - length) <= (at_rest ? 1e-12 * length : 1e-14 * full)) {
             if (fabs(excess) > 1e-6 * (whole.nu - whole.nu_end)) break; /* only the line that meets the turn stops */
+            /* next to a turn the way is known less well than the time */
+            if (fabs(excess) > SLOWED * (whole.nu - whole.nu_end)) s->tau_end += excess / (phi - s->load);
             s->nu_end = s->stop_velocity;
             return;
         }

@@ -11,7 +11,7 @@
 static const double PI = 3.14159265358979323846;
 
 enum { LEFT_NOT, LEFT, LEFT_NEVER }; /* it turns before; it passes; it comes to rest before */
-enum { ROOT_ITERATIONS = 200, DOUBLINGS = 2100 };
+enum { ROOT_ITERATIONS = 200, NEWTON_PATIENCE = 40, DOUBLINGS = 2100 };
 
 typedef struct {
     double y0, phi, kappa, a; /* phi: the line's force at x = 0, less the load */
@@ -108,7 +108,7 @@ static inline int leave_slowly(const motion *m, double length, double *tau, doub
         move(m, t, &x, y);
         if (x < length) low = t; else high = t;
         double next = *y > 0.0 ? t - (x - length) / *y : low;
-        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        if (!(next > low && next < high) || (k > NEWTON_PATIENCE && k % 2)) next = 0.5 * (low + high); /* e^t takes a step each */
         if (fabs(next - t) <= 4e-16 * t) break;
         t = next;
     }

@@ -393,12 +393,19 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
     double to = last ? s->leg_to : s->leg_from + (s->leg_to - s->leg_from) * node(mesh, s, s->leg_node + 1);
     double length = d * (to - s->xi), edge = d * (limit - s->xi);
     s->line_ends = last ? s->leg_ends : ENDS_NODE;
-    if (s->line_ends == ENDS_TURN && !at_rest && !damped(curve, s) && length <= SHORT_TURN * fabs(s->xi)) { /* under one force */
-        double speed = d * (s->nu - s->gamma * s->force), pull = d * (s->force - s->load);
-        if (speed > 0.0 && speed * speed <= 2.0 * SHORT_TURN * pull * fabs(s->xi)) {
+    if (!(edge > 0.0) && (s->line_ends == ENDS_TURN || s->line_ends == ENDS_NEVER)) {
+        end_here(s, s->leg_ends = ENDS_EDGE);
+        return FILM_OK;
+    }
+    int nowhere = !(length > 0.0) && s->leg_to == s->leg_from;
+    if (s->line_ends == ENDS_TURN && !at_rest && (nowhere || length <= SHORT_TURN * fabs(s->xi))) { /* under one force */
+        double speed = d * (s->nu - s->gamma * s->elastic), pull = d * (s->elastic - s->load);
+        if (speed > 0.0 && (nowhere || speed * speed <= 2.0 * SHORT_TURN * pull * fabs(s->xi))) {
             end_here(s, ENDS_TURN);
-            s->tau_end = speed / pull;
-            s->nu_end = s->gamma * s->force;
+            s->line.damping = damping_at(curve, &s->line, s->xi);
+            motion m = on_line(s, s->elastic, 0.0);
+            s->tau_end = pull > 0.0 ? turn_time(&m) : 0.0;
+            s->nu_end = s->gamma * s->elastic;
             return FILM_OK;
         }
     }
@@ -1042,8 +1049,8 @@ static int finish(const film_curve *curve, const film_mesh *mesh, film_state *s)
 
 /* ---------------------------------------------------------------- what the header promises */
 
-static void add(double *sum, double *low, double x) { /* with the remainder that rounding drops */
-    double t = *sum + (x + *low);
+static void add(double *sum, double *low, double x) { /* x >= 0, with the remainder that rounding drops */
+    double t = fmax(*sum, *sum + (x + *low)); /* never less, though the remainder be just half of the last digit */
     *low = (*sum - t) + (x + *low);
     *sum = t;
 }

@@ -325,9 +325,9 @@ static void check_line(const film_line *line, const film_line *next, double dept
             fastest = fmax(fastest, fabs(values[3]) + line->gamma * fabs(force));
         }
     }
-    double blurred = 1e-15 * fabs(line->kappa) * (fabs(line->xi) + fabs(next->xi)) / LINES_MEET; /* x is a difference here */
+    double blurred = 1e-15 * fabs(line->kappa) * (fabs(line->xi) + fabs(next->xi)) / LINES_MEET; /* x is a difference here, and gamma f turns it */
     double size = depth + fastest * tau + late * fastest / LINES_MEET;
-    NEAR(next->nu - line->nu, line->load * tau - impulse, speed + fastest + (pull + fabs(line->load)) * (tau + late / LINES_MEET) + blurred * tau, LINES_MEET);
+    NEAR(next->nu - line->nu, line->load * tau - impulse, speed + fastest + (pull + fabs(line->load)) * (tau + late / LINES_MEET) + blurred * (tau + line->gamma), LINES_MEET);
     NEAR(next->xi - line->xi, way, size + line->gamma * blurred * tau, LINES_MEET);
 }
 
@@ -425,8 +425,9 @@ static int march(film_state *s, double dt) {
         if (status < 0) return status;
         bounded(s->lines - drawn);
         HOLD(s->time >= from);
-        HOLD(!(dt < INFINITY) || s->time <= end * (1.0 + 1e-15) + 1e-300);
-        if (status == FILM_OK) HOLD(fabs(s->time - end) <= 1e-15 * fabs(end));
+        double digits = (1e-15 + 1e-16 * (s->lines - drawn)) * fabs(end); /* dt loses one with each line */
+        HOLD(!(dt < INFINITY) || s->time <= end + digits + 1e-300);
+        if (status == FILM_OK) HOLD(fabs(s->time - end) <= digits);
         if (status == FILM_EVENT) {
             events_seen++;
             HOLD(s->event > FILM_NO_EVENT && s->event <= FILM_RELOADING_BEGINS);
@@ -461,7 +462,7 @@ static void check_batch(const film_start *first) {
         if (i % 3 == 1) start[i].gamma = 0.0;
         if (i % 3 == 2) start[i].gamma = decades(1e-4, 30.0);
         if (i % 5) start[i].load = start[i].stop_velocity = 0.0;
-        if (start[i].load > 0.0) start[i].time_limit = 100.0;
+        if (start[i].load > 0.0) start[i].time_limit = fmin(100.0, 1000.0 * start[i].nu / start[i].load); /* it may swing for long */
     }
     film_batch(&curve, &mesh, count, start, summary, status);
     for (int instructions = FILM_PLAIN; instructions <= film_instructions(); instructions++) {

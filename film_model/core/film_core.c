@@ -13,6 +13,8 @@ enum { ENDS_NODE, ENDS_EDGE, ENDS_TURN, ENDS_NEVER, ENDS_PART, ENDS_STOP, ENDS_R
 enum { LOOP_NONE, LOOP_RELOAD, LOOP_INNER };
 enum { GRADING_COARSE = -1 }; /* nodes of a trial leg: 3 s^2 - 2 s^3, no table needed */
 
+enum { TURN_NOT, TURN, TURN_BETWEEN };
+
 static const double TURN_TOLERANCE = 1e-12;      /* of the length of the last segment, a small part of the depth */
 static const double TURN_ROUNDING = 2e-15;       /* of the depth: a short segment's mean force is not known better */
 static const double TRIAL_TURN_TOLERANCE = 1e-2; /* a trial only aims the nodes */
@@ -115,13 +117,14 @@ static double speed_at(const film_curve *curve, const film_state *s, double xi, 
 }
 
 /* Damping of the line over the next h, passed with speeds y0 to y1: a constant, and what c y is more or less than that at
- * the ends put on the line's own force, with as much work as c y in all. At a turn c y is 0, and the line keeps its force. */
-static void damp(const film_curve *curve, const film_mesh *mesh, film_state *s, double h, double y0, double y1) {
+ * the ends put on the line's own force, with as much work as c y in all. At a turn c y is 0, and the line keeps its force.
+ * plain: the constant alone. */
+static void damp(const film_curve *curve, const film_mesh *mesh, film_state *s, double h, double y0, double y1, int plain) {
     double mean = mean_damping(curve, s, h, y0, y1), c0 = damping_at(curve, &s->line, s->xi), c1 = damping_at(curve, &s->line, s->xi + h);
     double d = s->direction, at = mean, tilt;
     s->line.damping = mean;
     /* a line too long for the speeds to be known: what they say of c y might drive the motion */
-    if (mesh->linearisation == FILM_CHORD || mean * fabs(h) > 0.5 * fmax(y0, y1)) return;
+    if (plain || mesh->linearisation == FILM_CHORD || mean * fabs(h) > 0.5 * fmax(y0, y1)) return;
     /* the mean speed over the way: of y^2 that goes evenly with time, as in mean_damping */
     double speed = 2.0 / 3.0 * (y0 * y0 + y0 * y1 + y1 * y1) / (y0 + y1);
     if (y0 == 0.0 || y1 == 0.0) {
@@ -161,26 +164,27 @@ static double mean_force(const film_curve *curve, const film_state *s, double h)
 
 /* The line from the current point over `length` that meets the law's force at the far end: it does the law's work, or
  * it is the chord. */
-static void line_to_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double length) {
+static void line_to_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int plain) {
     double h = s->direction * length;
     law_at(curve, &s->line, s->xi + h, &s->force_end, &s->work_end);
     double near = mesh->linearisation == FILM_CHORD ? s->elastic : 2.0 * mean_force(curve, s, h) - s->force_end;
     s->line.kappa = (s->force_end - near) / h;
     s->line.phi = near;
     s->line.damping = 0.0;
-    if (damped(curve, s)) damp(curve, mesh, s, h, fmax(speed_at(curve, s, s->xi, s->elastic, s->nu), 0.0), 0.0);
+    if (damped(curve, s)) damp(curve, mesh, s, h, fmax(speed_at(curve, s, s->xi, s->elastic, s->nu), 0.0), 0.0, plain);
 }
 
 /* The last line must pass through the law's force where the motion turns, since y = nu - gamma f there: the length h
  * for which the line over h turns after exactly h. Secant steps inside a bracket; `length` is the first guess and
  * becomes the answer. An over-damped line that a load pushes on creeps up to its balance and turns there after an infinite
- * time. 0: no turn up to `limit`. */
+ * time. TURN_NOT: none up to `limit`;
+ * TURN_BETWEEN: lines turn late up to the length found, and early after it. */
 static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double *length, double limit,
-                     double tolerance) {
+                     double tolerance, int plain) {
     double low = 0.0, high = INFINITY, h = *length < limit ? *length : limit;
     double last_h = 0.0, last_miss = 0.0;
     for (int k = 0; k < TURN_ITERATIONS; k++) {
-        line_to_turn(curve, mesh, s, h);
+        line_to_turn(curve, mesh, s, h, plain);
         motion m = on_line(s, s->line.phi, s->line.kappa);
         double reach = INFINITY, tau = INFINITY, y;
         if (!(m.y0 > 0.0) && !(m.phi < 0.0 && m.a > 0.0)) {
@@ -202,20 +206,20 @@ static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state 
         double miss = reach - h;
         s->tau_end = tau;
         *length = h;
-        if (fabs(miss) <= tolerance * h + TURN_ROUNDING * (fabs(s->xi) + h)) return 1;
+        if (fabs(miss) <= tolerance * h + TURN_ROUNDING * (fabs(s->xi) + h)) return TURN;
         if (miss > 0.0) low = h; else high = h;
-        if (miss > 0.0 && h >= limit) return 0;
+        if (miss > 0.0 && h >= limit) return TURN_NOT;
         double next = reach;
         if (k > 0 && reach < INFINITY && miss != last_miss) next = h - miss * (h - last_h) / (miss - last_miss);
         last_h = h;
         last_miss = miss;
         double top = high < limit ? high : limit;
-        double middle = high > 100.0 * low ? (low > 0.0 ? sqrt(low * high) : 1e-3 * high) : 0.5 * (low + high);
+        double middle = high > 100.0 * low ? (low > 0.0 ? sqrt(low) * sqrt(high) : 1e-3 * high) : 0.5 * (low + high);
         if (!(next > low && next < high)) next = high < INFINITY ? middle : 2.0 * h;
         if (k > 20 && high < INFINITY) next = middle;
         h = next < top ? next : top;
     }
-    return high < INFINITY;
+    return high < INFINITY ? TURN_BETWEEN : TURN_NOT;
 }
 
 static double node(const film_mesh *mesh, const film_state *s, int32_t i) {
@@ -345,7 +349,7 @@ static motion draw(const film_curve *curve, const film_mesh *mesh, film_state *s
             y = 0.0;
         }
         double y0 = at_rest ? 0.0 : fmax(speed_at(curve, s, s->xi, s->elastic, s->nu), 0.0);
-        if (y0 + y > 0.0) damp(curve, mesh, s, h, y0, y);
+        if (y0 + y > 0.0) damp(curve, mesh, s, h, y0, y, 0);
     }
     motion m = on_line(s, s->line.phi, s->line.kappa);
     if (at_rest && fabs(m.y0) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->elastic)) m.y0 = 0.0;
@@ -373,7 +377,7 @@ static int push_out(const film_curve *curve, const film_mesh *mesh, film_state *
     film_state drawn = *s;
     double h = s->direction * length;
     if (left == LEFT) {
-        line_to_turn(curve, mesh, s, length);
+        line_to_turn(curve, mesh, s, length, 0);
     } else {
         s->line.kappa = 2.0 * (mean_force(curve, s, h) - s->elastic) / h;
         s->line.phi = s->elastic;
@@ -484,7 +488,13 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         return FILM_OK;
     }
     if (!(length > 0.0)) length = 1e-3 * fabs(s->leg_to - s->leg_from);
-    if (find_turn(curve, mesh, s, &length, edge, turn_tolerance)) {
+    double guess = length;
+    int turn = find_turn(curve, mesh, s, &length, edge, turn_tolerance, 0);
+    if (turn == TURN_BETWEEN && damped(curve, s)) {
+        length = guess;
+        turn = find_turn(curve, mesh, s, &length, edge, turn_tolerance, 1);
+    }
+    if (turn != TURN_NOT) {
         s->line_ends = ENDS_TURN;
         s->xi_end = s->xi + d * length;
         s->nu_end = s->gamma * s->force_end;
@@ -492,7 +502,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         return FILM_OK;
     }
     if (!(edge < INFINITY)) return FILM_BEYOND_LAW;
-    line_to_turn(curve, mesh, s, edge); /* it does not turn before the edge: this line was tried and passes it */
+    line_to_turn(curve, mesh, s, edge, 0); /* it does not turn before the edge: this line was tried and passes it */
     motion m = on_line(s, s->line.phi, s->line.kappa);
     s->leg_node = s->leg_nodes - 1;
     s->leg_to = limit;

@@ -171,7 +171,10 @@ static void line_to_turn(const film_curve *curve, const film_mesh *mesh, film_st
     s->line.kappa = (s->force_end - near) / h;
     s->line.phi = near;
     s->line.damping = 0.0;
-    if (damped(curve, s)) damp(curve, mesh, s, h, fmax(speed_at(curve, s, s->xi, s->elastic, s->nu), 0.0), 0.0, plain);
+    if (damped(curve, s)) {
+        double y0 = speed_at(curve, s, s->xi, s->elastic, s->nu);
+        damp(curve, mesh, s, h, y0 > 0.0 ? y0 : 1.0, 0.0, plain || !(y0 > 0.0)); /* of rounding, where it is none */
+    }
 }
 
 /* The last line must pass through the law's force where the motion turns, since y = nu - gamma f there: the length h
@@ -377,7 +380,7 @@ static int push_out(const film_curve *curve, const film_mesh *mesh, film_state *
     film_state drawn = *s;
     double h = s->direction * length;
     if (left == LEFT) {
-        line_to_turn(curve, mesh, s, length, 0);
+        line_to_turn(curve, mesh, s, length, 1);
     } else {
         s->line.kappa = 2.0 * (mean_force(curve, s, h) - s->elastic) / h;
         s->line.phi = s->elastic;
@@ -542,7 +545,8 @@ static void cut_at_stop(const film_curve *curve, const film_mesh *mesh, film_sta
         if (fabs(next - length) <= (at_rest ? 1e-12 * length : 1e-14 * full)) {
             if (fabs(excess) > 1e-6 * (whole.nu - whole.nu_end)) break; /* only the line that meets the turn stops */
             /* next to a turn the way is known less well than the time */
-            if (fabs(excess) > SLOWED * (whole.nu - whole.nu_end)) s->tau_end += excess / (phi - s->load);
+            double late = excess / (phi - s->load);
+            if (fabs(excess) > SLOWED * (whole.nu - whole.nu_end) && fabs(late) < 0.5 * s->tau_end) s->tau_end += late;
             s->nu_end = s->stop_velocity;
             return;
         }

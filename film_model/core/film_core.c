@@ -446,6 +446,10 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         for (int k = 0; left != LEFT && k < HALVINGS && d < 0.0 && s->load <= 0.0; k++) {
             int dips = s->line.phi + s->line.kappa * d * length < -1e-12 * s->elastic;
             if (!dips && !(mesh->linearisation == FILM_CHORD && sags(curve, s, d * length))) break;
+            if (s->branch >= 0 && s->xi < CREPT * s->xi_max) {
+                left = LEFT_NEVER;
+                break;
+            }
             length *= 0.5;
             s->line_ends = ENDS_PART;
             if (s->xi + d * length == s->xi) {

@@ -194,8 +194,9 @@ static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state 
             reach = tau = 0.0;
         } else if (m.a == 0.0) {
             double root = m.phi * m.phi + m.kappa * m.y0 * m.y0;
-            if (root >= 0.0 && m.phi + sqrt(root) > 0.0) {
-                reach = m.phi < 0.0 && m.kappa > 0.0 ? (sqrt(root) - m.phi) / m.kappa : m.y0 * m.y0 / (m.phi + sqrt(root));
+            int driven = m.phi < 0.0 && m.kappa > 0.0; /* first on, past the balance */
+            if (driven || (root >= 0.0 && m.phi + sqrt(root) > 0.0)) {
+                reach = driven ? (sqrt(root) - m.phi) / m.kappa : m.y0 * m.y0 / (m.phi + sqrt(root));
                 double ratio = reach / m.y0;
                 tau = 2.0 * ratio * arc(m.kappa * ratio * ratio);
             }

@@ -13,12 +13,16 @@ enum { ENDS_NODE, ENDS_EDGE, ENDS_TURN, ENDS_NEVER, ENDS_PART, ENDS_STOP, ENDS_R
 enum { LOOP_NONE, LOOP_RELOAD, LOOP_INNER };
 enum { GRADING_COARSE = -1 }; /* nodes of a trial leg: 3 s^2 - 2 s^3, no table needed */
 
+enum { TURN_NOT, TURN, TURN_BETWEEN };
+
 static const double TURN_TOLERANCE = 1e-12;      /* of the length of the last segment, a small part of the depth */
 static const double TURN_ROUNDING = 2e-15;       /* of the depth: a short segment's mean force is not known better */
 static const double TRIAL_TURN_TOLERANCE = 1e-2; /* a trial only aims the nodes */
 static const double TURN_SPEED = 1e-6;           /* of the speed a line began with: its energy, 1e-12, is rounding */
+static const double SLOWED = 1e-12;              /* of the velocity a line takes away: a stop is met as well as that */
 static const double SHORT_TURN = 1e-9;           /* of the depth: a way to the turn of which rounding is a part */
 static const double REST_LENGTH = 1e-6;          /* of the contact's depth: curvature changes the force by 1e-12 */
+static const double NEIGHBOURS = 1e-15;           /* of the indentation: numbers that can hardly be told apart */
 static const double REST_SPEED = 1e-13;          /* of the impactor's: rounding of y = nu - gamma f */
 static const double NEWTON_SETTLED = 1e-9;       /* relative; the next step's error is the square */
 static const double SHORT_WAY = 2e-4;            /* of the distance to the law's singular point; see mean_force */
@@ -113,13 +117,14 @@ static double speed_at(const film_curve *curve, const film_state *s, double xi, 
 }
 
 /* Damping of the line over the next h, passed with speeds y0 to y1: a constant, and what c y is more or less than that at
- * the ends put on the line's own force, with as much work as c y in all. At a turn c y is 0, and the line keeps its force. */
-static void damp(const film_curve *curve, const film_mesh *mesh, film_state *s, double h, double y0, double y1) {
+ * the ends put on the line's own force, with as much work as c y in all. At a turn c y is 0, and the line keeps its force.
+ * plain: the constant alone. */
+static void damp(const film_curve *curve, const film_mesh *mesh, film_state *s, double h, double y0, double y1, int plain) {
     double mean = mean_damping(curve, s, h, y0, y1), c0 = damping_at(curve, &s->line, s->xi), c1 = damping_at(curve, &s->line, s->xi + h);
     double d = s->direction, at = mean, tilt;
     s->line.damping = mean;
     /* a line too long for the speeds to be known: what they say of c y might drive the motion */
-    if (mesh->linearisation == FILM_CHORD || mean * fabs(h) > 0.5 * fmax(y0, y1)) return;
+    if (plain || mesh->linearisation == FILM_CHORD || mean * fabs(h) > 0.5 * fmax(y0, y1)) return;
     /* the mean speed over the way: of y^2 that goes evenly with time, as in mean_damping */
     double speed = 2.0 / 3.0 * (y0 * y0 + y0 * y1 + y1 * y1) / (y0 + y1);
     if (y0 == 0.0 || y1 == 0.0) {
@@ -159,34 +164,39 @@ static double mean_force(const film_curve *curve, const film_state *s, double h)
 
 /* The line from the current point over `length` that meets the law's force at the far end: it does the law's work, or
  * it is the chord. */
-static void line_to_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double length) {
+static void line_to_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int plain) {
     double h = s->direction * length;
     law_at(curve, &s->line, s->xi + h, &s->force_end, &s->work_end);
     double near = mesh->linearisation == FILM_CHORD ? s->elastic : 2.0 * mean_force(curve, s, h) - s->force_end;
     s->line.kappa = (s->force_end - near) / h;
     s->line.phi = near;
     s->line.damping = 0.0;
-    if (damped(curve, s)) damp(curve, mesh, s, h, fmax(speed_at(curve, s, s->xi, s->elastic, s->nu), 0.0), 0.0);
+    if (damped(curve, s)) {
+        double y0 = speed_at(curve, s, s->xi, s->elastic, s->nu);
+        damp(curve, mesh, s, h, y0 > 0.0 ? y0 : 1.0, 0.0, plain || !(y0 > 0.0)); /* of rounding, where it is none */
+    }
 }
 
 /* The last line must pass through the law's force where the motion turns, since y = nu - gamma f there: the length h
  * for which the line over h turns after exactly h. Secant steps inside a bracket; `length` is the first guess and
  * becomes the answer. An over-damped line that a load pushes on creeps up to its balance and turns there after an infinite
- * time. 0: no turn up to `limit`. */
+ * time. TURN_NOT: none up to `limit`;
+ * TURN_BETWEEN: lines turn late up to the length found, and early after it. */
 static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double *length, double limit,
-                     double tolerance) {
+                     double tolerance, int plain) {
     double low = 0.0, high = INFINITY, h = *length < limit ? *length : limit;
     double last_h = 0.0, last_miss = 0.0;
     for (int k = 0; k < TURN_ITERATIONS; k++) {
-        line_to_turn(curve, mesh, s, h);
+        line_to_turn(curve, mesh, s, h, plain);
         motion m = on_line(s, s->line.phi, s->line.kappa);
         double reach = INFINITY, tau = INFINITY, y;
         if (!(m.y0 > 0.0) && !(m.phi < 0.0 && m.a > 0.0)) {
             reach = tau = 0.0;
         } else if (m.a == 0.0) {
             double root = m.phi * m.phi + m.kappa * m.y0 * m.y0;
-            if (root >= 0.0 && m.phi + sqrt(root) > 0.0) {
-                reach = m.y0 * m.y0 / (m.phi + sqrt(root));
+            int driven = m.phi < 0.0 && m.kappa > 0.0; /* first on, past the balance */
+            if (driven || (root >= 0.0 && m.phi + sqrt(root) > 0.0)) {
+                reach = driven ? (sqrt(root) - m.phi) / m.kappa : m.y0 * m.y0 / (m.phi + sqrt(root));
                 double ratio = reach / m.y0;
                 tau = 2.0 * ratio * arc(m.kappa * ratio * ratio);
             }
@@ -194,24 +204,26 @@ static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state 
             move(&m, tau, &reach, &y);
         } else if (m.kappa > 0.0 && m.phi < 0.0) {
             reach = -m.phi / m.kappa;
+        } else if (m.kappa == 0.0 && m.phi == 0.0) {
+            reach = 0.5 * m.y0 / m.a;
         }
         double miss = reach - h;
         s->tau_end = tau;
         *length = h;
-        if (fabs(miss) <= tolerance * h + TURN_ROUNDING * (fabs(s->xi) + h)) return 1;
+        if (fabs(miss) <= tolerance * h + TURN_ROUNDING * (fabs(s->xi) + h)) return TURN;
         if (miss > 0.0) low = h; else high = h;
-        if (miss > 0.0 && h >= limit) return 0;
+        if (miss > 0.0 && h >= limit) return TURN_NOT;
         double next = reach;
         if (k > 0 && reach < INFINITY && miss != last_miss) next = h - miss * (h - last_h) / (miss - last_miss);
         last_h = h;
         last_miss = miss;
         double top = high < limit ? high : limit;
-        double middle = high > 100.0 * low ? (low > 0.0 ? sqrt(low * high) : 1e-3 * high) : 0.5 * (low + high);
+        double middle = high > 100.0 * low ? (low > 0.0 ? sqrt(low) * sqrt(high) : 1e-3 * high) : 0.5 * (low + high);
         if (!(next > low && next < high)) next = high < INFINITY ? middle : 2.0 * h;
         if (k > 20 && high < INFINITY) next = middle;
         h = next < top ? next : top;
     }
-    return high < INFINITY;
+    return high < INFINITY ? TURN_BETWEEN : TURN_NOT;
 }
 
 static double node(const film_mesh *mesh, const film_state *s, int32_t i) {
@@ -341,7 +353,7 @@ static motion draw(const film_curve *curve, const film_mesh *mesh, film_state *s
             y = 0.0;
         }
         double y0 = at_rest ? 0.0 : fmax(speed_at(curve, s, s->xi, s->elastic, s->nu), 0.0);
-        if (y0 + y > 0.0) damp(curve, mesh, s, h, y0, y);
+        if (y0 + y > 0.0) damp(curve, mesh, s, h, y0, y, 0);
     }
     motion m = on_line(s, s->line.phi, s->line.kappa);
     if (at_rest && fabs(m.y0) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->elastic)) m.y0 = 0.0;
@@ -362,20 +374,46 @@ static int sags(const film_curve *curve, const film_state *s, double h) {
     return middle < 0.499999 * (s->elastic + s->force_end);
 }
 
+/* Without a load nothing turns the motion on the way out, but the line just drawn over `length` does, or ends with the motion
+ * inwards: it begins with less force than the law's, or ends with more. One that is true to the law at that end leaves
+ * outwards, or creeps for ever. */
+static int push_out(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int left, double *y) {
+    film_state drawn = *s;
+    double h = s->direction * length;
+    if (left == LEFT) {
+        line_to_turn(curve, mesh, s, length, 1);
+    } else {
+        s->line.kappa = 2.0 * (mean_force(curve, s, h) - s->elastic) / h;
+        s->line.phi = s->elastic;
+    }
+    motion m = on_line(s, s->line.phi, s->line.kappa);
+    int now = leave(&m, length, &s->tau_end, y);
+    if (now == LEFT) land(s, length, *y);
+    else if (now == LEFT_NOT) *s = drawn;
+    return now == LEFT_NOT ? left : now;
+}
+
 /* The next line of the leg: replaces the law from the current point to the next node. */
 static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, double turn_tolerance) {
     int last = s->leg_node + 1 >= s->leg_nodes, at_rest = s->from_turn && s->leg_node == 0;
-    int own_turn = at_rest || (mesh->linearisation == FILM_CHORD && s->gamma == 0.0);
+    int own_turn = at_rest || (mesh->linearisation == FILM_CHORD && s->gamma == 0.0 && !damped(curve, s));
     double d = s->direction, limit = limit_of(curve, s), x, y;
     double to = last ? s->leg_to : s->leg_from + (s->leg_to - s->leg_from) * node(mesh, s, s->leg_node + 1);
     double length = d * (to - s->xi), edge = d * (limit - s->xi);
     s->line_ends = last ? s->leg_ends : ENDS_NODE;
-    if (s->line_ends == ENDS_TURN && !at_rest && !damped(curve, s) && length <= SHORT_TURN * fabs(s->xi)) { /* under one force */
-        double speed = d * (s->nu - s->gamma * s->force), pull = d * (s->force - s->load);
-        if (speed > 0.0 && speed * speed <= 2.0 * SHORT_TURN * pull * fabs(s->xi)) {
+    if (!(edge > 0.0) && (s->line_ends == ENDS_TURN || s->line_ends == ENDS_NEVER)) {
+        end_here(s, s->leg_ends = ENDS_EDGE);
+        return FILM_OK;
+    }
+    int nowhere = !(length > 0.0) && s->leg_to == s->leg_from;
+    if (s->line_ends == ENDS_TURN && !at_rest && (nowhere || length <= SHORT_TURN * fabs(s->xi))) { /* under one force */
+        double speed = d * (s->nu - s->gamma * s->elastic), pull = d * (s->elastic - s->load);
+        if (speed > 0.0 && (nowhere || speed * speed <= 2.0 * SHORT_TURN * pull * fabs(s->xi))) {
             end_here(s, ENDS_TURN);
-            s->tau_end = speed / pull;
-            s->nu_end = s->gamma * s->force;
+            s->line.damping = damping_at(curve, &s->line, s->xi);
+            motion m = on_line(s, s->elastic, 0.0);
+            s->tau_end = pull > 0.0 ? turn_time(&m) : 0.0;
+            s->nu_end = s->gamma * s->elastic;
             return FILM_OK;
         }
     }
@@ -391,16 +429,28 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         }
         motion m = draw(curve, mesh, s, length);
         int left = leave(&m, length, &s->tau_end, &y);
+        int turning = at_rest && s->gamma > 0.0 && (d > 0.0 || s->load > 0.0) && s->leg_grading != GRADING_COARSE;
+        for (int k = 0; left == LEFT_NOT && turning && k < HALVINGS; k++) { /* as before a turn */
+            length *= 0.5;
+            s->line_ends = ENDS_PART;
+            m = draw(curve, mesh, s, length);
+            left = leave(&m, length, &s->tau_end, &y);
+        }
         if (left != LEFT && d < 0.0 && s->load <= 0.0 && damped(curve, s)) { /* it lets go on the way */
             s->line_ends = ENDS_NEVER;
             s->tau_end = INFINITY;
             return FILM_OK;
         }
+        if (left == LEFT_NOT && m.y0 < 0.0 && d < 0.0 && s->load <= 0.0 && !at_rest) left = push_out(curve, mesh, s, length, left, &y);
         /* A line may dip below zero where the law only touches it, or as a chord be too steep, and would hold the contact
          * shut for ever. Without a load nothing does: go halfway, and again, until the law is flat enough to let go. */
         for (int k = 0; left != LEFT && k < HALVINGS && d < 0.0 && s->load <= 0.0; k++) {
             int dips = s->line.phi + s->line.kappa * d * length < -1e-12 * s->elastic;
             if (!dips && !(mesh->linearisation == FILM_CHORD && sags(curve, s, d * length))) break;
+            if (s->branch >= 0 && s->xi < CREPT * s->xi_max) {
+                left = LEFT_NEVER;
+                break;
+            }
             length *= 0.5;
             s->line_ends = ENDS_PART;
             if (s->xi + d * length == s->xi) {
@@ -413,6 +463,9 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         if (left == LEFT) {
             if (s->line_ends == ENDS_TURN && y > TURN_SPEED * m.y0) s->line_ends = ENDS_NODE; /* later: plan afresh */
             land(s, length, s->line_ends == ENDS_TURN ? 0.0 : y);
+            if (d < 0.0 && s->load <= 0.0 && s->nu_end > s->gamma * s->force_end) left = push_out(curve, mesh, s, length, left, &y);
+        }
+        if (left == LEFT) {
             if (s->line_ends != ENDS_PART) s->xi_end = to;
             if (s->line_ends == ENDS_TURN && turn_time(&m) < INFINITY) s->tau_end = turn_time(&m); /* y: root of rounding */
             return FILM_OK;
@@ -443,7 +496,13 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         return FILM_OK;
     }
     if (!(length > 0.0)) length = 1e-3 * fabs(s->leg_to - s->leg_from);
-    if (find_turn(curve, mesh, s, &length, edge, turn_tolerance)) {
+    double guess = length;
+    int turn = find_turn(curve, mesh, s, &length, edge, turn_tolerance, 0);
+    if (turn == TURN_BETWEEN && damped(curve, s)) {
+        length = guess;
+        turn = find_turn(curve, mesh, s, &length, edge, turn_tolerance, 1);
+    }
+    if (turn != TURN_NOT) {
         s->line_ends = ENDS_TURN;
         s->xi_end = s->xi + d * length;
         s->nu_end = s->gamma * s->force_end;
@@ -451,7 +510,7 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         return FILM_OK;
     }
     if (!(edge < INFINITY)) return FILM_BEYOND_LAW;
-    line_to_turn(curve, mesh, s, edge); /* it does not turn before the edge: this line was tried and passes it */
+    line_to_turn(curve, mesh, s, edge, 0); /* it does not turn before the edge: this line was tried and passes it */
     motion m = on_line(s, s->line.phi, s->line.kappa);
     s->leg_node = s->leg_nodes - 1;
     s->leg_to = limit;
@@ -490,6 +549,9 @@ static void cut_at_stop(const film_curve *curve, const film_mesh *mesh, film_sta
         if (!(next > low && next < high) || k > NEWTON_STEPS) next = 0.5 * (low + high);
         if (fabs(next - length) <= (at_rest ? 1e-12 * length : 1e-14 * full)) {
             if (fabs(excess) > 1e-6 * (whole.nu - whole.nu_end)) break; /* only the line that meets the turn stops */
+            /* next to a turn the way is known less well than the time */
+            double late = excess / (phi - s->load);
+            if (fabs(excess) > SLOWED * (whole.nu - whole.nu_end) && fabs(late) < 0.5 * s->tau_end) s->tau_end += late;
             s->nu_end = s->stop_velocity;
             return;
         }
@@ -699,7 +761,11 @@ static int aim_by_trial(const film_curve *curve, const film_mesh *mesh, film_sta
         }
         s->leg_ends = trial.line_ends == ENDS_NODE ? ENDS_TURN : trial.line_ends;
         s->leg_to = s->leg_ends == ENDS_EDGE ? limit : s->leg_ends == ENDS_NEVER ? balance(curve, s, trial.xi_end) : trial.xi_end;
-        if (s->leg_ends == ENDS_EDGE) break;
+        if (s->leg_ends == ENDS_EDGE && limit < INFINITY) break;
+        if (s->leg_ends == ENDS_EDGE) { /* further than a fixed target, on so few lines */
+            s->leg_ends = ENDS_TURN;
+            s->leg_to = trial.xi_end;
+        }
     }
     return FILM_OK;
 }
@@ -800,7 +866,7 @@ static void open_line(film_state *s) {
 /* A leg so short, and so close to balance, that the law is straight: one line for all time to come, in either direction.
  * 1 if it was drawn. */
 static int rest(const film_curve *curve, film_state *s, double depth) {
-    double f_low, f_high, work, reach = REST_LENGTH * depth;
+    double f_low, f_high, work, reach = fmax(REST_LENGTH * depth, NEIGHBOURS * fabs(s->xi));
     if (s->leg_ends == ENDS_EDGE || fabs(s->leg_to - s->leg_from) >= reach) return 0;
     law_at(curve, &s->line, s->xi - reach, &f_low, &work);
     law_at(curve, &s->line, s->xi + reach, &f_high, &work);
@@ -1003,8 +1069,8 @@ static int finish(const film_curve *curve, const film_mesh *mesh, film_state *s)
 
 /* ---------------------------------------------------------------- what the header promises */
 
-static void add(double *sum, double *low, double x) { /* with the remainder that rounding drops */
-    double t = *sum + (x + *low);
+static void add(double *sum, double *low, double x) { /* x >= 0, with the remainder that rounding drops */
+    double t = fmax(*sum, *sum + (x + *low)); /* never less, though the remainder be just half of the last digit */
     *low = (*sum - t) + (x + *low);
     *sum = t;
 }

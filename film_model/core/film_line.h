@@ -11,7 +11,7 @@
 static const double PI = 3.14159265358979323846;
 
 enum { LEFT_NOT, LEFT, LEFT_NEVER }; /* it turns before; it passes; it comes to rest before */
-enum { ROOT_ITERATIONS = 200, DOUBLINGS = 2100 };
+enum { ROOT_ITERATIONS = 200, NEWTON_PATIENCE = 40, DOUBLINGS = 2100 };
 
 typedef struct {
     double y0, phi, kappa, a; /* phi: the line's force at x = 0, less the load */
@@ -79,7 +79,8 @@ static inline double turn_time(const motion *m) {
         double r = m->y0 / rate;
         if (square * r * r > -0.98) return r * arc(square * r * r);
         double d = sqrt(-square), left = m->phi + m->kappa / (m->a + d) * m->y0; /* rate - d y0, without a difference */
-        return m->a > 0.0 && left > 0.0 ? 0.5 / d * log((rate + d * m->y0) / left) : r * arc(square * r * r);
+        if (m->a > 0.0) return left > 0.0 ? 0.5 / d * log((rate + d * m->y0) / left) : INFINITY;
+        return r * arc(square * r * r);
     }
     if (!(square > 0.0)) return INFINITY;
     double angle = atan2(sqrt(square) * m->y0, rate);
@@ -98,6 +99,7 @@ static inline int leave_slowly(const motion *m, double length, double *tau, doub
         high = m->y0 > 0.0 ? length / m->y0 : sqrt(-2.0 * length / m->phi);
         for (int k = 0; k < DOUBLINGS; k++, high *= 2.0) {
             move(m, high, &x, y);
+            if (!(x > -INFINITY)) return LEFT_NOT; /* a start backwards, on and on */
             if (!(x < length)) break;
             if (k == DOUBLINGS - 1 || high > 1e300) return LEFT_NEVER;
         }
@@ -107,7 +109,7 @@ static inline int leave_slowly(const motion *m, double length, double *tau, doub
         move(m, t, &x, y);
         if (x < length) low = t; else high = t;
         double next = *y > 0.0 ? t - (x - length) / *y : low;
-        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        if (!(next > low && next < high) || (k > NEWTON_PATIENCE && k % 2)) next = 0.5 * (low + high); /* e^t takes a step each */
         if (fabs(next - t) <= 4e-16 * t) break;
         t = next;
     }

@@ -461,7 +461,7 @@ static void check_batch(const film_start *first) {
         if (i > 0) start[i].nu *= decades(0.1, 10.0);
         if (i % 3 == 1) start[i].gamma = 0.0;
         if (i % 3 == 2) start[i].gamma = decades(1e-4, 30.0);
-        if (i % 5) start[i].load = start[i].stop_velocity = 0.0;
+        if (i % 20) start[i].load = start[i].stop_velocity = 0.0;
         if (start[i].load > 0.0) start[i].time_limit = fmin(100.0, 1000.0 * start[i].nu / start[i].load); /* it may swing for long */
     }
     film_batch(&curve, &mesh, count, start, summary, status);

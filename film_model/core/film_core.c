@@ -405,8 +405,8 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         end_here(s, s->leg_ends = ENDS_EDGE);
         return FILM_OK;
     }
-    int nowhere = !(length > 0.0) && s->leg_to == s->leg_from;
-    if (s->line_ends == ENDS_TURN && !at_rest && (nowhere || length <= SHORT_TURN * fabs(s->xi))) { /* under one force */
+    if (s->line_ends == ENDS_TURN && !at_rest && length <= SHORT_TURN * fabs(s->xi)) { /* under one force */
+        int nowhere = !(length > 0.0) && s->leg_to == s->leg_from;
         double speed = d * (s->nu - s->gamma * s->elastic), pull = d * (s->elastic - s->load);
         if (speed > 0.0 && (nowhere || speed * speed <= 2.0 * SHORT_TURN * pull * fabs(s->xi))) {
             end_here(s, ENDS_TURN);
@@ -429,13 +429,6 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         }
         motion m = draw(curve, mesh, s, length);
         int left = leave(&m, length, &s->tau_end, &y);
-        int turning = at_rest && s->gamma > 0.0 && (d > 0.0 || s->load > 0.0) && s->leg_grading != GRADING_COARSE;
-        for (int k = 0; left == LEFT_NOT && turning && k < HALVINGS; k++) { /* as before a turn */
-            length *= 0.5;
-            s->line_ends = ENDS_PART;
-            m = draw(curve, mesh, s, length);
-            left = leave(&m, length, &s->tau_end, &y);
-        }
         if (left != LEFT && d < 0.0 && s->load <= 0.0 && damped(curve, s)) { /* it lets go on the way */
             s->line_ends = ENDS_NEVER;
             s->tau_end = INFINITY;
@@ -443,17 +436,22 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         }
         if (left == LEFT_NOT && m.y0 < 0.0 && d < 0.0 && s->load <= 0.0 && !at_rest) left = push_out(curve, mesh, s, length, left, &y);
         /* A line may dip below zero where the law only touches it, or as a chord be too steep, and would hold the contact
-         * shut for ever. Without a load nothing does: go halfway, and again, until the law is flat enough to let go. */
-        for (int k = 0; left != LEFT && k < HALVINGS && d < 0.0 && s->load <= 0.0; k++) {
-            int dips = s->line.phi + s->line.kappa * d * length < -1e-12 * s->elastic;
-            if (!dips && !(mesh->linearisation == FILM_CHORD && sags(curve, s, d * length))) break;
-            if (s->branch >= 0 && s->xi < CREPT * s->xi_max) {
-                left = LEFT_NEVER;
+         * shut for ever. Without a load nothing does: go halfway, and again, until the law is flat enough to let go. And a
+         * line from rest that turns on a target that gives way is not true to the law there: halfway, as before any turn. */
+        for (int k = 0; left != LEFT && k < HALVINGS; k++) {
+            if (d < 0.0 && s->load <= 0.0) {
+                int dips = s->line.phi + s->line.kappa * d * length < -1e-12 * s->elastic;
+                if (!dips && !(mesh->linearisation == FILM_CHORD && sags(curve, s, d * length))) break;
+                if (s->branch >= 0 && s->xi < CREPT * s->xi_max) {
+                    left = LEFT_NEVER;
+                    break;
+                }
+            } else if (left != LEFT_NOT || !at_rest || s->gamma == 0.0 || s->leg_grading == GRADING_COARSE) {
                 break;
             }
             length *= 0.5;
             s->line_ends = ENDS_PART;
-            if (s->xi + d * length == s->xi) {
+            if (d < 0.0 && s->load <= 0.0 && s->xi + d * length == s->xi) {
                 let_go(curve, s);
                 return FILM_OK;
             }
@@ -496,11 +494,11 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         return FILM_OK;
     }
     if (!(length > 0.0)) length = 1e-3 * fabs(s->leg_to - s->leg_from);
-    double guess = length;
-    int turn = find_turn(curve, mesh, s, &length, edge, turn_tolerance, 0);
-    if (turn == TURN_BETWEEN && damped(curve, s)) {
+    int turn = TURN_BETWEEN;
+    const double guess = length;
+    for (int plain = 0; turn == TURN_BETWEEN && plain <= damped(curve, s); plain++) {
         length = guess;
-        turn = find_turn(curve, mesh, s, &length, edge, turn_tolerance, 1);
+        turn = find_turn(curve, mesh, s, &length, edge, turn_tolerance, plain);
     }
     if (turn != TURN_NOT) {
         s->line_ends = ENDS_TURN;

@@ -325,7 +325,8 @@ static void check_line(const film_line *line, const film_line *next, double dept
             fastest = fmax(fastest, fabs(values[3]) + line->gamma * fabs(force));
         }
     }
-    double blurred = 1e-15 * fabs(line->kappa) * (fabs(line->xi) + fabs(next->xi)) / LINES_MEET; /* x is a difference here, and gamma f turns it */
+    double way_on = fabs(next->xi - line->xi), rounded = 1e-15 * (fabs(line->xi) + fabs(next->xi)); /* x is a difference here, */
+    double blurred = (fabs(line->kappa) + pull / fmax(way_on, rounded)) * rounded / LINES_MEET; /* so is the work, and gamma f turns it */
     double size = depth + fastest * tau + late * fastest / LINES_MEET;
     NEAR(next->nu - line->nu, line->load * tau - impulse, speed + fastest + (pull + fabs(line->load)) * (tau + late / LINES_MEET) + blurred * (tau + line->gamma), LINES_MEET);
     NEAR(next->xi - line->xi, way, size + line->gamma * blurred * tau, LINES_MEET);

@@ -37,6 +37,9 @@ _KINDS = {
     "secant": native.SECANT,
     "shifted": native.SHIFTED,
 }
+_CLOSER = (1e-12, 1e-9, 1e-6, 1e-3)
+"""Where the first piece of a stage that begins without force is cut: a series is rounded at its own largest value."""
+
 _CHECKS = 157  # points between the nodes at which a fit is checked; shares no factor with the number of nodes
 
 
@@ -242,6 +245,9 @@ def _split(
     """The stage in pieces (begin, end, root, series by name), the piece that fits worst halved while there is room."""
     fitted = {name: f for name, f in functions.items() if not isinstance(f, Power)}
     edges = [stage.begin, *(knot for knot in stage.knots if stage.begin < knot < stage.end), stage.end]
+    if "force" in fitted and not stage.root and stage.begin == 0.0 and len(edges) + len(_CLOSER) <= room:
+        if _values(stage.force, np.zeros(1), stage)[0] == 0.0:
+            edges[1:1] = [part * edges[1] for part in _CLOSER]
     spans = [(a, b, stage.root and a == stage.begin) for a, b in pairwise(edges if fitted else [edges[0], edges[-1]])]
     pieces = [(a, b, root, *_fit(stage, fitted, a, b, root)) for a, b, root in spans]
     while fitted and len(pieces) < room:

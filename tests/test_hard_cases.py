@@ -129,9 +129,6 @@ def test_a_bad_result_would_be_found():
 ZENER = (0.0, 1e-9, 0.4, 1.2, 8.0, 50.0)
 """About Zener's λ of the targets: rigid, stiff, a plate, a thin plate, and two whose contact fades out slowly."""
 
-ROUNDED = {"tabulated": 1e-3}
-"""Pieces of a table are rounded at their largest force; an impact a million times slower is little more than that."""
-
 STRAIGHT = {
     *("meyer-shifted", "luding", "walton-braun", "linear-dashpot", "saturating", "kogut-etsion", "yigit-christoforou"),
 }
@@ -184,8 +181,18 @@ def test_every_law_target_and_linearisation(law, linearisation, record_property,
     with capsys.disabled():
         print(f"\n{law}, {linearisation}: {dict(outcomes)}; {worst}")
     for name, (value, where) in worst.items():
-        # the march neglects a way of 1e-9 of the depth between the end of a stage and the turn
-        assert value <= ROUNDED.get(law, 3e-8), (name, value, where)
+        # the march neglects a way of 1e-9 of the depth between the end of a stage and the turn; lanes place nodes by an
+        # aim of their own, which moves the end of the slowest contacts by less than the lines' own error
+        assert value <= (5e-7 if name == "in a batch" else 3e-8), (name, value, where)
+
+
+def test_a_contact_that_swings_for_ever_is_given_up():
+    """A load holds the ball on its dent, and nothing damps it: no room for lines and events would be enough."""
+    curve = problem_for(LAWS["stronge"], MASS, VELOCITY).curve.native
+    mesh, start = native.mesh(native.WORK_PRESERVING, 4, 8), native.Start(3.0, 0.0, 20.0, 0.0, math.inf)
+    status, _, events = native.record(curve, mesh, native.initial_state(curve, start), 1e30, 100)
+    assert status == native.TOO_MANY and len(events) == 200_000
+    assert native.impact(curve, mesh, start)[0] == native.TOO_MANY
 
 
 # ---------------------------------------------------------------- in the FMU

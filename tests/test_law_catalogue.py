@@ -428,6 +428,19 @@ def test_the_curve_goes_through_the_points_of_a_table():
     assert between == pytest.approx(np.full(50, 0.25), abs=1e-14)  # no force that the points do not have
 
 
+@pytest.mark.parametrize("velocity", [1e-6, 1e-3, 0.1])
+def test_an_impact_on_a_little_part_of_a_table_keeps_its_digits(velocity):
+    """A table on a line is a spring; near zero force its pieces get shorter, each rounded at its own largest force."""
+    indentation = np.linspace(0, 1e-4, 11)
+    case = scene_of(fm.Retrace(fm.Tabulated(indentation, 1e7 * indentation)), velocity)
+    found = fm.simulate(case, segments=16).summary
+    period = math.sqrt(case.mass / 1e7)
+    assert found["contact_duration"] == pytest.approx(math.pi * period, rel=1e-9)
+    assert found["maximum_indentation"] == pytest.approx(velocity * period, rel=1e-9)
+    assert found["maximum_force"] == pytest.approx(1e7 * velocity * period, rel=1e-9)
+    assert found["coefficient_of_restitution"] == pytest.approx(1.0, rel=1e-9)
+
+
 def test_a_long_table_is_thinned_and_says_so():
     indentation = np.linspace(0, 4e-5, 3000)
     noise = np.cumsum(np.abs(np.random.default_rng(1).normal(size=3000))) * 1e-3

@@ -40,7 +40,7 @@ BAD_NUMBER, BAD_CURVE, BAD_MESH, BEYOND_LAW, TOO_MANY, BAD_UNLOADING, FULL, TOO_
 
 _D, _I = c.c_double, c.c_int32
 _GRADINGS = 6
-_MOST_ROOM = 20_000_000  # lines of a recorded contact, beyond which it will not end
+_MOST_ROOM, _MOST_EVENTS = 4_000_000, 200_000  # lines and events of a recorded contact, beyond which it will not end
 
 
 class Function(c.Structure):
@@ -261,7 +261,7 @@ def set_input(state: State, load: float, nu_change: float, stop_velocity: float)
 
 def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tuple[int, NDArray[Any], NDArray[Any]]:
     """Status, lines and event states from `state`, which is moved on, to the end of the next contact or to `limit`."""
-    lines, events = np.empty(room, LINE_DTYPE), np.empty(room, STATE_DTYPE)
+    lines, events = np.empty(room, LINE_DTYPE), np.empty(min(room, _MOST_EVENTS), STATE_DTYPE)
     counts = (_I * 2)()
     begun = bytes(state)
     status = library().film_record(
@@ -273,10 +273,10 @@ def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tu
         room,
         c.byref(counts, 0),
         events.ctypes.data,
-        room,
+        len(events),
         c.byref(counts, 4),
     )
-    if status == FULL and room > _MOST_ROOM:
+    if status == FULL and (room > _MOST_ROOM or counts[1] == _MOST_EVENTS):
         return TOO_MANY, lines, events
     if status == FULL:
         c.memmove(c.byref(state), begun, len(begun))

@@ -245,9 +245,9 @@ def _split(
     """The stage in pieces (begin, end, root, series by name), the piece that fits worst halved while there is room."""
     fitted = {name: f for name, f in functions.items() if not isinstance(f, Power)}
     edges = [stage.begin, *(knot for knot in stage.knots if stage.begin < knot < stage.end), stage.end]
-    if "force" in fitted and not stage.root and stage.begin == 0.0 and len(edges) + len(_CLOSER) <= room:
-        if _values(stage.force, np.zeros(1), stage)[0] == 0.0:
-            edges[1:1] = [part * edges[1] for part in _CLOSER]
+    from_nothing = stage.begin == 0.0 and _values(stage.force, np.zeros(1), stage)[0] == 0.0
+    if "force" in fitted and from_nothing and not stage.root and len(edges) + len(_CLOSER) <= room:
+        edges[1:1] = [part * edges[1] for part in _CLOSER]
     spans = [(a, b, stage.root and a == stage.begin) for a, b in pairwise(edges if fitted else [edges[0], edges[-1]])]
     pieces = [(a, b, root, *_fit(stage, fitted, a, b, root)) for a, b, root in spans]
     while fitted and len(pieces) < room:

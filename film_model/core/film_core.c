@@ -180,8 +180,7 @@ static void line_to_turn(const film_curve *curve, const film_mesh *mesh, film_st
 /* The last line must pass through the law's force where the motion turns, since y = nu - gamma f there: the length h
  * for which the line over h turns after exactly h. Secant steps inside a bracket; `length` is the first guess and
  * becomes the answer. An over-damped line that a load pushes on creeps up to its balance and turns there after an infinite
- * time. TURN_NOT: none up to `limit`;
- * TURN_BETWEEN: lines turn late up to the length found, and early after it. */
+ * time. TURN_NOT: none up to `limit`; TURN_BETWEEN: lines turn late up to the length found, and early after it. */
 static int find_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double *length, double limit,
                      double tolerance, int plain) {
     double low = 0.0, high = INFINITY, h = *length < limit ? *length : limit;

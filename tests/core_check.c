@@ -955,6 +955,7 @@ static const found found_cases[] = {
     {"in again from rest, a root on chords", 0.25, 0.5, 0, 0, 0, 0, 0, 0, {1e-3, 1e-5, 0.03, 0, 100, 0}, FILM_CHORD, 5, 2, FILM_OK},
     {"a load at rest", 100, 0.5, 0, 0, 0, 0, 0, 0, {0, 0.1, 100, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 2, 8, FILM_ENDLESS},
     {"a stop next to a turn", 1.54e-9, 1.5, 0, 0, 0, 0, 0, 0, {3.34e-3, 0, 0, 3.34e-12, INFINITY, 0}, FILM_WORK_PRESERVING, 4, 1, FILM_EVENT},
+    {"a way of which a thousandth is rounding", 0.77870152124034686, 1, 0.99999999900000003, 0, 0, 0, 0, 0, {1e-3, 4.6113314685938925e-5, 7.2433160947246762, 1.0000000000000002e-12, 9, 0}, FILM_WORK_PRESERVING, 32, 1, FILM_OK},
     {"held shut by a load, swinging without end", 1, 1, 0.2, 0, 0, 0, 0, 0, {0.1, 0, 0.5, 0, INFINITY, 0}, FILM_WORK_PRESERVING, 1, 1, FILM_TOO_MANY},
 };
 

@@ -156,7 +156,8 @@ static double mean_force(const film_curve *curve, const film_state *s, double h)
     double origin = s->branch >= 0 ? piece_at(curve, s->branch, s->xi)->force.origin : s->line.xi_origin;
     double near = s->xi - curve->compliance * s->elastic - origin, far = s->xi + h - curve->compliance * s->force_end - origin;
     double x = fabs(near) < fabs(far) ? near : far;
-    if (fabs(h) >= SHORT_WAY * fabs(x)) return (s->work_end - s->work) / h;
+    double way = (s->xi + h) - s->xi; /* what rounding has made of h, and the work is over */
+    if (way != 0.0 && fabs(way) >= SHORT_WAY * fabs(x)) return (s->work_end - s->work) / way;
     double middle, work;
     law_at(curve, &s->line, s->xi + 0.5 * h, &middle, &work);
     return (s->elastic + 4.0 * middle + s->force_end) / 6.0;
@@ -498,6 +499,10 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
     for (int plain = 0; turn == TURN_BETWEEN && plain <= damped(curve, s); plain++) {
         length = guess;
         turn = find_turn(curve, mesh, s, &length, edge, turn_tolerance, plain);
+    }
+    if (turn == TURN_BETWEEN && !(s->tau_end < INFINITY) && !(s->line.kappa > 0.0)) { /* lines turn at once, or never: at rest */
+        turn_here(curve, s);
+        return FILM_OK;
     }
     if (turn != TURN_NOT) {
         s->line_ends = ENDS_TURN;

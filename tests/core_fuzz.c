@@ -239,7 +239,8 @@ static void any_curve(void) {
             if (i > 0) film_law(&curve, k, from, &force, &work); /* of the piece before */
             piece->work_at_begin -= work;
             if (piece->force.form != FILM_POWER) piece->work.series[0] += work;
-            if (stage->damped) piece->damping = power(0.0, whole(0, 1) ? 0.0 : fraction(), 0.0, fraction(), whole(0, 1) ? 0.25 : decades(0.1, 4.0));
+            if (stage->damped && i > 0) piece->damping = piece[-1].damping; /* without jumps */
+            else if (stage->damped) piece->damping = power(0.0, whole(0, 1) ? 0.0 : fraction(), 0.0, fraction(), whole(0, 1) ? 0.25 : decades(0.1, 4.0));
             from = end;
             force = isfinite(end) ? force_at(k, end) : 0.0;
             if (!(force >= 0.0)) force = 0.0;

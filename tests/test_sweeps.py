@@ -749,3 +749,30 @@ def test_what_is_not_modelled_is_said(values: dict, options: dict, looked: int) 
     assert said.startswith("not modelled: adhesion, which would change the summary by up to ")
     assert f" of the {looked} impacts that were looked at" in said
     assert fd.sweep(sticky, {"impactor.velocity": ["0.5 m/s", "1 m/s"]}).attrs["warnings"] == "none"
+
+
+def test_selections_keep_the_segments_of_their_impacts() -> None:
+    over = {"impactor.velocity": ["0.5 m/s", "1 m/s", "2 m/s"], "contact.law": ["hertz", "big-alabo", "stronge"]}
+    ds = fd.sweep(BALL, over, keep="segments")
+    where = {"impactor_velocity": "1 m/s", "contact_law": "stronge"}
+    expected = ds.film.sample(["20 us"], **where)["contact_force"].item()
+    assert ds.film.sample(["20 us"], impactor_velocity=1.0, contact_law="big-alabo")["contact_force"].item() != expected
+    for part in (
+        ds.isel(impactor_velocity=slice(1, 3)),
+        ds.isel(impactor_velocity=slice(None, None, -1), contact_law=[2, 0]),
+        ds.transpose("contact_law", ...),
+        ds.isel(contact_law=2),
+    ):
+        picked = {name: value for name, value in where.items() if name in part.sizes}
+        assert part.film.sample(["20 us"], **picked)["contact_force"].item() == expected
+        assert part.film.scene(**picked) == ds.film.scene(**where)
+        assert part.film.summary(**picked) == ds.film.summary(**where)
+    with pytest.raises(KeyError, match="contact_law big-alabo: there are stronge, hertz"):
+        ds.isel(contact_law=[2, 0]).film.scene(impactor_velocity=1.0, contact_law="big-alabo")
+    with pytest.raises(ValueError, match="the dimension segment must be whole"):
+        ds.isel(segment=slice(3, None)).film.sample(["20 us"], **where)
+    with pytest.raises(ValueError, match="a velocity is needed"):
+        ds.film.scene(impactor_velocity="1 kg", contact_law="hertz")
+    one = ds[["maximum_force", "status"]]
+    assert set(one.film.summary()) == {"maximum_force"}
+    assert one.film.quantify()["maximum_force"].data.units == "newton"

@@ -212,9 +212,12 @@ def _fill(
     store.create(sizes, chunks, variables)
     content = ContentHash(made.variables)
     _coordinates(made, store, content)
-    estimated, gained, failed = 0.0, np.zeros(len(made.laws), np.int64), 0
+    estimated, gained, failed, segments = 0.0, np.zeros(len(made.laws), np.int64), 0, 0
     for number, columns in _blocks(made, pool, ahead, parts):
         _, region, first, count = made.block(number)
+        if "segment_count" in columns:
+            ends = segments + np.cumsum(columns["segment_count"], dtype=np.int64)
+            columns["segment_begin"], segments = ends - columns["segment_count"], int(ends[-1])
         for variable in made.variables:
             name = variable.name
             if name not in columns:

@@ -18,7 +18,7 @@ from film_model.core.native import EVENTS, LINE_DTYPE, PHASES
 from film_model.history import MOTION, SUMMARY
 from film_model.problem import Scales
 from film_model.study import COMPARED
-from film_model.units import si_unit
+from film_model.units import DIMENSIONS, si_unit
 
 HISTORY, SWEEP, MEASUREMENT, COST = "impact_history", "impact_sweep", "impact_measurement", "impact_cost_study"
 VERSIONS = {HISTORY: "1.1", SWEEP: "1.0", MEASUREMENT: "1.0", COST: "1.0"}
@@ -33,7 +33,7 @@ REFUSED = max(STATUSES) + 1
 ROWS = "rows"
 """Stands for the dimensions of a sweep: its swept quantities, or `impact`."""
 
-FLOAT, BYTE, INTEGER = np.dtype(np.float64), np.dtype(np.int8), np.dtype(np.int32)
+FLOAT, BYTE, INTEGER, LONG = (np.dtype(kind) for kind in (np.float64, np.int8, np.int32, np.int64))
 
 
 @dataclass(frozen=True)
@@ -184,6 +184,10 @@ TABLE: dict[str, tuple[Variable, ...]] = {
             *("segment_count", (ROWS,), INTEGER, "1", "number of segments of the impact"),
             comment="segments of all impacts follow each other in the order of the rows, the last dimension fastest",
         ),
+        Variable(
+            *("segment_begin", (ROWS,), LONG, "1", "number of segments of the impacts before"),
+            comment="place along segment where those of the impact begin, in a selection of impacts too",
+        ),
         *_units_of_segments((ROWS,), optional=True),
         *_SEGMENTS,
     ),
@@ -272,6 +276,12 @@ def kind_of(ds: xr.Dataset) -> str:
     if kind not in VERSIONS:
         raise ValueError("not a dataset of film-model: the attribute film_model_schema does not name a kind")
     return kind
+
+
+def dimension_of(array: xr.DataArray) -> str:
+    """The dimension of a variable's unit, of `units.DIMENSIONS`; "dimensionless" if it has none of them."""
+    unit = array.attrs.get("units", "1")
+    return next((name for name, dimension in DIMENSIONS.items() if dimension.unit == unit), "dimensionless")
 
 
 def swept_name(path: str) -> str:
@@ -412,6 +422,10 @@ def _contradictions(ds: xr.Dataset) -> list[str]:
     if "event_time" in ds.variables:
         checks["an event_time is not on t"] = bool(np.isin(ds["event_time"].values, ds["t"].values).all())
     if "segment_count" in ds.variables:
-        count = sum(int(piece.sum(dtype=np.int64)) for piece in pieces(ds["segment_count"]))
-        checks["segment_count does not add up to the segments"] = count == ds.sizes["segment"]
+        end, good = 0, True
+        for begins, counts in zip(pieces(ds["segment_begin"]), pieces(ds["segment_count"]), strict=True):
+            ends = end + np.cumsum(counts, dtype=np.int64)
+            good, end = good and np.array_equal(np.ravel(begins) + np.ravel(counts), ends), int(ends[-1])
+        checks["segment_begin is not the sum of the segment_count before"] = good
+        checks["segment_count does not add up to the segments"] = end == ds.sizes["segment"]
     return [message for message, good in checks.items() if not good]

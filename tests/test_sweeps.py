@@ -776,3 +776,61 @@ def test_selections_keep_the_segments_of_their_impacts() -> None:
     one = ds[["maximum_force", "status"]]
     assert set(one.film.summary()) == {"maximum_force"}
     assert one.film.quantify()["maximum_force"].data.units == "newton"
+
+
+TABLE = "indentation (um), force (N)\n0, 0\n10, 400\n50, 4000\n200, 30000\n"
+
+
+def test_tables_are_found_beside_the_sweep_and_kept_in_the_dataset(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = f"{SCENES.as_posix()}/tungsten_carbide_on_steel.toml"
+    (tmp_path / "table.csv").write_text(TABLE, encoding="utf-8")
+    laws = ", ".join(f'{{ law = "tabulated", file = "table.csv"{more} }}' for more in ("", ', unloading = "retrace"'))
+    text = f'scene = "{scene}"\n[over]\n"contact" = [{laws}]\n"impactor.velocity" = ["0.1 m/s", "0.2 m/s"]\n'
+    (tmp_path / "sweep.toml").write_text(text, encoding="utf-8")
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    monkeypatch.chdir(elsewhere)
+    ds = run(Sweep.from_toml(tmp_path / "sweep.toml", "segments"), command="test")
+    assert (ds["status"] == 1).all() and fd.validate(ds) == []
+    assert ds["contact"].attrs["flag_meanings"] == "tabulated tabulated_unloading_retrace"
+    where = {"impactor_velocity": 0.2, "contact": "tabulated"}
+    assert ds["coefficient_of_restitution"].sel(impactor_velocity=0.2).values[1] == pytest.approx(1.0)
+    other = TABLE.replace("4000", "9000")
+    (tmp_path / "table.csv").write_text(other, encoding="utf-8")  # the dataset does not need the file any more
+    assert ds.film.scene(**where).contact.parameters["force"][2] == 4000.0
+    found = ds.film.history(**where).maximum_force.magnitude
+    assert found == pytest.approx(ds.film.summary(**where)["maximum_force"], rel=1e-4)
+
+
+def test_words_side_by_side_may_repeat_and_need_make_sense_in_their_rows_only() -> None:
+    soft = {"name": "soft", "youngs_modulus": "5 MPa", "poissons_ratio": 0.49, "density": "1000 kg/m^3"}
+    over = {
+        "target.material": ["mild steel", soft, "mild steel", "mild steel"],
+        "contact.law": ["big-alabo", "hertz", "hertz", "big-alabo"],  # the soft one has no yield strength
+        "impactor.velocity": ["0.2 m/s", "0.3 m/s", "0.2 m/s", "0.3 m/s"],
+    }
+    ds = fd.sweep(BALL, over, "zip")
+    assert fd.validate(ds) == []
+    assert ds["contact_law"].values.tolist() == [0, 1, 1, 0] and ds["target_material"].values.tolist() == [0, 1, 0, 0]
+    for k in range(4):
+        one = fm.simulate(BALL.replace({path: values[k] for path, values in over.items()}))
+        assert ds["maximum_force"].values[k] == pytest.approx(one.maximum_force.magnitude, rel=1e-4)
+        assert ds.film.scene(impact=k) == one.scene
+    many = {
+        "impactor.material.name": [f"a{k}" for k in range(200)],
+        "target.material.name": [f"b{k}" for k in range(200)],
+    }
+    assert fd.sweep(BALL, many, "zip").sizes["impact"] == 200  # of the 40000 combinations, those of the rows
+    drawn = fd.sweep(BALL, {"contact.law": ["hertz", "hertz", "hertz", "big-alabo"]}, "latin-hypercube", samples=400)
+    assert int((drawn["contact_law"] == 0).sum()) == 300
+    with pytest.raises(fm.SceneError, match=r"over\.contact\.law: no contact law is called"):
+        fd.sweep(BALL, {"contact.law": ["hertz", "hurtz"]}, "zip")
+
+
+def test_sections_of_one_law_are_told_apart() -> None:
+    over = {"contact": [{"law": "hunt-crossley", "restitution": e} for e in (0.7, 0.8)]}
+    ds = fd.sweep(BALL, over)
+    assert ds["contact"].attrs["flag_meanings"] == "hunt-crossley_restitution_0.7 hunt-crossley_restitution_0.8"
+    assert ds["coefficient_of_restitution"].values == pytest.approx([0.7, 0.8], rel=1e-4)

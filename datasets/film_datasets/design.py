@@ -210,6 +210,8 @@ def field_at(scene: Scene, path: str) -> Field | None:
         fields |= parameter_fields(owner)
     if head == "target" and name == "kind" and len(sections) == 1:
         return None
+    if name == "exponent" and any(field.dimension == "meyer_stiffness" for field in fields.values()):
+        raise ValueError("is in the unit of the stiffness: sections [contact] that have both can be listed")
     if name not in fields:
         hint = did_you_mean(name, fields) or did_you_mean(path, _paths(scene))
         raise ValueError(f"unknown key{hint}")
@@ -224,7 +226,7 @@ def _paths(scene: Scene) -> list[str]:
 def _axis(scene: Scene, path: str, given: Any, design: str) -> Axis:
     field = field_at(scene, path)
     if isinstance(given, Mapping):
-        return _described(path, field, given, design, "" if field is None else _unit(scene, field))
+        return _described(path, field, given, design, "" if field is None else unit_of(scene, field))
     if isinstance(given, str) or (not hasattr(given, "__len__") and not hasattr(given, "magnitude")):
         raise ValueError(f"{shown(given)} is one value: a list of values or a table with from and to is needed")
     if field is None:
@@ -238,7 +240,7 @@ def _axis(scene: Scene, path: str, given: Any, design: str) -> Axis:
         raise ValueError("an empty list: at least one value is needed")
     if design == GRID:
         _check_order(own)
-    unit = _unit(scene, field)
+    unit = unit_of(scene, field)
     return Axis(path, "values", tuple(own), count=len(own), dimension=field.dimension, unit=unit, field=field)
 
 
@@ -326,7 +328,7 @@ def _distribution(path: str, field: Field, kind: str, given: Any, unit: str) -> 
     return Axis(path, kind, (low, high), dimension=field.dimension, unit=unit, field=field)
 
 
-def _unit(scene: Scene, field: Field) -> str:
+def unit_of(scene: Scene, field: Field) -> str:
     """The SI unit as scene files write it."""
     if field.dimension == "meyer_stiffness":
         exponent = f"{scene.contact.parameters['exponent']:.9f}".rstrip("0").rstrip(".")

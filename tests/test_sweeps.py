@@ -771,6 +771,8 @@ def test_selections_keep_the_segments_of_their_impacts() -> None:
         ds.isel(contact_law=[2, 0]).film.scene(impactor_velocity=1.0, contact_law="big-alabo")
     with pytest.raises(ValueError, match="the dimension segment must be whole"):
         ds.isel(segment=slice(3, None)).film.sample(["20 us"], **where)
+    with pytest.raises(ValueError, match="before first touch"):
+        ds.film.sample([-1e-6], **where)
     with pytest.raises(ValueError, match="a velocity is needed"):
         ds.film.scene(impactor_velocity="1 kg", contact_law="hertz")
     one = ds[["maximum_force", "status"]]
@@ -834,3 +836,34 @@ def test_sections_of_one_law_are_told_apart() -> None:
     ds = fd.sweep(BALL, over)
     assert ds["contact"].attrs["flag_meanings"] == "hunt-crossley_restitution_0.7 hunt-crossley_restitution_0.8"
     assert ds["coefficient_of_restitution"].values == pytest.approx([0.7, 0.8], rel=1e-4)
+
+
+def test_validate_tells_of_any_damage() -> None:
+    ds = fd.sweep(BALL, SPEEDS, keep="segments")
+    assert fd.validate(ds.isel(impactor_velocity=slice(0, 0)))
+    begun = ds.copy(deep=True)
+    begun["segment_begin"].values[5] += 1
+    begun.attrs["content_sha256"] = fd.content_sha256(begun)
+    assert fd.validate(begun) == ["segment_begin is not the sum of the segment_count before"]
+    foreign = xr.Dataset(attrs={"film_model_schema": "impact_measurement", "measured": "nothing"})
+    assert fd.validate(foreign) == ["attribute measured is 'nothing', not 'history' or 'impacts'"]
+
+
+def test_a_damped_contact_that_does_not_end_has_no_dent() -> None:
+    plate = {"kind": "plate", "material": "mild steel", "thickness": "2 mm"}
+    thin = BALL.replace({"target": plate, "contact": {"law": "hunt-crossley", "restitution": 0.8}})
+    ds = fd.sweep(thin, {"impactor.velocity": ["0.1 m/s"]})
+    assert ds["status"].item() == 0 and np.isnan(ds["permanent_indentation"].item())
+    assert fm.simulate(thin).summary["permanent_indentation"] is None
+
+
+def test_a_zarr_folder_is_drawn_and_takes_the_place_of_a_file(tmp_path: Path, file: Path) -> None:
+    pytest.importorskip("matplotlib")
+    pytest.importorskip("zarr")
+    (tmp_path / "out.zarr").write_text("an old file", encoding="utf-8")
+    assert main(["sweep", str(file), "--output", str(tmp_path / "out.zarr"), "--force"]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.zarr", "sweep.toml"]
+    over = "impactor_velocity, target_material_yield_strength"
+    assert main(["plot", f"{tmp_path / 'out.zarr'}/", "--over", over]) == 0
+    assert (tmp_path / "out.png").is_file()
+    assert main(["plot", str(tmp_path / "out.zarr"), "--force", "--over", "impactor_velocity,impactor_velocity"]) == 3

@@ -156,6 +156,8 @@ class Film:
         """Motion of one impact of a sweep, from its segments."""
         if "segment_count" not in self._ds.variables:
             raise ValueError('no segments were kept of this sweep (keep="segments"): use ds.film.history(…).sample')
+        if t.min(initial=0.0) < 0.0:
+            raise ValueError("times must not be before first touch (0 s)")
         row = self._ds.isel(self._places(where))
         begin, count = int(row["segment_begin"]), int(row["segment_count"])
         if not count:

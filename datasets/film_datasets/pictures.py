@@ -85,6 +85,8 @@ def plot(
         raise ValueError(f"over: {shown(wrong[0])} is not swept{hint}; swept: {', '.join(swept)}")
     if len(chosen) > 2:
         raise ValueError("over: one swept quantity or two, no more")
+    if len(set(chosen)) < len(chosen):
+        raise ValueError(f"over: {shown(chosen[0])} is given twice")
     draw = _cloud if "impact" in ds[quantity].dims else _map if len(chosen) == 2 else _lines
 
     def fill(figure: Figure) -> None:

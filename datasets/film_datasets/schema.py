@@ -370,6 +370,8 @@ def validate(ds: xr.Dataset) -> list[str]:
         kind = kind_of(ds)
     except ValueError as error:
         return [str(error)]
+    if kind == MEASUREMENT and f"{kind} {ds.attrs.get('measured')}" not in TABLE:
+        return [f"attribute measured is {ds.attrs.get('measured')!r}, not 'history' or 'impacts'"]
     variables = variables_of(ds)
     found = [f"attribute {name} is missing" for name in ATTRIBUTES[kind] if name not in ds.attrs]
     version = ds.attrs.get("film_model_schema_version", VERSIONS[kind])
@@ -415,7 +417,7 @@ def _contradictions(ds: xr.Dataset) -> list[str]:
     for name in ("scene", "sweep"):
         if f"{name}_toml" in ds.attrs:
             text = str(ds.attrs[f"{name}_toml"]).encode()
-            good = ds.attrs[f"{name}_sha256"] == hashlib.sha256(text).hexdigest()
+            good = ds.attrs.get(f"{name}_sha256") == hashlib.sha256(text).hexdigest()
             checks[f"{name}_sha256 is not that of {name}_toml"] = good
     if "t" in ds.variables:
         checks["t does not increase"] = bool((np.diff(ds["t"].values) > 0).all())
@@ -425,7 +427,7 @@ def _contradictions(ds: xr.Dataset) -> list[str]:
         end, good = 0, True
         for begins, counts in zip(pieces(ds["segment_begin"]), pieces(ds["segment_count"]), strict=True):
             ends = end + np.cumsum(counts, dtype=np.int64)
-            good, end = good and np.array_equal(np.ravel(begins) + np.ravel(counts), ends), int(ends[-1])
+            good, end = good and np.array_equal(np.ravel(begins) + np.ravel(counts), ends), int(ends.max(initial=end))
         checks["segment_begin is not the sum of the segment_count before"] = good
         checks["segment_count does not add up to the segments"] = end == ds.sizes["segment"]
     return [message for message, good in checks.items() if not good]

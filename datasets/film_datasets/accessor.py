@@ -45,10 +45,14 @@ class Film:
     def scene(self, **where: Any) -> Scene:
         """The scene, ready to run again: of a history, of one impact of a sweep, or that on which a sweep is based.
 
-        Raises ValueError where the law was an object of Python, KeyError for an impact that is not there.
+        Raises ValueError where the law was an object of Python or an FMU was run with other values, KeyError for an
+        impact that is not there.
         """
         if self.kind == HISTORY:
             _nothing(where)
+        if "start_values" in self._ds.attrs:
+            given = ", ".join(str(self._ds.attrs["start_values"]).split("\n"))
+            raise ValueError(f"this run of an FMU was given {given}, which is not in the scene that was exported")
         if not where:
             return scene_of(self._ds)
         row = self._ds.isel(self._places(where))

@@ -59,6 +59,14 @@ def test_empty_cells_are_missing(tmp_path: Path) -> None:
     assert ds["indentation"].values[1] == pytest.approx(5e-6, rel=1e-15)
 
 
+def test_a_separator_at_the_end_and_a_dash_for_no_unit(tmp_path: Path) -> None:
+    path = tmp_path / "e.csv"
+    path.write_text("velocity [m/s]; restitution [-];\n1; 0.5;\n2; 0.4;\n", encoding="utf-8")
+    ds = fd.from_csv(path)
+    assert fd.validate(ds) == []
+    assert ds["coefficient_of_restitution"].values.tolist() == [0.5, 0.4]
+
+
 @pytest.mark.parametrize(
     ("text", "line", "says"),
     [

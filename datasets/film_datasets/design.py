@@ -348,6 +348,8 @@ def _label(word: Any, whole: bool = False) -> str:
             return str(word[named])
         plain = {key: _label(value) for key, value in word.items() if not isinstance(value, list | tuple)}
         return " ".join(value if key == named else f"{key}_{value}" for key, value in plain.items())
+    if isinstance(word, list | tuple):
+        return " ".join(map(_label, word))
     return str(word).lower() if isinstance(word, bool) else str(word)
 
 

@@ -30,6 +30,9 @@ MOST_POINTS = 20_000
 FAMILY = 9
 """A swept quantity of no more values than this makes lines, each with its name, rather than an axis."""
 
+FEW_POINTS = 200
+"""A cloud of no more points than this has large ones."""
+
 MOST_CELLS = 1500
 """Cells of a heat map along one side."""
 
@@ -147,12 +150,14 @@ def _cloud(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: d
     array = ds[quantity].load()
     size, unit = prefixed_unit(_finite(array), dimension_of(array))
     x_values, x_label = _axis(ds[over[0]])
+    few = array.size <= FEW_POINTS
     if len(over) == 1:
-        panel.plot(x_values, array.values / size, ".", color=COLOURS[0], markersize=3, alpha=0.5, rasterized=True)
+        style: dict[str, Any] = {"markersize": 9} if few else {"markersize": 3, "alpha": 0.5}
+        panel.plot(x_values, array.values / size, ".", color=COLOURS[0], rasterized=True, **style)
         panel.set(xlabel=x_label, ylabel=_label(quantity, unit))
     else:
         y_values, y_label = _axis(ds[over[1]])
-        points = panel.scatter(x_values, y_values, 4, array.values / size, cmap=MAP, rasterized=True)
+        points = panel.scatter(x_values, y_values, 25 if few else 4, array.values / size, cmap=MAP, rasterized=True)
         figure.colorbar(points, ax=panel, label=_label(quantity, unit))
         panel.set(xlabel=x_label, ylabel=y_label)
         _ticks(panel.yaxis, ds[over[1]])

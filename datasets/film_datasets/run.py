@@ -32,8 +32,8 @@ from film_model.errors import SimulationError
 from film_model.laws import AbstractLaw
 from film_model.scene import Scene
 
-MOST_IN_MEMORY = 20_000_000
-"""Impacts of a sweep that is not written to a file."""
+MOST_IN_MEMORY = 4_000_000_000
+"""Bytes of a sweep that is not written to a file."""
 
 AHEAD = 2
 """Blocks that wait for the one before them, besides those that are computed."""
@@ -110,10 +110,10 @@ def run(
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or not 1 <= workers <= 4096):
         raise ValueError(f"workers: {workers!r} is not allowed: a whole number from 1 to 4096 is needed")
     if output is None:
-        if made.size > MOST_IN_MEMORY:
+        if (need := made.size * made.bytes_a_row) > MOST_IN_MEMORY:
             raise MemoryError(
-                f"{made.size} impacts do not go into memory (at most {MOST_IN_MEMORY}): give an output, FILE.nc or "
-                "FILE.zarr"
+                f"{made.size} impacts take about {_bytes(need)}, at most {_bytes(MOST_IN_MEMORY)} go into memory: give "
+                "an output, FILE.nc or FILE.zarr"
             )
         store = Memory()
         with _executor(workers, scheduler) as (pool, ahead):

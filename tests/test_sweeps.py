@@ -867,3 +867,19 @@ def test_a_zarr_folder_is_drawn_and_takes_the_place_of_a_file(tmp_path: Path, fi
     assert main(["plot", f"{tmp_path / 'out.zarr'}/", "--over", over]) == 0
     assert (tmp_path / "out.png").is_file()
     assert main(["plot", str(tmp_path / "out.zarr"), "--force", "--over", "impactor_velocity,impactor_velocity"]) == 3
+
+
+def test_a_finished_output_with_other_samples_is_not_taken(tmp_path: Path) -> None:
+    target = tmp_path / "s.nc"
+    fd.sweep(BALL, SPEEDS, keep="samples=11", output=target).close()
+    with pytest.raises(FileExistsError, match="is not the finished output of this sweep"):
+        fd.sweep(BALL, SPEEDS, keep="samples=21", output=target, resume=True)
+    with fd.sweep(BALL, SPEEDS, keep="samples=11", output=target, resume=True) as ds:
+        assert ds.sizes["normalised_time"] == 11
+        for place in (1.5, -1, 40):
+            with pytest.raises(KeyError, match="impactor_velocity is missing"):
+                ds.film.scene(impact=place)
+    drawn = fd.sweep(BALL, {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}}, "random", samples=4)
+    for place in (1.5, -1, 4, "1"):
+        with pytest.raises(KeyError, match="they are 0 to 3"):
+            drawn.film.scene(impact=place)

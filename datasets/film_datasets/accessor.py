@@ -144,7 +144,7 @@ class Film:
         if value is None:
             return 0
         if dim == "impact":
-            if not 0 <= value < size:
+            if not isinstance(value, int | np.integer) or not 0 <= value < size:
                 raise KeyError(f"impact {value}: they are 0 to {size - 1}")
             return int(value)
         array = self._ds[dim]

@@ -341,10 +341,13 @@ def _is_of(target: Path, made: Sweep) -> bool:
     """Whether a finished output is of this very sweep."""
     try:
         with open_dataset(target) as ds:
-            texts = ds.attrs.get("scene_toml"), ds.attrs.get("sweep_toml"), ds.attrs.get("kept")
+            found = (
+                *(ds.attrs.get(name) for name in ("scene_toml", "sweep_toml", "kept")),
+                ds.sizes.get("normalised_time", 0),
+            )
     except (OSError, ValueError, ImportError):
         return False
-    return texts == (scene_text(made.scene), made.text(), " ".join(made.kept))
+    return found == (scene_text(made.scene), made.text(), " ".join(made.kept), made.dense)
 
 
 def _check_room(target: Path, made: Sweep) -> None:

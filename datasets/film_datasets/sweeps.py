@@ -346,7 +346,8 @@ class Sweep:
                 columns["status"][outside] = REFUSED + place
                 sound &= ~outside
         lines: dict[int, NDArray[Any]] = {}
-        for number in np.unique(case).tolist():
+        there = np.flatnonzero(np.bincount(case)) if self.cases <= MOST_CASES else np.unique(case)
+        for number in there.tolist():
             rows = np.flatnonzero((case == number) & sound) if self.cases > 1 or not sound.all() else np.arange(count)
             if rows.size:
                 self._fill(columns, lines, self.case(number), rows, numbers)

@@ -216,13 +216,14 @@ def _summary(rows: Rows, start: NDArray[Any], status: NDArray[np.int32], core: N
     final, failed, over = core["final_velocity"], status < 0, status == native.EVENT
     turned = core["maximum_indentation"] > 0.0
     absorbed = np.where(np.abs(core["work"]) > 1e-14 * nu**2, core["work"], 0.0)  # less is rounding
+    permanent = core["permanent_indentation"] * s.length
     columns = {
         "maximum_force": core["maximum_force"] * s.force,
         "maximum_indentation": np.where(turned, core["maximum_indentation"] * s.length, np.nan),
         "time_of_maximum_indentation": np.where(turned, core["time_of_maximum_indentation"] * s.time, np.nan),
         "time_impactor_stops": core["time_impactor_stops"] * s.time,
         "contact_duration": core["contact_duration"] * s.time,
-        "permanent_indentation": np.where(start["damping"] > 0.0, 0.0, core["permanent_indentation"] * s.length),
+        "permanent_indentation": np.where(start["damping"] > 0.0, np.where(over, 0.0, np.nan), permanent),
         "rebound_velocity": drift + share * final * s.velocity,
         "coefficient_of_restitution": -final / nu,
         "energy_absorbed": np.where(over, absorbed * s.energy, np.nan),

@@ -372,8 +372,8 @@ def _plot(options: argparse.Namespace) -> int:
     from film_datasets.files import open_dataset
     from film_datasets.pictures import plot
 
-    output = options.output or os.path.splitext(options.file)[0] + ".png"
-    chosen: dict[str, Any] = {"quantity": options.quantity, "over": options.over and options.over.split(",")}
+    output = options.output or os.path.splitext(options.file.rstrip("/" + os.sep))[0] + ".png"
+    chosen: dict[str, Any] = {"quantity": options.quantity, "over": _names(options.over)}
     at = dict(pair.partition("=")[::2] for pair in options.at or ())
     with open_dataset(options.file) as dataset:
         _check_writable(output, options.force)
@@ -390,8 +390,8 @@ def _identify(options: argparse.Namespace) -> int:
 
     if options.plot:
         _check_writable(options.plot, options.force)
-    fit = [name.strip() for name in options.fit.split(",")]
-    found = identify(from_csv(options.measured), Scene.from_toml(options.scene), fit, options.confidence)
+    scene = Scene.from_toml(options.scene)
+    found = identify(from_csv(options.measured), scene, _names(options.fit), options.confidence)
     if options.plot:
         found.plot(options.plot)
     if options.json:
@@ -403,6 +403,11 @@ def _identify(options: argparse.Namespace) -> int:
     for warning in found.warnings:
         print(f"warning: {warning}", file=sys.stderr)
     return DONE
+
+
+def _names(text: str | None) -> list[str]:
+    """Names that are separated by commas."""
+    return [name.strip() for name in (text or "").split(",") if name.strip()]
 
 
 def _check_writable(path: str, force: bool) -> None:

@@ -120,6 +120,8 @@ def parameter_fields(contact: Contact) -> dict[str, Field]:
 def _parameter_field(parameter: Parameter, exponent: float | None) -> Field:
     if parameter.choices:
         return choice(*parameter.choices)
+    if parameter.several or parameter.dimension == "file":
+        return Field(partial(_read_parameter, parameter), "a list or a file is needed", parameter.required)
     low = parameter.above if parameter.above is not None else parameter.minimum
     ends = (-math.inf if low is None else low, math.inf, parameter.above is not None)
     if parameter.dimension != "meyer_stiffness":

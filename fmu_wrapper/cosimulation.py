@@ -85,7 +85,19 @@ def run(
             rows, events = _exchanged(fmu, stop, step, starts, given, tolerance)
         else:
             rows, events = _stepped(fmu, mode == "events", stop, step, starts, given)
-        return _dataset(fmu, rows, events, mode)
+        ds = _dataset(fmu, rows, events, mode, starts)
+        if starts or given:
+            ds.attrs["start_values"] = "\n".join(_line(name, value) for name, value in {**starts, **given}.items())
+        return ds
+
+
+def _line(name: str, value: Any) -> str:
+    """A parameter or input of a run as a line of TOML."""
+    dimension = next(v.dimension for v in FMU_VARIABLES if v.name == name)
+    unit = units.scene_unit(dimension) if dimension else ""
+    if callable(value):
+        return f'{name} = "a function of time"'
+    return f'{name} = "{value!r} {unit}"' if unit else f"{name} = {value!r}"
 
 
 def _positive(name: str, value: Any) -> float:
@@ -283,7 +295,7 @@ def _repeated(row: Row, following: Row | None) -> bool:
 # ---------------------------------------------------------------- datasets
 
 
-def _dataset(fmu: Fmu, rows: list[Row], events: list[Row], mode: Mode) -> xr.Dataset:
+def _dataset(fmu: Fmu, rows: list[Row], events: list[Row], mode: Mode, starts: Mapping[str, float]) -> xr.Dataset:
     distinct = [row for row, following in zip(rows, [*rows[1:], None], strict=True) if not _repeated(row, following)]
     touch = next((event["time"] for event in events if event["kind"] == native.EVENTS.index("contact_begins")), 0.0)
     columns: dict[str, Any] = {name: np.array([row[name] for row in distinct]) for name in ("time", *MOTION, "stage")}
@@ -312,7 +324,7 @@ def _dataset(fmu: Fmu, rows: list[Row], events: list[Row], mode: Mode) -> xr.Dat
         values = np.zeros(0) if "segment" in v.dims else columns[v.name]
         arrays[v.name] = (v.dims, np.asarray(values, dtype=v.dtype), v.attributes(meanings))
     ds = xr.Dataset({name: value for name, value in arrays.items() if name != "t"}, coords={"t": arrays["t"]})
-    ds.attrs = _attributes(fmu, mode)
+    ds.attrs = _attributes(fmu, mode, starts)
     ds.attrs["content_sha256"] = content_sha256(ds)
     return ds
 
@@ -342,12 +354,13 @@ def _summary(events: list[Row], touch: float, peak: float, damped: bool) -> dict
     return summary
 
 
-def _attributes(fmu: Fmu, mode: Mode) -> dict[str, Any]:
+def _attributes(fmu: Fmu, mode: Mode, starts: Mapping[str, float]) -> dict[str, Any]:
     resources = Path(fmu.folder, "resources")
     text = (resources / "scene.toml").read_text("utf-8")
     notes = json.loads((resources / resource.NOTES).read_text("utf-8"))
     how = {"steps": "Co-Simulation", "events": "Co-Simulation with event mode", "exchange": "Model Exchange with CVODE"}
-    loading, unloading = (int(fmu.data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
+    legs = ("loading_segments", "unloading_segments")
+    loading, unloading = (int(starts.get(leg, fmu.data.start[reference(leg)])) for leg in legs)
     return {
         **provenance(
             HISTORY,
@@ -356,7 +369,7 @@ def _attributes(fmu: Fmu, mode: Mode) -> dict[str, Any]:
             source=f"{PROGRAM}, FMU under FMPy",
             command="fmu_wrapper.run",
             comment="t counts in seconds from first touch and is no date. An FMU tells no segments and no energies. "
-            "Effects and warnings are those of the exported scene, whatever start values the run was given.",
+            "Scene, effects and warnings are those of the export; attribute start_values has what the run was given.",
         ),
         **text_and_hash("scene", text),
         "contact_law": notes["contact_law"],

@@ -242,6 +242,21 @@ def test_segments_after_export(made, version):
     assert errors[0] == pytest.approx(errors[1] * (12 / 8) ** 4, rel=0.6) and errors[0] < 1e-4
 
 
+def test_what_a_run_was_given_is_in_its_dataset(made):
+    given = {"initial_velocity": "0.5 m/s", "loading_segments": 9}
+    ds = fmu_wrapper.run(made(ball()), start_values=given, inputs={"external_force": "2 N"}, step_size="3 us")
+    assert fd.validate(ds) == [] and ds.attrs["segments"] == 9
+    told = 'initial_velocity = "0.5 m/s"\nloading_segments = 9.0\nexternal_force = "2.0 N"'
+    assert ds.attrs["start_values"] == told
+    with pytest.raises(ValueError, match="which is not in the scene"):
+        ds.film.scene()
+    as_exported = fmu_wrapper.run(made(ball()), step_size="3 us")
+    assert as_exported.film.scene() == ball() and "start_values" not in as_exported.attrs
+    for ask in (as_exported.film.history, as_exported.film.plot, lambda: as_exported.film.sample(["1 us"])):
+        with pytest.raises(ValueError, match="at the times t only"):
+            ask()
+
+
 def test_a_dataset_of_the_library_s_schema(made):
     for mode in ("steps", "events", "exchange"):
         ds = fmu_wrapper.run(made(ball()), mode=mode, step_size="3 us")

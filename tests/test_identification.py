@@ -16,6 +16,7 @@ from film_model.cli import main
 SCENES = Path(__file__).parents[1] / "examples" / "scenes"
 BALL = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml").replace({"contact.law": "big-alabo"})
 AWAY = BALL.replace({"target.material.yield_strength": "1.5 GPa", "impactor.velocity": "0.27 m/s"})
+MEYER = BALL.replace({"contact": {"law": "meyer", "stiffness": "5e9 N/m^1.4", "exponent": 1.4}})
 TIMES = np.linspace(0.0, 110e-6, 80)
 
 
@@ -56,6 +57,14 @@ def test_empty_cells_are_missing(tmp_path: Path) -> None:
     assert fd.validate(ds) == []
     assert np.isnan(ds["contact_force"].values).tolist() == [False, True, False]
     assert ds["indentation"].values[1] == pytest.approx(5e-6, rel=1e-15)
+
+
+def test_a_separator_at_the_end_and_a_dash_for_no_unit(tmp_path: Path) -> None:
+    path = tmp_path / "e.csv"
+    path.write_text("velocity [m/s]; restitution [-];\n1; 0.5;\n2; 0.4;\n", encoding="utf-8")
+    ds = fd.from_csv(path)
+    assert fd.validate(ds) == []
+    assert ds["coefficient_of_restitution"].values.tolist() == [0.5, 0.4]
 
 
 @pytest.mark.parametrize(
@@ -153,12 +162,26 @@ def test_a_yield_strength_that_is_never_reached(tmp_path: Path) -> None:
         (["contact.yeld_strength"], 'did you mean "yield_strength"'),
         (["impactor.velocity", "impactor.velocity"], "given twice"),
         (["impactor.drop_height"], "no value to begin with"),
+        (["contact.exponent"], "is in the unit of the stiffness"),
     ],
 )
 def test_parameters_that_cannot_be_fitted(tmp_path: Path, fit: list[str], says: str) -> None:
     measured = fd.from_csv(force_file(tmp_path / "m.csv", BALL, 0.0))
+    scene = MEYER if fit == ["contact.exponent"] else BALL
     with pytest.raises(fm.SceneError, match=says):
-        fd.identify(measured, BALL, fit)
+        fd.identify(measured, scene, fit)
+    if scene is MEYER:  # a sweep over it would take the number of the stiffness for that of another unit
+        with pytest.raises(fm.SceneError, match=says):
+            fd.sweep(scene, {"contact.exponent": [1.4, 1.5]})
+
+
+def test_a_stiffness_with_a_unit_of_its_own_is_fitted(tmp_path: Path) -> None:
+    measured = fd.from_csv(force_file(tmp_path / "m.csv", MEYER, 1.0))
+    found = fd.identify(measured, MEYER.replace({"contact.stiffness": "1e10 N/m^1.4"}), ["contact.stiffness"])
+    (one,) = found.parameters
+    assert one.identified and one.low < 5e9 < one.high
+    assert one.to_json()["units"] == "N/m^1.4" and "e+09 N/m^1.4" in found.table()
+    assert "of the largest" in found.table()
 
 
 def test_other_mistakes(tmp_path: Path) -> None:

@@ -369,7 +369,7 @@ def test_other_wrong_arguments(tmp_path: Path) -> None:
 
 def test_a_billion_impacts_are_refused_where_there_is_no_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     many = {"impactor.velocity": {"from": "0.1 m/s", "to": "5 m/s", "count": 10**9}}
-    with pytest.raises(MemoryError, match="1000000000 impacts do not go into memory"):
+    with pytest.raises(MemoryError, match="1000000000 impacts take about 98 GB, at most 4 GB go into memory"):
         fd.sweep(BALL, many)
     usage = shutil.disk_usage(tmp_path)._replace(free=75 * 10**9)
     monkeypatch.setattr("film_datasets.run.shutil.disk_usage", lambda _: usage)
@@ -749,3 +749,137 @@ def test_what_is_not_modelled_is_said(values: dict, options: dict, looked: int) 
     assert said.startswith("not modelled: adhesion, which would change the summary by up to ")
     assert f" of the {looked} impacts that were looked at" in said
     assert fd.sweep(sticky, {"impactor.velocity": ["0.5 m/s", "1 m/s"]}).attrs["warnings"] == "none"
+
+
+def test_selections_keep_the_segments_of_their_impacts() -> None:
+    over = {"impactor.velocity": ["0.5 m/s", "1 m/s", "2 m/s"], "contact.law": ["hertz", "big-alabo", "stronge"]}
+    ds = fd.sweep(BALL, over, keep="segments")
+    where = {"impactor_velocity": "1 m/s", "contact_law": "stronge"}
+    expected = ds.film.sample(["20 us"], **where)["contact_force"].item()
+    assert ds.film.sample(["20 us"], impactor_velocity=1.0, contact_law="big-alabo")["contact_force"].item() != expected
+    for part in (
+        ds.isel(impactor_velocity=slice(1, 3)),
+        ds.isel(impactor_velocity=slice(None, None, -1), contact_law=[2, 0]),
+        ds.transpose("contact_law", ...),
+        ds.isel(contact_law=2),
+    ):
+        picked = {name: value for name, value in where.items() if name in part.sizes}
+        assert part.film.sample(["20 us"], **picked)["contact_force"].item() == expected
+        assert part.film.scene(**picked) == ds.film.scene(**where)
+        assert part.film.summary(**picked) == ds.film.summary(**where)
+    with pytest.raises(KeyError, match="contact_law big-alabo: there are stronge, hertz"):
+        ds.isel(contact_law=[2, 0]).film.scene(impactor_velocity=1.0, contact_law="big-alabo")
+    with pytest.raises(ValueError, match="the dimension segment must be whole"):
+        ds.isel(segment=slice(3, None)).film.sample(["20 us"], **where)
+    with pytest.raises(ValueError, match="before first touch"):
+        ds.film.sample([-1e-6], **where)
+    with pytest.raises(ValueError, match="a velocity is needed"):
+        ds.film.scene(impactor_velocity="1 kg", contact_law="hertz")
+    one = ds[["maximum_force", "status"]]
+    assert set(one.film.summary()) == {"maximum_force"}
+    assert one.film.quantify()["maximum_force"].data.units == "newton"
+
+
+TABLE = "indentation (um), force (N)\n0, 0\n10, 400\n50, 4000\n200, 30000\n"
+
+
+def test_tables_are_found_beside_the_sweep_and_kept_in_the_dataset(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene = f"{SCENES.as_posix()}/tungsten_carbide_on_steel.toml"
+    (tmp_path / "table.csv").write_text(TABLE, encoding="utf-8")
+    laws = ", ".join(f'{{ law = "tabulated", file = "table.csv"{more} }}' for more in ("", ', unloading = "retrace"'))
+    text = f'scene = "{scene}"\n[over]\n"contact" = [{laws}]\n"impactor.velocity" = ["0.1 m/s", "0.2 m/s"]\n'
+    (tmp_path / "sweep.toml").write_text(text, encoding="utf-8")
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    monkeypatch.chdir(elsewhere)
+    ds = run(Sweep.from_toml(tmp_path / "sweep.toml", "segments"), command="test")
+    assert (ds["status"] == 1).all() and fd.validate(ds) == []
+    assert ds["contact"].attrs["flag_meanings"] == "tabulated tabulated_unloading_retrace"
+    where = {"impactor_velocity": 0.2, "contact": "tabulated"}
+    assert ds["coefficient_of_restitution"].sel(impactor_velocity=0.2).values[1] == pytest.approx(1.0)
+    other = TABLE.replace("4000", "9000")
+    (tmp_path / "table.csv").write_text(other, encoding="utf-8")  # the dataset does not need the file any more
+    assert ds.film.scene(**where).contact.parameters["force"][2] == 4000.0
+    found = ds.film.history(**where).maximum_force.magnitude
+    assert found == pytest.approx(ds.film.summary(**where)["maximum_force"], rel=1e-4)
+
+
+def test_words_side_by_side_may_repeat_and_need_make_sense_in_their_rows_only() -> None:
+    soft = {"name": "soft", "youngs_modulus": "5 MPa", "poissons_ratio": 0.49, "density": "1000 kg/m^3"}
+    over = {
+        "target.material": ["mild steel", soft, "mild steel", "mild steel"],
+        "contact.law": ["big-alabo", "hertz", "hertz", "big-alabo"],  # the soft one has no yield strength
+        "impactor.velocity": ["0.2 m/s", "0.3 m/s", "0.2 m/s", "0.3 m/s"],
+    }
+    ds = fd.sweep(BALL, over, "zip")
+    assert fd.validate(ds) == []
+    assert ds["contact_law"].values.tolist() == [0, 1, 1, 0] and ds["target_material"].values.tolist() == [0, 1, 0, 0]
+    for k in range(4):
+        one = fm.simulate(BALL.replace({path: values[k] for path, values in over.items()}))
+        assert ds["maximum_force"].values[k] == pytest.approx(one.maximum_force.magnitude, rel=1e-4)
+        assert ds.film.scene(impact=k) == one.scene
+    many = {
+        "impactor.material.name": [f"a{k}" for k in range(200)],
+        "target.material.name": [f"b{k}" for k in range(200)],
+    }
+    assert fd.sweep(BALL, many, "zip").sizes["impact"] == 200  # of the 40000 combinations, those of the rows
+    drawn = fd.sweep(BALL, {"contact.law": ["hertz", "hertz", "hertz", "big-alabo"]}, "latin-hypercube", samples=400)
+    assert int((drawn["contact_law"] == 0).sum()) == 300
+    with pytest.raises(fm.SceneError, match=r"over\.contact\.law: no contact law is called"):
+        fd.sweep(BALL, {"contact.law": ["hertz", "hurtz"]}, "zip")
+
+
+def test_sections_of_one_law_are_told_apart() -> None:
+    over = {"contact": [{"law": "hunt-crossley", "restitution": e} for e in (0.7, 0.8)]}
+    ds = fd.sweep(BALL, over)
+    assert ds["contact"].attrs["flag_meanings"] == "hunt-crossley_restitution_0.7 hunt-crossley_restitution_0.8"
+    assert ds["coefficient_of_restitution"].values == pytest.approx([0.7, 0.8], rel=1e-4)
+
+
+def test_validate_tells_of_any_damage() -> None:
+    ds = fd.sweep(BALL, SPEEDS, keep="segments")
+    assert fd.validate(ds.isel(impactor_velocity=slice(0, 0)))
+    begun = ds.copy(deep=True)
+    begun["segment_begin"].values[5] += 1
+    begun.attrs["content_sha256"] = fd.content_sha256(begun)
+    assert fd.validate(begun) == ["segment_begin is not the sum of the segment_count before"]
+    foreign = xr.Dataset(attrs={"film_model_schema": "impact_measurement", "measured": "nothing"})
+    assert fd.validate(foreign) == ["attribute measured is 'nothing', not 'history' or 'impacts'"]
+
+
+def test_a_damped_contact_that_does_not_end_has_no_dent() -> None:
+    plate = {"kind": "plate", "material": "mild steel", "thickness": "2 mm"}
+    thin = BALL.replace({"target": plate, "contact": {"law": "hunt-crossley", "restitution": 0.8}})
+    ds = fd.sweep(thin, {"impactor.velocity": ["0.1 m/s"]})
+    assert ds["status"].item() == 0 and np.isnan(ds["permanent_indentation"].item())
+    assert fm.simulate(thin).summary["permanent_indentation"] is None
+
+
+def test_a_zarr_folder_is_drawn_and_takes_the_place_of_a_file(tmp_path: Path, file: Path) -> None:
+    pytest.importorskip("matplotlib")
+    pytest.importorskip("zarr")
+    (tmp_path / "out.zarr").write_text("an old file", encoding="utf-8")
+    assert main(["sweep", str(file), "--output", str(tmp_path / "out.zarr"), "--force"]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.zarr", "sweep.toml"]
+    over = "impactor_velocity, target_material_yield_strength"
+    assert main(["plot", f"{tmp_path / 'out.zarr'}/", "--over", over]) == 0
+    assert (tmp_path / "out.png").is_file()
+    assert main(["plot", str(tmp_path / "out.zarr"), "--force", "--over", "impactor_velocity,impactor_velocity"]) == 3
+
+
+def test_a_finished_output_with_other_samples_is_not_taken(tmp_path: Path) -> None:
+    target = tmp_path / "s.nc"
+    fd.sweep(BALL, SPEEDS, keep="samples=11", output=target).close()
+    with pytest.raises(FileExistsError, match="is not the finished output of this sweep"):
+        fd.sweep(BALL, SPEEDS, keep="samples=21", output=target, resume=True)
+    with fd.sweep(BALL, SPEEDS, keep="samples=11", output=target, resume=True) as ds:
+        assert ds.sizes["normalised_time"] == 11
+        for place in (1.5, -1, 40):
+            with pytest.raises(KeyError, match="impactor_velocity is missing"):
+                ds.film.scene(impact=place)
+    drawn = fd.sweep(BALL, {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}}, "random", samples=4)
+    for place in (1.5, -1, 4, "1"):
+        with pytest.raises(KeyError, match="they are 0 to 3"):
+            drawn.film.scene(impact=place)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from film_datasets.history import history_of, lines_of, scene_of
 from film_datasets.report import statistics
-from film_datasets.schema import HISTORY, SWEEP, TABLE, kind_of, variables_of
+from film_datasets.schema import HISTORY, SWEEP, TABLE, dimension_of, kind_of, variables_of
 from film_datasets.sweeps import Sweep
 from film_model import units
 from film_model.core import native
@@ -22,14 +22,16 @@ from film_model.problem import motion_of, problem_of
 from film_model.scales import Scales
 from film_model.scene import Scene
 from film_model.solve import simulate
+from film_model.units import to_si
 
 
 @xr.register_dataset_accessor("film")
 class Film:
     """Histories are sampled, drawn and run again from their file; so is each impact of a sweep.
 
-    Where a method takes `where`, it picks one impact of a sweep: `impact=5`, or the swept quantities by their names
-    in the dataset, each the nearest value (SI) or a word: `impactor_velocity=0.5, contact_law="stronge"`.
+    Where a method takes `where`, it picks one impact of a sweep, or of a selection of one: `impact=5`, or the swept
+    quantities by their names in the dataset, each the nearest value or a word:
+    `impactor_velocity="0.5 m/s", contact_law="stronge"`; a number alone is SI.
     """
 
     def __init__(self, ds: xr.Dataset) -> None:
@@ -43,10 +45,14 @@ class Film:
     def scene(self, **where: Any) -> Scene:
         """The scene, ready to run again: of a history, of one impact of a sweep, or that on which a sweep is based.
 
-        Raises ValueError where the law was an object of Python, KeyError for an impact that is not there.
+        Raises ValueError where the law was an object of Python or an FMU was run with other values, KeyError for an
+        impact that is not there.
         """
         if self.kind == HISTORY:
             _nothing(where)
+        if "start_values" in self._ds.attrs:
+            given = ", ".join(str(self._ds.attrs["start_values"]).split("\n"))
+            raise ValueError(f"this run of an FMU was given {given}, which is not in the scene that was exported")
         if not where:
             return scene_of(self._ds)
         row = self._ds.isel(self._places(where))
@@ -85,12 +91,13 @@ class Film:
 
         Statistics are count, least, mean, standard_deviation and greatest of the impacts that have a value.
         """
+        names = [name for name in SUMMARY if name in self._ds]
         if self.kind == SWEEP and not where:
-            return {name: statistics(self._ds[name]) for name in SUMMARY}
+            return {name: statistics(self._ds[name]) for name in names}
         if self.kind == HISTORY:
             _nothing(where)
         row = self._ds if self.kind == HISTORY else self._ds.isel(self._places(where))
-        return {name: None if np.isnan(row[name]) else float(row[name]) for name in SUMMARY}
+        return {name: None if np.isnan(row[name]) else float(row[name]) for name in names}
 
     def plot(self, path: str | os.PathLike[str] | None = None, **options: Any) -> Any:
         """A matplotlib figure, written to `path` (.png, .svg, .pdf) if given; see `film_datasets.plot`."""
@@ -100,7 +107,8 @@ class Film:
 
     def quantify(self) -> xr.Dataset:
         """The dataset with pint quantities for values; by pint-xarray, coordinates too, if it is installed."""
-        own = {v.name: _scene_unit(v.unit) for v in variables_of(self._ds) if v.unit not in (None, "1")}
+        rows = [v for v in variables_of(self._ds) if v.name in self._ds.variables]
+        own = {v.name: _scene_unit(v.unit) for v in rows if v.unit not in (None, "1")}
         try:
             import pint_xarray  # noqa: F401  # which makes the accessor `pint`
         except ImportError:
@@ -136,25 +144,31 @@ class Film:
         if value is None:
             return 0
         if dim == "impact":
-            if not 0 <= value < size:
+            if not isinstance(value, int | np.integer) or not 0 <= value < size:
                 raise KeyError(f"impact {value}: they are 0 to {size - 1}")
             return int(value)
-        words = str(self._ds[dim].attrs.get("flag_meanings", "")).split()
-        if words and str(value) not in words:
-            raise KeyError(f"{dim} {value}: there are {', '.join(words)}")
-        return words.index(str(value)) if words else int(np.abs(self._ds[dim].values - value).argmin())
+        array = self._ds[dim]
+        words = str(array.attrs.get("flag_meanings", "")).split()
+        if not words:
+            return int(np.abs(array.values - to_si(value, dimension_of(array), bare=True)).argmin())
+        here = [words[number] for number in array.values.tolist()]  # which may be a selection
+        if str(value) not in here:
+            raise KeyError(f"{dim} {value}: there are {', '.join(here)}")
+        return here.index(str(value))
 
     def _sample_row(self, t: NDArray[np.float64], where: Mapping[str, Any]) -> dict[str, Any]:
         """Motion of one impact of a sweep, from its segments."""
         if "segment_count" not in self._ds.variables:
             raise ValueError('no segments were kept of this sweep (keep="segments"): use ds.film.history(…).sample')
-        places = self._places(where)
-        row, counts = self._ds.isel(places), self._ds["segment_count"].values.ravel()
-        place = int(np.ravel_multi_index(list(places.values()), self._ds["status"].shape))
-        begin = int(counts[:place].sum(dtype=np.int64))
-        lines = lines_of(self._ds.isel(segment=slice(begin, begin + int(counts[place]))))
-        if not lines.size:
+        if t.min(initial=0.0) < 0.0:
+            raise ValueError("times must not be before first touch (0 s)")
+        row = self._ds.isel(self._places(where))
+        begin, count = int(row["segment_begin"]), int(row["segment_count"])
+        if not count:
             raise ValueError("this impact failed: it has no segments")
+        lines = lines_of(self._ds.isel(segment=slice(begin, begin + count)))
+        if lines.size != count or lines["time"][0] != 0.0:
+            raise ValueError("the segments of this impact are not there: the dimension segment must be whole")
         scales = Scales(*(float(row[f"scale_{scale.name}"]) for scale in fields(Scales)))
         share, order = float(row["impactor_share"]), np.argsort(t, kind="stable")
         curve = problem_of(self.scene(**where)).curve.native

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.schema import Variable, swept_name, swept_variable
-from film_model.contact import Contact, parameter_fields
+from film_model.contact import Contact, contact_table, parameter_fields
 from film_model.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.fields import Field, written
 from film_model.scene import Scene
@@ -53,13 +53,14 @@ class Axis:
     """One swept quantity. kind: "values" (SI), "range", a distribution, or "words" (anything that is no number).
 
     numbers: the values, or the two numbers of a range or distribution, SI; unit: theirs, as scene files write it.
-    field: the scene's, None for words.
+    words: each once, places: which of them follow each other. field: the scene's, None for words.
     """
 
     path: str
     kind: str
     numbers: tuple[float, ...] = ()
     words: tuple[Any, ...] = ()
+    places: tuple[int, ...] = ()
     count: int = 0
     log: bool = False
     dimension: str = "dimensionless"
@@ -73,8 +74,9 @@ class Axis:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """The words as texts."""
-        return tuple(_label(word) for word in self.words)
+        """The words as texts; sections of one name with their numbers."""
+        short = [_label(word) for word in self.words]
+        return tuple(_label(word, short.count(label) > 1) for word, label in zip(self.words, short, strict=True))
 
     def variable(self, dims: tuple[str, ...]) -> Variable:
         """The row of the schema's table."""
@@ -84,7 +86,7 @@ class Axis:
     def at(self, index: NDArray[np.intp]) -> Array | NDArray[np.int32]:
         """Values at places along the axis: SI, or numbers of words."""
         if self.kind == "words":
-            return index.astype(np.int32)
+            return np.asarray(self.places, np.int32)[index]
         if self.kind == "values":
             return np.asarray(self.numbers)[index]
         low, high = self.numbers
@@ -129,7 +131,7 @@ class Axis:
             return f"[{value(self.numbers[0])}, {value(self.numbers[1])}]"
 
         if self.kind == "words":
-            return "[" + ", ".join(_inline(word) for word in self.words) + "]"
+            return "[" + ", ".join(_inline(self.words[place]) for place in self.places) + "]"
         if self.kind == "values":
             if self.count <= LISTED:
                 return "[" + ", ".join(map(value, self.numbers)) + "]"
@@ -208,6 +210,8 @@ def field_at(scene: Scene, path: str) -> Field | None:
         fields |= parameter_fields(owner)
     if head == "target" and name == "kind" and len(sections) == 1:
         return None
+    if name == "exponent" and any(field.dimension == "meyer_stiffness" for field in fields.values()):
+        raise ValueError("is in the unit of the stiffness: sections [contact] that have both can be listed")
     if name not in fields:
         hint = did_you_mean(name, fields) or did_you_mean(path, _paths(scene))
         raise ValueError(f"unknown key{hint}")
@@ -222,11 +226,11 @@ def _paths(scene: Scene) -> list[str]:
 def _axis(scene: Scene, path: str, given: Any, design: str) -> Axis:
     field = field_at(scene, path)
     if isinstance(given, Mapping):
-        return _described(path, field, given, design, "" if field is None else _unit(scene, field))
+        return _described(path, field, given, design, "" if field is None else unit_of(scene, field))
     if isinstance(given, str) or (not hasattr(given, "__len__") and not hasattr(given, "magnitude")):
         raise ValueError(f"{shown(given)} is one value: a list of values or a table with from and to is needed")
     if field is None:
-        return _words(scene, path, given)
+        return _words(scene, path, given, design)
     if isinstance(given, np.ndarray) or hasattr(given, "magnitude"):
         values = np.atleast_1d(array_to_si(given, field.dimension)).ravel().tolist()
         own = [field.read(written(value, field.dimension)) for value in values]  # a stiffness of Meyer's is text only
@@ -236,7 +240,7 @@ def _axis(scene: Scene, path: str, given: Any, design: str) -> Axis:
         raise ValueError("an empty list: at least one value is needed")
     if design == GRID:
         _check_order(own)
-    unit = _unit(scene, field)
+    unit = unit_of(scene, field)
     return Axis(path, "values", tuple(own), count=len(own), dimension=field.dimension, unit=unit, field=field)
 
 
@@ -246,20 +250,31 @@ def _check_order(values: list[float]) -> None:
         raise ValueError('a grid needs values that increase or decrease throughout; design "zip" takes any order')
 
 
-def _words(scene: Scene, path: str, given: Iterable[Any]) -> Axis:
-    words = tuple(given)
+def _words(scene: Scene, path: str, given: Iterable[Any], design: str) -> Axis:
+    words: list[Any] = []
+    places: list[int] = []
+    for word in given:
+        if word not in words:
+            words.append(word)
+        places.append(words.index(word))
     if not words:
         raise ValueError("an empty list: at least one value is needed")
-    for word in words:
+    for k, word in enumerate(words):
+        tabulated = path == "contact" and isinstance(word, Mapping) and "file" in word
+        if design == ZIP and not tabulated:
+            continue  # beside the other words of its row, which it may need
         try:
-            scene.replace({path: word})
+            changed = scene.replace({path: word})
         except SceneError as error:
             raise SceneError([replace(mistake, key=f"over.{mistake.key}") for mistake in error.mistakes]) from None
-    labels = [_label(word) for word in words]
-    for label in labels:
-        if labels.count(label) > 1:
-            raise ValueError(f"{label} is given {labels.count(label)} times; each value once")
-    return Axis(path, "words", words=words, count=len(words))
+        if tabulated:  # the dataset has the table, not the name of its file
+            table = contact_table(changed.contact)
+            words[k] = {key: value for key, value in word.items() if key != "file"}
+            words[k] |= {key: table[key] for key in changed.contact.parameters}
+    for k, word in enumerate(words):
+        if design == GRID and places.count(k) > 1:
+            raise ValueError(f"{_label(word)} is given {places.count(k)} times; each value once")
+    return Axis(path, "words", words=tuple(words), places=tuple(places), count=len(places))
 
 
 def _described(path: str, field: Field | None, given: Mapping[str, Any], design: str, unit: str) -> Axis:
@@ -313,7 +328,7 @@ def _distribution(path: str, field: Field, kind: str, given: Any, unit: str) -> 
     return Axis(path, kind, (low, high), dimension=field.dimension, unit=unit, field=field)
 
 
-def _unit(scene: Scene, field: Field) -> str:
+def unit_of(scene: Scene, field: Field) -> str:
     """The SI unit as scene files write it."""
     if field.dimension == "meyer_stiffness":
         exponent = f"{scene.contact.parameters['exponent']:.9f}".rstrip("0").rstrip(".")
@@ -326,10 +341,15 @@ def _is_word(value: Any) -> bool:
     return isinstance(value, bool | Mapping) or (isinstance(value, str) and not re.match(r"\s*[+-]?\.?[0-9]", value))
 
 
-def _label(word: Any) -> str:
+def _label(word: Any, whole: bool = False) -> str:
     if isinstance(word, Mapping):
-        named = next((word[key] for key in ("law", "name", "kind") if key in word), None)
-        return str(named) if named else " ".join(f"{key}_{_label(value)}" for key, value in word.items())
+        named = next((key for key in ("law", "name", "kind") if key in word), None)
+        if named is not None and not whole:
+            return str(word[named])
+        plain = {key: _label(value) for key, value in word.items() if not isinstance(value, list | tuple)}
+        return " ".join(value if key == named else f"{key}_{value}" for key, value in plain.items())
+    if isinstance(word, list | tuple):
+        return " ".join(map(_label, word))
     return str(word).lower() if isinstance(word, bool) else str(word)
 
 

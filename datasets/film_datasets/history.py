@@ -73,13 +73,15 @@ def history_of(ds: xr.Dataset) -> History:
     """The history that a dataset was made from, with which it can be sampled and drawn, from the dataset alone.
 
     On a target that vibrates there are no segments: the impact is simulated anew. Raises ValueError where the contact
-    law is not one of film-model's own.
+    law is not one of film-model's own, and for the run of an FMU, which tells no segments.
     """
     scene = scene_of(ds)
     problem = problem_of(scene)
     if problem.vibrates:
         return simulate(scene)
     lines, names = lines_of(ds), stage_names(problem)
+    if not lines.size:
+        raise ValueError("the run of an FMU tells no segments: its motion is in the dataset, at the times t only")
     rows = zip(
         *(ds[f"event_{name}"].values.tolist() for name in ("kind", "time", "stage", *MOTION)),
         strict=True,

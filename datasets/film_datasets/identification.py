@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from film_datasets.design import field_at
+from film_datasets.design import field_at, unit_of
 from film_datasets.schema import MEASUREMENT, kind_of
 from film_model.batch import simulate_rows
 from film_model.errors import Mistake, SceneError, SimulationError, raise_all
@@ -21,7 +21,7 @@ from film_model.history import MOTION, SUMMARY, History
 from film_model.plot import COLOURS, picture, prefixed_unit
 from film_model.scene import Scene, Solver
 from film_model.solve import simulate
-from film_model.units import format_si, scene_unit, si_unit
+from film_model.units import DIMENSIONS, format_si, scene_unit, si_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,10 +52,11 @@ SHARE = 0.05
 
 @dataclass(frozen=True)
 class Fitted:
-    """One parameter, SI. low, high: the interval. identified: whether the data tell it; reason: why not."""
+    """One parameter, SI, in `unit`. low, high: the interval. identified: whether the data tell it; reason: why not."""
 
     path: str
     dimension: str
+    unit: str
     value: float
     standard_error: float
     low: float
@@ -63,11 +64,18 @@ class Fitted:
     identified: bool
     reason: str
 
+    def text(self, value: float) -> str:
+        """A value of the parameter with its unit."""
+        if not math.isfinite(value):
+            return "?"
+        return format_si(value, self.dimension, 5) if self.dimension in DIMENSIONS else f"{value:.5g} {self.unit}"
+
     def to_json(self) -> dict[str, Any]:
         """Plain values; None for what is not known."""
         numbers = {name: getattr(self, name) for name in ("value", "standard_error", "low", "high")}
         plain = {name: value if math.isfinite(value) else None for name, value in numbers.items()}
-        return {**plain, "units": si_unit(self.dimension), "identified": self.identified, "reason": self.reason}
+        units = si_unit(self.dimension) if self.dimension in DIMENSIONS else self.unit
+        return {**plain, "units": units, "identified": self.identified, "reason": self.reason}
 
 
 @dataclass(frozen=True)
@@ -109,9 +117,14 @@ class Identification:
         """The parameters as text."""
         lines = [f"{self.points} points; intervals at {100 * self.confidence:g} %", ""]
         for one in self.parameters:
-            value, low, high = (_text(x, one.dimension) for x in (one.value, one.low, one.high))
+            value, low, high = map(one.text, (one.value, one.low, one.high))
             said = f"{low} to {high}" if one.identified else "not identified"
             lines.append(f"  {one.path:32}{value:>14}   {said}")
+        lines += ["", "  root mean square of measurement less fit:"]
+        for name, value in self.residual.items():
+            largest = float(np.nanmax(np.abs(self.measured[name].values), initial=0.0))
+            share = f"{100 * value / largest:.2g} % of the largest" if largest else ""
+            lines.append(f"  {name.replace('_', ' '):32}{format_si(value, _dimension(name), 3):>14}   {share}".rstrip())
         return "\n".join(lines)
 
     def plot(self, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
@@ -147,7 +160,7 @@ class Identification:
         grid[0, 0].legend(frameon=False, fontsize=8)
         texts = []
         for one in self.parameters:
-            text = f"{one.path} {_text(one.value, one.dimension)}"
+            text = f"{one.path} {one.text(one.value)}"
             texts.append(text if one.identified else f"{text} (not identified)")
         figure.suptitle("\n".join(texts).replace("$", r"\$"), fontsize=9)
 
@@ -179,6 +192,7 @@ class _Parameter:
 
     path: str
     dimension: str
+    unit: str
     start: float
     scale: float
     log: bool
@@ -211,7 +225,7 @@ class _Search:
         """The scene with these parameters, and the time offset."""
         values = {p.path: p.si(float(x)) for p, x in zip(self.parameters, z, strict=True)}
         offset = values.pop(TIME_OFFSET, 0.0)
-        units = {p.path: scene_unit(p.dimension) for p in self.parameters}
+        units = {p.path: p.unit for p in self.parameters}
         changes = {path: f"{value!r} {units[path]}" if units[path] else value for path, value in values.items()}
         return self.scene.replace(changes), offset
 
@@ -278,7 +292,9 @@ class _Search:
             if p.log and low == -math.inf:
                 low = 0.0
             width = abs(p.si(float(z[k]))) if p.log else p.scale
-            fitted.append(Fitted(p.path, p.dimension, p.si(float(z[k])), error * width, low, high, not reason, reason))
+            fitted.append(
+                Fitted(p.path, p.dimension, p.unit, p.si(float(z[k])), error * width, low, high, not reason, reason)
+            )
         off, rest = residuals, {}
         for name in self.names:
             count = int(self.there[name].sum())
@@ -330,7 +346,7 @@ def _parameter(scene: Scene, path: str, measured: xr.Dataset) -> _Parameter:
     """A parameter, beginning at the scene's value: in [contact], the materials' if it has none of its own."""
     if path == TIME_OFFSET:
         span = float(measured["t"].values[-1] - measured["t"].values[0])
-        return _Parameter(path, "time", 0.0, span, False, -span, span)
+        return _Parameter(path, "time", scene_unit("time"), 0.0, span, False, -span, span)
     owner: Any = scene
     for name in path.split("."):
         owner = owner.parameters[name] if name in getattr(owner, "parameters", {}) else getattr(owner, name)
@@ -340,16 +356,16 @@ def _parameter(scene: Scene, path: str, measured: xr.Dataset) -> _Parameter:
         raise SceneError([Mistake(None, None, f"fit: {path}", message)])
     found = field_at(scene, path)
     assert found is not None and found.low is not None and found.high is not None
-    return _scaled(path, found, float(value))
+    return _scaled(path, found, unit_of(scene, found), float(value))
 
 
-def _scaled(path: str, found: Field, value: float) -> _Parameter:
+def _scaled(path: str, found: Field, unit: str, value: float) -> _Parameter:
     low, high = max(float(found.low or 0.0), -1e30), min(float(found.high or 0.0), 1e30)
     if found.open_ends:
         low, high = low + 1e-9 * max(abs(low), 1e-3), high - 1e-9 * max(abs(high), 1e-3)
     if low >= 0.0 and value > 0.0 and found.dimension != "dimensionless":
-        return _Parameter(path, found.dimension, value, value, True, max(low, 1e-9 * value), high)
-    return _Parameter(path, found.dimension, value, abs(value) or 1.0, False, low, high)
+        return _Parameter(path, found.dimension, unit, value, value, True, max(low, 1e-9 * value), high)
+    return _Parameter(path, found.dimension, unit, value, abs(value) or 1.0, False, low, high)
 
 
 def _model(
@@ -374,7 +390,3 @@ def _before(values: Array, t: Array, scene: Scene, name: str) -> Array:
 
 def _dimension(name: str) -> str:
     return (MOTION[name] if name in MOTION else SUMMARY[name])[0]
-
-
-def _text(value: float, dimension: str) -> str:
-    return format_si(value, dimension, 5) if math.isfinite(value) else "?"

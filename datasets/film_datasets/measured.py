@@ -44,6 +44,8 @@ def from_csv(path: str | os.PathLike[str], title: str = "") -> xr.Dataset:
         raise SceneError([Mistake(name, None, "", "a heading and at least two rows of numbers are needed")])
     separator = max(",;\t", key=rows[0][1].count)
     cells = [(number, next(csv.reader([line], delimiter=separator))) for number, line in rows]
+    if not any(row[-1].strip() for _, row in cells):  # a separator ends every line
+        cells = [(number, row[:-1]) for number, row in cells]
     (head, headings), body = cells[0], cells[1:]
     names = [NAMES.get(_name(heading), _name(heading)) for heading in headings]
     kind = "history" if "t" in names else "impacts"
@@ -81,6 +83,8 @@ def _columns(
         match = _HEADING.fullmatch(heading)
         unit = ((match[2] or match[3] or "") if match else "").strip()
         dimension = next(key for key, value in DIMENSIONS.items() if value.unit == known[name].unit)
+        if dimension == "dimensionless" and unit in ("-", "1"):
+            unit = ""
         try:
             to_si(f"1 {unit}", dimension)
         except ValueError as error:

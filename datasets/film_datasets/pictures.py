@@ -11,11 +11,11 @@ import numpy as np
 import xarray as xr
 
 from film_datasets.history import history_of
-from film_datasets.schema import HISTORY, MEASUREMENT, kind_of
+from film_datasets.schema import HISTORY, MEASUREMENT, dimension_of, kind_of
 from film_model.errors import did_you_mean, shown
 from film_model.history import SUMMARY
 from film_model.plot import COLOURS, picture, plot_history, prefixed_unit
-from film_model.units import DIMENSIONS, to_si
+from film_model.units import to_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,6 +29,9 @@ MOST_POINTS = 20_000
 
 FAMILY = 9
 """A swept quantity of no more values than this makes lines, each with its name, rather than an axis."""
+
+FEW_POINTS = 200
+"""A cloud of no more points than this has large ones."""
 
 MOST_CELLS = 1500
 """Cells of a heat map along one side."""
@@ -85,6 +88,8 @@ def plot(
         raise ValueError(f"over: {shown(wrong[0])} is not swept{hint}; swept: {', '.join(swept)}")
     if len(chosen) > 2:
         raise ValueError("over: one swept quantity or two, no more")
+    if len(set(chosen)) < len(chosen):
+        raise ValueError(f"over: {shown(chosen[0])} is given twice")
     draw = _cloud if "impact" in ds[quantity].dims else _map if len(chosen) == 2 else _lines
 
     def fill(figure: Figure) -> None:
@@ -103,7 +108,7 @@ def _lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: d
     word = next((name for name in [*words, *others] if name not in at), None)
     array, said = _fixed(ds, quantity, [x] if word is None else [x, word], at)
     array = array.isel({x: _spread(array.sizes[x], MOST_POINTS)}).load()
-    size, unit = prefixed_unit(_finite(array), _dimension(array))
+    size, unit = prefixed_unit(_finite(array), dimension_of(array))
     x_values, x_label = _axis(array[x])
     labels = [""] if word is None else _names(ds[word])
     marker = "o" if x in words or array.sizes[x] <= 12 else None
@@ -125,7 +130,7 @@ def _map(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dic
     x, y = over
     array, said = _fixed(ds, quantity, [y, x], at)
     array = array.isel({name: _spread(array.sizes[name], MOST_CELLS) for name in over}).transpose(y, x).load()
-    size, unit = prefixed_unit(_finite(array), _dimension(array))
+    size, unit = prefixed_unit(_finite(array), dimension_of(array))
     (x_values, x_label), (y_values, y_label) = _axis(array[x]), _axis(array[y])
     mesh = panel.pcolormesh(x_values, y_values, array.values / size, cmap=MAP, shading="nearest", rasterized=True)
     figure.colorbar(mesh, ax=panel, label=_label(quantity, unit))
@@ -143,14 +148,16 @@ def _cloud(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: d
     panel = figure.add_subplot()
     ds = ds.isel(impact=_spread(ds.sizes["impact"], MOST_POINTS))
     array = ds[quantity].load()
-    size, unit = prefixed_unit(_finite(array), _dimension(array))
+    size, unit = prefixed_unit(_finite(array), dimension_of(array))
     x_values, x_label = _axis(ds[over[0]])
+    few = array.size <= FEW_POINTS
     if len(over) == 1:
-        panel.plot(x_values, array.values / size, ".", color=COLOURS[0], markersize=3, alpha=0.5, rasterized=True)
+        style: dict[str, Any] = {"markersize": 9} if few else {"markersize": 3, "alpha": 0.5}
+        panel.plot(x_values, array.values / size, ".", color=COLOURS[0], rasterized=True, **style)
         panel.set(xlabel=x_label, ylabel=_label(quantity, unit))
     else:
         y_values, y_label = _axis(ds[over[1]])
-        points = panel.scatter(x_values, y_values, 4, array.values / size, cmap=MAP, rasterized=True)
+        points = panel.scatter(x_values, y_values, 25 if few else 4, array.values / size, cmap=MAP, rasterized=True)
         figure.colorbar(points, ax=panel, label=_label(quantity, unit))
         panel.set(xlabel=x_label, ylabel=y_label)
         _ticks(panel.yaxis, ds[over[1]])
@@ -177,9 +184,9 @@ def _fixed(ds: xr.Dataset, quantity: str, free: list[str], at: dict[str, Any]) -
             places[name] = 0 if value is None else words.index(str(value))
             said.append(f"{name.replace('_', ' ')} {words[places[name]]}")
         else:
-            wanted = ds[name].values[0] if value is None else to_si(value, _dimension(ds[name]), bare=True)
+            wanted = ds[name].values[0] if value is None else to_si(value, dimension_of(ds[name]), bare=True)
             places[name] = int(np.abs(ds[name].values - wanted).argmin())
-            size, unit = prefixed_unit(ds[name].values[places[name]][None], _dimension(ds[name]))
+            size, unit = prefixed_unit(ds[name].values[places[name]][None], dimension_of(ds[name]))
             said.append(f"{name.replace('_', ' ')} {ds[name].values[places[name]] / size:.4g} {unit}".rstrip())
     return ds[quantity].isel(places), said
 
@@ -188,7 +195,7 @@ def _names(array: xr.DataArray) -> list[str]:
     """The values of a swept quantity as texts."""
     if "flag_meanings" in array.attrs:
         return str(array.attrs["flag_meanings"]).split()
-    size, unit = prefixed_unit(array.values, _dimension(array))
+    size, unit = prefixed_unit(array.values, dimension_of(array))
     return [f"{value:.4g} {unit}".rstrip() for value in (array.values / size).tolist()]
 
 
@@ -201,16 +208,11 @@ def _finite(array: xr.DataArray) -> Any:
     return values if values.size else np.zeros(1)
 
 
-def _dimension(array: xr.DataArray) -> str:
-    unit = array.attrs.get("units", "1")
-    return next((name for name, dimension in DIMENSIONS.items() if dimension.unit == unit), "dimensionless")
-
-
 def _axis(array: xr.DataArray) -> tuple[Any, str]:
     """Values in a unit that reads well, and the label of the axis."""
     if "flag_meanings" in array.attrs:
         return array.values, _plain(str(array.name))
-    size, unit = prefixed_unit(array.values, _dimension(array))
+    size, unit = prefixed_unit(array.values, dimension_of(array))
     return array.values / size, _label(str(array.name), unit)
 
 

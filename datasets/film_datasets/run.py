@@ -32,8 +32,8 @@ from film_model.errors import SimulationError
 from film_model.laws import AbstractLaw
 from film_model.scene import Scene
 
-MOST_IN_MEMORY = 20_000_000
-"""Impacts of a sweep that is not written to a file."""
+MOST_IN_MEMORY = 4_000_000_000
+"""Bytes of a sweep that is not written to a file."""
 
 AHEAD = 2
 """Blocks that wait for the one before them, besides those that are computed."""
@@ -110,10 +110,10 @@ def run(
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or not 1 <= workers <= 4096):
         raise ValueError(f"workers: {workers!r} is not allowed: a whole number from 1 to 4096 is needed")
     if output is None:
-        if made.size > MOST_IN_MEMORY:
+        if (need := made.size * made.bytes_a_row) > MOST_IN_MEMORY:
             raise MemoryError(
-                f"{made.size} impacts do not go into memory (at most {MOST_IN_MEMORY}): give an output, FILE.nc or "
-                "FILE.zarr"
+                f"{made.size} impacts take about {_bytes(need)}, at most {_bytes(MOST_IN_MEMORY)} go into memory: give "
+                "an output, FILE.nc or FILE.zarr"
             )
         store = Memory()
         with _executor(workers, scheduler) as (pool, ahead):
@@ -212,9 +212,12 @@ def _fill(
     store.create(sizes, chunks, variables)
     content = ContentHash(made.variables)
     _coordinates(made, store, content)
-    estimated, gained, failed = 0.0, np.zeros(len(made.laws), np.int64), 0
+    estimated, gained, failed, segments = 0.0, np.zeros(len(made.laws), np.int64), 0, 0
     for number, columns in _blocks(made, pool, ahead, parts):
         _, region, first, count = made.block(number)
+        if "segment_count" in columns:
+            ends = segments + np.cumsum(columns["segment_count"], dtype=np.int64)
+            columns["segment_begin"], segments = ends - columns["segment_count"], int(ends[-1])
         for variable in made.variables:
             name = variable.name
             if name not in columns:
@@ -338,10 +341,13 @@ def _is_of(target: Path, made: Sweep) -> bool:
     """Whether a finished output is of this very sweep."""
     try:
         with open_dataset(target) as ds:
-            texts = ds.attrs.get("scene_toml"), ds.attrs.get("sweep_toml"), ds.attrs.get("kept")
+            found = (
+                *(ds.attrs.get(name) for name in ("scene_toml", "sweep_toml", "kept")),
+                ds.sizes.get("normalised_time", 0),
+            )
     except (OSError, ValueError, ImportError):
         return False
-    return texts == (scene_text(made.scene), made.text(), " ".join(made.kept))
+    return found == (scene_text(made.scene), made.text(), " ".join(made.kept), made.dense)
 
 
 def _check_room(target: Path, made: Sweep) -> None:

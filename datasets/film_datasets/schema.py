@@ -18,7 +18,7 @@ from film_model.core.native import EVENTS, LINE_DTYPE, PHASES
 from film_model.history import MOTION, SUMMARY
 from film_model.problem import Scales
 from film_model.study import COMPARED
-from film_model.units import si_unit
+from film_model.units import DIMENSIONS, si_unit
 
 HISTORY, SWEEP, MEASUREMENT, COST = "impact_history", "impact_sweep", "impact_measurement", "impact_cost_study"
 VERSIONS = {HISTORY: "1.1", SWEEP: "1.0", MEASUREMENT: "1.0", COST: "1.0"}
@@ -33,7 +33,7 @@ REFUSED = max(STATUSES) + 1
 ROWS = "rows"
 """Stands for the dimensions of a sweep: its swept quantities, or `impact`."""
 
-FLOAT, BYTE, INTEGER = np.dtype(np.float64), np.dtype(np.int8), np.dtype(np.int32)
+FLOAT, BYTE, INTEGER, LONG = (np.dtype(kind) for kind in (np.float64, np.int8, np.int32, np.int64))
 
 
 @dataclass(frozen=True)
@@ -184,6 +184,10 @@ TABLE: dict[str, tuple[Variable, ...]] = {
             *("segment_count", (ROWS,), INTEGER, "1", "number of segments of the impact"),
             comment="segments of all impacts follow each other in the order of the rows, the last dimension fastest",
         ),
+        Variable(
+            *("segment_begin", (ROWS,), LONG, "1", "number of segments of the impacts before"),
+            comment="place along segment where those of the impact begin, in a selection of impacts too",
+        ),
         *_units_of_segments((ROWS,), optional=True),
         *_SEGMENTS,
     ),
@@ -274,6 +278,12 @@ def kind_of(ds: xr.Dataset) -> str:
     return kind
 
 
+def dimension_of(array: xr.DataArray) -> str:
+    """The dimension of a variable's unit, of `units.DIMENSIONS`; "dimensionless" if it has none of them."""
+    unit = array.attrs.get("units", "1")
+    return next((name for name, dimension in DIMENSIONS.items() if dimension.unit == unit), "dimensionless")
+
+
 def swept_name(path: str) -> str:
     """The variable of a swept quantity: impactor_velocity for impactor.velocity."""
     return path.replace(".", "_").replace("-", "_")
@@ -360,6 +370,8 @@ def validate(ds: xr.Dataset) -> list[str]:
         kind = kind_of(ds)
     except ValueError as error:
         return [str(error)]
+    if kind == MEASUREMENT and f"{kind} {ds.attrs.get('measured')}" not in TABLE:
+        return [f"attribute measured is {ds.attrs.get('measured')!r}, not 'history' or 'impacts'"]
     variables = variables_of(ds)
     found = [f"attribute {name} is missing" for name in ATTRIBUTES[kind] if name not in ds.attrs]
     version = ds.attrs.get("film_model_schema_version", VERSIONS[kind])
@@ -405,13 +417,17 @@ def _contradictions(ds: xr.Dataset) -> list[str]:
     for name in ("scene", "sweep"):
         if f"{name}_toml" in ds.attrs:
             text = str(ds.attrs[f"{name}_toml"]).encode()
-            good = ds.attrs[f"{name}_sha256"] == hashlib.sha256(text).hexdigest()
+            good = ds.attrs.get(f"{name}_sha256") == hashlib.sha256(text).hexdigest()
             checks[f"{name}_sha256 is not that of {name}_toml"] = good
     if "t" in ds.variables:
         checks["t does not increase"] = bool((np.diff(ds["t"].values) > 0).all())
     if "event_time" in ds.variables:
         checks["an event_time is not on t"] = bool(np.isin(ds["event_time"].values, ds["t"].values).all())
     if "segment_count" in ds.variables:
-        count = sum(int(piece.sum(dtype=np.int64)) for piece in pieces(ds["segment_count"]))
-        checks["segment_count does not add up to the segments"] = count == ds.sizes["segment"]
+        end, good = 0, True
+        for begins, counts in zip(pieces(ds["segment_begin"]), pieces(ds["segment_count"]), strict=True):
+            ends = end + np.cumsum(counts, dtype=np.int64)
+            good, end = good and np.array_equal(np.ravel(begins) + np.ravel(counts), ends), int(ends.max(initial=end))
+        checks["segment_begin is not the sum of the segment_count before"] = good
+        checks["segment_count does not add up to the segments"] = end == ds.sizes["segment"]
     return [message for message, good in checks.items() if not good]

@@ -66,8 +66,10 @@ def put_in_place(made: Path, target: Path) -> None:
         return
     old = target.absolute().with_name(f".{target.name}.old")
     shutil.rmtree(old, ignore_errors=True)
-    if target.exists():
+    if target.is_dir():
         os.rename(target, old)
+    else:
+        target.unlink(missing_ok=True)
     os.rename(made, target)
     shutil.rmtree(old, ignore_errors=True)
 

@@ -6,7 +6,7 @@ import itertools
 import math
 import os
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -108,9 +108,9 @@ class Sweep:
             mistakes += error.mistakes
         raise_all(mistakes)
         made = cls(scene, axes, design, samples or 0, 1 if seed is None else seed, kept, dense, first)
-        if made.cases > MOST_CASES:
+        if (count := made.cases if design != ZIP else len(made.occurring)) > MOST_CASES:
             words = " and ".join(axis.path for axis in axes if axis.kind == "words")
-            message = f"{made.cases} combinations of {words}; at most {MOST_CASES} are allowed"
+            message = f"{count} combinations of {words}; at most {MOST_CASES} are allowed"
             raise SceneError([Mistake(None, None, "over", message)])
         made._check_numbers()
         return made
@@ -119,14 +119,24 @@ class Sweep:
     def from_toml(cls, path: str | os.PathLike[str], keep: str = "summary") -> Sweep:
         """Read a sweep file; the scene it names lies beside it. All mistakes are raised in one SceneError."""
         text, name = read_text(path)
-        return cls.from_text(text, name, lambda scene: Scene.from_toml(Path(path).parent / scene), keep)
+        folder = Path(path).parent
+        return cls.from_text(text, name, lambda scene: Scene.from_toml(folder / scene), keep, folder)
 
     @classmethod
-    def from_text(cls, text: str, name: str, scene: Callable[[str], Scene], keep: str = "summary") -> Sweep:
-        """A sweep from the text of a sweep file called `name`; `scene` finds the scene by its file's name."""
+    def from_text(
+        cls, text: str, name: str, scene: Callable[[str], Scene], keep: str = "summary", folder: Path = Path()
+    ) -> Sweep:
+        """A sweep from the text of a sweep file called `name`; `scene` finds the scene by its file's name.
+
+        Files of laws are looked for in `folder`.
+        """
         table = toml_table(text, name)
         lines = lines_of_keys(text)
         over = _flat(table.get("over", {})) if isinstance(table.get("over", {}), Mapping) else {}
+        sections = over.get("contact")
+        for section in sections if isinstance(sections, list) else ():
+            if isinstance(section, dict) and isinstance(section.get("file"), str):
+                section["file"] = str(folder / section["file"])
         try:
             _raise_table_mistakes(table)
             base = scene(table["scene"])
@@ -177,7 +187,7 @@ class Sweep:
     def laws(self) -> tuple[str, ...]:
         """Names of the contact laws that may occur, in the order of the flags of `law`."""
         names: list[str] = []
-        for number in range(self.cases):
+        for number in self.occurring:
             contact = self.case(number).contact
             names += ["hertz", "big-alabo"] if contact.law == "auto" else [contact.law_name]
         return tuple(dict.fromkeys(names))
@@ -208,7 +218,7 @@ class Sweep:
     @cached_property
     def _layout(self) -> tuple[int, int, int]:
         """Axis that is cut, rows of it in a block, and blocks along it: later axes are whole, earlier ones single."""
-        cases = (self.case(k) for k in range(self.cases))
+        cases = (self.case(k) for k in self.occurring)
         rows = OWN_CURVES if any(edged(case) and not wide(case) for case in cases) else BLOCK_ROWS
         most = max(1, min(rows, BLOCK_BYTES // self.bytes_a_row))
         shape = self.shape
@@ -257,7 +267,15 @@ class Sweep:
     @property
     def cases(self) -> int:
         """Number of combinations of words."""
-        return math.prod(axis.count for axis in self._word_axes)
+        return math.prod(len(axis.words) for axis in self._word_axes)
+
+    @cached_property
+    def occurring(self) -> Sequence[int]:
+        """Numbers of the combinations that the design may have: those of its rows where lists go side by side."""
+        axes = self._word_axes
+        if self.design != ZIP or not axes:
+            return range(self.cases)
+        return np.unique(np.ravel_multi_index([axis.places for axis in axes], [len(a.words) for a in axes])).tolist()
 
     @cached_property
     def _scenes(self) -> dict[int, Scene]:
@@ -267,7 +285,7 @@ class Sweep:
         """The scene of a combination of words."""
         if number not in self._scenes:
             axes = self._word_axes
-            places = np.unravel_index(number, [axis.count for axis in axes]) if axes else ()
+            places = np.unravel_index(number, [len(axis.words) for axis in axes]) if axes else ()
             changes = {axis.path: axis.words[int(place)] for axis, place in zip(axes, places, strict=True)}
             self._scenes[number] = self.first.replace(changes) if changes else self.scene
         return self._scenes[number]
@@ -277,7 +295,7 @@ class Sweep:
         case, numbers = 0, dict[str, Any]()
         for axis, value in zip(self.axes, self.values(row, 1), strict=True):
             if axis.kind == "words":
-                case = case * axis.count + int(value[0])
+                case = case * len(axis.words) + int(value[0])
             elif axis.outside(value)[0]:
                 return None
             else:
@@ -290,12 +308,13 @@ class Sweep:
         ends = [
             ((a.numbers[0],) if a.kind in ("normal", "lognormal") else (a.numbers[0], a.numbers[-1])) for a in numbers
         ]
-        for number in range(self.cases):
-            scene, first = self.case(number), None
+        for number in self.occurring:
+            first = None
             for corner in itertools.islice(itertools.product(*ends), MOST_CORNERS):
                 pairs = zip(numbers, corner, strict=True)
+                changes = {axis.path: f"{v!r} {axis.unit}" if axis.unit else v for axis, v in pairs}
                 try:
-                    scene.replace({axis.path: f"{v!r} {axis.unit}" if axis.unit else v for axis, v in pairs})
+                    self.case(number).replace(changes)
                     break
                 except SceneError as error:
                     first = first or error
@@ -320,14 +339,15 @@ class Sweep:
         numbers: dict[str, NDArray[Any]] = {}
         for place, (axis, value) in enumerate(zip(self.axes, values, strict=True)):
             if axis.kind == "words":
-                case = case * axis.count + value
+                case = case * len(axis.words) + value
             else:
                 numbers[axis.path] = value
                 outside = axis.outside(value) & sound
                 columns["status"][outside] = REFUSED + place
                 sound &= ~outside
         lines: dict[int, NDArray[Any]] = {}
-        for number in np.flatnonzero(np.bincount(case, minlength=self.cases)).tolist():
+        there = np.flatnonzero(np.bincount(case)) if self.cases <= MOST_CASES else np.unique(case)
+        for number in there.tolist():
             rows = np.flatnonzero((case == number) & sound) if self.cases > 1 or not sound.all() else np.arange(count)
             if rows.size:
                 self._fill(columns, lines, self.case(number), rows, numbers)

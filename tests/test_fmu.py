@@ -450,6 +450,7 @@ def test_bad_arguments(tmp_path, made):
     for options, message in (
         ({"mode": "fast"}, "mode: 'fast'"),
         ({"step_size": "0 s"}, "step_size: 0 s must be > 0 s"),
+        ({"step_size": "1e-12 s"}, r"step_size: 1e-12 s is 1\.\d+e\+08 steps to"),
         ({"start_values": {"weight": 1.0}}, "no parameter 'weight'"),
         ({"start_values": {"mass": "1 m"}}, "mass"),
         ({"inputs": {"force": 1.0}}, "no input 'force'"),

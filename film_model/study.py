@@ -191,7 +191,10 @@ def study(
         raise SimulationError(f"a study is not to be had for law {problem.law.name}: no reference knows damping")
     if problem.compliance > 0.0:
         raise SimulationError(f"a study is not to be had for a {scene.target.kind} of a static stiffness")
-    exact, stated = _exact(scene, problem)
+    try:
+        exact, stated = _exact(scene, problem)
+    except (ValueError, RuntimeError) as error:
+        raise SimulationError(f"a study needs a reference, and there is none: {error}") from error
     runs: list[CostRun] = []
     for name, settings in _methods(problem, scene):
         if methods is not None and not any(name.startswith(wanted) for wanted in methods):

@@ -123,6 +123,9 @@ def test_a_scene_without_reference():
     ):
         with pytest.raises(fm.SimulationError, match=said):
             study.study(ball.replace(changes))
+    thin = fm.Scene(ball.impactor, fm.Plate("mild steel", "0.2 mm"), fm.Contact("hertz"), fm.Effects(gravity=False))
+    with pytest.raises(fm.SimulationError, match="a study needs a reference, and there is none: DOP853"):
+        study.study(thin)
     with pytest.raises(fm.SimulationError, match="free body"):
         study.study(fm.Scene.from_toml(SCENES / "two_steel_balls.toml"))
 

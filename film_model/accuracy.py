@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from film_model.core import native
 from film_model.errors import Outcome, SimulationError
@@ -32,6 +36,9 @@ ORDER_FACTOR = {
 
 ROUNDING = 2e-14
 """Relative accuracy that rounding leaves, times the square root of the number of lines over a hundred."""
+
+_HALVINGS = 32
+"""Of the time that a load is followed, down to the first touch, where motion that creeps in is compared."""
 
 FLOOR = 1e-3
 """Velocities and dents smaller than this part of their scale are judged against it."""
@@ -84,6 +91,29 @@ def _impact(problem: Problem, solver: Solver, counts: tuple[int, int]) -> native
     return summary
 
 
+def _apart(
+    problem: Problem, solver: Solver, counts: Sequence[tuple[int, int]], a: native.Summary, b: native.Summary
+) -> float:
+    """Largest relative difference between the summaries of two meshes; of the motion on the way where nothing turns."""
+    if a.maximum_indentation > 0.0 or b.maximum_indentation > 0.0 or not math.isfinite(problem.limit):
+        return difference(problem, a, b)
+    first, second = (_creeping(problem, mesh_of(solver, each)) for each in counts)
+    off, largest = abs(first - second).max(axis=0), abs(second).max(axis=0)
+    return max(difference(problem, a, b), *(off / np.maximum(largest, 1e-300)).tolist())
+
+
+def _creeping(problem: Problem, mesh: native.Mesh) -> NDArray[np.float64]:
+    """(times, 2) values ξ, ν of an impactor that a load pushes in, at halves of halves of the time it is followed."""
+    curve, found = problem.curve.native, list[tuple[float, float]]()
+    state = native.initial_state(curve, problem.start)
+    for k in range(_HALVINGS, -1, -1):
+        until = problem.limit * 2.0**-k
+        while native.step(curve, mesh, state, max(until - state.time, 0.0)) == native.EVENT:
+            pass
+        found.append((state.xi, state.nu))
+    return np.array(found)
+
+
 def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple[int, int], float]:
     """Segment counts that meet the accuracy, doubled until two meshes agree, and the error estimate."""
     assert solver.accuracy is not None
@@ -93,7 +123,8 @@ def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple
     while True:
         n *= 2
         fine = _impact(problem, solver, (n, ratio * n))
-        estimated = factor * difference(problem, coarse, fine) + ROUNDING * math.sqrt(fine.lines / 100.0)
+        apart = _apart(problem, solver, [(k, ratio * k) for k in (n // 2, n)], coarse, fine)
+        estimated = factor * apart + ROUNDING * math.sqrt(fine.lines / 100.0)
         if estimated <= solver.accuracy:
             return (n, ratio * n), estimated
         if n >= MOST_SEGMENTS or (estimated > 0.7 * last and estimated < 1e-9):
@@ -114,8 +145,9 @@ def estimate(problem: Problem, solver: Solver) -> float:
     """Error estimate for the number of segments that was asked for."""
     n = solver.segments
     assert n is not None
-    given, double = (_impact(problem, solver, (k, k)) for k in (n, min(2 * n, native.MAX_SEGMENTS)))
-    return ORDER_FACTOR[solver.linearisation][0] * difference(problem, given, double) + ROUNDING
+    counts = [(k, k) for k in (n, min(2 * n, native.MAX_SEGMENTS))]
+    given, double = (_impact(problem, solver, each) for each in counts)
+    return ORDER_FACTOR[solver.linearisation][0] * _apart(problem, solver, counts, given, double) + ROUNDING
 
 
 def unloading_ratio(curve: Curve) -> int:

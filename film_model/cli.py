@@ -164,8 +164,10 @@ def _run(options: argparse.Namespace) -> int:
     from film_model.scene import Scene
     from film_model.solve import simulate
 
-    for path in filter(None, (options.output, options.plot)):
-        _check_writable(path, options.force)
+    if options.output:
+        _check_writable(options.output, options.force)
+    if options.plot:
+        _check_picture(options.plot, options.force)
     scene = Scene.from_toml(options.scene)
     history = simulate(scene, accuracy=options.accuracy, segments=options.segments, linearisation=options.linearisation)
     if options.output:
@@ -192,8 +194,10 @@ def _cost(options: argparse.Namespace) -> int:
     from film_model.scene import Scene
     from film_model.study import FILM, one_thread, study
 
-    for path in filter(None, (options.output, options.plot)):
-        _check_writable(path, options.force)
+    if options.output:
+        _check_writable(options.output, options.force)
+    if options.plot:
+        _check_picture(options.plot, options.force)
     one_thread()
     scene = Scene.from_toml(options.scene)
     done = study(scene, methods=options.method, progress=lambda name: print(f"timing {name}", file=sys.stderr))
@@ -235,9 +239,10 @@ def _hard_cases(options: argparse.Namespace) -> int:
     if options.markdown:
         _check_writable(options.markdown, options.force)
     reports = []
-    for case in all_cases():
-        if options.match not in case.name:
-            continue
+    chosen = [case for case in all_cases() if options.match in case.name]
+    if not chosen:
+        raise ValueError(f"--match: no case's name contains {options.match!r}")
+    for case in chosen:
         print(f"running {case.name}", file=sys.stderr)
         reports.append(report(case))
     good = all(r.finding.good for r in reports)
@@ -264,7 +269,7 @@ def _explain(options: argparse.Namespace) -> int:
     from film_model.scene import Scene
 
     if options.plot:
-        _check_writable(options.plot, options.force)
+        _check_picture(options.plot, options.force)
     scene = Scene.from_toml(options.scene)
     report = explain.explain(scene, laws=options.law == "all")
     if options.plot:
@@ -389,7 +394,7 @@ def _identify(options: argparse.Namespace) -> int:
     from film_model.scene import Scene
 
     if options.plot:
-        _check_writable(options.plot, options.force)
+        _check_picture(options.plot, options.force)
     scene = Scene.from_toml(options.scene)
     found = identify(from_csv(options.measured), scene, _names(options.fit), options.confidence)
     if options.plot:
@@ -419,6 +424,13 @@ def _check_writable(path: str, force: bool) -> None:
         raise PermissionError(f"{path}: the folder {folder} cannot be written to")
     if os.path.exists(path) and not force:
         raise FileExistsError(f"{path} exists; use --force to overwrite it")
+
+
+def _check_picture(path: str, force: bool) -> None:
+    from film_model.plot import check_picture
+
+    check_picture(path)
+    _check_writable(path, force)
 
 
 def _table(history: History) -> str:
@@ -460,7 +472,7 @@ def _laws(options: argparse.Namespace) -> int:
     if options.plot:
         from film_model.plot import plot_laws
 
-        _check_writable(options.plot, options.force)
+        _check_picture(options.plot, options.force)
         plot_laws(options.plot)
         print(f"wrote {options.plot}", file=sys.stderr)
     rows = [{"name": name, **_law_row(law)} for name, law in LAWS.items()]

@@ -12,6 +12,7 @@ import random
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -267,6 +268,7 @@ def _others(case: HardCase) -> dict[str, str]:
         "solve_ivp LSODA, rtol 1e-6": lambda impact: conventional.solve_ivp("LSODA", 1e-6, impact),
         "Newmark, 400 steps": lambda impact: conventional.newmark(400, impact),
     }
+    import_module("scipy.integrate")  # or the first of the timings below would pay for it
     for name, method in methods.items():
         impact = conventional.impact_of(law, problem.approach, problem.gamma)
         begun = time.perf_counter()

@@ -86,6 +86,12 @@ def _target(path: str | os.PathLike[str] | None) -> Path | None:
     return target
 
 
+def check_picture(path: str | os.PathLike[str]) -> None:
+    """Before the work: ValueError if the suffix of `path` is no picture's, ImportError without matplotlib."""
+    _target(path)
+    _matplotlib()
+
+
 def _matplotlib() -> tuple[Any, type[Figure]]:
     """The module and its figure, which need no pyplot."""
     try:

@@ -96,6 +96,10 @@ def _on_modes(scene: Scene, problem: Problem, warnings: list[str]) -> History:
     target, solver = scene.target, scene.solver
     assert isinstance(target, Plate | Beam) and target.compliance is not None
     asked = solver.accuracy or DEFAULT_ACCURACY
+    if solver.segments is not None or solver.linearisation == "chord":
+        warnings.append(
+            f"segments and linearisation are not used: the target vibrates and is integrated, at accuracy {asked:g}"
+        )
     vibration, estimated = vibrate(problem, target.modes, target.compliance, asked, warnings)
     scales, found, moments = problem.scales, vibration.summary, vibration.events
     t = np.array([moment.time for moment in moments]) * scales.time

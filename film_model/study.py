@@ -127,6 +127,9 @@ class Study:
         ours = self.cheapest(error, FILM[0])
         theirs = [self.cheapest(error, f"solve_ivp {method}") for method in ("RK45", "DOP853", "LSODA", "Radau")]
         best = min((run for run in theirs if run is not None), key=lambda run: _median(run.time_single), default=None)
+        if not any(run.method == FILM[0] for run in self.runs):
+            other = "" if best is None else f"; {best.method} needs {_shown(best.time_single)} for {error:g}"
+            return f"{FILM[0]}, was not timed{other}."
         if ours is None:
             return f"{error:g} is not reached with {SEGMENTS[-1]} segments."
         text = f"{error:g} costs {ours.setting} and {_shown(ours.time_single)} here"
@@ -137,10 +140,14 @@ class Study:
     def beaten(self, errors: Sequence[float] = (1e-3, 1e-4, 1e-6)) -> list[str]:
         """Where another method reaches an error faster than FILM's work-preserving lines, and by how much."""
         found: list[str] = []
+        if not any(run.method == FILM[0] for run in self.runs):
+            return found
         for timing, where in (("time_single", "one impact"), ("time_batch", "in a batch")):
             for error in errors:
                 ours, best = self.cheapest(error, FILM[0], timing), self.cheapest(error, None, timing)
-                if best is not None and (ours is None or best.method not in FILM):
+                if best is not None and ours is None:
+                    found.append(f"{error:g}, {where}: {best.method} reaches it, {FILM[0]}, does not")
+                elif best is not None and best.method not in FILM:
                     ratio = _median(getattr(ours, timing, None)) / getattr(best, timing).median
                     found.append(f"{error:g}, {where}: {best.method} is {ratio:.2g} times as fast")
         return found
@@ -170,12 +177,24 @@ def study(
     matter: their reference is missing.
     """
     problem = problem_of(scene)
-    if problem.load != 0.0 or isinstance(scene.target, Body) or problem.approach <= 0.0:
-        raise SimulationError("a study needs an impact without load on a target that is no free body")
     refuse_vibrations(problem, "a study")
+    if isinstance(scene.target, Body):
+        raise SimulationError("a study is not to be had for a free body as target")
+    if problem.approach <= 0.0:
+        raise SimulationError("a study needs an impact: the approach velocity is 0")
+    if problem.load != 0.0:
+        raise SimulationError(
+            "a study needs an impact without load, and gravity is simulated here: gravity = false in [effects] "
+            "switches it off"
+        )
+    if problem.law.damped:
+        raise SimulationError(f"a study is not to be had for law {problem.law.name}: no reference knows damping")
     if problem.compliance > 0.0:
         raise SimulationError(f"a study is not to be had for a {scene.target.kind} of a static stiffness")
-    exact, stated = _exact(scene, problem)
+    try:
+        exact, stated = _exact(scene, problem)
+    except (ValueError, RuntimeError) as error:
+        raise SimulationError(f"a study needs a reference, and there is none: {error}") from error
     runs: list[CostRun] = []
     for name, settings in _methods(problem, scene):
         if methods is not None and not any(name.startswith(wanted) for wanted in methods):
@@ -390,4 +409,4 @@ def _median(timing: Timing | None) -> float:
 def _shown(timing: Timing | None) -> str:
     from film_model.units import format_si
 
-    return "-" if timing is None else format_si(timing.median, "time", 2)
+    return "-" if timing is None else format_si(timing.median, "time", 3)

@@ -37,6 +37,7 @@ MODES_FACTOR = 1.0
 
 _FIRST_PHASE = 24.0  # highest frequency of the first run times the time from touch to the deepest point
 _INTEGRATION = 1e-2  # tolerance of the integrator over the accuracy that is asked of the summary
+_TIGHTEST = 1e-12  # tolerance of the integrator, at least: below, rounding costs all the work that modes would need
 _LATE = 1e-3  # events are late by 1e-10 times this of the depth: above rounding, below what a sample shows
 _NEVER = -1e300  # velocity at which the core would report the impactor's stop, which is watched here
 
@@ -112,17 +113,19 @@ def vibrate(
     limit = LONGEST * (spring.contact_duration + 2.0 * math.pi / lowest)
     highest = max(_FIRST_PHASE / still.time_of_maximum_indentation, 4.0 * lowest)
 
+    tolerance = max(accuracy * _INTEGRATION, _TIGHTEST)
+
     def run(highest: float) -> Vibration:
         modes = modes_up_to(highest / scales.time)
         rest = max(soft - modes.compliance * scales.force / scales.length, 0.0)
         frequency, share = modes.frequency * scales.time, modes.share * problem.mass
-        return _integrate(problem, frequency, share, rest, depth, limit, accuracy * _INTEGRATION)
+        return _integrate(problem, frequency, share, rest, depth, limit, tolerance)
 
     coarse = run(highest)
     while True:
         highest *= 2.0
         fine = run(highest)
-        estimated = MODES_FACTOR * difference(problem, coarse.summary, fine.summary) + accuracy * _INTEGRATION
+        estimated = MODES_FACTOR * difference(problem, coarse.summary, fine.summary) + tolerance
         if estimated <= accuracy:
             return fine, estimated
         if 4 * fine.work > MOST_WORK:

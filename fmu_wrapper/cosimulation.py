@@ -30,6 +30,9 @@ Mode = Literal["steps", "events", "exchange"]
 Input = float | str | Callable[[float], float]
 """An input over time: a quantity, or a function of time that is held over each step (SI)."""
 
+MOST_STEPS = 2_000_000
+"""Of a run, whose rows are all kept in memory."""
+
 EXCHANGE_SOLVER = 1e-10
 """CVODE's tolerance in Model Exchange, unless told otherwise."""
 
@@ -76,6 +79,10 @@ def run(
         experiment = fmu.description.defaultExperiment
         stop = _positive("stop_time", float(experiment.stopTime) if stop_time is None else stop_time)
         step = _positive("step_size", float(experiment.stepSize) if step_size is None else step_size)
+        if stop / step > MOST_STEPS:
+            raise ValueError(
+                f"step_size: {step:g} s is {stop / step:.3g} steps to {stop:g} s, {MOST_STEPS} are allowed"
+            )
         starts = _start_values(fmu, start_values or {})
         given = {name: _input(name, value) for name, value in (inputs or {}).items()}
         if mode == "exchange":

@@ -160,7 +160,7 @@ static double force_at(int32_t stage, double xi) {
     return force;
 }
 
-static void any_piece(film_piece *piece, double begin, double end, double before, int jumps) {
+static void any_piece(film_piece *piece, double begin, double end, double before, int jumps, int inner) {
     double size = before > 0.0 && whole(0, 7) ? before : decades(1e-3, 1e3);
     double start = !jumps || whole(0, 3) ? before : before * 2.0 * fraction();
     piece->end = end;
@@ -168,6 +168,7 @@ static void any_piece(film_piece *piece, double begin, double end, double before
         double origin = whole(0, 3) || !(start > 0.0) ? begin : begin * fraction(), q = any_exponent(), span = (end < INFINITY ? end : begin + 1.0) - begin;
         double slope = whole(0, 1) ? 0.0 : size * decades(1e-6, 1e2) / span, rise = whole(0, 3) ? size * decades(1e-6, 1e2) : 0.0;
         if (whole(0, 7) == 0 && end < INFINITY) slope = rise = 0.0;
+        if (inner) q = fmax(q, 1.0); /* a root begins a stage */
         if (whole(0, 7) == 0) slope = size * 1e-14;
         if (whole(0, 3) == 0 && end < INFINITY) slope = -0.9 * fraction() * start / span; /* it softens */
         if (!(slope > 0.0) && !(rise > 0.0) && !(end < INFINITY)) slope = size;
@@ -233,7 +234,7 @@ static void any_curve(void) {
                 final = 1;
                 stage->count = i + 1;
             }
-            any_piece(piece, from, end, force, jumps && k > 0);
+            any_piece(piece, from, end, force, jumps && k > 0, i > 0);
             any_unloading(stage, piece, force);
             double work = 0.0;
             if (i > 0) film_law(&curve, k, from, &force, &work); /* of the piece before */

@@ -293,3 +293,30 @@ def test_initialize_begins_at_another_time_and_velocity():
     assert component.time == pytest.approx(2.0 + 2e-4, rel=1e-15)
     with pytest.raises(ValueError, match="initial_gap"):
         component.initialize(initial_gap="-1 mm")
+
+
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-8])
+@pytest.mark.parametrize("velocity", ["0 m/s", "1 um/s", "0.1 mm/s"])
+def test_a_ball_that_creeps_in_has_the_accuracy_asked_for(velocity, accuracy):
+    """Nothing turns on a thin plate: the segments are those that the motion on the way needs."""
+    on = fm.Scene(
+        fm.Sphere(radius="10 mm", velocity=velocity, material="tungsten carbide"),
+        fm.Plate("mild steel", thickness="1 mm"),
+        contact=fm.Contact(law="hertz"),
+        effects=fm.Effects(gravity=True),
+    )
+    component = fm.ImpactComponent(on, accuracy=accuracy)
+    problem, law = component.problem, component.problem.law
+    stiffness = 4 / 3 * law.effective_modulus * math.sqrt(law.radius)
+    force = lambda d: stiffness * max(d, 0.0) ** 1.5  # noqa: E731
+
+    def rates(_, y):
+        return [y[1] - force(y[0]) / problem.impedance, 9.80665 - force(y[0]) / problem.mass]
+
+    times = np.geomspace(1e-7, 1e-2, 40)
+    tight = {"method": "Radau", "rtol": 1e-11, "atol": [1e-22, 1e-16]}
+    exact = solve_ivp(rates, (0.0, 1e-2), [0.0, on.impactor.velocity], t_eval=times, **tight)
+    found = [component.step(t - component.time).outputs for t in times]
+    for y, name in zip(exact.y, ("indentation", "impactor_velocity"), strict=True):
+        off = np.array([getattr(outputs, name) for outputs in found]) - y
+        assert np.abs(off).max() < accuracy * np.abs(y).max()

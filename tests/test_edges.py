@@ -2,6 +2,7 @@
 
 import json
 import math
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -358,6 +359,26 @@ def test_what_cannot_work_on_a_vibrating_target_says_so(tmp_path):
         fmu_wrapper.export(static, tmp_path / "impact.fmu")
     infinite = OLSSON.replace({"effects.boundary_reflections": False})
     assert fm.ImpactComponent(infinite).phase == "approaching"
+
+
+def _on_a_beam(**options):
+    beam = fm.Beam(STEEL, "80 mm", "20 mm", "8 mm")
+    return fm.simulate(fm.Scene(_ball(), beam, fm.Contact("hertz")), **options)
+
+
+def test_more_accuracy_than_can_be_had_costs_none(monkeypatch):
+    """The integrator asks no more of a step than rounding leaves, or its work leaves none for modes."""
+    monkeypatch.setattr(vibration, "MOST_WORK", vibration.MOST_WORK // 3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # of scipy, about a tolerance too small
+        found = {accuracy: _on_a_beam(accuracy=accuracy) for accuracy in (1e-8, 1e-13)}
+    assert any("accuracy 1e-13 cannot be had" in warning for warning in found[1e-13].warnings)
+    assert found[1e-13].accuracy.estimated < 30.0 * found[1e-8].accuracy.estimated
+
+
+@pytest.mark.parametrize("options", [{"segments": 2}, {"linearisation": "chord"}])
+def test_options_of_the_march_are_not_dropped_in_silence(options):
+    assert any("segments and linearisation are not used" in warning for warning in _on_a_beam(**options).warnings)
 
 
 # ---------------------------------------------------------------- scenes, and what a history is for

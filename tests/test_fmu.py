@@ -232,6 +232,16 @@ def test_a_ball_laid_down(made):
     assert len({finding.what for finding in report.findings}) == len(report.findings)
 
 
+def test_a_ball_that_creeps_in(made):
+    """On a thin plate a weight meets no spring to swing on, and nothing turns."""
+    on = fm.Scene(
+        fm.Sphere(radius="10 mm", velocity="0 m/s", material="tungsten carbide"),
+        fm.Plate("mild steel", thickness="1 mm"),
+        effects=fm.Effects(gravity=True),
+    )
+    assert fmu_wrapper.check(made(on)).good
+
+
 @VERSIONS
 def test_segments_after_export(made, version):
     ds = fmu_wrapper.run(
@@ -455,6 +465,7 @@ def test_bad_arguments(tmp_path, made):
     for options, message in (
         ({"mode": "fast"}, "mode: 'fast'"),
         ({"step_size": "0 s"}, "step_size: 0 s must be > 0 s"),
+        ({"step_size": "1e-12 s"}, r"step_size: 1e-12 s is 1\.\d+e\+08 steps to"),
         ({"start_values": {"weight": 1.0}}, "no parameter 'weight'"),
         ({"start_values": {"mass": "1 m"}}, "mass"),
         ({"inputs": {"force": 1.0}}, "no input 'force'"),

@@ -94,6 +94,8 @@ def test_command_line(capsys):
     assert main(["hard-cases", "--match", "damping ratio", "--json"]) == 0
     table = json.loads(capsys.readouterr().out)
     assert table["good"] and len(table["cases"]) == 4
+    assert main(["hard-cases", "--match", "no such case"]) == 3
+    assert "no case's name contains 'no such case'" in capsys.readouterr().err
     assert main(["hard-cases", "--match", "turns at the end of stage 3 - 1 ulp"]) == 0
     out = capsys.readouterr().out
     assert "Newmark" in out and "1 of 1 good" in out

@@ -87,7 +87,21 @@ def test_methods_that_cannot_are_shown_as_such():
     done = study.study(paper("tungsten_carbide_on_steel_stronge"), methods=["heyoka"])
     assert {run.outcome for run in done.runs} == {"the force is no polynomial in √ξ"}
     assert all(run.errors == {} and run.error == math.inf for run in done.runs)
-    assert done.sentence() == "0.0001 is not reached with 500 segments."
+    assert done.sentence() == "FILM, work-preserving, was not timed."
+
+
+def test_what_was_not_timed_is_not_judged():
+    done = study.study(paper("tungsten_carbide_on_steel"), methods=["solve_ivp RK45"])
+    assert done.sentence().startswith("FILM, work-preserving, was not timed; solve_ivp RK45 needs ")
+    assert done.sentence().endswith(" for 0.0001.")
+    assert done.beaten() == []
+
+
+def test_what_is_not_reached_is_said(monkeypatch):
+    monkeypatch.setattr(study, "SEGMENTS", (1, 2))
+    done = study.study(paper("tungsten_carbide_on_steel"), methods=["FILM", "quadrature"])
+    assert done.sentence() == "0.0001 is not reached with 2 segments."
+    assert "1e-06, one impact: quadrature reaches it, FILM, work-preserving, does not" in done.beaten()
 
 
 def test_a_library_that_is_missing(monkeypatch):
@@ -100,9 +114,20 @@ def test_a_library_that_is_missing(monkeypatch):
 
 
 def test_a_scene_without_reference():
-    loaded = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml").replace({"effects.gravity": True})
-    with pytest.raises(fm.SimulationError, match="without load"):
-        study.study(loaded)
+    ball = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
+    damped = {"contact.law": "hunt-crossley", "contact.restitution": 0.5}
+    for changes, said in (
+        ({"effects.gravity": True}, "gravity = false"),
+        ({"impactor.velocity": "0 m/s", "effects.gravity": False}, "velocity is 0"),
+        (damped, "law hunt-crossley"),
+    ):
+        with pytest.raises(fm.SimulationError, match=said):
+            study.study(ball.replace(changes))
+    thin = fm.Scene(ball.impactor, fm.Plate("mild steel", "0.2 mm"), fm.Contact("hertz"), fm.Effects(gravity=False))
+    with pytest.raises(fm.SimulationError, match="a study needs a reference, and there is none: DOP853"):
+        study.study(thin)
+    with pytest.raises(fm.SimulationError, match="free body"):
+        study.study(fm.Scene.from_toml(SCENES / "two_steel_balls.toml"))
 
 
 def test_command_line(capsys, tmp_path):
@@ -119,3 +144,10 @@ def test_command_line(capsys, tmp_path):
     assert "costs" in capsys.readouterr().out
     assert main([*arguments[:2], "--method", "magic"]) == 3
     assert "no method begins with magic" in capsys.readouterr().err
+    assert main([*arguments, "--plot", str(tmp_path / "cost.gif")]) == 3
+    said = capsys.readouterr().err
+    assert "must end in .png" in said and "timing" not in said
+
+
+def test_times_are_shown_without_a_power_of_ten():
+    assert study._shown(study.Timing(1.234e-7, 0.0)) == "123 ns"

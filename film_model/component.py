@@ -159,7 +159,8 @@ class ImpactComponent:
 
         external_force: on the impactor, into the target [N]; support_velocity: of the target as a whole [m/s]; both
         held over the step. Raises ValueError for a negative time or a number that is not finite, SimulationError when
-        the contact law ends.
+        the contact law ends, or a ball that nothing damps bounces or swings more often than a step can follow; the
+        component then stands at that moment.
         """
         dt, force = _si(dt, "time"), _si(external_force, "force")
         if dt < 0.0:

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -55,7 +56,7 @@ class ScalarLaw:
 def scalar_law(law: AbstractLaw) -> ScalarLaw:
     """A law for :func:`compile_rival`; its functions are compiled by numba.
 
-    Raises ImportError without numba, ValueError for a law that does not unload along a 3/2 power.
+    Raises ImportError without numba, ValueError for a law that does not unload along a 3/2 power, or is no formula.
     """
     import numba
 
@@ -71,6 +72,8 @@ def scalar_law(law: AbstractLaw) -> ScalarLaw:
 def _one(numba: Any, stage: Stage, function: Any) -> Any:
     """A function of a law, of one float."""
     if not isinstance(function, Power):
+        if not isinstance(function, FunctionType):
+            raise ValueError(f"stage {stage.name!r} is no formula that numba compiles")
         return numba.njit(function)
     c0, c1, c2, q = function.constant, function.slope, function.coefficient, function.exponent
     origin = stage.begin if function.origin is None else function.origin

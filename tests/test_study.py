@@ -82,6 +82,15 @@ def test_film_converges_and_its_reference_is_exact(name):
     json.dumps(done.to_json(), allow_nan=False)
 
 
+def test_quadrature_is_not_held_against_itself():
+    """A table is unknown to extended precision: quadrature is its reference, and compiled integrators cannot follow."""
+    done = study.study(scene("tabulated"), methods=["FILM, chords", "quadrature", "Dormand-Prince, numba"])
+    assert "quadrature" in done.reference["method"] and done.reference["error"] < 1e-9
+    rivals = [run for run in done.runs if run.method != study.FILM[1]]
+    assert {run.method for run in rivals} <= {"Dormand-Prince, numba"}
+    assert all("numba" in run.outcome for run in rivals)  # whether it is installed or not
+
+
 def test_methods_that_cannot_are_shown_as_such():
     pytest.importorskip("heyoka")
     done = study.study(paper("tungsten_carbide_on_steel_stronge"), methods=["heyoka"])

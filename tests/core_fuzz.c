@@ -175,13 +175,17 @@ static void any_piece(film_piece *piece, double begin, double end, double before
         piece->force = power(origin, 0.0, slope, rise * pow(span + begin - origin, -q), q);
         double x = begin - origin, there = slope * x + (rise > 0.0 ? piece->force.coefficient * pow(x, q) : 0.0);
         piece->force.constant = start - there;
-        if (slope < 0.0 && piece->force.constant + slope * (span + x) < 0.0) piece->force.slope = 0.0;
+        if (slope < 0.0 && piece->force.constant + slope * (span + x) < 0.0) {
+            piece->force.slope = 0.0;
+            piece->force.constant += slope * x;
+        }
         if (!isfinite(piece->force.coefficient) || !isfinite(piece->force.constant)) piece->force = power(begin, start, size, 0.0, 1.0);
         const film_function *f = &piece->force;
         x = begin - f->origin;
         piece->work_at_begin = x > 0.0 ? x * (f->constant + 0.5 * f->slope * x + f->coefficient * pow(x, f->exponent) / (f->exponent + 1.0)) : 0.0;
     } else {
         piece->force = any_series(begin, end, size);
+        if (inner) piece->force.form = FILM_SERIES;
         if (!jumps) { /* the constant that makes it begin where the one before ends, or the series as it is and nothing */
             double at_begin = 0.0, most = 0.0;
             for (int k = 0; k < piece->force.terms; k++) at_begin += (k % 2 ? -1.0 : 1.0) * piece->force.series[k];
@@ -234,7 +238,7 @@ static void any_curve(void) {
                 final = 1;
                 stage->count = i + 1;
             }
-            any_piece(piece, from, end, force, jumps && k > 0, i > 0);
+            any_piece(piece, from, end, force, jumps && k > 0 && i == 0, i > 0);
             any_unloading(stage, piece, force);
             double work = 0.0;
             if (i > 0) film_law(&curve, k, from, &force, &work); /* of the piece before */
@@ -254,19 +258,21 @@ static void any_curve(void) {
 static int usable(void) {
     if (film_check_curve(&curve) != FILM_OK) return 0;
     for (int32_t k = 0; k < curve.stages; k++) {
-        double end = isfinite(curve.stage[k].end) ? curve.stage[k].end : curve.stage[k].begin + 10.0, most = 0.0, least = 0.0, deepest = 0.0, work = 0.0;
-        for (int32_t i = 0; i <= 64; i++) {
-            double force, done, xi = curve.stage[k].begin + (end - curve.stage[k].begin) * i / 64.0;
-            film_law(&curve, k, xi, &force, &done);
-            if (!isfinite(force) || !isfinite(done) || force > 1e30) return 0;
-            if (done < work - 1e-9 * (fabs(work) + fabs(done))) return 0; /* lost in rounding */
-            most = fmax(most, force);
-            least = fmin(least, force);
-            deepest = fmax(deepest, fabs(curve.piece[curve.stage[k].first].work_at_begin));
-            work = done;
+        const film_stage *stage = &curve.stage[k];
+        double begin = stage->begin, least = 0.0, deepest = fabs(curve.piece[stage->first].work_at_begin), work = 0.0;
+        for (int32_t p = stage->first; p < stage->first + stage->count; p++) {
+            double end = isfinite(curve.piece[p].end) ? curve.piece[p].end : begin + 10.0;
+            for (int32_t i = 0; i <= 32; i++) {
+                double force, done, xi = begin + (end - begin) * i / 32.0;
+                film_law(&curve, k, xi, &force, &done);
+                if (!isfinite(force) || !isfinite(done) || force > 1e30) return 0;
+                if (done < work - 1e-9 * (fabs(work) + fabs(done))) return 0; /* lost in rounding */
+                least = fmin(least, force);
+                work = done;
+            }
+            begin = end;
         }
-        if (least < 0.0) return 0;
-        if (deepest > 1e4 * work) return 0;
+        if (least < 0.0 || deepest > 1e4 * work) return 0;
     }
     return 1;
 }
@@ -435,7 +441,7 @@ static int march(film_state *s, double dt) {
             events_seen++;
             HOLD(s->event > FILM_NO_EVENT && s->event <= FILM_RELOADING_BEGINS);
             if (mesh.linearisation == FILM_WORK_PRESERVING && !node.has_line) {
-                double scale = energy_scale(s) + energy_scale(&node);
+                double scale = 3.0 * (energy_scale(s) + energy_scale(&node)); /* a turn neglects a way of 1e-9 of the depth */
                 double blurred = 4e-15 * s->gamma * fabs(s->line.kappa * s->xi * s->nu); /* gamma f turns it, and xi is rounded */
                 NO_MORE(energy(s), energy(&node), scale + blurred / EXACT, EXACT);
                 if (s->gamma == 0.0 && s->damper == 0.0) NEAR(energy(s), energy(&node), scale, EXACT);

@@ -500,8 +500,15 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         length = guess;
         turn = find_turn(curve, mesh, s, &length, edge, turn_tolerance, plain);
     }
-    if (turn == TURN_BETWEEN && !(s->tau_end < INFINITY) && !(s->line.kappa > 0.0)) { /* lines turn at once, or never: at rest */
-        turn_here(curve, s);
+    if (turn == TURN_BETWEEN && !(s->line.kappa > 0.0)) { /* lines turn at once, or run away: so does the law's, or it passes */
+        motion m = draw(curve, mesh, s, length);
+        if (leave(&m, length, &s->tau_end, &y) != LEFT) {
+            turn_here(curve, s);
+            return FILM_OK;
+        }
+        land(s, length, y);
+        s->leg_node = s->leg_nodes - 1;
+        s->line_ends = ENDS_NODE; /* plan afresh */
         return FILM_OK;
     }
     if (turn != TURN_NOT) {

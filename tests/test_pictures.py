@@ -27,6 +27,15 @@ def test_a_history_is_drawn_from_its_file(tmp_path: Path) -> None:
     assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_history_of_a_law_of_python_is_drawn_from_its_samples() -> None:
+    own = fm.Scene(BALL.impactor, BALL.target, fm.Contact(law=fm.Hertz(effective_modulus=1e11, radius=0.01)))
+    history = fm.simulate(own)
+    figure = fd.to_dataset(history).film.plot()
+    assert len(figure.axes) == 5  # no energies: the mass is not known
+    top = max(np.max(line.get_ydata()) for line in figure.axes[0].lines)
+    assert top == pytest.approx(history.summary["maximum_force"], rel=1e-9)
+
+
 def test_lines_for_words_and_few_values() -> None:
     ds = fd.sweep(BALL, {"impactor.velocity": VELOCITY, "contact.law": ["hertz", "stronge"]})
     panel = fd.plot(ds, quantity="maximum_force").axes[0]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from film_datasets.history import history_of
+from film_datasets.history import trace_of
 from film_datasets.schema import HISTORY, MEASUREMENT, dimension_of, kind_of
 from film_model.errors import did_you_mean, shown
 from film_model.history import SUMMARY
@@ -71,7 +71,7 @@ def plot(
     """
     kind = kind_of(ds)
     if kind == HISTORY:
-        return plot_history(history_of(ds), path, dpi)
+        return plot_history(trace_of(ds), path, dpi)
     if kind == MEASUREMENT:
         raise ValueError("a measurement is drawn beside the impact that is fitted to it: see film-model identify")
     known = [name for name in (*SUMMARY, "zener_number") if name in ds]

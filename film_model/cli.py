@@ -129,7 +129,9 @@ def _parser() -> argparse.ArgumentParser:
     sweep.add_argument("--json", action="store_true", help="print one JSON object")
     sweep.set_defaults(command=_sweep)
 
-    plot = commands.add_parser("plot", help="draw a dataset: a history, or a quantity of a sweep")
+    plot = commands.add_parser(
+        "plot", help="draw a dataset: a history, a measurement, a study, or a quantity of a sweep"
+    )
     plot.add_argument("file", metavar="FILE", help="FILE.nc or FILE.zarr")
     plot.add_argument("--output", metavar="PICTURE", help=".png, .svg or .pdf; FILE.png unless given")
     plot.add_argument("--quantity", metavar="NAME", help="summary quantity of a sweep; coefficient_of_restitution")

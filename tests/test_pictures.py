@@ -36,6 +36,31 @@ def test_a_history_of_a_law_of_python_is_drawn_from_its_samples() -> None:
     assert top == pytest.approx(history.summary["maximum_force"], rel=1e-9)
 
 
+def test_points_of_a_measurement(tmp_path: Path) -> None:
+    text = "time [us], force [kN], displacement [um]\n0, 0, 0\n10, 0.09, 2.4\n20, , 4.9\n"
+    (tmp_path / "m.csv").write_text(text, encoding="utf-8")
+    path = fd.write(fd.from_csv(tmp_path / "m.csv"), tmp_path / "m.nc")
+    assert main(["plot", str(path)]) == 0 and (tmp_path / "m.png").stat().st_size > 5000
+    force, way = fd.open(path).film.plot().axes
+    assert (force.get_ylabel(), way.get_ylabel()) == ("contact force (N)", "impactor displacement (µm)")
+    assert way.get_xlabel() == "time (µs)"
+    np.testing.assert_allclose(force.lines[0].get_xydata(), [[0, 0], [10, 90], [20, np.nan]], rtol=1e-12)
+    np.testing.assert_allclose(way.lines[0].get_xydata(), [[0, 0], [10, 2.4], [20, 4.9]], rtol=1e-12)
+    assert way.lines[0].get_linestyle() == "None"
+    (tmp_path / "r.csv").write_text("velocity [mm/s], restitution\n50, 0.98\n500, 0.9\n4000, 0.8\n", encoding="utf-8")
+    (panel,) = fd.plot(fd.from_csv(tmp_path / "r.csv")).axes
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("impactor velocity (m/s)", "coefficient of restitution")
+    np.testing.assert_allclose(panel.lines[0].get_xydata(), [[0.05, 0.98], [0.5, 0.9], [4, 0.8]], rtol=1e-12)
+
+
+@pytest.mark.parametrize("option", [{"quantity": "maximum_force"}, {"over": "foo"}, {"at": {"impact": 1}}])
+def test_arguments_of_sweeps_are_for_sweeps(option: dict, tmp_path: Path) -> None:
+    ds = fd.to_dataset(fm.simulate(BALL))
+    with pytest.raises(ValueError, match=f"^{next(iter(option))}: is for sweeps, this is an impact history"):
+        fd.plot(ds, **option)
+    assert main(["plot", str(fd.write(ds, tmp_path / "x.nc")), "--over", "foo"]) == 3
+
+
 def test_lines_for_words_and_few_values() -> None:
     ds = fd.sweep(BALL, {"impactor.velocity": VELOCITY, "contact.law": ["hertz", "stronge"]})
     panel = fd.plot(ds, quantity="maximum_force").axes[0]

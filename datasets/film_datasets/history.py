@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -101,8 +100,8 @@ def history_of(ds: xr.Dataset) -> History:
 def trace_of(ds: xr.Dataset) -> Trace:
     """What is drawn of a history: of its segments, or where the history cannot be made again, of the samples at t.
 
-    Those are from first touch to the last end of contact, or to the end of the run if contact goes on. Raises ValueError
-    where there is no contact.
+    Those are from first touch to the last end of contact, or to the end of the run if contact goes on. Raises
+    ValueError where there is no contact.
     """
     try:
         return Trace.of(history_of(ds))
@@ -128,7 +127,7 @@ def _summary_of(ds: xr.Dataset) -> dict[str, float | None]:
     return {name: None if np.isnan(ds[name]) else float(ds[name]) for name in SUMMARY}
 
 
-def _events_of(ds: xr.Dataset, names: Sequence[str]) -> tuple[Event, ...]:
+def _events_of(ds: xr.Dataset, names: list[str]) -> tuple[Event, ...]:
     """The events of a dataset, with the names of stages by their numbers."""
     rows = zip(*(ds[f"event_{name}"].values.tolist() for name in ("kind", "time", "stage", *MOTION)), strict=True)
     return tuple(Event(EVENTS[kind], time, names[stage], *motion) for kind, time, stage, *motion in rows)

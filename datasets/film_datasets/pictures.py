@@ -1,4 +1,4 @@
-"""Pictures of datasets: a history, or a summary quantity of a sweep over one or two swept quantities."""
+"""Pictures of datasets: of a history, a measurement or a study; of a sweep, a quantity over one swept or two."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from film_datasets.cost import study_of
 from film_datasets.history import trace_of
-from film_datasets.schema import HISTORY, MEASUREMENT, dimension_of, kind_of
+from film_datasets.schema import COST, HISTORY, MEASUREMENT, SWEEP, dimension_of, kind_of
 from film_model.errors import did_you_mean, shown
 from film_model.history import SUMMARY
 from film_model.plot import COLOURS, picture, plot_history, prefixed_unit
+from film_model.plot_study import plot_study
 from film_model.units import to_si
 
 if TYPE_CHECKING:
@@ -54,26 +56,36 @@ MAP = "cividis"
 def plot(
     ds: xr.Dataset,
     path: str | os.PathLike[str] | None = None,
-    quantity: str = DEFAULT,
+    quantity: str | None = None,
     over: Sequence[str] | str | None = None,
     at: Mapping[str, Any] | None = None,
     dpi: float = 200.0,
 ) -> Figure:
-    """A figure of a history, or of `quantity` of a sweep over one swept quantity or two; written to `path` if given.
+    """A figure of a dataset, written to `path` if given.
 
-    over: names in the dataset such as "impactor_velocity"; unless given, the first two with many values. One makes
-    lines, one for each word or each of a few values that are swept beside it; two make a heat map, or a cloud of a
-    sampled sweep. at: values of the other swept quantities ("70 g" or SI, the nearest is taken, or a word); their first
-    unless given, and named in the title.
+    Of a history, the whole contact; of the run of an FMU, its samples; of a measurement, its points; of a cost study,
+    error against time. The other arguments are for sweeps:
 
-    Raises ValueError for a name that is not there or another suffix than .png, .svg and .pdf, ImportError without
-    matplotlib, OSError where the file cannot be written.
+    quantity: of the summary, the coefficient of restitution unless given. over: names in the dataset such as
+    "impactor_velocity"; unless given, the first two with many values. One makes lines, one for each word or each of a
+    few values that are swept beside it; two make a heat map, or a cloud of a sampled sweep. at: values of the other
+    swept quantities ("70 g" or SI, the nearest is taken, or a word); their first unless given, and named in the title.
+
+    Raises ValueError for a name that is not there, an argument that is not for such a dataset, a run without contact or
+    another suffix than .png, .svg and .pdf; ImportError without matplotlib; OSError where the file cannot be written.
     """
     kind = kind_of(ds)
+    given = [name for name, value in (("quantity", quantity), ("over", over), ("at", at)) if value]
+    if kind != SWEEP and given:
+        raise ValueError(f"{given[0]}: is for sweeps, this is an {kind.replace('_', ' ')}")
     if kind == HISTORY:
         return plot_history(trace_of(ds), path, dpi)
+    if kind == COST:
+        return plot_study(study_of(ds), path, dpi)
     if kind == MEASUREMENT:
-        raise ValueError("a measurement is drawn beside the impact that is fitted to it: see film-model identify")
+        size = SIZE[0], max(SIZE[1], 2.2 * (len(ds.variables) - 1))
+        return picture(path, lambda figure: _points(figure, ds), size, dpi)
+    quantity = quantity or DEFAULT
     known = [name for name in (*SUMMARY, "zener_number") if name in ds]
     if quantity not in known:
         hint = did_you_mean(quantity, known) or f"; there are {', '.join(known)}"
@@ -97,6 +109,24 @@ def plot(
         draw(figure, ds, quantity, chosen, dict(at or {}))
 
     return picture(path, fill, SIZE, dpi)
+
+
+def _points(figure: Figure, ds: xr.Dataset) -> None:
+    """The points of a measurement, a panel for each quantity."""
+    figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.04)
+    along = "t" if ds.attrs["measured"] == "history" else "impactor_velocity"
+    names = [str(name) for name in ds.data_vars if name != along]
+    x_size, x_unit = prefixed_unit(ds[along].values, dimension_of(ds[along]))
+    panels = figure.subplots(len(names), sharex=True, squeeze=False)[:, 0]
+    for panel, name in zip(panels, names, strict=True):
+        size, unit = prefixed_unit(_finite(ds[name]), dimension_of(ds[name]))
+        style = {"markersize": 4.0 if ds[name].size <= FEW_POINTS else 2.0, "color": COLOURS[0]}
+        panel.plot(ds[along].values / x_size, ds[name].values / size, "o", **style)
+        panel.set_ylabel(_label(name, unit))
+    panels[-1].set_xlabel(_label("time" if along == "t" else along, x_unit))
+    if along != "t":
+        _scale(panels[-1].xaxis, panels[-1].set_xscale, ds[along])
+    _title(figure, ds, [])
 
 
 def _lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:

@@ -77,6 +77,7 @@ def test_lines_for_words_and_few_values() -> None:
     assert len(panel.lines) == 1
     panel = fd.plot(ds, over="contact_law", at={"impactor_velocity": 5.0}).axes[0]
     assert [text.get_text() for text in panel.get_xticklabels()] == ["hertz", "stronge"]
+    assert {(line.get_linestyle(), line.get_marker()) for line in panel.lines} == {("None", "o")}  # words are no scale
 
 
 def test_heat_map_and_cloud() -> None:
@@ -95,6 +96,26 @@ def test_heat_map_and_cloud() -> None:
     two = {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}, "impactor.mass": {"uniform": ["1 g", "2 g"]}}
     panel, bar = fd.plot(fd.sweep(BALL, two, "random", samples=50)).axes
     assert bar.get_ylabel() == "coefficient of restitution"
+
+
+def test_impacts_that_failed_are_counted() -> None:
+    balls = fm.Scene.from_toml(SCENES / "two_steel_balls.toml")
+    target = {"from": "-0.5 m/s", "to": "1.5 m/s", "count": 21}
+    ds = fd.sweep(
+        balls, {"impactor.velocity": {"from": "1 m/s", "to": "2 m/s", "count": 11}, "target.velocity": target}
+    )
+    failed = np.isnan(ds["maximum_force"].values)
+    (title,) = (panel.get_title() for panel in fd.plot(ds).axes[:1])
+    assert title == f"{failed.sum()} of 231 impacts failed and are not drawn"
+    panel = fd.plot(ds, over="target_velocity", at={"impactor_velocity": "1.1 m/s"}).axes[0]
+    assert (
+        panel.get_title() == f"at impactor velocity 1.1 m/s; {failed[1].sum()} of 21 impacts failed and are not drawn"
+    )
+    assert np.array_equal(np.isnan(panel.lines[0].get_ydata()), failed[1])
+    over = {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}, "impactor.radius": {"normal": ["10 mm", "6 mm"]}}
+    ds = fd.sweep(BALL, over, "random", samples=30_000)  # of which every other is drawn
+    count = int(np.isnan(ds["maximum_force"].values).sum())
+    assert fd.plot(ds).axes[0].get_title() == f"{count} of 30000 impacts failed and are not drawn"
 
 
 def test_axes_of_values_in_a_geometric_sequence_are_logarithmic() -> None:

@@ -12,7 +12,7 @@ import xarray as xr
 
 from film_datasets.cost import study_of
 from film_datasets.history import trace_of
-from film_datasets.schema import COST, HISTORY, MEASUREMENT, SWEEP, dimension_of, kind_of
+from film_datasets.schema import COST, HISTORY, MEASUREMENT, REFUSED, SWEEP, dimension_of, kind_of, pieces
 from film_model.errors import did_you_mean, shown
 from film_model.history import SUMMARY
 from film_model.plot import COLOURS, picture, plot_history, prefixed_unit
@@ -126,7 +126,7 @@ def _points(figure: Figure, ds: xr.Dataset) -> None:
     panels[-1].set_xlabel(_label("time" if along == "t" else along, x_unit))
     if along != "t":
         _scale(panels[-1].xaxis, panels[-1].set_xscale, ds[along])
-    _title(figure, ds, [])
+    _title(figure, ds)
 
 
 def _lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
@@ -136,22 +136,25 @@ def _lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: d
     others = [str(name) for name in ds[quantity].dims if name != x and name not in at and 1 < ds[name].size <= FAMILY]
     words = [str(name) for name in ds[quantity].dims if name != x and "flag_meanings" in ds[name].attrs]
     word = next((name for name in [*words, *others] if name not in at), None)
-    array, said = _fixed(ds, quantity, [x] if word is None else [x, word], at)
+    free = [x] if word is None else [x, word]
+    array, said = _fixed(ds, quantity, free, at)
     array = array.isel({x: _spread(array.sizes[x], MOST_POINTS)}).load()
     size, unit = prefixed_unit(_finite(array), dimension_of(array))
     x_values, x_label = _axis(array[x])
     labels = [""] if word is None else _names(ds[word])
-    marker = "o" if x in words or array.sizes[x] <= 12 else None
+    apart = "flag_meanings" in ds[x].attrs  # words have nothing between them
+    marker = "o" if apart or array.sizes[x] <= 12 else None
     for k, label in enumerate(labels):
         line = array if word is None else array.isel({word: k})
-        style = STROKES[k // len(COLOURS) % len(STROKES)]
-        panel.plot(x_values, line.values / size, style, color=COLOURS[k % len(COLOURS)], marker=marker, label=label)
+        stroke = "none" if apart else STROKES[k // len(COLOURS) % len(STROKES)]
+        style: dict[str, Any] = {"linestyle": stroke, "color": COLOURS[k % len(COLOURS)], "marker": marker}
+        panel.plot(x_values, line.values / size, label=label, **style)
     panel.set(xlabel=x_label, ylabel=_label(quantity, unit))
     _ticks(panel.xaxis, ds[x])
     _scale(panel.xaxis, panel.set_xscale, array[x])
     if word is not None:
         panel.legend(title=_plain(word), frameon=False, fontsize=8)
-    _title(figure, ds, said)
+    _title(figure, ds, said, _fixed(ds, "status", free, at)[0])
 
 
 def _map(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
@@ -168,14 +171,14 @@ def _map(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dic
     for axis, name, scale in ((panel.xaxis, x, panel.set_xscale), (panel.yaxis, y, panel.set_yscale)):
         _ticks(axis, ds[name])
         _scale(axis, scale, array[name])
-    _title(figure, ds, said)
+    _title(figure, ds, said, _fixed(ds, "status", over, at)[0])
 
 
 def _cloud(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
     """A point for every impact: over one quantity, or coloured over two."""
     if at:
         raise ValueError("at: a sampled sweep has no grid to pick from")
-    panel = figure.add_subplot()
+    panel, status = figure.add_subplot(), ds["status"]
     ds = ds.isel(impact=_spread(ds.sizes["impact"], MOST_POINTS))
     array = ds[quantity].load()
     size, unit = prefixed_unit(_finite(array), dimension_of(array))
@@ -194,7 +197,7 @@ def _cloud(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: d
         _scale(panel.yaxis, panel.set_yscale, ds[over[1]])
     _ticks(panel.xaxis, ds[over[0]])
     _scale(panel.xaxis, panel.set_xscale, ds[over[0]])
-    _title(figure, ds, [])
+    _title(figure, ds, [], status)
 
 
 def _fixed(ds: xr.Dataset, quantity: str, free: list[str], at: dict[str, Any]) -> tuple[xr.DataArray, list[str]]:
@@ -279,8 +282,13 @@ def _plain(name: str) -> str:
     return name.replace("_", " ").replace("$", r"\$")
 
 
-def _title(figure: Figure, ds: xr.Dataset, said: list[str]) -> None:
+def _title(figure: Figure, ds: xr.Dataset, said: Sequence[str] = (), status: xr.DataArray | None = None) -> None:
+    """The title, and below it where the picture is and how many of its impacts are not in it."""
     title = str(ds.attrs["title"]).partition(": sweep over")[0]
     figure.suptitle(title.replace("$", r"\$"), fontsize=min(11.0, 620.0 / max(len(title), 1)), fontweight="bold")
-    if said:
-        figure.axes[0].set_title(("at " + ", ".join(said)).replace("$", r"\$"), fontsize=8)
+    notes = ["at " + ", ".join(said)] if said else []
+    if status is not None:
+        failed = sum(int(np.count_nonzero((codes < 0) | (codes >= REFUSED))) for codes in pieces(status))
+        notes += [f"{failed} of {status.size} impacts failed and are not drawn"] if failed else []
+    if notes:
+        figure.axes[0].set_title("; ".join(notes).replace("$", r"\$"), fontsize=8)

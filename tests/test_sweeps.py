@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -97,8 +98,6 @@ def test_a_file_has_what_memory_has(keep: str, suffix: str, tmp_path: Path) -> N
 
 
 def _again(ds: xr.Dataset) -> dict:
-    import tomllib
-
     table = tomllib.loads(ds.attrs["sweep_toml"])
     return {"scene": fm.Scene.from_text(ds.attrs["scene_toml"]), **table}
 
@@ -353,6 +352,33 @@ def test_all_mistakes_are_told_at_once(file: Path) -> None:
 def test_wrong_sweeps_are_refused(over: dict, options: dict, says: str) -> None:
     with pytest.raises(fm.SceneError, match=says):
         fd.sweep(BALL, over, **options)
+
+
+@pytest.mark.parametrize(
+    ("base", "path", "words", "wrong", "design"),
+    [
+        (PLATE, "target.kind", ["plate", "half-space"], "over.target.size: unknown key", "grid"),
+        (BALL, "target.kind", ["half-space", "plate"], "over.target.thickness: missing", "grid"),
+        (BALL, "contact.law", ["hertz", "hunt-crossley"], "give restitution or", "grid"),
+        (BALL, "contact.law", ["hunt-crossley", "hertz"], "give restitution or", "grid"),
+        (BALL, "contact.law", ["hertz", "hunt-crossley"], "give restitution or", "zip"),
+    ],
+)
+def test_words_that_need_other_keys_can_be_sections(
+    base: fm.Scene, path: str, words: list[str], wrong: str, design: str
+) -> None:
+    with pytest.raises(fm.SceneError) as caught:
+        fd.sweep(base, {path: words}, design)
+    told = str(caught.value)
+    assert wrong in told
+    section, key = path.split(".")
+    hint = told.partition("list whole sections, e.g. ")[2]
+    assert hint.startswith(f'"{section}" = [{{ {key} = ')
+    with pytest.raises(fm.SceneError) as plain:  # a word that is unknown needs no other keys
+        fd.sweep(base, {path: [words[0], "hurtz"]})
+    assert words[0] == "hunt-crossley" or "sections" not in str(plain.value)
+    (again,) = tomllib.loads(hint.splitlines()[0]).values()  # the example itself is a sweep
+    assert fd.sweep(BALL, {section: again})["maximum_force"].shape == (2,)
 
 
 def test_other_wrong_arguments(tmp_path: Path) -> None:

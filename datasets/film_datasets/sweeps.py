@@ -28,6 +28,7 @@ from film_datasets.design import (
     Axis,
     points,
     read_axes,
+    swept_mistakes,
 )
 from film_datasets.schema import REFUSED, SWEEP, TABLE, Variable, swept_name
 from film_model.accuracy import mesh_of
@@ -320,7 +321,7 @@ class Sweep:
                     first = first or error
             else:
                 assert first is not None
-                raise SceneError(replace(mistake, key=f"over.{mistake.key}") for mistake in first.mistakes)
+                raise SceneError(swept_mistakes(first, [axis.path for axis in self._word_axes]))
 
     # ---------------------------------------------------------------- columns
 

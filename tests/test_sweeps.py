@@ -317,6 +317,31 @@ def test_all_mistakes_are_told_at_once(file: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("changes", "lines"),
+    [
+        ({"design =": "desing =", "0.1 m/s": "0.1 kg", "310 MPa": "310 m"}, [2, 4, 5]),
+        ({"design =": 'colour = "red"\ndesign =', '"grid"': '"gird"', "310 MPa": "310 m"}, [2, 3, 6]),
+        ({"steel.toml": "steal.toml", '"grid"': '"gird"'}, [2, None]),  # without a scene [over] means nothing
+        ({"scene =": "scen =", '"grid"': '"sobol"', "0.1 m/s": "0.1 kg"}, [None, 1, 4]),
+        ({"[over]": "[ovr]", '"grid"': '"gird"', "0.1 m/s": "0.1 kg"}, [None, 2, 3]),
+        ({FILE[FILE.index("[over]") :]: "over = 3\n", '"grid"': "7"}, [2, 3]),
+        ({FILE[FILE.index("[over]") :]: "[over]\n", '"grid"': "7"}, [2, 3]),
+    ],
+)
+def test_mistakes_of_the_file_hide_none_of_the_sweep(
+    file: Path, changes: dict[str, str], lines: list[int | None]
+) -> None:
+    text = FILE
+    for before, after in changes.items():
+        assert before in text
+        text = text.replace(before, after, 1)
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(fm.SceneError) as caught:
+        Sweep.from_toml(file)
+    assert [mistake.line for mistake in caught.value.mistakes] == lines, str(caught.value)
+
+
+@pytest.mark.parametrize(
     ("over", "options", "says"),
     [
         ({}, {}, "at least one swept quantity"),

@@ -750,7 +750,7 @@ def test_film_of_a_sweep_says_what_it_needs() -> None:
 
 
 @pytest.mark.parametrize("interop", [True, False])
-def test_quantities(interop: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_quantities(interop: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     if interop:
         pytest.importorskip("pint_xarray")
     else:
@@ -760,6 +760,19 @@ def test_quantities(interop: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     assert force.to("kN").magnitude == pytest.approx(0.5160877, rel=1e-6)
     assert str(quantities["segment_kappa"].data).startswith("[")
     assert math.isclose(float(quantities["energy_absorbed"].data.to("mJ").magnitude), 0.3023315, rel_tol=1e-6)
+    adhesion = BALL.replace({"contact.work_of_adhesion": "0.1 J/m^2"})
+    words = {"impactor.velocity": ["1 m/s", "2 m/s"], "target.material.yield_strength": ["1 GPa"]}
+    for k, ds in enumerate((
+        fd.to_dataset(fm.simulate(BALL)),
+        fd.sweep(BALL, {**words, "contact.law": ["hertz", "stronge"]}, keep="segments"),
+        fd.sweep(adhesion, {**words, "contact.work_of_adhesion": ["0.1 J/m^2"]}, "random", samples=9),
+    )):  # fmt: skip
+        plain, given = fd.write(ds, tmp_path / f"{k}.nc"), ds.film.quantify()
+        assert fd.write(given, tmp_path / f"{k}q.nc").read_bytes() == plain.read_bytes()
+        given["maximum_force"].data = given["maximum_force"].data.to("kN")
+        back = fd.read(fd.write(given, tmp_path / f"{k}q.nc", overwrite=True))
+        np.testing.assert_allclose(back["maximum_force"], ds["maximum_force"], rtol=1e-15)
+        assert back["maximum_force"].attrs == ds["maximum_force"].attrs
 
 
 def test_a_law_of_python_is_swept_and_named() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import xarray as xr
 
+from film_datasets.quantities import in_numbers
 from film_datasets.schema import HISTORY, kind_of, variables_of
 from film_model.files import written_whole
 
@@ -24,7 +25,8 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     """Write `ds` to the netCDF-4 file `path` and return the path.
 
     The file is written beside its place, flushed to the disk and renamed, so that `path` never holds half a file; the
-    same dataset gives the same bytes. Long variables are shuffled and deflated at level 1.
+    same dataset gives the same bytes. Long variables are shuffled and deflated at level 1. Of a dataset with quantities
+    (`ds.film.quantify()`), the SI numbers are written.
 
     Raises ValueError for a suffix other than .nc; FileExistsError if the file is there and `overwrite` is not set;
     IsADirectoryError, FileNotFoundError, PermissionError or OSError where the file cannot be written.
@@ -33,6 +35,7 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     if target.suffix != SUFFIX:
         raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}"')
     check_place(target, overwrite)
+    ds = in_numbers(ds)
     try:
         with written_whole(target) as beside:
             ds.to_netcdf(beside, mode="w", format="NETCDF4", engine="netcdf4", encoding=_encoding(ds))

@@ -151,6 +151,22 @@ def test_the_estimate_bounds_the_errors() -> None:
     assert coarse.attrs["estimated_accuracy"] <= 1e-4
 
 
+def test_an_accuracy_that_is_swept_is_the_one_that_was_asked_for() -> None:
+    """Nobody asked for that of the scene; each is held against what was estimated of its own impacts."""
+    base = BALL.replace({"solver.accuracy": 1e-12})
+    ds = fd.sweep(base, {**SPEEDS, "solver.accuracy": [1e-3, 1e-5]})
+    assert ds.attrs["requested_accuracy"] == 1e-3
+    assert 1e-5 < ds.attrs["estimated_accuracy"] <= 1e-3
+    assert "was not reached" not in ds.attrs["warnings"]
+    out = fd.sweep(BALL, {**SPEEDS, "solver.accuracy": [1e-4, 1e-14]})
+    assert out.attrs["requested_accuracy"] == 1e-4
+    (told,) = (line for line in out.attrs["warnings"].split("\n") if "was not reached" in line)
+    estimated = float(told.removeprefix("accuracy 1e-14 was not reached everywhere: estimated "))
+    assert 1e-14 < estimated < 1e-10
+    mixed = fd.sweep(BALL, {**SPEEDS, "solver": [{"accuracy": 1e-4}, {"segments": 9}]})
+    assert "requested_accuracy" not in mixed.attrs and fd.validate(mixed) == []
+
+
 # ------------------------------------------------------------------------------------------------ designs
 
 

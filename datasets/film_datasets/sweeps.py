@@ -203,6 +203,11 @@ class Sweep:
         return tuple(dict.fromkeys(names))
 
     @cached_property
+    def accuracies(self) -> tuple[float | None, ...]:
+        """What is asked of the impacts, each once; None where segments are."""
+        return tuple(dict.fromkeys(self.case(number).solver.accuracy for number in self.occurring))
+
+    @cached_property
     def variables(self) -> tuple[Variable, ...]:
         """The rows of the schema's table for this sweep: swept quantities, then what is kept."""
         swept = tuple(axis.variable((axis.name,) if self.design == GRID else ("impact",)) for axis in self.axes)
@@ -337,7 +342,8 @@ class Sweep:
     def compute(self, number: int) -> dict[str, NDArray[Any]]:
         """The columns of a block by the names of variables, in C order; `estimated` and `gained` go beside them.
 
-        `gained`: impacts of each law that return more energy than their loading stored.
+        `estimated`: the largest for each of `accuracies`. `gained`: impacts of each law that return more energy than
+        their loading stored.
         """
         _, _, first, count = self.block(number)
         values = self.values(first, count)
@@ -366,7 +372,10 @@ class Sweep:
         return columns
 
     def _empty(self, count: int) -> dict[str, NDArray[Any]]:
-        columns: dict[str, NDArray[Any]] = {"estimated": np.zeros(1), "gained": np.zeros(len(self.laws), np.int64)}
+        columns: dict[str, NDArray[Any]] = {
+            "estimated": np.zeros(len(self.accuracies)),
+            "gained": np.zeros(len(self.laws), np.int64),
+        }
         for variable in self.variables[len(self.axes) :]:
             if variable.dims[: len(self.dims)] == self.dims:
                 shape = (count, self.dense) if "normalised_time" in variable.dims else (count,)
@@ -391,7 +400,8 @@ class Sweep:
         for name, column in result.summary.items():
             columns[name][rows] = column
         columns["status"][rows] = result.status
-        columns["estimated"][0] = max(columns["estimated"][0], result.estimated)
+        asked = self.accuracies.index(scene.solver.accuracy)
+        columns["estimated"][asked] = max(columns["estimated"][asked], result.estimated)
         for part in result.parts:
             own, law = rows[part.index], self.laws.index(part.law)
             columns["law"][own] = law

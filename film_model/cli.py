@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 DONE, WRONG, FAILED = 0, 2, 3
 
+OPTIONS = {"overwrite=True": "--force", "resume=True": "--resume"}
+"""What messages tell to say in Python, and what to use here."""
+
 MOST_EVENTS = 24
 """Events in a table; JSON and files have all."""
 
@@ -44,6 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _complain(text: str, status: int) -> int:
+    for argument, option in OPTIONS.items():
+        text = text.replace(f"say {argument}", f"use {option}")
     print(text, file=sys.stderr)
     return status
 

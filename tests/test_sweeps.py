@@ -477,7 +477,7 @@ class _StopAfter:
 def test_an_interrupted_sweep_is_resumed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, suffix: str) -> None:
     monkeypatch.setattr(*SMALL_BLOCKS)
     made, path = Sweep.of(BALL, SPEEDS), tmp_path / f"out.{suffix}"
-    with pytest.raises(Interrupted, match=r"interrupted: \d+ of 6 blocks in .*--resume"):
+    with pytest.raises(Interrupted, match=r"interrupted: \d+ of 6 blocks in .*say resume=True to go on$"):
         run(made, path, command="test", workers=1, progress=_StopAfter(20, KeyboardInterrupt))
     blocks = tmp_path / f".out.{suffix}.blocks"
     assert [p.name for p in tmp_path.iterdir()] == [blocks.name]
@@ -603,7 +603,7 @@ def test_an_interrupt_from_the_keyboard(tmp_path: Path) -> None:
     _, err = process.communicate()
     assert process.returncode == 130
     assert len(err.splitlines()) == 1
-    assert "blocks in" in err and "--resume" in err
+    assert "blocks in" in err and err.endswith("use --resume to go on\n")
     assert sorted(path.name for path in tmp_path.iterdir()) == [".out.nc.blocks", "sweep.toml"]
 
 
@@ -947,6 +947,26 @@ def test_a_zarr_folder_is_drawn_and_takes_the_place_of_a_file(tmp_path: Path, fi
     assert main(["plot", f"{tmp_path / 'out.zarr'}/", "--over", over]) == 0
     assert (tmp_path / "out.png").is_file()
     assert main(["plot", str(tmp_path / "out.zarr"), "--force", "--over", "impactor_velocity,impactor_velocity"]) == 3
+
+
+def test_a_folder_that_is_no_store_is_not_replaced(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, file: Path
+) -> None:
+    pytest.importorskip("zarr")
+    output = tmp_path / "out.zarr"
+    output.mkdir()
+    (output / "thesis.tex").write_text("precious", encoding="utf-8")
+    for force in ([], ["--force"]):
+        status, _, err = cli(capsys, "sweep", file, "--output", output, *force)
+        assert status == 3 and "is a folder but no Zarr store, and is not replaced" in err
+    assert [path.name for path in output.iterdir()] == ["thesis.tex"]
+    (output / "thesis.tex").unlink()
+    output.rmdir()
+    assert cli(capsys, "sweep", file, "--output", output)[0] == 0
+    assert cli(capsys, "sweep", file, "--output", output)[2] == f"{output}: exists; use --force to replace it\n"
+    assert cli(capsys, "sweep", file, "--output", output, "--force")[0] == 0
+    with pytest.raises(FileExistsError, match=r"exists; say overwrite=True to replace it$"):
+        fd.sweep(BALL, SPEEDS, output=output)
 
 
 def test_a_finished_output_with_other_samples_is_not_taken(tmp_path: Path) -> None:

@@ -14,6 +14,9 @@ from film_model.files import written_whole
 
 SUFFIX, ZARR = ".nc", ".zarr"
 
+STORES = ("zarr.json", ".zgroup")
+"""Files by which a folder is a Zarr store, of format 3 and 2."""
+
 MOST_INDEXED = 10_000_000
 """Values of a coordinate that `open_dataset` indexes, so that `sel` takes them."""
 
@@ -100,10 +103,12 @@ def check_place(target: Path, overwrite: bool) -> None:
     folder = target.absolute().parent
     if target.is_dir() and target.suffix != ZARR:
         raise IsADirectoryError(f"{target}: is a folder, the name of a file is needed")
+    if target.is_dir() and not any((target / name).is_file() for name in STORES):
+        raise IsADirectoryError(f"{target}: is a folder but no Zarr store, and is not replaced")
     if not folder.is_dir():
         raise FileNotFoundError(f"{target}: there is no folder {folder}")
     if not overwrite and target.exists():
-        raise FileExistsError(f"{target}: exists; say overwrite=True to replace it (--force on the command line)")
+        raise FileExistsError(f"{target}: exists; say overwrite=True to replace it")
 
 
 def _encoding(ds: xr.Dataset) -> dict[str, Any]:

@@ -123,8 +123,7 @@ def run(
     if resume and target.exists() and not overwrite:
         if not _is_of(target, made):
             raise FileExistsError(
-                f"{target}: is not the finished output of this sweep and scene; say overwrite=True to replace it "
-                "(--force on the command line)"
+                f"{target}: is not the finished output of this sweep and scene; say overwrite=True to replace it"
             )
         _Parts(target, made).remove()
         return open_dataset(target)
@@ -384,8 +383,7 @@ class _Parts:
         manifest = self.folder / "sweep.json"
         if self.folder.exists() and not resume and not overwrite:
             raise FileExistsError(
-                f"{self._target}: an interrupted run left {self.said()}; or say overwrite=True to begin anew (--force "
-                "on the command line)"
+                f"{self._target}: an interrupted run left {self.said()}; or say overwrite=True to begin anew"
             )
         try:
             self.folder.mkdir(exist_ok=True)
@@ -403,7 +401,7 @@ class _Parts:
                 if found != known:
                     raise FileExistsError(
                         f"{self._target}: what an interrupted run left in {self.folder} is of another sweep, scene or "
-                        "version; say overwrite=True to begin anew (--force on the command line)"
+                        "version; say overwrite=True to begin anew"
                     )
             else:
                 for path in self.folder.iterdir():
@@ -418,7 +416,7 @@ class _Parts:
         if not count:
             return "no blocks"
         kept = f"{count} of {self._blocks} blocks in {self.folder}"
-        return f"{kept}: say resume=True to go on (--resume on the command line)"
+        return f"{kept}: say resume=True to go on"
 
     def done(self) -> set[int]:
         """Numbers of the blocks that are there."""

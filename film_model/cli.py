@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 DONE, WRONG, FAILED = 0, 2, 3
 
+OPTIONS = {"overwrite=True": "--force", "resume=True": "--resume"}
+"""What messages tell to say in Python, and what to use here."""
+
 MOST_EVENTS = 24
 """Events in a table; JSON and files have all."""
 
@@ -44,6 +47,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _complain(text: str, status: int) -> int:
+    for argument, option in OPTIONS.items():
+        text = text.replace(f"say {argument}", f"use {option}")
     print(text, file=sys.stderr)
     return status
 
@@ -129,7 +134,9 @@ def _parser() -> argparse.ArgumentParser:
     sweep.add_argument("--json", action="store_true", help="print one JSON object")
     sweep.set_defaults(command=_sweep)
 
-    plot = commands.add_parser("plot", help="draw a dataset: a history, or a quantity of a sweep")
+    plot = commands.add_parser(
+        "plot", help="draw a dataset: a history, a measurement, a study, or a quantity of a sweep"
+    )
     plot.add_argument("file", metavar="FILE", help="FILE.nc or FILE.zarr")
     plot.add_argument("--output", metavar="PICTURE", help=".png, .svg or .pdf; FILE.png unless given")
     plot.add_argument("--quantity", metavar="NAME", help="summary quantity of a sweep; coefficient_of_restitution")

@@ -6,7 +6,8 @@ import io
 import itertools
 import math
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ import numpy as np
 from film_model.bodies import Body
 from film_model.effects import percent
 from film_model.files import written_whole
-from film_model.history import MOTION, SUMMARY, History, Samples
+from film_model.history import MOTION, SUMMARY, Event, History, Samples
 from film_model.laws.big_alabo import FULLY_PLASTIC
 from film_model.regimes import Regimes, regimes
 from film_model.scene import Scene
@@ -63,14 +64,42 @@ _SPACING = {"left": 0.058, "right": 0.985, "bottom": 0.085, "top": 0.905, "hspac
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 
-def plot_history(history: History, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
+@dataclass(frozen=True)
+class Trace:
+    """An impact as it is drawn. stages: names of the law's, in their order. samples: SI, from first touch to `end` [s].
+
+    energies: J at the samples, by name; none where they are not known.
+    """
+
+    title: str
+    law: str
+    stages: tuple[str, ...]
+    samples: Samples
+    end: float
+    events: tuple[Event, ...]
+    summary: Mapping[str, float | None]
+    energies: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, history: History) -> Trace:
+        """The whole contact, in even samples and at all events."""
+        scene, events = history.scene, [event.time for event in history.events]
+        samples = history.sample_si(np.union1d(np.linspace(0.0, history.duration, SAMPLES), events))
+        found = {name: e for name, e in energies(history, samples).items() if e.max() > 1e-6 * scene.kinetic_energy}
+        title = scene.title or f"Impact on a {scene.target.kind}"
+        law, stages = history.problem.law.name, tuple(history.problem.curve.stage_names)
+        return cls(title, law, stages, samples, history.duration, history.events, history.summary, found)
+
+
+def plot_history(history: History | Trace, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
     """A figure of the whole contact, coloured by the stage of the law; written to `path` (.png, .svg or .pdf) if given.
 
     The file is written beside its place and renamed; one that is there is replaced. dpi: of a PNG, dots an inch.
     pyplot is not used. Raises ValueError for another suffix, ImportError without matplotlib, OSError where the file
     cannot be written.
     """
-    return picture(path, lambda figure: _draw(figure, history), SIZE, dpi)
+    trace = history if isinstance(history, Trace) else Trace.of(history)
+    return picture(path, lambda figure: _draw(figure, trace), SIZE, dpi)
 
 
 def plot_regimes(scene: Scene, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
@@ -116,49 +145,54 @@ def picture(
     return figure
 
 
-def _draw(figure: Figure, history: History) -> None:
+def _draw(figure: Figure, trace: Trace) -> None:
     grid = figure.add_gridspec(
-        4, 2, width_ratios=(1.6, 1.0), left=LEFT, right=0.985, bottom=0.06, top=0.88, hspace=0.12, wspace=0.26
+        4 if trace.energies else 3,
+        2,
+        **{"width_ratios": (1.6, 1.0), "left": LEFT, "right": 0.985, "bottom": 0.06, "top": 0.88},
+        **{"hspace": 0.12, "wspace": 0.26},
     )
+    samples = trace.samples
     force = figure.add_subplot(grid[0, 0])
     depth = figure.add_subplot(grid[1, 0], sharex=force)
     speed = figure.add_subplot(grid[2, 0], sharex=force)
     loop, key = figure.add_subplot(grid[:2, 1]), figure.add_subplot(grid[2:, 1])
-    energy = figure.add_subplot(grid[3, 0], sharex=force)
-    events = [event.time for event in history.events]
-    samples = history.sample_si(np.union1d(np.linspace(0.0, history.duration, SAMPLES), events))
+    panels = [force, depth, speed]
     moved = float(np.abs(samples.target_velocity).max()) > 1e-9 * float(np.abs(samples.impactor_velocity).max())
     velocities = list(VELOCITIES) if moved else ["impactor_velocity"]
-    _curves(force, history, samples, "time", ["contact_force"])
-    _curves(depth, history, samples, "time", ["indentation"])
-    _curves(speed, history, samples, "time", velocities)
-    _curves(loop, history, samples, "indentation", ["contact_force"])
-    _energies(energy, history, samples)
-    for panel in (force, depth, speed):
+    _curves(force, trace, "time", ["contact_force"])
+    _curves(depth, trace, "time", ["indentation"])
+    _curves(speed, trace, "time", velocities)
+    _curves(loop, trace, "indentation", ["contact_force"])
+    if trace.energies:
+        panels.append(figure.add_subplot(grid[3, 0], sharex=force))
+        _energies(panels[3], trace)
+    for panel in panels[:-1]:
         panel.tick_params(labelbottom=False)
         panel.set(xlabel="")
-    for panel in (force, depth, energy):
+    for panel in (force, depth, *panels[3:]):
         panel.set_ylim(0.0, None)
     speed.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
-    force.set_xlim(0.0, history.duration / _unit(samples.time, "time")[0] * 1.01)
+    force.set_xlim(0.0, trace.end / _unit(samples.time, "time")[0] * 1.01)
     loop.set(xlim=(0.0, None), ylim=(0.0, None))
-    _mark_events((force, depth, speed, energy), history, _unit(samples.time, "time")[0])
-    _key(key, history, samples, velocities)
-    figure.align_ylabels([force, depth, speed, energy])
-    title = " ".join(history.scene.title.split()) or f"Impact on a {history.scene.target.kind}"
+    _mark_events(panels, trace)
+    _key(key, trace, velocities)
+    figure.align_ylabels(panels)
+    title = " ".join(trace.title.split())
     size = min(12.0, 900.0 / len(title))  # letters of 12 points: some 75 fit
     figure.text(LEFT, 0.972, _plain(title), fontsize=size, fontweight="bold")
-    figure.text(LEFT, 0.945, _numbers(history), fontsize=8, color="0.25")
+    figure.text(LEFT, 0.945, _numbers(trace), fontsize=8, color="0.25")
 
 
-def _curves(panel: Axes, history: History, samples: Samples, across: str, names: list[str]) -> None:
+def _curves(panel: Axes, trace: Trace, across: str, names: list[str]) -> None:
     """Quantities `names` over `across`, one line a stage."""
+    samples = trace.samples
     x_size, x_unit = _unit(getattr(samples, across), across)
     size, unit = _unit(np.stack([getattr(samples, name) for name in names]), names[0])
     for name in names:
         for stage, run in _runs(samples.stage):
             x, y = getattr(samples, across)[run] / x_size, getattr(samples, name)[run] / size
-            panel.plot(x, y, VELOCITIES.get(name, "-"), color=_colour(history, stage), solid_capstyle="round")
+            panel.plot(x, y, VELOCITIES.get(name, "-"), color=_colour(trace, stage), solid_capstyle="round")
     what = "velocity" if len(names) > 1 else names[0].replace("_", " ")
     panel.set(xlabel=f"{across} ({x_unit})", ylabel=f"{what} ({unit})")
 
@@ -181,13 +215,12 @@ def _summed(force: Any, way: Any) -> Any:
     return np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(way))])
 
 
-def _energies(panel: Axes, history: History, samples: Samples) -> None:
+def _energies(panel: Axes, trace: Trace) -> None:
     """Energies over time, by name at their largest."""
-    found = {name: e for name, e in energies(history, samples).items() if e.max() > 1e-6 * history.scene.kinetic_energy}
-    x_size, x_unit = _unit(samples.time, "time")
-    size, unit = _unit(np.stack(list(found.values())), "energy")
-    for (name, values), line in zip(found.items(), ("-", "--", ":"), strict=False):
-        panel.plot(samples.time / x_size, values / size, line, color="0.2", label=name)
+    x_size, x_unit = _unit(trace.samples.time, "time")
+    size, unit = _unit(np.stack(list(trace.energies.values())), "energy")
+    for (name, values), line in zip(trace.energies.items(), ("-", "--", ":"), strict=False):
+        panel.plot(trace.samples.time / x_size, values / size, line, color="0.2", label=name)
     panel.set(xlabel=f"time ({x_unit})", ylabel=f"energy ({unit})")
     panel.legend(loc="center right", fontsize=8, frameon=False)
 
@@ -200,14 +233,14 @@ def _runs(stages: Any) -> Iterator[tuple[str, slice]]:
             yield str(stages[first]), slice(first, after + 1)
 
 
-def _mark_events(panels: tuple[Axes, ...], history: History, size: float) -> None:
+def _mark_events(panels: list[Axes], trace: Trace) -> None:
     """A thin line at every event after first touch, and its label above the first panel where there is room."""
-    top = panels[0]
+    top, size = panels[0], _unit(trace.samples.time, "time")[0]
     width, height = top.get_position().width * SIZE[0] * 72.0, top.get_position().height * SIZE[1] * 72.0  # points
     span, ends = top.get_xlim()[1], [-math.inf] * LABEL_ROWS
     thin: dict[str, Any] = {"color": "0.55", "linewidth": 0.5}
     labels: dict[str, float] = {}  # of the first event of a kind
-    for event in history.events[1:]:
+    for event in trace.events[1:]:
         labels.setdefault(LABELS.get(event.name, event.name).format(stage=event.stage), event.time / size)
         for panel in panels:
             panel.axvline(event.time / size, zorder=0, **thin)
@@ -225,20 +258,20 @@ def _mark_events(panels: tuple[Axes, ...], history: History, size: float) -> Non
             note.set(ha="center", fontsize=8, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
 
 
-def _key(panel: Axes, history: History, samples: Samples, velocities: list[str]) -> None:
+def _key(panel: Axes, trace: Trace, velocities: list[str]) -> None:
     """The legend: colours of the stages, and strokes of the velocities."""
     panel.set_axis_off()
-    for stage in dict.fromkeys(stage for stage, _ in _runs(samples.stage)):
-        panel.plot([], [], color=_colour(history, stage), linewidth=3, label=_plain(stage or "no contact"))
+    for stage in dict.fromkeys(stage for stage, _ in _runs(trace.samples.stage)):
+        panel.plot([], [], color=_colour(trace, stage), linewidth=3, label=_plain(stage or "no contact"))
     for name in velocities if len(velocities) > 1 else []:
         panel.plot([], [], VELOCITIES[name], color="0.2", label=name.replace("_", " "))
-    law = _plain(f"contact law: {history.problem.law.name}")
+    law = _plain(f"contact law: {trace.law}")
     panel.legend(loc="upper left", bbox_to_anchor=(-0.02, 0.85), frameon=False, title=law, alignment="left")
 
 
-def _numbers(history: History) -> str:
+def _numbers(trace: Trace) -> str:
     """The main numbers on one line, without what did not happen."""
-    values = ((word, history.summary[name], SUMMARY[name][0]) for name, word in NUMBERS.items())
+    values = ((word, trace.summary[name], SUMMARY[name][0]) for name, word in NUMBERS.items())
     return "  ·  ".join(f"{word} {format_si(value, kind)}" for word, value, kind in values if value).replace("-", "−")
 
 
@@ -258,9 +291,8 @@ def prefixed_unit(values: Any, dimension: str) -> tuple[float, str]:
     return 10.0**power, _PREFIXES[power] + scene_unit(dimension)
 
 
-def _colour(history: History, stage: str) -> str:
-    stages = history.problem.curve.stage_names
-    return COLOURS[stages.index(stage) % len(COLOURS)] if stage in stages else UNLOADING
+def _colour(trace: Trace, stage: str) -> str:
+    return COLOURS[trace.stages.index(stage) % len(COLOURS)] if stage in trace.stages else UNLOADING
 
 
 def _plain(text: str) -> str:

@@ -19,13 +19,13 @@ OTHERS = tuple(colour for colour in COLOURS if colour != BEST)
 LEAST = 1e-15  # errors below are drawn there: rounding
 
 
-def plot_study(study: Study, path: str | os.PathLike[str] | None = None) -> Figure:
+def plot_study(study: Study, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
     """Largest error against time for every method, one impact alone and in a batch; the Pareto front is marked.
 
     Written to `path` (.png, .svg or .pdf) if given. Raises ValueError for another suffix, ImportError without
     matplotlib.
     """
-    return _figure([(study, "time_single", "one impact, from Python"), (study, "time_batch", "in a batch")], path)
+    return _figure([(study, "time_single", "one impact, from Python"), (study, "time_batch", "in a batch")], path, dpi)
 
 
 def plot_studies(studies: Sequence[tuple[str, Study]], path: str | os.PathLike[str] | None = None) -> Figure:
@@ -33,7 +33,9 @@ def plot_studies(studies: Sequence[tuple[str, Study]], path: str | os.PathLike[s
     return _figure([(study, "time_single", name) for name, study in studies], path)
 
 
-def _figure(panels: Sequence[tuple[Study, str, str]], path: str | os.PathLike[str] | None) -> Figure:
+def _figure(
+    panels: Sequence[tuple[Study, str, str]], path: str | os.PathLike[str] | None, dpi: float = 200.0
+) -> Figure:
     def draw(figure: Figure) -> None:
         figure.set_layout_engine("constrained")
         axes: Any = figure.subplots(1, len(panels), squeeze=False, sharey=True)[0]
@@ -44,7 +46,7 @@ def _figure(panels: Sequence[tuple[Study, str, str]], path: str | os.PathLike[st
         axes[0].set(ylabel="seconds an impact")
         figure.legend(handles.values(), handles.keys(), loc="outside right upper", frameon=False)
 
-    return picture(path, draw, (1.5 + 4.2 * len(panels), 4.6))
+    return picture(path, draw, (1.5 + 4.2 * len(panels), 4.6), dpi)
 
 
 def _draw(panel: Axes, study: Study, timing: str, handles: dict[str, Any]) -> None:

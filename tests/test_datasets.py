@@ -16,10 +16,12 @@ import xarray as xr
 import film_datasets as fd
 import film_datasets.files
 import film_model as fm
+from film_datasets.cost import study_of
 from film_datasets.schema import COMPARED
 from film_model.core import native
 from film_model.history import MOTION, SUMMARY
 from film_model.problem import problem_of
+from film_model.study import Timing
 from film_model.units import si_unit
 
 SCENES = sorted((Path(__file__).parents[1] / "examples" / "scenes").glob("*.toml"))
@@ -265,6 +267,19 @@ def test_a_cost_study_is_a_dataset(tmp_path: Path) -> None:
     back = fd.read(fd.write(ds, tmp_path / "cost.nc"))
     assert back.identical(ds)
     assert fd.validate(back) == []
+    again = study_of(back)
+    for run, one in zip(again.runs, runs, strict=True):
+        assert (run.method, run.setting, run.errors) == (one.method, one.setting, one.errors)
+        assert (run.time_single, run.time_batch) == tuple(
+            time if time is None else Timing(time.median, time.spread) for time in (one.time_single, one.time_batch)
+        )
+        assert (run.force_evaluations, run.outcome) == (one.force_evaluations, " ".join(one.outcome.split()))
+    assert (again.law, again.reference, again.machine) == ("big-alabo", reference, study.machine)
+    assert again.scene == study.scene
+    if importlib.util.find_spec("matplotlib"):
+        single, batch = back.film.plot(tmp_path / "cost.svg").axes
+        assert [line.get_xydata().tolist() for line in single.lines] == [[[1e-5, 2e-6]]] * 2
+        assert len(batch.lines) == 1
     if importlib.util.find_spec("compliance_checker"):
         checker = Path(sys.executable).with_name("compliance-checker")
         command = [checker, "--test=cf:1.11", "--criteria=strict", tmp_path / "cost.nc"]

@@ -262,9 +262,32 @@ def test_what_a_run_was_given_is_in_its_dataset(made):
         ds.film.scene()
     as_exported = fmu_wrapper.run(made(ball()), step_size="3 us")
     assert as_exported.film.scene() == ball() and "start_values" not in as_exported.attrs
-    for ask in (as_exported.film.history, as_exported.film.plot, lambda: as_exported.film.sample(["1 us"])):
+    for ask in (as_exported.film.history, lambda: as_exported.film.sample(["1 us"])):
         with pytest.raises(ValueError, match="at the times t only"):
             ask()
+
+
+def test_a_run_is_drawn_from_its_samples(made, tmp_path):
+    pytest.importorskip("matplotlib")
+    gap = {"initial_gap": "10 um"}
+    ds = fmu_wrapper.run(made(ball(), **gap), step_size="1 us", start_values={"initial_velocity": "0.5 m/s"})
+    path = fd.write(ds, tmp_path / "run.nc")
+    assert main(["plot", str(path)]) == 0 and (tmp_path / "run.png").stat().st_size > 5000
+    force, depth, speed, loop, key = fd.open(path).film.plot().axes  # no energies
+    ends, size = float(ds["contact_duration"]), 1e-6
+    for panel, name, unit in ((force, "contact_force", 1e3), (depth, "indentation", 1e-6)):
+        x, y = (np.concatenate([get(line) for line in panel.lines if len(line.get_xdata()) > 2]) for get in (
+            lambda line: line.get_xdata(), lambda line: line.get_ydata()))  # fmt: skip
+        assert (x[0], x[-1] * size) == pytest.approx((0.0, ends))
+        np.testing.assert_allclose(y * unit, np.interp(x * size, ds["t"], ds[name]), rtol=1e-12, atol=1e-12)
+    assert (speed.get_ylabel(), loop.get_xlabel()) == ("impactor velocity (m/s)", "indentation (µm)")
+    legend = key.get_legend()
+    assert legend.get_title().get_text() == "contact law: big-alabo"
+    assert [text.get_text() for text in legend.get_texts()] == ["elastic", "elastoplastic", "unloading"]
+    assert "rebound" in force.figure.texts[1].get_text()
+    missed = fmu_wrapper.run(made(ball(), **gap), step_size="1 us", stop_time="9 us")
+    with pytest.raises(ValueError, match="no contact in this run"):
+        missed.film.plot()
 
 
 def test_a_dataset_of_the_library_s_schema(made):

@@ -27,6 +27,40 @@ def test_a_history_is_drawn_from_its_file(tmp_path: Path) -> None:
     assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_a_history_of_a_law_of_python_is_drawn_from_its_samples() -> None:
+    own = fm.Scene(BALL.impactor, BALL.target, fm.Contact(law=fm.Hertz(effective_modulus=1e11, radius=0.01)))
+    history = fm.simulate(own)
+    figure = fd.to_dataset(history).film.plot()
+    assert len(figure.axes) == 5  # no energies: the mass is not known
+    top = max(np.max(line.get_ydata()) for line in figure.axes[0].lines)
+    assert top == pytest.approx(history.summary["maximum_force"], rel=1e-9)
+
+
+def test_points_of_a_measurement(tmp_path: Path) -> None:
+    text = "time [us], force [kN], displacement [um]\n0, 0, 0\n10, 0.09, 2.4\n20, , 4.9\n"
+    (tmp_path / "m.csv").write_text(text, encoding="utf-8")
+    path = fd.write(fd.from_csv(tmp_path / "m.csv"), tmp_path / "m.nc")
+    assert main(["plot", str(path)]) == 0 and (tmp_path / "m.png").stat().st_size > 5000
+    force, way = fd.open(path).film.plot().axes
+    assert (force.get_ylabel(), way.get_ylabel()) == ("contact force (N)", "impactor displacement (µm)")
+    assert way.get_xlabel() == "time (µs)"
+    np.testing.assert_allclose(force.lines[0].get_xydata(), [[0, 0], [10, 90], [20, np.nan]], rtol=1e-12)
+    np.testing.assert_allclose(way.lines[0].get_xydata(), [[0, 0], [10, 2.4], [20, 4.9]], rtol=1e-12)
+    assert way.lines[0].get_linestyle() == "None"
+    (tmp_path / "r.csv").write_text("velocity [mm/s], restitution\n50, 0.98\n500, 0.9\n4000, 0.8\n", encoding="utf-8")
+    (panel,) = fd.plot(fd.from_csv(tmp_path / "r.csv")).axes
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("impactor velocity (m/s)", "coefficient of restitution")
+    np.testing.assert_allclose(panel.lines[0].get_xydata(), [[0.05, 0.98], [0.5, 0.9], [4, 0.8]], rtol=1e-12)
+
+
+@pytest.mark.parametrize("option", [{"quantity": "maximum_force"}, {"over": "foo"}, {"at": {"impact": 1}}])
+def test_arguments_of_sweeps_are_for_sweeps(option: dict, tmp_path: Path) -> None:
+    ds = fd.to_dataset(fm.simulate(BALL))
+    with pytest.raises(ValueError, match=f"^{next(iter(option))}: is for sweeps, this is an impact history"):
+        fd.plot(ds, **option)
+    assert main(["plot", str(fd.write(ds, tmp_path / "x.nc")), "--over", "foo"]) == 3
+
+
 def test_lines_for_words_and_few_values() -> None:
     ds = fd.sweep(BALL, {"impactor.velocity": VELOCITY, "contact.law": ["hertz", "stronge"]})
     panel = fd.plot(ds, quantity="maximum_force").axes[0]
@@ -43,6 +77,7 @@ def test_lines_for_words_and_few_values() -> None:
     assert len(panel.lines) == 1
     panel = fd.plot(ds, over="contact_law", at={"impactor_velocity": 5.0}).axes[0]
     assert [text.get_text() for text in panel.get_xticklabels()] == ["hertz", "stronge"]
+    assert {(line.get_linestyle(), line.get_marker()) for line in panel.lines} == {("None", "o")}  # words are no scale
 
 
 def test_heat_map_and_cloud() -> None:
@@ -61,6 +96,26 @@ def test_heat_map_and_cloud() -> None:
     two = {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}, "impactor.mass": {"uniform": ["1 g", "2 g"]}}
     panel, bar = fd.plot(fd.sweep(BALL, two, "random", samples=50)).axes
     assert bar.get_ylabel() == "coefficient of restitution"
+
+
+def test_impacts_that_failed_are_counted() -> None:
+    balls = fm.Scene.from_toml(SCENES / "two_steel_balls.toml")
+    target = {"from": "-0.5 m/s", "to": "1.5 m/s", "count": 21}
+    ds = fd.sweep(
+        balls, {"impactor.velocity": {"from": "1 m/s", "to": "2 m/s", "count": 11}, "target.velocity": target}
+    )
+    failed = np.isnan(ds["maximum_force"].values)
+    (title,) = (panel.get_title() for panel in fd.plot(ds).axes[:1])
+    assert title == f"{failed.sum()} of 231 impacts failed and are not drawn"
+    panel = fd.plot(ds, over="target_velocity", at={"impactor_velocity": "1.1 m/s"}).axes[0]
+    assert (
+        panel.get_title() == f"at impactor velocity 1.1 m/s; {failed[1].sum()} of 21 impacts failed and are not drawn"
+    )
+    assert np.array_equal(np.isnan(panel.lines[0].get_ydata()), failed[1])
+    over = {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}, "impactor.radius": {"normal": ["10 mm", "6 mm"]}}
+    ds = fd.sweep(BALL, over, "random", samples=30_000)  # of which every other is drawn
+    count = int(np.isnan(ds["maximum_force"].values).sum())
+    assert fd.plot(ds).axes[0].get_title() == f"{count} of 30000 impacts failed and are not drawn"
 
 
 def test_axes_of_values_in_a_geometric_sequence_are_logarithmic() -> None:

@@ -12,6 +12,7 @@ import signal
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -97,8 +98,6 @@ def test_a_file_has_what_memory_has(keep: str, suffix: str, tmp_path: Path) -> N
 
 
 def _again(ds: xr.Dataset) -> dict:
-    import tomllib
-
     table = tomllib.loads(ds.attrs["sweep_toml"])
     return {"scene": fm.Scene.from_text(ds.attrs["scene_toml"]), **table}
 
@@ -150,6 +149,22 @@ def test_the_estimate_bounds_the_errors() -> None:
         worst = np.maximum(worst, np.abs(coarse[name].values / fine[name].values - 1))
     assert (worst <= coarse.attrs["estimated_accuracy"]).mean() >= 0.99
     assert coarse.attrs["estimated_accuracy"] <= 1e-4
+
+
+def test_an_accuracy_that_is_swept_is_the_one_that_was_asked_for() -> None:
+    """Nobody asked for that of the scene; each is held against what was estimated of its own impacts."""
+    base = BALL.replace({"solver.accuracy": 1e-12})
+    ds = fd.sweep(base, {**SPEEDS, "solver.accuracy": [1e-3, 1e-5]})
+    assert ds.attrs["requested_accuracy"] == 1e-3
+    assert 1e-5 < ds.attrs["estimated_accuracy"] <= 1e-3
+    assert "was not reached" not in ds.attrs["warnings"]
+    out = fd.sweep(BALL, {**SPEEDS, "solver.accuracy": [1e-4, 1e-14]})
+    assert out.attrs["requested_accuracy"] == 1e-4
+    (told,) = (line for line in out.attrs["warnings"].split("\n") if "was not reached" in line)
+    estimated = float(told.removeprefix("accuracy 1e-14 was not reached everywhere: estimated "))
+    assert 1e-14 < estimated < 1e-10
+    mixed = fd.sweep(BALL, {**SPEEDS, "solver": [{"accuracy": 1e-4}, {"segments": 9}]})
+    assert "requested_accuracy" not in mixed.attrs and fd.validate(mixed) == []
 
 
 # ------------------------------------------------------------------------------------------------ designs
@@ -318,6 +333,31 @@ def test_all_mistakes_are_told_at_once(file: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("changes", "lines"),
+    [
+        ({"design =": "desing =", "0.1 m/s": "0.1 kg", "310 MPa": "310 m"}, [2, 4, 5]),
+        ({"design =": 'colour = "red"\ndesign =', '"grid"': '"gird"', "310 MPa": "310 m"}, [2, 3, 6]),
+        ({"steel.toml": "steal.toml", '"grid"': '"gird"'}, [2, None]),  # without a scene [over] means nothing
+        ({"scene =": "scen =", '"grid"': '"sobol"', "0.1 m/s": "0.1 kg"}, [None, 1, 4]),
+        ({"[over]": "[ovr]", '"grid"': '"gird"', "0.1 m/s": "0.1 kg"}, [None, 2, 3]),
+        ({FILE[FILE.index("[over]") :]: "over = 3\n", '"grid"': "7"}, [2, 3]),
+        ({FILE[FILE.index("[over]") :]: "[over]\n", '"grid"': "7"}, [2, 3]),
+    ],
+)
+def test_mistakes_of_the_file_hide_none_of_the_sweep(
+    file: Path, changes: dict[str, str], lines: list[int | None]
+) -> None:
+    text = FILE
+    for before, after in changes.items():
+        assert before in text
+        text = text.replace(before, after, 1)
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(fm.SceneError) as caught:
+        Sweep.from_toml(file)
+    assert [mistake.line for mistake in caught.value.mistakes] == lines, str(caught.value)
+
+
+@pytest.mark.parametrize(
     ("over", "options", "says"),
     [
         ({}, {}, "at least one swept quantity"),
@@ -353,6 +393,33 @@ def test_all_mistakes_are_told_at_once(file: Path) -> None:
 def test_wrong_sweeps_are_refused(over: dict, options: dict, says: str) -> None:
     with pytest.raises(fm.SceneError, match=says):
         fd.sweep(BALL, over, **options)
+
+
+@pytest.mark.parametrize(
+    ("base", "path", "words", "wrong", "design"),
+    [
+        (PLATE, "target.kind", ["plate", "half-space"], "over.target.size: unknown key", "grid"),
+        (BALL, "target.kind", ["half-space", "plate"], "over.target.thickness: missing", "grid"),
+        (BALL, "contact.law", ["hertz", "hunt-crossley"], "give restitution or", "grid"),
+        (BALL, "contact.law", ["hunt-crossley", "hertz"], "give restitution or", "grid"),
+        (BALL, "contact.law", ["hertz", "hunt-crossley"], "give restitution or", "zip"),
+    ],
+)
+def test_words_that_need_other_keys_can_be_sections(
+    base: fm.Scene, path: str, words: list[str], wrong: str, design: str
+) -> None:
+    with pytest.raises(fm.SceneError) as caught:
+        fd.sweep(base, {path: words}, design)
+    told = str(caught.value)
+    assert wrong in told
+    section, key = path.split(".")
+    hint = told.partition("list whole sections, e.g. ")[2]
+    assert hint.startswith(f'"{section}" = [{{ {key} = ')
+    with pytest.raises(fm.SceneError) as plain:  # a word that is unknown needs no other keys
+        fd.sweep(base, {path: [words[0], "hurtz"]})
+    assert words[0] == "hunt-crossley" or "sections" not in str(plain.value)
+    (again,) = tomllib.loads(hint.splitlines()[0]).values()  # the example itself is a sweep
+    assert fd.sweep(BALL, {section: again})["maximum_force"].shape == (2,)
 
 
 def test_other_wrong_arguments(tmp_path: Path) -> None:
@@ -410,7 +477,7 @@ class _StopAfter:
 def test_an_interrupted_sweep_is_resumed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, suffix: str) -> None:
     monkeypatch.setattr(*SMALL_BLOCKS)
     made, path = Sweep.of(BALL, SPEEDS), tmp_path / f"out.{suffix}"
-    with pytest.raises(Interrupted, match=r"interrupted: \d+ of 6 blocks in .*--resume"):
+    with pytest.raises(Interrupted, match=r"interrupted: \d+ of 6 blocks in .*say resume=True to go on$"):
         run(made, path, command="test", workers=1, progress=_StopAfter(20, KeyboardInterrupt))
     blocks = tmp_path / f".out.{suffix}.blocks"
     assert [p.name for p in tmp_path.iterdir()] == [blocks.name]
@@ -536,7 +603,7 @@ def test_an_interrupt_from_the_keyboard(tmp_path: Path) -> None:
     _, err = process.communicate()
     assert process.returncode == 130
     assert len(err.splitlines()) == 1
-    assert "blocks in" in err and "--resume" in err
+    assert "blocks in" in err and err.endswith("use --resume to go on\n")
     assert sorted(path.name for path in tmp_path.iterdir()) == [".out.nc.blocks", "sweep.toml"]
 
 
@@ -699,7 +766,7 @@ def test_film_of_a_sweep_says_what_it_needs() -> None:
 
 
 @pytest.mark.parametrize("interop", [True, False])
-def test_quantities(interop: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_quantities(interop: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     if interop:
         pytest.importorskip("pint_xarray")
     else:
@@ -709,6 +776,19 @@ def test_quantities(interop: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     assert force.to("kN").magnitude == pytest.approx(0.5160877, rel=1e-6)
     assert str(quantities["segment_kappa"].data).startswith("[")
     assert math.isclose(float(quantities["energy_absorbed"].data.to("mJ").magnitude), 0.3023315, rel_tol=1e-6)
+    adhesion = BALL.replace({"contact.work_of_adhesion": "0.1 J/m^2"})
+    words = {"impactor.velocity": ["1 m/s", "2 m/s"], "target.material.yield_strength": ["1 GPa"]}
+    for k, ds in enumerate((
+        fd.to_dataset(fm.simulate(BALL)),
+        fd.sweep(BALL, {**words, "contact.law": ["hertz", "stronge"]}, keep="segments"),
+        fd.sweep(adhesion, {**words, "contact.work_of_adhesion": ["0.1 J/m^2"]}, "random", samples=9),
+    )):  # fmt: skip
+        plain, given = fd.write(ds, tmp_path / f"{k}.nc"), ds.film.quantify()
+        assert fd.write(given, tmp_path / f"{k}q.nc").read_bytes() == plain.read_bytes()
+        given["maximum_force"].data = given["maximum_force"].data.to("kN")
+        back = fd.read(fd.write(given, tmp_path / f"{k}q.nc", overwrite=True))
+        np.testing.assert_allclose(back["maximum_force"], ds["maximum_force"], rtol=1e-15)
+        assert back["maximum_force"].attrs == ds["maximum_force"].attrs
 
 
 def test_a_law_of_python_is_swept_and_named() -> None:
@@ -867,6 +947,26 @@ def test_a_zarr_folder_is_drawn_and_takes_the_place_of_a_file(tmp_path: Path, fi
     assert main(["plot", f"{tmp_path / 'out.zarr'}/", "--over", over]) == 0
     assert (tmp_path / "out.png").is_file()
     assert main(["plot", str(tmp_path / "out.zarr"), "--force", "--over", "impactor_velocity,impactor_velocity"]) == 3
+
+
+def test_a_folder_that_is_no_store_is_not_replaced(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, file: Path
+) -> None:
+    pytest.importorskip("zarr")
+    output = tmp_path / "out.zarr"
+    output.mkdir()
+    (output / "thesis.tex").write_text("precious", encoding="utf-8")
+    for force in ([], ["--force"]):
+        status, _, err = cli(capsys, "sweep", file, "--output", output, *force)
+        assert status == 3 and "is a folder but no Zarr store, and is not replaced" in err
+    assert [path.name for path in output.iterdir()] == ["thesis.tex"]
+    (output / "thesis.tex").unlink()
+    output.rmdir()
+    assert cli(capsys, "sweep", file, "--output", output)[0] == 0
+    assert cli(capsys, "sweep", file, "--output", output)[2] == f"{output}: exists; use --force to replace it\n"
+    assert cli(capsys, "sweep", file, "--output", output, "--force")[0] == 0
+    with pytest.raises(FileExistsError, match=r"exists; say overwrite=True to replace it$"):
+        fd.sweep(BALL, SPEEDS, output=output)
 
 
 def test_a_finished_output_with_other_samples_is_not_taken(tmp_path: Path) -> None:

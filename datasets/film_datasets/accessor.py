@@ -12,8 +12,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.history import history_of, lines_of, scene_of
+from film_datasets.quantities import quantified
 from film_datasets.report import statistics
-from film_datasets.schema import HISTORY, SWEEP, TABLE, dimension_of, kind_of, variables_of
+from film_datasets.schema import HISTORY, SWEEP, TABLE, dimension_of, kind_of
 from film_datasets.sweeps import Sweep
 from film_model import units
 from film_model.core import native
@@ -106,28 +107,11 @@ class Film:
         return plot(self._ds, path, **options)
 
     def quantify(self) -> xr.Dataset:
-        """The dataset with pint quantities for values; by pint-xarray, coordinates too, if it is installed."""
-        rows = [v for v in variables_of(self._ds) if v.name in self._ds.variables]
-        own = {v.name: _scene_unit(v.unit) for v in rows if v.unit not in (None, "1")}
-        try:
-            import pint_xarray  # noqa: F401  # which makes the accessor `pint`
-        except ImportError:
-            pass
-        else:
-            bare = self._ds.copy()
-            for name in own:
-                bare[name].attrs = {key: value for key, value in bare[name].attrs.items() if key != "units"}
-            return bare.pint.quantify(own)
-        import pint
+        """The dataset with pint quantities for values; by pint-xarray, coordinates too, if it is installed.
 
-        quantity = pint.get_application_registry().Quantity
-        made = self._ds.copy()
-        for name in self._ds.data_vars:
-            if name in own:
-                array = self._ds[name]
-                attrs = {key: value for key, value in array.attrs.items() if key != "units"}
-                made[name] = (array.dims, quantity(array.values, own[str(name)]), attrs)
-        return made
+        `film_datasets.write` takes it, and writes SI numbers.
+        """
+        return quantified(self._ds)
 
     def _places(self, where: Mapping[str, Any]) -> dict[str, int]:
         """The place of one impact of a sweep along each dimension."""
@@ -179,8 +163,3 @@ class Film:
 def _nothing(where: Mapping[str, Any]) -> None:
     if where:
         raise KeyError(f"a history has no impacts to pick: {', '.join(where)}")
-
-
-def _scene_unit(unit: str | None) -> str:
-    """The unit as pint reads it."""
-    return next(units.scene_unit(name) for name, dimension in units.DIMENSIONS.items() if dimension.unit == unit)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from film_datasets.history import scene_of
 from film_datasets.provenance import PROGRAM, provenance, scene_text, text_and_hash
 from film_datasets.schema import COMPARED, COST, TABLE, content_sha256, flag_words
+from film_model.problem import problem_of
+from film_model.study import CostRun, Study, Timing
 
 COMMENT = (
     "Each run is one method at one setting; errors are relative to the reference values, which do not use the march. "
@@ -48,7 +52,7 @@ def study_dataset(study: Any, command: str = "film-model cost") -> xr.Dataset:
             comment=COMMENT,
         ),
         **text_and_hash("scene", scene_text(scene)),
-        "contact_law": study.law,
+        "contact_law": str(problem_of(scene).law),
         "settings": "\n".join(f"{run.method}: {run.setting}" for run in runs),
         "outcomes": "\n".join(" ".join(run.outcome.split()) for run in runs),
         "reference_method": study.reference["method"],
@@ -56,3 +60,32 @@ def study_dataset(study: Any, command: str = "film-model cost") -> xr.Dataset:
     }
     ds.attrs["content_sha256"] = content_sha256(ds)
     return ds
+
+
+def study_of(ds: xr.Dataset) -> Study:
+    """The study that a dataset was made from. Raises ValueError where the contact law was an object of Python."""
+
+    def there(name: str, run: int) -> float | None:
+        value = float(ds[name][run])
+        return None if math.isnan(value) else value
+
+    def timing(way: str, run: int) -> Timing | None:
+        found = [there(f"{what}_time_{way}", run) for what in Timing._fields]
+        return None if found[0] is None else Timing(*(value or 0.0 for value in found))
+
+    lines = zip(*(str(ds.attrs[name]).split("\n") for name in ("settings", "outcomes")), strict=True)
+    runs: list[CostRun] = []
+    for k, (line, outcome) in enumerate(lines):
+        method, _, setting = line.partition(": ")
+        errors = {name: value for name in COMPARED if (value := there(f"error_{name}", k)) is not None}
+        count = int(ds["force_evaluations"][k])
+        times = timing("single", k), timing("batch", k)
+        runs.append(CostRun(method, setting, *times, None if count < 0 else count, errors, outcome))
+    reference = {
+        "method": str(ds.attrs["reference_method"]),
+        "values": {name: float(ds[f"reference_{name}"]) for name in COMPARED},
+        "error": float(ds["reference_error"]),
+    }
+    machine = dict(line.split(" ", 1) for line in str(ds.attrs["machine"]).split("\n"))
+    scene = scene_of(ds)
+    return Study(scene, problem_of(scene).law.name, reference, tuple(runs), machine)

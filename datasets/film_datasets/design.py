@@ -44,6 +44,13 @@ MOST_SAMPLES = {"random": 2**53, "sobol": 2**30, "latin-hypercube": 20_000_000}
 LEAST = 2.0**-53
 """Probabilities below this are taken for it, so that no design draws an infinite value: 8.1 standard deviations."""
 
+SECTIONS = {
+    "contact.law": '"contact" = [{ law = "hertz" }, { law = "hunt-crossley", restitution = 0.7 }]',
+    "target.kind": '"target" = [{ kind = "half-space", material = "mild steel" }, '
+    '{ kind = "plate", material = "mild steel", thickness = "4 mm" }]',
+}
+"""Words that decide which other keys their section has, each with a list of whole sections instead."""
+
 LISTED = 1000
 """Longer lists of values are in the coordinates of a dataset only, not in its sweep_toml."""
 
@@ -162,7 +169,7 @@ def read_axes(scene: Scene, over: Mapping[str, Any], design: str) -> tuple[tuple
         try:
             first = first.replace({path: word})
         except SceneError as error:
-            mistakes += [replace(mistake, key=f"over.{mistake.key}") for mistake in error.mistakes]
+            mistakes += swept_mistakes(error, (path,))
     for path, given in over.items():
         try:
             axes[path] = _axis(first, path, given, design)
@@ -184,6 +191,17 @@ def read_axes(scene: Scene, over: Mapping[str, Any], design: str) -> tuple[tuple
         lengths = ", ".join(f"{axis.path} {axis.count}" for axis in axes.values())
         raise SceneError([Mistake(None, None, "over", f'design "zip" needs lists of one length, not {lengths}')])
     return tuple(axes.values()), first
+
+
+def swept_mistakes(error: SceneError, words: Iterable[str]) -> list[Mistake]:
+    """The mistakes of a scene as those of a sweep, and what to do if a path of `words` has one that does not fit."""
+    found = [replace(mistake, key=f"over.{mistake.key}") for mistake in error.mistakes]
+    for path in words:
+        section = path.partition(".")[0]
+        if path in SECTIONS and any(m.key.startswith(f"{section}.") and m.key != path for m in error.mistakes):
+            message = f"not all words go with the same other keys: list whole sections, e.g. {SECTIONS[path]}"
+            found.append(Mistake(None, None, f"over.{path}", message))
+    return found
 
 
 def field_at(scene: Scene, path: str) -> Field | None:
@@ -266,7 +284,7 @@ def _words(scene: Scene, path: str, given: Iterable[Any], design: str) -> Axis:
         try:
             changed = scene.replace({path: word})
         except SceneError as error:
-            raise SceneError([replace(mistake, key=f"over.{mistake.key}") for mistake in error.mistakes]) from None
+            raise SceneError(swept_mistakes(error, (path,))) from None
         if tabulated:  # the dataset has the table, not the name of its file
             table = contact_table(changed.contact)
             words[k] = {key: value for key, value in word.items() if key != "file"}

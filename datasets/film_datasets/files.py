@@ -8,10 +8,14 @@ from typing import Any
 
 import xarray as xr
 
+from film_datasets.quantities import in_numbers
 from film_datasets.schema import HISTORY, kind_of, variables_of
 from film_model.files import written_whole
 
 SUFFIX, ZARR = ".nc", ".zarr"
+
+STORES = ("zarr.json", ".zgroup")
+"""Files by which a folder is a Zarr store, of format 3 and 2."""
 
 MOST_INDEXED = 10_000_000
 """Values of a coordinate that `open_dataset` indexes, so that `sel` takes them."""
@@ -24,7 +28,8 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     """Write `ds` to the netCDF-4 file `path` and return the path.
 
     The file is written beside its place, flushed to the disk and renamed, so that `path` never holds half a file; the
-    same dataset gives the same bytes. Long variables are shuffled and deflated at level 1.
+    same dataset gives the same bytes. Long variables are shuffled and deflated at level 1. Of a dataset with quantities
+    (`ds.film.quantify()`), the SI numbers are written.
 
     Raises ValueError for a suffix other than .nc; FileExistsError if the file is there and `overwrite` is not set;
     IsADirectoryError, FileNotFoundError, PermissionError or OSError where the file cannot be written.
@@ -33,6 +38,7 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     if target.suffix != SUFFIX:
         raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}"')
     check_place(target, overwrite)
+    ds = in_numbers(ds)
     try:
         with written_whole(target) as beside:
             ds.to_netcdf(beside, mode="w", format="NETCDF4", engine="netcdf4", encoding=_encoding(ds))
@@ -97,10 +103,12 @@ def check_place(target: Path, overwrite: bool) -> None:
     folder = target.absolute().parent
     if target.is_dir() and target.suffix != ZARR:
         raise IsADirectoryError(f"{target}: is a folder, the name of a file is needed")
+    if target.is_dir() and not any((target / name).is_file() for name in STORES):
+        raise IsADirectoryError(f"{target}: is a folder but no Zarr store, and is not replaced")
     if not folder.is_dir():
         raise FileNotFoundError(f"{target}: there is no folder {folder}")
     if not overwrite and target.exists():
-        raise FileExistsError(f"{target}: exists; say overwrite=True to replace it (--force on the command line)")
+        raise FileExistsError(f"{target}: exists; say overwrite=True to replace it")
 
 
 def _encoding(ds: xr.Dataset) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import asdict
 from typing import Any
 
@@ -11,10 +12,11 @@ from numpy.typing import NDArray
 
 from film_datasets.provenance import PROGRAM, provenance, scene_text, text_and_hash
 from film_datasets.schema import BRANCHES, HISTORY, TABLE, content_sha256, flag_words
-from film_model.core.native import EVENTS, LINE_DTYPE
+from film_model.core.native import BRANCH_NAMES, EVENTS, LINE_DTYPE
 from film_model.effects import Effect, choose, percent
 from film_model.errors import Outcome, SceneError
-from film_model.history import MOTION, SUMMARY, Accuracy, Event, History, stage_names
+from film_model.history import MOTION, SUMMARY, Accuracy, Event, History, Samples, stage_names
+from film_model.plot import Trace
 from film_model.problem import problem_of
 from film_model.scene import Scene
 from film_model.solve import simulate
@@ -82,12 +84,7 @@ def history_of(ds: xr.Dataset) -> History:
     lines, names = lines_of(ds), stage_names(problem)
     if not lines.size:
         raise ValueError("the run of an FMU tells no segments: its motion is in the dataset, at the times t only")
-    rows = zip(
-        *(ds[f"event_{name}"].values.tolist() for name in ("kind", "time", "stage", *MOTION)),
-        strict=True,
-    )
-    events = tuple(Event(EVENTS[kind], time, names[stage], *motion) for kind, time, stage, *motion in rows)
-    summary = {name: None if np.isnan(ds[name]) else float(ds[name]) for name in SUMMARY}
+    summary = _summary_of(ds)
     accuracy = Accuracy(
         ds.attrs.get("requested_accuracy"),
         float(ds.attrs["estimated_accuracy"]),
@@ -97,7 +94,43 @@ def history_of(ds: xr.Dataset) -> History:
     )
     warnings = str(ds.attrs["warnings"])
     said = () if warnings == "none" else tuple(warnings.split("\n"))
-    return History(scene, problem, lines, events, Outcome(ds.attrs["outcome"]), summary, accuracy, said)
+    return History(scene, problem, lines, _events_of(ds, names), Outcome(ds.attrs["outcome"]), summary, accuracy, said)
+
+
+def trace_of(ds: xr.Dataset) -> Trace:
+    """What is drawn of a history: of its segments, or where the history cannot be made again, of the samples at t.
+
+    Those are from first touch to the last end of contact, or to the end of the run if contact goes on. Raises
+    ValueError where there is no contact.
+    """
+    try:
+        return Trace.of(history_of(ds))
+    except ValueError:  # the run of an FMU, or a law of the user's own
+        pass
+    flags = str(ds["stage"].attrs["flag_meanings"]).split()[len(BRANCHES) :]
+    law, stages = str(ds.attrs["contact_law"]).partition("(")[0], [word.replace("_", " ") for word in flags]
+    with contextlib.suppress(ValueError):
+        problem = problem_of(scene_of(ds))
+        law, stages = problem.law.name, problem.curve.stage_names
+    names = [*stages, *(BRANCH_NAMES[number] for number in BRANCHES)]
+    events = _events_of(ds, names)
+    if not events:
+        raise ValueError("there is no contact in this run: nothing to draw")
+    end = events[-1].time if events[-1].name == "contact_ends" else float(ds["t"][-1])
+    part = ds.isel(t=(ds["t"].values >= 0.0) & (ds["t"].values <= end))
+    motion = {name: part[name].values for name in MOTION}
+    samples = Samples(time=part["t"].values, stage=np.array(names)[part["stage"].values], **motion)
+    return Trace(str(ds.attrs["title"]), law, tuple(stages), samples, end, events, _summary_of(ds), {})
+
+
+def _summary_of(ds: xr.Dataset) -> dict[str, float | None]:
+    return {name: None if np.isnan(ds[name]) else float(ds[name]) for name in SUMMARY}
+
+
+def _events_of(ds: xr.Dataset, names: list[str]) -> tuple[Event, ...]:
+    """The events of a dataset, with the names of stages by their numbers."""
+    rows = zip(*(ds[f"event_{name}"].values.tolist() for name in ("kind", "time", "stage", *MOTION)), strict=True)
+    return tuple(Event(EVENTS[kind], time, names[stage], *motion) for kind, time, stage, *motion in rows)
 
 
 def scene_of(ds: xr.Dataset) -> Scene:

@@ -1,4 +1,4 @@
-"""Pictures of datasets: a history, or a summary quantity of a sweep over one or two swept quantities."""
+"""Pictures of datasets: of a history, a measurement or a study; of a sweep, a quantity over one swept or two."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from film_datasets.history import history_of
-from film_datasets.schema import HISTORY, MEASUREMENT, dimension_of, kind_of
+from film_datasets.cost import study_of
+from film_datasets.history import trace_of
+from film_datasets.schema import COST, HISTORY, MEASUREMENT, REFUSED, SWEEP, dimension_of, kind_of, pieces
 from film_model.errors import did_you_mean, shown
 from film_model.history import SUMMARY
 from film_model.plot import COLOURS, picture, plot_history, prefixed_unit
+from film_model.plot_study import plot_study
 from film_model.units import to_si
 
 if TYPE_CHECKING:
@@ -54,26 +56,36 @@ MAP = "cividis"
 def plot(
     ds: xr.Dataset,
     path: str | os.PathLike[str] | None = None,
-    quantity: str = DEFAULT,
+    quantity: str | None = None,
     over: Sequence[str] | str | None = None,
     at: Mapping[str, Any] | None = None,
     dpi: float = 200.0,
 ) -> Figure:
-    """A figure of a history, or of `quantity` of a sweep over one swept quantity or two; written to `path` if given.
+    """A figure of a dataset, written to `path` if given.
 
-    over: names in the dataset such as "impactor_velocity"; unless given, the first two with many values. One makes
-    lines, one for each word or each of a few values that are swept beside it; two make a heat map, or a cloud of a
-    sampled sweep. at: values of the other swept quantities ("70 g" or SI, the nearest is taken, or a word); their first
-    unless given, and named in the title.
+    Of a history, the whole contact; of the run of an FMU, its samples; of a measurement, its points; of a cost study,
+    error against time. The other arguments are for sweeps:
 
-    Raises ValueError for a name that is not there or another suffix than .png, .svg and .pdf, ImportError without
-    matplotlib, OSError where the file cannot be written.
+    quantity: of the summary, the coefficient of restitution unless given. over: names in the dataset such as
+    "impactor_velocity"; unless given, the first two with many values. One makes lines, one for each word or each of a
+    few values that are swept beside it; two make a heat map, or a cloud of a sampled sweep. at: values of the other
+    swept quantities ("70 g" or SI, the nearest is taken, or a word); their first unless given, and named in the title.
+
+    Raises ValueError for a name that is not there, an argument that is not for such a dataset, a run without contact or
+    another suffix than .png, .svg and .pdf; ImportError without matplotlib; OSError where the file cannot be written.
     """
     kind = kind_of(ds)
+    given = [name for name, value in (("quantity", quantity), ("over", over), ("at", at)) if value]
+    if kind != SWEEP and given:
+        raise ValueError(f"{given[0]}: is for sweeps, this is an {kind.replace('_', ' ')}")
     if kind == HISTORY:
-        return plot_history(history_of(ds), path, dpi)
+        return plot_history(trace_of(ds), path, dpi)
+    if kind == COST:
+        return plot_study(study_of(ds), path, dpi)
     if kind == MEASUREMENT:
-        raise ValueError("a measurement is drawn beside the impact that is fitted to it: see film-model identify")
+        size = SIZE[0], max(SIZE[1], 2.2 * (len(ds.variables) - 1))
+        return picture(path, lambda figure: _points(figure, ds), size, dpi)
+    quantity = quantity or DEFAULT
     known = [name for name in (*SUMMARY, "zener_number") if name in ds]
     if quantity not in known:
         hint = did_you_mean(quantity, known) or f"; there are {', '.join(known)}"
@@ -99,6 +111,24 @@ def plot(
     return picture(path, fill, SIZE, dpi)
 
 
+def _points(figure: Figure, ds: xr.Dataset) -> None:
+    """The points of a measurement, a panel for each quantity."""
+    figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.04)
+    along = "t" if ds.attrs["measured"] == "history" else "impactor_velocity"
+    names = [str(name) for name in ds.data_vars if name != along]
+    x_size, x_unit = prefixed_unit(ds[along].values, dimension_of(ds[along]))
+    panels = figure.subplots(len(names), sharex=True, squeeze=False)[:, 0]
+    for panel, name in zip(panels, names, strict=True):
+        size, unit = prefixed_unit(_finite(ds[name]), dimension_of(ds[name]))
+        style = {"markersize": 4.0 if ds[name].size <= FEW_POINTS else 2.0, "color": COLOURS[0]}
+        panel.plot(ds[along].values / x_size, ds[name].values / size, "o", **style)
+        panel.set_ylabel(_label(name, unit))
+    panels[-1].set_xlabel(_label("time" if along == "t" else along, x_unit))
+    if along != "t":
+        _scale(panels[-1].xaxis, panels[-1].set_xscale, ds[along])
+    _title(figure, ds)
+
+
 def _lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
     """One line for each word, or each of a few values, of another swept quantity."""
     panel = figure.add_subplot()
@@ -106,22 +136,25 @@ def _lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: d
     others = [str(name) for name in ds[quantity].dims if name != x and name not in at and 1 < ds[name].size <= FAMILY]
     words = [str(name) for name in ds[quantity].dims if name != x and "flag_meanings" in ds[name].attrs]
     word = next((name for name in [*words, *others] if name not in at), None)
-    array, said = _fixed(ds, quantity, [x] if word is None else [x, word], at)
+    free = [x] if word is None else [x, word]
+    array, said = _fixed(ds, quantity, free, at)
     array = array.isel({x: _spread(array.sizes[x], MOST_POINTS)}).load()
     size, unit = prefixed_unit(_finite(array), dimension_of(array))
     x_values, x_label = _axis(array[x])
     labels = [""] if word is None else _names(ds[word])
-    marker = "o" if x in words or array.sizes[x] <= 12 else None
+    apart = "flag_meanings" in ds[x].attrs  # words have nothing between them
+    marker = "o" if apart or array.sizes[x] <= 12 else None
     for k, label in enumerate(labels):
         line = array if word is None else array.isel({word: k})
-        style = STROKES[k // len(COLOURS) % len(STROKES)]
-        panel.plot(x_values, line.values / size, style, color=COLOURS[k % len(COLOURS)], marker=marker, label=label)
+        stroke = "none" if apart else STROKES[k // len(COLOURS) % len(STROKES)]
+        style: dict[str, Any] = {"linestyle": stroke, "color": COLOURS[k % len(COLOURS)], "marker": marker}
+        panel.plot(x_values, line.values / size, label=label, **style)
     panel.set(xlabel=x_label, ylabel=_label(quantity, unit))
     _ticks(panel.xaxis, ds[x])
     _scale(panel.xaxis, panel.set_xscale, array[x])
     if word is not None:
         panel.legend(title=_plain(word), frameon=False, fontsize=8)
-    _title(figure, ds, said)
+    _title(figure, ds, said, _fixed(ds, "status", free, at)[0])
 
 
 def _map(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
@@ -138,14 +171,14 @@ def _map(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dic
     for axis, name, scale in ((panel.xaxis, x, panel.set_xscale), (panel.yaxis, y, panel.set_yscale)):
         _ticks(axis, ds[name])
         _scale(axis, scale, array[name])
-    _title(figure, ds, said)
+    _title(figure, ds, said, _fixed(ds, "status", over, at)[0])
 
 
 def _cloud(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
     """A point for every impact: over one quantity, or coloured over two."""
     if at:
         raise ValueError("at: a sampled sweep has no grid to pick from")
-    panel = figure.add_subplot()
+    panel, status = figure.add_subplot(), ds["status"]
     ds = ds.isel(impact=_spread(ds.sizes["impact"], MOST_POINTS))
     array = ds[quantity].load()
     size, unit = prefixed_unit(_finite(array), dimension_of(array))
@@ -164,7 +197,7 @@ def _cloud(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: d
         _scale(panel.yaxis, panel.set_yscale, ds[over[1]])
     _ticks(panel.xaxis, ds[over[0]])
     _scale(panel.xaxis, panel.set_xscale, ds[over[0]])
-    _title(figure, ds, [])
+    _title(figure, ds, [], status)
 
 
 def _fixed(ds: xr.Dataset, quantity: str, free: list[str], at: dict[str, Any]) -> tuple[xr.DataArray, list[str]]:
@@ -249,8 +282,13 @@ def _plain(name: str) -> str:
     return name.replace("_", " ").replace("$", r"\$")
 
 
-def _title(figure: Figure, ds: xr.Dataset, said: list[str]) -> None:
+def _title(figure: Figure, ds: xr.Dataset, said: Sequence[str] = (), status: xr.DataArray | None = None) -> None:
+    """The title, and below it where the picture is and how many of its impacts are not in it."""
     title = str(ds.attrs["title"]).partition(": sweep over")[0]
     figure.suptitle(title.replace("$", r"\$"), fontsize=min(11.0, 620.0 / max(len(title), 1)), fontweight="bold")
-    if said:
-        figure.axes[0].set_title(("at " + ", ".join(said)).replace("$", r"\$"), fontsize=8)
+    notes = ["at " + ", ".join(said)] if said else []
+    if status is not None:
+        failed = sum(int(np.count_nonzero((codes < 0) | (codes >= REFUSED))) for codes in pieces(status))
+        notes += [f"{failed} of {status.size} impacts failed and are not drawn"] if failed else []
+    if notes:
+        figure.axes[0].set_title("; ".join(notes).replace("$", r"\$"), fontsize=8)

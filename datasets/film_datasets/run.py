@@ -123,8 +123,7 @@ def run(
     if resume and target.exists() and not overwrite:
         if not _is_of(target, made):
             raise FileExistsError(
-                f"{target}: is not the finished output of this sweep and scene; say overwrite=True to replace it "
-                "(--force on the command line)"
+                f"{target}: is not the finished output of this sweep and scene; say overwrite=True to replace it"
             )
         _Parts(target, made).remove()
         return open_dataset(target)
@@ -212,7 +211,8 @@ def _fill(
     store.create(sizes, chunks, variables)
     content = ContentHash(made.variables)
     _coordinates(made, store, content)
-    estimated, gained, failed, segments = 0.0, np.zeros(len(made.laws), np.int64), 0, 0
+    estimated, gained = np.zeros(len(made.accuracies)), np.zeros(len(made.laws), np.int64)
+    failed, segments = 0, 0
     for number, columns in _blocks(made, pool, ahead, parts):
         _, region, first, count = made.block(number)
         if "segment_count" in columns:
@@ -229,7 +229,7 @@ def _fill(
             else:
                 shape = tuple(s.stop - s.start if s.stop is not None else 0 for s in _whole(region, made.shape))
                 store.put(name, region, values.reshape(shape + values.shape[1:]))
-        estimated = max(estimated, float(columns["estimated"][0]))
+        estimated = np.maximum(estimated, columns["estimated"])
         gained += columns["gained"]
         failed += int(np.count_nonzero((columns["status"] < 0) | (columns["status"] >= REFUSED)))
         if progress is not None:
@@ -288,9 +288,11 @@ def _blocks(
         yield number, columns
 
 
-def _attributes(made: Sweep, command: str, estimated: float, gained: NDArray[np.int64], failed: int) -> dict[str, Any]:
+def _attributes(
+    made: Sweep, command: str, estimated: NDArray[np.float64], gained: NDArray[np.int64], failed: int
+) -> dict[str, Any]:
     """Global attributes but the hash of the content."""
-    scene, solver = made.scene, made.scene.solver
+    scene = made.scene
     paths = [axis.path for axis in made.axes]
     statuses = [f"{code} {word}: {sentence}" for code, (word, sentence) in sorted(STATUSES.items())]
     for place, axis in enumerate(made.axes):
@@ -303,10 +305,12 @@ def _attributes(made: Sweep, command: str, estimated: float, gained: NDArray[np.
     for law, count in zip(made.laws, gained.tolist(), strict=True):
         if count:
             warnings.append(f"law {law}: in {count} impacts its unloading returns more energy than its loading stored")
-    if solver.accuracy is not None and estimated > solver.accuracy:
-        warnings.append(f"accuracy {solver.accuracy:g} was not reached everywhere: estimated {estimated:.1e}")
+    asked = [accuracy for accuracy in made.accuracies if accuracy is not None]
+    for accuracy, found in zip(made.accuracies, estimated.tolist(), strict=True):
+        if accuracy is not None and found > accuracy:
+            warnings.append(f"accuracy {accuracy:g} was not reached everywhere: estimated {found:.1e}")
     warnings += unmodelled(made)
-    requested = {} if solver.accuracy is None else {"requested_accuracy": solver.accuracy}
+    requested: dict[str, Any] = {"requested_accuracy": max(asked)} if len(asked) == len(made.accuracies) else {}
     if made.design in SAMPLED:
         requested |= {"samples": str(made.samples), "seed": str(made.seed)}
     return {
@@ -327,7 +331,7 @@ def _attributes(made: Sweep, command: str, estimated: float, gained: NDArray[np.
         "statuses": "\n".join(statuses),
         "warnings": "\n".join(warnings) or "none",
         **requested,
-        "estimated_accuracy": estimated,
+        "estimated_accuracy": float(estimated.max()),
     }
 
 
@@ -379,8 +383,7 @@ class _Parts:
         manifest = self.folder / "sweep.json"
         if self.folder.exists() and not resume and not overwrite:
             raise FileExistsError(
-                f"{self._target}: an interrupted run left {self.said()}; or say overwrite=True to begin anew (--force "
-                "on the command line)"
+                f"{self._target}: an interrupted run left {self.said()}; or say overwrite=True to begin anew"
             )
         try:
             self.folder.mkdir(exist_ok=True)
@@ -398,7 +401,7 @@ class _Parts:
                 if found != known:
                     raise FileExistsError(
                         f"{self._target}: what an interrupted run left in {self.folder} is of another sweep, scene or "
-                        "version; say overwrite=True to begin anew (--force on the command line)"
+                        "version; say overwrite=True to begin anew"
                     )
             else:
                 for path in self.folder.iterdir():
@@ -413,7 +416,7 @@ class _Parts:
         if not count:
             return "no blocks"
         kept = f"{count} of {self._blocks} blocks in {self.folder}"
-        return f"{kept}: say resume=True to go on (--resume on the command line)"
+        return f"{kept}: say resume=True to go on"
 
     def done(self) -> set[int]:
         """Numbers of the blocks that are there."""

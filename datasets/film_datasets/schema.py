@@ -253,7 +253,8 @@ ATTRIBUTES: dict[str, tuple[str, ...]] = {
         *("scene_toml", "scene_sha256", "contact_law", "settings", "outcomes", "reference_method", "machine"),
     ),
 }
-"""Global attributes that every dataset of a kind has; `requested_accuracy` is there unless segments were asked for."""
+"""Global attributes that every dataset of a kind has. `requested_accuracy`, the largest of those
+that were swept, is there unless segments were asked for."""
 
 
 def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:

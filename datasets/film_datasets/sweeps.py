@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import itertools
 import math
 import os
@@ -28,6 +29,7 @@ from film_datasets.design import (
     Axis,
     points,
     read_axes,
+    swept_mistakes,
 )
 from film_datasets.schema import REFUSED, SWEEP, TABLE, Variable, swept_name
 from film_model.accuracy import mesh_of
@@ -130,21 +132,29 @@ class Sweep:
 
         Files of laws are looked for in `folder`.
         """
-        table = toml_table(text, name)
-        lines = lines_of_keys(text)
-        over = _flat(table.get("over", {})) if isinstance(table.get("over", {}), Mapping) else {}
+        given = toml_table(text, name)
+        table = {_meant(key): value for key, value in given.items()} | given
+        mistakes = _table_mistakes(given, table)
+        there = isinstance(table.get("over"), Mapping)
+        over = _flat(table["over"]) if there else {}
         sections = over.get("contact")
         for section in sections if isinstance(sections, list) else ():
             if isinstance(section, dict) and isinstance(section.get("file"), str):
                 section["file"] = str(folder / section["file"])
+        options = {key: table[key] for key in ("samples", "seed") if key in table}
+        design, base, made = table.get("design", GRID), None, None
         try:
-            _raise_table_mistakes(table)
-            base = scene(table["scene"])
-            options = {key: table[key] for key in ("samples", "seed") if key in table}
-            return cls.of(base, over, table.get("design", GRID), **options, keep=keep)
+            base = scene(table["scene"]) if isinstance(table.get("scene"), str) else None
+            made = cls.of(base, over, design, **options, keep=keep) if base is not None and there else None
         except SceneError as error:
-            own = [m if m.file else replace(m, file=name, line=_line(lines, m.key, over)) for m in error.mistakes]
-            raise SceneError(sorted(own, key=lambda m: m.line or 0)) from None
+            mistakes += error.mistakes
+        if base is None or not there:  # what `of` had no occasion to say
+            mistakes += _option_mistakes(design, options.get("samples"), options.get("seed"))
+        if made is None or mistakes:
+            lines = lines_of_keys(text)
+            own = [m if m.file else replace(m, file=name, line=_line(lines, m.key, over)) for m in mistakes]
+            raise SceneError(sorted(own, key=lambda m: (m.file != name, m.line or 0)))
+        return made
 
     @classmethod
     def of_dataset(cls, ds: xr.Dataset) -> Sweep:
@@ -191,6 +201,11 @@ class Sweep:
             contact = self.case(number).contact
             names += ["hertz", "big-alabo"] if contact.law == "auto" else [contact.law_name]
         return tuple(dict.fromkeys(names))
+
+    @cached_property
+    def accuracies(self) -> tuple[float | None, ...]:
+        """What is asked of the impacts, each once; None where segments are."""
+        return tuple(dict.fromkeys(self.case(number).solver.accuracy for number in self.occurring))
 
     @cached_property
     def variables(self) -> tuple[Variable, ...]:
@@ -320,14 +335,15 @@ class Sweep:
                     first = first or error
             else:
                 assert first is not None
-                raise SceneError(replace(mistake, key=f"over.{mistake.key}") for mistake in first.mistakes)
+                raise SceneError(swept_mistakes(first, [axis.path for axis in self._word_axes]))
 
     # ---------------------------------------------------------------- columns
 
     def compute(self, number: int) -> dict[str, NDArray[Any]]:
         """The columns of a block by the names of variables, in C order; `estimated` and `gained` go beside them.
 
-        `gained`: impacts of each law that return more energy than their loading stored.
+        `estimated`: the largest for each of `accuracies`. `gained`: impacts of each law that return more energy than
+        their loading stored.
         """
         _, _, first, count = self.block(number)
         values = self.values(first, count)
@@ -356,7 +372,10 @@ class Sweep:
         return columns
 
     def _empty(self, count: int) -> dict[str, NDArray[Any]]:
-        columns: dict[str, NDArray[Any]] = {"estimated": np.zeros(1), "gained": np.zeros(len(self.laws), np.int64)}
+        columns: dict[str, NDArray[Any]] = {
+            "estimated": np.zeros(len(self.accuracies)),
+            "gained": np.zeros(len(self.laws), np.int64),
+        }
         for variable in self.variables[len(self.axes) :]:
             if variable.dims[: len(self.dims)] == self.dims:
                 shape = (count, self.dense) if "normalised_time" in variable.dims else (count,)
@@ -381,7 +400,8 @@ class Sweep:
         for name, column in result.summary.items():
             columns[name][rows] = column
         columns["status"][rows] = result.status
-        columns["estimated"][0] = max(columns["estimated"][0], result.estimated)
+        asked = self.accuracies.index(scene.solver.accuracy)
+        columns["estimated"][asked] = max(columns["estimated"][asked], result.estimated)
         for part in result.parts:
             own, law = rows[part.index], self.laws.index(part.law)
             columns["law"][own] = law
@@ -463,14 +483,20 @@ def _read_keep(keep: str) -> tuple[str, int]:
     raise SceneError([Mistake(None, None, "keep", message)])
 
 
-def _raise_table_mistakes(table: Mapping[str, Any]) -> None:
-    mistakes = [Mistake(None, None, key, f"unknown key{did_you_mean(key, KEYS)}") for key in table if key not in KEYS]
+def _meant(key: str) -> str:
+    """The key of a sweep file that was probably meant."""
+    return next(iter(difflib.get_close_matches(key, KEYS, 1)), key)
+
+
+def _table_mistakes(given: Mapping[str, Any], table: Mapping[str, Any]) -> list[Mistake]:
+    """What is wrong with the keys of a sweep file themselves; `table` has them as they were meant, too."""
+    mistakes = [Mistake(None, None, key, f"unknown key{did_you_mean(key, KEYS)}") for key in given if key not in KEYS]
     for key, kind, what in (("scene", str, "the name of a scene file"), ("over", Mapping, "a section [over]")):
         if key not in table:
             mistakes.append(Mistake(None, None, key, f"missing: {what} is needed"))
         elif not isinstance(table[key], kind):
             mistakes.append(Mistake(None, None, key, f"{shown(table[key])} is not allowed: {what} is needed"))
-    raise_all(mistakes)
+    return mistakes
 
 
 def _flat(table: Mapping[str, Any], head: str = "") -> dict[str, Any]:

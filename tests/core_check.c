@@ -1051,6 +1051,9 @@ static void check_motions(void) {
     NEAR(x, 0.00396, 0.00396, EXACT);
     HOLD(leave(&back, 14.0, &tau, &y) == LEFT_NOT);
     HOLD(turn_time(&slow) == INFINITY);
+    const motion rest = {0.0, 0.0, -1.0, 0.0}; /* on a balance that is unstable */
+    move(&rest, 1e9, &x, &y);
+    HOLD(x == 0.0 && y == 0.0);
 }
 
 /* Time and its remainder: half of the last digit is not rounded away. */

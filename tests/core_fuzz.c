@@ -442,7 +442,8 @@ static int march(film_state *s, double dt) {
             HOLD(s->event > FILM_NO_EVENT && s->event <= FILM_RELOADING_BEGINS);
             if (mesh.linearisation == FILM_WORK_PRESERVING && !node.has_line) {
                 double scale = 3.0 * (energy_scale(s) + energy_scale(&node)); /* a turn neglects a way of 1e-9 of the depth */
-                double blurred = 4e-15 * s->gamma * fabs(s->line.kappa * s->xi * s->nu); /* gamma f turns it, and xi is rounded */
+                /* gamma f turns it, and xi is rounded; the shift is what a load has done less what nu shows of it */
+                double blurred = 4e-15 * s->gamma * (fabs(s->line.kappa * s->xi) + fabs(s->load)) * fabs(s->nu);
                 NO_MORE(energy(s), energy(&node), scale + blurred / EXACT, EXACT);
                 if (s->gamma == 0.0 && s->damper == 0.0) NEAR(energy(s), energy(&node), scale, EXACT);
             }

@@ -108,7 +108,7 @@ static double mean_damping(const film_curve *curve, const film_state *s, double 
         sum += weight * damping_at(curve, &s->line, s->xi + h * per_way * u * (y0 + 0.5 * (y1 - y0) * u));
         weights += weight;
     }
-    return sum / weights;
+    return weights > 0.0 ? sum / weights : damping_at(curve, &s->line, s->xi + 0.5 * h); /* speeds whose squares underflow */
 }
 
 /* Speed along the direction of motion, of the true law. */

@@ -44,6 +44,10 @@ static inline void move(const motion *m, double tau, double *x, double *y) {
         *y = sum_y;
         return;
     }
+    if (m->y0 == 0.0 && m->phi == 0.0) { /* at rest, on a balance that may be unstable */
+        *x = *y = 0.0;
+        return;
+    }
     double a = m->a, square = a * a - m->kappa, reach = square * tau * tau;
     double s, ds, sigma;
     if (fabs(reach) < 0.01) { /* around critical damping: even series in (a^2 - kappa) tau^2 */
@@ -134,6 +138,7 @@ static inline int leave(const motion *m, double length, double *tau, double *y) 
     if (!(guess > 0.1 * m->y0) || m->y0 < 0.0) return leave_slowly(m, length, tau, y);
     double t = 2.0 * length / (m->y0 + guess);
     t -= t * t * t * (m->kappa + 2.0 * m->a * (guess - m->y0) / length) / 12.0;
+    if (!(t > 0.0)) return leave_slowly(m, length, tau, y);
     for (int k = 0; k < 6; k++) { /* x is exact at t; near t its Taylor polynomial is */
         double x;
         move(m, t, &x, y);

@@ -254,12 +254,14 @@ static void any_curve(void) {
     }
 }
 
-/* f of a curve must not be negative, and numbers must be numbers: what the fuzzer makes of its bytes may be neither. */
+/* A curve's force must not be negative, nor turn within a stage, and numbers must be numbers: what the fuzzer makes of its
+ * bytes may be none of that. */
 static int usable(void) {
     if (film_check_curve(&curve) != FILM_OK) return 0;
     for (int32_t k = 0; k < curve.stages; k++) {
         const film_stage *stage = &curve.stage[k];
-        double begin = stage->begin, least = 0.0, deepest = fabs(curve.piece[stage->first].work_at_begin), work = 0.0;
+        double begin = stage->begin, least = 0.0, before = NAN, deepest = fabs(curve.piece[stage->first].work_at_begin), work = 0.0;
+        int rises = 0, falls = 0;
         for (int32_t p = stage->first; p < stage->first + stage->count; p++) {
             double end = isfinite(curve.piece[p].end) ? curve.piece[p].end : begin + 10.0;
             for (int32_t i = 0; i <= 32; i++) {
@@ -268,11 +270,14 @@ static int usable(void) {
                 if (!isfinite(force) || !isfinite(done) || force > 1e30) return 0;
                 if (done < work - 1e-9 * (fabs(work) + fabs(done))) return 0; /* lost in rounding */
                 least = fmin(least, force);
+                rises += force > before * (1.0 + 1e-12);
+                falls += force < before * (1.0 - 1e-12);
+                before = force;
                 work = done;
             }
             begin = end;
         }
-        if (least < 0.0 || deepest > 1e4 * work) return 0;
+        if (least < 0.0 || (rises && falls) || deepest > 1e4 * work) return 0;
     }
     return 1;
 }

@@ -65,6 +65,7 @@ typedef struct {
 
 typedef struct {
     double begin, end; /* indentation; end may be INFINITY in the last stage, whose last piece must then be a power */
+    /* within a stage the force has no jump and no extreme, nor a root but where it begins */
     int32_t first, count; /* its pieces */
     int32_t unloading;    /* FILM_RETRACE ... FILM_SHIFTED */
     int32_t damped;       /* 1: the only stage of a reversible law with damping */

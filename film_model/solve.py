@@ -16,7 +16,6 @@ from film_model.problem import Problem, problem_of
 from film_model.scene import DEFAULT_ACCURACY, Beam, Plate, Scene, Solver
 from film_model.vibration import vibrate
 
-
 GRAZING = 1e-12
 """Kinetic energy of a ball laid down, over what its load has put in: less, where it lifts off, is rounding."""
 
@@ -74,7 +73,11 @@ def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[
     status, lines, states = native.record(problem.curve.native, mesh_of(solver, counts), state, problem.limit, room)
     raise_failure(status, problem)
     peak = max(state.force_peak, state.force)
-    if problem.approach == 0.0 and status == native.EVENT and state.nu**2 <= GRAZING * problem.load * states["xi"].max():
+    if (
+        problem.approach == 0.0
+        and status == native.EVENT
+        and state.nu**2 <= GRAZING * problem.load * states["xi"].max()
+    ):
         status, states = native.OK, states[:-1]  # at first touch again, without velocity: the load presses it back
     return status, lines, states, peak
 

@@ -1039,6 +1039,23 @@ static void check_found(void) {
     }
 }
 
+/* Out of a branch that is hardly more than a spring, and creeps to 1e-200 of its depth. */
+static void check_crept(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    film_piece *piece = add_stage(&curve, INFINITY, power(0.0, 0.0, 4525.5, 0.0, 1.0));
+    curve.stage[0].unloading = FILM_SECANT;
+    piece->recovery = power(0.0, 1e-6, 0.0, 0.0, 1.0);
+    piece->exponent = power(0.0, 1.0365457105506151, 0.0, 0.0, 1.0);
+    owned_mesh own = make_mesh(FILM_WORK_PRESERVING, 16, 23);
+    const film_start start = {1.1288e-3, 18.01549273532007, 0.0, 0.0, INFINITY, 0.0};
+    film_summary summary;
+    snprintf(where, sizeof where, "creeping out of hardly more than a spring");
+    HOLD(film_check_curve(&curve) == FILM_OK);
+    HOLD(film_impact(&curve, &own.mesh, &start, &summary) == FILM_ENDLESS && summary.lines <= FOUND_LINES);
+    free(own.memory);
+}
+
 /* Motions on one line that were left at a wrong time. */
 static void check_motions(void) {
     double tau, x, y;
@@ -1109,6 +1126,7 @@ int main(void) {
     check_bad_meshes();
     check_hertz();
     check_found();
+    check_crept();
     check_motions();
     for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {
         owned_mesh few = make_mesh(linearisation, 3, 5), fine = make_mesh(linearisation, 40, 80);

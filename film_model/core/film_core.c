@@ -442,7 +442,8 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
             if (d < 0.0 && s->load <= 0.0) {
                 int dips = s->line.phi + s->line.kappa * d * length < -1e-12 * s->elastic;
                 if (!dips && !(mesh->linearisation == FILM_CHORD && sags(curve, s, d * length))) break;
-                if (s->branch >= 0 && s->xi < CREPT * s->xi_max) {
+                double free = s->branch >= 0 ? 0.0 : s->xi_free;
+                if (s->xi - free < CREPT * (s->xi_max - free)) {
                     left = LEFT_NEVER;
                     break;
                 }

@@ -171,10 +171,7 @@ def _run(options: argparse.Namespace) -> int:
     from film_model.scene import Scene
     from film_model.solve import simulate
 
-    if options.output:
-        _check_writable(options.output, options.force)
-    if options.plot:
-        _check_picture(options.plot, options.force)
+    _check_outputs(options)
     scene = Scene.from_toml(options.scene)
     history = simulate(scene, accuracy=options.accuracy, segments=options.segments, linearisation=options.linearisation)
     if options.output:
@@ -201,10 +198,7 @@ def _cost(options: argparse.Namespace) -> int:
     from film_model.scene import Scene
     from film_model.study import FILM, one_thread, study
 
-    if options.output:
-        _check_writable(options.output, options.force)
-    if options.plot:
-        _check_picture(options.plot, options.force)
+    _check_outputs(options)
     one_thread()
     scene = Scene.from_toml(options.scene)
     done = study(scene, methods=options.method, progress=lambda name: print(f"timing {name}", file=sys.stderr))
@@ -431,6 +425,14 @@ def _check_writable(path: str, force: bool) -> None:
         raise PermissionError(f"{path}: the folder {folder} cannot be written to")
     if os.path.exists(path) and not force:
         raise FileExistsError(f"{path} exists; use --force to overwrite it")
+
+
+def _check_outputs(options: argparse.Namespace) -> None:
+    """The same of --output and --plot, where they are given."""
+    if options.output:
+        _check_writable(options.output, options.force)
+    if options.plot:
+        _check_picture(options.plot, options.force)
 
 
 def _check_picture(path: str, force: bool) -> None:

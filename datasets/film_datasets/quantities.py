@@ -6,14 +6,14 @@ from typing import Any
 
 import xarray as xr
 
-from film_datasets.schema import dimension_of, variables_of
+from film_datasets.schema import dimension_of, dimension_of_unit, variables_of
 from film_model.units import DIMENSIONS, quantity, scene_unit
 
 
 def quantified(ds: xr.Dataset) -> xr.Dataset:
     """The dataset with quantities for values; by pint-xarray, coordinates too, if it is installed."""
     rows = [v for v in variables_of(ds) if v.name in ds.variables]
-    own = {v.name: _scene_unit(v.unit) for v in rows if v.unit not in (None, "1")}
+    own = {v.name: scene_unit(dimension_of_unit(v.unit)) for v in rows if v.unit not in (None, "1")}
     try:
         import pint_xarray  # noqa: F401  # which makes the accessor `pint`
     except ImportError:
@@ -42,18 +42,15 @@ def in_numbers(ds: xr.Dataset) -> xr.Dataset:
         unit = units.get(str(name)) or _unit_of(array.data)  # a swept quantity has no row of its own
         rest = {key: value for key, value in array.attrs.items() if key != "long_name"}
         attrs = {"long_name": array.attrs["long_name"], "units": unit, **rest}
-        found[name] = xr.Variable(array.dims, array.data.to(_scene_unit(unit)).magnitude, attrs, array.encoding)
+        found[name] = xr.Variable(
+            array.dims, array.data.to(scene_unit(dimension_of_unit(unit))).magnitude, attrs, array.encoding
+        )
     if not found:
         return ds
     data, coordinates = (
         {name: found.get(name, ds.variables[name]) for name in names} for names in (ds.data_vars, ds.coords)
     )
     return xr.Dataset(data, coordinates, ds.attrs)
-
-
-def _scene_unit(unit: str | None) -> str:
-    """The unit as pint reads it."""
-    return next(scene_unit(name) for name, dimension in DIMENSIONS.items() if dimension.unit == unit)
 
 
 def _unit_of(values: Any) -> str:

@@ -280,8 +280,12 @@ def kind_of(ds: xr.Dataset) -> str:
 
 
 def dimension_of(array: xr.DataArray) -> str:
-    """The dimension of a variable's unit, of `units.DIMENSIONS`; "dimensionless" if it has none of them."""
-    unit = array.attrs.get("units", "1")
+    """The dimension of a variable's unit, as `dimension_of_unit` has it."""
+    return dimension_of_unit(array.attrs.get("units", "1"))
+
+
+def dimension_of_unit(unit: str | None) -> str:
+    """The first of `units.DIMENSIONS` with this unit; "dimensionless" if it is none of theirs."""
     return next((name for name, dimension in DIMENSIONS.items() if dimension.unit == unit), "dimensionless")
 
 

@@ -30,7 +30,7 @@ FIT_ROUNDING = 4e-16
 FIT_LIMIT = 1e-6
 """A law that cannot be fitted better than this within the core's room is refused."""
 
-_TERMS = native.MAX_TERMS - 2  # the work of a root series has two more terms than its force
+_TERMS = native.MAX_TERMS
 _KINDS = {
     "radius_ratio": native.RADIUS,
     "residual": native.RESIDUAL,
@@ -148,7 +148,6 @@ def _put_in_series(law: str, made: native.Curve, stages: list[Stage], compliance
             )
         for piece in made.piece[entry.first : entry.first + entry.count]:
             piece.work_at_begin += 0.5 * compliance * force[0] ** 2
-            piece.work.series[0] -= 0.5 * compliance * force[0] ** 2
             if math.isfinite(piece.end):
                 piece.end += compliance * float(_values(stage.force, np.array([piece.end]), stage)[0])
         before = float(force[-1])
@@ -306,12 +305,20 @@ def _fill(
         at_begin = _power_work(stage.force, begin - _origin(stage.force, stage))
         piece.work_at_begin = at_begin - work
         return work + _power_work(stage.force, end - _origin(stage.force, stage)) - at_begin if end < math.inf else work
-    length = end - begin
-    density = chebyshev.chebmul(series["force"], [0.5 * length, 0.5 * length] if root else [0.5 * length])
-    integral = chebyshev.chebint(density, lbnd=-1.0)
-    integral[0] += work
-    _write(piece.work, integral, begin, end, root)
-    return float(chebyshev.chebval(1.0, integral))
+    mean = _mean(series["force"], root)
+    _write(piece.mean, mean, begin, end, root)
+    piece.work_at_begin = -work
+    return work + (end - begin) * float(chebyshev.chebval(1.0, mean))
+
+
+def _mean(series: Array, root: bool) -> Array:
+    """The series of the mean of a series from where its interval begins: of the same degree."""
+    nodes, weights = np.polynomial.legendre.leggauss(_TERMS)
+    part = 0.5 * (1.0 + nodes)
+    weights = weights * part if root else 0.5 * weights  # over x = u²: dx = 2 u du
+    at = chebyshev.chebpts1(len(series))
+    values = chebyshev.chebval(0.5 * (1.0 + at[:, None]) * part * 2.0 - 1.0, series) @ weights
+    return np.asarray(chebyshev.chebfit(at, values, len(series) - 1), dtype=np.float64)
 
 
 def _power_work(power: Power, reach: float) -> float:

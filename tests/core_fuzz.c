@@ -25,6 +25,12 @@ static const double EXACT = 1e-9;  /* of the largest value of its kind: rounding
 static const double LINES_MEET = 1e-7; /* where a line is cut at a turn or a stop, ways of 1e-9 of the depth are neglected */
 static const double STIFF = 60.0;  /* damping over a line, up to which the rule of five points integrates it */
 
+/* Abscissas and weights of Gauss's rule on 0 .. 1. */
+enum { GAUSS = 5 };
+static const double GAUSS_AT[GAUSS] = {0.046910077030668004, 0.23076534494715845, 0.5, 0.76923465505284155, 0.953089922969332};
+static const double GAUSS_WEIGHT[GAUSS] = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
+                                           0.23931433524968324, 0.11846344252809454};
+
 static char where[300];
 static long runs, calls, events_seen, lines_seen, refused[16];
 
@@ -130,28 +136,26 @@ static film_function any_series(double begin, double end, double size) {
     return g;
 }
 
-/* The integral of a series from where its interval begins; in u^2 for a series in the root. */
-static film_function integral(const film_function *f) {
-    film_function w = *f;
-    double c[FILM_MAX_TERMS + 2] = {0.0}, scale = 0.5 / f->per_span;
-    int terms = f->terms;
-    if (f->form == FILM_SERIES) {
-        for (int k = 0; k < terms; k++) c[k] = f->series[k];
-    } else { /* times (z + 1) */
-        for (int k = 0; k < terms; k++) {
-            c[k] += f->series[k];
-            c[k + 1] += 0.5 * f->series[k];
-            c[k > 0 ? k - 1 : 1] += 0.5 * f->series[k];
+/* The mean of a series from where its interval begins: of the same degree, so its values at as many points give it. */
+static film_function mean_of(const film_function *f) {
+    static const double pi = 3.14159265358979323846;
+    film_function mean = *f;
+    memset(mean.series, 0, sizeof mean.series);
+    for (int j = 0; j < f->terms; j++) {
+        double angle = pi * (j + 0.5) / f->terms, part = 0.5 * (1.0 + cos(angle)), value = 0.0;
+        for (int i = 0; i < GAUSS; i++) {
+            double z = 2.0 * part * GAUSS_AT[i] - 1.0, before = 1.0, now = z, sum = f->series[0];
+            for (int k = 1; k < f->terms; k++) {
+                double next = 2.0 * z * now - before;
+                sum += f->series[k] * now;
+                before = now;
+                now = next;
+            }
+            value += GAUSS_WEIGHT[i] * sum * (f->form == FILM_ROOT_SERIES ? 2.0 * GAUSS_AT[i] : 1.0);
         }
-        terms++;
+        for (int k = 0; k < f->terms; k++) mean.series[k] += (k ? 2.0 : 1.0) / f->terms * value * cos(k * angle);
     }
-    w.terms = terms + 1;
-    memset(w.series, 0, sizeof w.series);
-    for (int k = 1; k <= terms; k++) w.series[k] = scale * ((k == 1 ? 2.0 : 1.0) * c[k - 1] - (k + 1 < terms ? c[k + 1] : 0.0)) / (2.0 * k);
-    double at_begin = 0.0;
-    for (int k = 1; k <= terms; k++) at_begin += (k % 2 ? -1.0 : 1.0) * w.series[k];
-    w.series[0] = -at_begin;
-    return w;
+    return mean;
 }
 
 static double force_at(int32_t stage, double xi) {
@@ -193,7 +197,7 @@ static void any_piece(film_piece *piece, double begin, double end, double before
             piece->force.series[0] += before - at_begin;
             if (piece->force.series[0] < most) piece->force.series[0] = -1.0; /* not usable */
         }
-        piece->work = integral(&piece->force);
+        piece->mean = mean_of(&piece->force);
     }
 }
 
@@ -243,7 +247,6 @@ static void any_curve(void) {
             double work = 0.0;
             if (i > 0) film_law(&curve, k, from, &force, &work); /* of the piece before */
             piece->work_at_begin -= work;
-            if (piece->force.form != FILM_POWER) piece->work.series[0] += work;
             if (stage->damped && i > 0) piece->damping = piece[-1].damping; /* without jumps */
             else if (stage->damped) piece->damping = power(0.0, whole(0, 1) ? 0.0 : fraction(), 0.0, fraction(), whole(0, 1) ? 0.25 : decades(0.1, 4.0));
             from = end;
@@ -317,8 +320,6 @@ static double energy_scale(const film_state *s) {
 /* The motion on a line is the motion under its force: momentum and energy, integrated over it; and the next one begins
  * where it ends. */
 static void check_line(const film_line *line, const film_line *next, double depth, double speed) {
-    static const double at[5] = {0.046910077030668004, 0.23076534494715845, 0.5, 0.76923465505284155, 0.953089922969332};
-    static const double weight[5] = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444, 0.23931433524968324, 0.11846344252809454};
     double tau = next->time - line->time, per_m = 1.0 / (1.0 + line->gamma * line->damping), values[5];
     double a = 0.5 * (line->kappa * line->gamma + line->damping) * per_m, swing = sqrt(fabs(line->kappa) * per_m) + 2.0 * fabs(a);
     double late = 1e-15 * next->time, impulse = 0.0, way = 0.0, pull = 0.0, fastest = 0.0;
@@ -326,9 +327,9 @@ static void check_line(const film_line *line, const film_line *next, double dept
     if (tau == 0.0 || !(swing * tau < STIFF)) return; /* at once: what rounding made of the speed is put right */
     int32_t parts = 2 + (int32_t)(4.0 * swing * tau);
     for (int32_t k = 0; k < parts; k++) {
-        for (int i = 0; i < 5; i++) {
-            double h = tau / parts, w = weight[i] * h;
-            film_evaluate(&curve, line, (k + at[i]) * h, values);
+        for (int i = 0; i < GAUSS; i++) {
+            double h = tau / parts, w = GAUSS_WEIGHT[i] * h;
+            film_evaluate(&curve, line, (k + GAUSS_AT[i]) * h, values);
             for (int j = 0; j < 5; j++) HOLD(isfinite(values[j]));
             double x = values[0] - line->xi, elastic = line->phi + line->kappa * x;
             double y = (values[3] - line->gamma * elastic) * per_m, force = line->branch == FILM_FREE ? 0.0 : elastic + line->damping * y;

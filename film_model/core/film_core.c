@@ -1322,7 +1322,7 @@ static int bad_function(const film_function *g) {
 static int bad_piece(const film_curve *curve, const film_stage *stage, const film_piece *piece) {
     int last = piece == &curve->piece[stage->first + stage->count - 1];
     if (bad_function(&piece->force) || !isfinite(piece->work_at_begin)) return 1;
-    if (piece->force.form != FILM_POWER && bad_function(&piece->work)) return 1;
+    if (piece->force.form != FILM_POWER && bad_function(&piece->mean)) return 1;
     if (stage->unloading != FILM_RETRACE && (bad_function(&piece->recovery) || bad_function(&piece->exponent))) return 1;
     if (stage->damped && bad_function(&piece->damping)) return 1;
     if (last && piece->end != stage->end) return 1;

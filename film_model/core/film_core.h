@@ -26,7 +26,7 @@
 enum {
     FILM_MAX_STAGES = 12, /* loading stages of a curve */
     FILM_MAX_PIECES = 64, /* pieces of all its stages: a fitted stage is halved until its series converge */
-    FILM_MAX_TERMS = 28   /* Chebyshev terms of a fitted function (force degree <= 25: work has two more) */
+    FILM_MAX_TERMS = 26   /* Chebyshev terms of a fitted function */
 };
 
 /* How a function of indentation is written, with x = (xi - origin) per_span. */
@@ -55,9 +55,9 @@ enum {
 
 typedef struct {
     double end;             /* indentation up to which this piece of its stage serves */
-    double work_at_begin;   /* subtracted from the closed-form work of a power, so that a stage's work starts at 0 */
+    double work_at_begin;   /* subtracted from the work since x = 0, so that a stage's starts at 0 */
     film_function force;    /* f >= 0 */
-    film_function work;     /* of a series: its integral from the stage's beginning; of a power: unused */
+    film_function mean;     /* of a series: its mean since x = 0, which keeps the digits of a small work; of a power: unused */
     film_function recovery; /* of xi_m */
     film_function damping;  /* c over the factor of film_damp, where the stage is damped */
     film_function exponent; /* q of xi_m: but for FILM_SHIFTED, f = f_m ((xi - xi_f)/(xi_m - xi_f))^q */

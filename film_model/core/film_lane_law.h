@@ -164,7 +164,11 @@ static void piece_law_lanes(const film_piece *piece, const double *restrict xi, 
                             double *restrict work) {
     const film_function *g = &piece->force;
     if (g->form != FILM_POWER) {
-        value_lanes(g, &piece->work, xi, force, work);
+        value_lanes(g, &piece->mean, xi, force, work);
+        EACH(l) {
+            double x = xi[l] - g->origin;
+            work[l] = (x > 0.0 ? x : 0.0) * work[l] - piece->work_at_begin;
+        }
         return;
     }
     double x[LANES], power[LANES] = {0.0}, per = work_of(g->exponent);

@@ -74,7 +74,7 @@ static inline void piece_law(const film_piece *piece, double xi, double *force, 
         *work = x * (g->constant + 0.5 * g->slope * x + power * work_of(g->exponent)) - piece->work_at_begin;
     } else {
         *force = value(g, xi);
-        *work = value(&piece->work, xi);
+        *work = fmax(xi - g->origin, 0.0) * value(&piece->mean, xi) - piece->work_at_begin;
     }
 }
 

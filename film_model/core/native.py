@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 MAX_STAGES = 12
 INDICATORS = 5
 MAX_PIECES = 64
-MAX_TERMS = 28
+MAX_TERMS = 26
 MAX_SEGMENTS = 4_000_000
 POWER, SERIES, ROOT_SERIES = range(3)
 RETRACE, RADIUS, RESIDUAL, SECANT, SHIFTED = range(5)
@@ -60,7 +60,7 @@ class Piece(c.Structure):
         ("end", _D),
         ("work_at_begin", _D),
         ("force", Function),
-        ("work", Function),
+        ("mean", Function),
         ("recovery", Function),
         ("damping", Function),
         ("exponent", Function),

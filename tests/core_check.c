@@ -1122,6 +1122,20 @@ static void check_tiny(const film_mesh *mesh) {
     }
 }
 
+/* A coefficient as large as numbers are, of a power that is as small. */
+static void check_huge(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    add_stage(&curve, 1e-6, power(0.0, 0.0, 0.0, 1e308, 50.0));
+    film_state s;
+    snprintf(where, sizeof where, "a coefficient of 1e308");
+    HOLD(film_check_curve(&curve) == FILM_OK);
+    HOLD(film_init(&curve, &s, 0.0, 1.0, 0.0, 0.0, 0.0) == FILM_OK && film_switch(&curve, &s) == FILM_EVENT);
+    film_contact small = film_force(&curve, &s, 1e-9, 1.0), large = film_force(&curve, &s, 9e-7, 1.0);
+    HOLD(small.force == 0.0 && small.by_xi == 0.0);
+    NEAR(large.by_xi, 50.0 * large.force / 9e-7, large.by_xi, EXACT);
+}
+
 int main(void) {
     lines = room_for(LINE_ROOM, sizeof *lines);
     events = room_for(EVENT_ROOM, sizeof *events);
@@ -1144,6 +1158,7 @@ int main(void) {
     check_hertz();
     check_found();
     check_crept();
+    check_huge();
     check_motions();
     for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {
         owned_mesh few = make_mesh(linearisation, 3, 5), fine = make_mesh(linearisation, 40, 80);

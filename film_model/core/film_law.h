@@ -46,7 +46,7 @@ static inline double slope_of(const film_function *g, double xi) {
     double x = variable(g, xi);
     if (g->form == FILM_POWER) {
         if (g->coefficient == 0.0 || (x == 0.0 && g->exponent < 1.0)) return g->slope;
-        return g->slope + g->coefficient * g->exponent * raised(x, g->exponent - 1.0);
+        return g->slope + g->coefficient * (g->exponent * raised(x, g->exponent - 1.0));
     }
     double root = g->form == FILM_ROOT_SERIES ? sqrt(x > 1e-30 ? x : 1e-30) : 0.0;
     double z = root > 0.0 ? 2.0 * root - 1.0 : 2.0 * x - 1.0, before = 0.0, now = 0.0;

@@ -257,13 +257,13 @@ static void any_curve(void) {
     }
 }
 
-/* A curve's force must not be negative, nor turn within a stage, and numbers must be numbers: what the fuzzer makes of its
+/* A curve's force must not be negative, nor turn or be 0 within a stage, and numbers must be numbers: what the fuzzer makes of its
  * bytes may be none of that. */
 static int usable(void) {
     if (film_check_curve(&curve) != FILM_OK) return 0;
     for (int32_t k = 0; k < curve.stages; k++) {
         const film_stage *stage = &curve.stage[k];
-        double begin = stage->begin, least = 0.0, before = NAN, deepest = fabs(curve.piece[stage->first].work_at_begin), work = 0.0;
+        double begin = stage->begin, least = 0.0, before = NAN, deepest = fabs(curve.piece[stage->first].work_at_begin), work = 0.0, last = begin;
         int rises = 0, falls = 0;
         for (int32_t p = stage->first; p < stage->first + stage->count; p++) {
             double end = isfinite(curve.piece[p].end) ? curve.piece[p].end : begin + 10.0;
@@ -271,12 +271,14 @@ static int usable(void) {
                 double force, done, xi = begin + (end - begin) * i / 32.0;
                 film_law(&curve, k, xi, &force, &done);
                 if (!isfinite(force) || !isfinite(done) || force > 1e30) return 0;
+                if (force > 0.0 && before == 0.0 && last > stage->begin) return 0; /* a root within */
                 if (done < work - 1e-9 * (fabs(work) + fabs(done))) return 0; /* lost in rounding */
                 least = fmin(least, force);
                 rises += force > before * (1.0 + 1e-12);
                 falls += force < before * (1.0 - 1e-12);
                 before = force;
                 work = done;
+                last = xi;
             }
             begin = end;
         }

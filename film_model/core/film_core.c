@@ -30,8 +30,9 @@ static const double WITHIN = 1e-9;               /* of the depth: where to ask w
 static const double SHALLOWEST = 1e-12;          /* of the scale: where to ask for f/c of a contact that has no depth */
 static const double TINY = 1e-100;               /* of a load, a velocity, a gap: their squares and powers underflow */
 static const double CREPT = 1e-30;               /* of the depth, or of one over the time: a contact that creeps as far never ends */
+static const double PEAK_TOLERANCE = 1e-8;       /* of the way: F differs by its square */
 static const double SMALL_LOOP = 1e-6;           /* of the recovery: a shorter way back in is the way out */
-enum { RELEASE_ITERATIONS = 120, PEAK_SAMPLES = 6, GOLDEN_STEPS = 40 };
+enum { RELEASE_ITERATIONS = 120, PEAK_ITERATIONS = 60 };
 enum { TURN_ITERATIONS = 60, HALVINGS = 60, NEWTON_STEPS = 10 };
 
 /* ---------------------------------------------------------------- a contact in series with a spring */
@@ -970,40 +971,56 @@ static double holding(const film_curve *curve, const film_state *s) {
     return fmax(total_force(&s->line, damping_at(curve, &s->line, s->xi), s->elastic, s->nu), 0.0);
 }
 
-/* F where a line drawn over `length` from the beginning of the current one ends; values at ends are better than between. */
-static double force_after(const film_curve *curve, const film_mesh *mesh, const film_state *s, double length) {
+/* dF/dt at xi and nu. */
+static double force_rate(const film_curve *curve, const film_state *s, double xi, double nu) {
+    film_contact at = film_force(curve, s, xi, nu);
+    return at.by_xi * (nu - s->gamma * at.force) + at.by_nu * (s->load - at.force);
+}
+
+/* dF/dt, and F, where a line drawn over `length` from the current point ends; values at ends are better than between. */
+static double rate_after(const film_curve *curve, const film_mesh *mesh, const film_state *s, double length, double *force) {
     film_state trial = *s;
     double y;
     trial.line_ends = ENDS_PART;
     motion m = draw(curve, mesh, &trial, length);
-    if (leave(&m, length, &trial.tau_end, &y) != LEFT) return 0.0;
+    if (leave(&m, length, &trial.tau_end, &y) != LEFT) return -INFINITY; /* it turns before */
     land(&trial, length, y);
-    return holding_force(curve, &trial, trial.xi_end, trial.nu_end);
+    *force = holding_force(curve, &trial, trial.xi_end, trial.nu_end);
+    return force_rate(curve, &trial, trial.xi_end, trial.nu_end);
 }
 
-/* With damping F is largest before the motion turns: the largest on the line just walked, sought where it has a hill. */
+/* With damping F is largest before the motion turns: the largest on the line just walked, sought in the half where F rises
+ * first and falls then. */
 static void raise_peak(const film_curve *curve, const film_mesh *mesh, const film_state *walked, double *peak) {
     film_state s = *walked;
-    double at[PEAK_SAMPLES + 1], f[PEAK_SAMPLES + 1], values[5];
-    int top = 0;
-    for (int k = 0; k <= PEAK_SAMPLES; k++) {
-        film_evaluate(curve, &s.line, k * s.tau_end / PEAK_SAMPLES, values);
-        at[k] = s.direction * (values[0] - s.line.xi);
-        f[k] = values[2];
-        if (f[k] > f[top]) top = k;
-    }
-    if (f[top] < 0.99 * *peak) return;
-    double low = at[top > 0 ? top - 1 : 0], high = at[top < PEAK_SAMPLES ? top + 1 : top];
+    double values[5], force = 0.0;
+    film_evaluate(curve, &s.line, 0.5 * s.tau_end, values);
+    double before = force_rate(curve, &s, s.line.xi, s.line.nu), middle = force_rate(curve, &s, values[0], values[3]);
+    double after = force_rate(curve, &s, s.xi_end, s.nu_end), half = s.direction * (values[0] - s.line.xi);
+    int first = before >= 0.0 && middle < 0.0;
+    if (!first && !(middle >= 0.0 && after < 0.0)) return;
+    double low = first ? 0.0 : half, high = first ? half : s.direction * (s.xi_end - s.line.xi), full = high;
+    double rise = first ? before : middle, fall = first ? middle : after, length = 0.5 * (low + high);
     s.xi = s.line.xi;
     s.nu = s.line.nu;
     s.work = s.line.work;
     law_at(curve, &s.line, s.xi, &s.elastic, &values[0]);
-    *peak = fmax(*peak, top == 0 ? f[0] : 0.0);
-    for (int k = 0; k < GOLDEN_STEPS; k++) {
-        double a = high - 0.61803398874989484 * (high - low), b = low + 0.61803398874989484 * (high - low);
-        double f_a = force_after(curve, mesh, &s, a), f_b = force_after(curve, mesh, &s, b);
-        *peak = fmax(*peak, fmax(f_a, f_b));
-        if (f_a < f_b) low = a; else high = b;
+    for (int k = 0; k < PEAK_ITERATIONS; k++) {
+        double rate = rate_after(curve, mesh, &s, length, &force);
+        *peak = fmax(*peak, force);
+        if (rate > 0.0) {
+            low = length;
+            rise = rate;
+            if (k % 3 == 2) fall *= 0.5;
+        } else {
+            high = length;
+            fall = rate;
+            if (k % 3 == 2) rise *= 0.5;
+        }
+        double next = low + (high - low) * rise / (rise - fall);
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        if (fabs(next - length) <= PEAK_TOLERANCE * full) return;
+        length = next;
     }
 }
 
@@ -1231,12 +1248,6 @@ film_contact film_force(const film_curve *curve, const film_state *s, double xi,
     return at;
 }
 
-/* dF/dt. */
-static double force_rate(const film_curve *curve, const film_state *s) {
-    film_contact at = film_force(curve, s, s->xi, s->nu);
-    return at.by_xi * (s->nu - s->gamma * at.force) + at.by_nu * (s->load - at.force);
-}
-
 void film_indicators(const film_curve *curve, const film_state *s, double speed, double indicators[FILM_INDICATORS]) {
     double late = 1e-10 * fabs(speed), force, work;
     for (int k = 0; k < FILM_INDICATORS; k++) indicators[k] = 1.0;
@@ -1252,7 +1263,7 @@ void film_indicators(const film_curve *curve, const film_state *s, double speed,
     indicators[3] = (s->moving_in ? s->nu - s->stop_velocity : s->stop_velocity - s->nu) + late;
     if (!damped(curve, s)) return;
     if (s->direction < 0) indicators[1] = fmin(indicators[1], hold(curve, s) + late);
-    else indicators[4] = (s->rising ? 1.0 : -1.0) * force_rate(curve, s) + late;
+    else indicators[4] = (s->rising ? 1.0 : -1.0) * force_rate(curve, s, s->xi, s->nu) + late;
 }
 
 static int switched(const film_curve *curve, film_state *s) {
@@ -1297,7 +1308,7 @@ static int switched(const film_curve *curve, film_state *s) {
 
 int film_switch(const film_curve *curve, film_state *s) {
     int status = switched(curve, s);
-    s->rising = status >= 0 && s->direction > 0 && damped(curve, s) && force_rate(curve, s) >= 0.0;
+    s->rising = status >= 0 && s->direction > 0 && damped(curve, s) && force_rate(curve, s, s->xi, s->nu) >= 0.0;
     return status;
 }
 

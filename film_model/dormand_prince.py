@@ -5,8 +5,8 @@ PI step control, first-same-as-last, a restart at every stage boundary, at the m
 impactor stops. An event is located on the dense output, then reached by a step of its own and corrected once, so it
 costs no accuracy. Two forms of the same equations:
 
-    "time":  ξ' = ν − γf, ν' = −f
-    "root":  y = √(ξ − ξ_b) and dt = 2y dσ:  y' = ν − γf, ν' = −2yf, t' = 2y   (ξ_b: where the stage begins, or the
+    "time":  ξ' = ν − γf, ν' = p − f
+    "root":  y = √(ξ − ξ_b) and dt = 2y dσ:  y' = ν − γf, ν' = 2y(p − f), t' = 2y   (ξ_b: where the stage begins, or the
              unloading branch ends), which makes a 3/2-power force smooth: larger steps for one more equation
 """
 
@@ -56,10 +56,13 @@ class ScalarLaw:
 def scalar_law(law: AbstractLaw) -> ScalarLaw:
     """A law for :func:`compile_rival`; its functions are compiled by numba.
 
-    Raises ImportError without numba, ValueError for a law that does not unload along a 3/2 power, or is no formula.
+    Raises ImportError without numba, ValueError for a law that does not unload along a 3/2 power, is damped, or is no
+    formula.
     """
     import numba
 
+    if law.damped:
+        raise ValueError("damping is not written in this form")
     chain_force, chain_free = None, None
     stages = law.stages()
     for k, stage in reversed(list(enumerate(stages))):
@@ -112,8 +115,8 @@ def _freed(numba: Any, k: int, stage: Stage, others: Any, first: bool) -> Any:
     return numba.njit(lambda j, x, f: own(x, f) if j == k else others(j, x, f))
 
 
-def compile_rival(law: ScalarLaw, form: str) -> Any:
-    """run(nu, gamma, rtol, floor, out): fills out (impacts, 6) with the summaries, in the law's units.
+def compile_rival(law: ScalarLaw, form: str, load: float = 0.0) -> Any:
+    """run(nu, gamma, rtol, floor, out): fills out (impacts, 6) with the summaries, in the law's units, under a load.
 
     The error of a variable z is measured against rtol (|z| + floor z_0), z_0 its size in the impact. Returns the
     number of force evaluations of all impacts.
@@ -123,6 +126,7 @@ def compile_rival(law: ScalarLaw, form: str) -> Any:
     inline = numba.njit(fastmath=True, inline="always", error_model="numpy")
     compiled = numba.njit(fastmath=True, error_model="numpy")
     root = form == "root"
+    lift = 0.0 if root else load  # dν where contact ends
     ends = np.array(law.ends)
     loading, free = (f if hasattr(f, "py_func") else inline(f) for f in (law.force, law.free))
 
@@ -136,8 +140,8 @@ def compile_rival(law: ScalarLaw, form: str) -> Any:
         else:
             f = loading(k, origin + x)
         if root:
-            return z1 - gamma * f, -2.0 * z0 * f, 2.0 * z0
-        return z1 - gamma * f, -f, 1.0
+            return z1 - gamma * f, 2.0 * z0 * (load - f), 2.0 * z0
+        return z1 - gamma * f, load - f, 1.0
 
     @inline
     def step(branch, k, origin, f_max, per_span, gamma, h, x, v, t, p1, q1, r1):
@@ -264,7 +268,7 @@ def compile_rival(law: ScalarLaw, form: str) -> Any:
                         miss = -v / q
                     else:
                         miss = (goal - x) / p
-                    x, v, t = x + miss * p, v + miss * (q if kind != OPENS else 0.0), t + miss * r
+                    x, v, t = x + miss * p, v + miss * (q if kind != OPENS else lift), t + miss * r
                     p, q, r = rates(branch, k, origin, f_max, per_span, gamma, x, v)
                     evaluations += 1
                 h = grown

@@ -1,8 +1,8 @@
 """One impact in extended precision, to hold double precision against.
 
-Zener's equations in the root variable of `film_model.reference.integrate`, by Gragg–Bulirsch–Stoer extrapolation in
-mpmath's numbers. For laws whose force is made of powers with exponents that are multiples of one half, which are smooth
-in that variable. Nothing here is shared with the march.
+Zener's equations in the root variable of `film_model.reference.integrate`, y = (ξ − ξ_b)^(1/2), or (1/4) for a damped
+law, by Gragg–Bulirsch–Stoer extrapolation in mpmath's numbers. For laws made of powers with exponents that are multiples
+of one half, and damping of one quarter, which are smooth in that variable. Nothing here is shared with the march.
 """
 
 from __future__ import annotations
@@ -20,10 +20,14 @@ _COLUMNS = 14  # of the extrapolation
 _SECANTS = 60
 
 
-def impact(law: AbstractLaw, mass: float, velocity: float, impedance: float = math.inf) -> dict[str, float]:
-    """Summary of one impact without load: SI floats by the names of `film_model.reference.SUMMARY` but the energies.
+def impact(
+    law: AbstractLaw, mass: float, velocity: float, impedance: float = math.inf, load: float = 0.0
+) -> dict[str, float]:
+    """Summary of one impact under a constant load [N]: SI floats by the names of `film_model.reference.SUMMARY` but the
+    energies.
 
-    Raises ImportError without mpmath, ValueError for a law that is not made of powers or that ends first.
+    Raises ImportError without mpmath, ValueError for a law that is not made of powers or that ends first, and for a
+    contact that the load turns back or holds shut.
     """
     try:
         import mpmath
@@ -31,11 +35,13 @@ def impact(law: AbstractLaw, mass: float, velocity: float, impedance: float = ma
         raise ImportError('extended precision needs mpmath: pip install "film-model[benchmark]"') from error
     context = mpmath.mp.clone()
     context.dps = DIGITS
-    return _Extended(context, law, mass, velocity, impedance).summary()
+    return _Extended(context, law, mass, velocity, impedance, load).summary()
 
 
 class _Extended:
-    def __init__(self, context: Any, law: AbstractLaw, mass: float, velocity: float, impedance: float) -> None:
+    def __init__(
+        self, context: Any, law: AbstractLaw, mass: float, velocity: float, impedance: float, load: float
+    ) -> None:
         self.mp = context
         number = context.mpf
         length, force = (number(x) for x in law.scales(0.5 * mass * velocity**2))
@@ -44,15 +50,22 @@ class _Extended:
         self.speed = length / self.time
         self.nu = number(velocity) / self.speed
         self.gamma = number(0) if math.isinf(impedance) else force / (number(impedance) * self.speed)
+        self.load = number(load) / force
         self.stages = law.stages()
+        self.root = 4 if law.damped else 2
+        self.damper = number(float(law.damping_factor(mass, velocity, float(length)))) * self.speed / force
+        self.damping: Callable[[Any], Any] | None = None
         self.tolerance = number(10) ** (4 - DIGITS)
+        self.nudge = number(10) ** (-DIGITS // 2)
 
     def power(self, function: Any, stage: Stage) -> Callable[[Any], Any]:
         """A function of ξ."""
         if isinstance(function, (int, float)):
             return lambda xi: self.mp.mpf(function)
-        if not isinstance(function, Power) or (function.coefficient and (2.0 * function.exponent) % 1.0):
-            raise ValueError(f"stage {stage.name!r} is not made of powers whose exponents are multiples of one half")
+        if not isinstance(function, Power) or (function.coefficient and (self.root * function.exponent) % 1.0):
+            raise ValueError(
+                f"stage {stage.name!r} is not made of powers whose exponents are multiples of 1/{self.root}"
+            )
         c0, c1, c2, q = (
             self.mp.mpf(v) for v in (function.constant, function.slope, function.coefficient, function.exponent)
         )
@@ -73,11 +86,15 @@ class _Extended:
             k += 1
             begin, force = self.mp.mpf(stage.begin), self.power(stage.force, stage)
             self.own = lambda x, force=force, begin=begin: force(begin + x)
-            edge = self.mp.inf if math.isinf(stage.end) else self.mp.sqrt(self.mp.mpf(stage.end) - begin)
+            if stage.damping is not None:
+                damping = self.power(stage.damping, stage)
+                self.damping = lambda x, damping=damping: self.damper * damping(x)
+            edge = self.mp.inf if math.isinf(stage.end) else self.mp.root(self.mp.mpf(stage.end) - begin, self.root)
             state = (self.mp.mpf(0), *state[1:])
+            peak = max(peak, self.motion(state)[1])
             state, turned, _ = self.run(state, edge, True)
-            xi = begin + state[0] ** 2
-            peak = max(peak, force(xi), force(begin))
+            xi = begin + state[0] ** self.root
+            peak = max(peak, self.motion(state)[1], self.peak)
             if turned:
                 break
         if not turned:
@@ -95,9 +112,9 @@ class _Extended:
                 runs.append((begin, lambda x, own=own, begin=begin: own(begin + x)))
         else:
             q, load = self.power(rule.exponent, self.stages[k])(xi), force(xi)
-            if (2 * q) % 1:
+            if (self.root * q) % 1:
                 raise ValueError(
-                    f"stage {self.stages[k].name!r} unloads with an exponent that is no multiple of one half"
+                    f"stage {self.stages[k].name!r} unloads with an exponent that is no multiple of 1/{self.root}"
                 )
             if rule.residual is not None:
                 residual = self.power(rule.residual, self.stages[k])(xi)
@@ -107,7 +124,7 @@ class _Extended:
             span = xi - residual
             runs = [(residual, lambda x: load * (x / span) ** q if x > 0 else self.mp.mpf(0))]
         for begin, self.own in runs:
-            state = (self.mp.sqrt(xi - begin), *state[1:])
+            state = (self.mp.root(xi - begin, self.root), *state[1:])
             state, _, passed = self.run(state, self.mp.mpf(0), False)
             stop = passed if stop is None else stop
             xi = begin
@@ -122,11 +139,26 @@ class _Extended:
             "coefficient_of_restitution": float(-state[1] / self.nu),
         }
 
+    def motion(self, state: Sequence[Any]) -> tuple[Any, Any]:
+        """dξ/dt = (ν − γ f)/(1 + γ c), and F = f + c dξ/dt."""
+        x = state[0] ** self.root
+        f = self.own(x)
+        if self.damping is None:
+            return state[1] - self.gamma * f, f
+        c = self.damping(x)
+        rate = (state[1] - self.gamma * f) / (1 + self.gamma * c)
+        return rate, f + c * rate
+
     def rates(self, state: Sequence[Any]) -> tuple[Any, Any, Any]:
-        """d(y, ν, t)/dσ."""
-        y, nu, _ = state
-        f = self.own(y * y)
-        return nu - self.gamma * f, -2 * y * f, 2 * y
+        """d(y, ν, t)/dσ, with dt = n yⁿ⁻¹ dσ."""
+        rate, force = self.motion(state)
+        clock = self.root * state[0] ** (self.root - 1)
+        return rate, clock * (self.load - force), clock
+
+    def growth(self, state: Sequence[Any]) -> Any:
+        """dF/dσ, as good as its sign needs."""
+        later = [s + self.nudge * r for s, r in zip(state, self.rates(state), strict=True)]
+        return self.motion(later)[1] - self.motion(state)[1]
 
     def step(self, state: Sequence[Any], h: Any) -> tuple[Sequence[Any], Any, int]:
         """One extrapolated step: the state, its error and the columns it took."""
@@ -155,7 +187,10 @@ class _Extended:
         return rows[-1][-1], error, _COLUMNS
 
     def run(self, state: Sequence[Any], edge: Any, loading: bool) -> tuple[Sequence[Any], bool, Any]:
-        """To y = edge or, in loading, to where the indentation turns; whether it turned, and when ν passed 0."""
+        """To y = edge or, in loading, to where the indentation turns, in unloading to where F falls to 0; whether it
+        turned, and when ν passed 0. `peak` is the largest F of a damped contact in between.
+        """
+        self.peak = self.mp.mpf(0)
         h = (1 if edge == self.mp.inf else abs(edge - state[0]) + self.mp.mpf("0.01")) / (5 * max(abs(state[1]), 1))
         passed = None
         for _ in range(100_000):
@@ -169,6 +204,13 @@ class _Extended:
                 hits.append((self.when(state, h, lambda s: s[0] - edge), False))
             if loading and self.rates(new)[0] <= 0 < self.rates(state)[0]:
                 hits.append((self.when(state, h, lambda s: self.rates(s)[0]), True))
+            if not loading and self.rates(new)[0] > 0:
+                raise ValueError("the load turns the impactor back before contact ends")
+            if self.damping is not None:
+                if loading and self.growth(new) <= 0 < self.growth(state):
+                    self.peak = self.motion(self.step(state, self.when(state, h, self.growth))[0])[1]
+                if not loading and self.motion(new)[1] <= 0 < self.motion(state)[1]:
+                    hits.append((self.when(state, h, lambda s: self.motion(s)[1]), False))
             if not loading and passed is None and state[1] > 0 >= new[1]:
                 at = self.when(state, h, lambda s: s[1])
                 if not hits or at <= hits[0][0]:

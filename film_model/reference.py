@@ -1,8 +1,7 @@
 """Answers that do not use the core: exact quadrature and conventional integration, to compare with.
 
 Both work from a law's own stage functions and unloading rules, never from their fitted form. Arguments: effective
-mass m [kg], approach velocity V_0 > 0 [m/s], impedance Z of the target [N·s/m], infinite for a half-space. No
-external force. Both return SI floats by the names of `SUMMARY`.
+mass m [kg], approach velocity V_0 > 0 [m/s], impedance Z of the target [N·s/m], infinite for a half-space. Both return SI floats by the names of `SUMMARY`.
 """
 
 from __future__ import annotations
@@ -83,14 +82,15 @@ def integrate(
     method: str = "DOP853",
     rtol: float = 1e-12,
     atol: float = 1e-14,
+    load: float = 0.0,
 ) -> dict[str, float]:
     """Summary of an impact on a half-space or an impedance target by `scipy.integrate.solve_ivp`, any `method`.
 
-    Zener's equations ξ' = ν − γf, ν' = −f, in units of V_0 and of the depth of turning on a half-space. In a stage
+    Zener's equations ξ' = ν − γf, ν' = p − f, p a constant load [N], in units of V_0 and of the depth of turning on a half-space. In a stage
     that begins at ξ_b, and on an unloading branch that ends there, y = √(ξ − ξ_b) is the variable and σ the clock,
     dt = 2y dσ:
 
-        dy/dσ = ν − γf,  dν/dσ = −2yf,  dt/dσ = 2y,  dr/dσ = 2yγf²  (r: energy radiated)
+        dy/dσ = ν − γf,  dν/dσ = 2y(p − f),  dt/dσ = 2y,  dr/dσ = 2yγf²  (r: energy radiated)
 
     so that a 3/2-power force is smooth where contact begins and ends, and both are ordinary crossings. The
     integration restarts at every stage boundary, at the maximum indentation and where the impactor stops; those
@@ -99,7 +99,8 @@ def integrate(
     digits. `atol` is in the units above. An impactor that does not stop in contact stops at NaN.
 
     Adds "force_evaluations" to the names of `SUMMARY`. Raises ValueError if the law ends before the motion turns, has
-    damping, or if its force jumps up by more than the target's motion allows; RuntimeError if the method fails.
+    damping, or if its force jumps up by more than the target's motion allows; RuntimeError if the method fails, or the
+    load never lets contact end.
     """
     _undamped(law)
     scale, force_scale = law.scales(0.5 * mass * velocity**2)
@@ -108,7 +109,7 @@ def integrate(
     size = _half_space_depth(stages, 0.5 * square)
     unit = size / square  # force: law's units to those of the impact
     gamma = mass * velocity / (size * scale * impedance)
-    solver = _Solver(gamma, method, rtol, atol)
+    solver = _Solver(gamma, load / force_scale * unit, method, rtol, atol)
 
     state, work, peak = np.array([0.0, 1.0, 0.0, 0.0]), 0.0, 0.0
     for stage in stages:
@@ -160,6 +161,7 @@ class _Solver:
     """Marches (y, ν, t, r) in σ with solve_ivp; `force` is f as a function of y² = ξ − ξ_b."""
 
     gamma: float
+    load: float
     method: str
     rtol: float
     atol: float
@@ -170,7 +172,7 @@ class _Solver:
         y, nu = float(state[0]), float(state[1])
         f = self.force(y * y)
         self.calls += 1
-        return np.array([nu - self.gamma * f, -2.0 * y * f, 2.0 * y, 2.0 * y * self.gamma * f * f])
+        return np.array([nu - self.gamma * f, 2.0 * y * (self.load - f), 2.0 * y, 2.0 * y * self.gamma * f * f])
 
     def advance(self, state: Array, target: float, until: str | None) -> tuple[Array, bool]:
         """To y = target, or to where the indentation "turns" or the impactor "stops"; whether it is the latter."""

@@ -1088,6 +1088,12 @@ static void check_motions(void) {
     const motion rest = {0.0, 0.0, -1.0, 0.0}; /* on a balance that is unstable */
     move(&rest, 1e9, &x, &y);
     HOLD(x == 0.0 && y == 0.0);
+    const motion to_rest = {0.1, 0.1 * (1.0 + 1e-15), -1.0, 0.0}; /* on the way to one */
+    move(&to_rest, 1e9, &x, &y);
+    NEAR(x, 0.1, 0.1, EXACT);
+    HOLD(fabs(y) < 1e-15);
+    const motion turned = {1.0, 1.001, -1.0, 0.0}; /* turned before one, behind which there would be energy again */
+    HOLD(leave(&turned, 1.1, &tau, &y) == LEFT_NOT);
 }
 
 /* Time and its remainder: half of the last digit is not rounded away. */
@@ -1120,6 +1126,58 @@ static void check_tiny(const film_mesh *mesh) {
             }
         }
     }
+}
+
+/* To rest where the force has softened to nothing: next to it, and exactly there. */
+static void check_softened(void) {
+    static const double root[] = {213.21163284237079, -213.21163284237079}, mean[] = {213.21163284237079 / 3.0, -213.21163284237079 / 3.0};
+    film_curve curve;
+    film_state s;
+    owned_mesh own = make_mesh(FILM_WORK_PRESERVING, 8, 3);
+    memset(&curve, 0, sizeof curve);
+    film_piece *piece = add_stage(&curve, 236.67, series(FILM_ROOT_SERIES, 0.0, 236.67, 2, root));
+    piece->mean = series(FILM_ROOT_SERIES, 0.0, 236.67, 2, mean);
+    curve.stage[0].unloading = FILM_SECANT;
+    piece->recovery = power(0.0, 1.1547845254488045e-05, 0.0, 0.0, 0.5);
+    piece->exponent = power(0.0, 0.3, 0.0, 0.0, 1.0);
+    double force, work;
+    film_law(&curve, 0, 236.67, &force, &work);
+    for (int k = 3; k < 16; k++) {
+        snprintf(where, sizeof where, "to rest 1e-%d before the force is none", k);
+        HOLD(film_init(&curve, &s, 0.0, sqrt(2.0 * work * (1.0 - pow(10.0, -k))), 0.0, 0.0, 0.0) == FILM_OK);
+        check_found_lines(&curve, &own.mesh, s, 1e12);
+        double before = 0.5 * s.nu * s.nu;
+        int status = FILM_EVENT;
+        for (int i = 0; status == FILM_EVENT && i < 20; i++) {
+            status = film_step(&curve, &own.mesh, &s, 1e11);
+            HOLD(isfinite(s.xi) && isfinite(s.nu) && isfinite(s.time));
+            if (status >= 0) NEAR(0.5 * s.nu * s.nu + s.spent, before, before, 1e-10);
+        }
+    }
+    memset(&curve, 0, sizeof curve);
+    add_stage(&curve, 1.0, power(0.0, 1.0, -1.0, 0.0, 1.0));
+    HOLD(film_init(&curve, &s, 0.0, 1.0, 0.0, 0.0, 0.0) == FILM_OK);
+    int status = FILM_EVENT;
+    for (int i = 0; status == FILM_EVENT && i < 20; i++) {
+        status = film_step(&curve, &own.mesh, &s, 1e9);
+        HOLD(isfinite(s.xi) && isfinite(s.nu) && isfinite(s.time));
+    }
+    NEAR(s.xi_max, 1.0, 1.0, 1e-7);
+    NEAR(s.nu, -1.0, 1.0, EXACT);
+    free(own.memory);
+}
+
+/* Pushed in again where rounding has left it beyond the end of its branch. */
+static void check_beyond(const film_mesh *mesh) {
+    film_state s;
+    snprintf(where, sizeof where, "in again from beyond the end of a branch");
+    HOLD(film_init(&curves[LAMINATE], &s, 0.0, 1.0, 0.1, 0.0, 0.0) == FILM_OK);
+    while (s.event != FILM_MAXIMUM_INDENTATION) HOLD(film_step(&curves[LAMINATE], mesh, &s, INFINITY) == FILM_EVENT);
+    s.xi = nextafter(s.xi_free, 0.0);
+    s.elastic = s.work = 0.0;
+    HOLD(film_input(&s, 0.0, 1e-9 - s.nu, 0.0) == FILM_OK);
+    HOLD(film_step(&curves[LAMINATE], mesh, &s, 1e-6) == FILM_EVENT && s.event == FILM_RELOADING_BEGINS);
+    HOLD(film_step(&curves[LAMINATE], mesh, &s, 1e-6) >= FILM_OK && isfinite(s.spent) && isfinite(s.nu) && s.loop != 0);
 }
 
 /* A coefficient as large as numbers are, of a power that is as small. */
@@ -1159,6 +1217,7 @@ int main(void) {
     check_found();
     check_crept();
     check_huge();
+    check_softened();
     check_motions();
     for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {
         owned_mesh few = make_mesh(linearisation, 3, 5), fine = make_mesh(linearisation, 40, 80);
@@ -1166,6 +1225,7 @@ int main(void) {
         check_endless(&few.mesh);
         check_clock(&few.mesh);
         check_tiny(&few.mesh);
+        check_beyond(&few.mesh);
         check_linear_law(&few.mesh);
         if (linearisation == FILM_WORK_PRESERVING) check_series(&fine.mesh);
         for (int which = 0; which < BATCH_CURVES; which++) {

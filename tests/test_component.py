@@ -320,3 +320,18 @@ def test_a_ball_that_creeps_in_has_the_accuracy_asked_for(velocity, accuracy):
     for y, name in zip(exact.y, ("indentation", "impactor_velocity"), strict=True):
         off = np.array([getattr(outputs, name) for outputs in found]) - y
         assert np.abs(off).max() < accuracy * np.abs(y).max()
+
+
+@pytest.mark.parametrize("law", ["hertz", "big-alabo", "tsuji", "tan-sun"])
+def test_a_support_that_turns_the_motion_round_is_an_event(law):
+    """As where a force does: in again out of unloading, and out again."""
+    on = scene(law)
+    duration = fm.simulate(on).duration
+    component = fm.ImpactComponent(on)
+    component.step(0.8 * duration)
+    inwards = component.step(1e-9, support_velocity=-0.5)
+    assert [event.name for event in inwards.events] == ["reloading_begins"]
+    assert inwards.events[0].time == pytest.approx(0.8 * duration) and inwards.outputs.relative_velocity > 0.0
+    outwards = component.step(1e-9, support_velocity=0.5)
+    assert [event.name for event in outwards.events] == ["maximum_indentation"]
+    assert component.step(1e-9, support_velocity=0.4).events == ()

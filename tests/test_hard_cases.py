@@ -48,7 +48,7 @@ def test_extended_precision_and_conventional_integration_agree(law, target):
 
 
 def test_extended_precision_refuses_what_it_cannot():
-    with pytest.raises(ValueError, match="multiples of one half"):
+    with pytest.raises(ValueError, match="multiples of 1/2"):
         extended.impact(LAWS["stronge"], 0.06, 0.25)
 
 

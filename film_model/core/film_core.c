@@ -503,14 +503,18 @@ static int cut(const film_curve *curve, const film_mesh *mesh, film_state *s, do
         turn = find_turn(curve, mesh, s, &length, edge, turn_tolerance, plain);
     }
     if (turn == TURN_BETWEEN && !(s->line.kappa > 0.0)) { /* lines turn at once, or run away: so does the law's, or it passes */
-        motion m = draw(curve, mesh, s, length);
-        if (leave(&m, length, &s->tau_end, &y) != LEFT) {
-            turn_here(curve, s);
-            return FILM_OK;
-        }
-        land(s, length, y);
         s->leg_node = s->leg_nodes - 1;
         s->line_ends = ENDS_NODE; /* plan afresh */
+        motion m = draw(curve, mesh, s, length);
+        while (leave(&m, length, &s->tau_end, &y) != LEFT) { /* to rest where the force is none: halfway, and again */
+            length *= 0.5;
+            if (!(length > SHORT_TURN * fabs(s->xi))) {
+                turn_here(curve, s);
+                return FILM_OK;
+            }
+            m = draw(curve, mesh, s, length);
+        }
+        land(s, length, y);
         return FILM_OK;
     }
     if (turn != TURN_NOT) {
@@ -808,7 +812,7 @@ static void stretch(const film_curve *curve, film_line *line, double origin, dou
                     double f_b) {
     a -= curve->compliance * f_a;
     b -= curve->compliance * f_b;
-    double low = raised((a - origin) / span, q);
+    double low = raised(fmax((a - origin) / span, 0.0), q); /* a contact about to end may be beyond its end by rounding */
     line->xi_origin = origin;
     line->per_recovery = 1.0 / span;
     line->exponent = q;
@@ -901,8 +905,10 @@ static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
         int at_rest = fabs(y) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->elastic);
         int direction = at_rest ? (excess < 0.0 ? 1 : -1) : (y > 0.0 ? 1 : -1);
         int turned = s->branch >= 0 && s->direction > 0 && direction < 0 && s->xi > 0.0 && s->xi >= s->xi_max;
+        int reversed = s->jumped && direction != s->direction;
         s->from_turn = at_rest;
         s->direction = direction;
+        s->jumped = 0;
         if (turned) {
             int status = remember(curve, s);
             s->event = FILM_MAXIMUM_INDENTATION;
@@ -910,6 +916,10 @@ static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
             return status < 0 ? status : FILM_EVENT;
         }
         s->phase = direction < 0 ? FILM_UNLOADING : s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
+        if (reversed) {
+            s->event = direction > 0 ? FILM_RELOADING_BEGINS : FILM_MAXIMUM_INDENTATION;
+            return FILM_EVENT;
+        }
     }
     choose_loop(curve, s);
     open_run(curve, s);
@@ -1434,6 +1444,7 @@ int film_input(film_state *s, double load, double nu_change, double stop_velocit
     if (load == s->load && nu_change == 0.0 && stop_velocity == s->stop_velocity) return FILM_OK;
     s->load = load;
     s->nu += nu_change;
+    s->jumped |= nu_change != 0.0;
     s->stop_velocity = stop_velocity;
     if (s->nu > stop_velocity) s->moving_in = 1;
     s->has_line = s->has_leg = s->from_turn = 0;

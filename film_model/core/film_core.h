@@ -199,6 +199,7 @@ typedef struct {
     int32_t moving_in;         /* nu is above stop_velocity */
     int32_t loop;              /* which branch FILM_BRANCH is: the one from xi_max, the way back to it, or one in between */
     int32_t rising;            /* film_switch: a damped contact's force grows on the way in */
+    int32_t jumped;            /* nu was changed by film_input: the direction may have */
     /* reports */
     int32_t phase, event, contacts, lines;
 } film_state;

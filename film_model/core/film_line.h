@@ -10,6 +10,8 @@
 
 static const double PI = 3.14159265358979323846;
 
+static const double ASTRAY = 4e-15; /* of the force: what drives a motion off an unstable balance and is rounding */
+
 enum { LEFT_NOT, LEFT, LEFT_NEVER }; /* it turns before; it passes; it comes to rest before */
 enum { ROOT_ITERATIONS = 200, NEWTON_PATIENCE = 40, DOUBLINGS = 2100 };
 
@@ -65,6 +67,11 @@ static inline void move(const motion *m, double tau, double *x, double *y) {
         sigma = (1.0 - decay * (even + a * odd)) / m->kappa;
     } else { /* over-damped: rates kappa/(a + d) and a + d, neither found by a difference */
         double d = sqrt(square), fast = a + d, slow = m->kappa / fast;
+        if (slow < 0.0 && fabs(slow * m->y0 + m->phi) <= ASTRAY * fabs(m->phi)) { /* to rest on an unstable balance */
+            *x = -m->y0 * expm1(-fast * tau) / fast;
+            *y = m->y0 * exp(-fast * tau);
+            return;
+        }
         double e_slow = exp(-slow * tau), e_fast = exp(-fast * tau);
         double grown = m->kappa == 0.0 ? tau / fast : -expm1(-slow * tau) / m->kappa;
         s = (e_slow - e_fast) / (2.0 * d);
@@ -131,7 +138,7 @@ static inline int leave(const motion *m, double length, double *tau, double *y) 
         if (mean <= 0.0) return m->phi == 0.0 ? LEFT_NEVER : LEFT_NOT;
         double h = length / mean;
         *tau = 2.0 * h * arc(m->kappa * h * h);
-        return LEFT;
+        return *tau < INFINITY ? LEFT : LEFT_NOT; /* energy is there again behind a balance out of reach */
     }
     double guess = square > 0.0 && before > 0.0 ? sqrt(square) - drag : 0.0;
     if (m->y0 == 0.0 && square > 0.0) guess = sqrt(square) - drag;

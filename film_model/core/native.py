@@ -133,7 +133,10 @@ class State(c.Structure):
         + [(name, _D) for name in ("xi_end", "nu_end", "force_end", "work_end")]
         + [("line", Line)]
         + [(name, _I) for name in ("line_ends", "has_line", "has_leg", "from_turn", "direction", "branch")]
-        + [(name, _I) for name in ("stage_max", "moving_in", "loop", "rising", "phase", "event", "contacts", "lines")]
+        + [
+            (name, _I)
+            for name in ("stage_max", "moving_in", "loop", "rising", "jumped", "phase", "event", "contacts", "lines")
+        ]
     )
 
 

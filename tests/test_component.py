@@ -322,7 +322,7 @@ def test_a_ball_that_creeps_in_has_the_accuracy_asked_for(velocity, accuracy):
         assert np.abs(off).max() < accuracy * np.abs(y).max()
 
 
-@pytest.mark.parametrize("law", ["hertz", "big-alabo", "tsuji", "tan-sun"])
+@pytest.mark.parametrize("law", ["hertz", "big-alabo", "stronge", "tan-sun"])
 def test_a_support_that_turns_the_motion_round_is_an_event(law):
     """As where a force does: in again out of unloading, and out again."""
     on = scene(law)

@@ -8,7 +8,7 @@ from cases import EFFECTIVE_MODULUS, LAWS, MASS, RADIUS, SPHERE, scene
 from scipy.integrate import solve_ivp
 
 import film_model as fm
-from film_model import reference
+from film_model import extended, reference
 from film_model.laws.damping import (
     hunt_crossley_restitution,
     hunt_crossley_strength,
@@ -95,6 +95,19 @@ def integrated(law, velocity, impedance=math.inf, load=0.0, after=0.0):
         "rebound_velocity": end[1],
         "energy_radiated": end[2],
     }
+
+
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+@pytest.mark.parametrize("law", DAMPED)
+def test_extended_precision_knows_damping(law, target):
+    on = case(LAWS[law], target=target)
+    impedance = on.target_impedance
+    found = extended.impact(LAWS[law], on.effective_mass, on.approach_velocity, impedance)
+    other = integrated(LAWS[law], on.approach_velocity, impedance)
+    for name in ("maximum_force", "maximum_indentation", "contact_duration", "rebound_velocity"):
+        assert found[name] == pytest.approx(other[name], rel=1e-7), name
+    if target == "half-space" and getattr(LAWS[law], "restitution", None) is not None:
+        assert found["coefficient_of_restitution"] == pytest.approx(LAWS[law].restitution, rel=1e-14)
 
 
 @pytest.mark.parametrize("target", ["half-space", "plate", "thin plate"])

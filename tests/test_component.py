@@ -1,6 +1,8 @@
 """The component: steps of any size give one motion, with the events of a whole run."""
 
+import copy
 import math
+import pickle
 import random
 
 import numpy as np
@@ -320,3 +322,12 @@ def test_a_ball_that_creeps_in_has_the_accuracy_asked_for(velocity, accuracy):
     for y, name in zip(exact.y, ("indentation", "impactor_velocity"), strict=True):
         off = np.array([getattr(outputs, name) for outputs in found]) - y
         assert np.abs(off).max() < accuracy * np.abs(y).max()
+
+
+def test_a_component_is_copied_and_pickled_in_the_middle_of_a_contact():
+    component = drop("stronge", "plate", initial_gap="1 um")
+    component.step(30e-6)
+    twins = copy.deepcopy(component), pickle.loads(pickle.dumps(component))
+    expected = component.step(1e-3)
+    assert [event.name for event in expected.events][-1] == "contact_ends"
+    assert [twin.step(1e-3) for twin in twins] == [expected, expected]

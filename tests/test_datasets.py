@@ -59,6 +59,23 @@ def test_dataset_has_what_the_history_has(path: Path) -> None:
         assert np.isnan(ds[name]) if value is None else float(ds[name]) == value
 
 
+def test_histories_are_compared_by_what_they_say(history: fm.History) -> None:
+    again = fm.simulate(history.scene)
+    other = fm.simulate(history.scene, accuracy=1e-6)
+    assert again == history and hash(again) == hash(history)
+    assert other != history and len({history, again, other}) == 2
+
+
+def test_times_are_read_with_their_unit(history: fm.History) -> None:
+    quantity = history.maximum_force.__class__
+    expected = history.sample_si(20e-6)
+    assert expected.contact_force > 0.0
+    for time in ("20 us", quantity(20, "us"), quantity(np.array(0.02), "ms")):
+        assert history.sample_si(time).contact_force == pytest.approx(expected.contact_force, rel=1e-14)
+    with pytest.raises(ValueError, match="a time is needed"):
+        history.sample_si(quantity(20, "mm"))
+
+
 def test_even_samples_come_with_the_events(history: fm.History) -> None:
     t = fd.to_dataset(history, samples=5)["t"].values
     even = np.linspace(0.0, history.duration, 5)

@@ -184,6 +184,9 @@ def test_a_peak_inside_a_stage_is_met_exactly():
         ((fm.Stage("a", 0.0, np.inf, lambda x: x),), "has no end"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: x - 1.0),), "must be finite and >= 0"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: np.log(x)),), "must be finite and >= 0"),
+        ((fm.Stage("a", 0.0, 2.0, lambda x: np.where(x < 1.0, x, np.nan)),), "a force of nan"),
+        ((fm.Stage("a", 0.0, 50.0, lambda x: x + np.sin(5.0 * x)),), "stages, cut where the force turns"),
+        ((fm.Stage("a", 0.0, np.inf, fm.Power(slope=1.0), damping=fm.Power(slope=1.0)),), "must say damped = True"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: np.floor(7 * x)),), "cannot be fitted"),
         ((), "0 stages"),
     ],
@@ -193,6 +196,15 @@ def test_a_wrong_law_is_refused_with_its_name_and_stage(stages, says):
     with pytest.raises(ValueError, match="law 'own'") as caught:
         curve_of(own(*stages))
     assert says in str(caught.value)
+
+
+@pytest.mark.parametrize("scales", [(0.0, 1.0), (1e-6, -1.0), (np.nan, 1.0), (1e-6, np.inf)])
+def test_wrong_scales_are_refused(scales, monkeypatch):
+    law = own(fm.Stage("a", 0.0, np.inf, fm.Power(slope=1.0)))
+    monkeypatch.setattr(type(law), "scales", lambda self, energy: scales)
+    case = fm.Scene(fm.Sphere("10 mm", velocity="1 m/s", mass="50 g"), fm.HalfSpace(), fm.Contact(law))
+    with pytest.raises(ValueError, match="law 'own': scales of .* must be finite and > 0"):
+        fm.simulate(case)
 
 
 def test_unloading_needs_exactly_one_rule():

@@ -129,6 +129,7 @@ def test_a_scene_without_reference():
         ({"effects.gravity": True}, "gravity = false"),
         ({"impactor.velocity": "0 m/s", "effects.gravity": False}, "velocity is 0"),
         (damped, "law hunt-crossley"),
+        ({**damped, "contact.unloading": "retrace"}, "law hunt-crossley"),
     ):
         with pytest.raises(fm.SimulationError, match=said):
             study.study(ball.replace(changes))

@@ -25,6 +25,11 @@ class _Reopened(AbstractLaw):
         """The loading law's."""
         return self.law.name
 
+    @property
+    def damped(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The loading law's."""
+        return self.law.damped
+
     def damping_factor(self, mass: Any, velocity: Any, length: float) -> Any:
         return self.law.damping_factor(mass, velocity, length)
 

@@ -765,6 +765,19 @@ def test_film_of_a_sweep_says_what_it_needs() -> None:
         ds.film.sample([0.0], impactor_velocity=0.1, contact_law="hertz")
 
 
+def test_an_impact_that_was_selected_is_the_one() -> None:
+    ds = fd.sweep(BALL, {**SPEEDS, "contact.law": ["hertz", "stronge"]}, keep="segments")
+    with pytest.raises(KeyError, match="impactor_velocity is missing"):
+        ds.film.history()
+    one = ds.isel(impactor_velocity=-1, contact_law=1)
+    where = {"impactor_velocity": float(ds["impactor_velocity"][-1]), "contact_law": "stronge"}
+    assert one.film.scene() == ds.film.scene(**where) != ds.film.scene() == BALL
+    assert one.film.history() == ds.film.history(**where)
+    for part in (one, ds.isel(impactor_velocity=[-1], contact_law=[1])):
+        assert part.film.sample([5e-6]).identical(ds.film.sample([5e-6], **where))
+    assert one.film.summary() == ds.film.summary(**where)
+
+
 @pytest.mark.parametrize("interop", [True, False])
 def test_quantities(interop: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     if interop:

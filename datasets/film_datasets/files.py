@@ -35,9 +35,7 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     IsADirectoryError, FileNotFoundError, PermissionError or OSError where the file cannot be written.
     """
     target = Path(path)
-    if target.suffix != SUFFIX:
-        raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}"')
-    check_place(target, overwrite)
+    check_file(target, overwrite)
     ds = in_numbers(ds)
     try:
         with written_whole(target) as beside:
@@ -96,6 +94,13 @@ def _indexed(ds: xr.Dataset) -> xr.Dataset:
     for name in along:
         ds = ds.set_xindex(name)
     return ds
+
+
+def check_file(target: Path, overwrite: bool) -> None:
+    """As :func:`check_place`, of a netCDF file."""
+    if target.suffix != SUFFIX:
+        raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}"')
+    check_place(target, overwrite)
 
 
 def check_place(target: Path, overwrite: bool) -> None:

@@ -765,6 +765,14 @@ def test_film_of_a_sweep_says_what_it_needs() -> None:
         ds.film.sample([0.0], impactor_velocity=0.1, contact_law="hertz")
 
 
+def test_segments_are_swept_over_a_scene_that_gives_none() -> None:
+    ds = fd.sweep(BALL, {"solver.segments": [1, 2, 4]})
+    found = [fm.simulate(BALL, segments=n).summary["contact_duration"] for n in (1, 2, 4)]
+    assert ds["contact_duration"].values == pytest.approx(found, rel=1e-5)
+    assert abs(found[0] - found[2]) > 1e-3 * found[2]
+    assert ds.film.scene(solver_segments="2").solver == fm.Solver(segments=2)
+
+
 def test_an_impact_that_was_selected_is_the_one() -> None:
     ds = fd.sweep(BALL, {**SPEEDS, "contact.law": ["hertz", "stronge"]}, keep="segments")
     with pytest.raises(KeyError, match="impactor_velocity is missing"):

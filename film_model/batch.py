@@ -93,8 +93,8 @@ def simulate_batch(
     """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
 
     Law "auto" and gravity "auto" are decided for every impact. With an accuracy, 64 of the impacts or more, the
-    extremes among them, are tried to find the mesh. Raises ValueError for a velocity or mass that is not > 0
-    or out of the range of scenes, SimulationError if the target vibrates in all of them; if only in some, those have failed.
+    extremes among them, are tried to find the mesh. Raises ValueError for a velocity or mass that is not > 0 or out of
+    the range of scenes, SimulationError if the target vibrates in all of them; if only in some, those have failed.
     """
     speeds = units.array_to_si(velocity, "velocity")
     masses = None if mass is None else units.array_to_si(mass, "mass")

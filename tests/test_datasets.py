@@ -76,6 +76,15 @@ def test_times_are_read_with_their_unit(history: fm.History) -> None:
         history.sample_si(quantity(20, "mm"))
 
 
+def test_what_is_of_another_kind_is_named(history: fm.History, tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match="not a Scene"):
+        fd.to_dataset(history.scene)
+    with pytest.raises(TypeError, match="not a History: to_dataset makes one"):
+        fd.write(history, tmp_path / "x.nc")  # pyright: ignore[reportArgumentType]
+    with pytest.raises(TypeError, match=r'not "scene\.toml": Scene'):
+        fm.simulate("scene.toml")  # pyright: ignore[reportArgumentType]
+
+
 def test_even_samples_come_with_the_events(history: fm.History) -> None:
     t = fd.to_dataset(history, samples=5)["t"].values
     even = np.linspace(0.0, history.duration, 5)

@@ -218,7 +218,7 @@ def test_values_that_a_scene_refuses_are_refused_in_a_law_of_python(law, said):
 
 
 def test_a_rule_of_unloading_needs_a_law():
-    with pytest.raises(ValueError, match='Retrace.law: "hertz" is not a law'):
+    with pytest.raises(ValueError, match='"hertz" is not a law'):
         fm.Retrace("hertz")
 
 
@@ -227,7 +227,7 @@ def test_wrong_scales_are_refused(scales, monkeypatch):
     law = own(fm.Stage("a", 0.0, np.inf, fm.Power(slope=1.0)))
     monkeypatch.setattr(type(law), "scales", lambda self, energy: scales)
     case = fm.Scene(fm.Sphere("10 mm", velocity="1 m/s", mass="50 g"), fm.HalfSpace(), fm.Contact(law))
-    with pytest.raises(ValueError, match="law 'own': scales of .* must be finite and > 0"):
+    with pytest.raises(ValueError, match=r"law 'own': scales of .* must be finite and > 0"):
         fm.simulate(case)
 
 

@@ -34,6 +34,8 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     Raises ValueError for a suffix other than .nc; FileExistsError if the file is there and `overwrite` is not set;
     IsADirectoryError, FileNotFoundError, PermissionError or OSError where the file cannot be written.
     """
+    if not isinstance(ds, xr.Dataset):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise TypeError(f"a dataset is written, not a {type(ds).__name__}: to_dataset makes one of a history")
     target = Path(path)
     check_file(target, overwrite)
     ds = in_numbers(ds)

@@ -190,6 +190,8 @@ class Plate:
     ) -> None:
         mistakes = _fill_target(self, locals())
         mistakes += _place_mistakes(self, "size", self.size, self.position)
+        if edges == "clamped" and size is None and static_stiffness is None:
+            mistakes.append(_mistake(self, "edges", "needs a size: an infinite plate has no edges to clamp"))
         either = "give thickness (isotropic), or mass_per_area and bending_stiffness"
         pair = {"mass_per_area": mass_per_area, "bending_stiffness": bending_stiffness}
         given = [name for name, value in pair.items() if value is not None]

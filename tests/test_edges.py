@@ -397,6 +397,7 @@ def test_options_of_the_march_are_not_dropped_in_silence(options):
     ("target", "message"),
     [
         (lambda: fm.Plate(STEEL, "1 mm", position=["1 mm", "1 mm"]), "position: needs a size"),
+        (lambda: fm.Plate(STEEL, "1 mm", edges="clamped"), "edges: needs a size"),
         (lambda: fm.Plate(STEEL, "1 mm", size=["1 m", "1 m"], position=["0 m", "1 mm"]), "0 m must be > 0 m and < 1 m"),
         (lambda: fm.Plate(STEEL, "1 mm", size=["1 m", "1 m"], position=["1 mm", "2 m"]), "2 m must be > 0 m and < 1 m"),
         (lambda: fm.Plate(STEEL, "1 mm", size=["1 m", "1 m"], edges="free"), "edges: "),

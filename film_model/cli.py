@@ -382,14 +382,20 @@ def _plot(options: argparse.Namespace) -> int:
     from film_datasets.pictures import plot
 
     output = options.output or os.path.splitext(options.file.rstrip("/" + os.sep))[0] + ".png"
-    chosen: dict[str, Any] = {"quantity": options.quantity, "over": _names(options.over)}
-    at = dict(pair.partition("=")[::2] for pair in options.at or ())
+    over = [_dataset_name(name) for name in _names(options.over)]
+    chosen: dict[str, Any] = {"quantity": options.quantity, "over": over}
+    pairs = (pair.partition("=")[::2] for pair in options.at or ())
     with open_dataset(options.file) as dataset:
         _check_writable(output, options.force)
         given = {key: value for key, value in chosen.items() if value}
-        plot(dataset, output, **given, at={key.replace(".", "_"): value for key, value in at.items()})
+        plot(dataset, output, **given, at={_dataset_name(key): value for key, value in pairs})
     print(f"wrote {output}", file=sys.stderr)
     return DONE
+
+
+def _dataset_name(path: str) -> str:
+    """What a swept quantity such as impactor.velocity is called in a dataset."""
+    return path.replace(".", "_")
 
 
 def _identify(options: argparse.Namespace) -> int:

@@ -85,6 +85,14 @@ def test_what_is_of_another_kind_is_named(history: fm.History, tmp_path: Path) -
         fm.simulate("scene.toml")  # pyright: ignore[reportArgumentType]
 
 
+def test_a_part_of_the_segments_is_not_sampled(dataset: xr.Dataset) -> None:
+    for part in (slice(0, 5), slice(5, None)):
+        with pytest.raises(ValueError, match="segments of this history are missing"):
+            dataset.isel(segment=part).film.sample(["100 us"])
+    early = dataset.isel(t=slice(0, 5), event=slice(0, 1)).film.sample(["100 us"])
+    assert early.identical(dataset.film.sample(["100 us"]))
+
+
 def test_even_samples_come_with_the_events(history: fm.History) -> None:
     t = fd.to_dataset(history, samples=5)["t"].values
     even = np.linspace(0.0, history.duration, 5)

@@ -151,6 +151,8 @@ class Film:
 
     def _sample_row(self, t: NDArray[np.float64], where: Mapping[str, Any]) -> dict[str, Any]:
         """Motion of one impact of a sweep, from its segments."""
+        if self.kind != SWEEP:
+            raise ValueError(f"a dataset of kind {self.kind} has no impacts to sample")
         if "segment_count" not in self._ds.variables:
             raise ValueError('no segments were kept of this sweep (keep="segments"): use ds.film.history(…).sample')
         if t.min(initial=0.0) < 0.0:

@@ -327,6 +327,7 @@ def test_a_ball_that_creeps_in_has_the_accuracy_asked_for(velocity, accuracy):
 def test_a_component_is_copied_and_pickled_in_the_middle_of_a_contact():
     component = drop("stronge", "plate", initial_gap="1 um")
     component.step(30e-6)
+    assert repr(component) == "ImpactComponent(law stronge, loading at 3e-05 s)"
     twins = copy.deepcopy(component), pickle.loads(pickle.dumps(component))
     expected = component.step(1e-3)
     assert [event.name for event in expected.events][-1] == "contact_ends"

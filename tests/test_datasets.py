@@ -89,6 +89,8 @@ def test_a_part_of_the_segments_is_not_sampled(dataset: xr.Dataset) -> None:
     for part in (slice(0, 5), slice(5, None)):
         with pytest.raises(ValueError, match="segments of this history are missing"):
             dataset.isel(segment=part).film.sample(["100 us"])
+    with pytest.raises(ValueError, match=r"one list, not of shape \(1, 2\)"):
+        dataset.film.sample([["1 us", "2 us"]])
     early = dataset.isel(t=slice(0, 5), event=slice(0, 1)).film.sample(["100 us"])
     assert early.identical(dataset.film.sample(["100 us"]))
 

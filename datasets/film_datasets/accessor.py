@@ -82,6 +82,8 @@ class Film:
         picks the impact, and segments must have been kept.
         """
         t = np.atleast_1d(units.array_to_si(times, "time", bare=True))
+        if t.ndim > 1:
+            raise ValueError(f"times must be one list, not of shape {t.shape}")
         if self.kind == HISTORY:
             samples = self.history(**where).sample_si(t)
             motion = {name: getattr(samples, name) for name in MOTION}

@@ -137,7 +137,7 @@ def _events_of(ds: xr.Dataset, names: list[str]) -> tuple[Event, ...]:
 
 
 def scene_of(ds: xr.Dataset) -> Scene:
-    """The scene in a dataset's attribute scene_toml. Raises ValueError where it has a law of the user's own, or none."""
+    """The scene in the attribute scene_toml. Raises ValueError where there is none, or the law is the user's own."""
     if "scene_toml" not in ds.attrs:
         raise ValueError(f"a dataset of kind {kind_of(ds)} has no scene")
     law = str(ds.attrs.get("contact_law", ""))

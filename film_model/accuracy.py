@@ -50,7 +50,8 @@ def solver_for(
     """The scene's solver with the options of a call in place of its own. Raises SceneError for a bad option."""
     if accuracy is None and segments is None:
         accuracy, segments = (None, given.segments) if given.segments is not None else (given.accuracy, None)
-    return Solver(accuracy=accuracy, segments=segments, linearisation=linearisation or given.linearisation)
+    line = given.linearisation if linearisation is None else linearisation
+    return Solver(accuracy=accuracy, segments=segments, linearisation=line)
 
 
 def mesh_of(solver: Solver, counts: tuple[int, int]) -> native.Mesh:

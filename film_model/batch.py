@@ -21,7 +21,7 @@ from film_model.accuracy import (
     solver_for,
     unloading_ratio,
 )
-from film_model.bodies import Body
+from film_model.bodies import SLOWEST, Body, Sphere
 from film_model.core import native
 from film_model.errors import Outcome, SimulationError
 from film_model.history import SUMMARY
@@ -93,8 +93,8 @@ def simulate_batch(
     """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
 
     Law "auto" and gravity "auto" are decided for every impact. With an accuracy, 64 of the impacts or more, the
-    extremes among them, are tried to find the mesh. Raises ValueError for a velocity or mass that is not > 0,
-    SimulationError if the target vibrates in all of them; if only in some, those have failed.
+    extremes among them, are tried to find the mesh. Raises ValueError for a velocity or mass that is not > 0 or out of
+    the range of scenes, SimulationError if the target vibrates in all of them; if only in some, those have failed.
     """
     speeds = units.array_to_si(velocity, "velocity")
     masses = None if mass is None else units.array_to_si(mass, "mass")
@@ -106,6 +106,14 @@ def simulate_batch(
         raise ValueError("velocity and mass must be > 0, and there must be at least one impact")
     if not speeds.min() > least:
         raise ValueError(f"velocity must be > {least:g} m/s, the target's")
+    for path, values in columns.items():
+        name = path.partition(".")[2]
+        field = Sphere.FIELDS[name]
+        low, high = max(field.low or 0.0, SLOWEST), field.high or math.inf
+        wrong = values[(values < low) | (values > high)]
+        if wrong.size:
+            unit = units.scene_unit(field.dimension)
+            raise ValueError(f"{name}: {wrong[0]:g} {unit} is out of range: from {low:g} to {high:g} {unit}")
     solver = solver_for(scene.solver, accuracy, segments, None)
     result = simulate_rows(scene, columns, solver)
     if (result.status == VIBRATES).all():

@@ -17,6 +17,8 @@ from film_model.units import Value
 
 STANDARD_GRAVITY = 9.80665  # m/s²
 
+SLOWEST = 1e-100  # m/s; the squares of lower speeds in the units of an impact are no numbers
+
 _RADIUS = measure("length", 1e-10, 1e3)
 _LENGTH = measure("length", 1e-10, 1e5)
 _MASS = measure("mass", 1e-28, 1e12)
@@ -80,8 +82,11 @@ class Sphere:
         mass: Value | None = None,
         material: MaterialLike | None = None,
     ) -> None:
-        mistakes = fill(self, locals())
-        raise_all(mistakes + _one_of(self, velocity=velocity, drop_height=drop_height))
+        mistakes = fill(self, locals()) + _one_of(self, velocity=velocity, drop_height=drop_height)
+        if not mistakes and 0.0 < self.speed < SLOWEST:
+            name = "drop_height" if velocity is None else "velocity"
+            mistakes.append(_mistake(self, name, f"{self.speed:g} m/s must be 0 or at least {SLOWEST:g} m/s"))
+        raise_all(mistakes)
 
     @property
     def speed(self) -> float:
@@ -185,6 +190,8 @@ class Plate:
     ) -> None:
         mistakes = _fill_target(self, locals())
         mistakes += _place_mistakes(self, "size", self.size, self.position)
+        if edges == "clamped" and size is None and static_stiffness is None:
+            mistakes.append(_mistake(self, "edges", "needs a size: an infinite plate has no edges to clamp"))
         either = "give thickness (isotropic), or mass_per_area and bending_stiffness"
         pair = {"mass_per_area": mass_per_area, "bending_stiffness": bending_stiffness}
         given = [name for name, value in pair.items() if value is not None]

@@ -7,6 +7,7 @@ wrong; 3: the simulation could not be done.
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import os
 import sys
@@ -29,6 +30,8 @@ MOST_EVENTS = 24
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit status."""
     options = _parser().parse_args(arguments)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a code page without Greek letters shows "?" for them
     from film_model.errors import SceneError, SimulationError
 
     try:
@@ -379,14 +382,20 @@ def _plot(options: argparse.Namespace) -> int:
     from film_datasets.pictures import plot
 
     output = options.output or os.path.splitext(options.file.rstrip("/" + os.sep))[0] + ".png"
-    chosen: dict[str, Any] = {"quantity": options.quantity, "over": _names(options.over)}
-    at = dict(pair.partition("=")[::2] for pair in options.at or ())
+    over = [_dataset_name(name) for name in _names(options.over)]
+    chosen: dict[str, Any] = {"quantity": options.quantity, "over": over}
+    pairs = (pair.partition("=")[::2] for pair in options.at or ())
     with open_dataset(options.file) as dataset:
         _check_writable(output, options.force)
         given = {key: value for key, value in chosen.items() if value}
-        plot(dataset, output, **given, at={key.replace(".", "_"): value for key, value in at.items()})
+        plot(dataset, output, **given, at={_dataset_name(key): value for key, value in pairs})
     print(f"wrote {output}", file=sys.stderr)
     return DONE
+
+
+def _dataset_name(path: str) -> str:
+    """What a swept quantity such as impactor.velocity is called in a dataset."""
+    return path.replace(".", "_")
 
 
 def _identify(options: argparse.Namespace) -> int:
@@ -423,6 +432,8 @@ def _check_writable(path: str, force: bool) -> None:
         raise FileNotFoundError(f"{path}: the folder {folder} does not exist")
     if not os.access(folder, os.W_OK):
         raise PermissionError(f"{path}: the folder {folder} cannot be written to")
+    if os.path.isdir(path):
+        raise IsADirectoryError(f"{path} is a folder, the name of a file is needed")
     if os.path.exists(path) and not force:
         raise FileExistsError(f"{path} exists; use --force to overwrite it")
 
@@ -430,7 +441,12 @@ def _check_writable(path: str, force: bool) -> None:
 def _check_outputs(options: argparse.Namespace) -> None:
     """The same of --output and --plot, where they are given."""
     if options.output:
+        from pathlib import Path
+
+        from film_datasets.files import check_file
+
         _check_writable(options.output, options.force)
+        check_file(Path(options.output), options.force)
     if options.plot:
         _check_picture(options.plot, options.force)
 
@@ -541,5 +557,6 @@ def _materials(options: argparse.Namespace) -> int:
 
 
 def _print_json(table: dict[str, Any]) -> int:
-    print(json.dumps(table, indent=2, ensure_ascii=False, allow_nan=False))
+    escaped = not (sys.stdout.encoding or "").lower().startswith("utf")
+    print(json.dumps(table, indent=2, ensure_ascii=escaped, allow_nan=False))
     return DONE

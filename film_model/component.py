@@ -91,6 +91,9 @@ class ImpactComponent:
         self._curve = self.problem.curve.native
         self.reset()
 
+    def __repr__(self) -> str:
+        return f"ImpactComponent(law {self.problem.law.name}, {self.phase} at {self.time:g} s)"
+
     def initialize(self, *, time: Any = 0.0, initial_gap: Any = None, velocity: Any = None) -> None:
         """Begin at `time` [s], on a spot without a dent; gap [m] and velocity [m/s] as constructed unless given."""
         start = self.problem.start

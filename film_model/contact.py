@@ -23,8 +23,13 @@ def _read_law(value: object) -> str | AbstractLaw:
     if value == "auto":
         return "auto"
     from film_model.laws import LAWS, AbstractLaw
+    from film_model.laws.law import wrong_values
 
-    if isinstance(value, AbstractLaw) or (isinstance(value, str) and value in LAWS):
+    if isinstance(value, AbstractLaw):
+        for name, message in wrong_values(value).items():
+            raise ValueError(f"{type(value).__name__}.{name}: {message}")
+        return value
+    if isinstance(value, str) and value in LAWS:
         return value
     if isinstance(value, str):
         names = ["auto", *LAWS]

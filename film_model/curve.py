@@ -80,11 +80,19 @@ def curve_of(law: AbstractLaw, compliance: float = 0.0) -> Curve:
     """The curve of a law; with a `compliance` c [δ_s/F_s] in series with a spring, over ξ + c f.
 
     Raises ValueError when stages do not follow each other, a force is negative or not finite, a stage that has to be
-    fitted has no end, or a fit does not come within `FIT_LIMIT`; SimulationError for a force that jumps, or falls so
-    fast that it snaps through, in series with a spring. The message names the law, the stage and the value.
+    fitted has no end, a fit does not come within `FIT_LIMIT`, or a stage has damping and the law does not say so;
+    SimulationError for a force that jumps, or falls so fast that it snaps through, in series with a spring. The message
+    names the law, the stage and the value.
     """
     try:
-        return _build(_name(law), tuple(law.stages()), compliance)
+        stages = tuple(law.stages())
+        for stage in stages:
+            if stage.damping is not None and not law.damped:
+                raise ValueError(
+                    f"{_name(law)}: stage {stage.name!r} has damping, so the law must say damped = True and give its "
+                    "damping_factor"
+                )
+        return _build(_name(law), stages, compliance)
     except TypeError as error:
         if "unhashable" not in str(error):
             raise
@@ -162,7 +170,8 @@ def _name(law: AbstractLaw) -> str:
 def _checked(law: str, given: tuple[Stage, ...]) -> list[Stage]:
     stages = [part for stage in given for part in _split_at_peak(stage)]
     if not 1 <= len(stages) <= native.MAX_STAGES:
-        raise ValueError(f"{law}: {len(stages)} stages; 1 to {native.MAX_STAGES} are allowed")
+        cut = "" if len(stages) == len(given) else ", cut where the force turns from rising to falling or back"
+        raise ValueError(f"{law}: {len(stages)} stages{cut}; 1 to {native.MAX_STAGES} are allowed")
     if any(stage.damping is not None and (len(stages) > 1 or stage.unloading is not None) for stage in stages):
         raise ValueError(f"{law}: a damped law must have one stage, and no unloading")
     begin = 0.0
@@ -180,10 +189,10 @@ def _checked(law: str, given: tuple[Stage, ...]) -> list[Stage]:
             )
         end = stage.end if math.isfinite(stage.end) else 10.0 * (stage.begin + 1.0)
         force = _values(stage.force, np.linspace(stage.begin, end, _CHECKS), stage)
-        if not (np.isfinite(force).all() and (force >= -1e-12 * np.abs(force).max()).all()):
-            raise ValueError(
-                f"{law}: stage {stage.name!r} has a force of {np.nanmin(force):g}; it must be finite and >= 0"
-            )
+        finite = np.isfinite(force)
+        wrong = force[~(finite & (force >= -1e-12 * np.abs(force[finite]).max(initial=0.0)))]
+        if wrong.size:
+            raise ValueError(f"{law}: stage {stage.name!r} has a force of {wrong[0]:g}; it must be finite and >= 0")
     return stages
 
 

@@ -124,18 +124,18 @@ class History:
     return pint quantities. lines: the closed-form pieces of the motion, as the core recorded them; none where the
     target vibrates, and the motion is in `vibration`. Contact may then be lost and come back: contact_duration is that
     of the first contact; dent, rebound and energies are those after the last. remarks: what the run itself gave cause
-    to say.
+    to say. Histories are equal if scene, events, summary and remarks are, to the last bit.
     """
 
     scene: Scene
-    problem: Problem = field(repr=False)
-    lines: NDArray[Any] = field(repr=False)
+    problem: Problem = field(repr=False, compare=False)
+    lines: NDArray[Any] = field(repr=False, compare=False)
     events: tuple[Event, ...] = field(repr=False)
     outcome: Outcome
-    summary: Mapping[str, float | None]
+    summary: Mapping[str, float | None] = field(hash=False)
     accuracy: Accuracy
     remarks: tuple[str, ...]
-    vibration: Vibration | None = field(default=None, repr=False)
+    vibration: Vibration | None = field(default=None, repr=False, compare=False)
 
     maximum_force = _Quantity()
     maximum_indentation = _Quantity()
@@ -160,14 +160,14 @@ class History:
         return last or (float(self.lines["time"][-1]) * self.problem.scales.time if self.lines.size else 0.0)
 
     def sample_si(self, times: Any) -> Samples:
-        """Motion at `times` [s, from first touch, >= 0; any shape], as SI floats.
+        """Motion at `times` [s, or with units; from first touch, >= 0; any shape], as SI floats.
 
         Exact on the lines of the march, with the true law's force at the marched indentation; on a target that
         vibrates, the integrator's interpolation. After the end of contact the impactor flies on. Raises ValueError for
         a time that is negative or not finite.
         """
-        t = np.asarray(times, dtype=np.float64)
-        if not (np.isfinite(t).all() and (t >= 0.0).all()):
+        t = units.array_to_si(times, "time", bare=True)
+        if not (t >= 0.0).all():
             raise ValueError("times must be finite and not before first touch (0 s)")
         order = np.argsort(t, axis=None, kind="stable")
         flat = t.reshape(-1)

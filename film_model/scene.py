@@ -157,7 +157,10 @@ class Scene:
         return text_from_table(self.to_table())
 
     def replace(self, changes: Mapping[str, Any]) -> Scene:
-        """The scene with some entries changed, e.g. {"impactor.velocity": "1 m/s"}; None takes an entry out."""
+        """The scene with some entries changed, e.g. {"impactor.velocity": "1 m/s"}; None takes an entry out.
+
+        solver.segments takes the place of solver.accuracy, and the other way round.
+        """
         from film_model.scene_file import change_table
 
         return Scene.from_table(change_table(self.to_table(), changes))

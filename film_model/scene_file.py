@@ -132,9 +132,14 @@ def table_from_scene(scene: Scene) -> dict[str, Any]:
 
 
 def change_table(table: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The table with the entries at paths such as "impactor.velocity" changed, or taken out where None."""
-    table = copy.deepcopy(table)
-    for path, value in changes.items():
+    """The table with the entries at paths such as "impactor.velocity" changed, or taken out where None.
+
+    Segments take the place of an accuracy, which may be the default that nobody gave, and the other way round.
+    """
+    table, given = copy.deepcopy(table), {path for path, value in changes.items() if value is not None}
+    meshes = {"solver.segments": "solver.accuracy", "solver.accuracy": "solver.segments"}
+    replaced = {other: None for path, other in meshes.items() if path in given and other not in given}
+    for path, value in {**changes, **replaced}.items():
         *sections, key = path.split(".")
         section = table
         for name in sections:

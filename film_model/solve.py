@@ -10,7 +10,7 @@ import numpy as np
 
 from film_model.accuracy import Linearisation, estimate, mesh_of, raise_failure, refine, solver_for
 from film_model.core import native
-from film_model.errors import Outcome, SimulationError
+from film_model.errors import Outcome, SimulationError, shown
 from film_model.history import SUMMARY, Accuracy, Event, History, stage_names
 from film_model.problem import Problem, problem_of
 from film_model.scene import DEFAULT_ACCURACY, Beam, Plate, Scene, Solver
@@ -36,8 +36,11 @@ def simulate(
 
     A plate or beam whose vibrations matter is integrated with so many of its modes as the accuracy needs.
 
-    Raises SceneError for a bad option, SimulationError for a contact the core cannot follow.
+    Raises SceneError for a bad option, SimulationError for a contact the core cannot follow, TypeError for what is no
+    scene.
     """
+    if not isinstance(scene, Scene):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise TypeError(f"simulate takes a Scene, not {shown(scene)}: Scene.from_toml reads one from a file")
     solver = solver_for(scene.solver, accuracy, segments, linearisation)
     problem = problem_of(scene)
     if problem.approach == 0.0 and problem.load <= 0.0:

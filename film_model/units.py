@@ -85,9 +85,9 @@ def array_to_si(values: object, dimension: str, *, bare: bool = False) -> NDArra
 
     if _is_quantity(values):
         size = _quantity_size(values, _powers(dimension), needed(dimension))
-        array = np.asarray(values.magnitude, dtype=np.float64) * float(size)
+        array = _filled(values.magnitude) * float(size)
     elif isinstance(values, np.ndarray) and cast("NDArray[Any]", values).dtype.kind in "iuf":
-        array = np.asarray(cast("NDArray[Any]", values), dtype=np.float64)
+        array = _filled(values)
         if not bare and dimension != "dimensionless":
             raise ValueError(f"an array without a unit, {needed(dimension)}")
     elif isinstance(values, Iterable) and not isinstance(values, str):
@@ -97,6 +97,15 @@ def array_to_si(values: object, dimension: str, *, bare: bool = False) -> NDArra
     if not np.all(np.isfinite(array)):
         raise ValueError(f"an array with values that are not finite, {needed(dimension)}")
     return array
+
+
+def _filled(values: Any) -> NDArray[np.float64]:
+    """Floats, nan where a masked array has none."""
+    import numpy as np
+
+    if isinstance(values, np.ma.MaskedArray):
+        values = cast("Any", values).astype(np.float64).filled(np.nan)
+    return np.asarray(values, dtype=np.float64)
 
 
 def quantity(value: Any, dimension: str) -> Any:

@@ -230,7 +230,7 @@ def _integrate(
         held, free = native.State.from_buffer_copy(state), state.branch == native.FREE
         until, waits = (limit, True) if not free else _wait(t, y, load, state.xi_free, frequency, limit)
         if free:
-            spans.append(Span(t, _flight(t, y, load, frequency), held))
+            spans.append(Span(t, _Flight(t, y, load, frequency), held))
         if not t < until:
             break
         solution: Any = solve_ivp(rates, (t, until), y, events=watched, dense_output=True, **options)
@@ -269,20 +269,22 @@ def _wait(t: float, y: Array, load: float, xi_free: float, frequency: Array, lim
     return min(until, max(limit, t)), load <= 0.0
 
 
-def _flight(begin: float, y: Array, load: float, frequency: Array) -> Callable[[Any], Array]:
+@dataclass(frozen=True)
+class _Flight:
     """The motion without contact, from y at `begin`."""
-    count = frequency.size
-    w, u = y[3 : 3 + count, None], y[3 + count :, None]
 
-    def motion(times: Any) -> Array:
-        tau = np.asarray(times, dtype=np.float64) - begin
-        turned = frequency[:, None] * tau
-        cos, sin = np.cos(turned), np.sin(turned)
-        slow = [y[0] + tau * (y[1] + 0.5 * load * tau), y[1] + load * tau, np.full_like(tau, y[2])]
-        rate = frequency[:, None]
+    begin: float
+    y: Array
+    load: float
+    frequency: Array
+
+    def __call__(self, times: Any) -> Array:
+        y, count, rate = self.y, self.frequency.size, self.frequency[:, None]
+        w, u = y[3 : 3 + count, None], y[3 + count :, None]
+        tau = np.asarray(times, dtype=np.float64) - self.begin
+        cos, sin = np.cos(rate * tau), np.sin(rate * tau)
+        slow = [y[0] + tau * (y[1] + 0.5 * self.load * tau), y[1] + self.load * tau, np.full_like(tau, y[2])]
         return np.concatenate([np.stack(slow), w * cos + u / rate * sin, u * cos - w * rate * sin])
-
-    return motion
 
 
 def _summary(events: list[Moment], y: Array, approach: float, outcome: Outcome) -> native.Summary:

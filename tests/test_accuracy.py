@@ -110,6 +110,11 @@ def test_the_estimate_bounds_the_error_of_many_random_scenes():
     check_estimates(4000, seed=1941)
 
 
+def test_an_empty_linearisation_is_none_of_them():
+    with pytest.raises(fm.SceneError, match='linearisation: "" is not allowed'):
+        fm.simulate(zener_scene(1.0), linearisation="")
+
+
 @pytest.mark.parametrize("segments", [3, 5, 10, 30])
 @pytest.mark.parametrize("linearisation", ["chord", "work-preserving"])
 def test_the_estimate_for_a_number_of_segments(segments, linearisation):

@@ -222,6 +222,19 @@ def test_threads_give_the_same_bytes():
         assert all(np.array_equal(one[name], expected[name], equal_nan=True) for one in found)
 
 
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"velocity": ["1 m/s", "30 km/s"]}, "velocity: 30000 m/s is out of range: from 1e-100 to 20000 m/s"),
+        ({"velocity": ["1e-120 m/s", "1 m/s"]}, "velocity: 1e-120 m/s is out of range"),
+        ({"velocity": "1 m/s", "mass": ["1 g", "1e-30 g"]}, "mass: 1e-33 kg is out of range: from 1e-28 to 1e.12 kg"),
+    ],
+)
+def test_batches_have_the_ranges_of_scenes(given, said):
+    with pytest.raises(ValueError, match=said):
+        fm.simulate_batch(zener_scene(0.5), **given)
+
+
 def test_segments_can_be_given():
     batch = fm.simulate_batch(zener_scene(0.5), velocity=["1 m/s", "2 m/s"], segments=10)
     assert batch.segments == (10, 10)

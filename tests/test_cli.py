@@ -81,6 +81,37 @@ def test_output_and_plot(capsys, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["impact.nc", "impact.svg"]
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["run", str(BALL), "--output", "x.txt"], 'must end in ".nc"'),
+        (["cost", str(BALL), "--output", "x.txt"], 'must end in ".nc"'),
+        (["run", str(BALL), "--output", "folder.nc", "--force"], "is a folder"),
+        (["cost", str(BALL), "--plot", "folder.svg", "--force"], "is a folder"),
+        (["hard-cases", "--markdown", "folder.nc", "--force"], "is a folder"),
+    ],
+)
+def test_outputs_that_cannot_be_are_said_before_the_work(arguments, said, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for folder in ("folder.nc", "folder.svg"):
+        (tmp_path / folder).mkdir()
+    for work in ("solve.simulate", "study.study", "hard_cases.report"):
+        monkeypatch.setattr(f"film_model.{work}", lambda *_, **__: pytest.fail("the work had begun"))
+    status, out, err = run(capsys, *arguments)
+    assert (status, out) == (3, "") and said in err
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
+def test_every_code_page_will_do(encoding):
+    def printed(*arguments):
+        environment = {**os.environ, "PYTHONIOENCODING": encoding}
+        command = [sys.executable, "-m", "film_model", *arguments]
+        return subprocess.run(command, capture_output=True, check=True, env=environment).stdout.decode(encoding)
+
+    assert ("F = K δ^1.5" if encoding == "utf-8" else "F = K ?^1.5") in printed("laws")
+    assert "F = K δ^1.5" in json.loads(printed("laws", "--json"))["laws"][0]["summary"]
+
+
 @pytest.mark.parametrize("command", ["laws", "materials"])
 def test_lists(capsys, command):
     status, out, _ = run(capsys, command)

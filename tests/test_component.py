@@ -1,6 +1,8 @@
 """The component: steps of any size give one motion, with the events of a whole run."""
 
+import copy
 import math
+import pickle
 import random
 
 import numpy as np
@@ -335,3 +337,13 @@ def test_a_support_that_turns_the_motion_round_is_an_event(law):
     outwards = component.step(1e-9, support_velocity=0.5)
     assert [event.name for event in outwards.events] == ["maximum_indentation"]
     assert component.step(1e-9, support_velocity=0.4).events == ()
+
+
+def test_a_component_is_copied_and_pickled_in_the_middle_of_a_contact():
+    component = drop("stronge", "plate", initial_gap="1 um")
+    component.step(30e-6)
+    assert repr(component) == "ImpactComponent(law stronge, loading at 3e-05 s)"
+    twins = copy.deepcopy(component), pickle.loads(pickle.dumps(component))
+    expected = component.step(1e-3)
+    assert [event.name for event in expected.events][-1] == "contact_ends"
+    assert [twin.step(1e-3) for twin in twins] == [expected, expected]

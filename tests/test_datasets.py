@@ -59,6 +59,42 @@ def test_dataset_has_what_the_history_has(path: Path) -> None:
         assert np.isnan(ds[name]) if value is None else float(ds[name]) == value
 
 
+def test_histories_are_compared_by_what_they_say(history: fm.History) -> None:
+    again = fm.simulate(history.scene)
+    other = fm.simulate(history.scene, accuracy=1e-6)
+    assert again == history and hash(again) == hash(history)
+    assert other != history and len({history, again, other}) == 2
+
+
+def test_times_are_read_with_their_unit(history: fm.History) -> None:
+    quantity = history.maximum_force.__class__
+    expected = history.sample_si(20e-6)
+    assert expected.contact_force > 0.0
+    for time in ("20 us", quantity(20, "us"), quantity(np.array(0.02), "ms")):
+        assert history.sample_si(time).contact_force == pytest.approx(expected.contact_force, rel=1e-14)
+    with pytest.raises(ValueError, match="a time is needed"):
+        history.sample_si(quantity(20, "mm"))
+
+
+def test_what_is_of_another_kind_is_named(history: fm.History, tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match="not a Scene"):
+        fd.to_dataset(history.scene)
+    with pytest.raises(TypeError, match="not a History: to_dataset makes one"):
+        fd.write(history, tmp_path / "x.nc")  # pyright: ignore[reportArgumentType]
+    with pytest.raises(TypeError, match=r'not "scene\.toml": Scene'):
+        fm.simulate("scene.toml")  # pyright: ignore[reportArgumentType]
+
+
+def test_a_part_of_the_segments_is_not_sampled(dataset: xr.Dataset) -> None:
+    for part in (slice(0, 5), slice(5, None)):
+        with pytest.raises(ValueError, match="segments of this history are missing"):
+            dataset.isel(segment=part).film.sample(["100 us"])
+    with pytest.raises(ValueError, match=r"one list, not of shape \(1, 2\)"):
+        dataset.film.sample([["1 us", "2 us"]])
+    early = dataset.isel(t=slice(0, 5), event=slice(0, 1)).film.sample(["100 us"])
+    assert early.identical(dataset.film.sample(["100 us"]))
+
+
 def test_even_samples_come_with_the_events(history: fm.History) -> None:
     t = fd.to_dataset(history, samples=5)["t"].values
     even = np.linspace(0.0, history.duration, 5)

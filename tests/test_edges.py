@@ -2,6 +2,7 @@
 
 import json
 import math
+import pickle
 import warnings
 from pathlib import Path
 
@@ -34,6 +35,14 @@ CONVERGED = {  # 5476 modes, integrated to 1e-9
 @pytest.fixture(scope="module")
 def history():
     return fm.simulate(OLSSON, accuracy=1e-3)
+
+
+def test_a_vibrating_history_is_pickled(history):
+    again = pickle.loads(pickle.dumps(history))
+    assert len(history.vibration.spans) > 1 and again == history
+    times = np.linspace(0.0, 2.0 * history.duration, 101)
+    assert np.array_equal(again.sample_si(times).contact_force, history.sample_si(times).contact_force)
+    assert np.array_equal(again.sample_si(times).target_velocity, history.sample_si(times).target_velocity)
 
 
 def _ball(velocity="0.25 m/s", **ball):
@@ -388,6 +397,7 @@ def test_options_of_the_march_are_not_dropped_in_silence(options):
     ("target", "message"),
     [
         (lambda: fm.Plate(STEEL, "1 mm", position=["1 mm", "1 mm"]), "position: needs a size"),
+        (lambda: fm.Plate(STEEL, "1 mm", edges="clamped"), "edges: needs a size"),
         (lambda: fm.Plate(STEEL, "1 mm", size=["1 m", "1 m"], position=["0 m", "1 mm"]), "0 m must be > 0 m and < 1 m"),
         (lambda: fm.Plate(STEEL, "1 mm", size=["1 m", "1 m"], position=["1 mm", "2 m"]), "2 m must be > 0 m and < 1 m"),
         (lambda: fm.Plate(STEEL, "1 mm", size=["1 m", "1 m"], edges="free"), "edges: "),

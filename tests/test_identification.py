@@ -111,6 +111,12 @@ def test_exact_data_give_the_parameters_back(tmp_path: Path) -> None:
     assert one.value == pytest.approx(1e9, rel=1e-3)
 
 
+def test_a_silent_measurement_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "m.csv").write_text("time [us],force [N]\n0,0\n1,0\n2,0\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="contact_force: zero throughout"):
+        fd.identify(fd.from_csv(tmp_path / "m.csv"), BALL, ["contact.yield_strength"])
+
+
 def test_material_parameters_and_plates(tmp_path: Path) -> None:
     plate = fm.Scene.from_toml(SCENES / "olsson_plate.toml").replace({"effects.boundary_reflections": False})
     history = fm.simulate(plate, accuracy=1e-8)

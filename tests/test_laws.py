@@ -184,6 +184,9 @@ def test_a_peak_inside_a_stage_is_met_exactly():
         ((fm.Stage("a", 0.0, np.inf, lambda x: x),), "has no end"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: x - 1.0),), "must be finite and >= 0"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: np.log(x)),), "must be finite and >= 0"),
+        ((fm.Stage("a", 0.0, 2.0, lambda x: np.where(x < 1.0, x, np.nan)),), "a force of nan"),
+        ((fm.Stage("a", 0.0, 50.0, lambda x: x + np.sin(5.0 * x)),), "stages, cut where the force turns"),
+        ((fm.Stage("a", 0.0, np.inf, fm.Power(slope=1.0), damping=fm.Power(slope=1.0)),), "must say damped = True"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: np.floor(7 * x)),), "cannot be fitted"),
         ((), "0 stages"),
     ],
@@ -193,6 +196,39 @@ def test_a_wrong_law_is_refused_with_its_name_and_stage(stages, says):
     with pytest.raises(ValueError, match="law 'own'") as caught:
         curve_of(own(*stages))
     assert says in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("law", "said"),
+    [
+        (fm.Hertz("115 GPa", 0.01), "Hertz.effective_modulus: .115 GPa. is not a finite number; .* SI floats"),
+        (fm.Hertz(115e9, np.nan), "Hertz.radius: nan is not a finite number"),
+        (fm.Thornton(115e9, 0.01, -1e9), "Thornton.yield_pressure: -1000000000.0 must be > 0"),
+        (fm.Meyer(1e9, 1.5, initial_force=-1.0), "Meyer.initial_force: -1.0 must be >= 0"),
+        (fm.WaltonBraun(2e7, 1e7), "WaltonBraun.unloading_stiffness: 1e.07 N/m must be >= loading_stiffness"),
+        (fm.TanSun(1e9, 1e-6, unloading_exponent=1.0), "TanSun.unloading_exponent: 1 must be >= exponent"),
+        (fm.KogutEtsion(115e9, 0.01, 0.9, 1e9), "poissons_ratio: 0.9 must be > -1 and < 0.5"),
+        (fm.BigAlabo(115e9, 0.01, 1e9, "rounded"), 'constants: "rounded" is not allowed: "continuous" or "printed"'),
+        (fm.Retrace(fm.Stronge(115e9, 0.0, 1e9)), "radius: 0.0 must be > 0"),
+    ],
+)
+def test_values_that_a_scene_refuses_are_refused_in_a_law_of_python(law, said):
+    with pytest.raises(fm.SceneError, match=f"Contact.law: .*{said}"):
+        fm.Contact(law)
+
+
+def test_a_rule_of_unloading_needs_a_law():
+    with pytest.raises(ValueError, match='"hertz" is not a law'):
+        fm.Retrace("hertz")
+
+
+@pytest.mark.parametrize("scales", [(0.0, 1.0), (1e-6, -1.0), (np.nan, 1.0), (1e-6, np.inf)])
+def test_wrong_scales_are_refused(scales, monkeypatch):
+    law = own(fm.Stage("a", 0.0, np.inf, fm.Power(slope=1.0)))
+    monkeypatch.setattr(type(law), "scales", lambda self, energy: scales)
+    case = fm.Scene(fm.Sphere("10 mm", velocity="1 m/s", mass="50 g"), fm.HalfSpace(), fm.Contact(law))
+    with pytest.raises(ValueError, match=r"law 'own': scales of .* must be finite and > 0"):
+        fm.simulate(case)
 
 
 def test_unloading_needs_exactly_one_rule():

@@ -61,6 +61,25 @@ def test_arguments_of_sweeps_are_for_sweeps(option: dict, tmp_path: Path) -> Non
     assert main(["plot", str(fd.write(ds, tmp_path / "x.nc")), "--over", "foo"]) == 3
 
 
+def test_a_selection_is_drawn_under_its_own_words() -> None:
+    laws = ["hertz", "stronge", "big-alabo"]
+    ds = fd.sweep(BALL, {"impactor.velocity": VELOCITY, "contact.law": laws})
+    for order in ([2, 1], [1]):
+        (panel,) = fd.plot(ds.isel(contact_law=order)).axes
+        assert [text.get_text() for text in panel.get_legend().get_texts()] == [laws[k] for k in order]
+        for line, k in zip(panel.lines, order, strict=True):
+            assert np.array_equal(line.get_ydata(), ds["coefficient_of_restitution"].values[:, k])
+    picked = fd.plot(ds.isel(contact_law=[1, 2]), over="impactor_velocity", at={"contact_law": "stronge"})
+    assert np.array_equal(picked.axes[0].lines[0].get_ydata(), ds["coefficient_of_restitution"].values[:, 1])
+    assert "contact law stronge" in picked.axes[0].get_title()
+    with pytest.raises(ValueError, match='at: contact_law has stronge, not "hertz"'):
+        fd.plot(ds.isel(contact_law=[1]), over="impactor_velocity", at={"contact_law": "hertz"})
+    for one in (ds.isel(impactor_velocity=3, contact_law=1), ds.isel(impactor_velocity=[3], contact_law=1)):
+        (point,) = fd.plot(one, quantity="maximum_force").axes[0].lines
+        force = float(ds["maximum_force"][3, 1])
+        assert point.get_xdata().size == 1 and point.get_ydata()[0] == pytest.approx(force, rel=1e-12)
+
+
 def test_lines_for_words_and_few_values() -> None:
     ds = fd.sweep(BALL, {"impactor.velocity": VELOCITY, "contact.law": ["hertz", "stronge"]})
     panel = fd.plot(ds, quantity="maximum_force").axes[0]
@@ -158,7 +177,7 @@ def test_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert "--force" in capsys.readouterr().err
     for suffix in ("svg", "pdf"):
         picture = tmp_path / f"x.{suffix}"
-        options = ["--quantity", "maximum_force", "--over", "impactor_velocity", "--at", "contact.law=stronge"]
+        options = ["--quantity", "maximum_force", "--over", "impactor.velocity", "--at", "contact.law=stronge"]
         assert main(["plot", str(path), "--output", str(picture), *options]) == 0
         assert picture.stat().st_size > 5000
     assert main(["plot", str(tmp_path / "none.nc")]) == 3

@@ -101,7 +101,7 @@ def test_round_trip(name: str) -> None:
     assert hash(scene) == hash(Scene.from_text(scene.to_toml()))
 
 
-@given(st.floats(1e-9, 1e2), st.floats(0, 1e4), st.floats(1, 1e14), st.text())
+@given(st.floats(1e-9, 1e2), st.just(0.0) | st.floats(1e-100, 1e4), st.floats(1, 1e14), st.text())
 def test_round_trip_of_any_numbers(radius: float, velocity: float, modulus: float, title: str) -> None:
     ball = Sphere(f"{radius!r} m", f"{velocity!r} m/s", material="copper")
     title = title.encode("utf-8", "replace").decode()
@@ -115,6 +115,10 @@ def test_replace() -> None:
     faster = scene.replace({"impactor.velocity": "1 m/s", "solver.accuracy": None, "solver.segments": 3})
     assert (faster.impactor.velocity, faster.solver.segments, faster.impactor.radius) == (1.0, 3, 0.01)
     assert scene.impactor.velocity == 0.25
+    assert scene.replace({"solver.segments": 3}).solver == faster.solver != scene.solver
+    assert faster.replace({"solver.accuracy": 1e-4}).solver == scene.solver
+    with pytest.raises(SceneError, match="not both"):
+        scene.replace({"solver.segments": 3, "solver.accuracy": 1e-4})
     assert scene.replace({"impactor.material.density": "1 g/cm^3"}).impactor.material is not None
     with pytest.raises(SceneError, match=r"^impactor.velocity: 1 has no unit"):
         scene.replace({"impactor.velocity": 1})

@@ -73,6 +73,16 @@ BAD_LINES = [
     ('velocity = "0.25 m/s"', 'velocty = "1 m/s"', 's.toml:5: impactor.velocty: unknown key; did you mean "velocity"?'),
     ('velocity = "0.25 m/s"', 'velocity = "-1 m/s"', 's.toml:5: impactor.velocity: "-1 m/s" must be >= 0'),
     ('velocity = "0.25 m/s"', 'velocity = "90 km/s"', 's.toml:5: impactor.velocity: "90 km/s" is out of range'),
+    (
+        'velocity = "0.25 m/s"',
+        'velocity = "1e-160 m/s"',
+        "s.toml:5: impactor.velocity: 1e-160 m/s must be 0 or at least 1e-100 m/s",
+    ),
+    (
+        'velocity = "0.25 m/s"',
+        'drop_height = "1e-300 m"',
+        "s.toml:5: impactor.drop_height: 4.42869e-150 m/s must be 0 or at least 1e-100 m/s",
+    ),
     ('velocity = "0.25 m/s"', "", "s.toml:2: impactor.velocity: missing: velocity or drop_height is needed"),
     (
         'mass = "60.74 g"',

@@ -765,6 +765,27 @@ def test_film_of_a_sweep_says_what_it_needs() -> None:
         ds.film.sample([0.0], impactor_velocity=0.1, contact_law="hertz")
 
 
+def test_segments_are_swept_over_a_scene_that_gives_none() -> None:
+    ds = fd.sweep(BALL, {"solver.segments": [1, 2, 4]})
+    found = [fm.simulate(BALL, segments=n).summary["contact_duration"] for n in (1, 2, 4)]
+    assert ds["contact_duration"].values == pytest.approx(found, rel=1e-5)
+    assert abs(found[0] - found[2]) > 1e-3 * found[2]
+    assert ds.film.scene(solver_segments="2").solver == fm.Solver(segments=2)
+
+
+def test_an_impact_that_was_selected_is_the_one() -> None:
+    ds = fd.sweep(BALL, {**SPEEDS, "contact.law": ["hertz", "stronge"]}, keep="segments")
+    with pytest.raises(KeyError, match="impactor_velocity is missing"):
+        ds.film.history()
+    one = ds.isel(impactor_velocity=-1, contact_law=1)
+    where = {"impactor_velocity": float(ds["impactor_velocity"][-1]), "contact_law": "stronge"}
+    assert one.film.scene() == ds.film.scene(**where) != ds.film.scene() == BALL
+    assert one.film.history() == ds.film.history(**where)
+    for part in (one, ds.isel(impactor_velocity=[-1], contact_law=[1])):
+        assert part.film.sample([5e-6]).identical(ds.film.sample([5e-6], **where))
+    assert one.film.summary() == ds.film.summary(**where)
+
+
 @pytest.mark.parametrize("interop", [True, False])
 def test_quantities(interop: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     if interop:

@@ -186,3 +186,11 @@ def test_ordinary_units_need_no_pint() -> None:
     code = "import sys; from film_model.units import *; to_si('5 N/mm^2', 'pressure'); format_si(1., 'force'); "
     code += "assert not {'pint', 'scipy'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_masked_values_are_missing() -> None:
+    masked = np.ma.array([1, 2], mask=[False, True])
+    for values in (REGISTRY.Quantity(masked, "mm"), masked):
+        with pytest.raises(ValueError, match="not finite"):
+            units.array_to_si(values, "length", bare=True)
+    np.testing.assert_array_equal(units.array_to_si(REGISTRY.Quantity(masked[:1], "mm"), "length"), [0.001])

@@ -46,6 +46,8 @@ class Film:
     def scene(self, **where: Any) -> Scene:
         """The scene, ready to run again: of a history, of one impact of a sweep, or that on which a sweep is based.
 
+        The impact of a sweep is picked by `where`, or before: `ds.isel(impact=5).film.scene()`.
+
         Raises ValueError where the law was an object of Python or an FMU was run with other values, KeyError for an
         impact that is not there.
         """
@@ -54,8 +56,10 @@ class Film:
         if "start_values" in self._ds.attrs:
             given = ", ".join(str(self._ds.attrs["start_values"]).split("\n"))
             raise ValueError(f"this run of an FMU was given {given}, which is not in the scene that was exported")
-        if not where:
-            return scene_of(self._ds)
+        return self._picked(where) if where or self._is_one else scene_of(self._ds)
+
+    def _picked(self, where: Mapping[str, Any]) -> Scene:
+        """The scene of one impact of a sweep."""
         row = self._ds.isel(self._places(where))
         changes: dict[str, Any] = {}
         for axis in Sweep.of_dataset(self._ds).axes:
@@ -69,7 +73,7 @@ class Film:
         if self.kind == HISTORY:
             _nothing(where)
             return history_of(self._ds)
-        return simulate(self.scene(**where))
+        return simulate(self._picked(where))
 
     def sample(self, times: Any, **where: Any) -> xr.Dataset:
         """Motion at any times, from the segments in the file: a dataset over t, SI.
@@ -78,6 +82,8 @@ class Film:
         picks the impact, and segments must have been kept.
         """
         t = np.atleast_1d(units.array_to_si(times, "time", bare=True))
+        if t.ndim > 1:
+            raise ValueError(f"times must be one list, not of shape {t.shape}")
         if self.kind == HISTORY:
             samples = self.history(**where).sample_si(t)
             motion = {name: getattr(samples, name) for name in MOTION}
@@ -93,7 +99,7 @@ class Film:
         Statistics are count, least, mean, standard_deviation and greatest of the impacts that have a value.
         """
         names = [name for name in SUMMARY if name in self._ds]
-        if self.kind == SWEEP and not where:
+        if self.kind == SWEEP and not (where or self._is_one):
             return {name: statistics(self._ds[name]) for name in names}
         if self.kind == HISTORY:
             _nothing(where)
@@ -112,6 +118,11 @@ class Film:
         `film_datasets.write` takes it, and writes SI numbers.
         """
         return quantified(self._ds)
+
+    @property
+    def _is_one(self) -> bool:
+        """Whether this is one impact of a sweep, all that was swept a scalar."""
+        return self.kind == SWEEP and not self._ds["status"].dims
 
     def _places(self, where: Mapping[str, Any]) -> dict[str, int]:
         """The place of one impact of a sweep along each dimension."""
@@ -142,6 +153,8 @@ class Film:
 
     def _sample_row(self, t: NDArray[np.float64], where: Mapping[str, Any]) -> dict[str, Any]:
         """Motion of one impact of a sweep, from its segments."""
+        if self.kind != SWEEP:
+            raise ValueError(f"a dataset of kind {self.kind} has no impacts to sample")
         if "segment_count" not in self._ds.variables:
             raise ValueError('no segments were kept of this sweep (keep="segments"): use ds.film.history(…).sample')
         if t.min(initial=0.0) < 0.0:
@@ -155,7 +168,7 @@ class Film:
             raise ValueError("the segments of this impact are not there: the dimension segment must be whole")
         scales = Scales(*(float(row[f"scale_{scale.name}"]) for scale in fields(Scales)))
         share, order = float(row["impactor_share"]), np.argsort(t, kind="stable")
-        curve = problem_of(self.scene(**where)).curve.native
+        curve = problem_of(self._picked(where)).curve.native
         values, back = native.sample(curve, lines, t[order] / scales.time)[0], np.argsort(order, kind="stable")
         return motion_of(scales, float(row["drift_velocity"]), share, share < 1.0, t, values[back])
 

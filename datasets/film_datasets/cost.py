@@ -22,6 +22,8 @@ COMMENT = (
 
 def study_dataset(study: Any, command: str = "film-model cost") -> xr.Dataset:
     """A study of a scene (film_model.study.Study) as a dataset of kind impact_cost_study, SI."""
+    if not hasattr(study, "runs"):
+        raise TypeError(f"a History or a Study becomes a dataset, not a {type(study).__name__}")
     runs = study.runs
     methods = list(dict.fromkeys(run.method for run in runs))
     columns: dict[str, Any] = {

@@ -34,10 +34,10 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     Raises ValueError for a suffix other than .nc; FileExistsError if the file is there and `overwrite` is not set;
     IsADirectoryError, FileNotFoundError, PermissionError or OSError where the file cannot be written.
     """
+    if not isinstance(ds, xr.Dataset):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise TypeError(f"a dataset is written, not a {type(ds).__name__}: to_dataset makes one of a history")
     target = Path(path)
-    if target.suffix != SUFFIX:
-        raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}"')
-    check_place(target, overwrite)
+    check_file(target, overwrite)
     ds = in_numbers(ds)
     try:
         with written_whole(target) as beside:
@@ -96,6 +96,13 @@ def _indexed(ds: xr.Dataset) -> xr.Dataset:
     for name in along:
         ds = ds.set_xindex(name)
     return ds
+
+
+def check_file(target: Path, overwrite: bool) -> None:
+    """As :func:`check_place`, of a netCDF file."""
+    if target.suffix != SUFFIX:
+        raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}"')
+    check_place(target, overwrite)
 
 
 def check_place(target: Path, overwrite: bool) -> None:

@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.provenance import PROGRAM, provenance, scene_text, text_and_hash
-from film_datasets.schema import BRANCHES, HISTORY, TABLE, content_sha256, flag_words
+from film_datasets.schema import BRANCHES, HISTORY, TABLE, content_sha256, flag_words, kind_of
 from film_model.core.native import BRANCH_NAMES, EVENTS, LINE_DTYPE
 from film_model.effects import Effect, choose, percent
 from film_model.errors import Outcome, SceneError
@@ -75,7 +75,7 @@ def history_of(ds: xr.Dataset) -> History:
     """The history that a dataset was made from, with which it can be sampled and drawn, from the dataset alone.
 
     On a target that vibrates there are no segments: the impact is simulated anew. Raises ValueError where the contact
-    law is not one of film-model's own, and for the run of an FMU, which tells no segments.
+    law is not one of film-model's own, where segments are missing, and for the run of an FMU, which tells none.
     """
     scene = scene_of(ds)
     problem = problem_of(scene)
@@ -84,6 +84,9 @@ def history_of(ds: xr.Dataset) -> History:
     lines, names = lines_of(ds), stage_names(problem)
     if not lines.size:
         raise ValueError("the run of an FMU tells no segments: its motion is in the dataset, at the times t only")
+    last = float(ds["event_time"].values.max(initial=0.0)) / problem.scales.time
+    if lines["time"][0] != 0.0 or lines["time"][-1] < last * (1.0 - NEAREST_SAMPLE):
+        raise ValueError("segments of this history are missing: the dimension segment must be whole")
     summary = _summary_of(ds)
     accuracy = Accuracy(
         ds.attrs.get("requested_accuracy"),
@@ -134,7 +137,9 @@ def _events_of(ds: xr.Dataset, names: list[str]) -> tuple[Event, ...]:
 
 
 def scene_of(ds: xr.Dataset) -> Scene:
-    """The scene in a dataset's attribute scene_toml. Raises ValueError where it has a law of the user's own."""
+    """The scene in the attribute scene_toml. Raises ValueError where there is none, or the law is the user's own."""
+    if "scene_toml" not in ds.attrs:
+        raise ValueError(f"a dataset of kind {kind_of(ds)} has no scene")
     law = str(ds.attrs.get("contact_law", ""))
     try:
         scene = Scene.from_text(str(ds.attrs["scene_toml"]), "scene_toml")

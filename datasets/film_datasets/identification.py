@@ -172,7 +172,8 @@ def identify(measured: xr.Dataset, scene: Scene, fit: Sequence[str], confidence:
     of numbers such as "contact.yield_strength" or "impactor.velocity", and "time_offset", when first touch was.
     The differences are divided by each quantity's largest value and their squares summed; positive parameters are
     searched by their logarithm. Intervals are of Student's t at the level `confidence`, from the Jacobian at the end:
-    right where the noise is independent from point to point and the model is linear over the interval.
+    right where the noise is independent from point to point and the model is linear over the interval. Some hundred
+    impacts are simulated, each of which takes seconds where the target vibrates between its edges.
 
     Raises SceneError for parameters that cannot be fitted, SimulationError where the scene's own values make no
     impact, ValueError for other mistakes.
@@ -216,6 +217,8 @@ class _Search:
         self.names = [str(name) for name in measured.data_vars if name != along]
         self.there = {name: np.isfinite(measured[name].values) for name in self.names}
         largest = {n: float(np.abs(measured[n].values[self.there[n]]).max(initial=0.0)) for n in self.names}
+        if not any(largest.values()):
+            raise ValueError(f"{', '.join(self.names)}: zero throughout, there is nothing to fit")
         self.size = {name: value or 1.0 for name, value in largest.items()}
         self.points = sum(int(there.sum()) for there in self.there.values())
         if self.points <= len(parameters):

@@ -91,6 +91,9 @@ def plot(
         hint = did_you_mean(quantity, known) or f"; there are {', '.join(known)}"
         raise ValueError(f"quantity: {shown(quantity)} is not a summary quantity of this dataset{hint}")
     swept = [str(name).replace(".", "_").replace("-", "_") for name in str(ds.attrs["swept"]).split()]
+    alone = [name for name in swept if ds[name].ndim == 0]  # in a selection
+    if alone:
+        ds = ds[[quantity, "status", *swept]].expand_dims(alone)
     numbers = [name for name in swept if "flag_meanings" not in ds[name].attrs and ds[name].size > 1]
     fine = [name for name in numbers if ds[name].size > FAMILY]
     chosen = [over] if isinstance(over, str) else list(over or fine[:2] or numbers[:1] or swept[:1])
@@ -209,7 +212,7 @@ def _fixed(ds: xr.Dataset, quantity: str, free: list[str], at: dict[str, Any]) -
     for name in map(str, ds[quantity].dims):
         if name in free:
             continue
-        words = str(ds[name].attrs.get("flag_meanings", "")).split()
+        words = _words(ds[name])
         value = at.get(name)
         if words:
             if value is not None and str(value) not in words:
@@ -224,10 +227,16 @@ def _fixed(ds: xr.Dataset, quantity: str, free: list[str], at: dict[str, Any]) -
     return ds[quantity].isel(places), said
 
 
+def _words(array: xr.DataArray) -> list[str]:
+    """The words of a swept quantity that are there, which may be a selection; none if it is of numbers."""
+    words = str(array.attrs.get("flag_meanings", "")).split()
+    return [words[number] for number in array.values.tolist()] if words else []
+
+
 def _names(array: xr.DataArray) -> list[str]:
     """The values of a swept quantity as texts."""
     if "flag_meanings" in array.attrs:
-        return str(array.attrs["flag_meanings"]).split()
+        return _words(array)
     size, unit = prefixed_unit(array.values, dimension_of(array))
     return [f"{value:.4g} {unit}".rstrip() for value in (array.values / size).tolist()]
 

@@ -101,6 +101,9 @@ class Mesh(c.Structure):
         ("unloading_nodes", c.c_void_p * _GRADINGS),
     ]
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return mesh, (self.linearisation, self.loading, self.unloading)  # a copy of the pointers would outlive `memory`
+
 
 _LINE = (
     *((name, _D) for name in ("time", "xi", "nu", "shift", "phi", "kappa", "work", "spent", "load", "gamma")),

@@ -7,6 +7,8 @@ return f = F/F_s. Nothing else is needed: work is integrated, functions that the
 
 from __future__ import annotations
 
+import math
+import numbers
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -14,6 +16,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from film_model.errors import shown
 
 Array = NDArray[np.float64]
 
@@ -175,6 +179,42 @@ def wrong_restitution(values: Mapping[str, Any], other: str | None = None) -> di
     if restitution is not None and not 0.0 < restitution <= 1.0:
         return {"restitution": f"{restitution:g} must be above 0 and at most 1"}
     return {}
+
+
+_OF_THE_SCENE = {
+    "effective_modulus": (0.0, math.inf),
+    "radius": (0.0, math.inf),
+    "yield_strength": (0.0, math.inf),
+    "poissons_ratio": (-1.0, 0.5),
+}
+"""Fields that are filled from the scene, and the ends between which they lie."""
+
+
+def wrong_values(law: AbstractLaw) -> dict[str, str]:
+    """What is wrong with the values of a law that was made in Python, by their names: what a scene would refuse."""
+    wrong: dict[str, str] = {}
+    for name in law_fields(type(law)):
+        value, parameter = getattr(law, name), law.parameters.get(name)
+        if isinstance(value, AbstractLaw):
+            wrong |= wrong_values(value)
+        elif parameter is not None and (parameter.several or (value is None and not parameter.required)):
+            continue
+        elif parameter is not None and parameter.choices:
+            if value not in parameter.choices:
+                wrong[name] = f"{shown(value)} is not allowed: {' or '.join(map(shown, parameter.choices))} is needed"
+        elif parameter is not None or name in _OF_THE_SCENE:
+            low, high = _OF_THE_SCENE.get(name, (-math.inf, math.inf))
+            closed = parameter is not None and parameter.above is None
+            if parameter is not None:
+                least = parameter.minimum if closed else parameter.above
+                low = low if least is None else least
+            if isinstance(value, bool) or not isinstance(value, numbers.Real) or not math.isfinite(value):
+                wrong[name] = f"{shown(value)} is not a finite number; a law's values are SI floats"
+            elif not (low < float(value) < high or (closed and value == low)):
+                between = f"{'>=' if closed else '>'} {low:g}" + (f" and < {high:g}" if high < math.inf else "")
+                wrong[name] = f"{shown(value)} must be {between}"
+    given = {name: getattr(law, name) for name in law_fields(type(law)) if getattr(law, name) is not None}
+    return wrong or type(law).settle(given)
 
 
 def raise_wrong(law: AbstractLaw) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
+from film_model.errors import shown
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.law import AbstractLaw, Power, Stage, Unloading
 
@@ -20,10 +21,19 @@ class _Reopened(AbstractLaw):
 
     law: AbstractLaw
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.law, AbstractLaw):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise ValueError(f"{type(self).__name__}.law: {shown(self.law)} is not a law with its values")
+
     @property
     def name(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The loading law's."""
         return self.law.name
+
+    @property
+    def damped(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The loading law's."""
+        return self.law.damped
 
     def damping_factor(self, mass: Any, velocity: Any, length: float) -> Any:
         return self.law.damping_factor(mass, velocity, length)
@@ -51,6 +61,7 @@ class BrakeUnloading(_Reopened):
     radius: float
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.law.damped:
             raise ValueError(f"law {self.law.name} is damped: it takes no rule of unloading")
 

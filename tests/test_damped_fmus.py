@@ -272,6 +272,32 @@ def test_directional_derivatives_by_velocity(made, name, version):
         assert derive([reference("contact_force")], [reference("relative_velocity")], [1.0])[0] == 0.0
 
 
+@VERSIONS
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+@pytest.mark.parametrize("name", DAMPED)
+def test_the_force_hears_the_support_before_the_step(made, name, target, version):
+    """As an importer that iterates between two FMUs at one time asks: values and derivatives belong together."""
+    names = ("contact_force", "impactor_acceleration", "relative_velocity", "target_velocity")
+    on = replace(scene(name, target), effects=fm.Effects(gravity=False))
+    with opened(made(on, version)) as fmu, started(fmu, False, {}) as slave:
+        slave.step(0.0, 2e-5)
+        forces = []
+        for support in (0.02 - 1e-4, 0.02, 0.02 + 1e-4):
+            slave.set("support_velocity", support)
+            forces.append(slave.get(names)["contact_force"])
+        slave.set("support_velocity", 0.02)
+        unknown, known = reference("contact_force"), reference("support_velocity")
+        slope = slave.own.getDirectionalDerivative([unknown], [known], [1.0])[0]
+        assert slope < 0.0 and (forces[2] - forces[0]) / 2e-4 == pytest.approx(slope, rel=1e-6)
+        heard = slave.get(names)
+        slave.step(2e-5, 0.0)
+        assert list(heard.values()) == pytest.approx(list(slave.get(names).values()), rel=1e-12)
+        slave.set("support_velocity", 20.0)  # away, so fast that the law would pull
+        assert slave.get(names)["contact_force"] == 0.0
+        slave.step(2e-5, 1e-9)
+        assert slave.get(names)["contact_force"] == 0.0
+
+
 @pytest.mark.parametrize("kind", ["impact", "contact"])
 def test_the_description_names_what_the_force_depends_on(made, kind):
     def dependencies(name, variable):

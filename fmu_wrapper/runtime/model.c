@@ -159,7 +159,11 @@ static int observe(model *m, motion_now *seen, int with_stiffness) {
         double support = contact ? 0.0 : now->value[SUPPORT_VELOCITY];
         at = film_force(&m->data->curve, state, seen->indentation / now->length, (seen->velocity - support) / now->velocity);
     } else {
-        if (with_stiffness) at = film_force(&m->data->curve, state, state->xi, state->nu);
+        double slower = (now->value[SUPPORT_VELOCITY] - now->support) / now->velocity; /* what the next step begins with */
+        if (with_stiffness || (slower != 0.0 && damped(m))) {
+            at = film_force(&m->data->curve, state, state->xi, state->nu - slower);
+            if (slower != 0.0 && at.force < 0.0) at.force = at.by_xi = at.by_nu = 0.0; /* contact ends there */
+        }
         seen->indentation = state->xi * now->length;
         seen->velocity = state->nu * now->velocity + now->support;
         seen->target = state->shift * now->length + now->support_displacement;

@@ -179,6 +179,21 @@ def test_a_support_that_moves(made, version):
         assert float(final[name]) == pytest.approx(ours, rel=1e-11, abs=1e-11 * float(np.abs(ds[name]).max())), name
 
 
+@VERSIONS
+@pytest.mark.parametrize("law", ["hertz", "stronge", "linear-dashpot", "tsuji"])
+def test_a_support_that_jumps_away_leaves_the_largest_force_behind(made, version, law):
+    on = dataclasses.replace(scene(law), effects=fm.Effects(gravity=False))
+    component, middle = fm.ImpactComponent(on), 0.3 * fm.simulate(on).duration
+    largest = component.step(middle).outputs.contact_force
+    with opened(made(on, version)) as fmu, started(fmu, False, {}) as slave:
+        slave.step(0.0, middle)
+        slave.set("support_velocity", 1.5 * on.approach_velocity)
+        slave.step(middle, 3.0 * middle)
+        after = slave.get(("maximum_force", "time_contact_ends"))
+    assert after["time_contact_ends"] > middle
+    assert after["maximum_force"] == pytest.approx(largest, rel=EXACT)
+
+
 CHANGES = {
     "mass": ("0.02 kg", {"impactor.mass": "0.02 kg"}),
     "initial_velocity": ("0.6 m/s", {"impactor.velocity": "0.6 m/s"}),

@@ -341,6 +341,7 @@ static int take_inputs(model *m) {
     model_memory *now = &m->memory;
     double support = now->value[SUPPORT_VELOCITY], load = load_of(m);
     if (load == now->load && support == now->support) return 0;
+    if (now->state.branch != FILM_FREE) now->state.force_peak = fmax(now->state.force_peak, now->state.force);
     int status = film_input(&now->state, load, (now->support - support) / now->velocity, -support / now->velocity);
     if (status < 0) return refused(m, status);
     now->load = load;

@@ -1,5 +1,6 @@
 """Damped laws in FMUs: their damping follows what is set after export, and integrators of their true law agree."""
 
+import ctypes
 import html
 import math
 import random
@@ -222,6 +223,38 @@ def test_a_contact_that_let_go_takes_hold_again_within_its_dent(made, name, load
         assert between.size >= 2 and (between == 0.0).all()
         found.append([float(again.event_time), float(again.event_indentation), float(again.event_relative_velocity)])
     assert found[0] == pytest.approx(found[1], rel=1e-4)
+
+
+@VERSIONS
+@pytest.mark.parametrize("name", DAMPED)
+def test_model_exchange_remembers_the_force_before_an_input_jumps(made, name, version):
+    """The support runs away in an event of the importer's, and takes most of the damping with it."""
+    from fmpy.fmi2 import FMU2Model
+    from fmpy.fmi3 import FMU3Model
+
+    with opened(made(loaded(name), version)) as fmu:
+        identity = {"guid": fmu.description.guid, "unzipDirectory": fmu.folder}
+        own = (FMU2Model if version == 2 else FMU3Model)(modelIdentifier="impact", instanceName="impact", **identity)
+        get, put = (own.getReal, own.setReal) if version == 2 else (own.getFloat64, own.setFloat64)
+        update = own.newDiscreteStates if version == 2 else own.updateDiscreteStates
+        own.instantiate()
+        if version == 2:
+            own.setupExperiment(startTime=0.0)
+        own.enterInitializationMode()
+        own.exitInitializationMode()
+        update()
+        own.enterContinuousTimeMode()
+        own.setTime(1e-5)
+        own.setContinuousStates((ctypes.c_double * 3)(2e-6, 0.2, 0.0), 3)
+        (force,) = get([reference("contact_force")])
+        own.enterEventMode()
+        put([reference("support_velocity")], [0.25])
+        update()
+        own.enterContinuousTimeMode()
+        told = get([reference("maximum_indentation"), reference("maximum_force")])
+        own.terminate()
+        own.freeInstance()
+    assert force > 0.0 and told == pytest.approx([2e-6, force], rel=1e-12)
 
 
 @VERSIONS

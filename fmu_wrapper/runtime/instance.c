@@ -297,6 +297,7 @@ int instance_enter_event_mode(instance *i, const char *function) {
     ALLOW(i && i->model_exchange ? CONTINUOUS : STEPPING);
     if (!i->model_exchange && !i->event_mode)
         return instance_fails(i, function, "the instance was made without event mode");
+    if (i->model_exchange) model_reached(&i->model); /* before inputs change */
     i->state.mode = EVENT;
     return GOOD;
 }

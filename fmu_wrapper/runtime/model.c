@@ -497,7 +497,7 @@ int model_indicators(model *m, double indicators[FILM_INDICATORS]) {
 
 void model_reached(model *m) {
     film_state *state = &m->memory.state;
-    if (m->data->kind == IMPACT || !damped(m)) return; /* an event tells the peak */
+    if (!damped(m)) return; /* an event tells the peak */
     place(m);
     state->force_peak = fmax(state->force_peak, film_force(&m->data->curve, state, state->xi, state->nu).force);
 }

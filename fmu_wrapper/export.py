@@ -29,7 +29,7 @@ from film_model.solve import simulate
 from fmu_wrapper import platforms, resource
 from fmu_wrapper.documentation import documentation
 from fmu_wrapper.model_description import Experiment, FmiVersion, model_description
-from fmu_wrapper.variables import KINDS, Kind
+from fmu_wrapper.variables import KINDS, VARIABLES, Kind, reference
 
 _NAMESPACE = uuid.UUID("6c9a1e0e-53a4-5b0c-8f57-0a1d6b5b3c55")
 _OLDEST = (1980, 1, 1, 0, 0, 0)  # of a ZIP entry: the same export gives the same bytes
@@ -70,8 +70,7 @@ def export(
     if isinstance(scene.target, Body):
         raise SimulationError("a free body as target cannot be exported: it has no impedance to act against")
     gap = units.to_si(initial_gap, "length", bare=True)
-    if gap < 0.0:
-        raise ValueError(f"initial_gap: {gap:g} m must be >= 0 m")
+    resource.check_range(VARIABLES[reference("initial_gap")], gap)
     version: FmiVersion = 2 if fmi_version == 2 else 3
     binaries = _binaries(platform)
     files = _contents(scene, kind, version, gap, with_sources)

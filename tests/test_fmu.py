@@ -487,7 +487,8 @@ def test_bad_arguments(tmp_path, made):
         ({"fmi_version": 1}, "fmi_version: 1"),
         ({"kind": "spring"}, "kind: 'spring'"),
         ({"platform": "amiga"}, "platform: amiga"),
-        ({"initial_gap": "-1 mm"}, "initial_gap: -0.001 m must be >= 0 m"),
+        ({"initial_gap": "-1 mm"}, "initial_gap: -0.001 m is out of range: from 0 to 100000 m"),
+        ({"initial_gap": "200 km"}, "initial_gap: 200000 m is out of range: from 0 to 100000 m"),
         ({"initial_gap": "1 kg"}, "kg"),
     ):
         with pytest.raises(ValueError, match=message):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 import tomllib
 import zipfile
 from collections.abc import Generator, Iterable, Mapping
@@ -43,10 +42,7 @@ class Fmu:
         law = tomllib.loads(text).get("contact", {}).get("law", "auto")
         if law not in ("auto", *LAWS):
             raise ValueError(f"{self.path}: law {law!r} is none of film-model's: give the scene it was made from")
-        with tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            return Scene.from_toml(file.name)
+        return Scene.from_text(text, f"{self.path}: scene.toml")
 
     def log(self, *arguments: Any) -> None:
         """A message of the FMU's; its last text is the message itself."""
@@ -173,24 +169,19 @@ class Slave:
             self.own.setFMUState(state)
             self.own.freeFMUState(state)
 
-    def close(self) -> None:
-        """Free the instance."""
-        self.own.terminate()
-        self.own.freeInstance()
-
 
 @contextmanager
 def started(fmu: Fmu, event_mode: bool, values: Mapping[str, float]) -> Generator[Slave]:
-    """A running instance; an error the FMU reports becomes a SimulationError with its message."""
-    slave: Slave | None = None
+    """A running instance, freed in the end; an error the FMU reports becomes a SimulationError with its message."""
     try:
         slave = Slave(fmu, event_mode)
-        slave.initialize(values)
-        yield slave
+        try:
+            slave.initialize(values)
+            yield slave
+            slave.own.terminate()
+        finally:
+            slave.own.freeInstance()
     except Exception as error:
         if fmu.messages:
             raise SimulationError(f"{fmu.path}: {fmu.messages[-1]}") from error
         raise
-    finally:
-        if slave is not None and not fmu.messages:
-            slave.close()

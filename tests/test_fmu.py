@@ -455,6 +455,17 @@ def test_wrong_use_gets_a_message(made, version):
 
 
 @VERSIONS
+def test_what_goes_wrong_around_an_fmu_is_told_as_it_is(made, version):
+    """The instance is freed, and nothing it says of that hides the reason."""
+    with opened(made(ball(), version)) as fmu:
+        with pytest.raises(OverflowError), started(fmu, False, {"loading_segments": math.inf}):
+            pass
+        with pytest.raises(ZeroDivisionError), started(fmu, False, {}) as slave:
+            raise ZeroDivisionError(slave.own.terminate())
+        assert fmu.messages == []
+
+
+@VERSIONS
 def test_damaged_resources_are_found(made, version):
     with opened(made(ball(), version)) as fmu:
         path = Path(fmu.folder, "resources", resource.NAME)

@@ -519,6 +519,14 @@ def test_bad_arguments(tmp_path, made):
         ({"start_values": {"weight": 1.0}}, "no parameter 'weight'"),
         ({"start_values": {"mass": "1 m"}}, "mass"),
         ({"inputs": {"force": 1.0}}, "no input 'force'"),
+        ({"start_values": {"mass": math.nan}}, "start_values: mass: nan is not finite"),
+        ({"start_values": {"loading_segments": 2.7}}, "start_values: loading_segments: 2.7 is not allowed: a whole"),
+        ({"start_values": {"loading_segments": "many"}}, 'start_values: loading_segments: "many" is not allowed'),
+        ({"start_values": {"unloading_segments": 10**12}}, "a whole number from 1 to 1000000 is needed"),
+        ({"inputs": {"external_force": "3 m"}}, "inputs: external_force: .* a force is needed"),
+        ({"stop_time": "1 N"}, "stop_time: .* is a force, a time is needed"),
+        ({"mode": "exchange", "tolerance": 0.0}, "tolerance: 0.0 is not allowed: a number above 0 and below 1"),
+        ({"mode": "exchange", "tolerance": math.nan}, "tolerance: nan is not allowed"),
     ):
         with pytest.raises(ValueError, match=message):
             fmu_wrapper.run(path, **options)

@@ -22,7 +22,7 @@ from film_model.fields import whole
 from film_model.history import MOTION, SUMMARY
 from fmu_wrapper import resource
 from fmu_wrapper.instance import Fmu, Row, Slave, opened, started
-from fmu_wrapper.variables import KINDS, reference
+from fmu_wrapper.variables import KINDS, Variable, reference
 from fmu_wrapper.variables import VARIABLES as FMU_VARIABLES
 
 Mode = Literal["steps", "events", "exchange"]
@@ -145,8 +145,12 @@ def _start_values(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, float]:
     return read
 
 
+def _inputs() -> dict[str, Variable]:
+    return {v.name: v for v in FMU_VARIABLES if v.causality.get("impact") == "input"}
+
+
 def _input(name: str, value: Input) -> Any:
-    inputs = {v.name: v for v in FMU_VARIABLES if v.causality.get("impact") == "input"}
+    inputs = _inputs()
     if name not in inputs:
         raise ValueError(f"inputs: there is no input {name!r}; there are {', '.join(inputs)}")
     dimension = inputs[name].dimension
@@ -282,8 +286,9 @@ def _exchanged(
 ) -> tuple[list[Row], list[Row]]:
     from fmpy import simulate_fmu
 
-    kinds = np.dtype([("time", np.float64), *((name, np.float64) for name in inputs)])
-    signals: Any = np.array([(0.0, *inputs.values()), (stop, *inputs.values())], kinds) if inputs else None
+    held = {**dict.fromkeys(_inputs(), 0.0), **inputs}
+    kinds = np.dtype([("time", np.float64), *((name, np.float64) for name in held)])
+    signals: Any = np.array([(0.0, *held.values()), (stop, *held.values())], kinds) if inputs else None
     try:
         result: Any = simulate_fmu(
             fmu.folder,

@@ -465,6 +465,12 @@ def test_what_goes_wrong_around_an_fmu_is_told_as_it_is(made, version):
         assert fmu.messages == []
 
 
+@pytest.mark.parametrize("mode", ["steps", "events", "exchange"])
+def test_a_run_prints_nothing(made, mode, capfd):
+    fmu_wrapper.run(made(ball()), mode=mode, inputs={"external_force": "3 N"}, step_size="10 us")
+    assert capfd.readouterr() == ("", "")
+
+
 @VERSIONS
 def test_damaged_resources_are_found(made, version):
     with opened(made(ball(), version)) as fmu:

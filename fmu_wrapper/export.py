@@ -55,8 +55,8 @@ def export(
     velocity, gap, radius, modulus, yield strength and impedance can still be set before each simulation. A damped law's
     damping follows them; a user's law whose damping is no power of one of them is exported without that one.
 
-    Raises ValueError for a bad argument, FileExistsError, SimulationError as `simulate` does and for a free body as
-    target, ImportError when matplotlib (for the pictures) or ziglang (for other platforms) is missing.
+    Raises ValueError for a bad argument, FileExistsError, SimulationError as `simulate` does and for an impact on a
+    free body, ImportError when matplotlib (for the pictures) or ziglang (for other platforms) is missing.
     """
     target = Path(path)
     if fmi_version not in (2, 3):
@@ -67,8 +67,11 @@ def export(
         raise ValueError(f"{target}: the name of an FMU must end in .fmu")
     if target.exists() and not overwrite:
         raise FileExistsError(f"{target}: exists; say overwrite=True to replace it")
-    if isinstance(scene.target, Body):
-        raise SimulationError("a free body as target cannot be exported: it has no impedance to act against")
+    if isinstance(scene.target, Body) and kind == "impact":
+        raise SimulationError(
+            "an impact on a free body cannot be exported: it has no impedance to act against; "
+            "kind contact is the force between the two"
+        )
     gap = units.to_si(initial_gap, "length", bare=True)
     resource.check_range(VARIABLES[reference("initial_gap")], gap)
     version: FmiVersion = 2 if fmi_version == 2 else 3

@@ -512,7 +512,7 @@ def test_bad_arguments(tmp_path, made):
             fmu_wrapper.export(ball(), path, **options)
     with pytest.raises(ValueError, match=r"must end in \.fmu"):
         fmu_wrapper.export(ball(), tmp_path / "impact.zip")
-    with pytest.raises(fm.SimulationError, match="free body"):
+    with pytest.raises(fm.SimulationError, match="free body cannot be exported.* kind contact is the force"):
         fmu_wrapper.export(scene("hertz", "body"), path)
     assert not path.exists()
     fmu_wrapper.export(ball(), path)
@@ -595,6 +595,32 @@ def test_the_contact_remembers(made, law, version):
     assert after["contact_count"] == 1
     assert after["maximum_indentation"] == pytest.approx(history["maximum_indentation"], rel=1e-8)
     assert after["permanent_indentation"] == pytest.approx(history["permanent_indentation"], rel=1e-6, abs=1e-15)
+
+
+@pytest.mark.parametrize("law", ["hertz", "big-alabo", "tsuji"])
+def test_the_contact_of_two_free_bodies(made, law):
+    """Two masses of the importer's, moved by the force, part as the library says."""
+    on = scene(law, "body")
+    path = made(on, kind="contact")
+    assert fmu_wrapper.check(path).good
+    history = fm.simulate(on, accuracy=1e-9)
+    first, h = on.mass, history.duration / 4000
+    second = 1.0 / (1.0 / on.effective_mass - 1.0 / first)
+    with opened(path) as fmu, started(fmu, False, {"relative_velocity": on.approach_velocity}) as slave:
+        x, v, u, time = 0.0, on.impactor.speed, on.impactor.speed - on.approach_velocity, 0.0
+        while x >= 0.0:
+            force = slave.get(("contact_force",))["contact_force"]
+            v, u = v - force / first * h, u + force / second * h
+            x += (v - u) * h
+            slave.step(time, h)
+            time += h
+            slave.set("indentation", x)
+            slave.set("relative_velocity", v - u)
+            if slave.get(("contact_force",))["contact_force"] == 0.0:
+                break
+        deepest = slave.get(("maximum_indentation",))["maximum_indentation"]
+    assert deepest == pytest.approx(history.summary["maximum_indentation"], rel=1e-3)
+    assert [v, u] == pytest.approx([history.events[-1].impactor_velocity, history.events[-1].target_velocity], rel=2e-3)
 
 
 def restitution(slave, contact, mass, velocity, steps, how):

@@ -131,6 +131,7 @@ def _contents(scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_so
         "resources/scene.toml": text.encode(),
         f"resources/{resource.NOTES}": _notes(problem, history),
         **{f"documentation/{name}": page for name, page in documentation(scene, problem, data, history).items()},
+        "documentation/licenses/license.txt": platforms.license_text(),
     }
     if with_sources:
         for name in (*platforms.SOURCES, *platforms.HEADERS):

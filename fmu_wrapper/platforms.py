@@ -65,6 +65,12 @@ def built_library() -> str:
     return f"{RUNTIME}/_film_fmu" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
+def license_text() -> bytes:
+    """film-model's licence, from the installed package or the project it is run in."""
+    places = (ROOT / "fmu_wrapper" / "LICENSE", ROOT / "LICENSE")
+    return next(place for place in places if place.exists()).read_bytes()
+
+
 def fmi_headers() -> Path:
     """The folder of the FMI headers, which FMPy brings along. Raises ImportError without it."""
     found = importlib.util.find_spec("fmpy")

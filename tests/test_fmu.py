@@ -109,6 +109,14 @@ def test_documentation_has_its_pictures(made):
     assert "516.088 N" in page and "tungsten carbide" in page
 
 
+@VERSIONS
+def test_the_licence_is_inside(made, version):
+    with zipfile.ZipFile(made(ball(), version)) as archive:
+        root = ET.fromstring(archive.read("modelDescription.xml"))
+        text = archive.read("documentation/licenses/license.txt").decode()
+    assert root.get("license") in text and "Permission is hereby granted" in text
+
+
 # ---------------------------------------------------------------- the library's numbers
 
 

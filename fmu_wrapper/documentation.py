@@ -77,7 +77,12 @@ def documentation(scene: Scene, problem: Problem, data: Data, history: History |
             '<p><img src="history.svg" alt="Force, indentation and velocity over time"></p>',
             _table(("value", "of this scene"), _summary_rows(history)),
         ]
-    parts += ["<h2>Contact law</h2>", *_law(problem.law), *_damping(kind, problem, data)]
+    parts += [
+        "<h2>Contact law</h2>",
+        *_law(problem.law),
+        *_chosen(kind, scene, problem),
+        *_damping(kind, problem, data),
+    ]
     if history is not None:
         parts.append('<p><img src="law.svg" alt="Contact force over indentation"></p>')
     parts += ["<h2>Effects</h2>", _table(("effect", "state", "why"), _effect_rows(problem))]
@@ -101,6 +106,16 @@ def _law(law: AbstractLaw) -> list[str]:
         texts += cleandoc(own).split("\n\n")
     texts += [f"Valid: {law.validity}."] if law.validity else []
     return [f"<p>{html.escape(text)}</p>" for text in texts]
+
+
+def _chosen(kind: str, scene: Scene, problem: Problem) -> list[str]:
+    """That a law of the library's choice is the scene's, and what will not change it."""
+    if scene.contact.law != "auto":
+        return []
+    speed = format_si(scene.approach_velocity, "velocity", 4)
+    later = "whatever velocity the importer gives" if kind == "contact" else "whatever initial_velocity or mass is set"
+    text = f'The scene says law = "auto": {problem.law.name} was chosen for an approach at {speed}, and stays {later}.'
+    return [f"<p>{html.escape(text)} For faster or slower impacts, export a scene of theirs.</p>"]
 
 
 def _damping(kind: str, problem: Problem, data: Data) -> list[str]:

@@ -2,6 +2,7 @@
 
 import dataclasses
 import gc
+import html
 import json
 import math
 import random
@@ -20,7 +21,7 @@ import film_datasets as fd
 import film_model as fm
 import fmu_wrapper
 from film_model.cli import main
-from film_model.units import DIMENSIONS, scene_unit
+from film_model.units import DIMENSIONS, format_si, scene_unit
 from fmu_wrapper import platforms, resource
 from fmu_wrapper.cosimulation import RECORDED
 from fmu_wrapper.documentation import COUPLING_ERRORS
@@ -107,6 +108,19 @@ def test_documentation_has_its_pictures(made):
             assert f'src="{picture}"' in page
             ET.fromstring(archive.read(f"documentation/{picture}"))
     assert "516.088 N" in page and "tungsten carbide" in page
+
+
+@pytest.mark.parametrize("velocity", ["0.04 m/s", "0.25 m/s"])
+def test_documentation_says_that_the_choice_of_a_law_is_made(made, velocity):
+    on = ball(**{"impactor.velocity": velocity})
+    for kind, stays in (("impact", "whatever initial_velocity or mass is set"), ("contact", "whatever velocity")):
+        with zipfile.ZipFile(made(on, kind=kind)) as archive:
+            page = html.unescape(archive.read("documentation/index.html").decode())
+        law = fm.simulate(on).problem.law.name
+        speed = format_si(on.approach_velocity, "velocity", 4)
+        assert f'law = "auto": {law} was chosen for an approach at {speed}, and stays {stays}' in page
+    with zipfile.ZipFile(made(scene("hertz"))) as archive:
+        assert "was chosen for" not in archive.read("documentation/index.html").decode()
 
 
 @VERSIONS
@@ -520,7 +534,7 @@ def test_bad_arguments(tmp_path, made):
             fmu_wrapper.export(ball(), path, **options)
     with pytest.raises(ValueError, match=r"must end in \.fmu"):
         fmu_wrapper.export(ball(), tmp_path / "impact.zip")
-    with pytest.raises(fm.SimulationError, match="free body cannot be exported.* kind contact is the force"):
+    with pytest.raises(fm.SimulationError, match=r"free body cannot be exported.* kind contact is the force"):
         fmu_wrapper.export(scene("hertz", "body"), path)
     assert not path.exists()
     fmu_wrapper.export(ball(), path)

@@ -462,7 +462,8 @@ def test_wrong_use_gets_a_message(made, version):
         assert "initial_gap: nan is not a number" in said(lambda s: None, initial_gap=math.nan)
         assert "radius can be set before the end of Initialization Mode only" in said(lambda s: s.set("radius", 0.01))
         assert "contact_force is an output" in said(lambda s: s.set("contact_force", 1.0))
-        assert "a step of -1e-06 s; it must be >= 0 s" in said(lambda s: s.step(0.0, -1e-6))
+        assert "a step of -1e-06 s from 0 s; it must be >= 0 s" in said(lambda s: s.step(0.0, -1e-6))
+        assert "a step of 1e-06 s from nan s; it must be" in said(lambda s: s.step(math.nan, 1e-6))
         assert "the last one ended at 0 s" in said(lambda s: s.step(1e-5, 1e-6))
         assert "external_force: inf is not a number" in said(lambda s: s.set("external_force", math.inf))
         assert "called in state Step Mode; it is allowed in: Initialization Mode" in said(

@@ -17,6 +17,7 @@ from film_model.problem import Problem
 from film_model.scene import Scene
 from film_model.units import format_si, scene_unit
 from film_model.version import __version__
+from fmu_wrapper.model_description import Experiment
 from fmu_wrapper.resource import DAMPING, Data, damping_power, has
 from fmu_wrapper.variables import KINDS, VARIABLES, reference, settable
 
@@ -44,7 +45,8 @@ velocity when the body heard the force at the end of each step, and by 0.2 per c
 force, which is the momentum the impactor lost; the first error falls with the step, the second with its
 square.</p>
 <p>In FMI 3.0 with event mode, each event ends the step at its exact time. Otherwise events are outputs: their
-kind, exact time and values. In Model Exchange the true law is integrated, and events are state events.</p>
+kind, exact time and values. In Model Exchange the true law is integrated, to the importer's tolerance (a relative
+one of {tolerance:g} unless it gives another), and events are state events.</p>
 <p>Accuracy is set by <code>loading_segments</code> ({loading}) and <code>unloading_segments</code>
 ({unloading}); the error falls with their fourth power.</p>"""
 
@@ -64,7 +66,9 @@ _STYLE = (
 )
 
 
-def documentation(scene: Scene, problem: Problem, data: Data, history: History | None) -> dict[str, bytes]:
+def documentation(
+    scene: Scene, problem: Problem, data: Data, history: History | None, experiment: Experiment
+) -> dict[str, bytes]:
     """The files of the folder, by name: index.html and its pictures."""
     title = scene.title or f"Impact on a {scene.target.kind}"
     kind = KINDS[data.kind]
@@ -88,7 +92,7 @@ def documentation(scene: Scene, problem: Problem, data: Data, history: History |
     parts += ["<h2>Effects</h2>", _table(("effect", "state", "why"), _effect_rows(problem))]
     warnings = history.warnings if history is not None else problem.warnings
     parts += [f"<p><strong>Warning:</strong> {html.escape(warning)}</p>" for warning in warnings]
-    parts += ["<h2>Steps</h2>", *_steps(kind, data, history)]
+    parts += ["<h2>Steps</h2>", *_steps(kind, data, history, experiment)]
     parts += ["<h2>Variables</h2>", _table(("name", "unit", "causality", "meaning"), _variable_rows(data))]
     parts += ["<h2>Scene</h2>", f"<pre>{html.escape(scene_text(scene))}</pre>"]
     page = (
@@ -142,14 +146,15 @@ def _damping(kind: str, problem: Problem, data: Data) -> list[str]:
     return [f"<p>{html.escape(text)}</p>" for text in texts]
 
 
-def _steps(kind: str, data: Data, history: History | None) -> list[str]:
+def _steps(kind: str, data: Data, history: History | None, experiment: Experiment) -> list[str]:
     if kind == "impact":
         whole = ""
         if history is not None:
             lasts = format_si(history.duration, "time", 4)
             whole = f"The whole contact lasts {lasts} and is {history.accuracy.lines} straight pieces of the force."
         loading, unloading = (int(data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
-        return [_IMPACT_STEPS.format(whole=whole, loading=loading, unloading=unloading)]
+        numbers = {"loading": loading, "unloading": unloading, "tolerance": experiment.tolerance}
+        return [_IMPACT_STEPS.format(whole=whole, **numbers)]
     rows = [(str(n), *(f"{100.0 * error:.3g} %" for error in errors)) for n, errors in COUPLING_ERRORS.items()]
     heads = (
         "steps a contact",

@@ -130,7 +130,10 @@ def _contents(scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_so
         f"resources/{resource.NAME}": resource.finished(data, token),
         "resources/scene.toml": text.encode(),
         f"resources/{resource.NOTES}": _notes(problem, history),
-        **{f"documentation/{name}": page for name, page in documentation(scene, problem, data, history).items()},
+        **{
+            f"documentation/{name}": page
+            for name, page in documentation(scene, problem, data, history, experiment).items()
+        },
         "documentation/licenses/license.txt": platforms.license_text(),
     }
     if with_sources:
@@ -162,7 +165,10 @@ def _nominals(problem: Problem, history: History | None) -> tuple[float, float, 
 
 
 def _experiment(problem: Problem, history: History | None, gap: float) -> Experiment:
-    """From the start to somewhat beyond the end of contact, or of its first swing if it has none, in 250 steps."""
+    """From the start to somewhat beyond the end of contact, or of its first swing if it has none, in 250 steps.
+
+    tolerance: with a thousandth of the accuracy asked for, CVODE's errors stay below that accuracy.
+    """
     contact = 0.0 if history is None else history.duration
     if history is not None and history.outcome is Outcome.TIME_LIMIT:
         contact = 2.0 * (history.summary["time_of_maximum_indentation"] or 0.5 * contact)
@@ -171,7 +177,8 @@ def _experiment(problem: Problem, history: History | None, gap: float) -> Experi
     pull = problem.load * problem.scales.force / problem.mass
     fall = 2.0 * gap / (speed + math.sqrt(speed**2 + 2.0 * pull * gap)) if speed + pull > 0.0 and gap > 0.0 else 0.0
     stop = float(f"{fall + 1.25 * contact:.3g}")
-    return Experiment(stop, stop / 250.0)
+    accuracy = problem.scene.solver.accuracy or 1e-4
+    return Experiment(stop, stop / 250.0, min(max(1e-3 * accuracy, 1e-10), 1e-7))
 
 
 def _build_description(kind: Kind, sources: list[str]) -> bytes:

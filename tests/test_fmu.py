@@ -150,6 +150,24 @@ def test_check_agrees(made, law, target, version):
 
 
 @VERSIONS
+@pytest.mark.parametrize("law", ["big-alabo", "stronge", "tsuji", "kuwabara-kono"])
+def test_model_exchange_as_an_importer_runs_it_by_default(made, law, version):
+    """With the default experiment's tolerance, a value is off by no more than the accuracy of the scene."""
+    from fmpy import simulate_fmu
+
+    on = scene(law, "plate")
+    history = fm.simulate(on, accuracy=1e-9)
+    names = {
+        "maximum_force": "maximum_force",
+        "rebound_velocity": "rebound_velocity",
+        "time_contact_ends": "contact_duration",
+    }
+    rows = simulate_fmu(str(made(on, version)), fmi_type="ModelExchange", output=list(names))
+    for output, value in names.items():
+        assert rows[output][-1] == pytest.approx(history.summary[value], rel=1e-4), output
+
+
+@VERSIONS
 @pytest.mark.parametrize("size", [1e-6, 7.3e-6, 2e-3])
 def test_bounces_with_a_gap_and_gravity(made, version, size):
     on = fm.Scene(

@@ -287,6 +287,21 @@ def test_a_ball_laid_down(made):
     assert len({finding.what for finding in report.findings}) == len(report.findings)
 
 
+@pytest.mark.parametrize("velocity", ["0 m/s", "1 nm/s"])
+def test_a_ball_laid_down_on_a_half_space(made, velocity):
+    """It comes back to first touch, and whether it lifts off there is rounding."""
+    on = fm.Scene(
+        fm.Sphere(radius="10 mm", velocity=velocity, material="tungsten carbide"),
+        fm.HalfSpace("mild steel"),
+        contact=fm.Contact("hertz"),
+        effects=fm.Effects(gravity=True),
+    )
+    report = fmu_wrapper.check(made(on))
+    assert report.good, report
+    turns = [finding for finding in report.findings if finding.what == "Model Exchange: time of maximum_indentation"]
+    assert len(turns) == 1 and turns[0].good
+
+
 def test_a_ball_that_creeps_in(made):
     """On a thin plate a weight meets no spring to swing on, and nothing turns."""
     on = fm.Scene(

@@ -6,9 +6,11 @@ import io
 import json
 import math
 import os
+import re
 import uuid
 import zipfile
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +34,7 @@ from fmu_wrapper.model_description import Experiment, FmiVersion, model_descript
 from fmu_wrapper.variables import KINDS, VARIABLES, Kind, reference
 
 _NAMESPACE = uuid.UUID("6c9a1e0e-53a4-5b0c-8f57-0a1d6b5b3c55")
+_NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _OLDEST = (1980, 1, 1, 0, 0, 0)  # of a ZIP entry: the same export gives the same bytes
 
 
@@ -107,6 +110,7 @@ def _binaries(platform: str | Sequence[str] | None) -> dict[str, bytes]:
 
 def _contents(scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_sources: bool) -> dict[str, bytes]:
     """Every file but the binaries."""
+    scene = replace(scene, title=_NOT_IN_XML.sub("\N{REPLACEMENT CHARACTER}", scene.title))
     problem = problem_of(scene)
     refuse_vibrations(problem, "an FMU")
     if problem.compliance > 0.0:

@@ -124,6 +124,15 @@ def test_documentation_says_that_the_choice_of_a_law_is_made(made, velocity):
 
 
 @VERSIONS
+def test_any_title_can_be_read(made, version):
+    titled = dataclasses.replace(ball(), title='a\u0001b <c> & "d"\ufffe é')
+    with zipfile.ZipFile(made(titled, version)) as archive:
+        root = ET.fromstring(archive.read("modelDescription.xml"))
+        ET.fromstring(archive.read("documentation/history.svg"))
+    assert root.get("description") == 'a\ufffdb <c> & "d"\ufffd é'
+
+
+@VERSIONS
 def test_the_licence_is_inside(made, version):
     with zipfile.ZipFile(made(ball(), version)) as archive:
         root = ET.fromstring(archive.read("modelDescription.xml"))

@@ -52,7 +52,7 @@ def export(
     """Write a scene as an FMU that runs anywhere, without Python; the path it was written to.
 
     kind: "impact", the impactor with its mass, for Co-Simulation and Model Exchange; or "contact", the force element.
-    initial_gap: distance before first touch ("5 mm" or m). platform: names of `fmu_wrapper.platforms.PLATFORMS`, or
+    initial_gap: of an impact, the distance before first touch ("5 mm" or m). platform: names of `fmu_wrapper.platforms.PLATFORMS`, or
     "all"; this machine's own by default, which needs no compiler. with_sources: C sources too, for importers that
     compile. The law, the effects and the number of segments are those the library chooses for the scene; mass,
     velocity, gap, radius, modulus, yield strength and impedance can still be set before each simulation. A damped law's
@@ -75,8 +75,13 @@ def export(
             "an impact on a free body cannot be exported: it has no impedance to act against; "
             "kind contact is the force between the two"
         )
-    gap = units.to_si(initial_gap, "length", bare=True)
+    try:
+        gap = units.to_si(initial_gap, "length", bare=True)
+    except ValueError as error:
+        raise ValueError(f"initial_gap: {error}") from None
     resource.check_range(VARIABLES[reference("initial_gap")], gap)
+    if gap > 0.0 and kind == "contact":
+        raise ValueError(f"initial_gap: {gap:g} m is not allowed: the importer gives a contact its indentation")
     version: FmiVersion = 2 if fmi_version == 2 else 3
     binaries = _binaries(platform)
     files = _contents(scene, kind, version, gap, with_sources)

@@ -571,7 +571,8 @@ def test_bad_arguments(tmp_path, made):
         ({"platform": "amiga"}, "platform: amiga"),
         ({"initial_gap": "-1 mm"}, "initial_gap: -0.001 m is out of range: from 0 to 100000 m"),
         ({"initial_gap": "200 km"}, "initial_gap: 200000 m is out of range: from 0 to 100000 m"),
-        ({"initial_gap": "1 kg"}, "kg"),
+        ({"initial_gap": "1 kg"}, 'initial_gap: "1 kg" is a mass, a length is needed'),
+        ({"initial_gap": "1 mm", "kind": "contact"}, "initial_gap: 0.001 m is not allowed: the importer gives"),
     ):
         with pytest.raises(ValueError, match=message):
             fmu_wrapper.export(ball(), path, **options)
@@ -740,6 +741,7 @@ def test_command_line(capsys, tmp_path, monkeypatch):
     assert main(["check-fmu", "nothing.fmu"]) == 3
     assert "nothing.fmu: there is no such file" in capsys.readouterr().err
     assert main(["export-fmu", str(BALL), "--initial-gap", "10", "--output", "b.fmu"]) == 3
+    assert capsys.readouterr().err.startswith('--initial-gap: "10" has no unit')
     assert main(["export-fmu", str(BALL), "--kind", "contact"]) == 0
     assert main(["check-fmu", "contact.fmu"]) == 0
 

@@ -138,7 +138,7 @@ def _compared(what: str, path: str | os.PathLike[str], scene: Scene, mode: Mode,
 
 
 def _certain(events: list[Any], component: ImpactComponent) -> int:
-    """Number of events before the return of a ball laid down: whether it lifts off there is an integrator's rounding."""
+    """Number of events before the return of a ball laid down: whether it lifts off there is rounding."""
     problem, deepest = component.problem, 0.0
     pull = problem.load * problem.scales.force / problem.mass
     for k, event in enumerate(events):

@@ -52,11 +52,12 @@ def export(
     """Write a scene as an FMU that runs anywhere, without Python; the path it was written to.
 
     kind: "impact", the impactor with its mass, for Co-Simulation and Model Exchange; or "contact", the force element.
-    initial_gap: of an impact, the distance before first touch ("5 mm" or m). platform: names of `fmu_wrapper.platforms.PLATFORMS`, or
-    "all"; this machine's own by default, which needs no compiler. with_sources: C sources too, for importers that
-    compile. The law, the effects and the number of segments are those the library chooses for the scene; mass,
-    velocity, gap, radius, modulus, yield strength and impedance can still be set before each simulation. A damped law's
-    damping follows them; a user's law whose damping is no power of one of them is exported without that one.
+    initial_gap: of an impact, the distance before first touch ("5 mm" or m). platform: names of
+    `fmu_wrapper.platforms.PLATFORMS`, or "all"; this machine's own by default, which needs no compiler. with_sources:
+    C sources too, for importers that compile. The law, the effects and the number of segments are those the library
+    chooses for the scene; mass, velocity, gap, radius, modulus, yield strength and impedance can still be set before
+    each simulation. A damped law's damping follows them; a user's law whose damping is no power of one of them is
+    exported without that one.
 
     Raises ValueError for a bad argument, FileExistsError, SimulationError as `simulate` does and for an impact on a
     free body, ImportError when matplotlib (for the pictures) or ziglang (for other platforms) is missing.
@@ -87,9 +88,8 @@ def export(
     files = _contents(scene, kind, version, gap, with_sources)
     for name, binary in binaries.items():
         where = platforms.PLATFORMS.get(name)
-        folder = name if where is None else where.fmi2 if version == 2 else where.fmi3
         suffix = Path(platforms.built_library()).suffix if where is None else where.suffix
-        files[f"binaries/{folder}/{kind}{suffix}"] = binary
+        files[f"binaries/{platforms.folder(name, version)}/{kind}{suffix}"] = binary
     with written_whole(target) as beside:
         beside.write_bytes(_zipped(files))
     return target

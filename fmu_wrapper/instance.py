@@ -15,7 +15,7 @@ from typing import Any
 from film_model.errors import SimulationError
 from film_model.laws import LAWS
 from film_model.scene import Scene
-from fmu_wrapper import resource
+from fmu_wrapper import platforms, resource
 from fmu_wrapper.variables import VARIABLES, reference
 
 Row = dict[str, float]
@@ -63,12 +63,17 @@ def opened(path: str | os.PathLike[str]) -> Generator[Fmu]:
     try:
         with zipfile.ZipFile(source) as archive:
             content = archive.read(f"resources/{resource.NAME}")
+            has = sorted({name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")})
     except (KeyError, zipfile.BadZipFile):
         raise ValueError(f"{source}: this is no FMU of film-model's") from None
     data = resource.read(content)
     folder = str(extract(str(source)))
     try:
-        yield Fmu(source, folder, read_model_description(folder, validate=False), data)
+        fmu = Fmu(source, folder, read_model_description(folder, validate=False), data)
+        needed = platforms.folder(platforms.this_platform(), fmu.version)
+        if needed not in has:
+            raise ValueError(f"{source}: has no binary for this machine ({needed}); it has {', '.join(has) or 'none'}")
+        yield fmu
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 

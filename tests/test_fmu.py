@@ -558,6 +558,19 @@ def test_damaged_resources_are_found(made, version):
         assert "cannot be opened" in complaint()
 
 
+@VERSIONS
+def test_an_fmu_for_other_machines_says_so(made, tmp_path, version, capsys):
+    source, other = made(ball(), version), tmp_path / "other.fmu"
+    folder = platforms.folder(platforms.this_platform(), version)
+    with zipfile.ZipFile(source) as old, zipfile.ZipFile(other, "w") as new:
+        for name in old.namelist():
+            new.writestr(name.replace(f"binaries/{folder}/", "binaries/riscv64-linux/"), old.read(name))
+    with pytest.raises(ValueError, match=rf"no binary for this machine \({folder}\); it has riscv64-linux"):
+        fmu_wrapper.run(other)
+    assert main(["check-fmu", str(other)]) == 3
+    assert f"{other}: has no binary for this machine" in capsys.readouterr().err
+
+
 def test_law_that_ends(made):
     with pytest.raises(fm.SimulationError, match="passed the end of the contact law"):
         fmu_wrapper.run(made(scene("saturating")), start_values={"initial_velocity": "2000 m/s"})

@@ -243,6 +243,27 @@ def test_a_support_that_jumps_away_leaves_the_largest_force_behind(made, version
     assert after["maximum_force"] == pytest.approx(largest, rel=EXACT)
 
 
+def test_an_event_at_the_beginning_of_a_step_is_not_before_it(made):
+    """The support jumps away, and indentation turns at once: at the communication point, but for rounding upwards."""
+    on, rng = dataclasses.replace(scene("hertz"), effects=fm.Effects(gravity=False)), random.Random(1)
+    duration = fm.simulate(on).duration
+    with opened(made(on)) as fmu, started(fmu, True, {}) as slave:
+        slave.step(0.0, 1e-7)
+        saved = slave.own.getFMUState()
+        for _ in range(500):
+            slave.own.setFMUState(saved)
+            slave.set("support_velocity", 0.0)
+            point = rng.uniform(0.2, 0.4) * duration
+            assert slave.step(1e-7, point - 1e-7) == (point, False)
+            slave.set("support_velocity", 1.5 * on.approach_velocity)
+            reached, event = slave.step(point, 1e-6)
+            assert event and point <= reached <= point * (1.0 + 1e-15)
+            slave.own.enterEventMode()
+            slave.handle()
+            assert slave.get(("time_of_maximum_indentation",)) == {"time_of_maximum_indentation": reached}
+        slave.own.freeFMUState(saved)
+
+
 CHANGES = {
     "mass": ("0.02 kg", {"impactor.mass": "0.02 kg"}),
     "initial_velocity": ("0.6 m/s", {"impactor.velocity": "0.6 m/s"}),

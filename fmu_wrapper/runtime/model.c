@@ -368,7 +368,7 @@ static int step_impact(model *m, double end, int stop_at_events, int *stopped) {
             return failed(m, "the motion leaves the range of numbers before %g s", end);
         }
         double time = now->start_time + state->time * now->tick;
-        time = time > end ? end : time;
+        time = fmin(fmax(time, now->now), end);
         happen(m, state, time, state->nu * now->velocity + now->support, &now->happened);
         if (stop_at_events) {
             now->now = time;

@@ -65,7 +65,8 @@ def run(
     step_size, stop_time: communication step and end ("1 us" or s), by default those of the FMU. start_values: of
     parameters, as quantities or SI numbers. inputs: external_force and support_velocity; functions are held over each
     step and are for Co-Simulation only. tolerance: of CVODE. Time counts from first touch, as in a history; it is
-    negative before. Values of the summary that an FMU does not tell (energies) are NaN.
+    negative before. Values of the summary that an FMU does not tell (energies) are NaN, and so are those that have not
+    happened when the run ends: an impact that is slower than the scene's, or begins later, needs a stop_time.
 
     Raises ValueError for an argument that does not fit the FMU, SimulationError when the FMU reports an error,
     ImportError without FMPy.

@@ -12,7 +12,7 @@ import numpy as np
 from film_datasets.provenance import scene_text
 from film_model.history import SUMMARY, History
 from film_model.laws.law import AbstractLaw
-from film_model.plot import plot_history
+from film_model.plot import check_picture, plot_history
 from film_model.problem import Problem
 from film_model.scene import Scene
 from film_model.units import format_si, scene_unit
@@ -79,6 +79,7 @@ def documentation(
     kind = KINDS[data.kind]
     pictures: dict[str, bytes] = {}
     if history is not None:
+        check_picture("law.svg")
         pictures = {"law.svg": _law_picture(problem, history), "history.svg": _svg(plot_history(history))}
     parts = [f"<h1>{html.escape(title)}</h1>", f"<p>{_ABOUT[kind]} Made by film-model {__version__}.</p>"]
     if history is not None:

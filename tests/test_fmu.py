@@ -579,6 +579,14 @@ def test_damaged_resources_are_found(made, version):
         assert "cannot be opened" in complaint()
 
 
+def test_without_matplotlib_an_export_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    with pytest.raises(ImportError, match=r"install film-model\[plot\]"):
+        fmu_wrapper.export(ball(), tmp_path / "impact.fmu")
+    assert list(tmp_path.iterdir()) == []
+
+
 @VERSIONS
 def test_an_fmu_for_other_machines_says_so(made, tmp_path, version, capsys):
     source, other = made(ball(), version), tmp_path / "other.fmu"

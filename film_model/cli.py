@@ -106,7 +106,9 @@ def _parser() -> argparse.ArgumentParser:
     export.add_argument(
         "--kind", choices=("impact", "contact"), default="impact", help="impactor with its mass, or force element"
     )
-    export.add_argument("--initial-gap", metavar="LENGTH", default="0 m", help='distance at the start, e.g. "5 mm"')
+    export.add_argument(
+        "--initial-gap", metavar="LENGTH", default="0 m", help='distance of an impact at the start, e.g. "5 mm"'
+    )
     export.add_argument(
         "--platform", action="append", metavar="NAME", help="e.g. aarch64-linux, or all; by default this machine's"
     )
@@ -298,7 +300,10 @@ def _export_fmu(options: argparse.Namespace) -> int:
     from film_model.scene import Scene
     from film_model.units import to_si
 
-    gap = to_si(options.initial_gap, "length")
+    try:
+        gap = to_si(options.initial_gap, "length")
+    except ValueError as error:
+        raise ValueError(f"--initial-gap: {error}") from None
     path = options.output or f"{options.kind}.fmu"
     _check_writable(path, options.force)
     scene = Scene.from_toml(options.scene)

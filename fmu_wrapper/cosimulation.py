@@ -18,10 +18,11 @@ from film_datasets.schema import HISTORY, TABLE, content_sha256
 from film_model import units
 from film_model.core import native
 from film_model.errors import SimulationError
+from film_model.fields import whole
 from film_model.history import MOTION, SUMMARY
 from fmu_wrapper import resource
 from fmu_wrapper.instance import Fmu, Row, Slave, opened, started
-from fmu_wrapper.variables import KINDS, reference
+from fmu_wrapper.variables import KINDS, Variable, reference
 from fmu_wrapper.variables import VARIABLES as FMU_VARIABLES
 
 Mode = Literal["steps", "events", "exchange"]
@@ -64,13 +65,16 @@ def run(
     step_size, stop_time: communication step and end ("1 us" or s), by default those of the FMU. start_values: of
     parameters, as quantities or SI numbers. inputs: external_force and support_velocity; functions are held over each
     step and are for Co-Simulation only. tolerance: of CVODE. Time counts from first touch, as in a history; it is
-    negative before. Values of the summary that an FMU does not tell (energies) are NaN.
+    negative before. Values of the summary that an FMU does not tell (energies) are NaN, and so are those that have not
+    happened when the run ends: an impact that is slower than the scene's, or begins later, needs a stop_time.
 
     Raises ValueError for an argument that does not fit the FMU, SimulationError when the FMU reports an error,
     ImportError without FMPy.
     """
     if mode not in get_args(Mode):
         raise ValueError(f"mode: {mode!r} is not allowed: {' or '.join(get_args(Mode))} is needed")
+    if not 0.0 < tolerance < 1.0:
+        raise ValueError(f"tolerance: {tolerance!r} is not allowed: a number above 0 and below 1 is needed")
     with opened(path) as fmu:
         if KINDS[fmu.data.kind] != "impact":
             raise ValueError(f"{path}: a contact has no motion of its own; only impact FMUs can be run alone")
@@ -107,8 +111,19 @@ def _line(name: str, value: Any) -> str:
     return f'{name} = "{value!r} {unit}"' if unit else f"{name} = {value!r}"
 
 
+def _read(name: str, read: Callable[[Any], float], value: Any) -> float:
+    try:
+        return float(read(value))
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
+def _si(name: str, value: Any, dimension: str) -> float:
+    return _read(name, lambda given: units.to_si(given, dimension, bare=True), value)
+
+
 def _positive(name: str, value: Any) -> float:
-    number = units.to_si(value, "time", bare=True)
+    number = _si(name, value, "time")
     if not 0.0 < number < math.inf:
         raise ValueError(f"{name}: {number:g} s must be > 0 s")
     return number
@@ -122,18 +137,26 @@ def _start_values(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, float]:
     for name, value in given.items():
         if name not in known:
             raise ValueError(f"start_values: this FMU has no parameter {name!r}; it has {', '.join(known)}")
-        dimension = known[name].dimension
-        read[name] = float(value) if dimension is None else units.to_si(value, dimension, bare=True)
+        variable, where = known[name], f"start_values: {name}"
+        if variable.dimension is None:
+            assert variable.high is not None
+            read[name] = _read(where, whole(1, int(variable.high)).read, value)
+        else:
+            read[name] = _si(where, value, variable.dimension)
     return read
 
 
+def _inputs() -> dict[str, Variable]:
+    return {v.name: v for v in FMU_VARIABLES if v.causality.get("impact") == "input"}
+
+
 def _input(name: str, value: Input) -> Any:
-    inputs = {v.name: v for v in FMU_VARIABLES if v.causality.get("impact") == "input"}
+    inputs = _inputs()
     if name not in inputs:
         raise ValueError(f"inputs: there is no input {name!r}; there are {', '.join(inputs)}")
     dimension = inputs[name].dimension
     assert dimension is not None
-    return value if callable(value) else units.to_si(value, dimension, bare=True)
+    return value if callable(value) else _si(f"inputs: {name}", value, dimension)
 
 
 def _at(time: float, value: Any) -> float:
@@ -264,8 +287,9 @@ def _exchanged(
 ) -> tuple[list[Row], list[Row]]:
     from fmpy import simulate_fmu
 
-    kinds = np.dtype([("time", np.float64), *((name, np.float64) for name in inputs)])
-    signals: Any = np.array([(0.0, *inputs.values()), (stop, *inputs.values())], kinds) if inputs else None
+    held = {**dict.fromkeys(_inputs(), 0.0), **inputs}
+    kinds = np.dtype([("time", np.float64), *((name, np.float64) for name in held)])
+    signals: Any = np.array([(0.0, *held.values()), (stop, *held.values())], kinds) if inputs else None
     try:
         result: Any = simulate_fmu(
             fmu.folder,

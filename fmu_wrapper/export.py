@@ -6,9 +6,11 @@ import io
 import json
 import math
 import os
+import re
 import uuid
 import zipfile
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -29,9 +31,10 @@ from film_model.solve import simulate
 from fmu_wrapper import platforms, resource
 from fmu_wrapper.documentation import documentation
 from fmu_wrapper.model_description import Experiment, FmiVersion, model_description
-from fmu_wrapper.variables import KINDS, Kind
+from fmu_wrapper.variables import KINDS, VARIABLES, Kind, reference
 
 _NAMESPACE = uuid.UUID("6c9a1e0e-53a4-5b0c-8f57-0a1d6b5b3c55")
+_NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _OLDEST = (1980, 1, 1, 0, 0, 0)  # of a ZIP entry: the same export gives the same bytes
 
 
@@ -49,14 +52,15 @@ def export(
     """Write a scene as an FMU that runs anywhere, without Python; the path it was written to.
 
     kind: "impact", the impactor with its mass, for Co-Simulation and Model Exchange; or "contact", the force element.
-    initial_gap: distance before first touch ("5 mm" or m). platform: names of `fmu_wrapper.platforms.PLATFORMS`, or
-    "all"; this machine's own by default, which needs no compiler. with_sources: C sources too, for importers that
-    compile. The law, the effects and the number of segments are those the library chooses for the scene; mass,
-    velocity, gap, radius, modulus, yield strength and impedance can still be set before each simulation. A damped law's
-    damping follows them; a user's law whose damping is no power of one of them is exported without that one.
+    initial_gap: of an impact, the distance before first touch ("5 mm" or m). platform: names of
+    `fmu_wrapper.platforms.PLATFORMS`, or "all"; this machine's own by default, which needs no compiler. with_sources:
+    C sources too, for importers that compile. The law, the effects and the number of segments are those the library
+    chooses for the scene; mass, velocity, gap, radius, modulus, yield strength and impedance can still be set before
+    each simulation. A damped law's damping follows them; a user's law whose damping is no power of one of them is
+    exported without that one.
 
-    Raises ValueError for a bad argument, FileExistsError, SimulationError as `simulate` does and for a free body as
-    target, ImportError when matplotlib (for the pictures) or ziglang (for other platforms) is missing.
+    Raises ValueError for a bad argument, FileExistsError, SimulationError as `simulate` does and for an impact on a
+    free body, ImportError when matplotlib (for the pictures) or ziglang (for other platforms) is missing.
     """
     target = Path(path)
     if fmi_version not in (2, 3):
@@ -67,19 +71,25 @@ def export(
         raise ValueError(f"{target}: the name of an FMU must end in .fmu")
     if target.exists() and not overwrite:
         raise FileExistsError(f"{target}: exists; say overwrite=True to replace it")
-    if isinstance(scene.target, Body):
-        raise SimulationError("a free body as target cannot be exported: it has no impedance to act against")
-    gap = units.to_si(initial_gap, "length", bare=True)
-    if gap < 0.0:
-        raise ValueError(f"initial_gap: {gap:g} m must be >= 0 m")
+    if isinstance(scene.target, Body) and kind == "impact":
+        raise SimulationError(
+            "an impact on a free body cannot be exported: it has no impedance to act against; "
+            "kind contact is the force between the two"
+        )
+    try:
+        gap = units.to_si(initial_gap, "length", bare=True)
+    except ValueError as error:
+        raise ValueError(f"initial_gap: {error}") from None
+    resource.check_range(VARIABLES[reference("initial_gap")], gap)
+    if gap > 0.0 and kind == "contact":
+        raise ValueError(f"initial_gap: {gap:g} m is not allowed: the importer gives a contact its indentation")
     version: FmiVersion = 2 if fmi_version == 2 else 3
     binaries = _binaries(platform)
     files = _contents(scene, kind, version, gap, with_sources)
     for name, binary in binaries.items():
         where = platforms.PLATFORMS.get(name)
-        folder = name if where is None else where.fmi2 if version == 2 else where.fmi3
         suffix = Path(platforms.built_library()).suffix if where is None else where.suffix
-        files[f"binaries/{folder}/{kind}{suffix}"] = binary
+        files[f"binaries/{platforms.folder(name, version)}/{kind}{suffix}"] = binary
     with written_whole(target) as beside:
         beside.write_bytes(_zipped(files))
     return target
@@ -105,6 +115,7 @@ def _binaries(platform: str | Sequence[str] | None) -> dict[str, bytes]:
 
 def _contents(scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_sources: bool) -> dict[str, bytes]:
     """Every file but the binaries."""
+    scene = replace(scene, title=_NOT_IN_XML.sub("\N{REPLACEMENT CHARACTER}", scene.title))
     problem = problem_of(scene)
     refuse_vibrations(problem, "an FMU")
     if problem.compliance > 0.0:
@@ -128,7 +139,11 @@ def _contents(scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_so
         f"resources/{resource.NAME}": resource.finished(data, token),
         "resources/scene.toml": text.encode(),
         f"resources/{resource.NOTES}": _notes(problem, history),
-        **{f"documentation/{name}": page for name, page in documentation(scene, problem, data, history).items()},
+        **{
+            f"documentation/{name}": page
+            for name, page in documentation(scene, problem, data, history, experiment).items()
+        },
+        "documentation/licenses/license.txt": platforms.license_text(),
     }
     if with_sources:
         for name in (*platforms.SOURCES, *platforms.HEADERS):
@@ -159,7 +174,10 @@ def _nominals(problem: Problem, history: History | None) -> tuple[float, float, 
 
 
 def _experiment(problem: Problem, history: History | None, gap: float) -> Experiment:
-    """From the start to somewhat beyond the end of contact, or of its first swing if it has none, in 250 steps."""
+    """From the start to somewhat beyond the end of contact, or of its first swing if it has none, in 250 steps.
+
+    tolerance: with a thousandth of the accuracy asked for, CVODE's errors stay below that accuracy.
+    """
     contact = 0.0 if history is None else history.duration
     if history is not None and history.outcome is Outcome.TIME_LIMIT:
         contact = 2.0 * (history.summary["time_of_maximum_indentation"] or 0.5 * contact)
@@ -168,7 +186,8 @@ def _experiment(problem: Problem, history: History | None, gap: float) -> Experi
     pull = problem.load * problem.scales.force / problem.mass
     fall = 2.0 * gap / (speed + math.sqrt(speed**2 + 2.0 * pull * gap)) if speed + pull > 0.0 and gap > 0.0 else 0.0
     stop = float(f"{fall + 1.25 * contact:.3g}")
-    return Experiment(stop, stop / 250.0)
+    accuracy = problem.scene.solver.accuracy or 1e-4
+    return Experiment(stop, stop / 250.0, min(max(1e-3 * accuracy, 1e-10), 1e-7))
 
 
 def _build_description(kind: Kind, sources: list[str]) -> bytes:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 import tomllib
 import zipfile
 from collections.abc import Generator, Iterable, Mapping
@@ -16,7 +15,7 @@ from typing import Any
 from film_model.errors import SimulationError
 from film_model.laws import LAWS
 from film_model.scene import Scene
-from fmu_wrapper import resource
+from fmu_wrapper import platforms, resource
 from fmu_wrapper.variables import VARIABLES, reference
 
 Row = dict[str, float]
@@ -43,10 +42,7 @@ class Fmu:
         law = tomllib.loads(text).get("contact", {}).get("law", "auto")
         if law not in ("auto", *LAWS):
             raise ValueError(f"{self.path}: law {law!r} is none of film-model's: give the scene it was made from")
-        with tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            return Scene.from_toml(file.name)
+        return Scene.from_text(text, f"{self.path}: scene.toml")
 
     def log(self, *arguments: Any) -> None:
         """A message of the FMU's; its last text is the message itself."""
@@ -67,12 +63,17 @@ def opened(path: str | os.PathLike[str]) -> Generator[Fmu]:
     try:
         with zipfile.ZipFile(source) as archive:
             content = archive.read(f"resources/{resource.NAME}")
+            has = sorted({name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")})
     except (KeyError, zipfile.BadZipFile):
         raise ValueError(f"{source}: this is no FMU of film-model's") from None
     data = resource.read(content)
     folder = str(extract(str(source)))
     try:
-        yield Fmu(source, folder, read_model_description(folder, validate=False), data)
+        fmu = Fmu(source, folder, read_model_description(folder, validate=False), data)
+        needed = platforms.folder(platforms.this_platform(), fmu.version)
+        if needed not in has:
+            raise ValueError(f"{source}: has no binary for this machine ({needed}); it has {', '.join(has) or 'none'}")
+        yield fmu
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -173,24 +174,19 @@ class Slave:
             self.own.setFMUState(state)
             self.own.freeFMUState(state)
 
-    def close(self) -> None:
-        """Free the instance."""
-        self.own.terminate()
-        self.own.freeInstance()
-
 
 @contextmanager
 def started(fmu: Fmu, event_mode: bool, values: Mapping[str, float]) -> Generator[Slave]:
-    """A running instance; an error the FMU reports becomes a SimulationError with its message."""
-    slave: Slave | None = None
+    """A running instance, freed in the end; an error the FMU reports becomes a SimulationError with its message."""
     try:
         slave = Slave(fmu, event_mode)
-        slave.initialize(values)
-        yield slave
+        try:
+            slave.initialize(values)
+            yield slave
+            slave.own.terminate()
+        finally:
+            slave.own.freeInstance()
     except Exception as error:
         if fmu.messages:
             raise SimulationError(f"{fmu.path}: {fmu.messages[-1]}") from error
         raise
-    finally:
-        if slave is not None and not fmu.messages:
-            slave.close()

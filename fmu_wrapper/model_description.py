@@ -34,10 +34,11 @@ LOG_CATEGORY = ("logStatusError", "what went wrong, and what was expected")
 
 @dataclass(frozen=True)
 class Experiment:
-    """The default experiment, s."""
+    """The default experiment: s, and the relative tolerance of an importer's integrator."""
 
     stop_time: float
     step_size: float
+    tolerance: float
 
 
 def fmi_unit(dimension: str) -> str:
@@ -77,6 +78,7 @@ def model_description(
         "DefaultExperiment",
         startTime="0.0",
         stopTime=repr(experiment.stop_time),
+        tolerance=repr(experiment.tolerance),
         stepSize=repr(experiment.step_size),
     )
     variables = ET.SubElement(root, "ModelVariables")

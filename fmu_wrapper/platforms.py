@@ -60,9 +60,22 @@ def this_platform() -> str:
     return f"{processor}-{system}"
 
 
+def folder(name: str, fmi_version: int) -> str:
+    """The folder of a platform's binary inside an FMU; a platform that is not in `PLATFORMS` has its own name."""
+    if name not in PLATFORMS:
+        return name
+    return PLATFORMS[name].fmi2 if fmi_version == 2 else PLATFORMS[name].fmi3
+
+
 def built_library() -> str:
     """Where the build of film-model puts this platform's binary, from the root of the project."""
     return f"{RUNTIME}/_film_fmu" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+
+
+def license_text() -> bytes:
+    """film-model's licence, from the installed package or the project it is run in."""
+    places = (ROOT / "fmu_wrapper" / "LICENSE", ROOT / "LICENSE")
+    return next(place for place in places if place.exists()).read_bytes()
 
 
 def fmi_headers() -> Path:

@@ -13,7 +13,8 @@ from film_model.curve import curve_of
 from film_model.laws.law import AbstractLaw, law_fields
 from film_model.problem import Problem
 from film_model.scene import Scene
-from fmu_wrapper.variables import KINDS, RIGID, STATES, VARIABLES, Kind, reference, settable
+from film_model.units import scene_unit
+from fmu_wrapper.variables import KINDS, RIGID, STATES, VARIABLES, Kind, Variable, reference, settable
 
 NAME, NOTES = "model.film", "notes.json"
 MAGIC = b"FILMFMU1"
@@ -60,7 +61,10 @@ def model_data(
     segments: tuple[int, int],
     nominal: tuple[float, float, float],
 ) -> Data:
-    """The data of an export but for its token. `gap`: at the start, m; `nominal`: of the states, SI."""
+    """The data of an export but for its token. `gap`: at the start, m; `nominal`: of the states, SI.
+
+    Raises ValueError for a start value that the FMU would not take.
+    """
     law = problem.law
     data = Data()
     data.magic, data.size = MAGIC, c.sizeof(Data)
@@ -89,6 +93,7 @@ def model_data(
         else:
             data.start[k] = start.get(name, 0.0) if exists else max(variable.low or 0.0, 0.0)
         data.available[k] = exists and not (name in damping and damping[name] is None)
+        check_range(variable, data.start[k])
     for k, name in enumerate(SCALING):
         data.length_power[k], data.force_power[k] = powers[name] or (0.0, 0.0)
     data.damping = _damping(law, problem)
@@ -98,6 +103,15 @@ def model_data(
     data.nominal[:] = nominal
     data.curve = problem.curve.native
     return data
+
+
+def check_range(variable: Variable, value: float) -> None:
+    """ValueError where a variable of an FMU does not take a value (SI)."""
+    low = -math.inf if variable.low is None else variable.low
+    high = math.inf if variable.high is None else variable.high
+    if not low <= value <= high:
+        unit = f" {scene_unit(variable.dimension)}" if variable.dimension else ""
+        raise ValueError(f"{variable.name}: {value:g}{unit} is out of range: from {low:g} to {high:g}{unit}")
 
 
 def powers_of(law: AbstractLaw, name: str, problem: Problem) -> tuple[float, float] | None:

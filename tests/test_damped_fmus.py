@@ -1,5 +1,6 @@
 """Damped laws in FMUs: their damping follows what is set after export, and integrators of their true law agree."""
 
+import ctypes
 import html
 import math
 import random
@@ -225,6 +226,38 @@ def test_a_contact_that_let_go_takes_hold_again_within_its_dent(made, name, load
 
 
 @VERSIONS
+@pytest.mark.parametrize("name", DAMPED)
+def test_model_exchange_remembers_the_force_before_an_input_jumps(made, name, version):
+    """The support runs away in an event of the importer's, and takes most of the damping with it."""
+    from fmpy.fmi2 import FMU2Model
+    from fmpy.fmi3 import FMU3Model
+
+    with opened(made(loaded(name), version)) as fmu:
+        identity = {"guid": fmu.description.guid, "unzipDirectory": fmu.folder}
+        own = (FMU2Model if version == 2 else FMU3Model)(modelIdentifier="impact", instanceName="impact", **identity)
+        get, put = (own.getReal, own.setReal) if version == 2 else (own.getFloat64, own.setFloat64)
+        update = own.newDiscreteStates if version == 2 else own.updateDiscreteStates
+        own.instantiate()
+        if version == 2:
+            own.setupExperiment(startTime=0.0)
+        own.enterInitializationMode()
+        own.exitInitializationMode()
+        update()
+        own.enterContinuousTimeMode()
+        own.setTime(1e-5)
+        own.setContinuousStates((ctypes.c_double * 3)(2e-6, 0.2, 0.0), 3)
+        (force,) = get([reference("contact_force")])
+        own.enterEventMode()
+        put([reference("support_velocity")], [0.25])
+        update()
+        own.enterContinuousTimeMode()
+        told = get([reference("maximum_indentation"), reference("maximum_force")])
+        own.terminate()
+        own.freeInstance()
+    assert force > 0.0 and told == pytest.approx([2e-6, force], rel=1e-12)
+
+
+@VERSIONS
 @pytest.mark.parametrize("name", ["linear-dashpot", "kuwabara-kono"])
 def test_a_ball_comes_to_rest_in_every_interface(made, version, name):
     """Dropped: bounces, each lower, until the weight holds the contact shut."""
@@ -270,6 +303,32 @@ def test_directional_derivatives_by_velocity(made, name, version):
             assert at > 0.0 and slopes == pytest.approx([by_depth, by_rate], rel=1e-6)
         assert force(5e-6, -100.0) == 0.0
         assert derive([reference("contact_force")], [reference("relative_velocity")], [1.0])[0] == 0.0
+
+
+@VERSIONS
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+@pytest.mark.parametrize("name", DAMPED)
+def test_the_force_hears_the_support_before_the_step(made, name, target, version):
+    """As an importer that iterates between two FMUs at one time asks: values and derivatives belong together."""
+    names = ("contact_force", "impactor_acceleration", "relative_velocity", "target_velocity")
+    on = replace(scene(name, target), effects=fm.Effects(gravity=False))
+    with opened(made(on, version)) as fmu, started(fmu, False, {}) as slave:
+        slave.step(0.0, 2e-5)
+        forces = []
+        for support in (0.02 - 1e-4, 0.02, 0.02 + 1e-4):
+            slave.set("support_velocity", support)
+            forces.append(slave.get(names)["contact_force"])
+        slave.set("support_velocity", 0.02)
+        unknown, known = reference("contact_force"), reference("support_velocity")
+        slope = slave.own.getDirectionalDerivative([unknown], [known], [1.0])[0]
+        assert slope < 0.0 and (forces[2] - forces[0]) / 2e-4 == pytest.approx(slope, rel=1e-6)
+        heard = slave.get(names)
+        slave.step(2e-5, 0.0)
+        assert list(heard.values()) == pytest.approx(list(slave.get(names).values()), rel=1e-12)
+        slave.set("support_velocity", 20.0)  # away, so fast that the law would pull
+        assert slave.get(names)["contact_force"] == 0.0
+        slave.step(2e-5, 1e-9)
+        assert slave.get(names)["contact_force"] == 0.0
 
 
 @pytest.mark.parametrize("kind", ["impact", "contact"])

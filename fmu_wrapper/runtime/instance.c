@@ -273,7 +273,8 @@ int instance_step(instance *i, const char *function, double from, double size, i
     double end = from + size;
     *event = 0;
     ALLOW(STEPPING);
-    if (!(size >= 0.0) || !isfinite(end)) return instance_fails(i, function, "a step of %g s; it must be >= 0 s and finite", size);
+    if (!(size >= 0.0) || !isfinite(end))
+        return instance_fails(i, function, "a step of %g s from %g s; it must be >= 0 s and finite", size, from);
     if (size > 0.0 && !(end > from)) return instance_fails(i, function, "a step of %g s is lost beside the time %g s", size, from);
     if (!(fabs(from - now->now) <= SAME_TIME * size + 1e-14 * fabs(now->now)))
         return instance_fails(i, function, "the step begins at %.17g s, but the last one ended at %.17g s", from, now->now);
@@ -297,6 +298,7 @@ int instance_enter_event_mode(instance *i, const char *function) {
     ALLOW(i && i->model_exchange ? CONTINUOUS : STEPPING);
     if (!i->model_exchange && !i->event_mode)
         return instance_fails(i, function, "the instance was made without event mode");
+    if (i->model_exchange) model_reached(&i->model); /* before inputs change */
     i->state.mode = EVENT;
     return GOOD;
 }

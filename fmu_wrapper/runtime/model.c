@@ -159,7 +159,11 @@ static int observe(model *m, motion_now *seen, int with_stiffness) {
         double support = contact ? 0.0 : now->value[SUPPORT_VELOCITY];
         at = film_force(&m->data->curve, state, seen->indentation / now->length, (seen->velocity - support) / now->velocity);
     } else {
-        if (with_stiffness) at = film_force(&m->data->curve, state, state->xi, state->nu);
+        double slower = (now->value[SUPPORT_VELOCITY] - now->support) / now->velocity; /* what the next step begins with */
+        if (with_stiffness || (slower != 0.0 && damped(m))) {
+            at = film_force(&m->data->curve, state, state->xi, state->nu - slower);
+            if (slower != 0.0 && at.force < 0.0) at.force = at.by_xi = at.by_nu = 0.0; /* contact ends there */
+        }
         seen->indentation = state->xi * now->length;
         seen->velocity = state->nu * now->velocity + now->support;
         seen->target = state->shift * now->length + now->support_displacement;
@@ -337,6 +341,7 @@ static int take_inputs(model *m) {
     model_memory *now = &m->memory;
     double support = now->value[SUPPORT_VELOCITY], load = load_of(m);
     if (load == now->load && support == now->support) return 0;
+    if (now->state.branch != FILM_FREE) now->state.force_peak = fmax(now->state.force_peak, now->state.force);
     int status = film_input(&now->state, load, (now->support - support) / now->velocity, -support / now->velocity);
     if (status < 0) return refused(m, status);
     now->load = load;
@@ -363,7 +368,7 @@ static int step_impact(model *m, double end, int stop_at_events, int *stopped) {
             return failed(m, "the motion leaves the range of numbers before %g s", end);
         }
         double time = now->start_time + state->time * now->tick;
-        time = time > end ? end : time;
+        time = fmin(fmax(time, now->now), end);
         happen(m, state, time, state->nu * now->velocity + now->support, &now->happened);
         if (stop_at_events) {
             now->now = time;
@@ -492,7 +497,7 @@ int model_indicators(model *m, double indicators[FILM_INDICATORS]) {
 
 void model_reached(model *m) {
     film_state *state = &m->memory.state;
-    if (m->data->kind == IMPACT || !damped(m)) return; /* an event tells the peak */
+    if (!damped(m)) return; /* an event tells the peak */
     place(m);
     state->force_peak = fmax(state->force_peak, film_force(&m->data->curve, state, state->xi, state->nu).force);
 }

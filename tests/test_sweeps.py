@@ -62,6 +62,20 @@ def cli(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, st
 # ------------------------------------------------------------------------------------------------ content
 
 
+@pytest.mark.parametrize("exponent", [{}, {"exponent": 1.4}])
+def test_a_stiffness_is_swept_in_the_unit_of_the_laws_exponent(exponent: dict[str, float]) -> None:
+    """The law's own exponent where the scene gives none."""
+    unit = f"N/m^{exponent.get('exponent', 1.5)}"
+    given = {"law": "tan-sun", "stiffness": f"1e10 {unit}", "critical_indentation": "5 um", **exponent}
+    scene = BALL.replace({"contact": given})
+    ds = fd.sweep(scene, {"contact.stiffness": [f"1e9 {unit}", f"2e9 {unit}"]})
+    forces = [
+        fm.simulate(scene.replace({"contact.stiffness": f"{k} {unit}"})).summary["maximum_force"] for k in (1e9, 2e9)
+    ]
+    assert ds["maximum_force"].values == pytest.approx(forces, rel=2e-4)
+    assert f"1000000000.0 {unit}" in ds.attrs["sweep_toml"]
+
+
 def test_a_grid_has_the_impact_of_each_scene() -> None:
     ds = fd.sweep(PLATE, {"impactor.velocity": ["1 m/s", "3 m/s"], "impactor.radius": ["5 mm", "6 mm", "7 mm"]})
     assert fd.validate(ds) == []

@@ -223,7 +223,7 @@ def test_rows_that_arrays_get_wrong_are_made_one_by_one(target, monkeypatch):
 
 
 def test_the_error_of_every_row_is_the_error_of_all():
-    base = fm.Scene(fm.Sphere(**BALL), fm.HalfSpace("alumina"), effects=fm.Effects(plasticity=False))
-    object.__setattr__(base, "effects", fm.Effects(plasticity=True))
-    with pytest.raises(fm.SimulationError, match="neither material has a yield_strength"):
+    beam = fm.Beam("mild steel", length="200 mm", width="10 mm", thickness="5 mm")
+    base = fm.Scene(fm.Sphere(**BALL), beam, fm.Contact("tsuji", restitution=0.7))
+    with pytest.raises(fm.SimulationError, match="a damped law cannot be simulated on a beam with edges"):
         simulate_rows(base, {"impactor.velocity": np.array([1.0, 2.0])})

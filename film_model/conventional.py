@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from film_model.laws.law import AbstractLaw, Power, Stage
+from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
 from film_model.reference import unloaded, value
 
 SUMMARY = (
@@ -34,7 +34,11 @@ Force = Callable[[float], float]
 
 
 class Run(NamedTuple):
-    """One straight run: force, where it begins and ends in ξ, and the origin of a root in the force."""
+    """One way through a stage or along a branch: its force f(ξ), and the ξ it leads to.
+
+    origin: ξ from which a root in the force is counted, where the stage or branch begins. power: the force as one, with
+    its origin; None if it is no power.
+    """
 
     force: Force
     to: float
@@ -75,14 +79,8 @@ class Impact:
 
 
 def _own_power(stage: Stage) -> Power | None:
-    if not isinstance(stage.force, Power):
-        return None
     power = stage.force
-    return (
-        power
-        if power.origin is not None
-        else Power(power.constant, power.slope, power.coefficient, power.exponent, stage.begin)
-    )
+    return replace(power, origin=origin_of(power, stage)) if isinstance(power, Power) else None
 
 
 def scalar(stage: Stage) -> Force:

@@ -19,7 +19,7 @@ from numpy.polynomial import chebyshev
 
 from film_model.core import native
 from film_model.errors import SimulationError
-from film_model.laws.law import AbstractLaw, Array, Function, Power, Stage
+from film_model.laws.law import AbstractLaw, Array, Function, Power, Stage, origin_of
 
 FIT_TOLERANCE = 1e-13
 """Largest difference between a fitted function and the law, relative to the function's largest value in the stage."""
@@ -65,11 +65,8 @@ class Curve:
     def work(self, xi: float) -> float:
         """∫f dξ from 0 to ξ in loading, as the core evaluates it."""
         last = self._stage_at(xi)
-        ends = (self.native.stage[k].end for k in range(last))
-        return (
-            sum(native.stage_law(self.native, k, end)[1] for k, end in enumerate(ends))
-            + (native.stage_law(self.native, last, xi)[1])
-        )
+        ends = [*(self.native.stage[k].end for k in range(last)), xi]
+        return sum(native.stage_law(self.native, k, end)[1] for k, end in enumerate(ends))
 
     def _stage_at(self, xi: float) -> int:
         stages = [self.native.stage[k].end for k in range(self.native.stages)]
@@ -202,13 +199,9 @@ def _functions(stage: Stage) -> dict[str, Function]:
 
 def _values(function: Function, xi: Array, stage: Stage) -> Array:
     if isinstance(function, Power):
-        x = np.maximum(xi - _origin(function, stage), 0.0)
+        x = np.maximum(xi - origin_of(function, stage), 0.0)
         return function.constant + function.slope * x + function.coefficient * x**function.exponent
     return np.broadcast_to(np.asarray(function(xi), dtype=np.float64), xi.shape)
-
-
-def _origin(power: Power, stage: Stage) -> float:
-    return stage.begin if power.origin is None else power.origin
 
 
 def _split_at_peak(stage: Stage) -> list[Stage]:
@@ -224,7 +217,9 @@ def _split_at_peak(stage: Stage) -> list[Stage]:
     edges = [*cuts, stage.end]
     if len(edges) == 2:
         return [stage]
-    force = replace(stage.force, origin=_origin(stage.force, stage)) if isinstance(stage.force, Power) else stage.force
+    force = stage.force
+    if isinstance(force, Power):
+        force = replace(force, origin=origin_of(force, stage))
     return [replace(stage, begin=a, end=b, force=force, work=None) for a, b in pairwise(edges)]
 
 
@@ -296,15 +291,16 @@ def _fill(
     for name, function in functions.items():
         target = getattr(piece, name)
         if isinstance(function, Power):
-            target.form, target.origin, target.per_span = native.POWER, _origin(function, stage), 1.0
+            target.form, target.origin, target.per_span = native.POWER, origin_of(function, stage), 1.0
             target.constant, target.slope = function.constant, function.slope
             target.coefficient, target.exponent = function.coefficient, function.exponent
         else:
             _write(target, series[name], begin, end, root)
     if isinstance(stage.force, Power):
-        at_begin = _power_work(stage.force, begin - _origin(stage.force, stage))
+        origin = origin_of(stage.force, stage)
+        at_begin = _power_work(stage.force, begin - origin)
         piece.work_at_begin = at_begin - work
-        return work + _power_work(stage.force, end - _origin(stage.force, stage)) - at_begin if end < math.inf else work
+        return work + _power_work(stage.force, end - origin) - at_begin if end < math.inf else work
     mean = _mean(series["force"], root)
     _write(piece.mean, mean, begin, end, root)
     piece.work_at_begin = -work

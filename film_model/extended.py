@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from film_model.laws.law import AbstractLaw, Power, Stage
+from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
 
 DIGITS = 30
 """Decimal digits carried; results are good to some ten fewer."""
@@ -56,7 +56,7 @@ class _Extended:
         c0, c1, c2, q = (
             self.mp.mpf(v) for v in (function.constant, function.slope, function.coefficient, function.exponent)
         )
-        origin = self.mp.mpf(stage.begin if function.origin is None else function.origin)
+        origin = self.mp.mpf(origin_of(function, stage))
 
         def value(xi: Any) -> Any:
             x = max(xi - origin, self.mp.mpf(0))

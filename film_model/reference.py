@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from film_model.laws.law import AbstractLaw, Array, Function, Power, Stage, Unloading
+from film_model.laws.law import AbstractLaw, Array, Function, Power, Stage, Unloading, origin_of
 
 SUMMARY = (
     "maximum_force",
@@ -229,7 +229,7 @@ def value(function: Function | float, xi: Any, stage: Stage) -> Array:
         return np.full(x.shape, float(function))
     if not isinstance(function, Power):
         return np.broadcast_to(np.asarray(function(np.atleast_1d(x)), dtype=np.float64).reshape(x.shape), x.shape)
-    z = np.maximum(x - _origin(function, stage), 0.0)
+    z = np.maximum(x - origin_of(function, stage), 0.0)
     return function.constant + function.slope * z + function.coefficient * z**function.exponent
 
 
@@ -241,7 +241,7 @@ def work_before(stage: Stage, to: float, lengths: Any) -> Array:
         flat = np.atleast_1d(d)
         mean = _integral(lambda u: value(force, to - np.multiply.outer(u, flat), stage))
         return (flat * mean).reshape(d.shape)
-    top = max(to - _origin(force, stage), 0.0)
+    top = max(to - origin_of(force, stage), 0.0)
     x = np.minimum(d, top)
     if top == 0.0:
         return force.constant * d
@@ -278,10 +278,6 @@ def _passage(stage: Stage, end: float, left: float) -> float:
         return 2.0 * length * s / np.sqrt(left + 2.0 * work_before(stage, end, length * s * s))
 
     return float(_integral(slowness))
-
-
-def _origin(power: Power, stage: Stage) -> float:
-    return stage.begin if power.origin is None else power.origin
 
 
 def _integral(function: Callable[[Array], Array]) -> Array:

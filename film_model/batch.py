@@ -132,22 +132,21 @@ def simulate_rows(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     for rows in rows_of(scene, columns, count, status):
         if rows.law not in laws:
             laws.append(rows.law)
-        start = rows.start
-        counts, error = _mesh(rows, start, solver)
-        ended, core = native.batch(rows.curve.native, mesh_of(solver, counts), start)
+        counts, error = _mesh(rows, solver)
+        ended, core = native.batch(rows.curve.native, mesh_of(solver, counts), rows.start)
         law[rows.index] = laws.index(rows.law)
         segments[rows.index] = counts
         status[rows.index] = ended
-        for name, column in _summary(rows, start, ended, core).items():
+        for name, column in _summary(rows, ended, core).items():
             summary[name][rows.index] = column
         estimated = max(estimated, error + rows.curve.fit_error)
         parts.append(rows)
     return RowResult(summary, status, tuple(laws), law, segments, estimated, tuple(parts))
 
 
-def _mesh(rows: Rows, start: NDArray[Any], solver: Solver) -> tuple[tuple[int, int], float]:
+def _mesh(rows: Rows, solver: Solver) -> tuple[tuple[int, int], float]:
     """Smallest mesh on which every trial impact meets the accuracy, seen from twice as many segments."""
-    some = start[_trial(start)]
+    some = rows.start[_trial(rows.start)]
     damping = float(some["damping"].max(initial=0.0))
     n = solver.segments or (first_segments(damping) if damping > 0.0 else 4)
     ratio = 1 if solver.segments else unloading_ratio(rows.curve)
@@ -210,10 +209,11 @@ def differences(a: NDArray[Any], b: NDArray[Any], nu: Array, stop_velocity: Arra
     return worst
 
 
-def _summary(rows: Rows, start: NDArray[Any], status: NDArray[np.int32], core: NDArray[Any]) -> dict[str, Array]:
+def _summary(rows: Rows, status: NDArray[np.int32], core: NDArray[Any]) -> dict[str, Array]:
     """Summary columns in SI from the core's; nan for what did not happen, and everywhere in a row that failed."""
-    s, share, drift, nu = rows.scales, rows.share, rows.drift, start["nu"]
-    final, failed, over = core["final_velocity"], status < 0, status == native.EVENT
+    s, share, drift, start = rows.scales, rows.share, rows.drift, rows.start
+    nu, final = start["nu"], core["final_velocity"]
+    failed, over = status < 0, status == native.EVENT
     turned = core["maximum_indentation"] > 0.0
     absorbed = np.where(np.abs(core["work"]) > 1e-14 * nu**2, core["work"], 0.0)  # less is rounding
     permanent = core["permanent_indentation"] * s.length
@@ -227,16 +227,16 @@ def _summary(rows: Rows, start: NDArray[Any], status: NDArray[np.int32], core: N
         "rebound_velocity": drift + share * final * s.velocity,
         "coefficient_of_restitution": -final / nu,
         "energy_absorbed": np.where(over, absorbed * s.energy, np.nan),
-        "energy_radiated": np.where(over, _radiated(rows, start, core), np.nan),
+        "energy_radiated": np.where(over, _radiated(rows, core), np.nan),
     }
     if not failed.any():
         return columns
     return {name: np.where(failed, np.nan, column) for name, column in columns.items()}
 
 
-def _radiated(rows: Rows, start: NDArray[Any], core: NDArray[Any]) -> Array:
+def _radiated(rows: Rows, core: NDArray[Any]) -> Array:
     """Energy in target motion, J, as `solve` has it."""
-    s, free = rows.scales, rows.share < 1.0
+    s, start, free = rows.scales, rows.start, rows.share < 1.0
     lost = 0.5 * (start["nu"] ** 2 - core["final_velocity"] ** 2) - core["work"]
     lost += start["load"] * (core["permanent_indentation"] + core["shift"])
     radiated = np.where(start["gamma"] > 0.0, lost * s.energy, 0.0)

@@ -93,19 +93,26 @@ def simulate_batch(
     """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
 
     Law "auto" and gravity "auto" are decided for every impact. With an accuracy, 64 of the impacts or more, the
-    extremes among them, are tried to find the mesh. Raises ValueError for a velocity or mass that is not > 0,
-    SimulationError if the target vibrates in all of them; if only in some, those have failed.
+    extremes among them, are tried to find the mesh.
+
+    Raises ValueError for a velocity or mass that is not > 0, a velocity that is not above a free target's, or none at
+    all; SceneError for a bad option; SimulationError if the target vibrates in all impacts (if only in some, those have
+    failed).
     """
     speeds = units.array_to_si(velocity, "velocity")
     masses = None if mass is None else units.array_to_si(mass, "mass")
     shape = np.broadcast_shapes(speeds.shape, () if masses is None else masses.shape)
     given = {"impactor.velocity": speeds, "impactor.mass": masses}
     columns = {path: np.broadcast_to(values, shape).ravel() for path, values in given.items() if values is not None}
-    least = scene.target.velocity if isinstance(scene.target, Body) else 0.0
-    if not all(values.size and values.min() > 0.0 for values in columns.values()):
-        raise ValueError("velocity and mass must be > 0, and there must be at least one impact")
-    if not speeds.min() > least:
-        raise ValueError(f"velocity must be > {least:g} m/s, the target's")
+    least = max(scene.target.velocity, 0.0) if isinstance(scene.target, Body) else 0.0
+    for name, values, unit, floor in (("velocity", speeds, "m/s", least), ("mass", masses, "kg", 0.0)):
+        if values is None:
+            continue
+        if values.size == 0:
+            raise ValueError(f"{name}: no values, at least one is needed")
+        if not values.min() > floor:
+            whose = ", the target's" if floor > 0.0 else ""
+            raise ValueError(f"{name}: {values.min():g} {unit} must be > {floor:g} {unit}{whose}")
     solver = solver_for(scene.solver, accuracy, segments, None)
     result = simulate_rows(scene, columns, solver)
     if (result.status == VIBRATES).all():

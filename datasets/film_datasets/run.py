@@ -214,7 +214,7 @@ def _fill(
     estimated, gained = np.zeros(len(made.accuracies)), np.zeros(len(made.laws), np.int64)
     failed, segments = 0, 0
     for number, columns in _blocks(made, pool, ahead, parts):
-        _, region, first, count = made.block(number)
+        region, first, count = made.block(number)
         if "segment_count" in columns:
             ends = segments + np.cumsum(columns["segment_count"], dtype=np.int64)
             columns["segment_begin"], segments = ends - columns["segment_count"], int(ends[-1])

@@ -231,7 +231,7 @@ def change(full: Trial, without: Trial) -> float | None:
 
 def _relative(value: float, to: float) -> float:
     """Relative difference; 1 where only one of the two has happened."""
-    if value == to or (value != value and to != to):
+    if value == to:
         return 0.0
     return abs(value / to - 1.0) if to > 0.0 and value >= 0.0 else 1.0
 

@@ -193,8 +193,7 @@ def _change(full: Rows, without: Rows, places: Index, ending: bool = False) -> A
 
 def _relative(value: Array, to: Array) -> Array:
     """Relative difference; 1 where only one of the two has happened."""
-    same = (value == to) | (np.isnan(value) & np.isnan(to))
-    return np.where(same, 0.0, np.where((to > 0.0) & (value >= 0.0), np.abs(value / to - 1.0), 1.0))
+    return np.where(value == to, 0.0, np.where((to > 0.0) & (value >= 0.0), np.abs(value / to - 1.0), 1.0))
 
 
 def _radiated(rows: Rows, summary: NDArray[Any]) -> Array:

@@ -178,15 +178,17 @@ class Scalar(fm.AbstractLaw):
         return fm.Hertz(self.effective_modulus, self.radius).scales(max(energy, 1e-300))
 
     def stages(self):
-        return fm.Hertz(self.effective_modulus, self.radius).stages()
+        return LAWS["hertz"].stages()
 
 
 def test_a_law_of_single_numbers_serves_too(monkeypatch):
+    """Row by row where its formulas are asked, and still one curve."""
     monkeypatch.setitem(fm.LAWS, "scalar", Scalar)
     columns = {"impactor.radius": np.linspace(5e-3, 15e-3, 9), "impactor.velocity": np.linspace(0.1, 1, 9)}
     one, other = (simulate_rows(scene("hertz").replace({"contact.law": law}), columns) for law in ("scalar", "hertz"))
     for name in SUMMARY:
         np.testing.assert_allclose(one.summary[name], other.summary[name], rtol=1e-12, atol=1e-25)
+    assert [part.index.size for part in one.parts] == [9]
 
 
 def test_a_row_that_fails_says_why_and_harms_no_other():
@@ -194,8 +196,24 @@ def test_a_row_that_fails_says_why_and_harms_no_other():
     result = simulate_rows(base, {"impactor.velocity": np.array([1.0, 0.1, 0.05, 2.0])})
     assert result.status.tolist() == [native.EVENT, NO_VELOCITY, NO_VELOCITY, native.EVENT]
     assert np.isnan(result.summary["maximum_force"]).tolist() == [False, True, True, False]
+    none = simulate_rows(base, {"impactor.velocity": np.array([0.1, 0.05])})
+    assert none.status.tolist() == [NO_VELOCITY, NO_VELOCITY] and none.parts == ()
     deep = simulate_rows(scene("saturating"), {"impactor.velocity": np.array([0.2, 50.0])})
     assert [STATUSES[s][0] for s in deep.status.tolist()] == ["separated", "beyond_law"]
+
+
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+def test_effects_tried_for_neighbours_are_those_tried_for_each(target, monkeypatch):
+    """With no cells at all every impact is tried itself: law and weight come out the same."""
+    rng = np.random.default_rng(8)
+    base = scene("big-alabo", target).replace({"contact.law": "auto"})
+    columns = {"impactor.velocity": np.exp(rng.uniform(-5, 0, 80)), "impactor.mass": rng.uniform(0.03, 0.09, 80)}
+    cells = simulate_rows(base, columns)
+    monkeypatch.setattr("film_model.row_effects.LEVELS", ())
+    each = simulate_rows(base, columns)
+    assert cells.laws == each.laws == ("hertz", "big-alabo") and np.array_equal(cells.law, each.law)
+    loads = [np.concatenate([part.start["load"][np.argsort(part.index)] for part in r.parts]) for r in (cells, each)]
+    assert np.array_equal(*loads) and 0.1 < np.mean(loads[0] > 0.0) < 0.9
 
 
 @pytest.mark.parametrize("target", ["half-space", "plate", "body"])

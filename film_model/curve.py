@@ -76,9 +76,9 @@ class Curve:
 def curve_of(law: AbstractLaw, compliance: float = 0.0) -> Curve:
     """The curve of a law; with a `compliance` c [δ_s/F_s] in series with a spring, over ξ + c f.
 
-    Raises ValueError when stages do not follow each other, a force is negative or not finite, a stage that has to be
-    fitted has no end, or a fit does not come within `FIT_LIMIT`; SimulationError for a force that jumps, or falls so
-    fast that it snaps through, in series with a spring. The message names the law, the stage and the value.
+    Raises ValueError when stages do not follow each other, a force is negative, a function is not finite, a stage that
+    has to be fitted has no end, or a fit does not come within `FIT_LIMIT`; SimulationError for a force that jumps, or
+    falls so fast that it snaps through, in series with a spring. The message names the law, the stage and the value.
     """
     try:
         return _build(_name(law), tuple(law.stages()), compliance)
@@ -120,7 +120,7 @@ def _build(law: str, given: tuple[Stage, ...], compliance: float) -> Curve:
     if compliance > 0.0:
         _put_in_series(law, made, stages, compliance)
     if native.library().film_check_curve(ctypes.byref(made)) != native.OK:
-        raise ValueError(f"{law}: its stages do not make a curve; each must end beyond where it begins")
+        raise ValueError(f"{law}: the core refuses the numbers of its stages: all must be finite, their work too")
     return Curve(made, tuple(stage.name for stage in stages), error, steepest, tuple(_remarks(law, stages, error)))
 
 
@@ -176,11 +176,16 @@ def _checked(law: str, given: tuple[Stage, ...]) -> list[Stage]:
                 "give the others an end beyond the deepest indentation you expect"
             )
         end = stage.end if math.isfinite(stage.end) else 10.0 * (stage.begin + 1.0)
-        force = _values(stage.force, np.linspace(stage.begin, end, _CHECKS), stage)
+        xi = np.linspace(stage.begin, end, _CHECKS)
+        force = _values(stage.force, xi, stage)
         if not (np.isfinite(force).all() and (force >= -1e-12 * np.abs(force).max()).all()):
             raise ValueError(
                 f"{law}: stage {stage.name!r} has a force of {np.nanmin(force):g}; it must be finite and >= 0"
             )
+        for name, function in _functions(stage).items():
+            if not np.isfinite(_values(function, xi[1:-1], stage)).all():
+                what = stage.unloading.rule[0] if name == "recovery" and stage.unloading is not None else name
+                raise ValueError(f"{law}: the {what} of stage {stage.name!r} is not finite everywhere")
     return stages
 
 

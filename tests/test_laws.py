@@ -134,6 +134,28 @@ def own(*stages):
     return Own(tuple(stages))
 
 
+def opening(**given):
+    return fm.Unloading(**({"residual": fm.Power()} | given))
+
+
+def nowhere(xi):
+    return np.where(xi > 1.5, np.nan, 0.1 * xi)
+
+
+class Rippled:
+    """A function that cannot be hashed, and so not be kept."""
+
+    __hash__ = None
+
+    def __call__(self, xi):
+        return xi
+
+
+def test_a_law_that_cannot_be_hashed_is_refused():
+    with pytest.raises(ValueError, match="law 'own': a law must be a frozen dataclass with hashable fields"):
+        curve_of(own(fm.Stage("a", 0.0, 2.0, Rippled())))
+
+
 def test_a_fit_that_needs_many_pieces_is_exact_too():
     law = own(fm.Stage("ripple", 0.0, 30.0, lambda x: x + 0.3 * np.sin(3 * x)))
     curve = curve_of(law)
@@ -185,6 +207,26 @@ def test_a_peak_inside_a_stage_is_met_exactly():
         ((fm.Stage("a", 0.0, 2.0, lambda x: x - 1.0),), "must be finite and >= 0"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: np.log(x)),), "must be finite and >= 0"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: np.floor(7 * x)),), "cannot be fitted"),
+        (
+            (fm.Stage("a", 0.0, 2.0, fm.Power(slope=1.0), opening(residual=nowhere)),),
+            "the residual of stage 'a' is not finite everywhere",
+        ),
+        (
+            (fm.Stage("a", 0.0, 2.0, fm.Power(slope=1.0), opening(exponent=nowhere)),),
+            "the exponent of stage 'a' is not finite everywhere",
+        ),
+        (
+            (fm.Stage("a", 0.0, 2.0, fm.Power(slope=1.0), damping=nowhere),),
+            "the damping of stage 'a' is not finite everywhere",
+        ),
+        (
+            (fm.Stage("a", 0.0, 2.0, fm.Power(slope=1.0), opening(exponent=lambda x: 1.5, reload_exponent=np.inf)),),
+            "all must be finite, their work too",
+        ),
+        (
+            (fm.Stage("a", 0.0, 2.0, fm.Power(slope=1.0), opening(), damping=fm.Power(constant=1.0)),),
+            "a damped law must have one stage, and no unloading",
+        ),
         ((), "0 stages"),
     ],
 )

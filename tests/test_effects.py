@@ -178,6 +178,59 @@ def test_a_named_elastic_law_above_yield_is_switched_off_with_its_estimate():
     assert plasticity.change > 0.1
     below = by_name(ball_on(fm.HalfSpace(STEEL), "1 mm/s", contact=fm.Contact(law="hertz")))["plasticity"]
     assert (below.state, below.change) == (effects.NOT_NEEDED, 0.0)
+    late = {
+        velocity: ball_on(fm.HalfSpace(STEEL), velocity, contact=fm.Contact(law="hertz"))
+        for velocity in ("1 m/s", "50 m/s")
+    }
+    stages = {velocity: by_name(scene)["fully_plastic"] for velocity, scene in late.items()}
+    assert stages["1 m/s"].value < effects.FULLY_PLASTIC_RATIO < stages["50 m/s"].value
+    assert [(s.state, s.change) for s in stages.values()] == [(effects.NOT_NEEDED, 0.0), (effects.SWITCHED_OFF, None)]
+
+
+@pytest.mark.parametrize(
+    ("ratio", "law", "change"), [(0.9, "hertz", 0.0), (1.004, "hertz", 0.0076), (1.01, "big-alabo", 0.0185)]
+)
+def test_yielding_that_hardly_matters_is_left_out(ratio, law, change):
+    scene = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
+    limit = scene.approach_velocity / by_name(scene)["plasticity"].value
+    slow = scene.replace({"impactor.velocity": f"{ratio * limit!r} m/s", "effects.gravity": False})
+    plasticity = by_name(slow)["plasticity"]
+    assert fm.simulate(slow).problem.law.name == law
+    assert plasticity.value == pytest.approx(ratio)
+    assert plasticity.change == pytest.approx(change, rel=0.05)
+    assert plasticity.state == (effects.SIMULATED if law == "big-alabo" else effects.NOT_NEEDED)
+    assert ("by less than the tolerance" in plasticity.reason) is (ratio == 1.004)
+
+
+def test_without_a_yield_strength_yielding_is_not_judged():
+    scene = fm.Scene(fm.Sphere("5 mm", velocity="1 m/s", material="alumina"), fm.HalfSpace("alumina"))
+    found = by_name(scene)
+    assert fm.simulate(scene).problem.law.name == "hertz"
+    for name in ("plasticity", "fully_plastic"):
+        effect = found[name]
+        assert (effect.state, effect.value, effect.change) == (effects.NOT_JUDGED, None, None)
+        assert effect.reason.startswith("missing: a yield strength")
+
+
+def test_a_target_that_is_held_still_is_said_with_what_that_leaves_out():
+    beam = fm.Beam(STEEL, length="300 mm", width="20 mm", thickness="10 mm")
+    for target in (fm.Plate(STEEL, thickness="5 mm"), beam):
+        moving, held = (ball_on(target, target_motion=motion) for motion in ("auto", False))
+        effect = by_name(held)["target_motion"]
+        assert (effect.state, effect.reason) == (effects.SWITCHED_OFF, "the scene asks for a target that does not move")
+        assert effect.change > 0.1
+        energy = fm.simulate(held).summary["energy_radiated"]
+        assert energy == 0.0 and by_name(moving)["target_motion"].simulated
+
+
+def test_zeners_number_needs_elastic_constants():
+    plate = fm.Plate(
+        mass_per_area="20 kg/m^2", bending_stiffness=dict.fromkeys(("D11", "D22", "D66"), "90 N*m") | {"D12": "9 N*m"}
+    )
+    ball = fm.Sphere("5 mm", velocity="1 m/s", mass="4 g")
+    scene = fm.Scene(ball, plate, fm.Contact("meyer", stiffness="1e9 N/m^1.5", exponent=1.5))
+    motion = by_name(scene)["target_motion"]
+    assert motion.value is None and motion.change > 0.01
 
 
 @pytest.mark.parametrize(("ratio", "state"), [(150.0, effects.NOT_NEEDED), (260.0, effects.SIMULATED)])

@@ -53,6 +53,15 @@ def test_events_are_those_of_a_whole_run(law, target):
         assert ours.stage == theirs.stage
 
 
+@pytest.mark.parametrize("velocity", [0.01, 0.25, 2.0])
+@pytest.mark.parametrize("accuracy", [1e-4, 1e-9])
+def test_the_mesh_is_the_one_the_impact_needs(velocity, accuracy):
+    case = scene("big-alabo", "plate", velocity, accuracy=accuracy)
+    found = fm.simulate(case).accuracy
+    assert fm.ImpactComponent(case).segments == (found.segments, found.unloading_segments)
+    assert fm.ImpactComponent(case, segments=7).segments == (7, 7)
+
+
 def test_restore_and_redo_is_the_same_to_the_bit():
     component = drop(initial_gap="1 um")
     component.step(3e-5)

@@ -62,6 +62,14 @@ def test_the_mesh_is_the_one_the_impact_needs(velocity, accuracy):
     assert fm.ImpactComponent(case, segments=7).segments == (7, 7)
 
 
+def test_a_load_that_meets_no_impactor_in_motion_has_the_mesh_of_none_at_least():
+    laid = scene("big-alabo", "plate", velocity=0.0).replace({"contact.law": "big-alabo", "effects.gravity": True})
+    bare = laid.replace({"effects.gravity": False})
+    assert fm.ImpactComponent(bare).segments == (24, 48)
+    coarse, fine = (fm.ImpactComponent(laid, accuracy=accuracy).segments for accuracy in (0.1, 1e-12))
+    assert coarse == (24, 48) and fine[0] > 48 and fine[1] > 48
+
+
 def test_restore_and_redo_is_the_same_to_the_bit():
     component = drop(initial_gap="1 um")
     component.step(3e-5)

@@ -312,6 +312,21 @@ def test_initialize_begins_at_another_time_and_velocity():
         component.initialize(initial_gap="-1 mm")
 
 
+def test_a_ball_laid_on_a_thin_plate_creeps_in_for_as_long_as_it_is_followed():
+    on = fm.Scene(
+        fm.Sphere(radius="10 mm", velocity="0 m/s", material="tungsten carbide"),
+        fm.Plate("mild steel", thickness="1 mm"),
+        contact=fm.Contact(law="hertz"),
+    )
+    history = fm.simulate(on)
+    assert history.outcome is fm.Outcome.TIME_LIMIT
+    assert [event.name for event in history.events] == ["contact_begins"]
+    assert history.summary["maximum_force"] == pytest.approx(on.mass * 9.80665, rel=1e-12)
+    assert history.summary["maximum_indentation"] is None and history.summary["contact_duration"] is None
+    last = history.sample_si(history.duration)  # where the last line begins
+    assert 0.99 * on.mass * 9.80665 < last.contact_force < on.mass * 9.80665
+
+
 @pytest.mark.parametrize("accuracy", [1e-4, 1e-8])
 @pytest.mark.parametrize("velocity", ["0 m/s", "1 um/s", "0.1 mm/s"])
 def test_a_ball_that_creeps_in_has_the_accuracy_asked_for(velocity, accuracy):

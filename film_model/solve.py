@@ -61,7 +61,7 @@ def simulate(
         events=events,
         outcome=_outcome(status),
         summary=summary,
-        accuracy=Accuracy(solver.accuracy if solver.segments is None else None, estimated, *counts, lines.size - 1),
+        accuracy=Accuracy(solver.accuracy, estimated, *counts, lines.size - 1),
         remarks=tuple(warnings),
     )
 

@@ -492,6 +492,15 @@ def test_explain_prints_every_effect(capsys):
     assert err == ""
 
 
+def test_explain_compares_the_laws(capsys):
+    assert main(["explain", str(SCENES / "tungsten_carbide_on_steel.toml"), "--law", "all"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    rows = {line[:20].strip(): line[20:].split() for line in lines[-len(fm.LAWS) :]}
+    assert set(rows) == set(fm.LAWS)
+    assert rows["big-alabo"][:4] == ["516.1", "N", "9.484", "µm"] and rows["hertz"][-2:] == ["0", "m"]
+    assert rows["meyer"][:3] == ["-", "exponent:", "missing:"]
+
+
 def test_explain_as_json(capsys):
     assert main(["explain", str(SCENES / "olsson_plate.toml"), "--json", "--law", "all"]) == 0
     table = json.loads(capsys.readouterr().out)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from cases import LAWS, scene
 
+import film_datasets as fd
 import film_model as fm
 from film_model import conventional, reference, study
 from film_model.cli import main
@@ -153,6 +154,9 @@ def test_command_line(capsys, tmp_path):
     assert "costs" in capsys.readouterr().out
     assert main([*arguments[:2], "--method", "magic"]) == 3
     assert "no method begins with magic" in capsys.readouterr().err
+    data = tmp_path / "cost.nc"
+    assert main([*arguments[:2], "--method", "quadrature", "--output", str(data)]) == 0
+    assert fd.open(data).film.kind == "impact_cost_study" and "law big-alabo" in capsys.readouterr().out
     assert main([*arguments, "--plot", str(tmp_path / "cost.gif")]) == 3
     said = capsys.readouterr().err
     assert "must end in .png" in said and "timing" not in said

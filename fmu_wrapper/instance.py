@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 import tomllib
 import zipfile
 from collections.abc import Generator, Iterable, Mapping
@@ -43,10 +42,7 @@ class Fmu:
         law = tomllib.loads(text).get("contact", {}).get("law", "auto")
         if law not in ("auto", *LAWS):
             raise ValueError(f"{self.path}: law {law!r} is none of film-model's: give the scene it was made from")
-        with tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            return Scene.from_toml(file.name)
+        return Scene.from_text(text, f"{self.path}, scene.toml")
 
     def log(self, *arguments: Any) -> None:
         """A message of the FMU's; its last text is the message itself."""

@@ -234,8 +234,9 @@ def test_zeners_number_needs_elastic_constants():
 
 
 @pytest.mark.parametrize(("ratio", "state"), [(150.0, effects.NOT_NEEDED), (260.0, effects.SIMULATED)])
-def test_the_fully_plastic_stage(ratio, state):
-    scene = ball_on(fm.HalfSpace(STEEL))
+@pytest.mark.parametrize("law", ["auto", "stronge"])
+def test_the_fully_plastic_stage(law, ratio, state):
+    scene = ball_on(fm.HalfSpace(STEEL), contact=fm.Contact(law=law))
     limit = scene.approach_velocity / by_name(scene)["plasticity"].value
     stage = by_name(scene.replace({"impactor.velocity": f"{ratio * limit!r} m/s"}))["fully_plastic"]
     assert stage.value == pytest.approx(ratio)

@@ -267,3 +267,19 @@ def test_a_force_step_that_a_plate_cannot_resist_is_said():
     assert case.target_impedance * 0.1 == pytest.approx(13.86, abs=0.01)
     with pytest.raises(fm.SimulationError, match="first touch"):
         fm.simulate(case)
+
+
+def test_unloading_that_gives_more_than_was_stored_is_said_with_its_numbers():
+    """Stronge's law between 1 and 2.54 times the yield velocity."""
+    law = fm.Stronge(1.7e11, 0.01, 1e9)
+    ball = fm.Sphere("10 mm", velocity=f"{1.5 * yield_velocity(1.7e11, 0.01, 1e9, 0.05)!r} m/s", mass="50 g")
+    case = fm.Scene(ball, fm.HalfSpace(), contact=fm.Contact(law=law), effects=fm.Effects(gravity=False))
+    history = fm.simulate(case, accuracy=1e-8)
+    gained = -history.summary["energy_absorbed"]
+    assert gained > 0.0 and history.summary["coefficient_of_restitution"] > 1.0
+    (said,) = (warning for warning in history.warnings if "its unloading returns" in warning)
+    share = 100.0 * gained / case.kinetic_energy
+    assert said == (
+        f"law stronge: its unloading returns {gained:.4g} J ({share:.3g} % of the impact energy) more than its loading "
+        "stored"
+    )

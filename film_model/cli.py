@@ -330,8 +330,9 @@ def _check_fmu(options: argparse.Namespace) -> int:
 
 
 def _sweep(options: argparse.Namespace) -> int:
+    from film_datasets.progress import Bar
     from film_datasets.report import sweep_report
-    from film_datasets.run import Bar, run
+    from film_datasets.run import run
     from film_datasets.sweeps import Sweep
 
     sweep = Sweep.from_toml(options.sweep, options.keep)

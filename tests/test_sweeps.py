@@ -21,7 +21,8 @@ import xarray as xr
 
 import film_datasets as fd
 import film_model as fm
-from film_datasets.run import Bar, Interrupted, run
+from film_datasets.progress import Bar
+from film_datasets.run import Interrupted, run
 from film_datasets.schema import REFUSED, pieces
 from film_datasets.sweeps import Sweep
 from film_model.cli import main

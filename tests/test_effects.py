@@ -293,7 +293,7 @@ def test_a_wave_in_a_rod_is_back_after_its_way_there_and_back(length, late):
     scene = ball_on(fm.Rod(STEEL, diameter="20 mm", length=length))
     effect, duration = by_name(scene)["boundary_reflections"], fm.simulate(scene).summary["contact_duration"]
     returns = 2 * fm.Scene.from_table(scene.to_table()).target.length / math.sqrt(210e9 / 7850)
-    assert effect.value == pytest.approx(duration / returns, rel=1e-3)
+    assert effect.value == pytest.approx(duration / returns, rel=1e-5)
     assert (effect.change > 0.0) is late
 
 
@@ -330,11 +330,11 @@ def test_wave_losses_against_lambs_problem():
     assert pytest.approx(square, rel=1e-3) == limits.HERTZ_SQUARE
     x = np.linspace(5e-4, 400, 400_000)  # ω t_c/π; misses the pole at 1, which the cosine cancels
     spectrum = (np.cos(math.pi * x / 2) / (1 - x * x)) ** 2
-    assert pytest.approx(math.pi * np.dot(x, spectrum) / spectrum.sum(), rel=1e-2) == limits.MEAN_FREQUENCY
+    assert pytest.approx(math.pi * np.dot(x, spectrum) / spectrum.sum(), rel=1e-4) == limits.MEAN_FREQUENCY
     slow, fast = (
         by_name(ball_on(fm.HalfSpace(STEEL), v, plasticity=False))["wave_losses"] for v in ("1 m/s", "10 m/s")
     )
-    assert fast.change / slow.change == pytest.approx(10**0.6, rel=1e-3)
+    assert fast.change / slow.change == pytest.approx(10**0.6, rel=1e-12)
     assert fast.state == effects.NOT_MODELLED
 
 
@@ -360,7 +360,7 @@ def test_adhesion_against_the_work_of_parting():
     touch, least = (2 * math.pi) ** (1 / 3), (math.pi / 8) ** (1 / 3)
     work = -integrate.quad(lambda a: force(a) * (2 * a - math.sqrt(math.pi / 2 / a)), least, touch)[0]
     assert depth(touch) == pytest.approx(0.0, abs=1e-12)
-    assert work == pytest.approx(limits.JKR_WORK, rel=1e-4)
+    assert work == pytest.approx(limits.JKR_WORK, rel=1e-5)
     scene = ball_on(fm.HalfSpace(STEEL), "5 mm/s", "50 um", fm.Contact(work_of_adhesion="0.2 J/m^2"))
     effect = by_name(scene)["adhesion"]
     modulus = scene.effective_modulus
@@ -394,7 +394,7 @@ def test_thick_plates_against_the_pole_of_mindlins_plate():
     scene = ball_on(fm.Plate(STEEL, thickness="4 mm"))
     effect, summary = by_name(scene)["thickness"], fm.simulate(scene).summary
     carried = summary["energy_radiated"] / scene.kinetic_energy
-    assert effect.change == pytest.approx(effect.value**2 / (6 * kappa * (1 - ratio)) * carried, rel=1e-3)
+    assert effect.change == pytest.approx(effect.value**2 / (6 * kappa * (1 - ratio)) * carried, rel=1e-5)
     assert effect.state == effects.NOT_MODELLED
 
 
@@ -411,7 +411,7 @@ def test_strain_rate_hardens_what_yields():
     effect = by_name(scene)["strain_rate"]
     strength = 1e9 * (1 + 0.02 * math.log(effect.value))
     hard = scene.replace({"contact.yield_strength": f"{strength!r} Pa"})
-    assert effect.change == pytest.approx(measured(fm.simulate(hard), fm.simulate(scene)), rel=0.01)
+    assert effect.change == pytest.approx(measured(fm.simulate(hard), fm.simulate(scene)), rel=1e-12)
     assert effect.state == effects.NOT_MODELLED
     assert by_name(scene.replace({"impactor.velocity": "1 mm/s"}))["strain_rate"].state == effects.NOT_NEEDED
 
@@ -420,7 +420,7 @@ def test_heating_is_the_plastic_work_over_the_heated_volume():
     scene = ball_on(fm.HalfSpace(STEEL))
     summary, effect = fm.simulate(scene).summary, by_name(scene)["heating"]
     volume = 2 / 3 * math.pi * (5e-3 * summary["maximum_indentation"]) ** 1.5
-    assert effect.value == pytest.approx(summary["energy_absorbed"] / volume, rel=1e-3)
+    assert effect.value == pytest.approx(summary["energy_absorbed"] / volume, rel=1e-12)
     assert effect.state == effects.NOT_JUDGED
 
 
@@ -561,6 +561,6 @@ def test_the_map_agrees_with_the_effects():
     assert grid.motion[row, column] == pytest.approx(found["target_motion"].change, rel=0.1)
     assert grid.reflections[row, column] == pytest.approx(found["boundary_reflections"].change, rel=0.3)
     elastic = grid.ratios[np.argmin(abs(grid.depth[:, 0] - 1.0))]
-    assert elastic == pytest.approx(1.0, rel=0.1)
+    assert elastic == pytest.approx(1.0, rel=1e-9)
     full = grid.ratios[np.argmin(abs(grid.depth[:, 0] - 82.5))]
     assert full == pytest.approx(effects.FULLY_PLASTIC_RATIO, rel=0.1)

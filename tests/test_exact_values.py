@@ -161,6 +161,7 @@ def test_a_ball_laid_down():
         assert laid.accuracy.estimated <= 1e-4 and laid.accuracy.segments <= 100
     soft = fm.simulate(fm.Scene(ball, fm.Plate("mild steel", thickness="1 mm"), contact=hertz, effects=heavy))
     assert (
-        soft.summary["maximum_force"] == pytest.approx(weight, rel=1e-12) and soft.summary["maximum_indentation"] is None
+        soft.summary["maximum_force"] == pytest.approx(weight, rel=1e-12)
+        and soft.summary["maximum_indentation"] is None
     )
     assert soft.outcome in (fm.Outcome.TIME_LIMIT, fm.Outcome.RESTING)

@@ -157,9 +157,13 @@ def unloading_ratio(curve: Curve) -> int:
     return 2 if curve.steepest > STEEP else 1
 
 
-def difference(problem: Problem, a: native.Summary, b: native.Summary, approach: float | None = None) -> float:
-    """Largest relative difference between two summaries; values that exist in one only count as 1."""
-    depth, speed = b.maximum_indentation, max(problem.approach if approach is None else approach, 1e-300)
+def difference(problem: Problem, a: native.Summary, b: native.Summary) -> float:
+    """Largest relative difference between two summaries, over the values of `b`; what exists in one only counts as 1.
+
+    Dents and velocities smaller than `FLOOR` of the depth and the approach are held against that, work against the
+    impact energy.
+    """
+    depth, speed = b.maximum_indentation, max(problem.approach, 1e-300)
     share, drift = problem.share, problem.drift / problem.scales.velocity
     pairs = [
         (a.maximum_force, b.maximum_force, b.maximum_force),
@@ -178,7 +182,7 @@ def difference(problem: Problem, a: native.Summary, b: native.Summary, approach:
     for first, second, scale in pairs:
         if first != first and second != second:
             continue
-        relative = abs(first - second) / scale if scale > 0.0 else 0.0
+        relative = 0.0 if scale == 0.0 else abs(first - second) / scale
         worst = max(worst, relative if relative == relative else 1.0)
     return worst
 

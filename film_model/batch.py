@@ -93,26 +93,30 @@ def simulate_batch(
     """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
 
     Law "auto" and gravity "auto" are decided for every impact. With an accuracy, 64 of the impacts or more, the
-    extremes among them, are tried to find the mesh. Raises ValueError for a velocity or mass that is not > 0 or out of
-    the range of scenes, SimulationError if the target vibrates in all of them; if only in some, those have failed.
+    extremes among them, are tried to find the mesh.
+
+    Raises ValueError for a velocity or mass that is not > 0 or out of the range of scenes, a velocity that is not above
+    a free target's, or none at all; SceneError for a bad option; SimulationError if the target vibrates in all impacts
+    (if only in some, those have failed).
     """
     speeds = units.array_to_si(velocity, "velocity")
     masses = None if mass is None else units.array_to_si(mass, "mass")
     shape = np.broadcast_shapes(speeds.shape, () if masses is None else masses.shape)
     given = {"impactor.velocity": speeds, "impactor.mass": masses}
     columns = {path: np.broadcast_to(values, shape).ravel() for path, values in given.items() if values is not None}
-    least = scene.target.velocity if isinstance(scene.target, Body) else 0.0
-    if not all(values.size and values.min() > 0.0 for values in columns.values()):
-        raise ValueError("velocity and mass must be > 0, and there must be at least one impact")
-    if not speeds.min() > least:
-        raise ValueError(f"velocity must be > {least:g} m/s, the target's")
-    for path, values in columns.items():
-        name = path.partition(".")[2]
+    least = max(scene.target.velocity, 0.0) if isinstance(scene.target, Body) else 0.0
+    for name, values, unit, floor in (("velocity", speeds, "m/s", least), ("mass", masses, "kg", 0.0)):
+        if values is None:
+            continue
+        if values.size == 0:
+            raise ValueError(f"{name}: no values, at least one is needed")
+        if not values.min() > floor:
+            whose = ", the target's" if floor > 0.0 else ""
+            raise ValueError(f"{name}: {values.min():g} {unit} must be > {floor:g} {unit}{whose}")
         field = Sphere.FIELDS[name]
         low, high = max(field.low or 0.0, SLOWEST), field.high or math.inf
         wrong = values[(values < low) | (values > high)]
         if wrong.size:
-            unit = units.scene_unit(field.dimension)
             raise ValueError(f"{name}: {wrong[0]:g} {unit} is out of range: from {low:g} to {high:g} {unit}")
     solver = solver_for(scene.solver, accuracy, segments, None)
     result = simulate_rows(scene, columns, solver)
@@ -140,22 +144,21 @@ def simulate_rows(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     for rows in rows_of(scene, columns, count, status):
         if rows.law not in laws:
             laws.append(rows.law)
-        start = rows.start
-        counts, error = _mesh(rows, start, solver)
-        ended, core = native.batch(rows.curve.native, mesh_of(solver, counts), start)
+        counts, error = _mesh(rows, solver)
+        ended, core = native.batch(rows.curve.native, mesh_of(solver, counts), rows.start)
         law[rows.index] = laws.index(rows.law)
         segments[rows.index] = counts
         status[rows.index] = ended
-        for name, column in _summary(rows, start, ended, core).items():
+        for name, column in _summary(rows, ended, core).items():
             summary[name][rows.index] = column
         estimated = max(estimated, error + rows.curve.fit_error)
         parts.append(rows)
     return RowResult(summary, status, tuple(laws), law, segments, estimated, tuple(parts))
 
 
-def _mesh(rows: Rows, start: NDArray[Any], solver: Solver) -> tuple[tuple[int, int], float]:
+def _mesh(rows: Rows, solver: Solver) -> tuple[tuple[int, int], float]:
     """Smallest mesh on which every trial impact meets the accuracy, seen from twice as many segments."""
-    some = start[_trial(start)]
+    some = rows.start[_trial(rows.start)]
     damping = float(some["damping"].max(initial=0.0))
     n = solver.segments or (first_segments(damping) if damping > 0.0 else 4)
     ratio = 1 if solver.segments else unloading_ratio(rows.curve)
@@ -218,10 +221,11 @@ def differences(a: NDArray[Any], b: NDArray[Any], nu: Array, stop_velocity: Arra
     return worst
 
 
-def _summary(rows: Rows, start: NDArray[Any], status: NDArray[np.int32], core: NDArray[Any]) -> dict[str, Array]:
+def _summary(rows: Rows, status: NDArray[np.int32], core: NDArray[Any]) -> dict[str, Array]:
     """Summary columns in SI from the core's; nan for what did not happen, and everywhere in a row that failed."""
-    s, share, drift, nu = rows.scales, rows.share, rows.drift, start["nu"]
-    final, failed, over = core["final_velocity"], status < 0, status == native.EVENT
+    s, share, drift, start = rows.scales, rows.share, rows.drift, rows.start
+    nu, final = start["nu"], core["final_velocity"]
+    failed, over = status < 0, status == native.EVENT
     turned = core["maximum_indentation"] > 0.0
     absorbed = np.where(np.abs(core["work"]) > 1e-14 * nu**2, core["work"], 0.0)  # less is rounding
     permanent = core["permanent_indentation"] * s.length
@@ -235,16 +239,16 @@ def _summary(rows: Rows, start: NDArray[Any], status: NDArray[np.int32], core: N
         "rebound_velocity": drift + share * final * s.velocity,
         "coefficient_of_restitution": -final / nu,
         "energy_absorbed": np.where(over, absorbed * s.energy, np.nan),
-        "energy_radiated": np.where(over, _radiated(rows, start, core), np.nan),
+        "energy_radiated": np.where(over, _radiated(rows, core), np.nan),
     }
     if not failed.any():
         return columns
     return {name: np.where(failed, np.nan, column) for name, column in columns.items()}
 
 
-def _radiated(rows: Rows, start: NDArray[Any], core: NDArray[Any]) -> Array:
+def _radiated(rows: Rows, core: NDArray[Any]) -> Array:
     """Energy in target motion, J, as `solve` has it."""
-    s, free = rows.scales, rows.share < 1.0
+    s, start, free = rows.scales, rows.start, rows.share < 1.0
     lost = 0.5 * (start["nu"] ** 2 - core["final_velocity"] ** 2) - core["work"]
     lost += start["load"] * (core["permanent_indentation"] + core["shift"])
     radiated = np.where(start["gamma"] > 0.0, lost * s.energy, 0.0)

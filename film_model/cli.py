@@ -1,7 +1,7 @@
 """The command line of film-model.
 
 Results go to standard output, warnings to standard error. Exit status 0: done; 2: the scene or the command line is
-wrong; 3: the simulation could not be done.
+wrong; 3: it could not be done, a file could not be read or written, or what was checked is not good; 130: interrupted.
 """
 
 from __future__ import annotations
@@ -271,7 +271,6 @@ def _hard_cases(options: argparse.Namespace) -> int:
 
 def _explain(options: argparse.Namespace) -> int:
     from film_model import explain
-    from film_model.problem import problem_of
     from film_model.scene import Scene
 
     if options.plot:
@@ -290,7 +289,7 @@ def _explain(options: argparse.Namespace) -> int:
             print("\n" + explain.laws_text(report["laws"]))
         if options.plot:
             print(f"wrote {options.plot}", file=sys.stderr)
-    for warning in problem_of(scene).warnings:
+    for warning in report["warnings"]:
         print(f"warning: {warning}", file=sys.stderr)
     return DONE
 
@@ -339,8 +338,9 @@ def _check_fmu(options: argparse.Namespace) -> int:
 
 
 def _sweep(options: argparse.Namespace) -> int:
+    from film_datasets.progress import Bar
     from film_datasets.report import sweep_report
-    from film_datasets.run import Bar, run
+    from film_datasets.run import run
     from film_datasets.sweeps import Sweep
 
     sweep = Sweep.from_toml(options.sweep, options.keep)

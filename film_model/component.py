@@ -10,7 +10,7 @@ from film_model import units
 from film_model.accuracy import Linearisation, mesh_for, raise_failure
 from film_model.core import native
 from film_model.errors import SimulationError
-from film_model.history import Event
+from film_model.history import Event, stage_names
 from film_model.problem import Problem, problem_of, refuse_vibrations
 from film_model.scene import Body, Scene
 
@@ -60,7 +60,7 @@ class SavedState:
 class ImpactComponent:
     """An impactor in front of its target, or in contact with it, advanced step by step.
 
-    scene: as for `simulate`. initial_gap: distance before first touch at the beginning. An accuracy or segments count
+    scene: as for `simulate`. initial_gap: distance before first touch at the start, m. An accuracy or segments count
     chooses the mesh as for `simulate`. Between steps the external force and the support velocity are held, so a step of
     dt gives what two of dt/2 give; the motion within is exact on the lines of the march. Contacts repeat, on the dent
     that earlier ones left. Quantities, texts with units and plain SI floats are all taken. The scene's gravity, if it
@@ -182,8 +182,6 @@ class ImpactComponent:
             status = native.step(self._curve, self._mesh, state, remaining)
             self._support_displacement += support * (state.time - before) * scales.time
             before = state.time
-            if status == native.ENDLESS:  # only an infinite step meets it
-                break
             if status != native.EVENT:
                 raise_failure(status, self.problem)
                 break
@@ -198,9 +196,7 @@ class ImpactComponent:
 
     def _event(self) -> Event:
         o = self.outputs
-        stage = native.BRANCH_NAMES.get(self._state.branch)
-        if stage is None:
-            stage = self.problem.curve.stage_names[self._state.branch]
+        stage = stage_names(self.problem)[self._state.branch]
         motion = (o.indentation, o.relative_velocity, o.contact_force, o.impactor_displacement, o.impactor_velocity)
         return Event(native.EVENTS[self._state.event], o.time, stage, *motion, o.target_displacement, o.target_velocity)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 
 from film_model.errors import Mistake, did_you_mean, raise_all, shown
 from film_model.fields import Field, choice, fill, key_text, measure, table_of, words, written
-from film_model.units import Value, array_to_si, needed, power_stiffness_to_si, to_si
+from film_model.units import Value, array_to_si, needed, power_stiffness_to_si, power_stiffness_unit, to_si
 
 if TYPE_CHECKING:
     from film_model.laws import AbstractLaw, Parameter
@@ -145,12 +145,17 @@ def contact_table(contact: Contact) -> dict[str, Any]:
     for name, value in contact.parameters.items():
         dimension = _law(contact.law_name).parameters[name].dimension
         if dimension == "meyer_stiffness":
-            table[name] = f"{value!r} N/m^" + f"{_exponent(contact.law_name, contact.parameters):.9f}".rstrip(
-                "0"
-            ).rstrip(".")
+            table[name] = f"{value!r} {stiffness_unit(contact)}"
         else:
             table[name] = written(value, dimension)
     return table
+
+
+def stiffness_unit(contact: Contact) -> str:
+    """The SI unit, N/m^q, of the stiffness of a law of power q: the contact's exponent, or the law's own."""
+    exponent = _exponent(contact.law_name, contact.parameters)
+    assert exponent is not None  # or the stiffness could not have been read
+    return power_stiffness_unit(exponent)
 
 
 def _law(name: str) -> Any:
@@ -162,7 +167,7 @@ def _law(name: str) -> Any:
 def _read_parameters(law: str | AbstractLaw, given: Mapping[str, object], read: dict[str, Any]) -> list[Mistake]:
     """Put the law's parameters into `read`, and return what is wrong with them."""
     known: Mapping[str, Parameter] = {} if law == "auto" or not isinstance(law, str) else _law(law).parameters
-    mistakes = [Mistake(None, None, f"Contact.{key_text(k)}", _unknown(law, known, k)) for k in given if k not in known]
+    mistakes = [Mistake(None, None, f"Contact.{key_text(k)}", _unknown(known, k)) for k in given if k not in known]
     for name in sorted(known, key=lambda name: name != "exponent"):  # which a stiffness's unit depends on
         key, parameter = f"Contact.{name}", known[name]
         if given.get(name) is None:
@@ -220,7 +225,7 @@ def _exponent(law: str | AbstractLaw, read: Mapping[str, Any]) -> float | None:
     return read.get("exponent", getattr(_law(str(law)), "exponent", None))
 
 
-def _unknown(law: str | AbstractLaw, known: Mapping[str, Parameter], key: str) -> str:
+def _unknown(known: Mapping[str, Parameter], key: str) -> str:
     """What to say of a key that is neither a field of a contact nor a parameter of its law."""
     from film_model.laws import LAWS
 

@@ -1,9 +1,9 @@
 """The methods one would use instead: conventional integrators, one impact at a time, with events.
 
 All integrate ξ' = ν − γF, ν' = p − F in the law's units, F = f + c ξ', restart where a stage of the law ends and where
-the indentation turns, and look for the moment at which the impactor stops on the way; with damping also for the largest
-force and for its fall to 0, which ends the contact. They work from the law's own functions, as plain Python functions of
-floats. Optional ones import their library when they are asked for.
+the indentation turns, and look for the moment at which the impactor stops on the way; with damping also for the
+largest force and for its fall to 0, which ends the contact. They work from the law's own functions, as plain Python
+functions of floats. Optional ones import their library when they are asked for.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from film_model.laws.law import AbstractLaw, Function, Power, Stage
+from film_model.laws.law import AbstractLaw, Function, Power, Stage, origin_of
 from film_model.reference import unloaded, value
 
 SUMMARY = (
@@ -35,8 +35,10 @@ Force = Callable[[float], float]
 
 
 class Run(NamedTuple):
-    """One straight run: f, where it ends in ξ, the origin of a root in f, and f if it is a power; of a damped law c, and
-    the slopes of f and c.
+    """One way through a stage or along a branch: its elastic force f(ξ), and the ξ it leads to.
+
+    origin: ξ from which a root in the force is counted, where the stage or branch begins. power: the force as one, with
+    its origin; None if it is no power. damping: c(ξ) of a damped law; slopes: of f and c.
     """
 
     force: Force
@@ -62,8 +64,9 @@ class Passage(NamedTuple):
 
 @dataclass
 class Impact:
-    """An impact in the law's units: approach velocity ν > 0, compliance γ of the target, 0 for a half-space, load p, and
-    the factor of the law's damping.
+    """An impact in the law's units: approach velocity ν > 0, compliance γ of the target (0: half-space), load p.
+
+    damper: the factor of the law's damping.
     """
 
     stages: tuple[Stage, ...]
@@ -125,9 +128,7 @@ class Impact:
 
 
 def _own_power(function: Function, stage: Stage) -> Power | None:
-    if not isinstance(function, Power):
-        return None
-    return function if function.origin is not None else replace(function, origin=stage.begin)
+    return replace(function, origin=origin_of(function, stage)) if isinstance(function, Power) else None
 
 
 def _slope(power: Power) -> Force:
@@ -326,8 +327,9 @@ def heyoka(rtol: float, impact: Impact) -> Callable[[], tuple[float, ...]]:
 
 
 def _sizes(impact: Impact) -> Any:
-    """Sizes of ξ and ν in the impact, for absolute tolerances; those of Hertz's law."""
-    return np.array([(1.25 * impact.nu**2) ** 0.4, impact.nu])
+    """Sizes of ξ and ν in the impact, for absolute tolerances; those of Hertz's law, by the approach or by the load."""
+    depth = max((1.25 * impact.nu**2) ** 0.4, (2.5 * abs(impact.load)) ** (2.0 / 3.0))
+    return np.array([depth, max(impact.nu, math.sqrt(abs(impact.load) * depth))])
 
 
 # ---------------------------------------------------------------- fixed steps
@@ -389,7 +391,7 @@ def _increment(impact: Impact, run: Run, h: float, xi: float, v: float, y: float
 
 
 def _newmark_step(impact: Impact, run: Run, h: float, xi: float, v: float, y: float, f: float) -> tuple[float, float]:
-    """Mean acceleration: v1 = v + h (a + a1)/2, a = p − F, and ξ1 = ξ + h (y + y1)/2. F is linear in v: solved for it."""
+    """Mean acceleration: v1 = v + h (a + a1)/2, a = p − F, and ξ1 = ξ + h (y + y1)/2. F is linear in v."""
 
     def ends(xi1: float) -> tuple[float, float]:
         f1, c1 = run.force(xi1), 0.0 if run.damping is None else run.damping(xi1)

@@ -19,7 +19,7 @@ from numpy.polynomial import chebyshev
 
 from film_model.core import native
 from film_model.errors import SimulationError
-from film_model.laws.law import AbstractLaw, Array, Function, Power, Stage
+from film_model.laws.law import AbstractLaw, Array, Function, Power, Stage, origin_of
 
 FIT_TOLERANCE = 1e-13
 """Largest difference between a fitted function and the law, relative to the function's largest value in the stage."""
@@ -65,11 +65,8 @@ class Curve:
     def work(self, xi: float) -> float:
         """∫f dξ from 0 to ξ in loading, as the core evaluates it."""
         last = self._stage_at(xi)
-        ends = (self.native.stage[k].end for k in range(last))
-        return (
-            sum(native.stage_law(self.native, k, end)[1] for k, end in enumerate(ends))
-            + (native.stage_law(self.native, last, xi)[1])
-        )
+        ends = [*(self.native.stage[k].end for k in range(last)), xi]
+        return sum(native.stage_law(self.native, k, end)[1] for k, end in enumerate(ends))
 
     def _stage_at(self, xi: float) -> int:
         stages = [self.native.stage[k].end for k in range(self.native.stages)]
@@ -79,10 +76,10 @@ class Curve:
 def curve_of(law: AbstractLaw, compliance: float = 0.0) -> Curve:
     """The curve of a law; with a `compliance` c [δ_s/F_s] in series with a spring, over ξ + c f.
 
-    Raises ValueError when stages do not follow each other, a force is negative or not finite, a stage that has to be
-    fitted has no end, a fit does not come within `FIT_LIMIT`, or a stage has damping and the law does not say so;
-    SimulationError for a force that jumps, or falls so fast that it snaps through, in series with a spring. The message
-    names the law, the stage and the value.
+    Raises ValueError when stages do not follow each other, a force is negative, a function is not finite, a stage that
+    has to be fitted has no end, a fit does not come within `FIT_LIMIT`, or a stage has damping and the law does not say
+    so; SimulationError for a force that jumps, or falls so fast that it snaps through, in series with a spring. The
+    message names the law, the stage and the value.
     """
     try:
         stages = tuple(law.stages())
@@ -131,7 +128,7 @@ def _build(law: str, given: tuple[Stage, ...], compliance: float) -> Curve:
     if compliance > 0.0:
         _put_in_series(law, made, stages, compliance)
     if native.library().film_check_curve(ctypes.byref(made)) != native.OK:
-        raise ValueError(f"{law}: its stages do not make a curve; each must end beyond where it begins")
+        raise ValueError(f"{law}: the core refuses the numbers of its stages: all must be finite, their work too")
     return Curve(made, tuple(stage.name for stage in stages), error, steepest, tuple(_remarks(law, stages, error)))
 
 
@@ -188,11 +185,16 @@ def _checked(law: str, given: tuple[Stage, ...]) -> list[Stage]:
                 "give the others an end beyond the deepest indentation you expect"
             )
         end = stage.end if math.isfinite(stage.end) else 10.0 * (stage.begin + 1.0)
-        force = _values(stage.force, np.linspace(stage.begin, end, _CHECKS), stage)
+        xi = np.linspace(stage.begin, end, _CHECKS)
+        force = _values(stage.force, xi, stage)
         finite = np.isfinite(force)
         wrong = force[~(finite & (force >= -1e-12 * np.abs(force[finite]).max(initial=0.0)))]
         if wrong.size:
             raise ValueError(f"{law}: stage {stage.name!r} has a force of {wrong[0]:g}; it must be finite and >= 0")
+        for name, function in _functions(stage).items():
+            if not np.isfinite(_values(function, xi[1:-1], stage)).all():
+                what = stage.unloading.rule[0] if name == "recovery" and stage.unloading is not None else name
+                raise ValueError(f"{law}: the {what} of stage {stage.name!r} is not finite everywhere")
     return stages
 
 
@@ -211,13 +213,9 @@ def _functions(stage: Stage) -> dict[str, Function]:
 
 def _values(function: Function, xi: Array, stage: Stage) -> Array:
     if isinstance(function, Power):
-        x = np.maximum(xi - _origin(function, stage), 0.0)
+        x = np.maximum(xi - origin_of(function, stage), 0.0)
         return function.constant + function.slope * x + function.coefficient * x**function.exponent
     return np.broadcast_to(np.asarray(function(xi), dtype=np.float64), xi.shape)
-
-
-def _origin(power: Power, stage: Stage) -> float:
-    return stage.begin if power.origin is None else power.origin
 
 
 def _split_at_peak(stage: Stage) -> list[Stage]:
@@ -233,7 +231,9 @@ def _split_at_peak(stage: Stage) -> list[Stage]:
     edges = [*cuts, stage.end]
     if len(edges) == 2:
         return [stage]
-    force = replace(stage.force, origin=_origin(stage.force, stage)) if isinstance(stage.force, Power) else stage.force
+    force = stage.force
+    if isinstance(force, Power):
+        force = replace(force, origin=origin_of(force, stage))
     return [replace(stage, begin=a, end=b, force=force, work=None) for a, b in pairwise(edges)]
 
 
@@ -305,15 +305,16 @@ def _fill(
     for name, function in functions.items():
         target = getattr(piece, name)
         if isinstance(function, Power):
-            target.form, target.origin, target.per_span = native.POWER, _origin(function, stage), 1.0
+            target.form, target.origin, target.per_span = native.POWER, origin_of(function, stage), 1.0
             target.constant, target.slope = function.constant, function.slope
             target.coefficient, target.exponent = function.coefficient, function.exponent
         else:
             _write(target, series[name], begin, end, root)
     if isinstance(stage.force, Power):
-        at_begin = _power_work(stage.force, begin - _origin(stage.force, stage))
+        origin = origin_of(stage.force, stage)
+        at_begin = _power_work(stage.force, begin - origin)
         piece.work_at_begin = at_begin - work
-        return work + _power_work(stage.force, end - _origin(stage.force, stage)) - at_begin if end < math.inf else work
+        return work + _power_work(stage.force, end - origin) - at_begin if end < math.inf else work
     mean = _mean(series["force"], root)
     _write(piece.mean, mean, begin, end, root)
     piece.work_at_begin = -work

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from film_model.laws.law import AbstractLaw, Power, Stage
+from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
 
 # Hairer, Nørsett & Wanner, Solving ODEs I, table II.5.2 and the dense output of DOPRI5
 A21 = 1 / 5
@@ -79,7 +79,7 @@ def _one(numba: Any, stage: Stage, function: Any) -> Any:
             raise ValueError(f"stage {stage.name!r} is no formula that numba compiles")
         return numba.njit(function)
     c0, c1, c2, q = function.constant, function.slope, function.coefficient, function.exponent
-    origin = stage.begin if function.origin is None else function.origin
+    origin = origin_of(function, stage)
     if c2 == 0.0:
         return numba.njit(lambda x: c0 + c1 * (x - origin))
     if q == 1.5:

@@ -120,9 +120,9 @@ def support_of(scene: Scene, law: AbstractLaw) -> tuple[Support, tuple[Effect, .
         missing = "a given static stiffness says nothing about vibrations"
     if inertia is True:
         raise SimulationError(f"effects.target_inertia is true, but it cannot be simulated: {missing}")
-    if value is None and target.whole_mass is None:
+    if target.whole_mass is None:
         return follows(NOT_JUDGED, f"missing: target.size, without which no mass is known; {static} alone")
-    if beam or given or target.whole_mass is None or scene.mass >= LARGE_MASS * target.whole_mass:
+    if beam or given or scene.mass >= LARGE_MASS * target.whole_mass:
         return follows(NOT_MODELLED, f"{missing}: {static} alone")
     if wanted is True:
         raise SimulationError(

@@ -15,7 +15,6 @@ from typing import Any, ClassVar, NamedTuple, cast
 from film_model.accuracy import unloading_ratio
 from film_model.bodies import STANDARD_GRAVITY, Beam, Body, HalfSpace, Plate
 from film_model.core import native
-from film_model.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
 from film_model.laws.hertz import Hertz, hertz_stiffness
 from film_model.laws.law import Stage, law_fields
@@ -232,7 +231,7 @@ def change(full: Trial, without: Trial) -> float | None:
 
 def _relative(value: float, to: float) -> float:
     """Relative difference; 1 where only one of the two has happened."""
-    if value == to or (value != value and to != to):
+    if value == to:
         return 0.0
     return abs(value / to - 1.0) if to > 0.0 and value >= 0.0 else 1.0
 
@@ -293,20 +292,25 @@ def reopened(scene: Scene, law: AbstractLaw) -> AbstractLaw:
     return law
 
 
+def reaches_yield(scene: Scene) -> Any:
+    """Whether the impact reaches the yield point, for each row of a scene of columns; None where that is not known.
+
+    W(δ_y) = 0.4 F_y δ_y is what an elastic contact has taken up there, of the impact energy and the weight's work.
+    """
+    strength, modulus = scene.yield_strength, scene.effective_modulus
+    if strength is None or modulus is None:
+        return None
+    indentation, force = yield_point(modulus, scene.effective_radius, strength)
+    heavy = scene.effects.gravity is not False and not isinstance(scene.target, Body)
+    weight = scene.effective_mass * STANDARD_GRAVITY if heavy else 0.0
+    return scene.kinetic_energy + weight * indentation > 0.4 * force * indentation
+
+
 def _law(scene: Scene) -> tuple[AbstractLaw, bool | None]:
     """The law before its plasticity is judged, and whether its materials yield (None: no yield strength is known)."""
-    wanted, law = scene.effects.plasticity, scene.contact.law
-    strength, modulus = scene.yield_strength, scene.effective_modulus
-    yields = None
-    if strength is not None and modulus is not None:
-        indentation, force = yield_point(modulus, scene.effective_radius, strength)
-        heavy = scene.effects.gravity is not False and not isinstance(scene.target, Body)
-        weight = scene.effective_mass * STANDARD_GRAVITY if heavy else 0.0
-        yields = scene.kinetic_energy + weight * indentation > 0.4 * force * indentation
+    wanted, law, yields = scene.effects.plasticity, scene.contact.law, reaches_yield(scene)
     if law != "auto":
         return (reopened(scene, law) if isinstance(law, AbstractLaw) else _named_law(scene, law)), yields
-    if wanted is True and yields is None:
-        raise SimulationError("effects.plasticity is true, but neither material has a yield_strength")
     plastic = wanted is True or (wanted is not False and yields is True)
     return _named_law(scene, "big-alabo" if plastic else "hertz"), yields
 

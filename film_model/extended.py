@@ -1,8 +1,9 @@
 """One impact in extended precision, to hold double precision against.
 
 Zener's equations in the root variable of `film_model.reference.integrate`, y = (ξ − ξ_b)^(1/2), or (1/4) for a damped
-law, by Gragg–Bulirsch–Stoer extrapolation in mpmath's numbers. For laws made of powers with exponents that are multiples
-of one half, and damping of one quarter, which are smooth in that variable. Nothing here is shared with the march.
+law, by Gragg–Bulirsch–Stoer extrapolation in mpmath's numbers. For laws made of powers with exponents that are
+multiples of one half, of a damped law one quarter, which are smooth in that variable. Nothing here is shared with the
+march.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from film_model.laws.law import AbstractLaw, Power, Stage
+from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
 
 DIGITS = 30
 """Decimal digits carried; results are good to some ten fewer."""
@@ -69,7 +70,7 @@ class _Extended:
         c0, c1, c2, q = (
             self.mp.mpf(v) for v in (function.constant, function.slope, function.coefficient, function.exponent)
         )
-        origin = self.mp.mpf(stage.begin if function.origin is None else function.origin)
+        origin = self.mp.mpf(origin_of(function, stage))
 
         def value(xi: Any) -> Any:
             x = max(xi - origin, self.mp.mpf(0))

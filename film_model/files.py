@@ -21,7 +21,7 @@ def written_whole(target: Path) -> Generator[Path, None, None]:
         # Made here, not by the library that fills it, to have the reason when it cannot be.
         os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         yield beside
-        _flush(beside, os.O_RDWR)
+        flush(beside, os.O_RDWR)
         os.replace(beside, target)
     except OSError as error:
         raise type(error)(f"{target}: cannot be written: {error.strerror or error}") from error
@@ -29,10 +29,11 @@ def written_whole(target: Path) -> Generator[Path, None, None]:
         with contextlib.suppress(OSError):
             beside.unlink()
     with contextlib.suppress(OSError):  # not every system can open a folder
-        _flush(target.absolute().parent, os.O_RDONLY)
+        flush(target.absolute().parent, os.O_RDONLY)
 
 
-def _flush(path: Path, flags: int) -> None:
+def flush(path: Path, flags: int) -> None:
+    """Have the system put a file, or the names in a folder, on the disk; flags: to open it with."""
     descriptor = os.open(path, flags)
     try:
         os.fsync(descriptor)

@@ -211,7 +211,7 @@ def _in_steps(problem: Problem, mesh: native.Mesh, whole: native.Summary) -> flo
     chance = random.Random(1)
     state = native.initial_state(problem.curve.native, problem.start)
     stepped = native.Summary()
-    stepped.contact_duration = math.nan
+    stepped.time_impactor_stops = stepped.contact_duration = math.nan
     for _ in range(400):
         left = chance.expovariate(40.0 / whole.contact_duration)
         while True:

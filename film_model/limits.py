@@ -173,17 +173,8 @@ def reflections(case: Case, name: str, indicator: str, source: str) -> Effect:
         size = 2.0 * impulse / target.impedance / case.indentation
         back, lasts = format_si(returns, "time", 3), format_si(case.duration, "time", 3)
         reason = f"the wave is back from the far end after {back}, the contact lasts {lasts}"
-        return _judged(
-            case,
-            name,
-            indicator,
-            source,
-            case.duration / returns,
-            1.0,
-            size,
-            reason,
-            f"{ABSENT}: needs the modes of the rod",
-        )
+        value, cost = case.duration / returns, f"{ABSENT}: needs the modes of the rod"
+        return _judged(case, name, indicator, source, value, 1.0, size, reason, cost)
     if isinstance(target, Beam):
         return _unjudged(name, indicator, "the target is taken not to move", source)
     if not isinstance(target, Plate):
@@ -200,17 +191,7 @@ def reflections(case: Case, name: str, indicator: str, source: str) -> Effect:
     threshold = (case.tolerance / share) ** (1.0 / power)
     back, felt = format_si(case.back, "time", 3), format_si(target.return_time, "time", 3)
     reason = f"from the centre of the push to the end of contact {back} pass; edge waves are felt after {felt}"
-    return _judged(
-        case,
-        name,
-        indicator,
-        source,
-        value,
-        threshold,
-        min(size, 1.0),
-        reason,
-        ABSENT,
-    )
+    return _judged(case, name, indicator, source, value, threshold, min(size, 1.0), reason)
 
 
 def thickness(case: Case, name: str, indicator: str, source: str) -> Effect:
@@ -236,20 +217,11 @@ def thickness(case: Case, name: str, indicator: str, source: str) -> Effect:
         ratio = target.material.poissons_ratio
         square = MEAN_FREQUENCY / case.duration * math.sqrt(target.surface_density / target.stiffness[0])
         shear = square * target.thickness**2 / (5.0 * (1.0 - ratio))
-        carried = 0.0 if case.trial.problem.gamma == 0.0 else 1.0 - case.restitution**2 - case.fraction
+        carried = 0.0 if problem.gamma == 0.0 else 1.0 - case.restitution**2 - case.fraction
         value = math.sqrt(square) * target.thickness
         reason = "the plate counts as thin while its bending waves are long against its thickness"
-        return _judged(
-            case,
-            name,
-            indicator,
-            source,
-            value,
-            None,
-            max(0.0, shear * carried),
-            reason,
-            f"{ABSENT}: needs a thick plate's impedance",
-        )
+        size, cost = max(0.0, shear * carried), f"{ABSENT}: needs a thick plate's impedance"
+        return _judged(case, name, indicator, source, value, None, size, reason, cost)
     if isinstance(target, Plate):
         return _unjudged(name, indicator, "missing: target.thickness", source)
     if isinstance(target, HalfSpace) and target.material is not None:
@@ -376,17 +348,8 @@ def strain_rate(case: Case, name: str, indicator: str, source: str) -> Effect:
     reason = f"the yield strength grows by {100 * (hard / strength - 1.0):.2g} %"
     if size is None:
         return _unjudged(name, indicator, "the impact with the higher yield strength cannot be marched", source, rate)
-    return _judged(
-        case,
-        name,
-        indicator,
-        source,
-        rate,
-        None,
-        min(size, 1.0),
-        reason,
-        f"{ABSENT}: needs a rate-dependent yield strength",
-    )
+    cost = f"{ABSENT}: needs a rate-dependent yield strength"
+    return _judged(case, name, indicator, source, rate, None, min(size, 1.0), reason, cost)
 
 
 def _plastic(case: Case, law: BigAlabo) -> Trial:

@@ -54,7 +54,7 @@ NUMBERS = {
 VELOCITIES = {"impactor_velocity": "-", "target_velocity": "--", "relative_velocity": ":"}
 
 SIZE, LEFT = (9.0, 8.2), 0.085  # inches; part of the width left of the panels
-MAP_SIZE = (7.6, 5.4)
+MAP_SIZE, LAWS_SIZE = (7.6, 5.4), (13.0, 7.4)
 _STYLE: dict[Any, Any] = {
     **{"font.size": 9.0, "lines.linewidth": 1.6, "svg.hashsalt": "film-model", "hatch.linewidth": 0.5},
     **{"axes.spines.top": False, "axes.spines.right": False, "xtick.direction": "in", "ytick.direction": "in"},
@@ -391,14 +391,7 @@ def plot_laws(path: str | os.PathLike[str] | None = None, dpi: float = 200.0) ->
     Indentation and force are those of the ball of `law_family`, over what Hertz's law gives it. Files, errors and dpi:
     as for `plot_history`.
     """
-    target = _target(path)
-    matplotlib, figure_class = _matplotlib()
-    with matplotlib.rc_context(_STYLE):
-        figure = figure_class(figsize=(13.0, 7.4))
-        _draw_laws(figure)
-        if target is not None:
-            _save(figure, target, dpi)
-    return figure
+    return picture(path, _draw_laws, LAWS_SIZE, dpi)
 
 
 def _draw_laws(figure: Figure) -> None:

@@ -1,7 +1,8 @@
 """Answers that do not use the core: exact quadrature and conventional integration, to compare with.
 
 Both work from a law's own stage functions and unloading rules, never from their fitted form. Arguments: effective
-mass m [kg], approach velocity V_0 > 0 [m/s], impedance Z of the target [N·s/m], infinite for a half-space. Both return SI floats by the names of `SUMMARY`.
+mass m [kg], approach velocity V_0 > 0 [m/s], impedance Z of the target [N·s/m], infinite for a half-space. Both return
+SI floats by the names of `SUMMARY`.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from film_model.laws.law import AbstractLaw, Array, Function, Power, Stage, Unloading
+from film_model.laws.law import AbstractLaw, Array, Function, Power, Stage, Unloading, origin_of
 
 SUMMARY = (
     "maximum_force",
@@ -86,9 +87,9 @@ def integrate(
 ) -> dict[str, float]:
     """Summary of an impact on a half-space or an impedance target by `scipy.integrate.solve_ivp`, any `method`.
 
-    Zener's equations ξ' = ν − γf, ν' = p − f, p a constant load [N], in units of V_0 and of the depth of turning on a half-space. In a stage
-    that begins at ξ_b, and on an unloading branch that ends there, y = √(ξ − ξ_b) is the variable and σ the clock,
-    dt = 2y dσ:
+    Zener's equations ξ' = ν − γf, ν' = p − f, p a constant load [N], in units of V_0 and of the depth of turning on a
+    half-space. In a stage that begins at ξ_b, and on an unloading branch that ends there, y = √(ξ − ξ_b) is the
+    variable and σ the clock, dt = 2y dσ:
 
         dy/dσ = ν − γf,  dν/dσ = 2y(p − f),  dt/dσ = 2y,  dr/dσ = 2yγf²  (r: energy radiated)
 
@@ -100,7 +101,7 @@ def integrate(
 
     Adds "force_evaluations" to the names of `SUMMARY`. Raises ValueError if the law ends before the motion turns, has
     damping, or if its force jumps up by more than the target's motion allows; RuntimeError if the method fails, or the
-    load never lets contact end.
+    load turns the impactor back before contact ends.
     """
     _undamped(law)
     scale, force_scale = law.scales(0.5 * mass * velocity**2)
@@ -181,9 +182,13 @@ class _Solver:
         watched = {"turns": lambda _, s: self.rates(_, s)[0], "stops": lambda _, s: s[1]}
         if until is not None:
             events.append(_event(watched[until], -1.0))
+        if self.load > 0.0 and until != "turns":
+            events.insert(0, _event(watched["turns"], 1.0))
         solution = self._solve(state, _LONGEST, events)
         if solution.status != 1:
             raise RuntimeError(f"{self.method}: {solution.message}")
+        if self.load > 0.0 and until != "turns" and solution.t_events[0].size > 0:
+            raise RuntimeError("the load turns the impactor back before contact ends")
         stopped = until is not None and solution.t_events[-1].size > 0
         step, state = solution.t[-1] - solution.t[-2], solution.y[:, -2]
         if step > 0.0:
@@ -231,7 +236,7 @@ def value(function: Function | float, xi: Any, stage: Stage) -> Array:
         return np.full(x.shape, float(function))
     if not isinstance(function, Power):
         return np.broadcast_to(np.asarray(function(np.atleast_1d(x)), dtype=np.float64).reshape(x.shape), x.shape)
-    z = np.maximum(x - _origin(function, stage), 0.0)
+    z = np.maximum(x - origin_of(function, stage), 0.0)
     return function.constant + function.slope * z + function.coefficient * z**function.exponent
 
 
@@ -243,7 +248,7 @@ def work_before(stage: Stage, to: float, lengths: Any) -> Array:
         flat = np.atleast_1d(d)
         mean = _integral(lambda u: value(force, to - np.multiply.outer(u, flat), stage))
         return (flat * mean).reshape(d.shape)
-    top = max(to - _origin(force, stage), 0.0)
+    top = max(to - origin_of(force, stage), 0.0)
     x = np.minimum(d, top)
     if top == 0.0:
         return force.constant * d
@@ -280,10 +285,6 @@ def _passage(stage: Stage, end: float, left: float) -> float:
         return 2.0 * length * s / np.sqrt(left + 2.0 * work_before(stage, end, length * s * s))
 
     return float(_integral(slowness))
-
-
-def _origin(power: Power, stage: Stage) -> float:
-    return stage.begin if power.origin is None else power.origin
 
 
 def _integral(function: Callable[[Array], Array]) -> Array:

@@ -14,13 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.accuracy import unloading_ratio
-from film_model.bodies import STANDARD_GRAVITY, Body, Plate
+from film_model.bodies import Body, Plate
 from film_model.core import native
 from film_model.curve import curve_of
 from film_model.edges import edged
 from film_model.effects import FIRST_ORDER_LOSS, TRIAL
 from film_model.laws import LAWS
-from film_model.laws.yielding import yield_point, yield_velocity
+from film_model.laws.yielding import yield_velocity
 from film_model.limits import reflection_change
 from film_model.problem import Array
 from film_model.row_problems import Group, Index, RowLaw, Rows
@@ -37,18 +37,6 @@ PLASTIC_FROM = 2.0
 LEVELS = ((1.1, 2.0, 2.0), (1.01, 1.2, 1.1), (1.001, 1.05, 1.01))
 """Ratios that a cell spans in velocity, target compliance and damping; that it spans in load; and by which a change,
 scaled with the load, must be off the tolerance to be clear for the whole cell. What is not clear is cut finer."""
-
-
-def yields(scene: Scene, count: int) -> Mask | None:
-    """Which impacts of a scene of columns reach the yield point; None where that is not known."""
-    strength, modulus = scene.yield_strength, scene.effective_modulus
-    if strength is None or modulus is None:
-        return None
-    indentation, force = yield_point(modulus, scene.effective_radius, strength)
-    heavy = scene.effects.gravity is not False and not isinstance(scene.target, Body)
-    weight = scene.effective_mass * STANDARD_GRAVITY if heavy else 0.0
-    energy = scene.kinetic_energy + weight * indentation
-    return np.broadcast_to(np.greater(energy, 0.4 * force * indentation), (count,))
 
 
 def decided(group: Group) -> list[Rows]:
@@ -205,8 +193,7 @@ def _change(full: Rows, without: Rows, places: Index, ending: bool = False) -> A
 
 def _relative(value: Array, to: Array) -> Array:
     """Relative difference; 1 where only one of the two has happened."""
-    same = (value == to) | (np.isnan(value) & np.isnan(to))
-    return np.where(same, 0.0, np.where((to > 0.0) & (value >= 0.0), np.abs(value / to - 1.0), 1.0))
+    return np.where(value == to, 0.0, np.where((to > 0.0) & (value >= 0.0), np.abs(value / to - 1.0), 1.0))
 
 
 def _radiated(rows: Rows, summary: NDArray[Any]) -> Array:

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from film_model.core import native
 from film_model.curve import Curve, curve_of
 from film_model.edges import edged, wide
+from film_model.effects import reaches_yield
 from film_model.errors import SimulationError
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.unloading import BrakeUnloading
 from film_model.problem import Array, Problem, problem_of
-from film_model.row_effects import decided, yields
+from film_model.row_effects import decided
 from film_model.row_problems import Group, Index, RowLaw, Rows, column, zener_numbers
 from film_model.scales import Scales
 from film_model.scene import Scene
@@ -153,11 +154,10 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
     if law != "auto":
         yield (law if isinstance(law, AbstractLaw) else LAWS[law]), index
         return
-    plastic = yields(scene, index.size)
-    if wanted is True and plastic is None:
-        raise SimulationError("effects.plasticity is true, but neither material has a yield_strength")
+    plastic = reaches_yield(scene)
     if plastic is None or wanted != "auto":
-        plastic = np.full(index.size, wanted is True)
+        plastic = wanted is True
+    plastic = column(plastic, index.size)
     for name, mask in (("hertz", ~plastic), ("big-alabo", plastic)):
         if mask.any():
             yield LAWS[name], index[mask]

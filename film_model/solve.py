@@ -64,7 +64,7 @@ def simulate(
         events=events,
         outcome=_outcome(status),
         summary=summary,
-        accuracy=Accuracy(solver.accuracy if solver.segments is None else None, estimated, *counts, lines.size - 1),
+        accuracy=Accuracy(solver.accuracy, estimated, *counts, lines.size - 1),
         remarks=tuple(warnings),
     )
 
@@ -185,10 +185,8 @@ def _summarise(problem: Problem, events: tuple[Event, ...], last: Any, peak: flo
 def _radiated(problem: Problem, ends: Event, last: Any) -> float:
     """Energy in target motion, J: kinetic energy gained by a free target, or ∫F²/Z dt, from the balance of energy."""
     if problem.share < 1.0:
-        mass, before = (
-            problem.mass / (1.0 - problem.share),
-            problem.drift - (1.0 - problem.share) * problem.approach * problem.scales.velocity,
-        )
+        other = 1.0 - problem.share
+        mass, before = problem.mass / other, problem.drift - other * problem.approach * problem.scales.velocity
         return 0.5 * mass * (ends.target_velocity**2 - before**2)
     if problem.gamma == 0.0:
         return 0.0

@@ -1,7 +1,7 @@
 """The one place where units are read and written.
 
 Texts and quantities are turned into SI floats here, once, and results into quantities. Scenes are read without
-pint, which takes half a second to import: the symbols below are enough for them. Longer words ("inches",
+pint, which takes half a second to import: the symbols of `unit_symbols` are enough for them. Longer words ("inches",
 "kilonewton") are looked up in pint's application registry.
 
 Reading is strict, because pint's own parser misreads without a word: it takes "10,5 mm" for 105 mm, "−3 m"
@@ -75,8 +75,13 @@ def to_si(value: object, dimension: str, *, bare: bool = False) -> float:
 
 def power_stiffness_to_si(value: object, exponent: float) -> float:
     """The stiffness k of F = kδ^q in N/m^q, from a text such as "3e5 N/mm^1.5" or a pint quantity."""
-    unit = f"N/m^{exponent:g}"
+    unit = power_stiffness_unit(exponent)
     return _convert(value, (1, rounded(1 - exponent), -2), f'{unit} is needed (e.g. "1e9 {unit}")', bare=False)
+
+
+def power_stiffness_unit(exponent: float) -> str:
+    """The SI unit of such a stiffness as scene files write it, e.g. "N/m^1.5"; exponents are read to nine decimals."""
+    return f"N/m^{exponent:.9f}".rstrip("0").rstrip(".")
 
 
 def array_to_si(values: object, dimension: str, *, bare: bool = False) -> NDArray[np.float64]:

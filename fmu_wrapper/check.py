@@ -167,11 +167,9 @@ def _compared_contact(fmu: Fmu) -> list[Finding]:
 
 
 def _law_force(data: resource.Data, indentation: float, rate: float) -> float:
-    """Force of the loading curve, with its damping, N; 0 where there is no contact yet."""
+    """Force of the loading curve at an indentation of 0 m or more, with its damping, N."""
     xi, curve = indentation / data.length_scale, data.curve
     stage = sum(curve.stage[k].end < xi for k in range(curve.stages - 1))
-    if xi < 0.0:
-        return 0.0
     force = native.stage_law(curve, stage, xi)[0] * data.force_scale
     return force + data.damping * _damping(curve, xi) * rate if curve.stage[0].damped else force
 

@@ -71,14 +71,12 @@ def model_data(
     data.kind = KINDS.index(kind)
     data.linearisation = native.CHORD if scene.solver.linearisation == "chord" else native.WORK_PRESERVING
     data.length_scale, data.force_scale = problem.scales.length, problem.scales.force
-    impedance = math.inf if problem.gamma == 0.0 else problem.scales.force / (problem.gamma * problem.scales.velocity)
-    weight = problem.load * problem.scales.force / problem.mass
     start = {
         "mass": problem.mass,
         "initial_velocity": scene.approach_velocity,
         "initial_gap": gap,
-        "target_impedance": min(scene.target_impedance if math.isfinite(impedance) else RIGID, RIGID),
-        "gravity": STANDARD_GRAVITY if weight > 0.0 else 0.0,
+        "target_impedance": min(scene.target_impedance, RIGID) if problem.gamma > 0.0 else RIGID,
+        "gravity": STANDARD_GRAVITY if problem.load > 0.0 else 0.0,
         "loading_segments": segments[0],
         "unloading_segments": segments[1],
     }

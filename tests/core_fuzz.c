@@ -203,6 +203,7 @@ static void any_piece(film_piece *piece, double begin, double end, double before
 
 static void any_unloading(film_stage *stage, film_piece *piece, double force) {
     double begin = stage->begin, q = whole(0, 1) ? 1.5 : decades(0.3, 8.0);
+    if (stage->unloading == FILM_RADIUS) q = fmax(q, 1.0); /* or it leads to billions of depths above the surface */
     piece->exponent = power(0.0, q, whole(0, 3) || !(stage->end < 30.0) ? 0.0 : 0.1 * fraction(), 0.0, 1.0);
     switch (stage->unloading) {
     case FILM_RADIUS: piece->recovery = power(begin, whole(0, 1) ? 1.0 : decades(0.1, 10.0), 0.0, whole(0, 1) ? 0.0 : fraction(), 1.5); break;

@@ -1,10 +1,16 @@
 """What `accuracy` promises: the estimate bounds the true error, and does not exaggerate it much."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from cases import zener_scene
+from cases import scene, zener_scene
 
 import film_model as fm
+from film_model.accuracy import difference
+from film_model.batch import differences
+from film_model.core import native
+from film_model.problem import problem_of
 
 SCALES = {  # values smaller than a thousandth of these are judged against that thousandth
     "rebound_velocity": "velocity",
@@ -136,3 +142,28 @@ def test_accuracy_that_cannot_be_had_is_said():
 def test_tight_accuracy_is_kept():
     exact = fm.simulate(zener_scene(1.0), accuracy=1e-12)
     assert true_error(fm.simulate(zener_scene(1.0), accuracy=1e-10), exact.summary) <= 1e-10
+
+
+@pytest.mark.parametrize("target", ["half-space", "plate", "body"])
+def test_two_summaries_differ_as_much_alone_as_in_a_batch(target):
+    """Values that are missing in one of the two count as 1, in whichever; in both, as nothing."""
+    problem = problem_of(scene("big-alabo", target))
+    problem = replace(problem, approach=0.7)
+    rng = np.random.default_rng(5)
+    first = np.zeros(400, native.SUMMARY_DTYPE)
+    for name in native.SUMMARY:
+        first[name] = rng.uniform(0.5, 1.5, first.size)
+    first["final_velocity"] *= -0.7
+    second = first.copy()
+    for name in native.SUMMARY:
+        second[name] *= 1.0 + rng.normal(0.0, 10.0 ** rng.uniform(-6, -1, first.size))
+    for column in (first, second):
+        for name in ("time_impactor_stops", "contact_duration", "permanent_indentation", "final_velocity"):
+            column[name][rng.random(first.size) < 0.1] = np.nan
+        column["permanent_indentation"][rng.random(first.size) < 0.1] = 0.0
+    stop = np.full(first.size, problem.stop_velocity)
+    many = differences(first, second, np.full(first.size, 0.7), stop)
+    rows = [[native.Summary.from_buffer_copy(row.tobytes()) for row in column] for column in (first, second)]
+    alone = [difference(problem, a, b) for a, b in zip(*rows, strict=True)]
+    assert many == pytest.approx(alone, rel=1e-13)
+    assert 0.1 < np.mean(many == 1.0) < 0.9

@@ -55,8 +55,10 @@ def test_masses_and_velocities_broadcast():
     ("arguments", "error", "says"),
     [
         ({"velocity": [0.1, 0.2]}, ValueError, "no unit"),
-        ({"velocity": ["0 m/s"]}, ValueError, "must be > 0"),
-        ({"velocity": ["-1 m/s"]}, ValueError, "must be > 0"),
+        ({"velocity": ["2 m/s", "0 m/s"]}, ValueError, "^velocity: 0 m/s must be > 0 m/s$"),
+        ({"velocity": ["-1 m/s"]}, ValueError, "^velocity: -1 m/s must be > 0 m/s$"),
+        ({"velocity": []}, ValueError, "^velocity: no values, at least one is needed$"),
+        ({"velocity": ["1 m/s"], "mass": ["0 g"]}, ValueError, "^mass: 0 kg must be > 0 kg$"),
         ({"velocity": ["1 kg"]}, ValueError, "a velocity is needed"),
         ({"velocity": ["1 m/s"], "mass": ["1 m"]}, ValueError, "a mass is needed"),
         ({"velocity": ["1 m/s"], "accuracy": 7.0}, fm.SceneError, "accuracy"),
@@ -68,7 +70,7 @@ def test_bad_batches_are_refused(arguments, error, says):
 
 
 def test_a_ball_slower_than_the_free_body_is_refused():
-    with pytest.raises(ValueError, match=r"must be > 0\.1 m/s, the target's"):
+    with pytest.raises(ValueError, match=r"^velocity: 0\.1 m/s must be > 0\.1 m/s, the target's$"):
         fm.simulate_batch(scene("hertz", "body"), velocity=["1 m/s", "0.1 m/s"])
 
 

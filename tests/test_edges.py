@@ -595,3 +595,18 @@ def test_a_damped_law_falls_back_to_an_infinite_plate_and_says_so():
     for name in ("boundary_reflections", "target_inertia"):
         with pytest.raises(fm.SimulationError, match="a damped law cannot be simulated on a plate with edges"):
             fm.simulate(scene.replace({f"effects.{name}": True}))
+
+
+def test_a_law_that_ends_cannot_stop_an_impactor_on_vibrations_either():
+    law = fm.Tabulated((0.0, 1e-6), (0.0, 1.0))
+    plate = fm.Plate("mild steel", thickness="2 mm", size=["100 mm", "100 mm"])
+    effects = fm.Effects(boundary_reflections=True, target_inertia=True)
+    ball = fm.Sphere("10 mm", velocity="2 m/s", material="mild steel")
+    with pytest.raises(
+        fm.SimulationError, match="law tabulated: the indentation passed the end of the law's last stage"
+    ):
+        fm.simulate(fm.Scene(ball, plate, fm.Contact(law, unloading="retrace"), effects))
+
+
+def test_a_plate_without_edges_sends_no_wave_back():
+    assert fm.Plate("mild steel", thickness="2 mm").return_time == math.inf

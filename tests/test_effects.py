@@ -178,11 +178,65 @@ def test_a_named_elastic_law_above_yield_is_switched_off_with_its_estimate():
     assert plasticity.change > 0.1
     below = by_name(ball_on(fm.HalfSpace(STEEL), "1 mm/s", contact=fm.Contact(law="hertz")))["plasticity"]
     assert (below.state, below.change) == (effects.NOT_NEEDED, 0.0)
+    late = {
+        velocity: ball_on(fm.HalfSpace(STEEL), velocity, contact=fm.Contact(law="hertz"))
+        for velocity in ("1 m/s", "50 m/s")
+    }
+    stages = {velocity: by_name(scene)["fully_plastic"] for velocity, scene in late.items()}
+    assert stages["1 m/s"].value < effects.FULLY_PLASTIC_RATIO < stages["50 m/s"].value
+    assert [(s.state, s.change) for s in stages.values()] == [(effects.NOT_NEEDED, 0.0), (effects.SWITCHED_OFF, None)]
+
+
+@pytest.mark.parametrize(
+    ("ratio", "law", "change"), [(0.9, "hertz", 0.0), (1.004, "hertz", 0.0076), (1.01, "big-alabo", 0.0185)]
+)
+def test_yielding_that_hardly_matters_is_left_out(ratio, law, change):
+    scene = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
+    limit = scene.approach_velocity / by_name(scene)["plasticity"].value
+    slow = scene.replace({"impactor.velocity": f"{ratio * limit!r} m/s", "effects.gravity": False})
+    plasticity = by_name(slow)["plasticity"]
+    assert fm.simulate(slow).problem.law.name == law
+    assert plasticity.value == pytest.approx(ratio)
+    assert plasticity.change == pytest.approx(change, rel=0.05)
+    assert plasticity.state == (effects.SIMULATED if law == "big-alabo" else effects.NOT_NEEDED)
+    assert ("by less than the tolerance" in plasticity.reason) is (ratio == 1.004)
+
+
+def test_without_a_yield_strength_yielding_is_not_judged():
+    scene = fm.Scene(fm.Sphere("5 mm", velocity="1 m/s", material="alumina"), fm.HalfSpace("alumina"))
+    found = by_name(scene)
+    assert fm.simulate(scene).problem.law.name == "hertz"
+    for name in ("plasticity", "fully_plastic"):
+        effect = found[name]
+        assert (effect.state, effect.value, effect.change) == (effects.NOT_JUDGED, None, None)
+        assert effect.reason.startswith("missing: a yield strength")
+
+
+def test_a_target_that_is_held_still_is_said_with_what_that_leaves_out():
+    beam = fm.Beam(STEEL, length="300 mm", width="20 mm", thickness="10 mm")
+    for target in (fm.Plate(STEEL, thickness="5 mm"), beam):
+        moving, held = (ball_on(target, target_motion=motion) for motion in ("auto", False))
+        effect = by_name(held)["target_motion"]
+        assert (effect.state, effect.reason) == (effects.SWITCHED_OFF, "the scene asks for a target that does not move")
+        assert effect.change > 0.1
+        energy = fm.simulate(held).summary["energy_radiated"]
+        assert energy == 0.0 and by_name(moving)["target_motion"].simulated
+
+
+def test_zeners_number_needs_elastic_constants():
+    plate = fm.Plate(
+        mass_per_area="20 kg/m^2", bending_stiffness=dict.fromkeys(("D11", "D22", "D66"), "90 N*m") | {"D12": "9 N*m"}
+    )
+    ball = fm.Sphere("5 mm", velocity="1 m/s", mass="4 g")
+    scene = fm.Scene(ball, plate, fm.Contact("meyer", stiffness="1e9 N/m^1.5", exponent=1.5))
+    motion = by_name(scene)["target_motion"]
+    assert motion.value is None and motion.change > 0.01
 
 
 @pytest.mark.parametrize(("ratio", "state"), [(150.0, effects.NOT_NEEDED), (260.0, effects.SIMULATED)])
-def test_the_fully_plastic_stage(ratio, state):
-    scene = ball_on(fm.HalfSpace(STEEL))
+@pytest.mark.parametrize("law", ["auto", "stronge"])
+def test_the_fully_plastic_stage(law, ratio, state):
+    scene = ball_on(fm.HalfSpace(STEEL), contact=fm.Contact(law=law))
     limit = scene.approach_velocity / by_name(scene)["plasticity"].value
     stage = by_name(scene.replace({"impactor.velocity": f"{ratio * limit!r} m/s"}))["fully_plastic"]
     assert stage.value == pytest.approx(ratio)
@@ -239,7 +293,7 @@ def test_a_wave_in_a_rod_is_back_after_its_way_there_and_back(length, late):
     scene = ball_on(fm.Rod(STEEL, diameter="20 mm", length=length))
     effect, duration = by_name(scene)["boundary_reflections"], fm.simulate(scene).summary["contact_duration"]
     returns = 2 * fm.Scene.from_table(scene.to_table()).target.length / math.sqrt(210e9 / 7850)
-    assert effect.value == pytest.approx(duration / returns, rel=1e-3)
+    assert effect.value == pytest.approx(duration / returns, rel=1e-5)
     assert (effect.change > 0.0) is late
 
 
@@ -276,11 +330,11 @@ def test_wave_losses_against_lambs_problem():
     assert pytest.approx(square, rel=1e-3) == limits.HERTZ_SQUARE
     x = np.linspace(5e-4, 400, 400_000)  # ω t_c/π; misses the pole at 1, which the cosine cancels
     spectrum = (np.cos(math.pi * x / 2) / (1 - x * x)) ** 2
-    assert pytest.approx(math.pi * np.dot(x, spectrum) / spectrum.sum(), rel=1e-2) == limits.MEAN_FREQUENCY
+    assert pytest.approx(math.pi * np.dot(x, spectrum) / spectrum.sum(), rel=1e-4) == limits.MEAN_FREQUENCY
     slow, fast = (
         by_name(ball_on(fm.HalfSpace(STEEL), v, plasticity=False))["wave_losses"] for v in ("1 m/s", "10 m/s")
     )
-    assert fast.change / slow.change == pytest.approx(10**0.6, rel=1e-3)
+    assert fast.change / slow.change == pytest.approx(10**0.6, rel=1e-12)
     assert fast.state == effects.NOT_MODELLED
 
 
@@ -306,7 +360,7 @@ def test_adhesion_against_the_work_of_parting():
     touch, least = (2 * math.pi) ** (1 / 3), (math.pi / 8) ** (1 / 3)
     work = -integrate.quad(lambda a: force(a) * (2 * a - math.sqrt(math.pi / 2 / a)), least, touch)[0]
     assert depth(touch) == pytest.approx(0.0, abs=1e-12)
-    assert work == pytest.approx(limits.JKR_WORK, rel=1e-4)
+    assert work == pytest.approx(limits.JKR_WORK, rel=1e-5)
     scene = ball_on(fm.HalfSpace(STEEL), "5 mm/s", "50 um", fm.Contact(work_of_adhesion="0.2 J/m^2"))
     effect = by_name(scene)["adhesion"]
     modulus = scene.effective_modulus
@@ -340,7 +394,7 @@ def test_thick_plates_against_the_pole_of_mindlins_plate():
     scene = ball_on(fm.Plate(STEEL, thickness="4 mm"))
     effect, summary = by_name(scene)["thickness"], fm.simulate(scene).summary
     carried = summary["energy_radiated"] / scene.kinetic_energy
-    assert effect.change == pytest.approx(effect.value**2 / (6 * kappa * (1 - ratio)) * carried, rel=1e-3)
+    assert effect.change == pytest.approx(effect.value**2 / (6 * kappa * (1 - ratio)) * carried, rel=1e-5)
     assert effect.state == effects.NOT_MODELLED
 
 
@@ -357,7 +411,7 @@ def test_strain_rate_hardens_what_yields():
     effect = by_name(scene)["strain_rate"]
     strength = 1e9 * (1 + 0.02 * math.log(effect.value))
     hard = scene.replace({"contact.yield_strength": f"{strength!r} Pa"})
-    assert effect.change == pytest.approx(measured(fm.simulate(hard), fm.simulate(scene)), rel=0.01)
+    assert effect.change == pytest.approx(measured(fm.simulate(hard), fm.simulate(scene)), rel=1e-12)
     assert effect.state == effects.NOT_MODELLED
     assert by_name(scene.replace({"impactor.velocity": "1 mm/s"}))["strain_rate"].state == effects.NOT_NEEDED
 
@@ -366,7 +420,7 @@ def test_heating_is_the_plastic_work_over_the_heated_volume():
     scene = ball_on(fm.HalfSpace(STEEL))
     summary, effect = fm.simulate(scene).summary, by_name(scene)["heating"]
     volume = 2 / 3 * math.pi * (5e-3 * summary["maximum_indentation"]) ** 1.5
-    assert effect.value == pytest.approx(summary["energy_absorbed"] / volume, rel=1e-3)
+    assert effect.value == pytest.approx(summary["energy_absorbed"] / volume, rel=1e-12)
     assert effect.state == effects.NOT_JUDGED
 
 
@@ -439,6 +493,15 @@ def test_explain_prints_every_effect(capsys):
     assert err == ""
 
 
+def test_explain_compares_the_laws(capsys):
+    assert main(["explain", str(SCENES / "tungsten_carbide_on_steel.toml"), "--law", "all"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    rows = {line[:20].strip(): line[20:].split() for line in lines[-len(fm.LAWS) :]}
+    assert set(rows) == set(fm.LAWS)
+    assert rows["big-alabo"][:4] == ["516.1", "N", "9.484", "µm"] and rows["hertz"][-2:] == ["0", "m"]
+    assert rows["meyer"][:3] == ["-", "exponent:", "missing:"]
+
+
 def test_explain_as_json(capsys):
     assert main(["explain", str(SCENES / "olsson_plate.toml"), "--json", "--law", "all"]) == 0
     table = json.loads(capsys.readouterr().out)
@@ -498,6 +561,6 @@ def test_the_map_agrees_with_the_effects():
     assert grid.motion[row, column] == pytest.approx(found["target_motion"].change, rel=0.1)
     assert grid.reflections[row, column] == pytest.approx(found["boundary_reflections"].change, rel=0.3)
     elastic = grid.ratios[np.argmin(abs(grid.depth[:, 0] - 1.0))]
-    assert elastic == pytest.approx(1.0, rel=0.1)
+    assert elastic == pytest.approx(1.0, rel=1e-9)
     full = grid.ratios[np.argmin(abs(grid.depth[:, 0] - 82.5))]
     assert full == pytest.approx(effects.FULLY_PLASTIC_RATIO, rel=0.1)

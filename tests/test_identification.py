@@ -252,3 +252,25 @@ def test_a_measurement_is_not_swept() -> None:
     foreign = xr.Dataset(attrs={"film_model_schema": "impact_measurement", "measured": "impacts"})
     with pytest.raises(ValueError, match="has no impacts to pick"):
         foreign.film.scene(impact=3)
+
+
+def test_before_first_touch_the_impactor_flies(tmp_path: Path) -> None:
+    """The moment of first touch from a displacement that was measured from before it on; nothing else is sought."""
+    times = np.linspace(-20e-6, 60e-6, 40)
+    samples = fm.simulate(BALL, accuracy=1e-9).sample_si(np.maximum(times, 0.0))
+    moved = np.where(times < 0.0, BALL.impactor.speed * times, samples.impactor_displacement)
+    rows = (f"{1e6 * t!r},{1e6 * x!r}" for t, x in zip((times + 25e-6).tolist(), moved.tolist(), strict=True))
+    path = tmp_path / "m.csv"
+    path.write_text("time [us],displacement [um]\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    found = fd.identify(fd.from_csv(path), BALL, ["time_offset"])
+    (offset,) = found.parameters
+    assert offset.identified and offset.value == pytest.approx(25e-6, rel=1e-6)
+    assert found.residual["impactor_displacement"] < 1e-6 * np.abs(moved).max()
+    assert found.history().summary["maximum_force"] == pytest.approx(516.0877, rel=1e-6)
+
+
+def test_a_scene_that_makes_no_impact_of_the_measurement_is_no_beginning(tmp_path: Path) -> None:
+    measured = fd.from_csv(restitution_file(tmp_path / "e.csv", BALL, 0.0))
+    short = {"law": "tabulated", "indentation": ["0 um", "5 um"], "force": ["0 N", "300 N"]}
+    with pytest.raises(fm.SimulationError, match="an impact of the measurement fails: give nearer ones"):
+        fd.identify(measured, BALL.replace({"contact": short}), ["impactor.radius"])

@@ -107,6 +107,20 @@ def test_rows_are_the_scenes_of_the_rows(name):
             assert abs(result.summary[key][row] - history.summary[key]) <= 1.1e-9 * scale, (key, row)
 
 
+@pytest.mark.parametrize("name", list(CASES))
+def test_whole_arrays_serve_the_usual_scenes(name, monkeypatch):
+    """Row by row is for what they cannot do: it takes a thousand times as long."""
+
+    def one_by_one(*_):
+        raise AssertionError("arrays did not serve")
+
+    monkeypatch.setattr("film_model.rows._one_by_one", one_by_one)
+    base, _ = CASES[name]
+    path, values = ("impactor.drop_height", (1e-3, 0.2)) if name == "fall" else ("impactor.velocity", (0.12, 2.0))
+    columns = {path: np.geomspace(*values, 40), "impactor.radius": np.linspace(9e-3, 11e-3, 40)}
+    assert (simulate_rows(base, columns).status >= 0).all()
+
+
 @pytest.mark.parametrize("law", ["hertz", "meyer", "big-alabo", "stronge"])
 def test_weight_counts_where_it_counts_alone(law):
     """Slow impacts are simulated with gravity, each by its own number."""
@@ -178,15 +192,17 @@ class Scalar(fm.AbstractLaw):
         return fm.Hertz(self.effective_modulus, self.radius).scales(max(energy, 1e-300))
 
     def stages(self):
-        return fm.Hertz(self.effective_modulus, self.radius).stages()
+        return LAWS["hertz"].stages()
 
 
 def test_a_law_of_single_numbers_serves_too(monkeypatch):
+    """Row by row where its formulas are asked, and still one curve."""
     monkeypatch.setitem(fm.LAWS, "scalar", Scalar)
     columns = {"impactor.radius": np.linspace(5e-3, 15e-3, 9), "impactor.velocity": np.linspace(0.1, 1, 9)}
     one, other = (simulate_rows(scene("hertz").replace({"contact.law": law}), columns) for law in ("scalar", "hertz"))
     for name in SUMMARY:
         np.testing.assert_allclose(one.summary[name], other.summary[name], rtol=1e-12, atol=1e-25)
+    assert [part.index.size for part in one.parts] == [9]
 
 
 def test_a_row_that_fails_says_why_and_harms_no_other():
@@ -194,12 +210,29 @@ def test_a_row_that_fails_says_why_and_harms_no_other():
     result = simulate_rows(base, {"impactor.velocity": np.array([1.0, 0.1, 0.05, 2.0])})
     assert result.status.tolist() == [native.EVENT, NO_VELOCITY, NO_VELOCITY, native.EVENT]
     assert np.isnan(result.summary["maximum_force"]).tolist() == [False, True, True, False]
+    none = simulate_rows(base, {"impactor.velocity": np.array([0.1, 0.05])})
+    assert none.status.tolist() == [NO_VELOCITY, NO_VELOCITY] and none.parts == ()
     deep = simulate_rows(scene("saturating"), {"impactor.velocity": np.array([0.2, 50.0])})
     assert [STATUSES[s][0] for s in deep.status.tolist()] == ["separated", "beyond_law"]
 
 
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+def test_effects_tried_for_neighbours_are_those_tried_for_each(target, monkeypatch):
+    """With no cells at all every impact is tried itself: law and weight come out the same."""
+    rng = np.random.default_rng(8)
+    base = scene("big-alabo", target).replace({"contact.law": "auto"})
+    columns = {"impactor.velocity": np.exp(rng.uniform(-5, 0, 80)), "impactor.mass": rng.uniform(0.03, 0.09, 80)}
+    cells = simulate_rows(base, columns)
+    monkeypatch.setattr("film_model.row_effects.LEVELS", ())
+    each = simulate_rows(base, columns)
+    assert cells.laws == each.laws == ("hertz", "big-alabo") and np.array_equal(cells.law, each.law)
+    loads = [np.concatenate([part.start["load"][np.argsort(part.index)] for part in r.parts]) for r in (cells, each)]
+    assert np.array_equal(*loads) and 0.1 < np.mean(loads[0] > 0.0) < 0.9
+
+
+@pytest.mark.parametrize("spoilt", ["start", "scales", "numbers"])
 @pytest.mark.parametrize("target", ["half-space", "plate", "body"])
-def test_rows_that_arrays_get_wrong_are_made_one_by_one(target, monkeypatch):
+def test_rows_that_arrays_get_wrong_are_made_one_by_one(target, spoilt, monkeypatch):
     base = scene("big-alabo", target).replace({"contact.law": "auto"})
     columns = {"impactor.velocity": np.geomspace(0.12, 2, 9), "impactor.mass": np.linspace(0.03, 0.09, 9)}
     right = simulate_rows(base, columns)
@@ -207,8 +240,12 @@ def test_rows_that_arrays_get_wrong_are_made_one_by_one(target, monkeypatch):
 
     def wrong(*arguments):
         rows = made(*arguments)
-        rows.start["gamma"] += 0.1
-        return rows
+        if spoilt == "start":
+            rows.start["gamma"] += 0.1
+            return rows
+        if spoilt == "numbers":
+            return dataclasses.replace(rows, mass=1.01 * rows.mass)
+        return dataclasses.replace(rows, scales=dataclasses.replace(rows.scales, force=1.01 * rows.scales.force))
 
     monkeypatch.setattr(Group, "assemble", wrong)
     again = simulate_rows(base, columns)
@@ -223,7 +260,7 @@ def test_rows_that_arrays_get_wrong_are_made_one_by_one(target, monkeypatch):
 
 
 def test_the_error_of_every_row_is_the_error_of_all():
-    base = fm.Scene(fm.Sphere(**BALL), fm.HalfSpace("alumina"), effects=fm.Effects(plasticity=False))
-    object.__setattr__(base, "effects", fm.Effects(plasticity=True))
-    with pytest.raises(fm.SimulationError, match="neither material has a yield_strength"):
+    beam = fm.Beam("mild steel", length="200 mm", width="10 mm", thickness="5 mm")
+    base = fm.Scene(fm.Sphere(**BALL), beam, fm.Contact("tsuji", restitution=0.7))
+    with pytest.raises(fm.SimulationError, match="a damped law cannot be simulated on a beam with edges"):
         simulate_rows(base, {"impactor.velocity": np.array([1.0, 2.0])})

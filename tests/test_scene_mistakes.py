@@ -13,6 +13,7 @@ import scene_fuzz
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+import film_model as fm
 from film_model.errors import SceneError
 from film_model.scene import HalfSpace, Scene, Sphere
 
@@ -321,3 +322,37 @@ def test_whatever_the_file_the_answer_is_a_scene_or_its_mistakes() -> None:
     assert sum(scene_fuzz.read(text) for text in known) == len(known)
     read = [scene_fuzz.read(scene_fuzz.mutated(chance, known)) for _ in range(400)]
     assert 0 < sum(read) < len(read)
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (
+            lambda: Scene(
+                Sphere("1 mm", "1 m/s", material="mild steel"),
+                fm.Body(radius="2 mm"),
+                fm.Contact("meyer", stiffness="1 N/m", exponent=1),
+            ),
+            "Scene.target.mass: missing: give mass, or a material (the mass is then density × sphere volume)",
+        ),
+        (
+            lambda: fm.Plate("mild steel", thickness="1 mm", size="150 mm"),
+            'Plate.size: "150 mm" is not a list: a list of 2 values is needed',
+        ),
+        (
+            lambda: fm.Contact("tabulated", indentation="5 um", force=["0 N", "1 N"]),
+            'Contact.indentation: "5 um" is not a list, a length is needed (e.g. "10 mm") in each place',
+        ),
+    ],
+)
+def test_parts_that_lack_something_or_are_no_list(make: Callable[[], object], says: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        make()
+    assert str(caught.value) == says
+
+
+def test_a_cell_that_no_table_has_is_one_message(tmp_path: Path) -> None:
+    path = tmp_path / "curve.csv"
+    path.write_text("indentation (um), force (N)\n0,0\n1," + "9" * 200_000 + "\n", encoding="utf-8")
+    with pytest.raises(SceneError, match=r"Contact\.file: .*curve\.csv.*, line 3: field larger than field limit"):
+        fm.Contact("tabulated", file=str(path))

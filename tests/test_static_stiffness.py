@@ -46,7 +46,7 @@ def test_simply_supported_plate_against_the_double_series(stiffness, place):
 
     series = navier(1600) + (navier(1600) - navier(800)) / 3  # what is left out falls with the square
     got = targets.plate_compliance(stiffness, (a, b), (place[0] * a, place[1] * b))
-    assert got == pytest.approx(series, rel=1e-8)
+    assert got == pytest.approx(series, rel=1e-9)
     turned = targets.plate_compliance((d22, d12, d11, d66), (b, a), (place[1] * b, place[0] * a))
     assert turned == pytest.approx(got, rel=1e-10)
 
@@ -157,7 +157,7 @@ def test_balance_of_energy(law, stiffness):
     history = fm.simulate(_on(stiffness, law))
     assert history.summary["maximum_indentation"] == pytest.approx(depth, rel=1e-12)
     assert history.summary["maximum_force"] == pytest.approx(force, rel=1e-12)
-    assert history.summary["permanent_indentation"] == pytest.approx(dent, rel=1e-9, abs=1e-12 * depth)
+    assert history.summary["permanent_indentation"] == pytest.approx(dent, rel=1e-11, abs=1e-12 * depth)
     assert history.summary["coefficient_of_restitution"] == pytest.approx(speed, rel=1e-12)
     assert history.summary["energy_radiated"] == 0.0
     many = fm.simulate_batch(_on(stiffness, law), velocity=[f"{VELOCITY} m/s"] * 9, segments=24)
@@ -226,7 +226,7 @@ def test_duration_against_integration_and_order(law):
             rates = lambda _, y, f=f, slope=slope: (y[1] / (1 + softness * slope(y[0])), -f(y[0]))  # noqa: E731
             run = solve_ivp(rates, (0.0, 1e4), (xi, speed), "DOP853", events=crossing, rtol=1e-12, atol=1e-14)
         time, xi, speed = time + run.t[-1], run.y[0, -1], run.y[1, -1]
-    assert xi == pytest.approx(depth, rel=1e-6)
+    assert xi == pytest.approx(depth, rel=1e-9)
     back = None if last.unloading is None else reference.unloaded(last.unloading, last, depth, top)
 
     def branch(x):
@@ -266,7 +266,7 @@ def test_samples_and_events_hang_together(law):
     for event in history.events:
         at = history.sample_si(event.time)
         for name in ("indentation", "contact_force", "target_displacement", "impactor_displacement"):
-            assert getattr(at, name) == pytest.approx(getattr(event, name), rel=1e-9, abs=1e-14), (event.name, name)
+            assert getattr(at, name) == pytest.approx(getattr(event, name), rel=1e-12, abs=1e-14), (event.name, name)
     assert fm.simulate(_on(1e15, law), accuracy=1e-8).summary["contact_duration"] == pytest.approx(
         fm.simulate(fm.Scene(_on(1.0).impactor, fm.HalfSpace(STEEL), _on(1.0, law).contact), accuracy=1e-8).summary[
             "contact_duration"
@@ -285,12 +285,12 @@ def test_component_follows_the_simulation_and_bounces_on_the_dent():
         events += result.events
         at = history.sample_si(result.time)
         for name in ("indentation", "target_displacement", "impactor_displacement", "contact_force"):
-            assert getattr(result.outputs, name) == pytest.approx(getattr(at, name), rel=1e-9, abs=1e-13), name
-        assert result.outputs.target_velocity == pytest.approx(at.target_velocity, rel=1e-9, abs=1e-12)
+            assert getattr(result.outputs, name) == pytest.approx(getattr(at, name), rel=1e-12, abs=1e-13), name
+        assert result.outputs.target_velocity == pytest.approx(at.target_velocity, rel=1e-12, abs=1e-12)
     assert [event.name for event in events] == [event.name for event in history.events]
     back = component.step("1 s", external_force="5 N", stop_at_events=True).events[0]
     assert (back.name, back.stage) == ("contact_begins", "unloading")
-    assert back.indentation == pytest.approx(history.summary["permanent_indentation"], rel=1e-9)
+    assert back.indentation == pytest.approx(history.summary["permanent_indentation"], rel=1e-12)
 
 
 def test_rests_where_both_carry_the_weight():

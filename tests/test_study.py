@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from cases import LAWS, scene
 
+import film_datasets as fd
 import film_model as fm
 from film_model import conventional, extended, reference, study
 from film_model.cli import main
@@ -215,7 +216,7 @@ def test_a_scene_without_reference():
     ball = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
     with pytest.raises(fm.SimulationError, match="velocity is 0"):
         study.study(ball.replace({"impactor.velocity": "0 m/s", "effects.gravity": False}))
-    held = ball.replace({"contact.law": "hertz", "impactor.velocity": "1 um/s", "effects.gravity": True})
+    held = scene("hertz", "plate").replace({"impactor.velocity": "1 um/s", "effects.gravity": True})
     with pytest.raises(fm.SimulationError, match="a study needs a reference, and there is none"):
         study.study(held)
     thin = fm.Scene(ball.impactor, fm.Plate("mild steel", "0.2 mm"), fm.Contact("hertz"), fm.Effects(gravity=False))
@@ -237,6 +238,9 @@ def test_command_line(capsys, tmp_path):
     assert "costs" in capsys.readouterr().out
     assert main([*arguments[:2], "--method", "magic"]) == 3
     assert "no method begins with magic" in capsys.readouterr().err
+    data = tmp_path / "cost.nc"
+    assert main([*arguments[:2], "--method", "quadrature", "--output", str(data)]) == 0
+    assert fd.open(data).film.kind == "impact_cost_study" and "law big-alabo" in capsys.readouterr().out
     assert main([*arguments, "--plot", str(tmp_path / "cost.gif")]) == 3
     said = capsys.readouterr().err
     assert "must end in .png" in said and "timing" not in said

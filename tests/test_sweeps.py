@@ -21,7 +21,9 @@ import xarray as xr
 
 import film_datasets as fd
 import film_model as fm
-from film_datasets.run import Bar, Interrupted, run
+from film_datasets.progress import Bar
+from film_datasets.run import Interrupted, run
+from film_datasets.schema import REFUSED, pieces
 from film_datasets.sweeps import Sweep
 from film_model.cli import main
 from film_model.history import MOTION, SUMMARY
@@ -31,6 +33,8 @@ BALL = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
 PLATE = fm.Scene.from_toml(SCENES / "olsson_plate.toml").replace({"effects.boundary_reflections": False})
 SPEEDS = {"impactor.velocity": {"from": "0.1 m/s", "to": "5 m/s", "count": 40, "spacing": "log"}}
 STRENGTHS = {"target.material.yield_strength": {"normal": ["1 GPa", "0.15 GPa"]}}
+
+RANGE = {"from": "1 m/s", "to": "2 m/s", "count": 3}
 
 FILE = f"""scene = "{SCENES.as_posix()}/tungsten_carbide_on_steel.toml"
 design = "grid"                     # random/sobol/latin-hypercube take samples = 1000000 and seed = 1
@@ -60,6 +64,66 @@ def cli(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, st
 
 
 # ------------------------------------------------------------------------------------------------ content
+
+
+def test_words_of_every_kind_are_swept() -> None:
+    """Choices of a law, switches, and numbers that may not reach the ends of their range."""
+    scene = BALL.replace({"contact.law": "big-alabo", "effects.gravity": False})
+    ds = fd.sweep(scene, {"contact.constants": ["continuous", "printed"], "effects.gravity": [True, False]})
+    for constants in ("continuous", "printed"):
+        for gravity in (True, False):
+            row = ds.film.summary(contact_constants=constants, effects_gravity=str(gravity).lower())
+            one = fm.simulate(scene.replace({"contact.constants": constants, "effects.gravity": gravity})).summary
+            assert row["permanent_indentation"] == pytest.approx(one["permanent_indentation"], rel=2e-4)
+            assert row["maximum_force"] == pytest.approx(one["maximum_force"], rel=2e-4)
+    assert '"effects.gravity" = [true, false]' in ds.attrs["sweep_toml"]
+    ratios = {"target.material.poissons_ratio": {"normal": [0.45, 0.1]}}
+    drawn = fd.sweep(BALL, ratios, "random", samples=200)
+    bad = drawn["target_material_poissons_ratio"] >= 0.5
+    refused = (drawn["status"] >= REFUSED).values
+    assert 20 < int(bad.sum()) < 120 and np.array_equal(refused, bad.values)
+
+
+def test_pieces_of_an_array_are_the_array(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Hash, statistics and check of a dataset that is read in pieces are those of the whole."""
+    scene = BALL.replace({"effects.gravity": False})
+    over = {
+        "impactor.mass": ["50 g", "60 g", "70 g"],
+        "impactor.velocity": {"from": "0.1 m/s", "to": "2 m/s", "count": 11},
+    }
+    ds = fd.sweep(scene, over, keep="samples=5")
+    whole = ds.film.summary()
+    for piece in (4, 7, 12, 30):
+        monkeypatch.setattr("film_datasets.schema.PIECE", piece)
+        for name in ("maximum_force", "sampled_indentation"):
+            parts = list(pieces(ds[name]))
+            assert len(parts) > 1 and max(np.size(part) for part in parts) <= max(piece, 5)
+            assert np.array_equal(np.concatenate([np.ravel(part) for part in parts]), ds[name].values.ravel())
+        assert fd.content_sha256(ds) == ds.attrs["content_sha256"] and fd.validate(ds) == []
+        for name, row in ds.film.summary().items():
+            assert row == pytest.approx(whole[name], rel=1e-13)
+
+
+def test_a_sweep_of_which_nothing_happens_has_no_statistics() -> None:
+    short = {"law": "tabulated", "indentation": ["0 um", "1 um"], "force": ["0 N", "1 N"]}
+    ds = fd.sweep(BALL.replace({"contact": short}), {"impactor.velocity": ["1 m/s", "2 m/s"]})
+    assert (ds["status"] < 0).all()
+    empty = {"count": 0, "least": None, "mean": None, "standard_deviation": None, "greatest": None}
+    assert ds.film.summary()["maximum_force"] == empty
+
+
+@pytest.mark.parametrize("exponent", [{}, {"exponent": 1.4}])
+def test_a_stiffness_is_swept_in_the_unit_of_the_laws_exponent(exponent: dict[str, float]) -> None:
+    """The law's own exponent where the scene gives none."""
+    unit = f"N/m^{exponent.get('exponent', 1.5)}"
+    given = {"law": "tan-sun", "stiffness": f"1e10 {unit}", "critical_indentation": "5 um", **exponent}
+    scene = BALL.replace({"contact": given})
+    ds = fd.sweep(scene, {"contact.stiffness": [f"1e9 {unit}", f"2e9 {unit}"]})
+    forces = [
+        fm.simulate(scene.replace({"contact.stiffness": f"{k} {unit}"})).summary["maximum_force"] for k in (1e9, 2e9)
+    ]
+    assert ds["maximum_force"].values == pytest.approx(forces, rel=2e-4)
+    assert f"1000000000.0 {unit}" in ds.attrs["sweep_toml"]
 
 
 def test_a_grid_has_the_impact_of_each_scene() -> None:
@@ -388,6 +452,18 @@ def test_mistakes_of_the_file_hide_none_of_the_sweep(
         ({"impactor.velocity": ["1 m/s"]}, {"design": "random", "samples": 3, "seed": -1}, "seed"),
         ({"impactor.velocity": ["1 m/s", "2 m/s"], "impactor.mass": ["1 g"]}, {"design": "zip"}, "of one length"),
         ({"solver": [{"segments": k} for k in range(1, 10_102)]}, {}, "at most 10000"),
+        ({"impactor.velocity": {**RANGE, "to": "1 m/s"}}, {}, "from and to are the same"),
+        ({"impactor.velocity": {**RANGE, "from": "0 m/s", "spacing": "log"}}, {}, "spacing log needs from and to > 0"),
+        ({"impactor.velocity": {**RANGE, "normal": ["1 m/s", "0.1 m/s"]}}, {}, "give normal alone"),
+        (
+            {"target.material.poissons_ratio": {"lognormal": [-0.1, 0.1]}},
+            {"design": "random", "samples": 3},
+            "the mean -0.1 of a lognormal distribution must be > 0",
+        ),
+        ({"contact.law": []}, {}, "an empty list"),
+        ({"impactor.velocity": []}, {}, "an empty list"),
+        ({"target.bending_stiffness.D11": ["1 N*m"]}, {}, "bending_stiffness is not in the scene: give it there first"),
+        ({"impactor.velocity.x": ["1 m"]}, {}, "velocity has no entries of its own"),
     ],
 )
 def test_wrong_sweeps_are_refused(over: dict, options: dict, says: str) -> None:

@@ -159,6 +159,13 @@ def test_power_stiffness_in_millimetres() -> None:
     assert units.power_stiffness_to_si(f"2.0 N/m^{third!r}", third) == 2.0
 
 
+@pytest.mark.parametrize("exponent", [0.5, 1.0, 1.5, 4 / 3, 10.0, 20.0])
+def test_the_unit_of_a_power_stiffness_is_read_again(exponent: float) -> None:
+    unit = units.power_stiffness_unit(exponent)
+    assert units.power_stiffness_to_si(f"3 {unit}", exponent) == 3.0
+    assert units.power_stiffness_unit(1.5) == "N/m^1.5" and units.power_stiffness_unit(20.0) == "N/m^20"
+
+
 @pytest.mark.parametrize(
     ("value", "dimension", "text"),
     [

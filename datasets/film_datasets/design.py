@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.schema import Variable, swept_name, swept_variable
-from film_model.contact import Contact, contact_table, parameter_fields
+from film_model.contact import Contact, contact_table, parameter_fields, stiffness_unit
 from film_model.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.fields import Field, written
 from film_model.scene import Scene
@@ -349,8 +349,7 @@ def _distribution(path: str, field: Field, kind: str, given: Any, unit: str) -> 
 def unit_of(scene: Scene, field: Field) -> str:
     """The SI unit as scene files write it."""
     if field.dimension == "meyer_stiffness":
-        exponent = f"{scene.contact.parameters['exponent']:.9f}".rstrip("0").rstrip(".")
-        return f"N/m^{exponent}"
+        return stiffness_unit(scene.contact)
     return scene_unit(field.dimension)
 
 

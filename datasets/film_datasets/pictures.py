@@ -12,7 +12,7 @@ import xarray as xr
 
 from film_datasets.cost import study_of
 from film_datasets.history import trace_of
-from film_datasets.schema import COST, HISTORY, MEASUREMENT, REFUSED, SWEEP, dimension_of, kind_of, pieces
+from film_datasets.schema import COST, HISTORY, MEASUREMENT, REFUSED, SWEEP, dimension_of, kind_of, pieces, swept_name
 from film_model.errors import did_you_mean, shown
 from film_model.history import SUMMARY
 from film_model.plot import COLOURS, picture, plot_history, prefixed_unit
@@ -90,7 +90,7 @@ def plot(
     if quantity not in known:
         hint = did_you_mean(quantity, known) or f"; there are {', '.join(known)}"
         raise ValueError(f"quantity: {shown(quantity)} is not a summary quantity of this dataset{hint}")
-    swept = [str(name).replace(".", "_").replace("-", "_") for name in str(ds.attrs["swept"]).split()]
+    swept = [swept_name(path) for path in str(ds.attrs["swept"]).split()]
     alone = [name for name in swept if ds[name].ndim == 0]  # in a selection
     if alone:
         ds = ds[[quantity, "status", *swept]].expand_dims(alone)

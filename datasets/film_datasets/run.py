@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import hashlib
-import json
 import os
 import shutil
-import sys
-import time
-import zipfile
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -21,9 +16,11 @@ from numpy.typing import NDArray
 
 from film_datasets.design import SAMPLED
 from film_datasets.files import SUFFIX, ZARR, check_place, open_dataset
+from film_datasets.parts import Parts
+from film_datasets.progress import Progress
 from film_datasets.provenance import PROGRAM, provenance, scene_text, text_and_hash
 from film_datasets.schema import REFUSED, SWEEP, ContentHash, flag_words
-from film_datasets.stores import GROWING, Memory, Store, beside, put_in_place, store_for
+from film_datasets.stores import GROWING, Memory, Store, put_in_place, store_for
 from film_datasets.sweeps import Sweep
 from film_datasets.unmodelled import unmodelled
 from film_model.batch import STATUSES
@@ -45,8 +42,6 @@ COMMENT = (
 )
 
 NEEDS_DASK = 'a scheduler needs Dask: install film-model[dask] (pip install "film-model[dask]")'
-
-Progress = Callable[[int, int], None]
 
 
 class Interrupted(KeyboardInterrupt):
@@ -125,13 +120,13 @@ def run(
             raise FileExistsError(
                 f"{target}: is not the finished output of this sweep and scene; say overwrite=True to replace it"
             )
-        _Parts(target, made).remove()
+        Parts(target, made).remove()
         return open_dataset(target)
     if target.suffix not in (SUFFIX, ZARR):
         raise ValueError(f'{target}: the name of a sweep\'s output must end in "{SUFFIX}" or "{ZARR}"')
     check_place(target, overwrite)
     _check_room(target, made)
-    parts = _Parts(target, made)
+    parts = Parts(target, made)
     with parts.locked(resume, overwrite):
         try:
             store = store_for(target)
@@ -190,7 +185,7 @@ def _fill(
     store: Store,
     pool: Executor,
     ahead: int,
-    parts: _Parts | None,
+    parts: Parts | None,
     command: str,
     progress: Progress | None,
 ) -> None:
@@ -214,7 +209,7 @@ def _fill(
     estimated, gained = np.zeros(len(made.accuracies)), np.zeros(len(made.laws), np.int64)
     failed, segments = 0, 0
     for number, columns in _blocks(made, pool, ahead, parts):
-        _, region, first, count = made.block(number)
+        region, first, count = made.block(number)
         if "segment_count" in columns:
             ends = segments + np.cumsum(columns["segment_count"], dtype=np.int64)
             columns["segment_begin"], segments = ends - columns["segment_count"], int(ends[-1])
@@ -257,7 +252,7 @@ def _coordinates(made: Sweep, store: Store, content: ContentHash) -> None:
 
 
 def _blocks(
-    made: Sweep, pool: Executor, ahead: int, parts: _Parts | None
+    made: Sweep, pool: Executor, ahead: int, parts: Parts | None
 ) -> Iterator[tuple[int, dict[str, NDArray[Any]]]]:
     """The columns of every block in order; `ahead` blocks at most are under way."""
     here = isinstance(pool, ThreadPoolExecutor)
@@ -335,12 +330,6 @@ def _attributes(
     }
 
 
-def _fingerprint(made: Sweep) -> str:
-    """What a sweep is, in one word: runs with the same one make the same data."""
-    texts = (PROGRAM, scene_text(made.scene), str(made.scene.contact.law), made.text())
-    return hashlib.sha256("\0".join((*texts, made.keep, str(made.dense), str(made.chunks))).encode()).hexdigest()
-
-
 def _is_of(target: Path, made: Sweep) -> bool:
     """Whether a finished output is of this very sweep."""
     try:
@@ -367,127 +356,3 @@ def _check_room(target: Path, made: Sweep) -> None:
 
 def _bytes(count: int) -> str:
     return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{max(count / 1e6, 0.1):.3g} MB"
-
-
-class _Parts:
-    """The finished blocks of a sweep, a file each, in a folder beside the output, until it is there as a whole."""
-
-    def __init__(self, target: Path, made: Sweep) -> None:
-        self._target, self._blocks = target, made.blocks
-        self._fingerprint = _fingerprint(made)
-        self.folder = target.absolute().with_name(f".{target.name}.blocks")
-
-    @contextlib.contextmanager
-    def locked(self, resume: bool, overwrite: bool) -> Iterator[None]:
-        """The folder, made or found, for this process alone."""
-        manifest = self.folder / "sweep.json"
-        if self.folder.exists() and not resume and not overwrite:
-            raise FileExistsError(
-                f"{self._target}: an interrupted run left {self.said()}; or say overwrite=True to begin anew"
-            )
-        try:
-            self.folder.mkdir(exist_ok=True)
-            lock = open(self.folder / "lock", "w")  # noqa: SIM115  # held until the end
-        except OSError as error:
-            raise type(error)(f"{self._target}: cannot be written: {error.strerror or error}") from error
-        with lock:
-            _lock(lock, self._target)
-            known = {"fingerprint": self._fingerprint, "blocks": self._blocks}
-            if manifest.exists() and resume and not overwrite:
-                try:
-                    found = json.loads(manifest.read_text(encoding="utf-8"))
-                except ValueError:
-                    found = None
-                if found != known:
-                    raise FileExistsError(
-                        f"{self._target}: what an interrupted run left in {self.folder} is of another sweep, scene or "
-                        "version; say overwrite=True to begin anew"
-                    )
-            else:
-                for path in self.folder.iterdir():
-                    if path.name != "lock":
-                        path.unlink()
-                self._replace(manifest, json.dumps(known).encode())
-            yield
-
-    def said(self) -> str:
-        """How much there is, and what to do with it."""
-        count = len(self.done())
-        if not count:
-            return "no blocks"
-        kept = f"{count} of {self._blocks} blocks in {self.folder}"
-        return f"{kept}: say resume=True to go on"
-
-    def done(self) -> set[int]:
-        """Numbers of the blocks that are there."""
-        with contextlib.suppress(OSError):
-            return {int(path.stem) for path in self.folder.glob("*.npz") if path.stem.isdigit()}
-        return set()
-
-    def save(self, number: int, columns: Mapping[str, NDArray[Any]]) -> None:
-        """Keep a block: written beside and renamed; its file has check sums, so half a file is never taken for one."""
-        path = self.folder / f"{number}.npz"
-        with open(path.with_suffix(".part"), "wb") as file:
-            np.savez(file, allow_pickle=False, **columns)
-        os.replace(path.with_suffix(".part"), path)
-
-    def load(self, number: int) -> dict[str, NDArray[Any]] | None:
-        """A block that was kept, or None if its file is damaged."""
-        try:
-            with open(self.folder / f"{number}.npz", "rb") as opened, np.load(opened, allow_pickle=False) as file:
-                return {name: file[name] for name in file.files}
-        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-            return None
-
-    def remove(self) -> None:
-        """Leave nothing behind."""
-        shutil.rmtree(self.folder, ignore_errors=True)
-        made = beside(self._target)
-        if made.is_dir():
-            shutil.rmtree(made, ignore_errors=True)
-        else:
-            made.unlink(missing_ok=True)
-
-    @staticmethod
-    def _replace(path: Path, data: bytes) -> None:
-        path.with_suffix(".part").write_bytes(data)
-        os.replace(path.with_suffix(".part"), path)
-
-
-def _lock(file: Any, target: Path) -> None:
-    """Refuse a second process on the same output; the lock ends with the process."""
-    try:
-        import fcntl
-    except ImportError:  # Windows: an open file cannot be removed there
-        return
-    try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        raise FileExistsError(f"{target}: another process is computing it") from None
-
-
-class Bar:
-    """Progress on standard error: a bar on a terminal, else a line every ten seconds."""
-
-    def __init__(self, stream: Any = None) -> None:
-        self._stream = stream or sys.stderr
-        self._bar = self._stream.isatty()
-        self._begin, self._said, self._first = time.monotonic(), -1.0, -1
-
-    def __call__(self, done: int, size: int) -> None:
-        now = time.monotonic() - self._begin
-        self._first = done if self._first < 0 else self._first
-        if done < size and now - self._said < (0.2 if self._bar else 10.0):
-            return
-        if not self._bar and self._said < 0.0 and done < size and now < 10.0:
-            return
-        self._said = now
-        rate = done / max(now, 1e-9)
-        rest = f"{(size - done) / rate:.0f} s left" if done < size else f"{now:.1f} s"
-        text = f"{done} of {size} impacts, {100 * done / size:.0f} %, {rate:.3g} a second, {rest}"
-        if self._bar:
-            filled = 20 * done // size
-            end = "\n" if done == size else ""
-            print(f"\r[{'#' * filled}{'.' * (20 - filled)}] {text}\x1b[K", end=end, file=self._stream, flush=True)
-        else:
-            print(text, file=self._stream, flush=True)

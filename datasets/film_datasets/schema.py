@@ -16,7 +16,7 @@ import xarray as xr
 from film_model.batch import STATUSES
 from film_model.core.native import EVENTS, LINE_DTYPE, PHASES
 from film_model.history import MOTION, SUMMARY
-from film_model.problem import Scales
+from film_model.scales import Scales
 from film_model.study import COMPARED
 from film_model.units import DIMENSIONS, si_unit
 

@@ -14,6 +14,7 @@ import xarray as xr
 
 from film_datasets.files import NEEDS_ZARR, ZARR
 from film_datasets.schema import Variable
+from film_model.files import flush
 
 Region = tuple[slice, ...]
 
@@ -40,9 +41,6 @@ class Store(Protocol):
     def close(self, attributes: Mapping[str, Any]) -> None:
         """Write the global attributes and end."""
 
-    def abandon(self) -> None:
-        """Leave nothing behind."""
-
 
 def store_for(target: Path) -> NetCDF | Zarr:
     """The store for a file name. Raises ImportError where zarr is missing."""
@@ -55,13 +53,9 @@ def beside(target: Path) -> Path:
 
 
 def put_in_place(made: Path, target: Path) -> None:
-    """Flush a finished file or folder to the disk and rename it to `target`, in the place of an older one."""
+    """Rename a finished file, flushed to the disk, or a finished folder to `target`, in the place of an older one."""
     if not made.is_dir():
-        descriptor = os.open(made, os.O_RDWR)
-        try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
+        flush(made, os.O_RDWR)
         os.replace(made, target)
         return
     old = target.absolute().with_name(f".{target.name}.old")
@@ -108,9 +102,6 @@ class Memory:
             attrs.pop("coordinates", None)
             data[name in named][name] = xr.Variable(variable.dims, arrays[name], attrs)
         self.dataset = xr.Dataset(data[False], data[True], dict(attributes))
-
-    def abandon(self) -> None:
-        self._arrays.clear()
 
 
 class NetCDF:
@@ -163,6 +154,7 @@ class NetCDF:
         self._file.close()
 
     def abandon(self) -> None:
+        """Leave nothing behind."""
         try:
             if self._file.isopen():
                 self._file.close()
@@ -215,6 +207,7 @@ class Zarr:
             zarr.consolidate_metadata(self.path)
 
     def abandon(self) -> None:
+        """Leave nothing behind."""
         shutil.rmtree(self.path, ignore_errors=True)
 
 

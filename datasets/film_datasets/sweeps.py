@@ -58,13 +58,10 @@ LINES_GUESSED = 32
 
 KEYS = ("scene", "design", "samples", "seed", "over")
 
-KEPT = ("summary", "segments", "samples")
-
 
 class Block(NamedTuple):
     """A part of a sweep: its place in the arrays, and the impacts in C order that it has."""
 
-    number: int
     region: tuple[slice, ...]
     first: int
     count: int
@@ -262,7 +259,7 @@ class Sweep:
         begin, end = part * along, min((part + 1) * along, self.shape[cut])
         inner = math.prod(self.shape[cut + 1 :])
         region = (*(slice(int(k), int(k) + 1) for k in lead), slice(begin, end), *map(slice, self.shape[cut + 1 :]))
-        return Block(number, region, (outer * self.shape[cut] + begin) * inner, (end - begin) * inner)
+        return Block(region, (outer * self.shape[cut] + begin) * inner, (end - begin) * inner)
 
     def values(self, first: int, count: int) -> list[NDArray[Any]]:
         """What each axis has for impacts first … first + count − 1, in C order: SI, or numbers of words."""
@@ -345,7 +342,7 @@ class Sweep:
         `estimated`: the largest for each of `accuracies`. `gained`: impacts of each law that return more energy than
         their loading stored.
         """
-        _, _, first, count = self.block(number)
+        _, first, count = self.block(number)
         values = self.values(first, count)
         columns = self._empty(count)
         if self.design != GRID:

@@ -84,7 +84,7 @@ class Unloading:
 class Stage:
     """One loading stage, begin ≤ ξ ≤ end, of a law.
 
-    force: f(ξ). work: ∫f dξ from `begin`, if it is known in closed form (else it is integrated from the fit).
+    force: f(ξ). work: ∫f dξ from `begin`, if it is known in closed form: a check, since what is used is integrated.
     unloading: the branch of a contact that turns in this stage; None: it goes back along the loading curve.
     root: the force is smooth in √(ξ − begin) rather than in ξ (only asked of functions that are fitted). knots: where,
     inside the stage, the force is less smooth than elsewhere; a fitted function is fitted piece by piece between them.
@@ -100,6 +100,11 @@ class Stage:
     root: bool = False
     knots: tuple[float, ...] = ()
     damping: Function | None = None
+
+
+def origin_of(power: Power, stage: Stage) -> float:
+    """ξ from which a power of a stage is counted: its own origin, or where the stage begins."""
+    return stage.begin if power.origin is None else power.origin
 
 
 @dataclass(frozen=True)

@@ -83,17 +83,18 @@ def curve_of(law: AbstractLaw, compliance: float = 0.0) -> Curve:
     """
     try:
         stages = tuple(law.stages())
-        for stage in stages:
-            if stage.damping is not None and not law.damped:
-                raise ValueError(
-                    f"{_name(law)}: stage {stage.name!r} has damping, so the law must say damped = True and give its "
-                    "damping_factor"
-                )
-        return _build(_name(law), stages, compliance)
+        curve = _build(_name(law), stages, compliance)
     except TypeError as error:
         if "unhashable" not in str(error):
             raise
         raise ValueError(f"{_name(law)}: a law must be a frozen dataclass with hashable fields ({error})") from None
+    for stage in stages:
+        if stage.damping is not None and not law.damped:
+            raise ValueError(
+                f"{_name(law)}: stage {stage.name!r} has damping, so the law must say damped = True and give its "
+                "damping_factor"
+            )
+    return curve
 
 
 @lru_cache(maxsize=256)

@@ -35,6 +35,7 @@ static char where[300];
 static long runs, calls, events_seen, lines_seen, refused[16];
 
 static film_curve curve;
+static double none; /* what rounding makes of a force of 0 */
 
 static void tell(const char *name, const film_function *g) {
     fprintf(stderr, "      %s: form %d, origin %.17g, %.17g + %.17g x + %.17g x^%.17g", name, (int)g->form, g->origin, g->constant, g->slope,
@@ -262,6 +263,8 @@ static void any_curve(void) {
  * bytes may be none of that. */
 static int usable(void) {
     if (film_check_curve(&curve) != FILM_OK) return 0;
+    none = 0.0;
+    for (int32_t p = 0; p < curve.pieces; p++) none = fmax(none, 4e-16 * fabs(curve.piece[p].force.constant));
     for (int32_t k = 0; k < curve.stages; k++) {
         const film_stage *stage = &curve.stage[k];
         double begin = stage->begin, least = 0.0, before = NAN, deepest = fabs(curve.piece[stage->first].work_at_begin), work = 0.0, last = begin;
@@ -304,7 +307,7 @@ static void documented(int status) {
 static void sane(const film_state *s, int status) {
     if (status < 0) return; /* a failure leaves the state where it was met */
     HOLD(isfinite(s->time) && isfinite(s->xi) && isfinite(s->nu) && isfinite(s->shift) && isfinite(s->force) && isfinite(s->spent));
-    HOLD(s->force >= 0.0 && s->force_peak >= 0.0 && isfinite(s->force_peak));
+    HOLD(s->force >= -none && s->force_peak >= 0.0 && isfinite(s->force_peak));
     HOLD(s->phase >= FILM_APPROACHING && s->phase <= FILM_SEPARATED);
     HOLD(s->branch >= FILM_FREE && s->branch < curve.stages);
     HOLD(s->gamma > 0.0 || s->shift == 0.0);

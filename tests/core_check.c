@@ -1180,6 +1180,25 @@ static void check_beyond(const film_mesh *mesh) {
     HOLD(film_step(&curves[LAMINATE], mesh, &s, 1e-6) >= FILM_OK && isfinite(s.spent) && isfinite(s.nu) && s.loop != 0);
 }
 
+/* Creeping out to where two stages meet in forces of rounding, one above the other: out, and not in and out without end. */
+static void check_meeting(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    add_stage(&curve, 25.0, power(0.0, 0.0, 1e-17, 0.0, 1.0));
+    add_stage(&curve, INFINITY, power(0.0, -2.5 + 4.44e-16, 0.1, 0.0, 1.0));
+    snprintf(where, sizeof where, "out over stages that meet in rounding");
+    for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {
+        owned_mesh own = make_mesh(linearisation, 8, 2);
+        for (int i = 0; i < 40; i++) {
+            film_summary summary;
+            film_start start = {over_decades(1e-4, 1.0), over_decades(10.0, 30.0), 0.0, 0.0, INFINITY, 0.0};
+            int status = film_impact(&curve, &own.mesh, &start, &summary);
+            HOLD((status == FILM_EVENT || status == FILM_ENDLESS) && summary.lines <= FOUND_LINES);
+        }
+        free(own.memory);
+    }
+}
+
 /* A coefficient as large as numbers are, of a power that is as small. */
 static void check_huge(void) {
     film_curve curve;
@@ -1218,6 +1237,7 @@ int main(void) {
     check_crept();
     check_huge();
     check_softened();
+    check_meeting();
     check_motions();
     for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {
         owned_mesh few = make_mesh(linearisation, 3, 5), fine = make_mesh(linearisation, 40, 80);

@@ -28,6 +28,7 @@ static const double NEWTON_SETTLED = 1e-9;       /* relative; the next step's er
 static const double SHORT_WAY = 2e-4;            /* of the distance to the law's singular point; see mean_force */
 static const double WITHIN = 1e-9;               /* of the depth: where to ask whether a contact still holds */
 static const double SHALLOWEST = 1e-12;          /* of the scale: where to ask for f/c of a contact that has no depth */
+static const double SAME_FORCE = 1e-12;          /* of the largest: what rounding makes of one force where two stages meet */
 static const double TINY = 1e-100;               /* of a load, a velocity, a gap: their squares and powers underflow */
 static const double CREPT = 1e-30;               /* of the depth, or of one over the time: a contact that creeps as far never ends */
 static const double PEAK_TOLERANCE = 1e-8;       /* of the way: F differs by its square */
@@ -1090,7 +1091,7 @@ static int finish(const film_curve *curve, const film_mesh *mesh, film_state *s)
         s->force = s->elastic = s->work = 0.0;
     } else if (ends == ENDS_EDGE) {
         s->event = FILM_STAGE_CHANGES;
-        if (pushed_out && mesh != NULL) s->nu = fmin(s->nu, s->gamma * s->elastic); /* the last line's force was another */
+        double before = s->elastic;
         if (s->direction < 0) s->branch--;
         else if (s->branch != FILM_BRANCH) s->branch++;
         else s->branch = s->xi >= curve->stage[s->stage_max].end ? s->stage_max + 1 : s->stage_max;
@@ -1099,6 +1100,13 @@ static int finish(const film_curve *curve, const film_mesh *mesh, film_state *s)
         open_run(curve, s);
         law_at(curve, &s->line, s->xi, &s->elastic, &s->work);
         s->force = s->elastic; /* a damped law has one stage */
+        /* the last line's force was another; and what rounding makes of the two stages' would send it in again */
+        if (pushed_out && mesh != NULL && s->branch >= 0) {
+            const film_function *g = &curve->piece[curve->stage[s->branch + 1].first].force;
+            double scale = fmax(s->force_peak, fmax(fabs(g->constant), fabs(g->series[0])));
+            if (before - s->elastic <= SAME_FORCE * scale) before = s->elastic;
+        }
+        if (pushed_out && mesh != NULL) s->nu = fmin(s->nu, s->gamma * before);
     }
     if (status < 0) return status;
     return s->event == FILM_NO_EVENT ? FILM_OK : FILM_EVENT;

@@ -1092,6 +1092,9 @@ static void check_motions(void) {
     move(&to_rest, 1e9, &x, &y);
     NEAR(x, 0.1, 0.1, EXACT);
     HOLD(fabs(y) < 1e-15);
+    const motion soft = {0.001, 0.0, 5e-317, 0.0}; /* a quarter of a period of 1e158 */
+    move(&soft, turn_time(&soft), &x, &y);
+    HOLD(isfinite(x) && x > 0.0);
     const motion turned = {1.0, 1.001, -1.0, 0.0}; /* turned before one, behind which there would be energy again */
     HOLD(leave(&turned, 1.1, &tau, &y) == LEFT_NOT);
 }

@@ -78,7 +78,7 @@ static inline void move(const motion *m, double tau, double *x, double *y) {
         ds = (fast * e_fast - slow * e_slow) / (2.0 * d);
         sigma = grown * fast / (2.0 * d) + expm1(-fast * tau) / (2.0 * d * fast);
     }
-    *x = m->y0 * s - m->phi * sigma;
+    *x = m->phi == 0.0 ? m->y0 * s : m->y0 * s - m->phi * sigma; /* a kappa near the least number makes sigma infinite */
     *y = m->y0 * ds - m->phi * s;
 }
 

@@ -1101,12 +1101,12 @@ static int finish(const film_curve *curve, const film_mesh *mesh, film_state *s)
         law_at(curve, &s->line, s->xi, &s->elastic, &s->work);
         s->force = s->elastic; /* a damped law has one stage */
         /* the last line's force was another; and what rounding makes of the two stages' would send it in again */
-        if (pushed_out && mesh != NULL && s->branch >= 0) {
+        if (pushed_out && mesh != NULL) {
             const film_function *g = &curve->piece[curve->stage[s->branch + 1].first].force;
             double scale = fmax(s->force_peak, fmax(fabs(g->constant), fabs(g->series[0])));
-            if (before - s->elastic <= SAME_FORCE * scale) before = s->elastic;
+            int same = before - s->elastic <= SAME_FORCE * scale;
+            s->nu = fmin(s->nu, s->gamma * (same ? s->elastic : before));
         }
-        if (pushed_out && mesh != NULL) s->nu = fmin(s->nu, s->gamma * before);
     }
     if (status < 0) return status;
     return s->event == FILM_NO_EVENT ? FILM_OK : FILM_EVENT;

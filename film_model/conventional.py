@@ -9,7 +9,7 @@ functions of floats. Optional ones import their library when they are asked for.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
 
@@ -93,6 +93,10 @@ class Impact:
         c = run.damping(xi)
         faster = (self.load - force - self.gamma * (by_f + by_c * rate)) / (1.0 + self.gamma * c)
         return by_f + by_c * rate + c * faster
+
+    def largest(self, run: Run, states: Iterable[Any]) -> float:
+        """Largest F at states (ξ, ν); 0 without any."""
+        return max((self.motion(run, float(xi), float(nu))[1] for xi, nu in states), default=0.0)
 
     def counted(self, force: Force) -> Force:
         """The force, with every evaluation counted."""
@@ -220,8 +224,9 @@ def solve_ivp(method: str, rtol: float, impact: Impact) -> tuple[float, ...]:
         stop = float(found.t_events[-1][0]) if watch_stop and found.t_events[-1].size else None
         turned = loading and found.t_events[0].size > 0
         peaks = found.y_events[-1] if run.damping is not None and loading else ()
-        peak = max((impact.motion(run, float(xi), float(nu))[1] for xi, nu in peaks), default=0.0)
-        return Passage(float(found.t[-1]), (float(found.y[0, -1]), float(found.y[1, -1])), turned, stop, peak)
+        return Passage(
+            float(found.t[-1]), (float(found.y[0, -1]), float(found.y[1, -1])), turned, stop, impact.largest(run, peaks)
+        )
 
     return follow(impact, advance)
 
@@ -258,9 +263,8 @@ def cvode(method: str, rtol: float, impact: Impact) -> tuple[float, ...]:
         turned = loading and bool(which[-1][1])
         stops = [t for t, hit in zip(found.t_events, which, strict=True) if hit[1]] if watch_stop else []
         peaks = [z for z, hit in zip(found.y_events, which, strict=True) if hit[2]] if count > 2 and loading else []
-        peak = max((impact.motion(run, float(xi), float(nu))[1] for xi, nu in peaks), default=0.0)
         end = float(found.y[-1][0]), float(found.y[-1][1])
-        return Passage(float(found.t[-1]), end, turned, float(stops[0]) if stops else None, peak)
+        return Passage(float(found.t[-1]), end, turned, float(stops[0]) if stops else None, impact.largest(run, peaks))
 
     return follow(impact, advance)
 

@@ -1095,6 +1095,8 @@ static void check_motions(void) {
     const motion soft = {0.001, 0.0, 5e-317, 0.0}; /* a quarter of a period of 1e158 */
     move(&soft, turn_time(&soft), &x, &y);
     HOLD(isfinite(x) && x > 0.0);
+    const motion faint = {1.9e-4, 4.2e-314, 2.2e-305, 5.3e-309}; /* y0 over the force is as large as numbers are */
+    NEAR(turn_time(&faint), 0.5 * PI / sqrt(2.2e-305), 1e153, EXACT);
     const motion turned = {1.0, 1.001, -1.0, 0.0}; /* turned before one, behind which there would be energy again */
     HOLD(leave(&turned, 1.1, &tau, &y) == LEFT_NOT);
 }
@@ -1202,6 +1204,52 @@ static void check_meeting(void) {
     }
 }
 
+/* A turn so soon after a stage has begun that its way is none beside the depth: the force of the stage, were it to go on
+ * above where it begins, would fall to 0 there, but it is the force of the one before that serves. */
+static void check_beside(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    add_stage(&curve, 40.0, power(0.0, 0.0, 1e-6, 0.0, 1.0));
+    film_piece *piece = add_stage(&curve, INFINITY, power(0.0, 4e-5 - 4e5, 1e4, 0.0, 1.0));
+    curve.stage[1].unloading = FILM_RESIDUAL;
+    piece->recovery = power(0.0, 0.0, 0.5, 0.0, 1.0);
+    piece->exponent = power(0.0, 1.5, 0.0, 0.0, 1.0);
+    snprintf(where, sizeof where, "a turn next to the beginning of a stage");
+    HOLD(film_check_curve(&curve) == FILM_OK);
+    for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {
+        owned_mesh own = make_mesh(linearisation, 8, 8);
+        for (int k = 0; k < 2; k++) {
+            film_summary summary;
+            film_start start = {sqrt(2.0 * (8e-4 + 1e-6)), k ? 1e-3 : 0.0, 0.0, 0.0, INFINITY, 0.0};
+            HOLD(film_impact(&curve, &own.mesh, &start, &summary) == FILM_EVENT);
+            NEAR(summary.maximum_indentation, 40.0, 40.0, 1e-6);
+            HOLD(summary.permanent_indentation == 0.5 * summary.maximum_indentation && summary.final_velocity < 0.0);
+        }
+        free(own.memory);
+    }
+}
+
+/* A force that is nothing for the most of the way, up to an end far beyond the turn: aimed at from chords of hardly any slope. */
+static void check_faint(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    add_stage(&curve, 30.0, power(0.0, 0.0, 0.0, 4.8e-71, 50.0));
+    snprintf(where, sizeof where, "hardly any force for the most of the way");
+    HOLD(film_check_curve(&curve) == FILM_OK);
+    for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {
+        owned_mesh own = make_mesh(linearisation, 6, 8);
+        for (int i = 0; i < 20; i++) {
+            film_start start = {over_decades(1e-4, 1e-2), over_decades(1e-4, 1e-2), 0.0, 0.0, INFINITY, 0.0};
+            film_summary summary;
+            HOLD(film_impact(&curve, &own.mesh, &start, &summary) == FILM_EVENT);
+            double depth = pow(51.0 * 0.5 * start.nu * start.nu / 4.8e-71, 1.0 / 51.0);
+            NEAR(summary.maximum_indentation, depth, depth, 0.05); /* a chord of six does too much work */
+            HOLD(isfinite(summary.shift) && summary.final_velocity < 0.0);
+        }
+        free(own.memory);
+    }
+}
+
 /* A coefficient as large as numbers are, of a power that is as small. */
 static void check_huge(void) {
     film_curve curve;
@@ -1241,6 +1289,8 @@ int main(void) {
     check_huge();
     check_softened();
     check_meeting();
+    check_beside();
+    check_faint();
     check_motions();
     for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {
         owned_mesh few = make_mesh(linearisation, 3, 5), fine = make_mesh(linearisation, 40, 80);

@@ -879,13 +879,23 @@ static void open_line(film_state *s) {
     line->spent = s->spent;
 }
 
+/* The force of the law at xi, beside the current point: loading, of the stage that serves there. */
+static double force_beside(const film_curve *curve, const film_state *s, double xi) {
+    film_line line = s->line;
+    double force, work;
+    while (line.branch > 0 && xi < curve->stage[line.branch].begin) line.branch--;
+    while (line.branch >= 0 && line.branch + 1 < curve->stages && xi > curve->stage[line.branch].end) line.branch++;
+    law_at(curve, &line, xi, &force, &work);
+    return force;
+}
+
 /* A leg so short, and so close to balance, that the law is straight: one line for all time to come, in either direction.
  * 1 if it was drawn. */
 static int rest(const film_curve *curve, film_state *s, double depth) {
-    double f_low, f_high, work, reach = fmax(REST_LENGTH * depth, NEIGHBOURS * fabs(s->xi));
+    double f_low, f_high, reach = fmax(REST_LENGTH * depth, NEIGHBOURS * fabs(s->xi));
     if (s->leg_ends == ENDS_EDGE || fabs(s->leg_to - s->leg_from) >= reach) return 0;
-    law_at(curve, &s->line, s->xi - reach, &f_low, &work);
-    law_at(curve, &s->line, s->xi + reach, &f_high, &work);
+    f_low = force_beside(curve, s, s->xi - reach);
+    f_high = force_beside(curve, s, s->xi + reach);
     if (!(f_low < s->load && s->load < f_high)) return 0;
     open_line(s);
     s->line.phi = s->elastic;

@@ -87,11 +87,13 @@ static inline void move(const motion *m, double tau, double *x, double *y) {
 static inline double turn_time(const motion *m) {
     double rate = m->phi + m->a * m->y0, square = m->kappa - m->a * m->a;
     if (m->y0 > 0.0 && rate > 0.0) {
-        double r = m->y0 / rate;
-        if (square * r * r > -0.98) return r * arc(square * r * r);
-        double d = sqrt(-square), left = m->phi + m->kappa / (m->a + d) * m->y0; /* rate - d y0, without a difference */
-        if (m->a > 0.0) return left > 0.0 ? 0.5 / d * log((rate + d * m->y0) / left) : INFINITY;
-        return r * arc(square * r * r);
+        double r = m->y0 / rate, reach = square * r * r;
+        if (reach > -0.98 && reach < INFINITY) return r * arc(reach);
+        if (square < 0.0) {
+            double d = sqrt(-square), left = m->phi + m->kappa / (m->a + d) * m->y0; /* rate - d y0, without a difference */
+            if (m->a > 0.0) return left > 0.0 ? 0.5 / d * log((rate + d * m->y0) / left) : INFINITY;
+            return r * arc(reach);
+        }
     }
     if (!(square > 0.0)) return INFINITY;
     double angle = atan2(sqrt(square) * m->y0, rate);

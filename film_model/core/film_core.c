@@ -19,7 +19,6 @@ static const double TURN_TOLERANCE = 1e-12;      /* of the length of the last se
 static const double TURN_ROUNDING = 2e-15;       /* of the depth: a short segment's mean force is not known better */
 static const double TRIAL_TURN_TOLERANCE = 1e-2; /* a trial only aims the nodes */
 static const double TURN_SPEED = 1e-6;           /* of the speed a line began with: its energy, 1e-12, is rounding */
-static const double SLOWED = 1e-12;              /* of the velocity a line takes away: a stop is met as well as that */
 static const double SHORT_TURN = 1e-9;           /* of the depth: a way to the turn of which rounding is a part */
 static const double REST_LENGTH = 1e-6;          /* of the contact's depth: curvature changes the force by 1e-12 */
 static const double NEIGHBOURS = 1e-15;           /* of the indentation: numbers that can hardly be told apart */
@@ -567,7 +566,7 @@ static void cut_at_stop(const film_curve *curve, const film_mesh *mesh, film_sta
             if (fabs(excess) > 1e-6 * (whole.nu - whole.nu_end)) break; /* only the line that meets the turn stops */
             /* next to a turn the way is known less well than the time */
             double late = excess / (phi - s->load);
-            if (fabs(excess) > SLOWED * (whole.nu - whole.nu_end) && fabs(late) < 0.5 * s->tau_end) s->tau_end += late;
+            if (fabs(late) < 0.5 * s->tau_end) s->tau_end += late;
             s->nu_end = s->stop_velocity;
             return;
         }
@@ -611,13 +610,15 @@ static void cut_at_release(const film_curve *curve, const film_mesh *mesh, film_
     s->line_ends = ENDS_RELEASE;
     for (int k = 0; k < RELEASE_ITERATIONS; k++) {
         motion m = draw(curve, mesh, s, length);
-        if (leave(&m, length, &s->tau_end, &y) != LEFT) { /* it does not get as far */
+        int left = leave(&m, length, &s->tau_end, &y);
+        if (left == LEFT) land(s, length, y);
+        /* it does not get as far, or only with a force that is not the law's, which would turn the motion from there */
+        if (left != LEFT || (!seen && s->load <= 0.0 && s->nu_end > 2.0 * s->gamma * s->force_end)) {
             high = length;
             below = NAN;
             length = 0.5 * (low + high);
             continue;
         }
-        land(s, length, y);
         double force = holding_force(curve, s, s->xi_end, s->nu_end);
         if (force > 0.0) {
             low = length;

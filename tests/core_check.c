@@ -1285,6 +1285,29 @@ static void check_pulled(void) {
     free(own.memory);
 }
 
+/* Stopped on a way that is rounding of the indentation: the line has a slope as the law's, and may be asked a little late. */
+static void check_no_way(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    film_piece *piece = add_stage(&curve, INFINITY, power(0.0, 0.0, 1e-17, 0.0, 1.0));
+    curve.stage[0].unloading = FILM_RESIDUAL;
+    piece->recovery = power(0.0, 0.0, 0.165, 0.0, 1.0);
+    piece->exponent = power(0.0, 0.515, 0.0, 0.0, 1.0);
+    snprintf(where, sizeof where, "a stop on a way that is rounding");
+    HOLD(film_check_curve(&curve) == FILM_OK);
+    owned_mesh own = make_mesh(FILM_WORK_PRESERVING, 3, 3);
+    for (int i = 0; i < 40; i++) {
+        film_state s;
+        double values[5];
+        HOLD(film_init(&curve, &s, 0.0, over_decades(1e-14, 1e-12), over_decades(1e-6, 1e-4), -1e-3, 0.0) == FILM_OK);
+        while (s.event != FILM_IMPACTOR_STOPS) HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT);
+        HOLD(fabs(s.line.kappa) < 1e-3);
+        film_evaluate(&curve, &s.line, 1e-15 * s.time, values);
+        for (int j = 0; j < 5; j++) HOLD(isfinite(values[j]));
+    }
+    free(own.memory);
+}
+
 /* A coefficient as large as numbers are, of a power that is as small. */
 static void check_huge(void) {
     film_curve curve;
@@ -1327,6 +1350,7 @@ int main(void) {
     check_beside();
     check_faint();
     check_pulled();
+    check_no_way();
     check_drawn_out();
     check_motions();
     for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {

@@ -164,13 +164,16 @@ static double mean_force(const film_curve *curve, const film_state *s, double h)
     return (s->elastic + 4.0 * middle + s->force_end) / 6.0;
 }
 
+/* 1/h; 0 where h is rounding of the indentation, and what the force changes over it would be no slope. */
+static double per_way(const film_state *s, double h) { return s->xi + h != s->xi ? 1.0 / h : 0.0; }
+
 /* The line from the current point over `length` that meets the law's force at the far end: it does the law's work, or
  * it is the chord. */
 static void line_to_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int plain) {
     double h = s->direction * length;
     law_at(curve, &s->line, s->xi + h, &s->force_end, &s->work_end);
     double near = mesh->linearisation == FILM_CHORD ? s->elastic : 2.0 * mean_force(curve, s, h) - s->force_end;
-    s->line.kappa = (s->force_end - near) / h;
+    s->line.kappa = (s->force_end - near) * per_way(s, h);
     s->line.phi = near;
     s->line.damping = 0.0;
     if (damped(curve, s)) {
@@ -326,7 +329,7 @@ static int ends_steeply(const film_state *s) {
 
 /* The line over the next `length`, and the motion on it. Whatever its ends, it does the work of the law; chords do not. */
 static motion draw(const film_curve *curve, const film_mesh *mesh, film_state *s, double length) {
-    double h = s->direction * length, per_h = 1.0 / h;
+    double h = s->direction * length, per_h = per_way(s, h);
     law_at(curve, &s->line, s->xi + h, &s->force_end, &s->work_end);
     double mean = mean_force(curve, s, h);
     int at_rest = s->from_turn && s->leg_node == 0;
@@ -384,7 +387,7 @@ static int push_out(const film_curve *curve, const film_mesh *mesh, film_state *
     if (left == LEFT) {
         line_to_turn(curve, mesh, s, length, 1);
     } else {
-        s->line.kappa = 2.0 * (mean_force(curve, s, h) - s->elastic) / h;
+        s->line.kappa = 2.0 * (mean_force(curve, s, h) - s->elastic) * per_way(s, h);
         s->line.phi = s->elastic;
     }
     motion m = on_line(s, s->line.phi, s->line.kappa);

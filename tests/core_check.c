@@ -1198,6 +1198,16 @@ static void check_meeting(void) {
             film_start start = {over_decades(1e-4, 1.0), over_decades(10.0, 30.0), 0.0, 0.0, INFINITY, 0.0};
             int status = film_impact(&curve, &own.mesh, &start, &summary);
             HOLD((status == FILM_EVENT || status == FILM_ENDLESS) && summary.lines <= FOUND_LINES);
+
+            film_state s; /* an integrator's, between the two velocities at which the one and the other turns it */
+            HOLD(film_init(&curve, &s, 0.0, 30.0, start.gamma, 0.0, 0.0) == FILM_OK);
+            while (s.event != FILM_MAXIMUM_INDENTATION) HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT);
+            HOLD(film_force(&curve, &s, 25.0, 0.0).force > 3e-16);
+            int count = 0;
+            s.nu = start.gamma * 3e-16;
+            do s.xi = 25.0;
+            while (film_switch(&curve, &s) == FILM_EVENT && ++count < 20);
+            HOLD(count < 20);
         }
         free(own.memory);
     }

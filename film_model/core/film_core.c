@@ -1049,6 +1049,20 @@ static void raise_peak(const film_curve *curve, const film_mesh *mesh, const fil
     }
 }
 
+/* What rounding makes of one force where `stage` begins: SAME_FORCE of the largest number it is made of. */
+static double force_rounding(const film_curve *curve, const film_state *s, int32_t stage) {
+    const film_function *g = &curve->piece[curve->stage[stage].first].force;
+    return SAME_FORCE * fmax(s->force_peak, fmax(fabs(g->constant), fabs(g->series[0])));
+}
+
+/* The same where the current point is on the edge of two stages; 0 elsewhere. */
+static double meeting(const film_curve *curve, const film_state *s) {
+    double reach = NEIGHBOURS * fabs(s->xi);
+    for (int32_t k = s->branch; s->branch >= 0 && k <= s->branch + 1 && k < curve->stages; k++)
+        if (k > 0 && fabs(s->xi - curve->stage[k].begin) <= reach) return force_rounding(curve, s, k);
+    return 0.0;
+}
+
 /* What follows when a line has been walked to its end: the next line, leg, stage or branch. */
 static int finish(const film_curve *curve, const film_mesh *mesh, film_state *s) {
     int ends = s->line_ends, status = FILM_OK;
@@ -1116,9 +1130,7 @@ static int finish(const film_curve *curve, const film_mesh *mesh, film_state *s)
         s->force = s->elastic; /* a damped law has one stage */
         /* the last line's force was another; and what rounding makes of the two stages' would send it in again */
         if (pushed_out && mesh != NULL) {
-            const film_function *g = &curve->piece[curve->stage[s->branch + 1].first].force;
-            double scale = fmax(s->force_peak, fmax(fabs(g->constant), fabs(g->series[0])));
-            int same = before - s->elastic <= SAME_FORCE * scale;
+            int same = before - s->elastic <= force_rounding(curve, s, s->branch + 1);
             s->nu = fmin(s->nu, s->gamma * (same ? s->elastic : before));
         }
     }
@@ -1317,7 +1329,8 @@ static int switched(const film_curve *curve, film_state *s) {
         if (s->moving_in && s->nu < s->stop_velocity) return stopped(s);
         if (s->nu > s->stop_velocity) s->moving_in = 1;
         int lets_go = s->direction < 0 && damped(curve, s) && hold(curve, s) < 0.0;
-        if (ahead >= 0.0 && to_edge > 0.0 && !lets_go) return FILM_OK;
+        /* where two stages meet in forces of rounding, the one may turn it outwards and the other inwards */
+        if (ahead >= -s->gamma * meeting(curve, s) && to_edge > 0.0 && !lets_go) return FILM_OK;
         if (lets_go && to_edge > 0.0) {
             ends = ENDS_RELEASE;
         } else if (to_edge > 0.0) { /* within the run: who jumps back over its beginning turned there at the latest */

@@ -1301,7 +1301,7 @@ void film_indicators(const film_curve *curve, const film_state *s, double speed,
     }
     law_at(curve, &s->line, s->xi, &force, &work);
     double far = limit_of(curve, s), near = edge_of(curve, s, -s->direction);
-    indicators[0] = s->direction * (s->nu - s->gamma * force) + late;
+    indicators[0] = s->direction * (s->nu - s->gamma * force) + s->gamma * meeting(curve, s) + late;
     if (far < INFINITY) indicators[1] = s->direction * (far - s->xi) + late;
     if (near < INFINITY) indicators[2] = s->direction * (s->xi - near) + late;
     indicators[3] = (s->moving_in ? s->nu - s->stop_velocity : s->stop_velocity - s->nu) + late;

@@ -391,6 +391,7 @@ static void check_switches(film_state s) {
         for (int status = FILM_EVENT; status == FILM_EVENT; n++) {
             HOLD(n < 3 * FILM_MAX_STAGES);
             status = film_switch(&curve, &s);
+            if (status == FILM_BAD_NUMBER && !isfinite(film_force(&curve, &s, s.xi, s.nu).force)) return; /* a leap too far for the law */
             documented(status);
             if (status < 0) return;
             s.xi = xi;

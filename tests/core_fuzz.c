@@ -347,6 +347,8 @@ static void check_line(const film_line *line, const film_line *next, double dept
     }
     double way_on = fabs(next->xi - line->xi), rounded = 1e-15 * (fabs(line->xi) + fabs(next->xi)); /* x is a difference here, */
     double blurred = (fabs(line->kappa) + pull / fmax(way_on, rounded)) * rounded / LINES_MEET; /* so is the work, and gamma f turns it */
+    if (line->branch >= 0) /* nor is the law's force where the line ends known better */
+        blurred = fmax(blurred, fabs(force_at(line->branch, next->xi + rounded) - force_at(line->branch, next->xi - rounded)) / LINES_MEET);
     double size = depth + fastest * tau + late * fastest / LINES_MEET;
     NEAR(next->nu - line->nu, line->load * tau - impulse, speed + fastest + (pull + fabs(line->load)) * (tau + late / LINES_MEET) + blurred * (tau + line->gamma), LINES_MEET);
     NEAR(next->xi - line->xi, way, size + line->gamma * blurred * tau, LINES_MEET);

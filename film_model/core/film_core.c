@@ -117,6 +117,9 @@ static double speed_at(const film_curve *curve, const film_state *s, double xi, 
     return s->direction * (nu - s->gamma * force) / (1.0 + s->gamma * damping_at(curve, &s->line, xi));
 }
 
+/* 1/h; 0 where h is rounding of the indentation, and what the force changes over it would be no slope. */
+static double per_way(const film_state *s, double h) { return s->xi + h != s->xi ? 1.0 / h : 0.0; }
+
 /* Damping of the line over the next h, passed with speeds y0 to y1: a constant, and what c y is more or less than that at
  * the ends put on the line's own force, with as much work as c y in all. At a turn c y is 0, and the line keeps its force.
  * plain: the constant alone. */
@@ -125,7 +128,7 @@ static void damp(const film_curve *curve, const film_mesh *mesh, film_state *s, 
     double d = s->direction, at = mean, tilt;
     s->line.damping = mean;
     /* a line too long for the speeds to be known: what they say of c y might drive the motion */
-    if (plain || mesh->linearisation == FILM_CHORD || mean * fabs(h) > 0.5 * fmax(y0, y1)) return;
+    if (plain || mesh->linearisation == FILM_CHORD || mean * fabs(h) > 0.5 * fmax(y0, y1) || per_way(s, h) == 0.0) return;
     /* the mean speed over the way: of y^2 that goes evenly with time, as in mean_damping */
     double speed = 2.0 / 3.0 * (y0 * y0 + y0 * y1 + y1 * y1) / (y0 + y1);
     if (y0 == 0.0 || y1 == 0.0) {
@@ -163,9 +166,6 @@ static double mean_force(const film_curve *curve, const film_state *s, double h)
     law_at(curve, &s->line, s->xi + 0.5 * h, &middle, &work);
     return (s->elastic + 4.0 * middle + s->force_end) / 6.0;
 }
-
-/* 1/h; 0 where h is rounding of the indentation, and what the force changes over it would be no slope. */
-static double per_way(const film_state *s, double h) { return s->xi + h != s->xi ? 1.0 / h : 0.0; }
 
 /* The line from the current point over `length` that meets the law's force at the far end: it does the law's work, or
  * it is the chord. */

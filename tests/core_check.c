@@ -1318,6 +1318,29 @@ static void check_no_way(void) {
     free(own.memory);
 }
 
+/* Pulled out of a dashpot next to which the spring is nothing: at rest it holds, and the least motion outwards lets go. */
+static void check_lets_go(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    film_piece *piece = add_stage(&curve, 30.0, power(0.0, 0.0, 0.0, 4.8e-71, 50.0));
+    curve.stage[0].damped = 1;
+    piece->damping = power(0.0, 0.0, 0.0, 1.0, 0.25);
+    snprintf(where, sizeof where, "pulled out of a dashpot next to which the spring is nothing");
+    HOLD(film_check_curve(&curve) == FILM_OK);
+    for (int i = 0; i < 300; i++) {
+        owned_mesh own = make_mesh(FILM_WORK_PRESERVING, whole(1, 8), whole(1, 8));
+        film_state s;
+        HOLD(film_init(&curve, &s, 0.0, over_decades(1e-4, 1e-2), over_decades(1e-3, 1e-1), -over_decades(1e-3, 1e-1), 0.0) == FILM_OK);
+        HOLD(film_damp(&s, over_decades(1e-2, 1.0)) == FILM_OK);
+        for (int count = 0; s.event != FILM_CONTACT_ENDS && count < 20; count++) {
+            HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT);
+            HOLD(isfinite(s.time) && isfinite(s.xi) && isfinite(s.nu) && isfinite(s.shift) && isfinite(s.spent));
+        }
+        HOLD(s.event == FILM_CONTACT_ENDS);
+        free(own.memory);
+    }
+}
+
 /* A coefficient as large as numbers are, of a power that is as small. */
 static void check_huge(void) {
     film_curve curve;
@@ -1361,6 +1384,7 @@ int main(void) {
     check_faint();
     check_pulled();
     check_no_way();
+    check_lets_go();
     check_drawn_out();
     check_motions();
     for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {

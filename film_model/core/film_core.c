@@ -623,6 +623,10 @@ static void cut_at_release(const film_curve *curve, const film_mesh *mesh, film_
             continue;
         }
         double force = holding_force(curve, s, s->xi_end, s->nu_end);
+        if (!(force > 0.0) && s->xi + d * length == s->xi) {
+            end_here(s, ENDS_RELEASE);
+            return;
+        }
         if (force > 0.0) {
             low = length;
             above = force;

@@ -1341,6 +1341,30 @@ static void check_lets_go(void) {
     }
 }
 
+/* Stopped by a dashpot alone, where the spring's force is so small that its square is none. */
+static void check_no_spring(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    film_piece *piece = add_stage(&curve, 1000.0, power(0.0, 0.0, 0.0, 1.9e-146, 49.0));
+    curve.stage[0].damped = 1;
+    piece->damping = power(0.0, 1.0, 0.0, 1.0, 0.25);
+    snprintf(where, sizeof where, "stopped by a dashpot next to which the spring is nothing");
+    HOLD(film_check_curve(&curve) == FILM_OK);
+    for (int i = 0; i < 40; i++) {
+        owned_mesh own = make_mesh(FILM_WORK_PRESERVING, whole(1, 8), whole(1, 8));
+        film_state s;
+        int status = FILM_OK;
+        HOLD(film_init(&curve, &s, 0.0, over_decades(1e-3, 1e-1), over_decades(1.0, 30.0), 0.0, 0.0) == FILM_OK);
+        HOLD(film_damp(&s, over_decades(10.0, 30.0)) == FILM_OK);
+        for (int count = 0; status >= 0 && status != FILM_ENDLESS && count < 20; count++) {
+            status = film_step(&curve, &own.mesh, &s, 30.0);
+            HOLD(status >= 0 && s.lines <= FOUND_LINES && isfinite(s.xi) && isfinite(s.nu));
+            HOLD(film_input(&s, count % 2 ? 0.0 : 1e-9, 0.0, 0.0) == FILM_OK); /* aimed afresh */
+        }
+        free(own.memory);
+    }
+}
+
 /* A coefficient as large as numbers are, of a power that is as small. */
 static void check_huge(void) {
     film_curve curve;
@@ -1385,6 +1409,7 @@ int main(void) {
     check_pulled();
     check_no_way();
     check_lets_go();
+    check_no_spring();
     check_drawn_out();
     check_motions();
     for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {

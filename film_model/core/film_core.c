@@ -746,14 +746,14 @@ static double balance(const film_curve *curve, const film_state *s, double other
     if (side == 0.0) return high; /* no force where it begins, and damping alone slows the motion: the balance is everywhere */
     for (int k = 0; k < DOUBLINGS && high != limit; k++) {
         law_at(curve, &s->line, high, &force, &work);
-        if ((force - s->load) * side <= 0.0) break;
+        if (!(side > 0.0 ? force > s->load : force < s->load)) break;
         high = limit < INFINITY ? limit : s->xi + 2.0 * (high - s->xi);
     }
     if (!(high < INFINITY)) return otherwise;
     for (int k = 0; k < 100; k++) {
         double middle = 0.5 * (low + high);
         law_at(curve, &s->line, middle, &force, &work);
-        if ((force - s->load) * side > 0.0) low = middle; else high = middle;
+        if (side > 0.0 ? force > s->load : force < s->load) low = middle; else high = middle;
     }
     return 0.5 * (low + high);
 }

@@ -1259,14 +1259,21 @@ static void check_faint(void) {
     }
 }
 
-/* Pulled out of a dashpot, slowly, on lines too long for it: none ends with a force that is not the law's. */
-static void check_drawn_out(void) {
+/* One stage of coefficient x^exponent, with a damping of constant + x^0.25. */
+static film_curve dashpot(double end, double coefficient, double exponent, double constant) {
     film_curve curve;
     memset(&curve, 0, sizeof curve);
-    film_piece *piece = add_stage(&curve, INFINITY, power(0.0, 0.0, 0.0, 1e5, 1.5));
+    film_piece *piece = add_stage(&curve, end, power(0.0, 0.0, 0.0, coefficient, exponent));
     curve.stage[0].damped = 1;
-    piece->damping = power(0.0, 0.0, 0.0, 1.0, 0.25);
+    piece->damping = power(0.0, constant, 0.0, 1.0, 0.25);
+    HOLD(film_check_curve(&curve) == FILM_OK);
+    return curve;
+}
+
+/* Pulled out of a dashpot, slowly, on lines too long for it: none ends with a force that is not the law's. */
+static void check_drawn_out(void) {
     snprintf(where, sizeof where, "pulled out of a dashpot, slowly");
+    film_curve curve = dashpot(INFINITY, 1e5, 1.5, 0.0);
     for (int i = 0; i < 3000; i++) {
         owned_mesh own = make_mesh(FILM_WORK_PRESERVING, whole(1, 8), whole(1, 8));
         film_summary summary;
@@ -1320,13 +1327,8 @@ static void check_no_way(void) {
 
 /* Pulled out of a dashpot next to which the spring is nothing: at rest it holds, and the least motion outwards lets go. */
 static void check_lets_go(void) {
-    film_curve curve;
-    memset(&curve, 0, sizeof curve);
-    film_piece *piece = add_stage(&curve, 30.0, power(0.0, 0.0, 0.0, 4.8e-71, 50.0));
-    curve.stage[0].damped = 1;
-    piece->damping = power(0.0, 0.0, 0.0, 1.0, 0.25);
     snprintf(where, sizeof where, "pulled out of a dashpot next to which the spring is nothing");
-    HOLD(film_check_curve(&curve) == FILM_OK);
+    film_curve curve = dashpot(30.0, 4.8e-71, 50.0, 0.0);
     for (int i = 0; i < 300; i++) {
         owned_mesh own = make_mesh(FILM_WORK_PRESERVING, whole(1, 8), whole(1, 8));
         film_state s;
@@ -1343,13 +1345,8 @@ static void check_lets_go(void) {
 
 /* Stopped by a dashpot alone, where the spring's force is so small that its square is none. */
 static void check_no_spring(void) {
-    film_curve curve;
-    memset(&curve, 0, sizeof curve);
-    film_piece *piece = add_stage(&curve, 1000.0, power(0.0, 0.0, 0.0, 1.9e-146, 49.0));
-    curve.stage[0].damped = 1;
-    piece->damping = power(0.0, 1.0, 0.0, 1.0, 0.25);
     snprintf(where, sizeof where, "stopped by a dashpot next to which the spring is nothing");
-    HOLD(film_check_curve(&curve) == FILM_OK);
+    film_curve curve = dashpot(1000.0, 1.9e-146, 49.0, 1.0);
     for (int i = 0; i < 40; i++) {
         owned_mesh own = make_mesh(FILM_WORK_PRESERVING, whole(1, 8), whole(1, 8));
         film_state s;

@@ -1238,6 +1238,35 @@ static void check_beside(void) {
     }
 }
 
+/* Thrown by a load into swings over where a far steeper stage begins: the target pushes, however short the way. */
+static void check_swings(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    add_stage(&curve, 40.0, power(0.0, 0.0, 1e-6, 0.0, 1.0));
+    add_stage(&curve, INFINITY, power(40.0, 4e-5, 1e4, 0.0, 1.0));
+    snprintf(where, sizeof where, "swings over where a stage begins");
+    for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {
+        owned_mesh own = make_mesh(linearisation, 8, 8);
+        for (int k = 0; k < 4; k++) {
+            film_state s;
+            double gamma = k % 2 ? 1e-6 : 0.0, short_of = k / 2 ? 1e-8 : 1e-10;
+            HOLD(film_init(&curve, &s, 0.0, 1e-3 * (40.0 - short_of), gamma, 0.0, 0.0) == FILM_OK);
+            while (s.event != FILM_MAXIMUM_INDENTATION) HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT);
+            HOLD(film_input(&s, 6e-5, 0.0, 0.0) == FILM_OK);
+            double begin = 0.5 * s.nu * s.nu + s.spent - s.load * (s.xi + s.shift), most = 0.0;
+            for (int i = 0; i < 2000; i++) {
+                int status = film_step(&curve, &own.mesh, &s, 1e-3);
+                HOLD((status == FILM_OK || status == FILM_EVENT) && s.force >= 0.0);
+                most = fmax(most, s.force);
+                double now = 0.5 * s.nu * s.nu + s.spent - s.load * (s.xi + s.shift);
+                HOLD(now <= begin + 1e-10 * (0.5 * s.nu * s.nu + 6e-5 * 40.0));
+            }
+            HOLD(most > 8e-5); /* it has been in the steeper one */
+        }
+        free(own.memory);
+    }
+}
+
 /* A force that is nothing for the most of the way, up to an end far beyond the turn: aimed at from chords of hardly any slope. */
 static void check_faint(void) {
     film_curve curve;
@@ -1402,6 +1431,7 @@ int main(void) {
     check_softened();
     check_meeting();
     check_beside();
+    check_swings();
     check_faint();
     check_pulled();
     check_no_way();

@@ -898,17 +898,19 @@ static double force_beside(const film_curve *curve, const film_state *s, double 
 }
 
 /* A leg so short, and so close to balance, that the law is straight: one line for all time to come, in either direction.
- * 1 if it was drawn. */
+ * 1 if it was drawn. Where two stages meet of which one is far steeper it would pull; there only a leg between numbers that
+ * can hardly be told apart comes to rest. */
 static int rest(const film_curve *curve, film_state *s, double depth) {
-    double f_low, f_high, reach = fmax(REST_LENGTH * depth, NEIGHBOURS * fabs(s->xi));
-    if (s->leg_ends == ENDS_EDGE || fabs(s->leg_to - s->leg_from) >= reach) return 0;
-    f_low = force_beside(curve, s, s->xi - reach);
-    f_high = force_beside(curve, s, s->xi + reach);
-    if (!(f_low < s->load && s->load < f_high)) return 0;
+    double least = NEIGHBOURS * fabs(s->xi), reach = fmax(REST_LENGTH * depth, least), length = fabs(s->leg_to - s->leg_from);
+    if (s->leg_ends == ENDS_EDGE || length >= reach) return 0;
+    double f_low = force_beside(curve, s, s->xi - 2.0 * reach), f_high = force_beside(curve, s, s->xi + 2.0 * reach);
+    double kappa = (f_high - f_low) / (4.0 * reach), damping = damping_at(curve, &s->line, s->xi), y = s->nu - s->gamma * s->elastic;
+    double swing = length < least ? 0.0 : hypot(s->elastic - s->load, y * sqrt(kappa * (1.0 + s->gamma * damping)));
+    if (!(swing < s->load - f_low && swing < f_high - s->load)) return 0;
     open_line(s);
     s->line.phi = s->elastic;
-    s->line.kappa = (f_high - f_low) / (2.0 * reach);
-    s->line.damping = damping_at(curve, &s->line, s->xi);
+    s->line.kappa = kappa;
+    s->line.damping = damping;
     s->line_ends = ENDS_NEVER;
     s->tau_end = INFINITY;
     s->phase = s->line.phase = FILM_RESTING;

@@ -904,8 +904,9 @@ static int rest(const film_curve *curve, film_state *s, double depth) {
     double least = NEIGHBOURS * fabs(s->xi), reach = fmax(REST_LENGTH * depth, least), length = fabs(s->leg_to - s->leg_from);
     if (s->leg_ends == ENDS_EDGE || length >= reach) return 0;
     double f_low = force_beside(curve, s, s->xi - 2.0 * reach), f_high = force_beside(curve, s, s->xi + 2.0 * reach);
-    double kappa = (f_high - f_low) / (4.0 * reach), damping = damping_at(curve, &s->line, s->xi), y = s->nu - s->gamma * s->elastic;
-    double swing = length < least ? 0.0 : hypot(s->elastic - s->load, y * sqrt(kappa * (1.0 + s->gamma * damping)));
+    double kappa = (f_high - f_low) / (4.0 * reach), damping = damping_at(curve, &s->line, s->xi);
+    double y = s->nu - s->gamma * s->elastic, excess = s->elastic - s->load;
+    double swing = length < least ? 0.0 : sqrt(excess * excess + kappa * (1.0 + s->gamma * damping) * y * y);
     if (!(swing < s->load - f_low && swing < f_high - s->load)) return 0;
     open_line(s);
     s->line.phi = s->elastic;

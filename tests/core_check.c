@@ -1267,6 +1267,32 @@ static void check_swings(void) {
     }
 }
 
+/* Held by a faint load, out to where a stage begins with a root: from the last number above it the force is large, and at it
+ * none; the motion creeps or goes on, but does not stay for lines without end. */
+static void check_root(void) {
+    film_curve curve;
+    double edge = nextafter(0.1, 1.0); /* odd in its last digit: halfway to the next number rounds to that */
+    memset(&curve, 0, sizeof curve);
+    add_stage(&curve, edge, power(0.0, 0.0, 1e-17, 0.0, 1.0));
+    add_stage(&curve, INFINITY, power(edge, 1e-18, 0.0, 1e5, 0.3));
+    snprintf(where, sizeof where, "out to where a root begins");
+    for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {
+        for (int32_t nodes = 1; nodes <= 3; nodes++) {
+            owned_mesh own = make_mesh(linearisation, nodes, nodes);
+            for (int i = 0; i < 20; i++) {
+                film_state s;
+                HOLD(film_init(&curve, &s, 0.0, over_decades(1e-6, 1e-3), over_decades(1e-8, 1e-4), 1e-23, 0.0) == FILM_OK);
+                for (int n = 0, status = FILM_EVENT; n < 40 && status == FILM_EVENT; n++) {
+                    int32_t drawn = s.lines;
+                    status = film_step(&curve, &own.mesh, &s, INFINITY);
+                    HOLD((status == FILM_EVENT || status == FILM_ENDLESS) && s.lines - drawn <= FOUND_LINES);
+                }
+            }
+            free(own.memory);
+        }
+    }
+}
+
 /* A force that is nothing for the most of the way, up to an end far beyond the turn: aimed at from chords of hardly any slope. */
 static void check_faint(void) {
     film_curve curve;
@@ -1432,6 +1458,7 @@ int main(void) {
     check_meeting();
     check_beside();
     check_swings();
+    check_root();
     check_faint();
     check_pulled();
     check_no_way();

@@ -755,7 +755,7 @@ static double balance(const film_curve *curve, const film_state *s, double other
         law_at(curve, &s->line, middle, &force, &work);
         if (side > 0.0 ? force > s->load : force < s->load) low = middle; else high = middle;
     }
-    return 0.5 * (low + high);
+    return high;
 }
 
 /* Where a leg on a compliant target ends, from trial legs of 1, 4, 16 ... segments, each aimed by the one before. */

@@ -1293,6 +1293,28 @@ static void check_root(void) {
     }
 }
 
+/* A turn within rounding of where a stage begins, of which the work is known to less than the way back does: without a load
+ * nothing turns the impactor again. */
+static void check_out(void) {
+    film_curve curve;
+    double edge = 0.10225308097531023, slope = 1.0243235815473825e-17, x = edge - 0.004;
+    memset(&curve, 0, sizeof curve);
+    add_stage(&curve, edge, power(0.0, 0.0, slope, 0.0, 1.0));
+    add_stage(&curve, INFINITY, power(0.004, slope * edge - 8.7e-4 * pow(x, 1.5), 0.0, 8.7e-4, 1.5));
+    curve.piece[1].work_at_begin = x * (curve.piece[1].force.constant + 8.7e-4 * pow(x, 1.5) / 2.5);
+    snprintf(where, sizeof where, "out from a turn in rounding");
+    HOLD(film_check_curve(&curve) == FILM_OK);
+    for (int linearisation = FILM_CHORD; linearisation <= FILM_WORK_PRESERVING; linearisation++) {
+        owned_mesh own = make_mesh(linearisation, 1, 17);
+        for (int i = -100; i < 100; i++) {
+            film_start start = {sqrt(slope) * edge * (1.0 + 2.3e-16 * i), 0.0, 0.0, 0.0, INFINITY, 0.0};
+            film_summary summary;
+            HOLD(film_impact(&curve, &own.mesh, &start, &summary) == FILM_EVENT && summary.lines <= FOUND_LINES);
+        }
+        free(own.memory);
+    }
+}
+
 /* A force that is nothing for the most of the way, up to an end far beyond the turn: aimed at from chords of hardly any slope. */
 static void check_faint(void) {
     film_curve curve;
@@ -1459,6 +1481,7 @@ int main(void) {
     check_beside();
     check_swings();
     check_root();
+    check_out();
     check_faint();
     check_pulled();
     check_no_way();

@@ -760,10 +760,7 @@ static double balance(const film_curve *curve, const film_state *s, double other
 
 /* Where a leg on a compliant target ends, from trial legs of 1, 4, 16 ... segments, each aimed by the one before. */
 static int aim_by_trial(const film_curve *curve, const film_mesh *mesh, film_state *s) {
-    double limit = limit_of(curve, s);
-    s->leg_to = limit;
-    s->leg_ends = ENDS_EDGE;
-    if (s->direction < 0 && s->load <= 0.0) return FILM_OK; /* nothing stops it before contact ends */
+    double limit = s->leg_to;
     if (!(limit < INFINITY)) {
         film_state still = *s; /* a fixed target stops the impactor later than one that gives way */
         int status = aim_by_energy(curve, &still);
@@ -949,8 +946,12 @@ static int plan(const film_curve *curve, const film_mesh *mesh, film_state *s) {
     s->leg_from = s->xi;
     s->leg_node = 0;
     s->leg_nodes = s->direction > 0 ? mesh->loading : mesh->unloading;
-    int status = s->gamma == 0.0 && !damped(curve, s) ? aim_by_energy(curve, s) : aim_by_trial(curve, mesh, s);
-    if (status < 0) return status;
+    s->leg_to = limit_of(curve, s);
+    s->leg_ends = ENDS_EDGE;
+    if (s->direction > 0 || s->load > 0.0) { /* or nothing stops it before contact ends */
+        int status = s->gamma == 0.0 && !damped(curve, s) ? aim_by_energy(curve, s) : aim_by_trial(curve, mesh, s);
+        if (status < 0) return status;
+    }
     if (rest(curve, s, fmin(depth, fabs(s->xi - s->xi_free)))) return FILM_OK;
     if (mesh->linearisation == FILM_CHORD) {
         s->leg_grading = FILM_EQUAL;

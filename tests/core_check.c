@@ -1213,6 +1213,29 @@ static void check_meeting(void) {
     }
 }
 
+/* Where a branch meets the loading curve, in two forces of which one may turn it inwards and the other outwards. */
+static void check_branching(const film_mesh *mesh) {
+    snprintf(where, sizeof where, "where a branch meets the loading curve");
+    for (int which = 0; which < BATCH_CURVES; which++) {
+        for (int i = 0; which != DAMPED && i < 40; i++) {
+            film_state s;
+            double gamma = over_decades(1e-2, 30.0);
+            HOLD(film_init(&curves[which], &s, 0.0, over_decades(0.5, 30.0), gamma, 0.0, 0.0) == FILM_OK);
+            int status = FILM_EVENT;
+            while (status == FILM_EVENT && s.event != FILM_MAXIMUM_INDENTATION) status = film_step(&curves[which], mesh, &s, INFINITY);
+            if (status != FILM_EVENT) continue; /* beyond the law */
+            double xi = s.xi, nu = gamma * s.elastic;
+            for (int ulps = -3; ulps <= 3; ulps++) {
+                int count = 0;
+                s.nu = nu * (1.0 + 1.1e-16 * ulps);
+                do s.xi = xi;
+                while (film_switch(&curves[which], &s) == FILM_EVENT && ++count < 20);
+                HOLD(count < 20);
+            }
+        }
+    }
+}
+
 /* A turn so soon after a stage has begun that its way is none beside the depth: the force of the stage, were it to go on
  * above where it begins, would fall to 0 there, but it is the force of the one before that serves. */
 static void check_beside(void) {
@@ -1496,6 +1519,7 @@ int main(void) {
         check_clock(&few.mesh);
         check_tiny(&few.mesh);
         check_beyond(&few.mesh);
+        check_branching(&few.mesh);
         check_linear_law(&few.mesh);
         if (linearisation == FILM_WORK_PRESERVING) check_series(&fine.mesh);
         for (int which = 0; which < BATCH_CURVES; which++) {

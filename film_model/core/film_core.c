@@ -1063,10 +1063,11 @@ static double force_rounding(const film_curve *curve, const film_state *s, int32
     return SAME_FORCE * fmax(s->force_peak, fmax(fabs(g->constant), fabs(g->series[0])));
 }
 
-/* The same where the current point is on the edge of two stages; 0 elsewhere. */
+/* The same where the current point is on the edge of two stages, or where a branch meets the loading curve; 0 elsewhere. */
 static double meeting(const film_curve *curve, const film_state *s) {
     double reach = NEIGHBOURS * fabs(s->xi);
-    for (int32_t k = s->branch; s->branch >= 0 && k <= s->branch + 1 && k < curve->stages; k++)
+    if (s->branch == FILM_BRANCH) return fabs(s->xi - s->xi_max) <= reach ? force_rounding(curve, s, s->stage_max) : 0.0;
+    for (int32_t k = s->branch; k <= s->branch + 1 && k < curve->stages; k++)
         if (k > 0 && fabs(s->xi - curve->stage[k].begin) <= reach) return force_rounding(curve, s, k);
     return 0.0;
 }

@@ -35,7 +35,7 @@ static char where[300];
 static long runs, calls, events_seen, lines_seen, refused[16];
 
 static film_curve curve;
-static double none; /* what rounding makes of a force of 0 */
+static double none, idle; /* what rounding makes of a force of 0, and of no work */
 
 static void tell(const char *name, const film_function *g) {
     fprintf(stderr, "      %s: form %d, origin %.17g, %.17g + %.17g x + %.17g x^%.17g", name, (int)g->form, g->origin, g->constant, g->slope,
@@ -263,12 +263,18 @@ static void any_curve(void) {
  * bytes may be none of that. */
 static int usable(void) {
     if (film_check_curve(&curve) != FILM_OK) return 0;
-    none = 0.0;
-    for (int32_t p = 0; p < curve.pieces; p++) none = fmax(none, 4e-16 * fabs(curve.piece[p].force.constant));
+    none = idle = 0.0;
+    for (int32_t p = 0; p < curve.pieces; p++) {
+        none = fmax(none, 4e-16 * fabs(curve.piece[p].force.constant));
+        idle = fmax(idle, 4e-16 * fabs(curve.piece[p].work_at_begin));
+    }
+    double worked = 0.0; /* by the stages before */
     for (int32_t k = 0; k < curve.stages; k++) {
         const film_stage *stage = &curve.stage[k];
         double begin = stage->begin, least = 0.0, before = NAN, deepest = fabs(curve.piece[stage->first].work_at_begin), work = 0.0, last = begin;
         int rises = 0, falls = 0;
+        /* what a stage begins with is not the rounding of what it is made of */
+        if (k > 0 && (force_at(k, begin) < EXACT * fabs(curve.piece[stage->first].force.constant) || worked < EXACT * deepest)) return 0;
         for (int32_t p = stage->first; p < stage->first + stage->count; p++) {
             double end = isfinite(curve.piece[p].end) ? curve.piece[p].end : begin + 10.0;
             for (int32_t i = 0; i <= 32; i++) {
@@ -287,6 +293,7 @@ static int usable(void) {
             begin = end;
         }
         if (least < 0.0 || (rises && falls) || deepest > 1e4 * work) return 0;
+        worked += work;
     }
     return 1;
 }
@@ -320,7 +327,7 @@ static void bounded(int32_t drawn) { HOLD(drawn <= 8 * (mesh.loading + mesh.unlo
 static double energy(const film_state *s) { return 0.5 * s->nu * s->nu + s->spent - s->load * (s->xi + s->shift); }
 
 static double energy_scale(const film_state *s) {
-    return 0.5 * s->nu * s->nu + fabs(s->spent) + fabs(s->load) * (fabs(s->xi) + fabs(s->shift)) + fmax(fabs(s->f_max * s->xi_max), fabs(s->elastic * s->xi));
+    return 0.5 * s->nu * s->nu + fabs(s->spent) + fabs(s->load) * (fabs(s->xi) + fabs(s->shift)) + fmax(fabs(s->f_max * s->xi_max), fabs(s->elastic * s->xi)) + idle / EXACT;
 }
 
 /* The motion on a line is the motion under its force: momentum and energy, integrated over it; and the next one begins
@@ -349,6 +356,7 @@ static void check_line(const film_line *line, const film_line *next, double dept
     double blurred = (fabs(line->kappa) + pull / fmax(way_on, rounded)) * rounded / LINES_MEET; /* so is the work, and gamma f turns it */
     if (line->branch >= 0) /* nor is the law's force where the line ends known better */
         blurred = fmax(blurred, fabs(force_at(line->branch, next->xi + rounded) - force_at(line->branch, next->xi - rounded)) / LINES_MEET);
+    blurred += none / LINES_MEET;
     double size = depth + fastest * tau + late * fastest / LINES_MEET;
     NEAR(next->nu - line->nu, line->load * tau - impulse, speed + fastest + (pull + fabs(line->load)) * (tau + late / LINES_MEET) + blurred * (tau + line->gamma), LINES_MEET);
     NEAR(next->xi - line->xi, way, size + line->gamma * blurred * tau, LINES_MEET);

@@ -327,7 +327,8 @@ static void bounded(int32_t drawn) { HOLD(drawn <= 8 * (mesh.loading + mesh.unlo
 static double energy(const film_state *s) { return 0.5 * s->nu * s->nu + s->spent - s->load * (s->xi + s->shift); }
 
 static double energy_scale(const film_state *s) {
-    return 0.5 * s->nu * s->nu + fabs(s->spent) + fabs(s->load) * (fabs(s->xi) + fabs(s->shift)) + fmax(fabs(s->f_max * s->xi_max), fabs(s->elastic * s->xi)) + idle / EXACT;
+    double rounding = idle + 4e-16 * fabs(s->line.f_shift * s->xi); /* of the work of a branch that is a small part of its curve */
+    return 0.5 * s->nu * s->nu + fabs(s->spent) + fabs(s->load) * (fabs(s->xi) + fabs(s->shift)) + fmax(fabs(s->f_max * s->xi_max), fabs(s->elastic * s->xi)) + rounding / EXACT;
 }
 
 /* The motion on a line is the motion under its force: momentum and energy, integrated over it; and the next one begins

@@ -466,12 +466,12 @@ static int march(film_state *s, double dt) {
             HOLD(s->event > FILM_NO_EVENT && s->event <= FILM_RELOADING_BEGINS);
             if (mesh.linearisation == FILM_WORK_PRESERVING && !node.has_line) {
                 double scale = 3.0 * (energy_scale(s) + energy_scale(&node)); /* a turn neglects a way of 1e-9 of the depth */
-                /* gamma f turns it, and xi is rounded; the shift is what a load has done less what nu shows of it */
+                /* gamma f turns it, and xi is rounded; the shift is what a load has done less what nu, rounded with each line, shows of it */
                 double rounded = 1e-15 * (fabs(s->xi) + fabs(node.xi)), steep = 1e-15 * s->gamma * fabs(s->line.kappa * s->xi);
                 if (s->branch >= 0)
                     steep = fmax(steep, s->gamma * fabs(force_at(s->branch, s->xi + rounded) - force_at(s->branch, s->xi - rounded)));
                 double pull = s->gamma * fabs(s->load), fast = fmax(fabs(s->nu), fabs(node.nu));
-                double blurred = steep * (4.0 * fast + pull) + 4e-15 * pull * fast;
+                double blurred = steep * (4.0 * fast + pull) + 4e-15 * (s->lines - drawn) * pull * fast;
                 NO_MORE(energy(s), energy(&node), scale + blurred / EXACT, EXACT);
                 if (s->gamma == 0.0 && s->damper == 0.0) NEAR(energy(s), energy(&node), scale, EXACT);
             }

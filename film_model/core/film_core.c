@@ -760,7 +760,7 @@ static double balance(const film_curve *curve, const film_state *s, double other
 
 /* Where a leg on a compliant target ends, from trial legs of 1, 4, 16 ... segments, each aimed by the one before. */
 static int aim_by_trial(const film_curve *curve, const film_mesh *mesh, film_state *s) {
-    double limit = s->leg_to;
+    double limit = s->leg_to; /* until the aim is taken */
     if (!(limit < INFINITY)) {
         film_state still = *s; /* a fixed target stops the impactor later than one that gives way */
         int status = aim_by_energy(curve, &still);

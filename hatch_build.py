@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import platform
+import re
 import shlex
+import struct
 import subprocess
 import sys
 import sysconfig
@@ -19,27 +22,92 @@ sys.path.insert(0, str(Path(__file__).parent))
 from fmu_wrapper import platforms
 
 CORE = platforms.CORE
-SOURCES = tuple(f"{CORE}/film_{name}.c" for name in ("core", "batch", "lanes", "avx2", "avx512"))
+MODAL_PARTS = ("", "_table", "_root", "_force", "_contact", "_flight", "_impact")
+MODAL = tuple(f"{CORE}/film_modal{part}.c" for part in MODAL_PARTS)
+SOURCES = (
+    *platforms.MARCH,
+    *(f"{CORE}/film_{name}.c" for name in ("impact", "batch", "compare", "lanes", "avx2", "avx512")),
+    *MODAL,
+)
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 FLAGS = platforms.FLAGS
 SHARED = ("-shared",) if sys.platform == "win32" else ("-shared", "-fPIC")
 LINK = () if sys.platform == "win32" else ("-lm",)
+WASM = "film_model/explorer/_film_core.wasm"
+WASM_SOURCES = (*platforms.MARCH, f"{CORE}/film_impact.c", f"{CORE}/film_compare.c")
+WASM_FLAGS = (
+    *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-O2", "-s"),
+    *("-Wl,--export-dynamic", "-Wl,--export=__heap_base"),
+)
+OLDEST_GLIBC = (2, 17)  # the oldest that Python's package index serves on all processors (manylinux2014)
+OLDEST_MACOS = "11.0"  # the first on ARM processors; nothing in the C sources needs a newer one
 PROBE = "#include <math.h>\ndouble probe(double x) { return sqrt(x); }\n"
 
 
+def has_zig() -> bool:
+    """Whether Python's package index has zig for this system and processor."""
+    processors = {"linux": ("x86_64", "aarch64"), "darwin": ("x86_64", "arm64"), "win32": ("AMD64", "ARM64", "x86")}
+    return platform.machine() in processors.get(sys.platform, ())
+
+
 def platform_tag() -> str:
-    """The wheel tag of what the compilers make: this system and processor, as in linux_x86_64."""
+    """The wheel tag of this system and processor, as in linux_x86_64."""
     if sys.platform == "darwin":  # Python's own tag may be of an older system or of two processors
         return next(platform_tags())
     return sysconfig.get_platform().replace("-", "_").replace(".", "_")
 
 
+def wheel_tag(libraries: list[bytes]) -> str:
+    """The platform tag of a wheel: the oldest system on which all its libraries load; if unknown, this system.
+
+    The processor is this Python's: `works` accepts only compilers whose libraries this Python loads.
+    """
+    processor = platform.machine()
+    if sys.platform == "darwin" and all(needed := [macos_needed(library) for library in libraries]):
+        return f"macosx_{max(needed)}_0_{processor}"
+    if sys.platform == "linux" and all(needed := [glibc_needed(library) for library in libraries]):
+        return "manylinux_{}_{}".format(*max(needed)) + platform_tag().removeprefix("linux")
+    return platform_tag()
+
+
+def glibc_needed(library: bytes) -> tuple[int, int] | None:
+    """The oldest glibc that an ELF library loads with; None if it needs more than numbered symbols of glibc.
+
+    Needed libraries and versions are strings that end with a zero byte, so that none is missed; a string that looks
+    like one by chance can only make the answer more cautious.
+    """
+    names = set(re.findall(rb"([^\0]*\.so(?:\.[\d.]+)?)\0", library))
+    versions = re.findall(rb"GLIBC_([^\0]+)\0", library)
+    numbers = [re.match(rb"(\d+)\.(\d+)", version) for version in versions]
+    if not names <= {b"libc.so.6", b"libm.so.6"} or not numbers or None in numbers:
+        return None
+    return max(OLDEST_GLIBC, *((int(number[1]), int(number[2])) for number in numbers if number))
+
+
+def macos_needed(library: bytes) -> int | None:
+    """The first version of macOS, from 11, of which every release loads a Mach-O library of one processor."""
+    magic, _, _, _, commands = struct.unpack_from("<5I", library)
+    if magic != 0xFEEDFACF:
+        return None
+    at = 32
+    for _ in range(commands):
+        command, size = struct.unpack_from("<2I", library, at)
+        if command in (0x24, 0x32):  # LC_VERSION_MIN_MACOSX, LC_BUILD_VERSION: 16 bits of major version, 8 of minor
+            (version,) = struct.unpack_from("<I", library, at + (8 if command == 0x24 else 12))
+            return max(11, (version + 0xFFFF) >> 16)
+        at += size
+    return None
+
+
 def works(compiler: list[str]) -> bool:
-    """Whether a compiler is there and builds a shared library with these flags and the standard headers."""
+    """Whether a compiler is there and, with these flags and the standard headers, builds what this Python can load."""
     with tempfile.TemporaryDirectory() as folder:
-        command = [*compiler, *FLAGS, *SHARED, "-x", "c", "-", "-o", str(Path(folder) / "probe"), *LINK]
+        library = str(Path(folder, "probe" + Path(LIBRARY).suffix))
+        command = [*compiler, *FLAGS, *SHARED, "-x", "c", "-", "-o", library, *LINK]
+        load = [sys.executable, "-c", "import ctypes, sys; ctypes.CDLL(sys.argv[1])", library]
         try:
-            return subprocess.run(command, input=PROBE, capture_output=True, text=True).returncode == 0
+            built = subprocess.run(command, input=PROBE, capture_output=True, text=True).returncode == 0
+            return built and subprocess.run(load, capture_output=True).returncode == 0
         except OSError:
             return False
 
@@ -51,35 +119,55 @@ def system_compiler() -> list[str] | None:
 
 
 def zig_compiler() -> list[str]:
-    """Zig's C compiler, for any processor of this kind and, where the system has glibc, for any glibc since 2.17."""
-    machine = platform_tag().removeprefix("linux_")
-    glibc = platform.libc_ver()[0] == "glibc" and machine in ("x86_64", "aarch64")
-    portable = ["-target", f"{machine}-linux-gnu.2.17"] if glibc else ["-mcpu=baseline"]
-    return [sys.executable, "-m", "ziglang", "cc", *portable]
+    """Zig's C compiler, for any processor of this kind and for old systems where that is one of glibc or macOS."""
+    processor, target = platforms.this_platform().split("-")[0], None
+    if sys.platform == "darwin":
+        target = f"{processor}-macos.{OLDEST_MACOS}"
+    elif platform.libc_ver()[0] == "glibc" and processor in ("x86_64", "aarch64"):
+        target = "{}-linux-gnu.{}.{}".format(processor, *OLDEST_GLIBC)
+    return [sys.executable, "-m", "ziglang", "cc", *(["-target", target] if target else ["-mcpu=baseline"])]
 
 
 class CustomBuildHook(BuildHookInterface):
     def dependencies(self) -> list[str]:
-        return ["fmpy>=0.3.20"] if system_compiler() else ["fmpy>=0.3.20", "ziglang"]
+        return ["fmpy>=0.3.20", "ziglang"] if has_zig() or not system_compiler() else ["fmpy>=0.3.20"]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         own = system_compiler()
         compiler, fmu = own or zig_compiler(), platforms.built_library()
-        self.compile(compiler, LIBRARY, list(SOURCES))
         old = ["-include", str(Path(self.root, platforms.RUNTIME, "old_glibc.h"))] if own else []
+        self.compile(compiler, LIBRARY, [*old, *SOURCES])
         self.compile(compiler, fmu, [*old, *platforms.arguments(Path(self.root))])
         build_data["pure_python"] = False
-        build_data["tag"] = f"py3-none-{platform_tag()}"
+        build_data["tag"] = f"py3-none-{wheel_tag([Path(self.root, name).read_bytes() for name in (LIBRARY, fmu)])}"
         build_data["artifacts"] += [f"/{LIBRARY}", f"/{fmu}"]
+        if importlib.util.find_spec("ziglang"):
+            self.compile_for_browsers()
+            build_data["artifacts"] += [f"/{WASM}"]
+
+    def compile_for_browsers(self) -> None:
+        """The core in WebAssembly for the explorer, unless it is newer than all that it is made of."""
+        root = Path(self.root)
+        made_of = [root / name for name in (*WASM_SOURCES, __file__)] + list((root / CORE).glob("*.h"))
+        built = root / WASM
+        if not (built.exists() and built.stat().st_mtime > max(file.stat().st_mtime for file in made_of)):
+            self.run([sys.executable, "-m", "ziglang", "cc", *WASM_FLAGS, *WASM_SOURCES], WASM)
 
     def compile(self, compiler: list[str], name: str, arguments: list[str]) -> None:
+        """Compile a shared library."""
+        self.run([*compiler, *FLAGS, *SHARED, *arguments], name, LINK)
+
+    def run(self, command: list[str], name: str, last: tuple[str, ...] = ()) -> None:
         """Compile beside the library and rename, so that no half-written library is ever in its place."""
         library = Path(self.root, name)
         with tempfile.TemporaryDirectory(dir=library.parent, prefix=".build-") as folder:
             built = Path(folder, library.name)
-            command = [*compiler, *FLAGS, *SHARED, *arguments, "-o", str(built), *LINK]
-            caches = {"ZIG_GLOBAL_CACHE_DIR": folder, "ZIG_LOCAL_CACHE_DIR": folder}  # zig fails without HOME otherwise
-            run = subprocess.run(command, cwd=self.root, env={**caches, **os.environ}, capture_output=True, text=True)
-            if run.returncode != 0:
-                self.app.abort(f"{library.name} does not compile:\n$ {shlex.join(command)}\n{run.stdout}{run.stderr}")
+            command = [*command, "-o", str(built), *last]
+            caches = {"ZIG_LOCAL_CACHE_DIR": folder}
+            if not any(name in os.environ for name in ("HOME", "LOCALAPPDATA")):
+                caches["ZIG_GLOBAL_CACHE_DIR"] = folder  # zig fails otherwise
+            environment = {**caches, "MACOSX_DEPLOYMENT_TARGET": OLDEST_MACOS, **os.environ}
+            done = subprocess.run(command, cwd=self.root, env=environment, capture_output=True, text=True)
+            if done.returncode != 0:
+                self.app.abort(f"{library.name} does not compile:\n$ {shlex.join(command)}\n{done.stdout}{done.stderr}")
             os.replace(built, library)

@@ -1,6 +1,6 @@
-"""The impacts that every contender computes, their exact summaries, and the laws as plain scalar functions.
+"""The impacts that every method computes, their exact summaries, and the laws as plain scalar functions.
 
-All contenders work in the law's units: indentation δ_s, force F_s, time t_s = √(m δ_s/F_s), velocity δ_s/t_s.
+All methods work in the law's units: indentation δ_s, force F_s, time t_s = √(m δ_s/F_s), velocity δ_s/t_s.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model import reference
-from film_model.conventional import SUMMARY
-from film_model.dormand_prince import ScalarLaw
 from film_model.laws import AbstractLaw, BigAlabo, Hertz, Power, Stronge
 from film_model.laws.stronge import FULLY_PLASTIC_PRESSURE
 from film_model.laws.yielding import YIELD_PRESSURE_RATIO
-from film_model.targets import paper_plate_impedance
+from film_model.studies import quadrature
+from film_model.studies.dormand_prince import ScalarLaw
+from film_model.studies.impact_ode import INTEGRATED_VALUES
+from film_model.targets.plate import paper_plate_impedance
 
 Array = NDArray[np.float64]
 
@@ -49,22 +49,22 @@ class Case:
         return force / (self.impedance * speed)
 
     def spread(self, count: int) -> Case:
-        """`count` impacts spread over this case's; the first and last are kept."""
+        """`count` impacts spread over this case's; including the first and the last."""
         picked = np.linspace(0, self.velocity.size - 1, count).round().astype(int)
         return Case(self.name, self.law, self.scalar, self.mass, self.velocity[picked], self.impedance[picked])
 
     def exact(self) -> Array:
-        """(impacts, 6) values of SUMMARY in the law's units, from quadrature or a tight integration."""
+        """(impacts, 6) values of INTEGRATED_VALUES in the law's units, from quadrature or a tight integration."""
         length, force, time, speed = self.scales()
         rows = []
         for velocity, impedance in zip(self.velocity, self.impedance, strict=True):
             still = math.isinf(impedance)
             found = (
-                reference.quadrature(self.law, self.mass, velocity)
+                quadrature.quadrature(self.law, self.mass, velocity)
                 if still
-                else reference.integrate(self.law, self.mass, velocity, impedance, rtol=3e-14)
+                else quadrature.integrate(self.law, self.mass, velocity, impedance, rtol=3e-14)
             )
-            rows.append([found[name] for name in SUMMARY])
+            rows.append([found[name] for name in INTEGRATED_VALUES])
         return np.array(rows) / np.array([force, length, time, time, time, speed])
 
 

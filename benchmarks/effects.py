@@ -1,9 +1,9 @@
-"""What an effect costs, and that one which is off costs nothing: `python -m benchmarks.effects [--json FILE]`.
+"""The cost of effects, which is zero for an effect that is off: `python -m benchmarks.effects [--json FILE]`.
 
-The scene is an elastic ball on a half-space. First the whole simulation: as it stands, with every effect switched off
-by hand, and with the choice taken out (the problem is put together and marched, as if no effect existed). Then each
-effect switched on, by itself: the march in the core and the whole simulation, over the same without it. Contenders take
-turns; times are the least of many rounds. They are printed, never asserted.
+The scene is an elastic ball on a half-space. First the whole simulation: with every effect on "auto", with every effect
+switched off, and without the choice of effects (the problem is assembled directly). Then one effect at a time: the
+core's march and the whole simulation with the effect, relative to the same without it. The cases run in turn; times are
+the minimum over many rounds. They are printed, never asserted.
 """
 
 from __future__ import annotations
@@ -16,15 +16,13 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
 
 import film_model as fm
-from film_model.accuracy import mesh_of
 from film_model.core import native
-from film_model.effects import effects_of
+from film_model.effects.choose import choose, problem_of
 from film_model.laws import Hertz
-from film_model.problem import assemble, problem_of
-from film_model.solve import simulate
+from film_model.solve.accuracy import mesh_of
+from film_model.solve.simulate import simulate, simulate_chosen
 
 STEEL = {
     "youngs_modulus": "210 GPa",
@@ -71,26 +69,18 @@ def elastic(rounds: int) -> dict[str, float]:
     law = Hertz(auto.effective_modulus, auto.effective_radius)
     assert problem_of(auto).start.load == 0.0 and problem_of(auto).law == law
 
-    def bare() -> None:
-        with patch("film_model.solve.problem_of", lambda given: assemble(given, law, math.inf, 0.0)):
-            simulate(auto)
-
-    def patched() -> None:
-        with patch("film_model.solve.problem_of", problem_of):
-            simulate(auto)
-
+    choice = choose(auto)
     calls: dict[str, Callable[[], object]] = {
         "every effect on auto": lambda: simulate(auto),
         "every effect switched off": lambda: simulate(off),
-        "on auto, inside a patch": patched,
-        "no effect exists, inside a patch": bare,
-        "the report of effects, only when it is asked for": lambda: effects_of(auto),
+        "effects chosen beforehand": lambda: simulate_chosen(choice, auto.solver),
+        "the report of effects, only when it is asked for": lambda: choose(auto).effects,
     }
     return best(calls, rounds)
 
 
 def effects(rounds: int) -> dict[str, dict[str, float]]:
-    """Lines and times of an impact with an effect, over those without."""
+    """Segments and times of an impact with an effect, relative to those without."""
     half = fm.HalfSpace(STEEL)
     pairs = [
         ("plasticity", scene("0.25 m/s", half)),
@@ -101,7 +91,7 @@ def effects(rounds: int) -> dict[str, dict[str, float]]:
     rows: dict[str, dict[str, float]] = {}
     for switch, without in pairs:
         full = without.replace({f"effects.{switch}": True})
-        effect = next(e for e in problem_of(full).effects if e.name == switch)
+        effect = next(e for e in choose(full).effects if e.name == switch)
         name = f"{switch.replace('_', ' ')}, {effect.indicator} = {effect.value:.2g}"
         lines = [float(simulate(s).accuracy.lines) for s in (full, without)]
         march = best({str(k): _march(s) for k, s in enumerate((full, without))}, rounds)
@@ -124,7 +114,7 @@ def _march(given: fm.Scene) -> Callable[[], object]:
 
 
 def best(calls: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
-    """Seconds a call, the least of the rounds, in each of which every contender has its turn of ten calls."""
+    """Seconds per call: the minimum over rounds, in each of which every case makes ten calls."""
     least = dict.fromkeys(calls, math.inf)
     for _ in range(rounds):
         for name, call in calls.items():

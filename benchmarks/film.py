@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.cases import Array, Case, worst_error
 from film_model.core import native
-from film_model.curve import curve_of
+from film_model.problem.curve import curve_of
 
 _COLUMNS = (
     "maximum_force",
@@ -21,7 +21,7 @@ _COLUMNS = (
     "final_velocity",
 )
 MOST_SEGMENTS = 4096
-_RATIOS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)  # unloading segments for one of loading
+_RATIOS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)  # unloading segments per loading segment
 
 
 def batch(case: Case, linearisation: int, segments: tuple[int, int], using: int | None = None) -> Callable[[], Any]:

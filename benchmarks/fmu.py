@@ -1,8 +1,8 @@
-"""What an FMU's steps cost: `python -m benchmarks.fmu [--json FILE]`. Needs a C compiler.
+"""Times of an FMU's steps: `python -m benchmarks.fmu [--json FILE]`. Needs a C compiler.
 
 The driver `fmu_driver.c` is compiled with the sources of the FMU's binary and the flags of the build, and runs whole
-contacts in one step and in a thousand, beside the march alone. Times are the least of many rounds. They are printed,
-never asserted.
+contacts in one step and in a thousand, and the core's march alone. Times are the minimum over many rounds. They are
+printed, never asserted.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ static double checksum = 0.0; /* so that nothing is left out */
 static void by_core(const subject *s) { /* the march alone: line after line, event after event */
     const model *m = &((instance *)s->c)->model;
     film_state state = s->state;
-    double end = s->end / m->memory.tick;
+    double end = s->end / m->memory.time_scale;
     while (film_step(&m->data->curve, &m->mesh, &state, end - state.time) == FILM_EVENT) checksum += state.time;
     checksum += state.xi;
 }
@@ -84,7 +84,7 @@ static void by_record(const subject *s) { /* the march with every line and event
     const model *m = &((instance *)s->c)->model;
     film_state state = s->state;
     int32_t line_count, event_count;
-    film_record(&m->data->curve, &m->mesh, &state, s->end / m->memory.tick, lines, LINE_ROOM, &line_count, events, EVENT_ROOM,
+    film_record(&m->data->curve, &m->mesh, &state, s->end / m->memory.time_scale, lines, LINE_ROOM, &line_count, events, EVENT_ROOM,
                 &event_count);
     checksum += state.xi;
 }
@@ -107,7 +107,7 @@ static void by_steps(const subject *s) {
 static void by_core_steps(const subject *s) {
     const model *m = &((instance *)s->c)->model;
     film_state state = s->state;
-    double size = s->end / m->memory.tick / STEPS;
+    double size = s->end / m->memory.time_scale / STEPS;
     for (int k = 0; k < STEPS; k++)
         while (film_step(&m->data->curve, &m->mesh, &state, fmax(size * (k + 1) - state.time, 0.0)) == FILM_EVENT) checksum += 1.0;
     checksum += state.xi;
@@ -124,9 +124,9 @@ static void by_outputs(const subject *s) {
 static double least(void (*work)(const subject *), const subject *s, int calls) {
     double best = INFINITY;
     for (int round = 0; round < ROUNDS; round++) {
-        double begun = nanoseconds();
+        double initialized = nanoseconds();
         for (int k = 0; k < calls; k++) work(s);
-        best = fmin(best, (nanoseconds() - begun) / calls);
+        best = fmin(best, (nanoseconds() - initialized) / calls);
     }
     return best;
 }
@@ -145,7 +145,7 @@ int main(int count, char **folder) {
             film_state state = s.state;
             while (film_step(&m->data->curve, &m->mesh, &state, 1e6) == FILM_EVENT && state.event != FILM_CONTACT_ENDS) continue;
             need(state.event == FILM_CONTACT_ENDS, "a contact");
-            s.end = state.time * m->memory.tick * 1.0001;
+            s.end = state.time * m->memory.time_scale * 1.0001;
             double core = least(by_core, &s, CALLS), record = least(by_record, &s, CALLS);
             double restore = least(back, &s, CALLS), whole = least(by_one_step, &s, CALLS) - restore;
             double many = (least(by_steps, &s, 4) - restore) / STEPS, many_core = least(by_core_steps, &s, 4) / STEPS;

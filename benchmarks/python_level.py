@@ -1,4 +1,4 @@
-"""What one impact costs from Python: a whole simulation, one step of the component, and a cold command line."""
+"""Times from Python: a whole simulation, one step of the component, and a new process of the command line."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SCENE = ROOT / "examples" / "scenes" / "tungsten_carbide_on_steel.toml"
 
 
 def best_time(call: Callable[[], object], repeats: int, calls: int = 1) -> float:
-    """Seconds a call: the least of `repeats` loops of `calls`, which other work on the machine disturbs least."""
+    """Seconds per call: the minimum over `repeats` loops of `calls`, which other processes disturb least."""
     call()
     best = float("inf")
     for _ in range(repeats):
@@ -48,7 +48,7 @@ def measure(repeats: int) -> list[dict[str, object]]:
         row("ImpactComponent.step(1 µs)", _stepper(fm, scene), 100)
     except (AttributeError, ImportError) as error:
         rows.append({"what": "ImpactComponent.step(1 µs)", "missing": f"not available: {error}"})
-    main = "import sys; from film_model.cli import main; sys.exit(main(sys.argv[1:]))"
+    main = "import sys; from film_model.cli.main import main; sys.exit(main(sys.argv[1:]))"
     command = [sys.executable, "-c", main, "run", str(SCENE), "--json"]
     row("film-model run scene.toml --json, whole process", lambda: _quiet(command), 1)
     row("python -c 'import film_model', whole process", lambda: _quiet([sys.executable, "-c", "import film_model"]), 1)
@@ -57,7 +57,7 @@ def measure(repeats: int) -> list[dict[str, object]]:
 
 
 def _stepper(fm: object, scene: object) -> Callable[[], object]:
-    """One step of 1 µs; a new component takes over when contact has ended, about every hundredth step."""
+    """One step of 1 µs; a new component replaces one whose contact has ended, about every hundredth step."""
     made = [fm.ImpactComponent(scene)]  # type: ignore[attr-defined]
 
     def step() -> None:

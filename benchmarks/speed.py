@@ -1,8 +1,8 @@
-"""Microseconds an impact at equal accuracy: `python -m benchmarks.speed [--quick] [--json FILE]`.
+"""Microseconds per impact at equal accuracy: `python -m benchmarks.speed [--quick] [--json FILE]`.
 
-Every contender computes the same impacts in one run, on one core, and has to keep the largest relative error of six
-summary values of every checked impact below a target; its cheapest setting that does so is searched, then timed.
-Times are the least of several repeats. They are printed, never asserted.
+Every method computes the same impacts in one run, on one core. Its fastest setting is searched for which the largest
+relative error of six summary values over all checked impacts is below a target, and then timed. Times are the minimum
+over several repeats. They are printed, never asserted.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from benchmarks import conventional, film, python_level, root_steps
 from benchmarks.cases import Array, Case, all_cases, worst_error
 from benchmarks.python_level import best_time
 from film_model.core import native
-from film_model.dormand_prince import compile_rival
 from film_model.laws import Hertz
+from film_model.studies.dormand_prince import compile_solver
 
 TARGETS = (1e-4, 1e-6)
 TOLERANCES = 10.0 ** -np.arange(2.0, 13.01, 0.25)
@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     print(f"{platform.machine()}, Python {platform.python_version()}, one core; {impacts} impacts, {checked} checked")
     if find_spec("numba") is None:
-        print("numba is not installed: Dormand–Prince is left out (pip install numba).")
+        print("numba is not installed: Dormand–Prince is skipped (pip install numba).")
     rows: list[Row] = []
     for case in all_cases(impacts):
         measured = measure_case(case, checked, repeats)
@@ -60,7 +60,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def measure_case(case: Case, checked: int, repeats: int) -> list[Row]:
-    """Rows of all contenders and targets for one case."""
+    """Rows of all methods and targets for one case."""
     some = case.spread(checked)
     exact = some.exact()
     rows: list[Row] = []
@@ -88,8 +88,8 @@ def _row(case: Case, target: float, contender: str, setting: str, error: float |
 
 
 def _fastest(call: Callable[[], object], repeats: int) -> float:
-    """Seconds of the fastest of 20 times `repeats` calls, but of one second at most: other work on the machine disturbs
-    many short looks less than a few long ones."""
+    """Seconds of the fastest of 20 × `repeats` calls, within about one second: other processes disturb many short
+    measurements less than a few long ones."""
     call()
     begun, best = time.perf_counter(), float("inf")
     for _ in range(20 * repeats):
@@ -102,7 +102,7 @@ def _fastest(call: Callable[[], object], repeats: int) -> float:
 
 
 def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kind: str) -> list[Row]:
-    """On the processor's widest instructions and, for lines that preserve work, on the narrower ones too."""
+    """With the processor's widest vector instructions and, for work-preserving lines, with the narrower ones too."""
     line, name = {
         "work": (native.WORK_PRESERVING, "FILM, work-preserving"),
         "chord": (native.CHORD, "FILM, the paper's chords"),
@@ -121,19 +121,19 @@ def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kin
 
 
 def dormand_prince_rows(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]:
-    """The cheapest of both forms and all settings, for each target."""
+    """The fastest of both forms and all settings, for each target."""
     if find_spec("numba") is None:
         return []
-    rivals = {form: compile_rival(case.scalar, form) for form in ("time", "root")}
+    solvers = {form: compile_solver(case.scalar, form) for form in ("time", "root")}
     rows = []
     found, out = np.empty(exact.shape), np.empty((case.nu.size, exact.shape[1]))
     for target in TARGETS:
         fitting = []
-        for form, rival in rivals.items():
+        for form, solver in solvers.items():
             for floor in FLOORS:
                 for tolerance in TOLERANCES:
                     found[:] = np.nan
-                    cost = rival(some.nu, some.gamma, tolerance, floor, found)
+                    cost = solver(some.nu, some.gamma, tolerance, floor, found)
                     error = worst_error(found, exact)
                     if error <= target:
                         fitting.append((cost, error, form, tolerance, floor))
@@ -141,8 +141,8 @@ def dormand_prince_rows(case: Case, some: Case, exact: Array, repeats: int) -> l
         if not fitting:
             continue
         _, error, form, tolerance, floor = min(fitting)
-        nu, gamma, rival = case.nu, case.gamma, rivals[form]
-        seconds = _fastest(lambda: rival(nu, gamma, tolerance, floor, out), repeats) / nu.size  # noqa: B023
+        nu, gamma, solver = case.nu, case.gamma, solvers[form]
+        seconds = _fastest(lambda: solver(nu, gamma, tolerance, floor, out), repeats) / nu.size  # noqa: B023
         setting = f"{form} form, rtol {tolerance:.1e}, floor {floor:g}"
         rows.append(_row(case, target, "Dormand–Prince 5(4), numba", setting, error, seconds))
     return rows
@@ -152,7 +152,7 @@ def _root_steps(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]
     """Hertz's law on plates only; the fastest of all settings, for each target."""
     if find_spec("numba") is None or not isinstance(case.law, Hertz):
         return []
-    rival, found, out = root_steps.compile_rival(), np.empty(exact.shape), np.empty((case.nu.size, exact.shape[1]))
+    solver, found, out = root_steps.compile_solver(), np.empty(exact.shape), np.empty((case.nu.size, exact.shape[1]))
     rows = []
     for target in TARGETS:
         fitting = []
@@ -161,9 +161,9 @@ def _root_steps(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]
             while error > target:
                 steps = max(steps + 1, round(1.04 * steps))
                 found[:] = np.nan
-                rival(some.nu, some.gamma, float(steps), stretch, found)
+                solver(some.nu, some.gamma, float(steps), stretch, found)
                 error = worst_error(found, exact)
-            seconds = _fastest(lambda: rival(case.nu, case.gamma, float(steps), stretch, out), repeats)  # noqa: B023
+            seconds = _fastest(lambda: solver(case.nu, case.gamma, float(steps), stretch, out), repeats)  # noqa: B023
             fitting.append((seconds / case.nu.size, error, steps, stretch))
         seconds, error, steps, stretch = min(fitting)
         setting = f"{steps} steps, stretch {stretch:g}"
@@ -186,7 +186,7 @@ def scipy_rows(few: Case, method: str, exact: Array) -> list[Row]:
 
 
 def print_case(case: Case, rows: list[Row]) -> None:
-    """One table a case: both targets, the time of each contender and its ratio to FILM's."""
+    """One table per case: both targets, the time of each method and its ratio to FILM's."""
     print(f"\n{case.name}")
     for target in TARGETS:
         here = [row for row in rows if row["target"] == target]
@@ -202,7 +202,7 @@ def print_case(case: Case, rows: list[Row]) -> None:
 
 
 def print_python(rows: list[dict[str, object]]) -> None:
-    """What one call costs from Python."""
+    """Times of single calls from Python."""
     print("\nFrom Python, one call")
     for row in rows:
         seconds = row.get("seconds")

@@ -1,10 +1,10 @@
 """Sweeps from 10⁴ to 10⁷ impacts: `python -m benchmarks.sweep [--largest 1e7] [--json FILE]`.
 
-Each sweep runs in a process of its own on all cores, so that its memory can be told: seconds of the call (imports not
-counted) by the clock and of all its threads together, and the largest resident memory. A sweep of two impacts tells
-what any sweep takes that is no impact: the checks, the dataset, its file; the last column is without it. Beside it,
-from the contenders of `benchmarks.speed` at errors below 1e-4: the same impacts by scipy's solve_ivp and by a
-numba-compiled Dormand–Prince pair, one core and no file, extrapolated from their microseconds an impact.
+Each sweep runs on all cores in a separate process, which measures its largest resident memory, and the wall and CPU
+seconds of the call without imports. A sweep of two impacts measures the overhead that does not depend on the number of
+impacts (checks, dataset, file); the last column excludes it. For comparison, from `benchmarks.speed` at errors below
+1e-4: the same impacts by scipy's solve_ivp and by a numba-compiled Dormand–Prince pair, on one core and without a file,
+extrapolated from their microseconds per impact.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""What accuracy costs in time, for the three cases of Big-Alabo, Cartmell & Harrison 2017: docs/cost.png.
+"""Error against computing time for the three cases of Big-Alabo, Cartmell & Harrison 2017: docs/cost.png.
 
-Every method that is installed runs each impact at several settings (`pip install '.[benchmark]'` for all of them). It
-takes a minute or two, and the machine should have nothing else to do.
+All installed methods run each impact at several settings (`pip install '.[benchmark]'` installs all of them). It takes
+one or two minutes on an otherwise idle machine.
 """
 
 import sys
@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import film_model as fm
-from film_model.plot_study import plot_studies
-from film_model.study import Study, one_thread, study
+from film_model.plot.cost import plot_studies
+from film_model.studies.cost import Study, study
+from film_model.studies.timing import one_thread
 
 SCENES = Path(__file__).parent / "scenes"
 PICTURE = Path(__file__).parent.parent / "docs" / "cost.png"

@@ -1,7 +1,7 @@
 """A contact law of your own: a headform on a crushable foam liner.
 
-The liner is linear up to crush, then a plateau (tanh) that stiffens as the cells close (exponential); it comes back
-along a straight line to a dent that keeps 70 % of the crush.
+The liner is linear until its cells crush, then has a plateau (tanh) that stiffens as the cells close (exponential). It
+unloads along a straight line to a permanent indentation of 70 % of the crushed depth.
 """
 
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 import film_model as fm
-from film_model import reference
+from film_model.studies import quadrature
 
 CRUSH = 0.05  # of the thickness
 PLATEAU = 0.04  # force of the plateau above that at crush, in units of stiffness × thickness
@@ -29,7 +29,7 @@ class Foam(fm.AbstractLaw):
 
     name: ClassVar[str] = "foam"
     summary: ClassVar[str] = "linear, then a plateau and densification"
-    source: ClassVar[str] = "made up for this example"
+    source: ClassVar[str] = "this example"
 
     stiffness: float
     thickness: float
@@ -55,7 +55,7 @@ def main() -> tuple[fm.History, dict[str, float]]:
         fm.Effects(gravity=False),
         title="Headform on a foam liner",
     )
-    return fm.simulate(scene, accuracy=1e-8), reference.quadrature(law, scene.mass, scene.approach_velocity)
+    return fm.simulate(scene, accuracy=1e-8), quadrature.quadrature(law, scene.mass, scene.approach_velocity)
 
 
 if __name__ == "__main__":
@@ -64,5 +64,5 @@ if __name__ == "__main__":
         f"error of the fitted law {history.problem.curve.fit_error:.1e}, of the march {history.accuracy.estimated:.1e}"
     )
     print(f"{'':30}{'FILM':>16}{'quadrature':>16}")
-    for name, value in history.summary.items():
-        print(f"{name:30}{value:16.9g}{exact[name]:16.9g}")
+    for name, value in exact.items():
+        print(f"{name:30}{history.summary[name]:16.9g}{value:16.9g}")

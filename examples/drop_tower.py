@@ -1,14 +1,14 @@
 """A system-level co-simulation: the impact FMU on a carriage that is another FMU, of another exporter.
 
-A ball hits a slab on a carriage, which gives way on its spring and damper while the contact lasts. A small master
-couples the two FMUs at macro steps, in three ways:
+A ball hits a slab on a carriage with a spring and a damper, which moves during contact. A small master couples the two
+FMUs at macro steps, in three ways:
 
-* parallel: each hears what the other said at the beginning of the step;
-* in turn: the carriage hears the contact force at the end of the step;
-* balanced: the ball hears the carriage's velocity extrapolated to the middle of the step, and the carriage the mean
-  force, which is the momentum the ball has lost.
+* parallel: each receives the other's output from the beginning of the step;
+* in turn: the carriage receives the contact force from the end of the step;
+* balanced: the ball receives the carriage's velocity extrapolated to the middle of the step, and the carriage the mean
+  force, computed from the ball's change of momentum.
 
-Errors fall with the step, and balanced with its square. The reference is the coupled equations by DOP853.
+Errors are of first order in the step, balanced of second. The reference is the coupled equations by DOP853.
 """
 
 import math
@@ -25,10 +25,11 @@ from scipy.integrate import OdeSolution, solve_ivp
 import film_model as fm
 import fmu_wrapper
 from film_model.laws.hertz import hertz_stiffness
+from film_model.plot.style import COLOURS, HIGHLIGHT
 
 CARRIAGE = Path(__file__).parent / "fmus" / "carriage.py"
 CARRIAGE_MASS, STIFFNESS, DAMPING = 0.5, 2e5, 20.0  # kg, N/m, N s/m
-COLOURS = ("#ffa90e", "#3f90da", "#bd1f01")
+WAY_COLOURS = (COLOURS[1], COLOURS[0], HIGHLIGHT)
 STEPS = (10, 20, 40, 80, 160, 320)
 END = 130e-6  # s, after the contact
 
@@ -39,6 +40,7 @@ def scene() -> fm.Scene:
         fm.Sphere(radius="10 mm", velocity="0.25 m/s", material="tungsten carbide"),
         fm.HalfSpace("mild steel"),
         contact=fm.Contact(law="hertz"),
+        effects=fm.Effects(gravity=False),
         solver=fm.Solver(accuracy=1e-8),
         title="Ball on a carriage",
     )
@@ -142,7 +144,7 @@ def draw(errors: dict[str, list[float]], path: str | Path) -> None:
     figure = Figure(figsize=(6.0, 4.2), layout="constrained")
     panel = figure.add_subplot()
     sizes = END / np.array(STEPS) * 1e6
-    for (name, found), colour, order in zip(errors.items(), COLOURS, (1, 1, 2), strict=True):
+    for (name, found), colour, order in zip(errors.items(), WAY_COLOURS, (1, 1, 2), strict=True):
         panel.loglog(sizes, found, "o-", color=colour, label=name)
         panel.loglog(sizes, found[-1] * (sizes / sizes[-1]) ** order, ":", color=colour, label=f"order {order}")
     panel.set(xlabel="macro step (µs)", ylabel="largest error of a velocity / approach velocity")

@@ -1,10 +1,9 @@
-"""When does loading end on a plate that gives way? When the indentation is deepest, not when the ball stops.
+"""When does loading end on a compliant plate? At the maximum indentation, not when the ball stops.
 
-Big-Alabo, Cartmell & Harrison 2017 let the contact of a plastic law load until the impactor's velocity is zero. On a
-plate the ball still moves inwards when the indentation already falls, because the plate moves away: until the ball
-stops, the contact would open along its loading curve, and a plastic curve would give back the work of the dent. Both
-rules are integrated here by scipy alone, for a steel ball on aluminium and Thornton's law, and beside them stands what
-`simulate` returns.
+Big-Alabo, Cartmell & Harrison 2017 load the contact of a plastic law until the impactor's velocity is zero. On a plate
+the indentation decreases before that, because the plate moves away faster than the ball: until the ball stops, the
+contact would unload along its loading curve and return the plastic work. This example integrates both rules with scipy,
+for a steel ball on aluminium and Thornton's law, and compares them with `simulate`.
 """
 
 from math import pi, sqrt
@@ -19,7 +18,7 @@ YIELD_PRESSURE = 442e6  # Pa, 1.6 times the yield strength
 
 
 def impact(scene: fm.Scene, stops: bool) -> dict[str, float]:
-    """Summary by scipy's DOP853. stops: unloading begins where the ball stops, and not at the deepest indentation."""
+    """Summary by scipy's DOP853. stops: unloading begins when the ball stops instead of at the maximum indentation."""
     mass, radius, impedance = scene.effective_mass, scene.effective_radius, scene.target_impedance
     stiffness = 4.0 / 3.0 * scene.effective_modulus * sqrt(radius)
     yields = (pi * YIELD_PRESSURE / (2.0 * scene.effective_modulus)) ** 2 * radius
@@ -61,11 +60,11 @@ def impact(scene: fm.Scene, stops: bool) -> dict[str, float]:
 
 
 def main() -> dict[str, dict[str, float]]:
-    """Summaries, SI: loading to the deepest indentation, to the ball's stop, and the package's."""
+    """Summaries, SI: loading until the maximum indentation, until the ball stops, and the package's."""
     scene = fm.Scene(BALL, PLATE, fm.Contact("thornton", yield_pressure=f"{YIELD_PRESSURE} Pa"))
     summary = fm.simulate(scene, accuracy=1e-10).summary
     return {
-        "deepest": impact(scene, stops=False),
+        "maximum indentation": impact(scene, stops=False),
         "ball stops": impact(scene, stops=True),
         "simulate": {name: value for name, value in summary.items() if value is not None},
     }
@@ -74,8 +73,8 @@ def main() -> dict[str, dict[str, float]]:
 if __name__ == "__main__":
     columns = main()
     print(f"{'':32}" + "".join(f"{name:>16}" for name in columns))
-    for quantity in columns["deepest"]:
+    for quantity in columns["maximum indentation"]:
         cells = (column.get(quantity) for column in columns.values())
         print(f"{quantity:32}" + "".join(f"{'' if cell is None else f'{cell:.6g}':>16}" for cell in cells))
-    right, wrong = (columns[name]["rebound_velocity"] for name in ("deepest", "ball stops"))
+    right, wrong = (columns[name]["rebound_velocity"] for name in ("maximum indentation", "ball stops"))
     print(f"Loading until the ball stops: the rebound is off by {wrong / right - 1.0:+.0%}.")

@@ -1,8 +1,8 @@
-"""Figures 2 to 6 of Big-Alabo, Cartmell & Harrison 2017, drawn anew.
+"""Figures 2 to 6 of Big-Alabo, Cartmell & Harrison 2017, redrawn.
 
-The paper draws FILM as lines and numerical integration as markers, and so do these; every figure has both
-linearisations: chords, as in the paper, and work-preserving lines on as many segments. The markers are scipy's DOP853
-on the same contact law, `impact_by_integration`, which shares no code with the march.
+As in the paper, lines are FILM and markers are numerical integration. Every figure shows both linearisations: the
+paper's chords, and work-preserving lines with the same number of segments. The markers are scipy's DOP853 for the same
+contact law (`impact_by_integration`), which shares no code with the core.
 """
 
 import sys
@@ -16,8 +16,8 @@ from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 
 import film_model as fm
-from film_model import reference
-from film_model.problem import problem_of
+from film_model.effects.choose import problem_of
+from film_model.studies import quadrature
 
 SCENES = Path(__file__).parent / "scenes"
 STYLES = {  # of a line; colours of Okabe and Ito's palette
@@ -51,7 +51,7 @@ def impact_by_integration(scene: fm.Scene) -> Integrated:
     def loading(depth):
         xi = max(depth / scales.length, 0.0)
         stage = next(s for s in stages if xi <= s.end)
-        return scales.force * float(reference.value(stage.force, xi, stage))
+        return scales.force * float(quadrature.value(stage.force, xi, stage))
 
     def march(force, start, begin, until):
         until.terminal, until.direction = True, -1
@@ -67,11 +67,11 @@ def impact_by_integration(scene: fm.Scene) -> Integrated:
     opening, free = loading, 0.0
     if stage.unloading is not None:
         top = loading(depth)
-        branch = reference.unloaded(stage.unloading, stage, depth / scales.length, top / scales.force)
+        branch = quadrature.unloaded(stage.unloading, stage, depth / scales.length, top / scales.force)
         free = branch.begin * scales.length
 
         def opening(deep):
-            return scales.force * float(reference.value(branch.force, deep / scales.length, branch))
+            return scales.force * float(quadrature.value(branch.force, deep / scales.length, branch))
 
     outward = march(opening, inward.y[:, -1], turn, lambda _, s: s[0] - free)
 
@@ -90,9 +90,9 @@ def histories(scene: fm.Scene, segments: int) -> dict[str, fm.History]:
 
 
 def history_figure(scene: fm.Scene, segments: int, title: str) -> tuple[Figure, dict[str, float]]:
-    """Force, indentation and its rate over time; on the right, what each linearisation differs from integration.
+    """Force, indentation and its rate over time; on the right, the differences from integration.
 
-    Also returns the largest difference in force of each, relative to the maximum force.
+    Also returns the largest difference in force for each linearisation, relative to the maximum force.
     """
     integrated, runs = impact_by_integration(scene), histories(scene, segments)
     figure = Figure(figsize=(10.0, 7.5), layout="constrained")
@@ -139,9 +139,9 @@ def shade_stages(axes: Axes, history: fm.History, named: bool) -> None:
 
 
 def convergence_figure(scene: fm.Scene, zoom: bool) -> tuple[Figure, dict[str, list[float]]]:
-    """Force over time on 10, 15 and 20 segments a stage, whole or around the peak; below, what each is off.
+    """Force over time with 10, 15 and 20 segments per stage, whole or around the peak; below, the differences.
 
-    Also returns the maximum force [N] of each. The paper cuts 96 µm into 30, 40 and 50 segments, of which the
+    Also returns the maximum force [N] of each. The paper divides 96 µm into 30, 40 and 50 segments, of which the
     indentation crosses 14, 19 and 23 until it turns, and unloads in 10, 15 and 20.
     """
     integrated = impact_by_integration(scene)

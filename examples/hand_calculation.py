@@ -1,4 +1,4 @@
-"""FILM by hand: the tungsten-carbide ball of Big-Alabo, Cartmell & Harrison 2017 with nothing but `math`.
+"""FILM by hand: the tungsten-carbide ball of Big-Alabo, Cartmell & Harrison 2017 with `math` alone.
 
 Numbers in brackets are the paper's equations. `simulate(scene, segments=5, linearisation="chord")` gives the same
 numbers to rounding.
@@ -6,7 +6,7 @@ numbers to rounding.
 
 from math import acos, atan2, cos, hypot, pi, sqrt
 
-N = 5  # segments a stage
+N = 5  # segments per stage
 M, R, V0, S_Y = 0.06074, 0.010, 0.25, 1.0e9  # kg, m, m/s, Pa: Table 2
 E = 1 / ((1 - 0.28**2) / 600e9 + (1 - 0.30**2) / 210e9)  # Pa
 

@@ -19,9 +19,9 @@ BLUE, VERMILION = "#0072B2", "#D55E00"  # of Okabe and Ito's palette
 
 def restitution(target: fm.HalfSpace | fm.Plate, plasticity: bool) -> tuple[float, float]:
     """Zener's λ and the coefficient of restitution."""
-    effects = fm.Effects(plasticity=plasticity, target_motion=True, gravity=False)  # also where it hardly matters
+    effects = fm.Effects(plasticity=plasticity, target_motion=True, gravity=False)  # even if the change is small
     history = fm.simulate(fm.Scene(BALL, target, effects=effects), accuracy=1e-6)
-    motion = next(effect for effect in history.problem.effects if effect.name == "target_motion")
+    motion = next(effect for effect in history.effects if effect.name == "target_motion")
     return motion.value, history.summary["coefficient_of_restitution"]
 
 

@@ -1,7 +1,9 @@
-"""The datasets of datasets/published, computed anew: `python examples/published_datasets.py [FOLDER]`.
+"""Recompute the datasets of datasets/published: `python examples/published_datasets.py [FOLDER]`.
 
 paper_big_alabo, paper_stronge, paper_plate: the impacts of Big-Alabo, Cartmell & Harrison 2017. zener: the coefficient
-of restitution over Zener's inelasticity parameter, on plates of all weights. restitution: over velocity, for every law.
+of restitution over Zener's inelasticity parameter, on plates of any thickness. restitution: over velocity, for the laws
+of `CONTACTS`. measured_impacts: published values, from the tables in CSV beside it. Published data stay as they are: a
+law that is added later does not change them.
 """
 
 import sys
@@ -12,14 +14,20 @@ import xarray as xr
 
 import film_datasets as fd
 import film_model as fm
+from film_datasets.evidence import evidence_from_csv
 
 SCENES = Path(__file__).parent / "scenes"
 FOLDER = Path(__file__).parent.parent / "datasets" / "published"
 
-PARAMETERS = {  # of laws that need more than the scene has
+CONTACTS = {  # laws of the restitution dataset, with the parameters that the scene does not give
+    "hertz": {},
     "meyer": {"stiffness": "2.27e10 N/m^1.5", "exponent": 1.5},  # Hertz's stiffness of this pair
+    "big-alabo": {},
+    "stronge": {},
     "thornton": {"yield_pressure": "1.6 GPa"},
     "kogut-etsion": {"hardness": "2.8 GPa"},
+    "jackson-green": {},
+    "yigit-christoforou": {},
     "rigid-plastic": {"yield_pressure": "3 GPa"},
     "walton-braun": {"loading_stiffness": "5e7 N/m", "unloading_stiffness": "8e7 N/m"},
     "luding": {"loading_stiffness": "5e7 N/m", "plastic_stiffness": "8e7 N/m", "plasticity_depth": 0.05},
@@ -45,7 +53,7 @@ def paper() -> dict[str, xr.Dataset]:
 
 
 def zener() -> xr.Dataset:
-    """Restitution of a steel ball on steel plates, from so light that it hardly rebounds to so heavy that none moves.
+    """Restitution of a steel ball on steel plates, from thin ones with almost no rebound to nearly rigid ones.
 
     Hertz's law, so that the coefficient of restitution depends on `zener_number` alone (Zener 1941).
     """
@@ -53,7 +61,7 @@ def zener() -> xr.Dataset:
         fm.Sphere("5 mm", velocity="1 m/s", material="bearing steel"),
         fm.Plate("mild steel", thickness="10 mm"),
         fm.Contact("hertz"),
-        effects=fm.Effects(target_motion=True, gravity=False),  # even where they hardly matter
+        effects=fm.Effects(target_motion=True, gravity=False),  # even if the change is small
         solver=fm.Solver(accuracy=1e-8),
         title="Zener's curve",
     )
@@ -62,9 +70,9 @@ def zener() -> xr.Dataset:
 
 
 def restitution() -> xr.Dataset:
-    """Restitution of the paper's ball on its steel, over velocity, for every law."""
+    """Restitution of the paper's ball on its steel, over velocity, for the laws in `CONTACTS`."""
     base = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml").replace({"solver.accuracy": 1e-8})
-    contacts = [{"law": name, **PARAMETERS.get(name, {})} for name in fm.LAWS]
+    contacts = [{"law": name, **parameters} for name, parameters in CONTACTS.items()]
     velocity = {"from": "0.01 m/s", "to": "10 m/s", "count": 121, "spacing": "log"}
     return fd.sweep(base, {"contact": contacts, "impactor.velocity": velocity})
 
@@ -72,6 +80,9 @@ def restitution() -> xr.Dataset:
 def main(folder: str | Path = FOLDER) -> dict[str, xr.Dataset]:
     """Write all datasets into a folder, and return them by name."""
     made = {**paper(), "zener": zener(), "restitution": restitution()}
+    made["measured_impacts"] = evidence_from_csv(
+        FOLDER / "measured_impacts.csv", FOLDER / "measured_impacts_sources.csv"
+    )
     Path(folder).mkdir(parents=True, exist_ok=True)
     for name, dataset in made.items():
         fd.write(dataset, Path(folder) / f"{name}.nc", overwrite=True)

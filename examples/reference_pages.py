@@ -1,20 +1,44 @@
-"""docs/laws.md, docs/laws.png and docs/effects.md: contact laws and effects with their equations, from the code."""
+"""Write docs/laws.md, docs/laws.png, docs/effects.md and the README's list of laws from the code."""
 
 import inspect
+import re
 import sys
 from pathlib import Path
 
 import film_model as fm
-from film_model.effects import COMPUTED, effects_of
-from film_model.explain import effects_text
+from film_model.effects.choose import choose
+from film_model.effects.effect import COMPUTED
+from film_model.effects.judged import RULES
 from film_model.laws import LAWS, AbstractLaw, Parameter
-from film_model.laws.law import law_fields
+from film_model.laws.law import FAMILIES, SCENE_FIELDS, law_fields
 from film_model.laws.unloading import UNLOADINGS
-from film_model.limits import RULES
 from film_model.plot import plot_laws
+from film_model.studies.explain import effects_text
+from film_model.targets import TARGETS
+
+TARGET_RULES = {
+    "boundary_reflections": "reflections",
+    "thickness": "thickness_effect",
+    "contact_width": "contact_width",
+    "wave_losses": "wave_losses",
+    "stretching": "stretching",
+    "cross_bending": "cross_bending",
+    "omitted_modes": "omitted_modes",
+}
+"""Effects that the target itself judges, and the method that does."""
 
 DOCS, SCENES = Path(__file__).parents[1] / "docs", Path(__file__).parent / "scenes"
-FROM_SCENE = ("effective_modulus", "radius", "yield_strength", "poissons_ratio")
+README = DOCS.parent / "README.md"
+MARKED = re.compile(r"(<!-- laws: .*? -->\n).*?(<!-- end of laws -->)", re.DOTALL)
+
+
+def families() -> str:
+    """The names of the laws by family, as a Markdown list."""
+    lines = [
+        f"- {heading}: " + ", ".join(f"`{name}`" for name, law in LAWS.items() if law.family == family)
+        for family, heading in FAMILIES.items()
+    ]
+    return "\n".join(lines) + "\n"
 
 
 def laws_page() -> str:
@@ -25,10 +49,11 @@ def laws_page() -> str:
     return f"""# Contact laws
 
 Made from the code by `python examples/reference_pages.py`. The name goes into a scene's `[contact]` as `law = "…"`,
-with the parameters below; a quantity has a unit. δ: indentation, F: contact force, K = (4/3) E √R: Hertz's stiffness.
+with the parameters below; quantities have units. δ: indentation, F: contact force, K = (4/3) E √R: Hertz's stiffness.
 
 ![One impact under every law](laws.png)
 
+{families()}
 | law | | source |
 |---|---|---|
 {rows}
@@ -36,7 +61,7 @@ with the parameters below; a quantity has a unit. δ: indentation, F: contact fo
 {laws}
 # Rules of unloading
 
-`unloading = "…"` in `[contact]` gives a law that is not damped another way to open.
+`unloading = "…"` in `[contact]` replaces the unloading of a law without damping.
 
 {rules}"""
 
@@ -44,13 +69,13 @@ with the parameters below; a quantity has a unit. δ: indentation, F: contact fo
 def effects_page() -> str:
     """The effects, computed and judged, as Markdown."""
     scene = fm.Scene.from_toml(SCENES / "olsson_plate.toml")
-    known = {effect.name: effect for effect in effects_of(scene)}
+    known = {effect.name: effect for effect in choose(scene).effects}
     computed = "\n".join(
         f"| `{name}` | {what} | {known[name].indicator} | {known[name].source} |" for name, what in COMPUTED.items()
     )
     rules = {name: rule for name, rule in RULES.items() if name not in COMPUTED}
     judged = "\n".join(
-        f"## {name.replace('_', ' ')}\n\n{inspect.cleandoc(rule.__doc__ or '')}\n\n"
+        f"## {name.replace('_', ' ')}\n\n{inspect.cleandoc(rule.__doc__ or '')}\n\n{_by_target(name)}"
         f"Indicator: {indicator}. Source: {source}.\n"
         for name, (indicator, source, rule) in rules.items()
     )
@@ -58,16 +83,18 @@ def effects_page() -> str:
     return f"""# Effects
 
 Made from the code by `python examples/reference_pages.py`. Each effect of a scene has an indicator with its value and
-the threshold from which it matters, what leaving it out would change, and a state: simulated, not needed, switched off
-(by the scene), needed but not modelled (a warning in every output), or not judged (the scene does not say enough).
-"Changes" is the largest relative difference of the summary: of force, indentation and times against their own values,
-of the dent against the largest indentation, of velocities against the approach velocity, of energies against the impact
-energy. An effect matters if it changes more than `tolerance` in `[effects]` (1 %, or the accuracy if that is coarser).
+the threshold from which it matters, the error if it is neglected, and a state: simulated, not needed, switched off
+(by the scene), needed but not modelled (a warning in every output), or not judged (the scene lacks data for it).
+`film-model explain` has a line for each, in groups, and a sentence on what the results leave out; with `--verbose` it
+adds indicators, thresholds and sources.
+"Error if neglected" is the largest relative difference of a summary value: force, indentation and times relative to
+their own values, the dent to the maximum indentation, velocities to the approach velocity, energies to the impact
+energy. An effect matters if this error exceeds `tolerance` in `[effects]` (1 %, or the accuracy if that is larger).
 
 # Computed
 
-Tried on a coarse mesh, with the effect and without. `true`, `false` or `"auto"` in `[effects]` decides for all of them
-but `fully_plastic`, which comes with the contact law.
+The impact is simulated on a coarse mesh with the effect and without it. `true`, `false` or `"auto"` in `[effects]`
+selects each of them except `fully_plastic`, which is part of the contact law.
 
 | effect | | indicator | decided by |
 |---|---|---|---|
@@ -75,9 +102,9 @@ but `fully_plastic`, which comes with the contact law.
 
 Boundary reflections. {reflections}
 
-# Judged
+{_by_target("boundary_reflections")}# Judged
 
-What is not simulated: first-order estimates, right in size, not in the second digit.
+These are not simulated. Their size is estimated to first order: expect the order of magnitude, not two digits.
 
 {judged}
 # An example
@@ -90,9 +117,16 @@ What is not simulated: first-order estimates, right in size, not in the second d
 """
 
 
+def _by_target(effect: str) -> str:
+    """How each kind of target judges an effect, a paragraph each."""
+    method = TARGET_RULES.get(effect, "")
+    own = [(kind, target) for kind, target in TARGETS.items() if method in vars(target)]
+    return "".join(f"**{kind}** — {inspect.cleandoc(vars(target)[method].__doc__ or '')}\n\n" for kind, target in own)
+
+
 def _section(name: str, law: type[AbstractLaw]) -> str:
     own = "\n".join(f"- `{key}`: {_parameter(value)}" for key, value in law.parameters.items())
-    from_scene = ", ".join(f"`{key}`" for key in law_fields(law) if key in FROM_SCENE)
+    from_scene = ", ".join(f"`{key}`" for key in law_fields(law) if key in SCENE_FIELDS)
     lines = [f"## {name}", inspect.cleandoc(law.__doc__ or ""), f"Valid: {law.validity}."]
     lines += [f"Parameters:\n\n{own}"] if own else []
     lines += [f"From the scene: {from_scene}."] if from_scene and name in LAWS else []
@@ -105,13 +139,15 @@ def _parameter(parameter: Parameter) -> str:
     return f"{parameter.help} ({kind}{'' if parameter.required else ', optional'})"
 
 
-def main(folder: Path = DOCS) -> list[Path]:
-    """Write the pages; returns their paths."""
+def main(folder: Path = DOCS, readme: Path = README) -> list[Path]:
+    """Write the pages, the picture, and the list of laws in the README; returns the paths."""
     pages = {"laws.md": laws_page(), "effects.md": effects_page()}
     for name, text in pages.items():
         (folder / name).write_text(text, encoding="utf-8")
     plot_laws(folder / "laws.png", dpi=80.0)
-    return [folder / name for name in (*pages, "laws.png")]
+    text = MARKED.sub(lambda match: match[1] + families() + match[2], readme.read_text(encoding="utf-8"))
+    readme.write_text(text, encoding="utf-8")
+    return [*(folder / name for name in (*pages, "laws.png")), readme]
 
 
 if __name__ == "__main__":

@@ -1,15 +1,14 @@
-"""Table 3 of Big-Alabo, Cartmell & Harrison 2017, computed anew and set beside exact values.
+"""Table 3 of Big-Alabo, Cartmell & Harrison 2017, recomputed and compared with exact values.
 
-The paper's numbers are those of five chords a stage. With Big-Alabo's law its permanent indentation, 1.78 µm, comes
-out with constants="printed" only, its impact duration with the continuous ones only. "exact" is quadrature of the
-energy integral.
+The paper uses five chords per stage. With Big-Alabo's law, its permanent indentation of 1.78 µm is reproduced only with
+constants="printed", its impact duration only with the continuous ones. "exact" is quadrature of the energy integral.
 """
 
 from pathlib import Path
 
 import film_model as fm
-from film_model import reference
-from film_model.problem import problem_of
+from film_model.effects.choose import problem_of
+from film_model.studies import quadrature
 
 SCENES = Path(__file__).parent / "scenes"
 
@@ -25,14 +24,14 @@ ROWS = {  # summary name: heading, factor from SI, the paper's values for Big-Al
 
 
 def five_segments(scene: fm.Scene, linearisation: str) -> dict[str, float]:
-    """Summary of the impact on five lines a stage, in the units of the table."""
+    """Summary of the impact with five segments per stage, in the units of the table."""
     summary = fm.simulate(scene, segments=5, linearisation=linearisation).summary
     return {name: summary[name] * factor for name, (_, factor, *_) in ROWS.items()}
 
 
 def exact(scene: fm.Scene) -> dict[str, float]:
     """Exact summary of the half-space impact, in the units of the table."""
-    summary = reference.quadrature(problem_of(scene).law, scene.mass, scene.approach_velocity)
+    summary = quadrature.quadrature(problem_of(scene).law, scene.mass, scene.approach_velocity)
     return {name: summary[name] * factor for name, (_, factor, *_) in ROWS.items()}
 
 

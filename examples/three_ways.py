@@ -1,6 +1,6 @@
-"""One FMU in three ways beside the library: Co-Simulation, Co-Simulation with event mode, Model Exchange with CVODE.
+"""One FMU run in three ways: Co-Simulation, Co-Simulation with event mode, and Model Exchange with CVODE.
 
-Co-Simulation marches the library's lines and gives its numbers at any step. Model Exchange integrates the true law.
+Co-Simulation uses the library's segments and gives its numbers at any step size; Model Exchange integrates the law.
 """
 
 import shutil
@@ -12,14 +12,15 @@ import xarray as xr
 
 import film_model as fm
 import fmu_wrapper
+from film_model.plot.style import COLOURS, HIGHLIGHT, UNLOADING
 
 SCENE = Path(__file__).parent / "scenes" / "tungsten_carbide_on_steel.toml"
 WAYS = {"Co-Simulation": "steps", "with event mode": "events", "Model Exchange": "exchange"}
 
 
 def main() -> tuple[fm.History, dict[str, xr.Dataset], dict[str, float]]:
-    """The library's history, the three runs, and the largest difference in contact force over its maximum."""
-    scene = fm.Scene.from_toml(SCENE)
+    """The library's history, the three runs, and the largest difference in contact force relative to its maximum."""
+    scene = fmu_wrapper.served(fm.Scene.from_toml(SCENE))  # with its weight, as in the FMU
     history = fm.simulate(scene, accuracy=1e-9)
     folder = Path(tempfile.mkdtemp())
     try:
@@ -45,9 +46,9 @@ def draw(history: fm.History, runs: dict[str, xr.Dataset], path: str | Path) -> 
     panels = figure.subplots(len(runs), sharex=True)
     t = np.linspace(0.0, history.duration, 800)
     for panel, (way, run) in zip(panels, runs.items(), strict=True):
-        panel.plot(t * 1e6, history.sample_si(t).contact_force, color="#94a4a2", label="library")
-        panel.plot(run.t * 1e6, run.contact_force, ".", color="#3f90da", label=way)
-        panel.plot(run.event_time * 1e6, run.event_contact_force, "o", mfc="none", color="#bd1f01", label="events")
+        panel.plot(t * 1e6, history.sample_si(t).contact_force, color=UNLOADING, label="library")
+        panel.plot(run.t * 1e6, run.contact_force, ".", color=COLOURS[0], label=way)
+        panel.plot(run.event_time * 1e6, run.event_contact_force, "o", mfc="none", color=HIGHLIGHT, label="events")
         panel.set(ylabel="force (N)")
         panel.legend(frameon=False)
     panels[-1].set(xlabel="time (µs)")

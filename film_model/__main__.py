@@ -2,6 +2,6 @@
 
 import sys
 
-from film_model.cli import main
+from film_model.cli.main import main
 
 sys.exit(main())

@@ -1,4 +1,4 @@
-"""Impacts as FMUs (FMI 2.0 and 3.0): export them, run them, and hold them against the library."""
+"""Impacts as FMUs (FMI 2.0 and 3.0): `export` a scene, `run` the FMU, `check` it against the library."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from fmu_wrapper.assumptions import served
     from fmu_wrapper.check import Report, check
     from fmu_wrapper.cosimulation import run
     from fmu_wrapper.export import export
@@ -15,9 +16,10 @@ _HOMES = {
     "check": "fmu_wrapper.check",
     "export": "fmu_wrapper.export",
     "run": "fmu_wrapper.cosimulation",
+    "served": "fmu_wrapper.assumptions",
 }
 
-__all__ = ["Report", "check", "export", "run"]
+__all__ = ["Report", "check", "export", "run", "served"]
 
 
 def __getattr__(name: str) -> Any:

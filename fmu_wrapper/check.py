@@ -1,4 +1,4 @@
-"""An FMU held against the rules of FMI and against the library."""
+"""Check an FMU against the rules of FMI and against the library's results."""
 
 from __future__ import annotations
 
@@ -8,28 +8,34 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.polynomial.chebyshev import chebval
 
-from film_model.component import ImpactComponent
+from film_model.base.units import format_si
 from film_model.core import native
-from film_model.history import MOTION
+from film_model.effects.choose import choose
 from film_model.scene import Scene
-from film_model.units import format_si
+from film_model.solve.accuracy import mesh_for
+from film_model.solve.component import DEFAULT_SEGMENTS, ImpactComponent, Outputs
+from film_model.solve.history import MOTION, Event
 from fmu_wrapper import resource
-from fmu_wrapper.cosimulation import EXCHANGE_SOLVER, Mode, run
+from fmu_wrapper.assumptions import served
+from fmu_wrapper.cosimulation import EXCHANGE_SOLVER, run
 from fmu_wrapper.instance import Fmu, opened, started
 from fmu_wrapper.variables import KINDS, reference
 
 STEPS_TOLERANCE = 1e-12
-"""How well Co-Simulation must agree with the library, relative to the largest value of a variable."""
+"""Allowed difference between Co-Simulation and the library, relative to the largest value of a variable."""
 
 EXCHANGE_TOLERANCE = 1e-7
-"""How well Model Exchange must, with CVODE at a tolerance of `EXCHANGE_SOLVER`."""
+"""Allowed relative difference of Model Exchange, with CVODE at a tolerance of `EXCHANGE_SOLVER`."""
+
+_SEGMENTS = ("loading_segments", "unloading_segments")
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One comparison: what, the largest difference found, what is allowed, and where."""
+    """One comparison: its name, the largest difference, the allowed difference, and the place."""
 
     what: str
     difference: float
@@ -44,7 +50,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class Report:
-    """What `check` found. problems: what validation says; findings: comparisons with the library."""
+    """Result of `check`. problems: messages of the validation; findings: comparisons with the library."""
 
     path: str
     problems: tuple[str, ...]
@@ -52,10 +58,10 @@ class Report:
 
     @property
     def good(self) -> bool:
-        """Whether nothing is wrong."""
+        """Whether there are no problems and all differences are allowed."""
         return not self.problems and all(finding.good for finding in self.findings)
 
-    def to_json(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Any]:
         """Plain values."""
         rows = [
             {"what": f.what, "difference": f.difference, "allowed": f.allowed, "where": f.where, "good": f.good}
@@ -65,80 +71,78 @@ class Report:
 
 
 def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
-    """Validate an FMU of this package (FMPy's rules and the FMI schemas) and compare its runs with the library's.
+    """Validate an FMU of this package (FMPy's rules and the FMI schemas) and compare its results with the library's.
 
-    scene: needed when the law is not one of film-model's, of which the FMU knows the curve only.
+    scene: needed if the law is not in film-model's list, because the FMU contains only its curve.
     """
-    from fmpy.validation import validate_fmu
-
     with opened(path) as fmu:
+        from fmpy.validation import validate_fmu
+
         problems = tuple(str(problem) for problem in validate_fmu(str(path)))
         if KINDS[fmu.data.kind] == "contact":
             return Report(str(path), problems, tuple(_compared_contact(fmu)))
         scene = fmu.scene() if scene is None else scene
         stop, version = float(fmu.description.defaultExperiment.stopTime), fmu.version
-    findings: list[Finding] = []
+        start = {name: fmu.data.start[reference(name)] for name in ("initial_gap", *_SEGMENTS)}
+    gap, counts = start["initial_gap"], tuple(int(start[name]) for name in _SEGMENTS)
+    on = served(scene)
+    least, _ = mesh_for(on, choose(on).problem, None, None, None, fallback=DEFAULT_SEGMENTS)
+    short = max(ours - theirs for ours, theirs in zip(least, counts, strict=True))
+    findings = [Finding("segments", max(short, 0), 0.0, f"the library uses {least}")]
+    component = ImpactComponent(on, initial_gap=gap, segments=(counts[0], counts[1]))
     for step in (stop / 200.0, stop / 13.7, stop):
-        findings += _compared(f"steps of {format_si(step, 'time', 3)}", path, scene, "steps", step)
+        what = f"steps of {format_si(step, 'time', 3)}"
+        findings += _compared(what, run(path, step_size=step), component, step, STEPS_TOLERANCE)
     if version == 3:
-        findings += _compared("event mode", path, scene, "events", stop / 20.0)
-    findings += _compared("Model Exchange", path, scene, "exchange", stop / 200.0)
+        step = stop / 20.0
+        ds = run(path, mode="events", step_size=step)
+        findings += _compared("event mode", ds, component, step, STEPS_TOLERANCE)
+    component = ImpactComponent(on, initial_gap=gap, accuracy=EXCHANGE_SOLVER)
+    step = stop / 200.0
+    ds = run(path, mode="exchange", step_size=step)
+    findings += _compared("Model Exchange", ds, component, step, EXCHANGE_TOLERANCE)
     return Report(str(path), problems, tuple(findings))
 
 
-def _compared(what: str, path: str | os.PathLike[str], scene: Scene, mode: Mode, step: float) -> list[Finding]:
-    """An FMU's run beside the library's at the same times."""
-    ds = run(path, mode=mode, step_size=step)
-    with opened(path) as fmu:
-        gap = fmu.data.start[reference("initial_gap")]
-        counts = tuple(int(fmu.data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
-    allowed = EXCHANGE_TOLERANCE if mode == "exchange" else STEPS_TOLERANCE
-    component = ImpactComponent(scene, initial_gap=gap, accuracy=EXCHANGE_SOLVER if mode == "exchange" else None)
-    if mode != "exchange" and component.segments != counts:
-        return [
-            Finding(
-                f"{what}: segments",
-                abs(component.segments[0] - counts[0]),
-                0.0,
-                f"the library takes {component.segments}",
-            )
-        ]
-    touch = -float(ds["t"][0])
-    results = []
-    events: list[Any] = []
-    for time in (ds["t"].values + touch).tolist():
+def _compared(what: str, ds: xr.Dataset, component: ImpactComponent, step: float, allowed: float) -> list[Finding]:
+    """Findings from a run of the FMU and the library's component, from its beginning, at the same times."""
+    component.reset()
+    times = ds["t"].values
+    touch = -float(times[0])
+    results, events = list[Outputs](), list[Event]()
+    for time in (times + touch).tolist():
         result = component.step(max(time - component.time, 0.0))
         results.append(result.outputs)
         events += result.events
-    events += component.step(1e-6 * max(touch, step)).events  # those that rounding put behind the last point
+    events += component.step(1e-6 * max(touch, step)).events  # those after the last point by rounding
     findings: list[Finding] = []
     motion = {name: np.array([getattr(outputs, name) for outputs in results]) for name in MOTION}
     for name, ours in motion.items():
-        theirs = ds[name].values
-        # a difference of two velocities has the rounding of the larger one
+        # the rounding error of a difference of velocities is relative to the larger one
         size = max(float(np.abs(motion[n]).max()) for n in {name, name.replace("relative", "impactor")})
-        off = np.abs(ours - theirs) / (size if size > 0.0 else 1.0)
-        findings.append(
-            Finding(f"{what}: {name}", float(off.max()), allowed, f"t = {ds['t'].values[off.argmax()]:.6g} s")
-        )
-    known = _certain(events, component) if mode == "exchange" else len(events)
+        off = np.abs(ours - ds[name].values) / (size if size > 0.0 else 1.0)
+        findings.append(Finding(f"{what}: {name}", float(off.max()), allowed, f"t = {times[off.argmax()]:.6g} s"))
+    known = _reproducible(events, component) if allowed > STEPS_TOLERANCE else len(events)
+    return findings + _compared_events(what, ds, events, known, allowed)
+
+
+def _compared_events(what: str, ds: xr.Dataset, events: list[Event], known: int, allowed: float) -> list[Finding]:
+    """Findings from the events of a run and those of the library. known: number of the FMU's events to compare."""
     theirs = [native.EVENTS[kind] for kind in ds["event_kind"].values.tolist()][:known]
     ours = [event.name for event in events[: len(theirs)]]
     if theirs != ours:
-        return [
-            *findings,
-            Finding(f"{what}: events", math.inf, 0.0, f"{', '.join(theirs)}; the library has {', '.join(ours)}"),
-        ]
-    span = max(float(ds["t"][-1]), 1e-300)
+        difference = f"{', '.join(theirs)}; the library has {', '.join(ours)}"
+        return [Finding(f"{what}: events", math.inf, 0.0, difference)]
+    touch, span = -float(ds["t"][0]), max(float(ds["t"][-1]), 1e-300)
     worst: dict[str, Finding] = {}
     for at, name, event in zip(ds["event_time"].values.tolist(), theirs, events, strict=False):
         found = Finding(f"{what}: time of {name}", abs(at + touch - event.time) / span, allowed, f"t = {at:.6g} s")
         worst[name] = max(worst.get(name, found), found, key=lambda finding: finding.difference)
-    return [*findings, *worst.values()]
+    return list(worst.values())
 
 
-def _certain(events: list[Any], component: ImpactComponent) -> int:
-    """Number of events before the return of a ball laid down: whether it lifts off there is rounding."""
+def _reproducible(events: list[Event], component: ImpactComponent) -> int:
+    """Number of events before a ball released at zero gap returns there: whether it lifts off depends on rounding."""
     problem, deepest = component.problem, 0.0
     pull = problem.load * problem.scales.force / problem.mass
     for k, event in enumerate(events):
@@ -150,7 +154,7 @@ def _certain(events: list[Any], component: ImpactComponent) -> int:
 
 
 def _compared_contact(fmu: Fmu) -> list[Finding]:
-    """The force element on a path in and out, beside the law's curve."""
+    """Finding from the force element on a path of increasing indentation, and the law's curve."""
     data = fmu.data
     deepest, count, rate = data.nominal[0], 200, data.speed
     path = deepest * np.sin(np.linspace(0.0, 0.5 * np.pi, count))
@@ -167,7 +171,7 @@ def _compared_contact(fmu: Fmu) -> list[Finding]:
 
 
 def _law_force(data: resource.Data, indentation: float, rate: float) -> float:
-    """Force of the loading curve at an indentation of 0 m or more, with its damping, N."""
+    """Force of the loading curve with damping, N, at an indentation ≥ 0 m."""
     xi, curve = indentation / data.length_scale, data.curve
     stage = sum(curve.stage[k].end < xi for k in range(curve.stages - 1))
     force = native.stage_law(curve, stage, xi)[0] * data.force_scale
@@ -175,7 +179,7 @@ def _law_force(data: resource.Data, indentation: float, rate: float) -> float:
 
 
 def _damping(curve: native.Curve, xi: float) -> float:
-    """A damped law's c, over its factor."""
+    """The damping coefficient of a damped law, divided by its factor."""
     piece = next(piece for piece in curve.piece if xi <= piece.end)
     c: native.Function = piece.damping
     x = (xi - c.origin) * c.per_span

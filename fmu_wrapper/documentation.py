@@ -1,68 +1,84 @@
-"""The page of documentation inside an FMU, with pictures of the law and of a history."""
+"""The documentation page inside an FMU, with pictures of the law and of the impact."""
 
 from __future__ import annotations
 
 import html
-import io
+import math
 from inspect import cleandoc
-from typing import Any
 
 import numpy as np
 
-from film_datasets.provenance import scene_text
-from film_model.history import SUMMARY, History
+from film_model.base.units import format_si, scene_unit
+from film_model.effects.choose import Choice
 from film_model.laws.law import AbstractLaw
 from film_model.plot import check_picture, plot_history
-from film_model.problem import Problem
+from film_model.plot.style import svg
+from film_model.problem.law_of_scene import YIELDING
+from film_model.problem.problem import Problem
 from film_model.scene import Scene
-from film_model.units import format_si, scene_unit
+from film_model.solve.history import SUMMARY, History
 from film_model.version import __version__
 from fmu_wrapper.model_description import Experiment
 from fmu_wrapper.resource import DAMPING, Data, damping_power, has
 from fmu_wrapper.variables import KINDS, VARIABLES, reference, settable
 
+COUPLINGS = (
+    "side by side",
+    "side by side, input_extrapolation = 1",
+    "bodies first, input_extrapolation = 0.5",
+    "force read after the input was set",
+    "force extrapolated with its derivative",
+)
+"""How a master couples the contact FMU and the bodies."""
+
 COUPLING_ERRORS = {
-    20: (0.151, 0.520, -0.120, 0.0029),
-    100: (0.0283, 0.0878, -0.0272, 5.5e-5),
-    1000: (0.00279, 0.00839, -0.00278, 1.8e-7),
+    5: (1.07, 1.36, 0.112, 0.729, 0.0508),
+    10: (0.104, 0.39, 0.0203, 0.327, 0.0153),
+    20: (0.0117, 0.158, 0.00363, 0.151, 0.00289),
+    50: (0.000867, 0.058, 0.00037, 0.0576, 0.000306),
+    100: (0.000128, 0.0284, 6.56e-5, 0.0283, 5.53e-5),
+    500: (1.68e-6, 0.00559, 1.17e-6, 0.00559, 1.02e-6),
 }
-"""Steps a contact → error of the restitution of an elastic half-space contact, whose true value is 1, under four
-couplings of the contact FMU: force held over the step; force one step late; force one step ahead; force extended along
-its derivative."""
+"""Communication steps per contact → error of the coefficient of restitution for an elastic half-space contact (exact
+value 1), for each of `COUPLINGS`."""
 
 _ABOUT = {
-    "impact": """An impactor in front of its target, or in contact with it. Its mass is inside; the importer gives the
-external force on it and the velocity of the target's support. All directions are positive into the target.""",
-    "contact": """The contact force between two bodies of the importer's, with the memory of earlier indentation. The
-importer gives the indentation and its rate; a gap is a negative indentation.""",
+    "impact": """An impactor in front of its target, or in contact with it. The FMU contains the impactor's mass; the
+inputs are the external force on the impactor and the velocity of the target's support. Positive directions point into
+the target.""",
+    "contact": """The contact force between two bodies that the importer models; it depends on earlier indentation. The
+inputs are the indentation and its rate; a gap is a negative indentation.""",
 }
 
 _IMPACT_STEPS = """\
-<p>Co-Simulation is exact at any communication step: between steps the inputs are held, and the motion is
-marched in closed form. {whole} One step may span a whole contact, or many; outputs and event times do not
-depend on it. What the step does limit is how often the inputs are heard. Coupled to a body eight times as heavy
-as the impactor, with sixteen steps a contact, velocities were off by up to 1.4 per cent of the approach
-velocity when the body heard the force at the end of each step, and by 0.2 per cent when it heard the mean
-force, which is the momentum the impactor lost; the first error falls with the step, the second with its
-square.</p>
-<p>In FMI 3.0 with event mode, each event ends the step at its exact time. Otherwise events are outputs: their
-kind, exact time and values. In Model Exchange the true law is integrated, to the importer's tolerance (a relative
-one of {tolerance:g} unless it gives another), and events are state events.</p>
-<p>Accuracy is set by <code>loading_segments</code> ({loading}) and <code>unloading_segments</code>
-({unloading}); the error falls with their fourth power.</p>"""
+<p>In Co-Simulation the result does not depend on the communication step: the inputs are constant during a step, and
+the motion is computed in closed form. {whole} One step may cover a whole contact or several contacts; outputs and event
+times stay the same. The step only limits how often the inputs change. An example: coupled to a body of eight times the
+impactor's mass, with sixteen steps per contact, the velocity errors were up to 1.4 % of the approach velocity if the
+body received the force at the end of each step, and 0.2 % if it received the mean force, which is the momentum that the
+impactor lost divided by the step; the first error is proportional to the step, the second to its square.</p>
+<p>In FMI 3.0 with event mode, each event ends the step at its exact time. Otherwise the kind, exact time and values of
+events are outputs. In Model Exchange the importer integrates the true law to its own tolerance (default: {tolerance:g},
+relative), and events are state events.</p>
+<p><code>loading_segments</code> ({loading}) and <code>unloading_segments</code> ({unloading}) set the accuracy; the
+error is proportional to their number to the power of −4.</p>"""
 
 _CONTACT_STEPS = """\
-<p>A force element that is exchanged at steps adds energy or takes it, whatever is in it. The restitution of an elastic
-contact is off by</p>
+<p>Any force element whose force is exchanged only at communication points adds or removes energy. Error of the
+coefficient of restitution of an elastic contact:</p>
 {table}
-<p>After a step, contact_force is that of the indentation carried on at its rate to the time that was reached; once
-indentation is set, that of the new one. So a master that steps the contact and the bodies side by side, and then
-exchanges their outputs, couples as in the first column. One that steps the bodies first, and then the contact with the
-indentation they have reached, couples as in the third if it does not read the force before that step.</p>
-<p>The last column needs the directional derivative of contact_force by indentation, which this FMU provides. In
-Model Exchange, and as the primary FMU “impact”, there is no such error.</p>
-<p>The memory follows the communicated path along the cubic with its indentations and rates, so that the deepest
-point between two steps is remembered; what an importer only tries, and takes back, is not.</p>"""
+<p>“Side by side”: an importer steps the contact and the bodies in parallel and then exchanges their outputs, as
+ordinary masters do. The force that the contact reports after a step then acts on the bodies during the following one,
+whose middle is 1.5 steps after the input of the contact. Therefore it belongs to the indentation extrapolated at its
+rate by input_extrapolation steps; the default is 1.5. A damped law's rate is extrapolated by its latest change.
+“Bodies first”: an importer steps the bodies first, and then the contact with the indentation that they have reached, or
+iterates; its best value is 0.5. With 0 or 1, contact_force belongs to the indentation at the last input, or to that
+extrapolated to the end of the step. After indentation was set, contact_force always belongs to the new indentation.</p>
+<p>The last column needs the directional derivative of contact_force with respect to indentation, which this FMU
+provides. Model Exchange and the FMU of kind “impact” do not have this error.</p>
+<p>Between two communication points the indentation is taken as the cubic through both indentations and rates, so the
+maximum indentation between them is part of the contact's memory. Values that an importer sets and then replaces before
+the step are not.</p>"""
 
 _STYLE = (
     "body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222}"
@@ -72,35 +88,35 @@ _STYLE = (
 
 
 def documentation(
-    scene: Scene, problem: Problem, data: Data, history: History | None, experiment: Experiment
+    title: str, scene: Scene, choice: Choice, data: Data, history: History | None, experiment: Experiment
 ) -> dict[str, bytes]:
-    """The files of the folder, by name: index.html and its pictures."""
-    title = scene.title or f"Impact on a {scene.target.kind}"
-    kind = KINDS[data.kind]
+    """The files of the folder `documentation`, by name: index.html and its pictures. scene: as given."""
+    problem, kind = choice.problem, KINDS[data.kind]
     pictures: dict[str, bytes] = {}
     if history is not None:
         check_picture("law.svg")
-        pictures = {"law.svg": _law_picture(problem, history), "history.svg": _svg(plot_history(history))}
+        pictures = {"law.svg": _law_picture(problem, history), "history.svg": svg(plot_history(history))}
     parts = [f"<h1>{html.escape(title)}</h1>", f"<p>{_ABOUT[kind]} Made by film-model {__version__}.</p>"]
     if history is not None:
         parts += [
             '<p><img src="history.svg" alt="Force, indentation and velocity over time"></p>',
-            _table(("value", "of this scene"), _summary_rows(history)),
+            _table(("result", "value for this scene"), _summary_rows(history)),
         ]
     parts += [
         "<h2>Contact law</h2>",
         *_law(problem.law),
         *_chosen(kind, scene, problem),
+        *_validity(data),
         *_damping(kind, problem, data),
     ]
     if history is not None:
         parts.append('<p><img src="law.svg" alt="Contact force over indentation"></p>')
-    parts += ["<h2>Effects</h2>", _table(("effect", "state", "why"), _effect_rows(problem))]
-    warnings = history.warnings if history is not None else problem.warnings
+    parts += ["<h2>Effects</h2>", _table(("effect", "state", "reason"), _effect_rows(choice))]
+    warnings = history.warnings if history is not None else choice.warnings
     parts += [f"<p><strong>Warning:</strong> {html.escape(warning)}</p>" for warning in warnings]
     parts += ["<h2>Steps</h2>", *_steps(kind, data, history, experiment)]
     parts += ["<h2>Variables</h2>", _table(("name", "unit", "causality", "meaning"), _variable_rows(data))]
-    parts += ["<h2>Scene</h2>", f"<pre>{html.escape(scene_text(scene))}</pre>"]
+    parts += ["<h2>Scene</h2>", f"<pre>{html.escape(scene.archived_text())}</pre>"]
     page = (
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{html.escape(title)}</title>\n'
         f"<style>{_STYLE}</style>\n</head>\n<body>\n" + "\n".join(parts) + "\n</body>\n</html>\n"
@@ -109,45 +125,69 @@ def documentation(
 
 
 def _law(law: AbstractLaw) -> list[str]:
-    """What the law is, its equations and where it is valid."""
+    """Name, source, equations and range of validity of the law."""
     own = type(law).__doc__ or ""
     texts = [f"{law.name}: {law.summary}. {law.source}."]
-    if not own.startswith(f"{type(law).__name__}("):  # a dataclass that says nothing of itself
+    if not own.startswith(f"{type(law).__name__}("):  # not the docstring that dataclass generates
         texts += cleandoc(own).split("\n\n")
     texts += [f"Valid: {law.validity}."] if law.validity else []
     return [f"<p>{html.escape(text)}</p>" for text in texts]
 
 
 def _chosen(kind: str, scene: Scene, problem: Problem) -> list[str]:
-    """That a law of the library's choice is the scene's, and what will not change it."""
+    """For law "auto": the law in the FMU, and what it serves."""
     if scene.contact.law != "auto":
         return []
-    speed = format_si(scene.approach_velocity, "velocity", 4)
-    later = "whatever velocity the importer gives" if kind == "contact" else "whatever initial_velocity or mass is set"
-    text = f'The scene says law = "auto": {problem.law.name} was chosen for an approach at {speed}, and stays {later}.'
-    return [f"<p>{html.escape(text)} For faster or slower impacts, export a scene of theirs.</p>"]
+    text = f'The scene has law = "auto": the FMU contains {problem.law.name}'
+    if problem.law.name == YIELDING:
+        return [f"<p>{html.escape(text)}, which is elastic below yield, for slow impacts and fast ones.</p>"]
+    why = "the scene has plasticity = false" if scene.effects.plasticity is False else "no strength is known for it"
+    return [f"<p>{html.escape(text)}, because {why}.</p>"]
+
+
+def _validity(data: Data) -> list[str]:
+    """What the variable `validity` tests."""
+    rows: list[tuple[str, ...]] = []
+    for k, v in enumerate(VARIABLES[: settable()]):
+        (low, high), (below, above) = data.valid[k], (side.value.decode() for side in data.reason[k])
+        if data.available[k] and (below or above) and v.dimension is not None:
+            name = "velocity at first touch" if v.name == "initial_velocity" else v.name
+            ends = [(below, "below", low), (above, "above", high)]
+            rows += [(name, f"{side} {format_si(at, v.dimension, 3)}", what) for what, side, at in ends if what]
+    limits = (("yields, but the law is elastic", data.limit[0]), ("is too wide for the law", data.limit[1]))
+    rows += [
+        ("indentation", f"above {format_si(at, 'length', 3)}", f"the contact {what}")
+        for what, at in limits
+        if at < math.inf
+    ]
+    text = (
+        "The output validity is 0 as long as the assumptions of the export hold; otherwise a message says what fails:"
+    )
+    if not rows:
+        return []
+    return [f"<p>{text}</p>", _table(("quantity", "value", "what fails"), rows)]
 
 
 def _damping(kind: str, problem: Problem, data: Data) -> list[str]:
-    """What a user of a damped law has to know of it as an FMU."""
+    """How a damped law behaves in an FMU; nothing for other laws."""
     if not problem.curve.native.stage[0].damped:
         return []
     texts = [
-        "The force depends on the rate of indentation too. Contact ends where it falls to zero, without tension. Then "
-        "the surface recovers by itself: the next contact begins at indentation zero, or within the dent, where the "
-        "law's force is above zero again."
+        "The force also depends on the rate of indentation. Contact ends where the force falls to zero, without "
+        "tension. Then the surface recovers by itself: the next contact begins at zero indentation, or within the dent "
+        "as soon as the law's force is positive again."
     ]
     follows = [name for k, name in enumerate(DAMPING) if data.damping_power[k] != 0.0]
     if follows:
-        texts.append(f"Set after export, {', '.join(follows)} change the damping as the law says.")
+        texts.append(f"The damping follows the law if {', '.join(follows)} are changed after export.")
     fixed = [name for name in DAMPING if damping_power(problem.law, name, problem) != 0.0 and not has(data, name)]
     if fixed:
-        texts.append(f"The damping is that for the scene's {', '.join(fixed)}: export again for others.")
+        texts.append(f"The damping is valid for the scene's {', '.join(fixed)} only: export again for other values.")
     if "initial_velocity" in follows:
-        texts.append("Its restitution is that of an approach at initial_velocity, which must be above 0 m/s.")
+        texts.append("Its coefficient of restitution holds at initial_velocity, which must be > 0 m/s.")
     if kind == "contact":
         texts.append(
-            "The largest force is that of communication points and, in Model Exchange, of completed integrator steps."
+            "maximum_force is taken at communication points and, in Model Exchange, at completed integrator steps."
         )
     return [f"<p>{html.escape(text)}</p>" for text in texts]
 
@@ -157,18 +197,12 @@ def _steps(kind: str, data: Data, history: History | None, experiment: Experimen
         whole = ""
         if history is not None:
             lasts = format_si(history.duration, "time", 4)
-            whole = f"The whole contact lasts {lasts} and is {history.accuracy.lines} straight pieces of the force."
+            whole = f"The contact lasts {lasts} and has {history.accuracy.lines} linear force segments."
         loading, unloading = (int(data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
         numbers = {"loading": loading, "unloading": unloading, "tolerance": experiment.tolerance}
         return [_IMPACT_STEPS.format(whole=whole, **numbers)]
     rows = [(str(n), *(f"{100.0 * error:+.3g} %" for error in errors)) for n, errors in COUPLING_ERRORS.items()]
-    heads = (
-        "steps a contact",
-        "force held over the step",
-        "force one step late",
-        "force one step ahead",
-        "force extended along its derivative",
-    )
+    heads = ("steps per contact", *COUPLINGS)
     return [_CONTACT_STEPS.format(table=_table(heads, rows))]
 
 
@@ -183,11 +217,11 @@ def _summary_rows(history: History) -> list[tuple[str, ...]]:
     for name, (dimension, _) in SUMMARY.items():
         value = history.summary[name]
         rows.append((name.replace("_", " "), "–" if value is None else format_si(value, dimension, 6)))
-    return [*rows, ("error at most", f"{history.accuracy.estimated:.1e} of every value")]
+    return [*rows, ("estimated relative error", f"≤ {history.accuracy.estimated:.1e} of every value")]
 
 
-def _effect_rows(problem: Problem) -> list[tuple[str, ...]]:
-    return [(effect.name.replace("_", " "), effect.state, effect.reason) for effect in problem.effects]
+def _effect_rows(choice: Choice) -> list[tuple[str, ...]]:
+    return [(effect.name.replace("_", " "), effect.state, effect.reason) for effect in choice.effects]
 
 
 def _variable_rows(data: Data) -> list[tuple[str, ...]]:
@@ -202,7 +236,7 @@ def _variable_rows(data: Data) -> list[tuple[str, ...]]:
 
 
 def _law_picture(problem: Problem, history: History) -> bytes:
-    """The loading curve, and the loop of this history."""
+    """Contact force over indentation: the loading curve and this impact."""
     from matplotlib.figure import Figure
 
     loop = history.sample_si(np.linspace(0.0, history.duration, 801))
@@ -218,14 +252,4 @@ def _law_picture(problem: Problem, history: History) -> bytes:
     panel.plot(loop.indentation * 1e6, loop.contact_force, color="#3f90da", label="this impact")
     panel.set(xlabel="indentation (µm)", ylabel="contact force (N)", xlim=(0, None), ylim=(0, None))
     panel.legend(frameon=False)
-    return _svg(figure)
-
-
-def _svg(figure: Any) -> bytes:
-    """The same picture with the same bytes."""
-    import matplotlib
-
-    picture = io.BytesIO()
-    with matplotlib.rc_context({"svg.hashsalt": "film-model"}):
-        figure.savefig(picture, format="svg", metadata={"Date": None})
-    return picture.getvalue()
+    return svg(figure)

@@ -1,4 +1,4 @@
-"""Scene → .fmu: the description, the curve, the binaries and a page of documentation in one file."""
+"""Export: scene → .fmu, a ZIP file with the model description, the curve, the binaries and a documentation page."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import io
 import json
 import math
 import os
-import re
 import uuid
 import zipfile
 from collections.abc import Sequence
@@ -16,26 +15,24 @@ from typing import Any
 
 import numpy as np
 
-from film_datasets.history import effect_line
-from film_datasets.provenance import scene_text
-from film_model import units
-from film_model.accuracy import mesh_for
-from film_model.bodies import Body
-from film_model.component import DEFAULT_SEGMENTS
-from film_model.errors import Outcome, SimulationError
-from film_model.files import written_whole
-from film_model.history import History
-from film_model.problem import Problem, problem_of, refuse_vibrations
+from film_model.base import units
+from film_model.base.errors import Outcome, SimulationError
+from film_model.base.files import written_whole
+from film_model.effects.choose import Choice, choose
+from film_model.problem.problem import Problem, refuse_vibrations
 from film_model.scene import Scene
-from film_model.solve import simulate
+from film_model.solve.accuracy import mesh_for
+from film_model.solve.component import DEFAULT_SEGMENTS
+from film_model.solve.history import History
+from film_model.solve.simulate import simulate_chosen
 from fmu_wrapper import platforms, resource
+from fmu_wrapper.assumptions import segments_for_speeds, served, validity_of
 from fmu_wrapper.documentation import documentation
-from fmu_wrapper.model_description import Experiment, FmiVersion, model_description
+from fmu_wrapper.model_description import Experiment, FmiVersion, Names, model_description, printable
 from fmu_wrapper.variables import KINDS, VARIABLES, Kind, reference
 
 _NAMESPACE = uuid.UUID("6c9a1e0e-53a4-5b0c-8f57-0a1d6b5b3c55")
-_NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-_OLDEST = (1980, 1, 1, 0, 0, 0)  # of a ZIP entry: the same export gives the same bytes
+_ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # constant, so that the same export gives the same bytes
 
 
 def export(
@@ -47,20 +44,24 @@ def export(
     initial_gap: Any = 0.0,
     platform: str | Sequence[str] | None = None,
     with_sources: bool = False,
+    name: str | None = None,
     overwrite: bool = False,
 ) -> Path:
-    """Write a scene as an FMU that runs anywhere, without Python; the path it was written to.
+    """Write a scene as an FMU, which runs without Python. Returns the path of the file.
 
-    kind: "impact", the impactor with its mass, for Co-Simulation and Model Exchange; or "contact", the force element.
-    initial_gap: of an impact, the distance before first touch ("5 mm" or m). platform: names of
-    `fmu_wrapper.platforms.PLATFORMS`, or "all"; this machine's own by default, which needs no compiler. with_sources:
-    C sources too, for importers that compile. The law, the effects and the number of segments are those the library
-    chooses for the scene; mass, velocity, gap, radius, modulus, yield strength and impedance can still be set before
-    each simulation. A damped law's damping follows them; a user's law whose damping is no power of one of them is
-    exported without that one.
+    kind: "impact" contains the impactor with its mass; "contact" is the force element alone. Both are for
+    Co-Simulation and Model Exchange. initial_gap: distance to first touch at the start of an impact ("5 mm", or m).
+    platform: names from `fmu_wrapper.platforms.PLATFORMS`, or "all", which need ziglang; the default is this machine,
+    which needs no compiler. with_sources: includes the C sources, for importers that compile; their names begin with
+    the model identifier, so that several FMUs can be linked into one program. name: of the model, from which the
+    identifier is made too; the default is the scene's title, so that two exports do not collide.
 
-    Raises ValueError for a bad argument, FileExistsError, SimulationError as `simulate` does and for an impact on a
-    free body, ImportError when matplotlib (for the pictures) or ziglang (for other platforms) is missing.
+    The FMU serves every value of its parameters (:func:`fmu_wrapper.served`), and reports by its output `validity`
+    where an assumption of the export does not hold. A parameter is left out if the law's stages depend on it, or if a
+    user's law has a damping that is not a power of it.
+
+    Raises ValueError for an invalid argument; FileExistsError; SimulationError as `simulate` does, and for an impact on
+    a free body; ImportError if matplotlib (for the pictures) or ziglang (for other platforms) is missing.
     """
     target = Path(path)
     if fmi_version not in (2, 3):
@@ -68,13 +69,13 @@ def export(
     if kind not in KINDS:
         raise ValueError(f"kind: {kind!r} is not allowed: {' or '.join(map(repr, KINDS))} is needed")
     if target.suffix != ".fmu":
-        raise ValueError(f"{target}: the name of an FMU must end in .fmu")
+        raise ValueError(f"{target}: the file name of an FMU must end in .fmu")
     if target.exists() and not overwrite:
-        raise FileExistsError(f"{target}: exists; say overwrite=True to replace it")
-    if isinstance(scene.target, Body) and kind == "impact":
+        raise FileExistsError(f"{target}: exists; use overwrite=True to replace it")
+    if scene.target.free and kind == "impact":
         raise SimulationError(
-            "an impact on a free body cannot be exported: it has no impedance to act against; "
-            "kind contact is the force between the two"
+            "an impact on a free body cannot be exported, because a free body has no impedance; kind contact is the "
+            "force between the two bodies"
         )
     try:
         gap = units.to_si(initial_gap, "length", bare=True)
@@ -82,25 +83,25 @@ def export(
         raise ValueError(f"initial_gap: {error}") from None
     resource.check_range(VARIABLES[reference("initial_gap")], gap)
     if gap > 0.0 and kind == "contact":
-        raise ValueError(f"initial_gap: {gap:g} m is not allowed: the importer gives a contact its indentation")
+        raise ValueError(f"initial_gap: {gap:g} m is not allowed: the indentation of a contact is an input")
     version: FmiVersion = 2 if fmi_version == 2 else 3
+    names = Names.of(scene, kind, name)
     binaries = _binaries(platform)
-    files = _contents(scene, kind, version, gap, with_sources)
-    for name, binary in binaries.items():
-        where = platforms.PLATFORMS.get(name)
+    files = _contents(scene, kind, version, gap, with_sources, names)
+    for on, binary in binaries.items():
+        where = platforms.PLATFORMS.get(on)
         suffix = Path(platforms.built_library()).suffix if where is None else where.suffix
-        files[f"binaries/{platforms.folder(name, version)}/{kind}{suffix}"] = binary
+        files[f"binaries/{platforms.folder(on, version)}/{names.identifier}{suffix}"] = binary
     with written_whole(target) as beside:
         beside.write_bytes(_zipped(files))
     return target
 
 
 def _binaries(platform: str | Sequence[str] | None) -> dict[str, bytes]:
-    own = platforms.this_platform()
     if platform is None:
-        library = platforms.ROOT / platforms.built_library()
+        own, library = platforms.this_platform(), platforms.ROOT / platforms.built_library()
         if not library.exists():
-            raise ImportError(f"{library} is missing: install the package (pip install .), which compiles it")
+            raise ImportError(f"{library} is missing: install the package (pip install .) to compile it")
         return {own: library.read_bytes()}
     names = [platform] if isinstance(platform, str) else list(platform)
     if names == ["all"]:
@@ -110,73 +111,88 @@ def _binaries(platform: str | Sequence[str] | None) -> dict[str, bytes]:
         raise ValueError(
             f"platform: {', '.join(unknown) or 'none'} is not allowed: all or {', '.join(platforms.PLATFORMS)}"
         )
-    return {name: platforms.cross_compile(name) for name in names}
+    return platforms.cross_compiled(names)
 
 
-def _contents(scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_sources: bool) -> dict[str, bytes]:
-    """Every file but the binaries."""
-    scene = replace(scene, title=_NOT_IN_XML.sub("\N{REPLACEMENT CHARACTER}", scene.title))
-    problem = problem_of(scene)
-    refuse_vibrations(problem, "an FMU")
-    if problem.compliance > 0.0:
-        raise SimulationError("an FMU is not to be had for a target of a static stiffness: simulate() gives its motion")
-    segments, _ = mesh_for(scene, problem, None, None, None, fallback=DEFAULT_SEGMENTS)
-    history = simulate(scene) if problem.approach > 0.0 or problem.load > 0.0 else None
-    data = resource.model_data(scene, problem, kind, gap, segments, _nominals(problem, history))
+def _contents(
+    scene: Scene, kind: Kind, version: FmiVersion, gap: float, with_sources: bool, names: Names
+) -> dict[str, bytes]:
+    """All files except the binaries."""
+    scene = replace(scene, title=printable(scene.title))
+    on = served(scene, kind)
+    choice, segments, history = _simulated(on)
+    problem = choice.problem
+    segments = segments_for_speeds(scene, problem, segments)
+    data = resource.model_data(problem, kind, gap, segments, _nominals(problem, history), validity_of(on))
     experiment = _experiment(problem, history, gap)
     title = scene.title or f"Impact on a {scene.target.kind}"
     description = title if kind == "impact" else f"Contact force. {title}"
-    sources = [Path(name).name for name in platforms.SOURCES] if with_sources else []
+    code = platforms.prefixed_sources(names.identifier, version) if with_sources else {}
+    sources = [one for one in code if one.endswith(".c")]
 
     def described(token: str) -> bytes:
-        return model_description(data, version, token, description, experiment, sources)
+        return model_description(data, version, token, names, description, experiment, sources)
 
-    text = scene_text(scene)
+    text = scene.archived_text()
     unnamed = described("") + resource.finished(data, "") + text.encode()
     token = f"{{{uuid.uuid5(_NAMESPACE, unnamed.hex())}}}"
     files = {
         "modelDescription.xml": described(token),
         f"resources/{resource.NAME}": resource.finished(data, token),
         "resources/scene.toml": text.encode(),
-        f"resources/{resource.NOTES}": _notes(problem, history),
+        f"resources/{resource.NOTES}": _notes(choice, history),
         **{
             f"documentation/{name}": page
-            for name, page in documentation(scene, problem, data, history, experiment).items()
+            for name, page in documentation(title, scene, choice, data, history, experiment).items()
         },
         "documentation/licenses/license.txt": platforms.license_text(),
     }
     if with_sources:
-        for name in (*platforms.SOURCES, *platforms.HEADERS):
-            files[f"sources/{Path(name).name}"] = (platforms.ROOT / name).read_bytes()
+        files |= {f"sources/{one}": text for one, text in code.items()}
         if version == 3:
-            files["sources/buildDescription.xml"] = _build_description(kind, sources)
+            files["sources/buildDescription.xml"] = _build_description(names.identifier, sources)
     return files
 
 
-def _notes(problem: Problem, history: History | None) -> bytes:
-    """What is known of the scene when it is exported, for datasets of runs: law, effects and warnings."""
-    warnings = history.warnings if history is not None else problem.warnings
-    effects = [effect_line(effect) for effect in problem.effects]
-    notes = {"contact_law": str(problem.law), "effects": effects, "warnings": list(warnings)}
+def _simulated(scene: Scene) -> tuple[Choice, tuple[int, int], History | None]:
+    """The choice of effects, segments for loading and unloading, and the history, or None if nothing moves."""
+    choice = choose(scene)
+    problem = choice.problem
+    refuse_vibrations(problem, "an FMU")
+    if problem.compliance > 0.0:
+        raise SimulationError("an FMU is not supported for a target with a static stiffness; use simulate()")
+    history = simulate_chosen(choice, scene.solver) if problem.approach > 0.0 or problem.load > 0.0 else None
+    if history is None or problem.approach == 0.0:
+        segments, _ = mesh_for(scene, problem, None, None, None, fallback=DEFAULT_SEGMENTS)
+    else:
+        segments = (history.accuracy.segments, history.accuracy.unloading_segments)
+    return choice, segments, history
+
+
+def _notes(choice: Choice, history: History | None) -> bytes:
+    """Law, effects and warnings at the time of the export, for the attributes of datasets of runs."""
+    warnings = history.warnings if history is not None else choice.warnings
+    effects = [effect.line for effect in choice.effects]
+    notes = {"contact_law": str(choice.problem.law), "effects": effects, "warnings": list(warnings)}
     return json.dumps(notes, ensure_ascii=False, indent=1).encode()
 
 
 def _nominals(problem: Problem, history: History | None) -> tuple[float, float, float]:
-    """Sizes of the states: indentation, impactor velocity, target displacement."""
-    units, most = problem.scales, {"xi": 1.0, "nu": 1.0}
+    """Nominal values of the states indentation, impactor velocity and target displacement, SI."""
+    scales, largest = problem.scales, {"xi": 1.0, "nu": 1.0}
     if history is not None and history.lines.size:
-        most = {name: float(np.abs(history.lines[name]).max()) or 1.0 for name in most}
-    deepest = None if history is None else history.summary["maximum_indentation"]
-    depth = deepest or most["xi"] * units.length
-    speed = (problem.approach or most["nu"]) * units.velocity
+        largest = {name: float(np.abs(history.lines[name]).max()) or 1.0 for name in largest}
+    maximum = None if history is None else history.summary["maximum_indentation"]
+    depth = maximum or largest["xi"] * scales.length
+    speed = (problem.approach or largest["nu"]) * scales.velocity
     moved = 0.0 if history is None or not history.events else history.events[-1].target_displacement
     return depth, speed, max(abs(moved), depth)
 
 
 def _experiment(problem: Problem, history: History | None, gap: float) -> Experiment:
-    """From the start to somewhat beyond the end of contact, or of its first swing if it has none, in 250 steps.
+    """Default experiment in 250 steps, from the start to 1.25 times the contact (the first swing if it does not end).
 
-    tolerance: with a thousandth of the accuracy asked for, CVODE's errors stay below that accuracy.
+    tolerance: 1e-3 of the requested accuracy keeps CVODE's errors below that accuracy.
     """
     contact = 0.0 if history is None else history.duration
     if history is not None and history.outcome is Outcome.TIME_LIMIT:
@@ -190,14 +206,14 @@ def _experiment(problem: Problem, history: History | None, gap: float) -> Experi
     return Experiment(stop, stop / 250.0, min(max(1e-3 * accuracy, 1e-10), 1e-7))
 
 
-def _build_description(kind: Kind, sources: list[str]) -> bytes:
+def _build_description(identifier: str, sources: list[str]) -> bytes:
     files = "".join(f'      <SourceFile name="{name}"/>\n' for name in sources)
     for name, value in platforms.DEFINITIONS.items():
         files += f'      <PreprocessorDefinition name="{name}" value="{value}"/>\n'
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
         '<fmiBuildDescription fmiVersion="3.0">\n'
-        f'  <BuildConfiguration modelIdentifier="{kind}">\n'
+        f'  <BuildConfiguration modelIdentifier="{identifier}">\n'
         f'    <SourceFileSet language="C99">\n{files}    </SourceFileSet>\n'
         '    <Library name="m"/>\n'
         "  </BuildConfiguration>\n"
@@ -209,7 +225,7 @@ def _zipped(files: dict[str, bytes]) -> bytes:
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name, content in files.items():
-            entry = zipfile.ZipInfo(name, _OLDEST)
+            entry = zipfile.ZipInfo(name, _ZIP_DATE)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
             archive.writestr(entry, content)

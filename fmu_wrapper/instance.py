@@ -1,21 +1,21 @@
-"""An exported FMU, extracted, and an instance of it under FMPy."""
+"""An exported FMU after extraction, and an instance of it under FMPy."""
 
 from __future__ import annotations
 
 import os
 import shutil
-import tomllib
-import zipfile
 from collections.abc import Generator, Iterable, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from film_model.errors import SimulationError
+from film_model.base.errors import DamagedFile, SimulationError
 from film_model.laws import LAWS
 from film_model.scene import Scene
+from film_model.scene.toml import toml_table
 from fmu_wrapper import platforms, resource
+from fmu_wrapper.damage import check_loads, first_line, sound
 from fmu_wrapper.variables import VARIABLES, reference
 
 Row = dict[str, float]
@@ -23,63 +23,70 @@ Row = dict[str, float]
 
 @dataclass
 class Fmu:
-    """An extracted FMU of this package, what it says of itself, and the messages it has logged."""
+    """An extracted FMU of this package, its model description and data, and the messages it has logged.
+
+    messages: of errors. notices: assumptions of the export that did not hold.
+    """
 
     path: Path
     folder: str
     description: Any
     data: resource.Data
     messages: list[str] = field(default_factory=list)
+    notices: list[str] = field(default_factory=list)
 
     @property
     def version(self) -> int:
-        """Of FMI: 2 or 3."""
+        """FMI version: 2 or 3."""
         return int(self.description.fmiVersion[0])
 
     def scene(self) -> Scene:
-        """The scene it was made from."""
+        """The scene that was exported."""
         text = Path(self.folder, "resources", "scene.toml").read_text("utf-8")
-        law = tomllib.loads(text).get("contact", {}).get("law", "auto")
+        contact = toml_table(text, f"{self.path}: scene.toml").get("contact")
+        law = contact.get("law", "auto") if isinstance(contact, dict) else "auto"
         if law not in ("auto", *LAWS):
-            raise ValueError(f"{self.path}: law {law!r} is none of film-model's: give the scene it was made from")
-        return Scene.from_text(text, f"{self.path}: scene.toml")
+            raise ValueError(f"{self.path}: law {law!r} is not in film-model's list: pass the scene that was exported")
+        return Scene.from_stored_text(text, f"{self.path}: scene.toml")
 
     def log(self, *arguments: Any) -> None:
-        """A message of the FMU's; its last text is the message itself."""
-        texts = [a for a in arguments if isinstance(a, bytes)]
-        self.messages.append(texts[-1].decode("utf-8", "replace") if texts else "")
+        """Callback for messages; the last two texts among the arguments are category and message."""
+        texts = [a.decode("utf-8", "replace") for a in arguments if isinstance(a, bytes)]
+        notice = texts[-2:-1] == ["validity"]
+        (self.notices if notice else self.messages).append(texts[-1].replace("%%", "%") if texts else "")
 
 
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Generator[Fmu]:
-    """An extracted FMU; the folder is removed in the end."""
+    """An extracted FMU; the folder is removed at the end. Raises DamagedFile if it is no export of film-model."""
     try:
         from fmpy import extract, read_model_description
     except ImportError as error:
         raise ImportError('running FMUs needs FMPy: pip install "film-model[fmu]"') from error
     source = Path(path)
-    if not source.is_file():
-        raise FileNotFoundError(f"{source}: there is no such file")
-    try:
-        with zipfile.ZipFile(source) as archive:
-            content = archive.read(f"resources/{resource.NAME}")
-            has = sorted({name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")})
-    except (KeyError, zipfile.BadZipFile):
-        raise ValueError(f"{source}: this is no FMU of film-model's") from None
-    data = resource.read(content)
+    data, included = sound(source)
     folder = str(extract(str(source)))
     try:
-        fmu = Fmu(source, folder, read_model_description(folder, validate=False), data)
+        try:
+            description: Any = read_model_description(folder, validate=False)
+        except Exception as error:  # of lxml or FMPy: there is no common class
+            raise DamagedFile(f"{source}: modelDescription.xml cannot be read: {first_line(error)}") from error
+        for name in ("coSimulation", "modelExchange", "defaultExperiment"):
+            if getattr(description, name) is None:
+                raise DamagedFile(f"{source}: modelDescription.xml has no {name[0].upper()}{name[1:]}")
+        fmu = Fmu(source, folder, description, data)
         needed = platforms.folder(platforms.this_platform(), fmu.version)
-        if needed not in has:
-            raise ValueError(f"{source}: has no binary for this machine ({needed}); it has {', '.join(has) or 'none'}")
+        if needed not in included:
+            others = ", ".join(included) or "none"
+            raise ValueError(f"{source}: has no binary for this machine ({needed}); it has {others}")
+        check_loads(source, Path(folder), description.coSimulation.modelIdentifier, needed)
         yield fmu
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 
 
 class Slave:
-    """A Co-Simulation instance of either FMI version, by the names of variables."""
+    """A Co-Simulation instance of FMI 2.0 or 3.0, whose variables are set and read by name."""
 
     def __init__(self, fmu: Fmu, event_mode: bool) -> None:
         from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
@@ -93,48 +100,48 @@ class Slave:
         }
         self.fmu, self.event_mode, self.version = fmu, event_mode, fmu.version
         if self.version == 2:
-            self.own: Any = FMU2Slave(**identity)
+            self.instance: Any = FMU2Slave(**identity)
             callbacks = fmi2CallbackFunctions()
-            callbacks.logger = fmi2CallbackLoggerTYPE(lambda _e, _n, _s, _c, text: fmu.log(text))
+            callbacks.logger = fmi2CallbackLoggerTYPE(lambda _e, _n, _s, category, text: fmu.log(category, text))
             self._kept = callbacks
-            self.own.instantiate(callbacks=callbacks)
+            self.instance.instantiate(callbacks=callbacks)
         else:
-            self.own = FMU3Slave(**identity)
-            self.own.instantiate(
+            self.instance = FMU3Slave(**identity)
+            self.instance.instantiate(
                 eventModeUsed=event_mode,
                 earlyReturnAllowed=event_mode,
-                logMessage=lambda _e, _s, _c, text: fmu.log(text),
+                logMessage=lambda _e, _s, category, text: fmu.log(category, text),
             )
 
     def initialize(self, values: Mapping[str, float]) -> None:
         """Set start values and leave Initialization Mode."""
         if self.version == 2:
-            self.own.setupExperiment(startTime=0.0)
-            self.own.enterInitializationMode()
+            self.instance.setupExperiment(startTime=0.0)
+            self.instance.enterInitializationMode()
         else:
-            self.own.enterInitializationMode(startTime=0.0)
+            self.instance.enterInitializationMode(startTime=0.0)
         for name, value in values.items():
             self.set(name, value)
-        self.own.exitInitializationMode()
+        self.instance.exitInitializationMode()
         if self.event_mode:
             self.handle()
 
     def handle(self) -> None:
-        """Event mode, once."""
-        self.own.updateDiscreteStates()
-        self.own.enterStepMode()
+        """Handle the current event and return to step mode."""
+        self.instance.updateDiscreteStates()
+        self.instance.enterStepMode()
 
     def set(self, name: str, value: float) -> None:
         """Set one variable."""
         k, v = reference(name), VARIABLES[reference(name)]
         if self.version == 2:
-            (self.own.setReal if v.type == "Real" else self.own.setInteger)(
+            (self.instance.setReal if v.type == "Real" else self.instance.setInteger)(
                 [k], [value if v.type == "Real" else int(value)]
             )
         elif v.type == "Real":
-            self.own.setFloat64([k], [value])
+            self.instance.setFloat64([k], [value])
         else:
-            self.own.setInt32([k], [int(value)])
+            self.instance.setInt32([k], [int(value)])
 
     def get(self, names: Iterable[str]) -> Row:
         """Values of variables."""
@@ -145,47 +152,49 @@ class Slave:
         for kind, group in by_type.items():
             references = [reference(name) for name in group]
             if kind == "Real":
-                values = self.own.getReal(references) if self.version == 2 else self.own.getFloat64(references)
+                values = (
+                    self.instance.getReal(references) if self.version == 2 else self.instance.getFloat64(references)
+                )
             elif self.version == 2:
-                values = self.own.getInteger(references)
+                values = self.instance.getInteger(references)
             else:
-                values = self.own.getInt32(references) if kind == "Whole" else self.own.getInt64(references)
+                values = self.instance.getInt32(references) if kind == "Whole" else self.instance.getInt64(references)
             read.update(zip(group, map(float, values), strict=True))
         return {name: read[name] for name in wanted}
 
     def step(self, time: float, size: float) -> tuple[float, bool]:
-        """One step; the time reached, and whether an event has to be handled there."""
+        """One step. Returns the time reached, and whether an event must be handled there."""
         if self.version == 2:
-            self.own.doStep(time, size)
+            self.instance.doStep(time, size)
             return time + size, False
-        event, _, _, reached = self.own.doStep(time, size)
+        event, _, _, reached = self.instance.doStep(time, size)
         return reached, event
 
     def save(self) -> Any:
-        """The state."""
-        return self.own.getFMUstate() if self.version == 2 else self.own.getFMUState()
+        """A copy of the state; `restore` or `discard` frees it."""
+        return self.instance.getFMUstate() if self.version == 2 else self.instance.getFMUState()
 
     def restore(self, state: Any) -> None:
-        """A saved state, which is used up."""
-        if self.version == 2:
-            self.own.setFMUstate(state)
-            self.own.freeFMUstate(state)
-        else:
-            self.own.setFMUState(state)
-            self.own.freeFMUState(state)
+        """Return to a saved state, and free it."""
+        self.instance.setFMUstate(state) if self.version == 2 else self.instance.setFMUState(state)
+        self.discard(state)
+
+    def discard(self, state: Any) -> None:
+        """Free a saved state."""
+        self.instance.freeFMUstate(state) if self.version == 2 else self.instance.freeFMUState(state)
 
 
 @contextmanager
 def started(fmu: Fmu, event_mode: bool, values: Mapping[str, float]) -> Generator[Slave]:
-    """A running instance, freed in the end; an error the FMU reports becomes a SimulationError with its message."""
+    """A running instance, freed at the end; an error that the FMU reports is raised as SimulationError."""
     try:
         slave = Slave(fmu, event_mode)
         try:
             slave.initialize(values)
             yield slave
-            slave.own.terminate()
+            slave.instance.terminate()
         finally:
-            slave.own.freeInstance()
+            slave.instance.freeInstance()
     except Exception as error:
         if fmu.messages:
             raise SimulationError(f"{fmu.path}: {fmu.messages[-1]}") from error

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
+import unicodedata
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
-from film_model.unit_symbols import parse_unit
-from film_model.units import scene_unit
+from film_model.base.unit_symbols import parse_unit
+from film_model.base.units import scene_unit
+from film_model.scene import Scene
 from film_model.version import __version__
 from fmu_wrapper.resource import Data, has
 from fmu_wrapper.variables import (
@@ -29,34 +32,75 @@ from fmu_wrapper.variables import (
 
 FmiVersion = Literal[2, 3]
 ITEMS = {Phase: PHASES, EventKind: EVENT_KINDS}
-LOG_CATEGORY = ("logStatusError", "what went wrong, and what was expected")
+_NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+LOG_CATEGORIES = {
+    "logStatusError": "the cause of an error, and what was expected",
+    "validity": "an assumption of the export that does not hold for the parameters or the motion",
+}
+
+
+_LONGEST_IDENTIFIER = 60
+
+DISPLAY = {"length": ("µm", 1e6), "time": ("µs", 1e6), "force": ("kN", 1e-3), "energy": ("mJ", 1e3)}
+"""Dimension → unit in which tools show values, and its factor. Radii and gaps are shown in metres."""
+_IN_SI = ("radius", "initial_gap")
+
+
+@dataclass(frozen=True)
+class Names:
+    """Name of a model, and the C identifier of its binary and functions."""
+
+    model: str
+    identifier: str
+
+    @classmethod
+    def of(cls, scene: Scene, kind: Kind, name: str | None) -> Names:
+        """From the given name, or from the scene's title with the kind. Raises ValueError for an empty name."""
+        if name is not None and not name.strip():
+            raise ValueError("name: must not be empty")
+        model = name if name is not None else f"{kind}: {scene.title}" if scene.title else kind
+        model = printable(model)
+        plain = unicodedata.normalize("NFKD", model).encode("ascii", "ignore").decode()
+        words = re.sub("[^A-Za-z0-9]+", "_", plain).strip("_") or kind
+        identifier = words if words[0].isalpha() else f"{kind}_{words}"
+        return cls(model, identifier[:_LONGEST_IDENTIFIER].rstrip("_"))
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """The default experiment: s, and the relative tolerance of an importer's integrator."""
+    """The default experiment: times in s, and the relative tolerance of an importer's integrator."""
 
     stop_time: float
     step_size: float
     tolerance: float
 
 
+def printable(text: str) -> str:
+    """A text without the characters that XML does not allow."""
+    return _NOT_IN_XML.sub("\N{REPLACEMENT CHARACTER}", text)
+
+
 def fmi_unit(dimension: str) -> str:
-    """The unit's name in FMI, as in "N.s/m"; "1" for a plain number."""
+    """The name of a unit in FMI, as in "N.s/m"; "1" for a dimensionless number."""
     return scene_unit(dimension).replace("*", ".").replace("^", "") or "1"
 
 
 def model_description(
-    data: Data, version: FmiVersion, token: str, description: str, experiment: Experiment, sources: Iterable[str] = ()
+    data: Data,
+    version: FmiVersion,
+    token: str,
+    names: Names,
+    description: str,
+    experiment: Experiment,
+    sources: Iterable[str] = (),
 ) -> bytes:
-    """The file. `sources`: names of the C files that are shipped (FMI 2.0 lists them here)."""
-    kind = KINDS[data.kind]
-    chosen = [v for v in VARIABLES if has(data, v.name) and (version == 3 or v.causality[kind] != "local")]
+    """Content of the file. sources: names of the C files in the FMU (FMI 2.0 lists them here)."""
+    chosen = [v for v in VARIABLES if has(data, v.name) and (version == 3 or not _is_indicator(v))]
     root = ET.Element(
         "fmiModelDescription",
         {
             "fmiVersion": "2.0" if version == 2 else "3.0",
-            "modelName": kind,
+            "modelName": names.model,
             "guid" if version == 2 else "instantiationToken": token,
             "description": description,
             "author": "film-model contributors",
@@ -68,11 +112,12 @@ def model_description(
     )
     if version == 2:
         root.set("numberOfEventIndicators", str(_indicators()))
-    _interfaces(root, data, version, list(sources))
+    _interfaces(root, data, version, names.identifier, list(sources))
     _units(root, chosen)
     _types(root, chosen, version)
     categories = ET.SubElement(root, "LogCategories")
-    ET.SubElement(categories, "Category", name=LOG_CATEGORY[0], description=LOG_CATEGORY[1])
+    for name, what in LOG_CATEGORIES.items():
+        ET.SubElement(categories, "Category", name=name, description=what)
     ET.SubElement(
         root,
         "DefaultExperiment",
@@ -89,22 +134,27 @@ def model_description(
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
 
+def _is_indicator(v: Variable) -> bool:
+    return v.name.startswith("event_indicator")
+
+
 def _indicators() -> int:
-    return sum(v.name.startswith("event_indicator") for v in VARIABLES)
+    return sum(map(_is_indicator, VARIABLES))
 
 
-def _interfaces(root: ET.Element, data: Data, version: FmiVersion, sources: list[str]) -> None:
+def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: str, sources: list[str]) -> None:
     kind = KINDS[data.kind]
-    remembers = kind == "contact" and bool(data.curve.stage[0].damped)  # a peak that no event tells
+    damped = bool(data.curve.stage[0].damped)
+    needs_completed_step = kind == "contact" and damped  # for the maximum force, which no event reports
     if version == 2:
         able = {
-            "modelIdentifier": kind,
+            "modelIdentifier": identifier,
             "canNotUseMemoryManagementFunctions": "true",
             "canGetAndSetFMUstate": "true",
             "canSerializeFMUstate": "true",
             "providesDirectionalDerivative": "true",
         }
-        without = {} if remembers else {"completedIntegratorStepNotNeeded": "true"}
+        without = {} if needs_completed_step else {"completedIntegratorStepNotNeeded": "true"}
         exchange = ET.SubElement(root, "ModelExchange", {**able, **without})
         steps = ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true"})
         for parent in (exchange, steps):
@@ -114,13 +164,13 @@ def _interfaces(root: ET.Element, data: Data, version: FmiVersion, sources: list
                     ET.SubElement(files, "File", name=name)
         return
     able = {
-        "modelIdentifier": kind,
+        "modelIdentifier": identifier,
         "canGetAndSetFMUState": "true",
         "canSerializeFMUState": "true",
         "providesDirectionalDerivatives": "true",
         "providesAdjointDerivatives": "true",
     }
-    ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": str(remembers).lower()})
+    ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": str(needs_completed_step).lower()})
     events = {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"} if kind == "impact" else {}
     ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true", **events})
 
@@ -134,6 +184,9 @@ def _units(root: ET.Element, chosen: list[Variable]) -> None:
         assert size == 1.0
         names = zip(("kg", "m", "s"), powers, strict=True)
         ET.SubElement(unit, "BaseUnit", {name: str(int(power)) for name, power in names if power})
+        if dimension in DISPLAY:
+            shown, factor = DISPLAY[dimension]
+            ET.SubElement(unit, "DisplayUnit", name=shown, factor=repr(factor))
 
 
 def _types(root: ET.Element, chosen: list[Variable], version: FmiVersion) -> None:
@@ -150,11 +203,13 @@ def _types(root: ET.Element, chosen: list[Variable], version: FmiVersion) -> Non
 
 
 def _number(v: Variable, data: Data, values: dict[str, str]) -> dict[str, str]:
-    """Attributes of a variable's value: unit, limits, start, nominal."""
+    """Attributes of a variable's value: unit, range, start, nominal."""
     k, kind = reference(v.name), KINDS[data.kind]
     text = (lambda x: str(int(x))) if v.type == Whole else repr
     if v.dimension is not None and v.dimension != "dimensionless":
         values["unit"] = fmi_unit(v.dimension)
+        if v.dimension in DISPLAY and v.name not in _IN_SI:
+            values["displayUnit"] = DISPLAY[v.dimension][0]
     for name, limit in (("min", v.low), ("max", v.high)):
         if limit is not None:
             values[name] = text(limit)
@@ -215,22 +270,31 @@ def _structure(root: ET.Element, data: Data, chosen: list[Variable], version: Fm
         name = v if isinstance(v, str) else v.name
         return str(_index(chosen, name) if version == 2 else reference(name))
 
-    def unknown(v: Variable) -> dict[str, str]:
-        row = {"index" if version == 2 else "valueReference": place(v)}
-        if v.variability == "continuous" and kind in v.depends:
-            names = (*v.depends[kind], *(v.depends_damped.get(kind, ()) if data.curve.stage[0].damped else ()))
-            row["dependencies"] = " ".join(sorted((place(name) for name in names), key=int))
-            row["dependenciesKind"] = " ".join("dependent" for _ in names)
-        return row
+    def row(v: Variable, names: Iterable[str]) -> dict[str, str]:
+        places = sorted((place(name) for name in names), key=int)
+        return {
+            "index" if version == 2 else "valueReference": place(v),
+            "dependencies": " ".join(places),
+            "dependenciesKind": " ".join("dependent" for _ in places),
+        }
 
-    def only(v: Variable) -> dict[str, str]:
-        return {"index" if version == 2 else "valueReference": place(v)}
+    def unknown(v: Variable) -> dict[str, str]:
+        damped = v.depends_damped.get(kind, ()) if data.curve.stage[0].damped else ()
+        return row(v, (*v.depends.get(kind, ()), *damped))
+
+    def initially(v: Variable) -> dict[str, str]:
+        """All that is given at the start: the states at the start are functions of the parameters."""
+        return row(v, (u.name for u in chosen if u.causality[kind] in ("parameter", "input")))
+
+    def indicator(v: Variable) -> dict[str, str]:
+        names = STATES if kind == "impact" else ()
+        return row(v, (*names, *(u.name for u in chosen if u.causality[kind] == "input")))
 
     if version == 2:
         for name, rows, of in (
             ("Outputs", outputs, unknown),
             ("Derivatives", rates, unknown),
-            ("InitialUnknowns", initial, only),
+            ("InitialUnknowns", initial, initially),
         ):
             if rows:
                 parent = ET.SubElement(structure, name)
@@ -242,7 +306,6 @@ def _structure(root: ET.Element, data: Data, chosen: list[Variable], version: Fm
     for v in rates:
         ET.SubElement(structure, "ContinuousStateDerivative", unknown(v))
     for v in initial:
-        ET.SubElement(structure, "InitialUnknown", only(v))
-    for v in chosen:
-        if v.causality[kind] == "local":
-            ET.SubElement(structure, "EventIndicator", only(v))
+        ET.SubElement(structure, "InitialUnknown", initially(v))
+    for v in filter(_is_indicator, chosen):
+        ET.SubElement(structure, "EventIndicator", indicator(v))

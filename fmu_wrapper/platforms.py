@@ -1,41 +1,54 @@
-"""The FMU's binary: its sources, the platforms it can be made for, and how.
+"""The FMU's binary: its sources, the platforms, and the compiler commands.
 
-Nothing but the standard library is imported here: the build of film-model itself uses it.
+Imports the standard library only, because the build of film-model imports this file.
 """
 
 from __future__ import annotations
 
+import hashlib
 import importlib.util
 import os
+import re
 import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+from importlib.metadata import version
 from pathlib import Path
 from platform import machine
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
 CORE, RUNTIME = "film_model/core", "fmu_wrapper/runtime"
+MARCH = tuple(
+    f"{CORE}/film_{name}.c" for name in ("march", "aim", "draw", "damping", "branch", "integrator", "setup")
+)  # one impact; the core's batches are not in FMUs
 SOURCES = (
-    f"{CORE}/film_core.c",
-    *(f"{RUNTIME}/{name}.c" for name in ("model", "resource", "instance", "fmi2", "fmi3")),
+    *MARCH,
+    *(
+        f"{RUNTIME}/model{part}.c"
+        for part in ("", "_events", "_contact", "_curve", "_outputs", "_validity", "_exchange")
+    ),
+    *(f"{RUNTIME}/{name}.c" for name in ("resource", "instance", "fmi2", "fmi3")),
 )
 HEADERS = (
-    *(f"{CORE}/{name}.h" for name in ("film_core", "film_law", "film_line")),
-    *(f"{RUNTIME}/{name}.h" for name in ("model", "instance", "variables")),
+    *(f"{CORE}/{name}.h" for name in ("film_core", "film_law", "film_line", "film_march")),
+    *(f"{RUNTIME}/{name}.h" for name in ("model", "model_parts", "instance", "variables", "failures")),
 )
 INCLUDES = (CORE, RUNTIME)
-DEFINITIONS = {"FILM_API": ""}  # the core's functions stay inside: FMUs of other versions may be in the same process
+_OWN = b"film|model|instance|contact"  # how the names of all functions begin that are not static
+DEFINITIONS = {"FILM_API": ""}  # not exported: one process may load FMUs of several versions
 
-# Without contraction into fused multiply-adds every compiler gives the same bits; the last two let loops vectorise.
+# No fused multiply-adds, so that every compiler gives the same bits; the last two flags allow loops to vectorise.
 FLAGS = ("-std=c99", "-O3", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math")
 
 
 class Platform(NamedTuple):
-    """A platform: its folders in an FMU of FMI 2.0 and 3.0, zig's name for it, and how its shared libraries end.
+    """A platform: folders in FMUs of FMI 2.0 and 3.0, zig's target name, suffix of shared libraries.
 
-    FMI 2.0 names no folder for ARM processors; importers that run there look in the one of their system.
+    FMI 2.0 defines no folders for ARM processors; importers use a name of their own there.
     """
 
     fmi2: str
@@ -54,32 +67,45 @@ PLATFORMS: dict[str, Platform] = {
 
 
 def this_platform() -> str:
-    """The name of the platform we run on; it need not be in `PLATFORMS`."""
+    """Name of the platform this runs on, which may be missing in `PLATFORMS`."""
     system = {"win32": "windows", "darwin": "darwin"}.get(sys.platform, "linux")
     processor = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine().lower(), machine().lower())
     return f"{processor}-{system}"
 
 
 def folder(name: str, fmi_version: int) -> str:
-    """The folder of a platform's binary inside an FMU; a platform that is not in `PLATFORMS` has its own name."""
+    """Folder of a platform's binary inside an FMU: the platform's own name if it is not in `PLATFORMS`."""
     if name not in PLATFORMS:
         return name
     return PLATFORMS[name].fmi2 if fmi_version == 2 else PLATFORMS[name].fmi3
 
 
 def built_library() -> str:
-    """Where the build of film-model puts this platform's binary, from the root of the project."""
+    """Path of the binary that the build of film-model makes for this platform, from the root of the project."""
     return f"{RUNTIME}/_film_fmu" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 
 
+def prefixed_sources(identifier: str, fmi_version: int) -> dict[str, bytes]:
+    """The C sources of one FMI version by file name; functions begin with the model identifier, to link FMUs together.
+
+    The names of FMI's own functions are changed by FMI2_FUNCTION_PREFIX or FMI3_FUNCTION_PREFIX, as the standards say.
+    """
+    texts = {Path(name).name: (ROOT / name).read_bytes() for name in (*SOURCES, *HEADERS)}
+    del texts["fmi3.c" if fmi_version == 2 else "fmi2.c"]
+    functions = sorted({one for text in texts.values() for one in re.findall(rb"\b(?:%s)_\w+(?=\()" % _OWN, text)})
+    made = {name: b'#include "prefix.h"\n' + text if name.endswith(".c") else text for name, text in texts.items()}
+    lines = [b"#define %s %s_%s\n" % (one, identifier.encode(), one) for one in functions]
+    return {**made, "prefix.h": b"/* Function names of this FMU. */\n" + b"".join(lines)}
+
+
 def license_text() -> bytes:
-    """film-model's licence, from the installed package or the project it is run in."""
+    """film-model's licence, from the installed package or from the project's folder."""
     places = (ROOT / "fmu_wrapper" / "LICENSE", ROOT / "LICENSE")
     return next(place for place in places if place.exists()).read_bytes()
 
 
 def fmi_headers() -> Path:
-    """The folder of the FMI headers, which FMPy brings along. Raises ImportError without it."""
+    """Folder of the FMI headers, which are part of FMPy. Raises ImportError without FMPy."""
     found = importlib.util.find_spec("fmpy")
     if found is None or found.origin is None:
         raise ImportError('compiling FMUs needs FMPy\'s headers: pip install "film-model[cross-compile]"')
@@ -87,7 +113,7 @@ def fmi_headers() -> Path:
 
 
 def arguments(root: Path) -> list[str]:
-    """What any compiler needs to make the binary from the sources under `root`."""
+    """Compiler arguments for the binary, with sources under `root`."""
     return [
         *(f"-D{name}={value}" for name, value in DEFINITIONS.items()),
         *(f"-I{root / folder}" for folder in INCLUDES),
@@ -96,10 +122,39 @@ def arguments(root: Path) -> list[str]:
     ]
 
 
-def cross_compile(name: str) -> bytes:
-    """The binary for a platform of `PLATFORMS`, made by zig.
+def cross_compiled(names: Sequence[str]) -> dict[str, bytes]:
+    """Binaries by platform, compiled side by side; from the cache if these sources were compiled before."""
+    with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
+        return dict(zip(names, pool.map(_cached, names), strict=True))
 
-    Raises ImportError without ziglang, RuntimeError with the compiler's words when it fails.
+
+@lru_cache(maxsize=16)
+def _cached(name: str) -> bytes:
+    """A platform's binary from the user's cache folder, or compiled and put there."""
+    if importlib.util.find_spec("ziglang") is None:
+        return cross_compile(name)
+    inputs = [*FLAGS, version("ziglang"), PLATFORMS[name].target]
+    inputs += [hashlib.sha256((ROOT / one).read_bytes()).hexdigest() for one in (*SOURCES, *HEADERS)]
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    kept = home / "film-model" / f"{name}-{hashlib.sha256(' '.join(inputs).encode()).hexdigest()[:32]}"
+    try:
+        return kept.read_bytes()
+    except OSError:
+        binary = cross_compile(name)
+    try:
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        beside = kept.with_name(f"{kept.name}.{os.getpid()}")
+        beside.write_bytes(binary)
+        beside.replace(kept)
+    except OSError:  # a cache is not needed
+        pass
+    return binary
+
+
+def cross_compile(name: str) -> bytes:
+    """The binary for a platform of `PLATFORMS`, compiled by zig.
+
+    Raises ImportError without ziglang, RuntimeError with the compiler's output if it fails.
     """
     if importlib.util.find_spec("ziglang") is None:
         raise ImportError(f'a binary for {name} needs ziglang: pip install "film-model[cross-compile]"')
@@ -118,7 +173,7 @@ def cross_compile(name: str) -> bytes:
 
 
 def run(what: str, command: Sequence[str]) -> None:
-    """Run a compiler. Raises RuntimeError with its words when it fails."""
+    """Run a compiler. Raises RuntimeError with its output if it fails."""
     done = subprocess.run(command, env=dict(os.environ), capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(f"the binary for {what} does not compile:\n{done.stdout}{done.stderr}")

@@ -1,4 +1,4 @@
-"""`resources/model.film`: what an export fixes, as the runtime's structure `model_data` (runtime/model.h)."""
+"""`resources/model.film`: the data of an exported model, the structure `model_data` of runtime/model.h."""
 
 from __future__ import annotations
 
@@ -7,29 +7,62 @@ import math
 from dataclasses import replace
 from typing import Any
 
-from film_model.bodies import STANDARD_GRAVITY
+from film_model.base.units import scene_unit
 from film_model.core import native
-from film_model.curve import curve_of
 from film_model.laws.law import AbstractLaw, law_fields
-from film_model.problem import Problem
-from film_model.scene import Scene
-from film_model.units import scene_unit
+from film_model.problem.curve import curve_of
+from film_model.problem.families import EDGES, Page, page_between
+from film_model.problem.problem import Problem
+from film_model.scene import STANDARD_GRAVITY
+from fmu_wrapper.assumptions import Validity
 from fmu_wrapper.variables import KINDS, RIGID, STATES, VARIABLES, Kind, Variable, reference, settable
 
-NAME, NOTES = "model.film", "notes.json"
+NAME, NOTES, SCENE = "model.film", "notes.json", "scene.toml"
+NAMES = (NAME, NOTES, SCENE)
 MAGIC = b"FILMFMU1"
-SCALING = ("radius", "effective_modulus", "yield_strength")
-"""Parameters that the march's length and force scales are powers of."""
-DAMPING = (*SCALING, "mass", "initial_velocity")
-"""Parameters that the factor of a damped law's damping is powers of."""
+SCALING = (
+    *("radius", "effective_modulus", "yield_strength", "yield_pressure", "hardness", "stiffness", "power_stiffness"),
+)
+"""Parameters whose powers make up the length and force scales of the march."""
+OF_DAMPING = ("damping", "dissipation_time", "hysteresis_damping")
+"""Parameters of damped laws whose powers make up only the damping factor."""
+DAMPING = (*SCALING, "mass", "initial_velocity", *OF_DAMPING)
+"""Parameters whose powers make up the damping factor of a damped law."""
+EXTRAPOLATION = 1.5
+"""Default of input_extrapolation: right in a master that steps all FMUs side by side and then exchanges outputs."""
+
+LIMITS = 2
+_REASON = 80  # bytes of the names of effects that end a range of validity
+
+SHAPED = SCALING[:3]
+"""Parameters whose powers make up the shape of a law with a family of curves: radius, modulus and strength."""
+AROUND = 4.0
+"""Such an FMU serves shapes from a fourth to four times that of the export."""
+WORST_FIT = 1e-9
+"""Largest relative error of the force for which it does."""
+SMALLER = 0.5
 
 _SETTABLE = settable()
 _D, _I = c.c_double, c.c_int32
 _PROBES = (2.0, 5.0)
+"""Factors on a parameter: if both give the same exponent, the scale is a power of it."""
+
+
+class Family(c.Structure):
+    """model_family of runtime/model.h."""
+
+    _fields_ = (
+        ("shape", _D),
+        ("power", _D * len(SHAPED)),
+        ("low", _D),
+        ("high", _D),
+        ("nodes", _I),
+        ("varying", _I),
+    )
 
 
 class Data(c.Structure):
-    """model_data of runtime/model.h."""
+    """model_data of runtime/model.h. tail: what follows it in the file."""
 
     _fields_ = (
         ("magic", c.c_char * 8),
@@ -39,7 +72,7 @@ class Data(c.Structure):
         ("kind", _I),
         ("linearisation", _I),
         ("available", _I * _SETTABLE),
-        ("even", _I),
+        ("padding", _I),
         ("start", _D * _SETTABLE),
         ("length_scale", _D),
         ("length_power", _D * len(SCALING)),
@@ -49,23 +82,29 @@ class Data(c.Structure):
         ("damping_power", _D * len(DAMPING)),
         ("speed", _D),
         ("nominal", _D * len(STATES)),
+        ("valid", (_D * 2) * _SETTABLE),
+        ("reason", (c.c_char * _REASON) * 2 * _SETTABLE),
+        ("limit", _D * LIMITS),
+        ("limit_power", (_D * len(SCALING)) * LIMITS),
         ("curve", native.Curve),
+        ("family", Family),
     )
+    tail = b""
 
 
 def model_data(
-    scene: Scene,
     problem: Problem,
     kind: Kind,
     gap: float,
     segments: tuple[int, int],
     nominal: tuple[float, float, float],
+    validity: Validity,
 ) -> Data:
-    """The data of an export but for its token. `gap`: at the start, m; `nominal`: of the states, SI.
+    """The data of an export, without its token. gap: at the start, m. nominal: of the states, SI.
 
-    Raises ValueError for a start value that the FMU would not take.
+    Raises ValueError for a start value outside the range of its variable.
     """
-    law = problem.law
+    scene, law = problem.scene, problem.law
     data = Data()
     data.magic, data.size = MAGIC, c.sizeof(Data)
     data.kind = KINDS.index(kind)
@@ -77,6 +116,7 @@ def model_data(
         "initial_gap": gap,
         "target_impedance": min(scene.target_impedance, RIGID) if problem.gamma > 0.0 else RIGID,
         "gravity": STANDARD_GRAVITY if problem.load > 0.0 else 0.0,
+        "input_extrapolation": EXTRAPOLATION,
         "loading_segments": segments[0],
         "unloading_segments": segments[1],
     }
@@ -87,24 +127,68 @@ def model_data(
         exists = kind in variable.causality
         if name in powers:
             exists = exists and powers[name] is not None
+            data.start[k] = getattr(law, field_of(law, name)) if exists else variable.low
+        elif name in OF_DAMPING:
+            exists = exists and bool(damping[name])
             data.start[k] = getattr(law, name) if exists else variable.low
         else:
             data.start[k] = start.get(name, 0.0) if exists else max(variable.low or 0.0, 0.0)
         data.available[k] = exists and not (name in damping and damping[name] is None)
         check_range(variable, data.start[k])
+        data.valid[k][:] = (-math.inf, math.inf)
     for k, name in enumerate(SCALING):
         data.length_power[k], data.force_power[k] = powers[name] or (0.0, 0.0)
     data.damping = _damping(law, problem)
     for k, name in enumerate(DAMPING):
         data.damping_power[k] = damping[name] or 0.0 if data.available[reference(name)] else 0.0
+    _put_validity(data, validity)
     data.speed = max(scene.approach_velocity, 1e-9)
     data.nominal[:] = nominal
     data.curve = problem.curve.native
+    _put_family(data, problem)
     return data
 
 
+def _put_validity(data: Data, validity: Validity) -> None:
+    """Ranges of validity, and the limits of indentation: at yield δ ∝ R/E², for a narrow contact δ ∝ R."""
+    for name, found in validity.ranges.items():
+        k = reference(name)
+        data.valid[k][:] = (found.low, found.high)
+        for side, reason in enumerate((found.below, found.above)):
+            data.reason[k][side].value = reason.encode()[: _REASON - 1]
+    data.limit[:] = (validity.elastic, validity.narrow)
+    for k, powers in enumerate(({"radius": 1.0, "effective_modulus": -2.0}, {"radius": 1.0})):
+        for name, power in powers.items():
+            data.limit_power[k][SCALING.index(name)] = power if data.available[reference(name)] else 0.0
+
+
+def _put_family(data: Data, problem: Problem) -> None:
+    """The curves for other strengths and moduli, of a law whose stages depend on them."""
+    law, page = problem.law, own_page(problem)
+    if page is None:
+        return
+    family = data.family
+    family.shape, family.low, family.high = law.shape, page.family.low, page.family.high
+    family.nodes, family.varying = page.family.nodes, page.family.varying
+    for k, name in enumerate(SHAPED):
+        probe: Any = replace(law, **{name: getattr(law, name) * SMALLER}) if name in law.shaped_by else law  # type: ignore[type-var]
+        family.power[k] = _rational(math.log(probe.shape / law.shape) / math.log(SMALLER))
+    data.tail = bytes(page.whole) + page.family.memory.tobytes()
+    data.size = c.sizeof(Data) + len(data.tail)
+
+
+def own_page(problem: Problem) -> Page | None:
+    """The curves of shapes within `AROUND` of the problem's law, if it has a family and they are exact enough."""
+    law = problem.law
+    if problem.curve.page is None or problem.compliance > 0.0:
+        return None
+    low, high = max(law.shape / AROUND, float(EDGES[0])), min(law.shape * AROUND, float(EDGES[-1]))
+    page = page_between(law.of_shape(1e-3), low, high)
+    return page if page.fit_error < WORST_FIT else None
+
+
 def check_range(variable: Variable, value: float) -> None:
-    """ValueError where a variable of an FMU does not take a value (SI)."""
+    """Raise ValueError for a value (SI) outside the range of a variable."""
     low = -math.inf if variable.low is None else variable.low
     high = math.inf if variable.high is None else variable.high
     if not low <= value <= high:
@@ -112,81 +196,100 @@ def check_range(variable: Variable, value: float) -> None:
         raise ValueError(f"{variable.name}: {value:g}{unit} is out of range: from {low:g} to {high:g}{unit}")
 
 
-def powers_of(law: AbstractLaw, name: str, problem: Problem) -> tuple[float, float] | None:
-    """Powers of a law's parameter in its length and force scales.
+def field_of(law: AbstractLaw, name: str) -> str:
+    """The field of a law that a parameter sets; the unit of a power law's stiffness depends on its exponent."""
+    parameter = getattr(type(law), "parameters", {}).get("stiffness")
+    power_law = parameter is not None and parameter.dimension == "meyer_stiffness"
+    if name in ("stiffness", "power_stiffness"):
+        return "stiffness" if power_law == (name == "power_stiffness") else ""
+    return name
 
-    None when the law has no such parameter, when its dimensionless stages change with it (the curve that is shipped
-    would no longer hold), or when the scales are no powers of it.
+
+def powers_of(law: AbstractLaw, name: str, problem: Problem) -> tuple[float, float] | None:
+    """Exponents of a law's parameter in the law's length and force scales.
+
+    None if the law has no such parameter, if its dimensionless stages depend on the parameter (the exported curve would
+    become wrong), or if the scales are not powers of it.
     """
-    value = getattr(law, name, None)
-    if name not in law_fields(type(law)) or value is None:
+    field = field_of(law, name)
+    value = getattr(law, field, None)
+    if field not in law_fields(type(law)) or value is None:
         return None
+    shaped = name in law.shaped_by and own_page(problem) is not None
     energy = 0.5 * problem.mass * max((problem.approach * problem.scales.velocity) ** 2, 1e-300)
     base = law.scales(energy)
     found: list[tuple[float, float]] = []
-    for factor in _PROBES:
-        other: AbstractLaw = replace(law, **{name: value * factor})  # type: ignore[type-var]
-        if bytes(curve_of(other).native) != bytes(problem.curve.native):
+    for factor in (SMALLER, SMALLER**2) if shaped and name == "yield_strength" else _PROBES:
+        other: AbstractLaw = replace(law, **{field: value * factor})  # type: ignore[type-var]
+        if not shaped and bytes(curve_of(other).native) != bytes(problem.curve.native):
             return None
         length, force = (math.log(b / a) / math.log(factor) for a, b in zip(base, other.scales(energy), strict=True))
-        found.append((_plain(length), _plain(force)))
+        found.append((_rational(length), _rational(force)))
     return found[0] if found[0] == found[1] else None
 
 
 def damping_power(law: AbstractLaw, name: str, problem: Problem) -> float | None:
-    """Power of a parameter in what the curve's damping is multiplied with; 0 without damping or such a parameter.
+    """Exponent of a parameter in the damping factor; 0 if the law has no damping or no such parameter.
 
-    None when it is no power of it: then the FMU does not have the parameter.
+    None if the damping factor is not a power of the parameter: then the FMU does not have the parameter.
     """
     base = _damping(law, problem)
+    if name in OF_DAMPING and getattr(law, name, None) is None:
+        return 0.0
     if base == 0.0 or (name in SCALING and powers_of(law, name, problem) is None):
         return 0.0
     found: list[float] = []
     for factor in _PROBES:
         other, length = law, 1.0
-        if name in SCALING:
+        if name in OF_DAMPING:
             other = replace(law, **{name: getattr(law, name) * factor})  # type: ignore[type-var]
+        if name in SCALING:
+            field = field_of(law, name)
+            other = replace(law, **{field: getattr(law, field) * factor})  # type: ignore[type-var]
             length = other.scales(1.0)[0] / law.scales(1.0)[0]
         mass, velocity = (factor if name == one else 1.0 for one in ("mass", "initial_velocity"))
         ratio = _damping(other, problem, mass, velocity, length) / base
-        found.append(_plain(math.log(ratio) / math.log(factor)) if ratio > 0.0 else math.nan)
+        found.append(_rational(math.log(ratio) / math.log(factor)) if ratio > 0.0 else math.nan)
     return found[0] if found[0] == found[1] else None
 
 
 def _damping(
     law: AbstractLaw, problem: Problem, mass: float = 1.0, velocity: float = 1.0, length: float = 1.0
 ) -> float:
-    """What the curve's damping is multiplied with, N s/m, for so many times the problem's mass, velocity and length."""
+    """Damping factor, N s/m, for multiples of the problem's mass, velocity and length."""
     speed = problem.scene.approach_velocity
     return float(law.damping_factor(mass * problem.mass, velocity * speed, length * problem.scales.length))
 
 
-def _plain(power: float) -> float:
-    """The fraction with a small denominator that a power stands for."""
+def _rational(power: float) -> float:
+    """An exponent rounded to a multiple of 1/60 if it is within 1e-12 of it, which removes rounding errors."""
     near = round(power * 60.0) / 60.0
     return near if abs(near - power) < 1e-12 else power
 
 
 def finished(data: Data, token: str) -> bytes:
-    """The file: data with its token and checksum."""
+    """Content of the file: the data with token and checksum."""
     data.token = token.encode()
-    content = bytes(data)[Data.token.offset :]
+    content = bytes(data)[Data.token.offset :] + data.tail
     data.checksum = _fnv1a(content)
-    return bytes(data)
+    return bytes(data) + data.tail
 
 
 def read(content: bytes) -> Data:
-    """Data from a file's bytes. Raises ValueError if they are damaged or of another version."""
-    if len(content) != c.sizeof(Data) or not content.startswith(MAGIC):
-        raise ValueError(f"{NAME}: {len(content)} bytes are no data of this version of film-model")
+    """Data from the content of the file. Raises ValueError if it is damaged or written by another version."""
+    if len(content) < c.sizeof(Data) or not content.startswith(MAGIC):
+        raise ValueError(f"{NAME}: the {len(content)} bytes were not written by this version of film-model")
     data = Data.from_buffer_copy(content)
+    data.tail = content[c.sizeof(Data) :]
+    if data.size != len(content):
+        raise ValueError(f"{NAME}: damaged, it must have {data.size} bytes")
     if data.checksum != _fnv1a(content[Data.token.offset :]):
-        raise ValueError(f"{NAME}: damaged, its checksum does not fit")
+        raise ValueError(f"{NAME}: damaged, the checksum does not match")
     return data
 
 
 def start_values(data: Data) -> dict[str, float]:
-    """Start values of the parameters and inputs this FMU has, SI."""
+    """Start values of the parameters and inputs of this FMU, SI."""
     return {v.name: data.start[k] for k, v in enumerate(VARIABLES[:_SETTABLE]) if data.available[k]}
 
 
@@ -197,6 +300,7 @@ def has(data: Data, name: str) -> bool:
 
 
 def _fnv1a(content: bytes) -> int:
+    """FNV-1a hash, 64 bits; the runtime checks it with the same function."""
     hash_: Any = 14695981039346656037
     for byte in content:
         hash_ = ((hash_ ^ byte) * 1099511628211) & 0xFFFFFFFFFFFFFFFF

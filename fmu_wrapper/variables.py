@@ -1,7 +1,4 @@
-"""The one table of FMU variables. The XML files and the runtime's header `runtime/variables.h` are generated from it.
-
-Nothing but the standard library is imported here: the table is needed where film-model is built.
-"""
+"""The one table of FMU variables: the XML files and the runtime's header `variables.h` are generated from it."""
 
 from __future__ import annotations
 
@@ -9,44 +6,46 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from film_model.solve.history import SUMMARY
+
 Kind = Literal["impact", "contact"]
 KINDS: tuple[Kind, ...] = ("impact", "contact")
-"""What an FMU is: an impactor with its mass inside, or the force element between two bodies of the importer's."""
+"""Kinds of FMUs: an impactor with its mass, or the force element between two bodies that the importer models."""
 
 RIGID = 1e30
-"""A target impedance [N s/m] from which on the target does not move: a half-space."""
+"""A target with this impedance [N s/m] or more does not move: a half-space."""
 
 Real, Whole, Phase, EventKind = "Real", "Whole", "Phase", "EventKind"
-"""Types: a number, a whole number, and the two enumerations."""
+"""Types of variables: real number, whole number, and two enumerations."""
 
 PHASES = {
     "approaching": "no contact yet",
-    "loading": "indentation grows along the loading curve",
-    "unloading": "indentation shrinks",
-    "reloading": "indentation grows along the unloading branch",
-    "resting": "in contact, at rest but for the smallest motion",
+    "loading": "indentation increases along the loading curve",
+    "unloading": "indentation decreases",
+    "reloading": "indentation increases along the unloading branch",
+    "resting": "in contact and at rest",
     "separated": "contact has ended",
 }
 EVENT_KINDS = {
     "none": "no event yet",
     "contact_begins": "first touch",
-    "stage_changes": "the contact law's next or previous stage begins",
-    "maximum_indentation": "indentation stops growing",
-    "impactor_stops": "the impactor's velocity falls to zero",
-    "contact_ends": "the contact force falls to zero and the bodies part",
-    "reloading_begins": "indentation stops shrinking",
+    "stage_changes": "the next or previous stage of the contact law begins",
+    "maximum_indentation": "indentation stops increasing",
+    "impactor_stops": "the impactor's velocity decreases to zero",
+    "contact_ends": "the contact force decreases to zero and the bodies separate",
+    "reloading_begins": "indentation stops decreasing",
 }
-"""Items of the enumerations, in the order of the core's numbers, which are their values."""
+"""Items of the enumerations in the order of the core's codes, which are their values."""
 
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable; its place in `VARIABLES` is its value reference.
+    """One variable. Its index in `VARIABLES` is its value reference.
 
-    type: one of the four. dimension: of `film_model.units`, None for whole numbers and enumerations. causality: by
-    kind of FMU, absent where the variable does not exist. low, high: the smallest and largest value that may be set.
-    rate_of: the state it is the time derivative of. depends: the states and inputs it depends on at the same time;
-    depends_damped: those that it depends on besides if the law is damped.
+    type: one of the four. dimension: of `film_model.base.units`, None for whole numbers and enumerations. causality: by
+    kind of FMU; kinds that do not have the variable are left out. low, high: range of values that may be set. rate_of:
+    the state whose time derivative it is. event: the event whose time it is. depends: states and inputs that it depends
+    on directly; depends_damped: further ones if the law is damped.
     """
 
     name: str
@@ -60,6 +59,7 @@ class Variable:
     rate_of: str | None = None
     depends: Mapping[Kind, tuple[str, ...]] = field(default_factory=dict)
     depends_damped: Mapping[Kind, tuple[str, ...]] = field(default_factory=dict)
+    event: str | None = None
 
 
 def _parameter(name: str, dimension: str, low: float, high: float, description: str, *kinds: Kind) -> Variable:
@@ -71,26 +71,45 @@ def _segments(name: str, description: str) -> Variable:
     return Variable(name, Whole, None, {"impact": "parameter"}, "fixed", description, 1, 1_000_000)
 
 
-def _motion(
-    name: str,
-    dimension: str,
-    description: str,
-    *depends: str,
-    rate_of: str | None = None,
-    damped: tuple[str, ...] = (),
-) -> Variable:
+def _motion(name: str, dimension: str, description: str, *depends: str, damped: tuple[str, ...] = ()) -> Variable:
     on: dict[Kind, tuple[str, ...]] = {"impact": depends}
     more: dict[Kind, tuple[str, ...]] = {"impact": damped}
     role: dict[Kind, str] = {"impact": "output"}
-    return Variable(name, Real, dimension, role, "continuous", description, None, None, rate_of, on, more)
+    return Variable(name, Real, dimension, role, "continuous", description, None, None, None, on, more)
+
+
+def _of_steps(name: str, dimension: str, description: str) -> Variable:
+    """An output that Co-Simulation computes over its steps."""
+    text = f"{description}; 0 in Model Exchange"
+    return Variable(name, Real, dimension, {"impact": "output"}, "discrete", text)
 
 
 def _discrete(name: str, of: str, dimension: str | None, description: str, *kinds: Kind) -> Variable:
     return Variable(name, of, dimension, dict.fromkeys(kinds or ("impact",), "output"), "discrete", description)
 
 
+def _time_of(event: str, name: str, description: str) -> Variable:
+    role: dict[Kind, str] = {"impact": "output"}
+    text = f"{description}, latest contact; 0 before it happens"
+    return Variable(name, Real, "time", role, "discrete", text, event=event)
+
+
+def _summary(name: str, *kinds: Kind) -> Variable:
+    """An output that is a summary value of the latest contact."""
+    dimension, description = SUMMARY[name]
+    return _discrete(name, Real, dimension, f"{description}; latest contact, 0 before it is known", *kinds)
+
+
+def _rate(state: str, dimension: str, depends: tuple[str, ...], damped: tuple[str, ...]) -> Variable:
+    """The time derivative of a state."""
+    on: dict[Kind, tuple[str, ...]] = {"impact": depends}
+    more: dict[Kind, tuple[str, ...]] = {"impact": damped}
+    role: dict[Kind, str] = {"impact": "local"}
+    text = f"time derivative of {state}"
+    return Variable(f"rate_of_{state}", Real, dimension, role, "continuous", text, None, None, state, on, more)
+
+
 _BOTH: tuple[Kind, Kind] = KINDS
-_LATEST = "of the latest contact; 0 until it happens"
 
 VARIABLES: tuple[Variable, ...] = (
     Variable("time", Real, "time", dict.fromkeys(KINDS, "independent"), "continuous", "time"),
@@ -100,23 +119,38 @@ VARIABLES: tuple[Variable, ...] = (
     _parameter("radius", "length", 1e-10, 1e3, "effective radius of the contact", *_BOTH),
     _parameter("effective_modulus", "pressure", 1.0, 1e14, "effective modulus of the contact", *_BOTH),
     _parameter("yield_strength", "pressure", 1.0, 1e13, "yield strength of the contact", *_BOTH),
+    _parameter("yield_pressure", "pressure", 1.0, 1e13, "contact pressure at which the law yields", *_BOTH),
+    _parameter("hardness", "pressure", 1.0, 1e13, "hardness of the body that yields", *_BOTH),
+    _parameter("stiffness", "stiffness", 1e-12, 1e18, "stiffness of the law", *_BOTH),
+    _parameter(
+        *("power_stiffness", "dimensionless", 1e-30, 1e30),
+        *("stiffness K in N/m^q of a law with the force K times indentation to the power of q", *_BOTH),
+    ),
+    _parameter("damping", "impedance", 1e-30, 1e30, "damping coefficient of the law", *_BOTH),
+    _parameter("dissipation_time", "time", 1e-30, 1e10, "dissipation time of the law", *_BOTH),
+    _parameter("hysteresis_damping", "inverse_velocity", 1e-30, 1e30, "damping over the elastic force", *_BOTH),
     _parameter(
         "target_impedance",
         "impedance",
         1e-30,
         RIGID,
-        f"wave impedance of the target; from {RIGID:g} on it does not move",
+        f"wave impedance of the target; a target with {RIGID:g} or more does not move",
     ),
     _parameter("gravity", "acceleration", -1e9, 1e9, "acceleration of free fall towards the target"),
-    _segments("loading_segments", "straight pieces of the force in a loading stage"),
-    _segments("unloading_segments", "straight pieces of the force in unloading; more where contact fades out slowly"),
+    _parameter(
+        *("input_extrapolation", "dimensionless", 0.0, 2.0),
+        "after a step, contact_force belongs to the indentation extrapolated by this many steps from its last input",
+        "contact",
+    ),
+    _segments("loading_segments", "linear force segments in each loading stage"),
+    _segments("unloading_segments", "linear force segments in unloading; the core uses more if contact ends slowly"),
     Variable(
         "external_force",
         Real,
         "force",
         {"impact": "input"},
         "continuous",
-        "force on the impactor besides gravity and contact",
+        "force on the impactor other than gravity and contact force",
     ),
     Variable(
         "support_velocity",
@@ -124,7 +158,7 @@ VARIABLES: tuple[Variable, ...] = (
         "velocity",
         {"impact": "input"},
         "continuous",
-        "velocity of the target as a whole",
+        "velocity of the target's support",
     ),
     Variable(
         "indentation",
@@ -132,7 +166,7 @@ VARIABLES: tuple[Variable, ...] = (
         "length",
         {"impact": "output", "contact": "input"},
         "continuous",
-        "impactor displacement less target displacement; negative: a gap",
+        "impactor displacement minus target displacement; negative: a gap",
         depends={"impact": ("indentation",)},
     ),
     Variable(
@@ -142,14 +176,13 @@ VARIABLES: tuple[Variable, ...] = (
         {"impact": "output", "contact": "input"},
         "continuous",
         "rate of indentation",
-        rate_of="indentation",
         depends={"impact": ("indentation", "impactor_velocity", "support_velocity")},
     ),
     _motion("impactor_velocity", "velocity", "velocity of the impactor", "impactor_velocity"),
     _motion(
         "impactor_displacement",
         "length",
-        "displacement of the impactor from where it would first touch",
+        "displacement of the impactor from the point of first touch",
         *("indentation", "target_displacement"),
     ),
     _motion("target_displacement", "length", "displacement of the struck point of the target", "target_displacement"),
@@ -158,7 +191,6 @@ VARIABLES: tuple[Variable, ...] = (
         "velocity",
         "velocity of the struck point of the target",
         *("indentation", "support_velocity"),
-        rate_of="target_displacement",
         damped=("impactor_velocity",),
     ),
     _motion(
@@ -166,7 +198,6 @@ VARIABLES: tuple[Variable, ...] = (
         "acceleration",
         "acceleration of the impactor",
         *("indentation", "external_force"),
-        rate_of="impactor_velocity",
         damped=("impactor_velocity", "support_velocity"),
     ),
     Variable(
@@ -175,24 +206,49 @@ VARIABLES: tuple[Variable, ...] = (
         "force",
         dict.fromkeys(KINDS, "output"),
         "continuous",
-        "force of the contact law, pressing the bodies apart",
+        "force of the contact law; it pushes the bodies apart",
         depends=dict.fromkeys(KINDS, ("indentation",)),
         depends_damped={"impact": ("impactor_velocity", "support_velocity"), "contact": ("relative_velocity",)},
     ),
-    _discrete("phase", Phase, None, "where the impactor is", *_BOTH),
+    _motion("kinetic_energy", "energy", "kinetic energy of the impactor", "impactor_velocity"),
+    _of_steps("mean_contact_force", "force", "mean of contact_force over the last communication step"),
+    _of_steps("contact_impulse", "impulse", "integral of contact_force over time"),
+    _of_steps("contact_energy", "energy", "work done on the indentation: stored and absorbed by the contact"),
+    _of_steps("target_energy", "energy", "work done by contact_force on the target and its support"),
+    _of_steps("external_work", "energy", "work done by gravity and external_force on the impactor"),
+    _discrete("phase", Phase, None, "phase of the motion", *_BOTH),
     _discrete("stage", Whole, None, "stage of the contact law from 0; -1 unloading, -2 no contact", *_BOTH),
     _discrete("contact_count", Whole, None, "number of contacts so far", *_BOTH),
     _discrete("event_count", Whole, None, "number of events so far"),
     _discrete("last_event", EventKind, None, "the latest event"),
-    _discrete("time_of_last_event", Real, "time", "time of the latest event; 0 until there is one"),
-    _discrete("time_contact_begins", Real, "time", f"first touch {_LATEST}"),
-    _discrete("time_of_maximum_indentation", Real, "time", f"time of the largest indentation {_LATEST}"),
-    _discrete("maximum_indentation", Real, "length", f"largest indentation {_LATEST}", *_BOTH),
-    _discrete("maximum_force", Real, "force", f"largest contact force {_LATEST}", *_BOTH),
-    _discrete("time_impactor_stops", Real, "time", f"time at which the impactor's velocity is zero {_LATEST}"),
-    _discrete("time_contact_ends", Real, "time", f"end {_LATEST}"),
-    _discrete("rebound_velocity", Real, "velocity", f"impactor velocity at the end {_LATEST}"),
-    _discrete("permanent_indentation", Real, "length", f"indentation left at the end {_LATEST}", *_BOTH),
+    _discrete("time_of_last_event", Real, "time", "time of the latest event; 0 before the first"),
+    _time_of("contact_begins", "time_contact_begins", "time of first touch"),
+    _time_of("maximum_indentation", "time_of_maximum_indentation", "time of maximum indentation"),
+    _summary("maximum_indentation", *_BOTH),
+    _summary("maximum_force", *_BOTH),
+    _time_of("impactor_stops", "time_impactor_stops", "time at which the impactor's velocity is zero"),
+    _time_of("contact_ends", "time_contact_ends", "time at which contact ends"),
+    _summary("rebound_velocity"),
+    _summary("permanent_indentation", *_BOTH),
+    _discrete("phase_code", Whole, None, "phase as a whole number", *_BOTH),
+    _discrete("last_event_code", Whole, None, "last_event as a whole number"),
+    _discrete(
+        *("validity", Whole, None),
+        "0: the assumptions of the export hold; otherwise the sum of 1: a parameter is outside its range of validity, "
+        "2: the contact yields but the law is elastic, 4: the contact is too wide for the law",
+        *_BOTH,
+    ),
+    *(
+        _rate(state, dimension, depends, damped)
+        for state, dimension, depends, damped in (
+            ("indentation", "velocity", ("indentation", "impactor_velocity", "support_velocity"), ()),
+            (
+                *("impactor_velocity", "acceleration", ("indentation", "external_force")),
+                ("impactor_velocity", "support_velocity"),
+            ),
+            ("target_displacement", "velocity", ("indentation", "support_velocity"), ("impactor_velocity",)),
+        )
+    ),
     *(
         Variable(
             f"event_indicator_{k + 1}",
@@ -200,15 +256,15 @@ VARIABLES: tuple[Variable, ...] = (
             "dimensionless",
             dict.fromkeys(KINDS, "local"),
             "continuous",
-            f"an event is due when this falls to zero: {what}",
+            f"event indicator, positive until an event is due: {what}",
         )
         for k, what in enumerate(
             (
-                "indentation turns",
-                "the stage ends ahead, or a damped force falls to zero",
-                "the stage ends behind",
-                "impactor stops",
-                "a damped force has its peak",
+                "the indentation rate changes sign",
+                "end of the stage in the direction of motion, or a damped force falls to zero",
+                "end of the stage against the direction of motion",
+                "the impactor stops",
+                "a damped force has its maximum",
             )
         )
     ),
@@ -217,7 +273,8 @@ VARIABLES: tuple[Variable, ...] = (
 STATES = ("indentation", "impactor_velocity", "target_displacement")
 """Continuous states of the impact, in the order of the state vector. The contact has none."""
 
-_ROLES = {"independent": "OUTPUT", "parameter": "PARAMETER", "input": "INPUT", "output": "OUTPUT", "local": "OUTPUT"}
+EVENT_TIMES = {variable.name: variable.event for variable in VARIABLES if variable.event is not None}
+"""Outputs that are times of events, and the events, in the order of events at one time."""
 
 
 def reference(name: str) -> int:
@@ -226,46 +283,6 @@ def reference(name: str) -> int:
 
 
 def settable() -> int:
-    """Number of leading variables that hold all parameters and inputs."""
+    """Number of leading variables that include all parameters and inputs."""
     causes = [set(variable.causality.values()) & {"parameter", "input"} for variable in VARIABLES]
     return max(k for k, cause in enumerate(causes) if cause) + 1
-
-
-def header(units: Mapping[str, str]) -> str:
-    """The C header with the same table; `units`: the SI unit of each dimension."""
-    rows = [
-        "/* The variables, by value reference. Generated from fmu_wrapper/variables.py; do not edit. */",
-        "#ifndef FILM_VARIABLES_H",
-        "#define FILM_VARIABLES_H",
-        "",
-        "enum {",
-        *(f"    {variable.name.upper()}," for variable in VARIABLES),
-        "    VARIABLES,",
-        f"    SETTABLE = {settable()} /* parameters and inputs come before this one */",
-        "};",
-        "",
-        "enum { IMPACT, CONTACT, KINDS };",
-        "enum { ABSENT, PARAMETER, INPUT, OUTPUT };",
-        "enum { REAL, WHOLE, ENUMERATION };",
-        "",
-        f"static const double RIGID = {RIGID!r}; /* target impedance from which on the target does not move */",
-        "",
-        "typedef struct {",
-        "    const char *name, *unit;",
-        "    int type, role[KINDS];",
-        "    double low, high;",
-        "} film_variable;",
-        "",
-        "static const film_variable VARIABLE[VARIABLES] = {",
-    ]
-    types = {Real: "REAL", Whole: "WHOLE"}
-    for v in VARIABLES:
-        roles = ", ".join(_ROLES[v.causality[kind]] if kind in v.causality else "ABSENT" for kind in KINDS)
-        low, high = (
-            ("-1e300" if v.low is None else repr(float(v.low))),
-            ("1e300" if v.high is None else repr(float(v.high))),
-        )
-        unit = "" if v.dimension is None else units[v.dimension]
-        kind = types.get(v.type, "ENUMERATION")
-        rows.append(f'    {{"{v.name}", "{unit}", {kind}, {{{roles}}}, {low}, {high}}},')
-    return "\n".join([*rows, "};", "", "#endif", ""])

@@ -1,11 +1,14 @@
-"""What the tests of the march run over: every law, every target, and the paper's scenes."""
+"""What the tests run over: every law, every target, the paper's scenes, and combinations of parameters."""
 
+import itertools
 import math
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 
 import film_model as fm
+from film_model.laws.example_ball import example_ball, example_law
 
 EFFECTIVE_MODULUS = 1 / ((1 - 0.28**2) / 600e9 + (1 - 0.30**2) / 210e9)  # Pa, tungsten carbide on steel
 RADIUS, MASS, VELOCITY, YIELD = 0.01, 0.06074, 0.25, 1e9  # m, kg, m/s, Pa
@@ -16,7 +19,7 @@ STEEL = fm.Material("steel of the paper", "210 GPa", 0.30, "7850 kg/m^3", "1 GPa
 
 @dataclass(frozen=True)
 class Saturating(fm.AbstractLaw):
-    """A user's law: stiffening that saturates, and a dent; its functions have to be fitted."""
+    """A custom law whose stiffness saturates, with residual indentation; its functions are fitted by polynomials."""
 
     name = "saturating"
     summary = "test law"
@@ -68,6 +71,22 @@ LAWS = {
     "kuwabara-kono": fm.KuwabaraKono(*SPHERE, dissipation_time=3e-6),
     "big-alabo-brake": fm.BrakeUnloading(fm.BigAlabo(*SPHERE, YIELD), *SPHERE),
 }
+BALL_EXAMPLE = example_ball(EFFECTIVE_MODULUS, RADIUS, YIELD, 0.3, MASS, VELOCITY)
+LAWS |= {name: example_law(law, BALL_EXAMPLE) for name, law in fm.LAWS.items() if name not in LAWS}
+
+
+def loads_straight(law):
+    """Whether loading consists of straight lines, which segments follow exactly."""
+    return all(isinstance(stage.force, fm.Power) and stage.force.coefficient == 0.0 for stage in law.stages())
+
+
+def straight(law):
+    """Whether unloading consists of straight lines too: there is no order of convergence to measure."""
+    branches = (stage.unloading for stage in law.stages())
+    return loads_straight(law) and all(branch is None or branch.exponent == 1.0 for branch in branches)
+
+
+DAMPED = tuple(name for name, law in LAWS.items() if law.damped)
 
 TARGETS = {
     "half-space": fm.HalfSpace(STEEL),
@@ -102,3 +121,29 @@ def zener_scene(value, **solver):
     ball = fm.Sphere(radius="10 mm", mass=f"{mass} kg", velocity=f"{velocity} m/s")
     contact = fm.Contact(law="hertz", effective_modulus=f"{modulus} Pa")
     return fm.Scene(ball, plate, contact=contact, effects=fm.Effects(gravity=False), solver=fm.Solver(**solver))
+
+
+def _shown(name, values, place):
+    """What pytest calls a value of a parameter."""
+    value = values[place]
+    return str(value) if isinstance(value, str | int | float) else f"{name}{place}"
+
+
+def combinations(fast=None, **parameters):
+    """Parametrize a test over every combination of lists; all are marked slow but a few, which run by default.
+
+    Fast are `fast` combinations, or as many as the longest list has values. They go round every list, so that each of
+    its values occurs if there are as many combinations as values.
+    """
+    names, lists = list(parameters), [list(values) for values in parameters.values()]
+    count = fast or max(map(len, lists))
+    chosen = {tuple(n % len(values) for values in lists) for n in range(count)}
+    marked = [
+        pytest.param(
+            *(values[place] for values, place in zip(lists, places, strict=True)),
+            id="-".join(map(_shown, names, lists, places)),
+            marks=() if places in chosen else pytest.mark.slow,
+        )
+        for places in itertools.product(*(range(len(values)) for values in lists))
+    ]
+    return pytest.mark.parametrize(names, marked)

@@ -165,15 +165,15 @@ static double force_at(int32_t stage, double xi) {
     return force;
 }
 
-static void any_piece(film_piece *piece, double begin, double end, double before, int jumps, int inner) {
+/* One piece of a stage: the power of all of it, or a series. */
+static void any_piece(film_piece *piece, double begin, double end, double before, int jumps, int inner, int fitted) {
     double size = before > 0.0 && whole(0, 7) ? before : decades(1e-3, 1e3);
     double start = !jumps || whole(0, 3) ? before : before * 2.0 * fraction();
     piece->end = end;
-    if (begin == 0.0 || !(end < INFINITY) || whole(0, 3)) {
+    if (!fitted) {
         double origin = whole(0, 3) || !(start > 0.0) ? begin : begin * fraction(), q = any_exponent(), span = (end < INFINITY ? end : begin + 1.0) - begin;
         double slope = whole(0, 1) ? 0.0 : size * decades(1e-6, 1e2) / span, rise = whole(0, 3) ? size * decades(1e-6, 1e2) : 0.0;
         if (whole(0, 7) == 0 && end < INFINITY) slope = rise = 0.0;
-        if (inner) q = fmax(q, 1.0); /* a root begins a stage */
         if (whole(0, 7) == 0) slope = size * 1e-14;
         if (whole(0, 3) == 0 && end < INFINITY) slope = -0.9 * fraction() * start / span; /* it softens */
         if (!(slope > 0.0) && !(rise > 0.0) && !(end < INFINITY)) slope = size;
@@ -226,9 +226,11 @@ static void any_curve(void) {
         int32_t last = k == stages - 1, endless = last && whole(0, 3);
         stage->begin = begin;
         stage->first = curve.pieces;
-        stage->count = whole(0, 3) ? 1 : whole(1, 4);
         stage->end = endless ? INFINITY : begin + (whole(0, 15) ? decades(0.1, 30.0) : decades(1e-6, 1e3));
         if (!(stage->end > begin)) stage->end = nextafter(begin, INFINITY);
+        /* as film_model's curve_of: a stage is one power, or fitted in pieces; its other functions are each one function */
+        int fitted = begin > 0.0 && stage->end < INFINITY && whole(0, 3) == 0;
+        stage->count = fitted ? whole(1, 4) : 1;
         stage->damped = damped;
         stage->unloading = damped || (!(jumps && k > 0) && whole(0, 2) == 0) ? FILM_RETRACE : whole(FILM_RADIUS, FILM_SHIFTED);
         if (stage->unloading != FILM_RETRACE)
@@ -244,8 +246,9 @@ static void any_curve(void) {
                 final = 1;
                 stage->count = i + 1;
             }
-            any_piece(piece, from, end, force, jumps && k > 0 && i == 0, i > 0);
-            any_unloading(stage, piece, force);
+            any_piece(piece, from, end, force, jumps && k > 0 && i == 0, i > 0, fitted);
+            if (i == 0) any_unloading(stage, piece, force);
+            else piece->recovery = piece[-1].recovery, piece->exponent = piece[-1].exponent;
             double work = 0.0;
             if (i > 0) film_law(&curve, k, from, &force, &work); /* of the piece before */
             piece->work_at_begin -= work;

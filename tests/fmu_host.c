@@ -10,7 +10,7 @@
 
 #if defined(_WIN32)
 #define WIN32_LEAN_AND_MEAN
-#define NOUSER /* its INPUT is ours too */
+#define NOUSER /* without winuser.h, whose INPUT conflicts with that of variables.h */
 #include <windows.h>
 static void *open_library(const char *path) { return (void *)LoadLibraryA(path); }
 static void close_library(void *library) { FreeLibrary((HMODULE)library); }

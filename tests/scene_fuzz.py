@@ -1,4 +1,4 @@
-"""Scene and sweep files made to break the readers: the answer is a scene or the project's own error.
+"""Random and mutated scene and sweep files: each gives a scene or the project's own error.
 
 With a guide that looks for new ways through the code (pip install atheris), for as long as one likes:
 
@@ -65,9 +65,9 @@ WORDS = (
 
 
 def read(text: str) -> bool:
-    """Read a text as a scene file and as a sweep file. False: refused. Whatever else is raised is a defect."""
-    from film_datasets.sweeps import Sweep
-    from film_model.errors import SceneError
+    """Read a text as a scene file and as a sweep file; False if both refuse it. Any other exception is a defect."""
+    from film_datasets.sweeps import read_sweep
+    from film_model.base.errors import SceneError
     from film_model.scene import Scene
 
     good = False
@@ -75,7 +75,7 @@ def read(text: str) -> bool:
         path = Path(folder, "x.toml")
         Path(folder, "base.toml").write_bytes((EXAMPLES / "scenes" / "tungsten_carbide_on_steel.toml").read_bytes())
         path.write_bytes(text.encode("utf-8", "surrogatepass"))
-        for make in (Scene.from_toml, Sweep.from_toml):
+        for make in (Scene.from_toml, read_sweep):
             try:
                 make(path)
                 good = True
@@ -122,7 +122,7 @@ def main() -> None:
     import atheris
 
     with atheris.instrument_imports(include=["film_model", "film_datasets"]):
-        import film_model.scene_file  # noqa: F401
+        import film_model.scene  # noqa: F401
     known = seeds()
 
     def one(data: bytes) -> None:

@@ -7,7 +7,7 @@ import random
 
 import numpy as np
 import pytest
-from cases import LAWS, scene
+from cases import LAWS, combinations, scene
 from scipy.integrate import solve_ivp
 
 import film_model as fm
@@ -26,7 +26,7 @@ def values(outputs):
 
 @pytest.mark.parametrize("target", ["half-space", "plate", "rod"])
 @pytest.mark.parametrize("law", list(LAWS))
-def test_any_partition_of_a_time_gives_the_same(law, target):
+def test_any_split_of_an_interval_gives_the_same_motion(law, target):
     rng = random.Random(law + target)
     whole, parts = drop(law, target, initial_gap="2 um"), drop(law, target, initial_gap="2 um")
     expected = whole.step(2e-4)
@@ -43,7 +43,7 @@ def test_any_partition_of_a_time_gives_the_same(law, target):
 
 @pytest.mark.parametrize("target", ["half-space", "plate"])
 @pytest.mark.parametrize("law", ["hertz", "big-alabo", "stronge"])
-def test_events_are_those_of_a_whole_run(law, target):
+def test_events_equal_those_of_simulate(law, target):
     component = drop(law, target)
     history = fm.simulate(component.scene, accuracy=1e-8)
     result = component.step("1 ms")
@@ -57,14 +57,15 @@ def test_events_are_those_of_a_whole_run(law, target):
 
 @pytest.mark.parametrize("velocity", [0.01, 0.25, 2.0])
 @pytest.mark.parametrize("accuracy", [1e-4, 1e-9])
-def test_the_mesh_is_the_one_the_impact_needs(velocity, accuracy):
+def test_segments_equal_those_of_simulate(velocity, accuracy):
     case = scene("big-alabo", "plate", velocity, accuracy=accuracy)
     found = fm.simulate(case).accuracy
     assert fm.ImpactComponent(case).segments == (found.segments, found.unloading_segments)
     assert fm.ImpactComponent(case, segments=7).segments == (7, 7)
 
 
-def test_a_load_that_meets_no_impactor_in_motion_has_the_mesh_of_none_at_least():
+@pytest.mark.slow
+def test_a_loaded_impactor_at_rest_has_at_least_the_default_segments():
     laid = scene("big-alabo", "plate", velocity=0.0).replace({"contact.law": "big-alabo", "effects.gravity": True})
     bare = laid.replace({"effects.gravity": False})
     assert fm.ImpactComponent(bare).segments == (24, 48)
@@ -72,7 +73,7 @@ def test_a_load_that_meets_no_impactor_in_motion_has_the_mesh_of_none_at_least()
     assert coarse == (24, 48) and fine[0] > 48 and fine[1] > 48
 
 
-def test_restore_and_redo_is_the_same_to_the_bit():
+def test_a_restored_step_repeats_to_the_last_bit():
     component = drop(initial_gap="1 um")
     component.step(3e-5)
     saved = component.save()
@@ -96,12 +97,12 @@ def test_stop_at_events_returns_at_each_event():
 
 
 def test_second_contact_on_the_same_dent():
-    """The ball comes back hardly faster than it left: it meets its own dent, and returns nearly all of the energy."""
+    """A small force returns the ball to its dent at the rebound velocity: the second contact is nearly elastic."""
     component = drop()
     first = component.step(2e-4)
     left = first.outputs.impactor_velocity
     dent = first.events[-1].indentation
-    force = 2.0  # turns the ball round
+    force = 2.0  # N, reverses the flight of the ball
     events = []
     for _ in range(2000):
         result = component.step(1e-5, external_force=force)
@@ -110,7 +111,7 @@ def test_second_contact_on_the_same_dent():
             break
     begins = next(event for event in events if event.name == "contact_begins")
     assert begins.indentation == pytest.approx(dent, rel=EXACT)
-    flight = dent - first.outputs.indentation  # over which the force acted on the way back, and not on the way out
+    flight = dent - first.outputs.indentation  # the force acted over this length on the way back only
     assert begins.impactor_velocity == pytest.approx(math.sqrt(left**2 + 2 * force * flight / 0.06074), rel=1e-12)
     assert component.outputs.contact_count == 2
     turn = next(event for event in events if event.name == "maximum_indentation")
@@ -118,7 +119,7 @@ def test_second_contact_on_the_same_dent():
     work = force * (turn.indentation - dent)
     assert old.indentation < turn.indentation < 1.05 * old.indentation
     ends = next(event for event in events if event.name == "contact_ends")
-    assert work < 0.02 * 0.5 * 0.06074 * left**2  # little is added, so little is lost
+    assert work < 0.02 * 0.5 * 0.06074 * left**2  # the force adds little energy, so little is dissipated
     assert abs(ends.impactor_velocity) == pytest.approx(begins.impactor_velocity, rel=2e-2)
 
 
@@ -127,9 +128,9 @@ def loading_force(d):
     return np.where(d <= 1.0, np.maximum(d, 0.0) ** 1.5, 1.0 + np.maximum(d - 1.0, 0.0) ** 1.5)
 
 
-def test_pushed_in_again_before_it_separates():
-    """A force applied while the contact opens: it reloads along the unloading branch, passes the old maximum and yields
-    on along the virgin curve. Against an integrator on the law itself."""
+def test_reloading_by_a_force_before_separation():
+    """A force during unloading reloads the contact along the unloading branch, past the old maximum and along the
+    loading curve; compared with solve_ivp on the law itself."""
     component = drop()
     scales, mass = component.problem.scales, component.problem.mass
     turn = None
@@ -205,19 +206,19 @@ def test_a_ball_comes_to_rest_on_a_plate():
     assert component.step("365 days").outputs.phase == "resting"
 
 
-def test_a_moving_support_is_another_frame():
+def test_a_moving_support_changes_the_frame_of_reference():
     still, moving = drop("big-alabo", "plate"), drop("big-alabo", "plate")
     still.step(1e-5)
     a = still.step(5e-5)
     moving.step(1e-5)
     b = moving.step(5e-5, support_velocity=0.0)
     assert a == b
-    # A support that runs away as fast as the ball comes is never indented further.
+    # A support that recedes at the velocity of the ball is not indented further.
     runaway = drop("hertz", initial_gap="1 um")
     result = runaway.step(1.0, support_velocity=0.25)
     assert result.outputs.phase == "approaching"
     assert result.outputs.target_displacement == pytest.approx(0.25)
-    # One that comes to meet it makes the contact of the doubled velocity.
+    # A support that approaches at the velocity of the ball doubles the approach velocity.
     meeting = drop("hertz", initial_gap="1 um")
     result = meeting.step(1e-3, support_velocity=-0.25)
     double = fm.simulate(scene("hertz", velocity=0.5, accuracy=1e-8))
@@ -225,7 +226,7 @@ def test_a_moving_support_is_another_frame():
     assert turn.indentation == pytest.approx(double.summary["maximum_indentation"], rel=1e-12)
 
 
-def test_tiny_huge_and_empty_steps():
+def test_tiny_huge_and_zero_steps():
     component = drop()
     before = component.outputs
     assert component.step(0.0).outputs.time == before.time
@@ -255,7 +256,7 @@ def test_bad_steps_are_refused_and_change_nothing(arguments, says):
     assert component.save() == saved
 
 
-def test_units_and_floats_are_the_same():
+def test_texts_quantities_and_floats_give_the_same_step():
     import pint
 
     ureg = pint.get_application_registry()
@@ -314,7 +315,7 @@ def test_initialize_begins_at_another_time_and_velocity():
         component.initialize(initial_gap="-1 mm")
 
 
-def test_a_ball_laid_on_a_thin_plate_creeps_in_for_as_long_as_it_is_followed():
+def test_a_ball_at_rest_on_a_thin_plate_creeps_in_until_the_time_limit():
     on = fm.Scene(
         fm.Sphere(radius="10 mm", velocity="0 m/s", material="tungsten carbide"),
         fm.Plate("mild steel", thickness="1 mm"),
@@ -325,14 +326,14 @@ def test_a_ball_laid_on_a_thin_plate_creeps_in_for_as_long_as_it_is_followed():
     assert [event.name for event in history.events] == ["contact_begins"]
     assert history.summary["maximum_force"] == pytest.approx(on.mass * 9.80665, rel=1e-12)
     assert history.summary["maximum_indentation"] is None and history.summary["contact_duration"] is None
-    last = history.sample_si(history.duration)  # where the last line begins
+    last = history.sample_si(history.duration)  # the beginning of the last segment
     assert 0.99 * on.mass * 9.80665 < last.contact_force < on.mass * 9.80665
 
 
-@pytest.mark.parametrize("accuracy", [1e-4, 1e-8])
-@pytest.mark.parametrize("velocity", ["0 m/s", "1 um/s", "0.1 mm/s"])
-def test_a_ball_that_creeps_in_has_the_accuracy_asked_for(velocity, accuracy):
-    """Nothing turns on a thin plate: the segments are those that the motion on the way needs."""
+@pytest.mark.slow
+@combinations(velocity=["0 m/s", "1 um/s", "0.1 mm/s"], accuracy=[1e-4, 1e-8], fast=2)
+def test_a_creeping_contact_meets_the_requested_accuracy(velocity, accuracy):
+    """The indentation on a thin plate has no maximum: the accuracy is that of the motion."""
     on = fm.Scene(
         fm.Sphere(radius="10 mm", velocity=velocity, material="tungsten carbide"),
         fm.Plate("mild steel", thickness="1 mm"),
@@ -357,8 +358,8 @@ def test_a_ball_that_creeps_in_has_the_accuracy_asked_for(velocity, accuracy):
 
 
 @pytest.mark.parametrize("law", ["hertz", "big-alabo", "stronge", "tan-sun"])
-def test_a_support_that_turns_the_motion_round_is_an_event(law):
-    """As where a force does: in again out of unloading, and out again."""
+def test_a_reversal_by_the_support_is_an_event(law):
+    """The support reverses the relative velocity twice: first reloading begins, then the indentation has a maximum."""
     on = scene(law)
     duration = fm.simulate(on).duration
     component = fm.ImpactComponent(on)

@@ -4,14 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from cases import LAWS, scene, zener_scene
+from cases import DAMPED, LAWS, scene, straight, zener_scene
 
 import film_model as fm
 
 SEGMENTS = np.array([16, 32, 64, 128])
-STRAIGHT = ("walton-braun", "luding", "linear-dashpot")  # lines follow these laws exactly, however few: no order to see
-DAMPED = ("tsuji", "hunt-crossley", "kuwabara-kono")  # on a plate, between second and fourth order
-FLOOR = 3e-12  # errors below this are rounding and say nothing of the order
+STRAIGHT = tuple(name for name, law in LAWS.items() if straight(law))  # exact with any number of segments
+FLOOR = 3e-12  # smaller errors are rounding
 
 
 def errors(case, linearisation, segments=SEGMENTS, exact=None):
@@ -26,7 +25,7 @@ def errors(case, linearisation, segments=SEGMENTS, exact=None):
 
 
 def order(segments, found):
-    """Slope of error against segments on logarithmic scales, where it is not rounding yet."""
+    """Slope of log(error) over log(segments), for errors above rounding."""
     seen = found > FLOOR
     assert seen.sum() >= 3
     return -np.polyfit(np.log(segments[seen]), np.log(found[seen]), 1)[0]
@@ -37,10 +36,11 @@ def order(segments, found):
 def test_work_preserving_lines_are_of_fourth_order(law, target):
     found = errors(scene(law, target), "work-preserving")
     assert found[0] < 3e-5
+    # damped laws on a plate: between second and fourth order
     assert order(SEGMENTS, found) > (3.7 if target == "half-space" or law not in DAMPED else 2.4)
 
 
-def test_a_force_that_begins_as_a_low_power_keeps_nearly_fourth_order():
+def test_a_force_with_a_singular_start_keeps_nearly_fourth_order():
     """(δ − δ0)^1.2: the curvature is singular as x^-0.8 where the force begins."""
     assert order(SEGMENTS, errors(scene("meyer-shifted"), "work-preserving")) > 3.2
 
@@ -56,7 +56,7 @@ def test_fourth_order_on_plates_of_any_zener_number(value):
 
 
 def test_ten_segments_on_a_half_space():
-    """What five, ten and twenty graded work-preserving segments give on Hertz's half-space."""
+    """Errors of five, ten and twenty graded work-preserving segments for Hertz's law on a half-space."""
     case = scene("hertz")
     ball, modulus = case.impactor, case.effective_modulus
     stiffness = 4 / 3 * modulus * math.sqrt(case.effective_radius)

@@ -1,14 +1,19 @@
-"""Every law of the registry runs everywhere, so that a new one cannot be left out: on every target, alone, stepped, in
-a batch, and in an FMU of either version, stepped, with events and integrated by the importer."""
+"""Every registered law works on every target, alone, stepped, in a batch, and in FMUs of both versions: Co-Simulation,
+events and Model Exchange. A new law is included automatically."""
+
+import zipfile
 
 import cases
 import numpy as np
 import pytest
+from cases import combinations
 
 import film_model as fm
 import fmu_wrapper
-from film_model.law_family import family_scene
 from film_model.laws import LAWS
+from film_model.laws.example_ball import STEEL_BALL
+from film_model.laws.law import FAMILIES
+from film_model.studies.law_gallery import gallery_scene
 
 SUMMARY = ("maximum_force", "maximum_indentation", "contact_duration", "rebound_velocity", "coefficient_of_restitution")
 TARGETS = {name: cases.TARGETS[name] for name in ("half-space", "plate", "rod")}
@@ -25,9 +30,21 @@ def test_the_tests_list_of_laws_has_them_all():
 
 
 @EVERY
+def test_the_class_holds_what_pictures_and_pages_need(name):
+    law = LAWS[name]
+    assert all((law.name, law.summary, law.source, law.validity, law.__doc__))
+    assert law.family in FAMILIES
+    assert law.damped == (law.family == "damped")
+    assert law.__name__ in fm.__all__ and getattr(fm, law.__name__) is law
+    own = law.example(STEEL_BALL)
+    assert set(own) <= set(law.parameters)
+    assert {key for key, parameter in law.parameters.items() if parameter.required} <= set(own)
+
+
+@EVERY
 @pytest.mark.parametrize("target", [*TARGETS, "body"])
 def test_alone_and_in_a_batch(name, target):
-    scene = family_scene(name, cases.TARGETS[target])
+    scene = gallery_scene(name, cases.TARGETS[target])
     history = fm.simulate(scene, accuracy=1e-7)
     assert history.outcome is fm.Outcome.SEPARATED
     assert 0.0 < history.summary["coefficient_of_restitution"] <= 1.0 + 1e-9
@@ -40,8 +57,8 @@ def test_alone_and_in_a_batch(name, target):
 @EVERY
 @pytest.mark.parametrize("target", list(TARGETS))
 def test_in_a_component(name, target):
-    """Pushed and pulled before and after first touch, in steps of any size; the impact itself in small ones."""
-    scene = family_scene(name, TARGETS[target])
+    """Small steps give the events of `simulate`; a force that pushes and pulls gives finite outputs."""
+    scene = gallery_scene(name, TARGETS[target])
     history = fm.simulate(scene, accuracy=1e-7)
     component = fm.ImpactComponent(scene, accuracy=1e-7)
     events, largest = [], 0.0
@@ -62,14 +79,22 @@ def test_in_a_component(name, target):
         assert result.outputs.contact_force >= 0.0
 
 
-@EVERY
-@pytest.mark.parametrize(("version", "target"), [(2, "half-space"), (2, "plate"), (3, "half-space"), (3, "rod")])
-def test_in_an_fmu(name, target, version, tmp_path):
-    """Force, duration and rebound of a whole contact; `check` compares motion and events all along (test_fmu.py)."""
-    scene = family_scene(name, TARGETS[target])
+@combinations(on=["2-half-space", "2-plate", "3-half-space", "3-rod"], name=LAWS)
+def test_in_an_fmu(name, on, made):
+    """Force, duration and rebound of a whole contact; `fmu_wrapper.check` compares the motion too (test_fmu.py)."""
+    version, _, target = on.partition("-")
+    scene = gallery_scene(name, TARGETS[target])
     exact, same = fm.simulate(scene, accuracy=1e-9), fm.simulate(scene)
-    path = fmu_wrapper.export(scene, tmp_path / "impact.fmu", version)
+    path = made(scene, int(version))
     close(fmu_wrapper.run(path, step_size=exact.duration / 3), same, 1e-12)
-    if version == 3:
+    if version == "3":
         close(fmu_wrapper.run(path, mode="events", step_size=exact.duration), same, 1e-12)
     close(fmu_wrapper.run(path, mode="exchange", step_size=exact.duration / 20), exact, 1e-7)
+
+
+@pytest.mark.slow
+@EVERY
+def test_in_the_documentation_of_an_fmu(name, tmp_path):
+    with zipfile.ZipFile(fmu_wrapper.export(gallery_scene(name), tmp_path / "impact.fmu")) as archive:
+        for picture in ("law.svg", "history.svg"):
+            assert len(archive.read(f"documentation/{picture}")) > 5000

@@ -147,8 +147,8 @@ def test_chung_and_ooi(target, modulus, ratio, density, radius, speed, depth, fo
     assert summary["coefficient_of_restitution"] == pytest.approx(1, abs=1e-12)
 
 
-def test_a_ball_laid_down():
-    """A load at once makes 5/2 of itself on a spring of power 3/2; on a soft target the force creeps up to the load."""
+def test_a_ball_at_rest_under_its_weight():
+    """A sudden weight gives 5/2 of itself on a spring of power 3/2; on a soft target the force creeps up to it."""
     ball = fm.Sphere(radius="10 mm", velocity="0 m/s", material="tungsten carbide")
     hertz, heavy = fm.Contact(law="hertz"), fm.Effects(gravity=True)
     on = fm.Scene(ball, fm.HalfSpace("mild steel"), contact=hertz, effects=heavy)

@@ -2,6 +2,7 @@
 
 import importlib.util
 import math
+import shutil
 from pathlib import Path
 from types import ModuleType
 
@@ -10,8 +11,8 @@ import pytest
 
 import film_datasets as fd
 import film_model as fm
-from film_model import reference
-from film_model.problem import problem_of
+from film_model.effects.choose import problem_of
+from film_model.studies import quadrature
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 SCENES = sorted(EXAMPLES.glob("scenes/*.toml"))
@@ -21,12 +22,13 @@ FIVE_CHORDS = {
     "Big-Alabo's law": (9.4546, 513.42, 55.574, 105.15),
     "Stronge's law": (7.4438, 657.37, 43.238, 79.79),
 }
-# Exact, from independent quadrature in another program.
+# Exact values, by quadrature in another program.
 EXACT = {
     "Big-Alabo's law": (9.48384056, 516.087744, 55.627347, 105.255496),
     "Stronge's law": (7.44980725, 658.120753, 43.249558, 79.85774),
 }
 TABLE_NAMES = ("maximum_indentation", "maximum_force", "time_of_maximum_indentation", "contact_duration")
+LATE = "leg ends at the turn, line not aimed"
 PLATE_MAXIMUM_FORCE = 302.639062  # N, exact, with the paper's impedance
 
 
@@ -51,7 +53,7 @@ def test_every_example_has_a_test():
 def test_scene(path):
     scene = fm.Scene.from_toml(path).replace({"effects.boundary_reflections": False})
     problem = problem_of(scene)
-    exact = reference.integrate(problem.law, problem.mass, scene.approach_velocity, scene.target_impedance)
+    exact = quadrature.integrate(problem.law, problem.mass, scene.approach_velocity, scene.target_impedance)
     history = fm.simulate(scene, accuracy=1e-6)
     for name in ("maximum_force", "maximum_indentation", "contact_duration"):
         assert history.summary[name] == pytest.approx(exact[name], rel=1e-6), name
@@ -73,6 +75,7 @@ def test_table3(law):
     assert len({len(line) for line in text[:8]}) == 1  # aligned
 
 
+@pytest.mark.slow
 def test_figures(tmp_path):
     numbers = example("figures").main(tmp_path / "new folder")
     assert sorted(path.name for path in (tmp_path / "new folder").iterdir()) == [f"figure_{k}.png" for k in range(2, 7)]
@@ -85,6 +88,29 @@ def test_figures(tmp_path):
         assert off[0] / off[2] == pytest.approx(4.0, rel=0.2)  # 10 and 20 segments: chords are of second order
 
 
+@pytest.mark.slow
+def test_method_figures(tmp_path):
+    numbers = example("method_figures").main(tmp_path)
+    assert sorted(path.stem for path in tmp_path.iterdir()) == sorted(numbers)
+    assert all(is_png(path) for path in tmp_path.iterdir())
+    assert sum(path.stat().st_size for path in tmp_path.iterdir()) < 400_000
+    assert 20 * numbers["method_lines"]["work-preserving"] < numbers["method_lines"]["chord"]
+    for (_, kind), order in numbers["method_order"].items():
+        expected = {"chords, equal nodes": 2.0, "work-preserving, equal": 2.5, "work-preserving, graded": 3.9}[kind]
+        assert order == pytest.approx(expected, abs=0.12), kind
+    gradings = numbers["method_gradings"]
+    for name in ("plates, way in, 12 lines", "plates, way out, 12 lines"):
+        assert gradings[name]["chosen"] < 10 * gradings[name]["best"] < 1e-5, name
+    assert numbers["method_regimes"][1.0] == pytest.approx((1.0, math.exp(-1.0)), rel=0.02)
+    aimed, late = (numbers["method_turn"][name][24] for name in ("the core: last line meets the law", LATE))
+    assert 25 * aimed < late
+    for found in numbers["method_loops"].values():
+        assert found["absorbed"] > 0.0
+    orders = numbers["method_damping"]
+    assert orders["Tsuji", "plate"] == pytest.approx(2.9, abs=0.1)
+    assert min(order for case, order in orders.items() if case != ("Tsuji", "plate")) > 3.9
+
+
 def test_figures_markers_are_independent_of_the_march():
     scene = fm.Scene.from_toml(EXAMPLES / "scenes" / "olsson_plate.toml").replace(
         {"target.impedance_formula": "paper", "effects.boundary_reflections": False}
@@ -93,6 +119,7 @@ def test_figures_markers_are_independent_of_the_march():
     assert integrated.duration == pytest.approx(262.590378e-6, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_published_datasets(tmp_path):
     made = example("published_datasets").main(tmp_path)
     assert sorted(made) == sorted(fd.published())
@@ -100,7 +127,7 @@ def test_published_datasets(tmp_path):
     for name, again in made.items():
         kept = fd.load(name)
         assert fd.validate(kept) == []
-        assert set(again.variables) == set(kept.variables), name
+        assert set(kept.variables) <= set(again.variables), name  # a later version may have added some
         for variable in kept.variables:
             scale = float(np.nanmax(np.abs(kept[variable].values.astype(float)), initial=1e-300))
             # other compilers and libraries may round differently
@@ -111,7 +138,8 @@ def test_published_datasets(tmp_path):
             assert again[variable].attrs.keys() == kept[variable].attrs.keys()
         for key in ("scene_toml", "sweep_toml"):
             assert again.attrs.get(key) == kept.attrs.get(key)
-    assert fd.load("restitution").sizes["contact"] == len(fm.LAWS)
+    kept = fd.load("restitution")["contact"].size
+    assert kept == len(example("published_datasets").CONTACTS) == 17
     with pytest.raises(KeyError, match=r'did you mean "zener"\?'):
         fd.load("zenner")
 
@@ -124,7 +152,7 @@ def test_zener_is_the_exact_curve():
         row = rows.isel(target_thickness=k)
         scene = zener.film.scene(target_thickness=float(row["target_thickness"]))
         problem = problem_of(scene)
-        exact = reference.integrate(problem.law, problem.mass, scene.approach_velocity, scene.target_impedance)
+        exact = quadrature.integrate(problem.law, problem.mass, scene.approach_velocity, scene.target_impedance)
         assert float(row["coefficient_of_restitution"]) == pytest.approx(
             exact["coefficient_of_restitution"], rel=2e-8, abs=1e-9
         )
@@ -135,8 +163,8 @@ def test_custom_law():
     history, exact = example("custom_law").main()
     assert history.problem.curve.fit_error < 1e-13
     assert history.accuracy.estimated <= 1e-8
-    for name, value in history.summary.items():
-        assert value == pytest.approx(exact[name], rel=1e-8), name
+    for name, value in exact.items():
+        assert history.summary[name] == pytest.approx(value, rel=1e-8), name
 
 
 def test_hand_calculation():
@@ -185,6 +213,7 @@ def test_bouncing_ball():
         assert after.maximum_force < before.maximum_force
 
 
+@pytest.mark.slow
 def test_drop_tower(tmp_path):
     module = example("drop_tower")
     errors = module.main()
@@ -197,6 +226,7 @@ def test_drop_tower(tmp_path):
     assert errors["balanced"][1] == pytest.approx(0.002, rel=0.05)
 
 
+@pytest.mark.slow
 def test_three_ways(tmp_path):
     module = example("three_ways")
     history, runs, differences = module.main()
@@ -209,29 +239,64 @@ def test_three_ways(tmp_path):
         assert run.event_time.values == pytest.approx([event.time for event in history.events], rel=1e-7)
 
 
+@pytest.mark.slow
 def test_accuracy_and_time(tmp_path, monkeypatch):
-    from film_model import study
+    from film_model.studies import methods, timing
 
-    monkeypatch.setattr(study, "MOST_TIME", 1e-3)
-    monkeypatch.setattr(study, "BATCH", 64)
+    monkeypatch.setattr(timing, "MOST_TIME", 1e-3)
+    monkeypatch.setattr(methods, "BATCH", 64)
     studies = example("accuracy_and_time").main(tmp_path / "cost.png", ["FILM", "solve_ivp DOP853"])
     assert is_png(tmp_path / "cost.png")
     for done in studies.values():
-        assert {run.method for run in done.runs} == {*study.FILM, "solve_ivp DOP853"}
-        assert done.cheapest(1e-6, study.FILM[0]) is not None
+        assert {run.method for run in done.runs} == {*methods.FILM, "solve_ivp DOP853"}
+        assert done.cheapest(1e-6, methods.FILM[0]) is not None
 
 
 def test_end_of_loading():
     columns = example("end_of_loading").main()
-    right, wrong, ours = (columns[name] for name in ("deepest", "ball stops", "simulate"))
+    right, wrong, ours = (columns[name] for name in ("maximum indentation", "ball stops", "simulate"))
     for name in right.keys() - {"unloading_begins"}:
         assert ours[name] == pytest.approx(right[name], rel=1e-8), name
     assert wrong["rebound_velocity"] / right["rebound_velocity"] == pytest.approx(1.2538, abs=1e-3)
     assert wrong["unloading_begins"] > 1.2 * right["unloading_begins"]
 
 
+@pytest.mark.slow
 def test_reference_pages(tmp_path):
-    *pages, picture = example("reference_pages").main(tmp_path)
+    kept = EXAMPLES.parent / "README.md"
+    copy = Path(shutil.copy(kept, tmp_path))
+    *pages, picture, readme = example("reference_pages").main(tmp_path, copy)
     for page in pages:
         assert page.read_text(encoding="utf-8") == (EXAMPLES.parent / "docs" / page.name).read_text(encoding="utf-8")
+    assert readme.read_text(encoding="utf-8") == kept.read_text(encoding="utf-8")
     assert is_png(picture) and (EXAMPLES.parent / "docs" / picture.name).exists()
+
+
+@pytest.mark.slow
+def test_tune_drop_height():
+    pytest.importorskip("casadi")
+    own = example("tune_drop_height")
+    height, history = own.tuned()
+    assert history.summary["maximum_force"] == pytest.approx(own.FORCE, rel=1e-6)
+    assert own.GRAVITY * height == pytest.approx(0.5 * history.scene.approach_velocity**2)
+
+
+@pytest.mark.slow
+def test_validation_page(tmp_path):
+    page, picture = example("validation_page").main(tmp_path)
+    assert page.read_text("utf-8") == (EXAMPLES.parent / "docs" / "validation.md").read_text("utf-8")
+    assert is_png(picture) and (EXAMPLES.parent / "docs" / "validation.png").exists()
+
+
+@pytest.mark.slow
+def test_finite_element_bracket(tmp_path):
+    """The first frequency of the free leg lies below that of a cantilever of the same length: its root gives way."""
+    pytest.importorskip("skfem")
+    history = example("finite_element_bracket").main(tmp_path)
+    target = history.scene.target
+    cantilever = 3.516 / (2 * math.pi * 0.0575**2) * math.sqrt(68.9e9 * 0.005**2 / 12 / 2700)
+    assert 0.5 * cantilever < target.frequency[0] < cantilever
+    assert target.static_compliance == pytest.approx(4.01e-6, rel=0.02)
+    assert history.summary["maximum_force"] == pytest.approx(512.7, rel=0.05)
+    assert fm.Scene.from_toml(tmp_path / "scene.toml").target == target
+    assert is_png(tmp_path / "impact.png")

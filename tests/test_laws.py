@@ -1,4 +1,4 @@
-"""The laws: continuity, work, unloading, what a user may add, and what is refused."""
+"""The laws: continuity, work, unloading, custom laws, and errors."""
 
 import math
 from dataclasses import dataclass
@@ -8,8 +8,8 @@ import pytest
 from cases import EFFECTIVE_MODULUS, LAWS, RADIUS, YIELD, scene
 
 import film_model as fm
-from film_model.curve import curve_of
 from film_model.laws.yielding import yield_point, yield_velocity
+from film_model.problem.curve import curve_of
 
 
 def edges(law):
@@ -79,7 +79,7 @@ def test_big_alabo_restitution_has_its_minimum_and_maximum():
 
 
 @pytest.mark.parametrize(("ratio", "warns"), [(1.5, True), (2.4, True), (2.6, False), (0.9, False)])
-def test_stronge_says_when_it_returns_more_than_it_stored(ratio, warns):
+def test_stronge_warns_of_energy_gain(ratio, warns):
     speed = yield_velocity(EFFECTIVE_MODULUS, RADIUS, YIELD, 0.06074)
     history = fm.simulate(scene("stronge", velocity=ratio * speed))
     said = [warning for warning in history.warnings if "returns" in warning and " J (" in warning]
@@ -88,7 +88,7 @@ def test_stronge_says_when_it_returns_more_than_it_stored(ratio, warns):
 
 
 @pytest.mark.parametrize("name", ["hertz", "meyer", "meyer-shifted"])
-def test_reversible_laws_return_everything(name):
+def test_reversible_laws_lose_no_energy(name):
     summary = fm.simulate(scene(name)).summary
     assert summary["coefficient_of_restitution"] == pytest.approx(1, rel=1e-12)
     assert summary["energy_absorbed"] == 0
@@ -96,7 +96,7 @@ def test_reversible_laws_return_everything(name):
 
 
 def test_meyer_with_a_force_step():
-    """F = F0 + K δ on a half-space: elementary. With u = δ + F0/K, a quarter turn of an oscillator from u0."""
+    """F = F0 + K δ on a half-space, in closed form. With u = δ + F0/K, a quarter turn of an oscillator from u0."""
     law = fm.Meyer(stiffness=1e7, exponent=1.0, initial_force=100.0)
     ball = fm.Sphere("10 mm", velocity="1 m/s", mass="50 g")
     case = fm.Scene(ball, fm.HalfSpace(), contact=fm.Contact(law=law), effects=fm.Effects(gravity=False))
@@ -143,7 +143,7 @@ def nowhere(xi):
 
 
 class Rippled:
-    """A function that cannot be hashed, and so not be kept."""
+    """A function that cannot be hashed, so that its curve cannot be cached."""
 
     __hash__ = None
 
@@ -164,7 +164,7 @@ def test_a_fit_that_needs_many_pieces_is_exact_too():
     assert [curve.force(p) for p in x] == pytest.approx(x + 0.3 * np.sin(3 * x), abs=1e-11)
 
 
-def test_a_fit_has_no_terms_of_rounding():
+def test_a_fit_has_no_coefficients_below_rounding():
     curve = curve_of(own(fm.Stage("cubic", 0.0, 4.0, lambda x: x + 0.2 * x**3)))
     last = curve.native.piece[curve.native.pieces - 1]
     assert (last.force.terms, last.mean.terms) == (4, 4)
@@ -181,7 +181,7 @@ def test_a_root_is_fitted_in_its_own_variable():
 
 
 def test_a_peak_inside_a_stage_is_met_exactly():
-    """A softening force: its largest value is a summary value, wherever the nodes fall."""
+    """A softening force: the summary contains its maximum, independent of the nodes."""
     law = own(
         fm.Stage("soft", 0.0, 3.0, lambda x: 2 * x * np.exp(-x) + 0.05 * x),
         fm.Stage("hard", 3.0, np.inf, fm.Power(constant=float(6 * np.exp(-3.0) + 0.15), slope=1.0)),
@@ -207,7 +207,7 @@ def test_a_peak_inside_a_stage_is_met_exactly():
         ((fm.Stage("a", 0.0, 2.0, lambda x: x - 1.0),), "must be finite and >= 0"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: np.log(x)),), "must be finite and >= 0"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: np.where(x < 1.0, x, np.nan)),), "a force of nan"),
-        ((fm.Stage("a", 0.0, 50.0, lambda x: x + np.sin(5.0 * x)),), "stages, cut where the force turns"),
+        ((fm.Stage("a", 0.0, 50.0, lambda x: x + np.sin(5.0 * x)),), "stages, split where the force has"),
         ((fm.Stage("a", 0.0, np.inf, fm.Power(slope=1.0), damping=fm.Power(slope=1.0)),), "must say damped = True"),
         ((fm.Stage("a", 0.0, 2.0, lambda x: np.floor(7 * x)),), "cannot be fitted"),
         (
@@ -224,7 +224,7 @@ def test_a_peak_inside_a_stage_is_met_exactly():
         ),
         (
             (fm.Stage("a", 0.0, 2.0, fm.Power(slope=1.0), opening(exponent=lambda x: 1.5, reload_exponent=np.inf)),),
-            "all must be finite, their work too",
+            "all must be finite, and their work too",
         ),
         (
             (fm.Stage("a", 0.0, 2.0, fm.Power(slope=1.0), opening(), damping=fm.Power(constant=1.0)),),
@@ -254,7 +254,7 @@ def test_a_wrong_law_is_refused_with_its_name_and_stage(stages, says):
         (fm.Retrace(fm.Stronge(115e9, 0.0, 1e9)), "radius: 0.0 must be > 0"),
     ],
 )
-def test_values_that_a_scene_refuses_are_refused_in_a_law_of_python(law, said):
+def test_laws_made_in_python_check_the_ranges_of_scenes(law, said):
     with pytest.raises(fm.SceneError, match=f"Contact.law: .*{said}"):
         fm.Contact(law)
 
@@ -274,18 +274,18 @@ def test_wrong_scales_are_refused(scales, monkeypatch):
 
 
 def test_unloading_needs_exactly_one_rule():
-    with pytest.raises(ValueError, match="give one of"):
+    with pytest.raises(ValueError, match="give exactly one of"):
         fm.Unloading()
-    with pytest.raises(ValueError, match="give one of"):
+    with pytest.raises(ValueError, match="give exactly one of"):
         fm.Unloading(radius_ratio=fm.Power(constant=1.0), residual=fm.Power())
 
 
-def test_a_work_that_is_not_the_integral_is_said():
+def test_a_work_function_other_than_the_integral_is_refused():
     law = own(fm.Stage("a", 0.0, 2.0, lambda x: x * x, work=lambda x: x**3))
     assert any("differs from the integral" in warning for warning in curve_of(law).warnings)
 
 
-def test_indentation_past_the_last_stage_is_said():
+def test_indentation_beyond_the_last_stage_is_an_error():
     law = own(fm.Stage("short", 0.0, 1.0, fm.Power(slope=1.0)))
     ball = fm.Sphere("10 mm", velocity="10 m/s", mass="50 g")
     case = fm.Scene(ball, fm.HalfSpace(), contact=fm.Contact(law=law), effects=fm.Effects(gravity=False))
@@ -293,7 +293,7 @@ def test_indentation_past_the_last_stage_is_said():
         fm.simulate(case)
 
 
-def test_a_force_step_that_a_plate_cannot_resist_is_said():
+def test_a_force_step_beyond_the_impedance_of_a_plate_is_an_error():
     """The impactor's 0.1 m/s would raise 14 N at most on this plate; the law begins at 100 N."""
     law = fm.Meyer(stiffness=1e7, exponent=1.0, initial_force=100.0)
     stiffnesses = fm.BendingStiffness("100 N*m", "30 N*m", "100 N*m", "35 N*m")
@@ -305,7 +305,7 @@ def test_a_force_step_that_a_plate_cannot_resist_is_said():
         fm.simulate(case)
 
 
-def test_unloading_that_gives_more_than_was_stored_is_said_with_its_numbers():
+def test_unloading_that_gains_energy_gives_a_warning():
     """Stronge's law between 1 and 2.54 times the yield velocity."""
     law = fm.Stronge(1.7e11, 0.01, 1e9)
     ball = fm.Sphere("10 mm", velocity=f"{1.5 * yield_velocity(1.7e11, 0.01, 1e9, 0.05)!r} m/s", mass="50 g")

@@ -1,4 +1,4 @@
-"""The figure of a history: the right curves in the right units, whole files, and no trace in pyplot."""
+"""The figure of a history: the right curves in the right units, whole files, and no change of pyplot's state."""
 
 from __future__ import annotations
 
@@ -9,15 +9,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cases import combinations
 
 import film_model as fm
-from film_model import plot
-from film_model.law_family import ENERGY, family_loops
+from film_model.plot import history as plot
+from film_model.plot import picture_style, plot_laws
+from film_model.plot.style import COLOURS, NO_CONTACT, UNLOADING
+from film_model.studies.law_gallery import ENERGY, gallery_loops
 
 SCENES = Path(__file__).parents[1] / "examples" / "scenes"
 HEADS = {".png": b"\x89PNG\r\n", ".svg": b"<?xml", ".pdf": b"%PDF-"}
 
 pytest.importorskip("matplotlib")
+from matplotlib.colors import to_rgb  # noqa: E402
 
 
 def _history(stem: str, title: str | None = None, **impactor: str) -> fm.History:
@@ -33,7 +37,8 @@ def history() -> fm.History:
     return _history("tungsten_carbide_on_steel")
 
 
-@pytest.mark.parametrize("suffix", [".png", ".svg", ".pdf", ".PNG"])
+@pytest.mark.slow
+@combinations(suffix=[".png", ".svg", ".pdf", ".PNG"], fast=1)
 def test_picture_is_of_its_suffix_and_always_the_same(history: fm.History, tmp_path: Path, suffix: str) -> None:
     first, second = tmp_path / f"a{suffix}", tmp_path / f"b{suffix}"
     plot.plot_history(history, first)
@@ -51,7 +56,7 @@ def test_unknown_suffix_is_refused(history: fm.History, tmp_path: Path, name: st
 
 
 def test_panels_show_the_motion_in_prefixed_units(history: fm.History) -> None:
-    force, depth, speed, loop, _, energy = plot.plot_history(history).axes
+    force, depth, speed, loop, energy = plot.plot_history(history).axes
     assert force.get_ylabel() == "contact force (N)"
     assert depth.get_ylabel() == "indentation (µm)"
     assert speed.get_ylabel() == "impactor velocity (m/s)"
@@ -64,11 +69,11 @@ def test_panels_show_the_motion_in_prefixed_units(history: fm.History) -> None:
         top = max(np.max(line.get_ydata()) for line in curves)
         assert top * size == pytest.approx(summary[name], rel=1e-9)
         assert len({line.get_color() for line in curves}) == 3  # elastic, elastoplastic, unloading
-        for one, two in itertools.pairwise(curves):  # they join
+        for one, two in itertools.pairwise(curves):  # adjacent curves share a point
             assert one.get_xdata()[-1] == two.get_xdata()[0]
 
 
-@pytest.mark.parametrize("stem", ["tungsten_carbide_on_steel", "olsson_plate", "two_steel_balls"])
+@combinations(stem=["tungsten_carbide_on_steel", "two_steel_balls", "olsson_plate"], fast=2)
 def test_energies_add_up(stem: str) -> None:
     history = _history(stem)
     found = plot.energies(history, history.sample_si(np.linspace(0.0, history.duration, 1001)))
@@ -87,11 +92,14 @@ def test_target_and_relative_velocity_are_drawn_where_the_target_moves(stem: str
     assert {line.get_linestyle() for line in speed.lines if len(line.get_xdata()) > 2} == strokes
 
 
-@pytest.mark.parametrize(
-    "changes",
-    [{}, {"velocity": "10 m/s"}, {"velocity": "100 m/s"}, {"velocity": "0.3 m/s"}, {"title": "a long\ntitle " * 20}],
+@combinations(
+    stem=["tungsten_carbide_on_steel", "steel_ball_on_rod", "two_steel_balls"],
+    changes=[
+        *({}, {"velocity": "10 m/s"}, {"velocity": "100 m/s"}, {"velocity": "0.3 m/s"}),
+        {"title": "a long\ntitle " * 20},
+    ],
+    fast=3,
 )
-@pytest.mark.parametrize("stem", ["tungsten_carbide_on_steel", "steel_ball_on_rod", "two_steel_balls"])
 def test_event_labels_stay_in_the_picture_and_apart(stem: str, changes: dict[str, str]) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -110,7 +118,43 @@ def test_event_labels_stay_in_the_picture_and_apart(stem: str, changes: dict[str
         assert text.get_window_extent().x1 < figure.bbox.x1
 
 
-def test_contact_that_does_not_end_and_a_title_with_dollars(tmp_path: Path) -> None:
+def test_legends_lie_beside_the_curves() -> None:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    figure = plot.plot_history(_history("two_steel_balls"))
+    FigureCanvasAgg(figure).draw()
+    energy = figure.axes[4]
+    boxes = [figure.legends[0].get_window_extent(), energy.get_legend().get_window_extent()]
+    assert boxes[1].y0 >= energy.bbox.y1 - 1.0
+    for panel in figure.axes:
+        assert not panel.bbox.overlaps(boxes[0])
+    for box in boxes:
+        assert figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1 and box.y0 >= figure.bbox.y0
+
+
+def test_motion_without_contact_has_its_own_colour() -> None:
+    assert plot._colour(plot.Trace.of(_history("two_steel_balls")), "") == NO_CONTACT
+    assert NO_CONTACT not in (*COLOURS, UNLOADING)
+
+
+def test_styles(history: fm.History, tmp_path: Path) -> None:
+    with picture_style("dark"):
+        figure = plot.plot_history(history, tmp_path / "dark.svg")
+    light = {"screen": plot.plot_history(history), "dark": figure}
+    ground = {style: sum(one.get_facecolor()[:3]) / 3.0 for style, one in light.items()}
+    ink = {style: sum(to_rgb(one.texts[0].get_color())) / 3.0 for style, one in light.items()}
+    assert ground["screen"] == 1.0 and ink["screen"] == 0.0
+    assert ground["dark"] < 0.15 and ink["dark"] > 0.9
+    for panel, other in zip(figure.axes, light["screen"].axes, strict=True):
+        assert panel.patch.get_facecolor()[:3] == figure.get_facecolor()[:3] != other.patch.get_facecolor()[:3]
+    text = (tmp_path / "dark.svg").read_text("utf-8")
+    assert ">contact force (N)</text>" in text  # letters, not outlines
+    with pytest.raises(ValueError, match='style: "drak" is not one of screen, paper, dark; did you mean "dark"'):
+        picture_style("drak").__enter__()
+
+
+@pytest.mark.slow
+def test_unfinished_contact_and_a_title_with_dollar_signs(tmp_path: Path) -> None:
     history = _history("olsson_plate", mass="8 g", velocity="1 mm/s", title="$5 and $6 {x}")
     assert history.summary["contact_duration"] is None
     figure = plot.plot_history(history, tmp_path / "impact.svg")
@@ -119,7 +163,8 @@ def test_contact_that_does_not_end_and_a_title_with_dollars(tmp_path: Path) -> N
     assert len(figure.axes[0].texts) <= 3
 
 
-def test_stages_of_ones_own(tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_stages_of_a_custom_law(tmp_path: Path) -> None:
     from dataclasses import dataclass
 
     @dataclass(frozen=True)
@@ -137,10 +182,11 @@ def test_stages_of_ones_own(tmp_path: Path) -> None:
     scene = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
     own = fm.simulate(fm.Scene(scene.impactor, scene.target, fm.Contact(law=Odd())))
     figure = plot.plot_history(own, tmp_path / "own.png")
-    assert [text.get_text() for text in figure.axes[4].get_legend().get_texts()] == [r"soft {\$}", "hard"]
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == [r"soft {\$}", "hard"]
 
 
-def test_failure_in_mid_write_leaves_nothing_behind(
+@pytest.mark.slow
+def test_a_failed_write_leaves_the_old_file(
     history: fm.History, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "impact.png"
@@ -160,16 +206,17 @@ def test_failure_in_mid_write_leaves_nothing_behind(
         plot.plot_history(history, tmp_path / "missing" / "impact.png")
 
 
-def test_without_matplotlib_it_says_what_to_install(history: fm.History, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_matplotlib_names_the_extra_to_install(history: fm.History, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(ImportError, match=r"install film-model\[plot\]"):
         plot.plot_history(history)
 
 
+@pytest.mark.slow
 def test_pyplot_and_settings_are_left_alone(tmp_path: Path) -> None:
     code = f"""
 import sys, matplotlib, film_model as fm
-from film_model.plot import plot_history
+from film_model.plot.history import plot_history
 before = matplotlib.rcParams.copy()
 scene = fm.Scene.from_toml({str(SCENES / "steel_ball_on_rod.toml")!r})
 plot_history(fm.simulate(scene), {str(tmp_path / "a.png")!r})
@@ -185,21 +232,27 @@ def _area(force: np.ndarray, depth: np.ndarray) -> float:
     return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(depth)))
 
 
+@pytest.mark.slow
 def test_every_law_has_its_panel_and_its_loop(tmp_path: Path) -> None:
-    figure = plot.plot_laws(tmp_path / "a.png", dpi=50)
-    plot.plot_laws(tmp_path / "b.png", dpi=50)
-    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    figure = plot_laws(tmp_path / "a.png", dpi=50)
     assert [panel.get_title(loc="left") for panel in figure.axes if panel.axison] == list(fm.LAWS)
-    for panel, (name, loop) in zip(figure.axes, family_loops().items(), strict=False):
+    for panel, (name, loop) in zip(figure.axes, gallery_loops().items(), strict=False):
         assert f"e = {loop.restitution:.2f}" in [text.get_text() for text in panel.texts]
         depth, force = loop.curve
-        absorbed = _area(force, depth)  # in, and out again
+        absorbed = _area(force, depth)  # loading and unloading
         assert absorbed == pytest.approx(ENERGY * (1.0 - loop.restitution**2), abs=2e-3 * ENERGY)
         assert depth[loop.turn] == depth.max(), name
 
 
+@pytest.mark.slow
+def test_the_picture_of_the_laws_is_always_the_same(tmp_path: Path) -> None:
+    for name in ("a.png", "b.png"):
+        plot_laws(tmp_path / name, dpi=50)
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
 def test_laws_are_compared_at_one_energy() -> None:
-    loops = family_loops()
+    loops = gallery_loops()
     for loop in loops.values():
         depth, force = loop.curve[:, : loop.turn + 1]
         assert _area(force, depth) == pytest.approx(ENERGY, rel=2e-3)

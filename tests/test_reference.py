@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from film_model.laws import AbstractLaw, BigAlabo, Hertz, Meyer, Power, Stage, Stronge, Unloading
-from film_model.reference import SUMMARY, integrate, quadrature
-from film_model.targets import paper_plate_impedance
+from film_model.studies.quadrature import REFERENCE_VALUES, integrate, quadrature
+from film_model.targets.plate import paper_plate_impedance
 
 MODULUS = 1 / ((1 - 0.28**2) / 600e9 + (1 - 0.30**2) / 210e9)  # tungsten carbide on steel, Pa
 BALL = (MODULUS, 0.010, 1.0e9)  # and the radius, m, and yield strength, Pa
@@ -33,7 +33,7 @@ ZENER = [
 
 @dataclass(frozen=True)
 class Softening(AbstractLaw):
-    """f = sin ξ and then flat, with a residual of ξ_m²/8: a peak inside a stage, no closed form, exponent 1.2."""
+    """f = sin ξ, then constant; residual ξ_m²/8, unloading exponent 1.2: a peak within a stage, no closed form."""
 
     def scales(self, energy):
         return 1e-5, 100.0
@@ -103,13 +103,13 @@ def test_meyer_closed_form(exponent):
 def test_quadrature_and_integration_agree(law, velocity):
     exact, got = quadrature(law, MASS, velocity), integrate(law, MASS, velocity)
     energy = 0.5 * MASS * velocity**2
-    for name in SUMMARY:
+    for name in REFERENCE_VALUES:
         small = 1e-11 * energy if name.startswith("energy") else 1e-15
         assert got[name] == pytest.approx(exact[name], rel=1e-11, abs=small), name
 
 
 def test_just_beyond_yield():
-    """A slow passage of the yield point is a nearly singular integrand."""
+    """Passing the yield point slowly makes the integrand nearly singular."""
     law = BigAlabo(*BALL)
     scale, force = law.scales(0.0)
     velocity = math.sqrt(0.8 * force * scale / MASS) * (1 + 1e-9)
@@ -169,7 +169,7 @@ def test_zener(row):
 @pytest.mark.parametrize("law", LAWS, ids=repr)
 @pytest.mark.parametrize("share", [0.02, 0.5])
 def test_energy_balance_on_a_moving_target(law, share):
-    """½m(V_0² − v²) = work absorbed + ∫F²/Z dt, which is integrated on its own."""
+    """½m(V_0² − v²) = work absorbed + ∫F²/Z dt, which is integrated separately."""
     still = quadrature(law, MASS, VELOCITY)
     impedance = still["maximum_force"] / VELOCITY / share
     got = integrate(law, MASS, VELOCITY, impedance)
@@ -182,5 +182,5 @@ def test_energy_balance_on_a_moving_target(law, share):
 def test_a_stiff_target_is_a_half_space():
     law = BigAlabo(*BALL)
     still, moving = quadrature(law, MASS, VELOCITY), integrate(law, MASS, VELOCITY, 1e12)
-    for name in SUMMARY[:-2]:
+    for name in REFERENCE_VALUES[:-2]:
         assert moving[name] == pytest.approx(still[name], rel=1e-7), name

@@ -4,16 +4,15 @@ import dataclasses
 
 import numpy as np
 import pytest
-from cases import LAWS, STEEL, TARGETS, scene
+from cases import LAWS, STEEL, TARGETS, combinations, scene
 
 import film_model as fm
-from film_model.batch import NO_VELOCITY, STATUSES, simulate_rows
 from film_model.core import native
-from film_model.curve import curve_of
-from film_model.history import SUMMARY
-from film_model.problem import problem_of
-from film_model.row_problems import Group
-from film_model.rows import rows_of
+from film_model.effects.choose import problem_of
+from film_model.effects.many import problems_of
+from film_model.problem.curve import curve_of
+from film_model.solve.batch import NO_VELOCITY, STATUSES, simulate_many
+from film_model.solve.history import SUMMARY
 
 STIFFNESS = {"D11": "154.9 N*m", "D12": "4.76 N*m", "D22": "91.4 N*m", "D66": "8.97 N*m"}
 BALL = {"radius": "10 mm", "velocity": "0.3 m/s", "material": "tungsten carbide"}
@@ -88,7 +87,7 @@ def test_rows_are_the_scenes_of_the_rows(name):
     factors[:, -1] **= 4  # velocities, on both sides of yield
     columns = {path: value(base, path) * factors[:, k] for k, path in enumerate(paths)}
     solver = fm.Solver(accuracy=1e-9)
-    result = simulate_rows(base, columns, solver)
+    result = simulate_many(base, columns, solver)
     assert (result.status == native.EVENT).all()
     for row in range(12):
         units = {path: UNITS.get(path.rpartition(".")[2], "m") for path in columns}
@@ -114,19 +113,20 @@ def test_whole_arrays_serve_the_usual_scenes(name, monkeypatch):
     def one_by_one(*_):
         raise AssertionError("arrays did not serve")
 
-    monkeypatch.setattr("film_model.rows._one_by_one", one_by_one)
+    monkeypatch.setattr("film_model.effects.many._one_by_one", one_by_one)
     base, _ = CASES[name]
     path, values = ("impactor.drop_height", (1e-3, 0.2)) if name == "fall" else ("impactor.velocity", (0.12, 2.0))
     columns = {path: np.geomspace(*values, 40), "impactor.radius": np.linspace(9e-3, 11e-3, 40)}
-    assert (simulate_rows(base, columns).status >= 0).all()
+    assert (simulate_many(base, columns).status >= 0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["hertz", "meyer", "big-alabo", "stronge"])
 def test_weight_counts_where_it_counts_alone(law):
     """Slow impacts are simulated with gravity, each by its own number."""
     base = scene(law, "plate", accuracy=1e-7)
     speeds = np.geomspace(1e-5, 1.0, 25)
-    result = simulate_rows(base, {"impactor.velocity": speeds})
+    result = simulate_many(base, {"impactor.velocity": speeds})
     for row, speed in enumerate(speeds.tolist()):
         history = fm.simulate(base.replace({"impactor.velocity": f"{speed!r} m/s"}), accuracy=1e-8)
         expected = {"contact ended": native.EVENT, "the impactor came to rest in contact": native.ENDLESS}
@@ -136,8 +136,11 @@ def test_weight_counts_where_it_counts_alone(law):
         assert np.isnan(result.summary["rebound_velocity"][row]) == (rebound is None)
 
 
-@pytest.mark.parametrize("target", ["half-space", "plate", "thin plate", "rod"])
-@pytest.mark.parametrize("law", ["auto", "hertz", "meyer", "stronge", "yigit-christoforou", "tabulated", "tsuji"])
+@combinations(
+    law=["auto", "hertz", "meyer", "stronge", "yigit-christoforou", "tabulated", "tsuji"],
+    target=["half-space", "plate", "thin plate", "rod"],
+    fast=4,
+)
 def test_effects_are_those_of_each_impact(law, target):
     """What is decided for neighbours together is what is decided for each alone."""
     count = 60 if law == "tsuji" else 250
@@ -145,23 +148,23 @@ def test_effects_are_those_of_each_impact(law, target):
     base = base.replace({"contact.law": "auto"}) if law == "auto" else base
     rng = np.random.default_rng(11)
     columns = {"impactor.velocity": 10 ** rng.uniform(-3.5, 0.5, count), "impactor.mass": rng.uniform(0.02, 0.2, count)}
-    found = rows_of(base, columns, count)
-    assert sum(rows.index.size for rows in found) == count
+    found = problems_of(base, columns, count)
+    assert sum(rows.impacts.index.size for rows in found) == count
     effects = {"weight": set(), "motion": set(), "law": set()}
     for rows in found:
-        for place, row in enumerate(rows.index.tolist()):
+        for place, row in enumerate(rows.impacts.index.tolist()):
             speed, mass = (float(values[row]) for values in columns.values())
             own = base.replace({"impactor.velocity": f"{speed!r} m/s", "impactor.mass": f"{mass!r} kg"})
             problem = problem_of(own)
             start = rows.start[place]
-            assert rows.law == problem.law.name
+            assert rows.law.name == problem.law.name
             assert (start["load"] > 0.0) == (problem.load > 0.0)
             assert (start["gamma"] > 0.0) == (problem.gamma > 0.0)
             assert start["damping"] == pytest.approx(problem.damping, rel=1e-12)
-            for name, value in (("weight", start["load"] > 0), ("motion", start["gamma"] > 0), ("law", rows.law)):
+            for name, value in (("weight", start["load"] > 0), ("motion", start["gamma"] > 0), ("law", rows.law.name)):
                 effects[name].add(bool(value) if name != "law" else value)
     assert effects["weight"] == {True, False}
-    assert law != "auto" or effects["law"] == {"hertz", "big-alabo"}
+    assert law != "auto" or effects["law"] == {"hertz", "jackson-green"}
 
 
 def test_curves_are_shared_where_the_dimensionless_form_allows():
@@ -169,14 +172,14 @@ def test_curves_are_shared_where_the_dimensionless_form_allows():
     radius = np.geomspace(1e-3, 1e-2, count)
     for law in ("hertz", "big-alabo", "stronge"):
         base = scene("hertz").replace({"contact.law": law})
-        (rows,) = rows_of(base, {"impactor.radius": radius}, count)
+        (rows,) = problems_of(base, {"impactor.radius": radius}, count)
         assert rows.curve is curve_of(LAWS[law] if law != "hertz" else LAWS["hertz"])
     contact = fm.Contact("meyer", stiffness="1e9 N/m^1.2", exponent=1.2, initial_indentation="1 um")
     base = dataclasses.replace(scene("hertz"), contact=contact)
-    (rows,) = rows_of(base, {"contact.initial_indentation": np.linspace(1e-6, 2e-6, count)}, count)
-    assert rows.index.size == count
-    parts = rows_of(base, {"contact.exponent": np.repeat([1.2, 1.5, 1.7], 100)}, count)
-    assert [part.index.size for part in parts] == [100, 100, 100]
+    (rows,) = problems_of(base, {"contact.initial_indentation": np.linspace(1e-6, 2e-6, count)}, count)
+    assert rows.impacts.index.size == count
+    parts = problems_of(base, {"contact.exponent": np.repeat([1.2, 1.5, 1.7], 100)}, count)
+    assert [part.impacts.index.size for part in parts] == [100, 100, 100]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -199,20 +202,20 @@ def test_a_law_of_single_numbers_serves_too(monkeypatch):
     """Row by row where its formulas are asked, and still one curve."""
     monkeypatch.setitem(fm.LAWS, "scalar", Scalar)
     columns = {"impactor.radius": np.linspace(5e-3, 15e-3, 9), "impactor.velocity": np.linspace(0.1, 1, 9)}
-    one, other = (simulate_rows(scene("hertz").replace({"contact.law": law}), columns) for law in ("scalar", "hertz"))
+    one, other = (simulate_many(scene("hertz").replace({"contact.law": law}), columns) for law in ("scalar", "hertz"))
     for name in SUMMARY:
         np.testing.assert_allclose(one.summary[name], other.summary[name], rtol=1e-12, atol=1e-25)
-    assert [part.index.size for part in one.parts] == [9]
+    assert [problem.impacts.index.size for problem in one.problems] == [9]
 
 
 def test_a_row_that_fails_says_why_and_harms_no_other():
     base = scene("hertz", "body")
-    result = simulate_rows(base, {"impactor.velocity": np.array([1.0, 0.1, 0.05, 2.0])})
+    result = simulate_many(base, {"impactor.velocity": np.array([1.0, 0.1, 0.05, 2.0])})
     assert result.status.tolist() == [native.EVENT, NO_VELOCITY, NO_VELOCITY, native.EVENT]
     assert np.isnan(result.summary["maximum_force"]).tolist() == [False, True, True, False]
-    none = simulate_rows(base, {"impactor.velocity": np.array([0.1, 0.05])})
-    assert none.status.tolist() == [NO_VELOCITY, NO_VELOCITY] and none.parts == ()
-    deep = simulate_rows(scene("saturating"), {"impactor.velocity": np.array([0.2, 50.0])})
+    none = simulate_many(base, {"impactor.velocity": np.array([0.1, 0.05])})
+    assert none.status.tolist() == [NO_VELOCITY, NO_VELOCITY] and none.problems == ()
+    deep = simulate_many(scene("saturating"), {"impactor.velocity": np.array([0.2, 50.0])})
     assert [STATUSES[s][0] for s in deep.status.tolist()] == ["separated", "beyond_law"]
 
 
@@ -222,45 +225,17 @@ def test_effects_tried_for_neighbours_are_those_tried_for_each(target, monkeypat
     rng = np.random.default_rng(8)
     base = scene("big-alabo", target).replace({"contact.law": "auto"})
     columns = {"impactor.velocity": np.exp(rng.uniform(-5, 0, 80)), "impactor.mass": rng.uniform(0.03, 0.09, 80)}
-    cells = simulate_rows(base, columns)
-    monkeypatch.setattr("film_model.row_effects.LEVELS", ())
-    each = simulate_rows(base, columns)
-    assert cells.laws == each.laws == ("hertz", "big-alabo") and np.array_equal(cells.law, each.law)
-    loads = [np.concatenate([part.start["load"][np.argsort(part.index)] for part in r.parts]) for r in (cells, each)]
+    cells = simulate_many(base, columns)
+    monkeypatch.setattr("film_model.effects.trial.LEVELS", ())
+    each = simulate_many(base, columns)
+    assert cells.laws == each.laws == ("hertz", "jackson-green") and np.array_equal(cells.law, each.law)
+    loads = [np.concatenate([part.load[np.argsort(part.impacts.index)] for part in r.problems]) for r in (cells, each)]
     assert np.array_equal(*loads) and 0.1 < np.mean(loads[0] > 0.0) < 0.9
-
-
-@pytest.mark.parametrize("spoilt", ["start", "scales", "numbers"])
-@pytest.mark.parametrize("target", ["half-space", "plate", "body"])
-def test_rows_that_arrays_get_wrong_are_made_one_by_one(target, spoilt, monkeypatch):
-    base = scene("big-alabo", target).replace({"contact.law": "auto"})
-    columns = {"impactor.velocity": np.geomspace(0.12, 2, 9), "impactor.mass": np.linspace(0.03, 0.09, 9)}
-    right = simulate_rows(base, columns)
-    made = Group.assemble
-
-    def wrong(*arguments):
-        rows = made(*arguments)
-        if spoilt == "start":
-            rows.start["gamma"] += 0.1
-            return rows
-        if spoilt == "numbers":
-            return dataclasses.replace(rows, mass=1.01 * rows.mass)
-        return dataclasses.replace(rows, scales=dataclasses.replace(rows.scales, force=1.01 * rows.scales.force))
-
-    monkeypatch.setattr(Group, "assemble", wrong)
-    again = simulate_rows(base, columns)
-    for name in SUMMARY:
-        np.testing.assert_allclose(again.summary[name], right.summary[name], rtol=1e-11, atol=1e-15)
-    for number in range(9):
-        one, other = (
-            next(part.zener[part.index == number] for part in result.parts if number in part.index)
-            for result in (again, right)
-        )
-        np.testing.assert_allclose(one, other, rtol=1e-12)
 
 
 def test_the_error_of_every_row_is_the_error_of_all():
     beam = fm.Beam("mild steel", length="200 mm", width="10 mm", thickness="5 mm")
-    base = fm.Scene(fm.Sphere(**BALL), beam, fm.Contact("tsuji", restitution=0.7))
+    static = fm.Effects(target_inertia=False)
+    base = fm.Scene(fm.Sphere(**BALL), beam, fm.Contact("tsuji", restitution=0.7), static)
     with pytest.raises(fm.SimulationError, match="a damped law cannot be simulated on a beam with edges"):
-        simulate_rows(base, {"impactor.velocity": np.array([1.0, 2.0])})
+        simulate_many(base, {"impactor.velocity": np.array([1.0, 2.0])})

@@ -6,11 +6,11 @@ import pytest
 from cases import LAWS, RADIUS, VELOCITY, YIELD
 
 import film_model as fm
-from film_model.history import SUMMARY
+from film_model.solve.history import SUMMARY
 
 
 def scaled_scene(law, target, length, mass):
-    """The paper's ball with lengths × length and masses × mass at the same pressures; gravity would not scale."""
+    """The paper's ball with lengths × length and masses × mass at equal pressures; gravity does not scale."""
     speed = VELOCITY * length * math.sqrt(length / mass)
 
     def material(modulus, ratio, density, strength=None):
@@ -40,6 +40,7 @@ def test_scaling_changes_nothing_but_the_units(law, target, length, mass):
     assert law in LAWS
     time = math.sqrt(mass / length)
     units = {"length": length, "time": time, "force": length**2, "velocity": length / time, "energy": length**3}
+    units["impulse"] = length**2 * time
     plain = fm.simulate(scaled_scene(law, target, 1.0, 1.0), accuracy=1e-8)
     scaled = fm.simulate(scaled_scene(law, target, length, mass), accuracy=1e-8)
     assert scaled.accuracy.lines == plain.accuracy.lines

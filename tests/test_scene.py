@@ -1,4 +1,4 @@
-"""Scenes: what they derive, and a file format that comes back to the last bit."""
+"""Scenes: derived values, and a file format that round-trips to the last bit."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from film_model.errors import SceneError
+from film_model.base.errors import SceneError
+from film_model.base.units import DIMENSIONS
 from film_model.laws import LAWS, Hertz
-from film_model.scene import Body, Contact, Effects, HalfSpace, Plate, Rod, Scene, Solver, Sphere
-from film_model.units import DIMENSIONS
+from film_model.scene import Contact, Effects, Scene, Solver, Sphere
+from film_model.targets import Body, HalfSpace, Plate, Rod
 
 SCENES = sorted((Path(__file__).parent.parent / "examples" / "scenes").glob("*.toml"))
 QUANTITY = pint.get_application_registry().Quantity
@@ -70,7 +71,7 @@ def test_contact_overrides_the_materials() -> None:
     assert (scene.effective_modulus, scene.yield_strength) == (1e9, 2e9)
 
 
-def test_the_lower_yield_strength_counts() -> None:
+def test_the_lower_yield_strength_is_used() -> None:
     assert Scene(Sphere("1 mm", "1 m/s", material="bearing steel"), HalfSpace("mild steel")).yield_strength == 250e6
     assert Scene(Sphere("1 mm", "1 m/s", material="mild steel"), HalfSpace("alumina")).yield_strength == 250e6
 
@@ -101,6 +102,7 @@ def test_round_trip(name: str) -> None:
     assert hash(scene) == hash(Scene.from_text(scene.to_toml()))
 
 
+@pytest.mark.random
 @given(st.floats(1e-9, 1e2), st.just(0.0) | st.floats(1e-100, 1e4), st.floats(1, 1e14), st.text())
 def test_round_trip_of_any_numbers(radius: float, velocity: float, modulus: float, title: str) -> None:
     ball = Sphere(f"{radius!r} m", f"{velocity!r} m/s", material="copper")
@@ -126,7 +128,7 @@ def test_replace() -> None:
         scene.replace({"impactor.radius.x": 1})
 
 
-def test_a_law_of_ones_own_needs_nothing_from_the_scene_and_cannot_be_written() -> None:
+def test_a_custom_law_needs_no_material_and_cannot_be_written() -> None:
     ball = Sphere("1 mm", "1 m/s", mass="1 g")
     law = Hertz(1e9, 1e-3)
     scene = Scene(ball, HalfSpace(), Contact(law))

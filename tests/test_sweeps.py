@@ -1,4 +1,4 @@
-"""Sweeps: the file and its mistakes, designs, content, workers, interruption, and files that tell all of it."""
+"""Sweeps: files and their mistakes, designs, content, workers, interruption and provenance."""
 
 from __future__ import annotations
 
@@ -18,15 +18,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from cases import combinations
 
 import film_datasets as fd
 import film_model as fm
-from film_datasets.progress import Bar
-from film_datasets.run import Interrupted, run
-from film_datasets.schema import REFUSED, pieces
-from film_datasets.sweeps import Sweep
-from film_model.cli import main
-from film_model.history import MOTION, SUMMARY
+from film_datasets.schema import OUT_OF_RANGE, pieces
+from film_datasets.sweeps import Interrupted, ProgressBar, Sweep, available_cores, read_sweep, run_sweep
+from film_datasets.sweeps.block_columns import Columns, compute_block
+from film_datasets.sweeps.blocks import Block, Blocks
+from film_model.cli.main import main
+from film_model.solve.history import MOTION, SUMMARY
 
 SCENES = Path(__file__).parents[1] / "examples" / "scenes"
 BALL = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml")
@@ -66,8 +67,8 @@ def cli(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, st
 # ------------------------------------------------------------------------------------------------ content
 
 
-def test_words_of_every_kind_are_swept() -> None:
-    """Choices of a law, switches, and numbers that may not reach the ends of their range."""
+def test_laws_switches_and_numbers_are_swept() -> None:
+    """Parameters of a law that are words, switches, and numbers with open ranges."""
     scene = BALL.replace({"contact.law": "big-alabo", "effects.gravity": False})
     ds = fd.sweep(scene, {"contact.constants": ["continuous", "printed"], "effects.gravity": [True, False]})
     for constants in ("continuous", "printed"):
@@ -80,12 +81,12 @@ def test_words_of_every_kind_are_swept() -> None:
     ratios = {"target.material.poissons_ratio": {"normal": [0.45, 0.1]}}
     drawn = fd.sweep(BALL, ratios, "random", samples=200)
     bad = drawn["target_material_poissons_ratio"] >= 0.5
-    refused = (drawn["status"] >= REFUSED).values
+    refused = (drawn["status"] >= OUT_OF_RANGE).values
     assert 20 < int(bad.sum()) < 120 and np.array_equal(refused, bad.values)
 
 
-def test_pieces_of_an_array_are_the_array(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Hash, statistics and check of a dataset that is read in pieces are those of the whole."""
+def test_reading_in_pieces_gives_the_whole_array(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Hash, statistics and validation of a dataset are independent of the size of the pieces read."""
     scene = BALL.replace({"effects.gravity": False})
     over = {
         "impactor.mass": ["50 g", "60 g", "70 g"],
@@ -94,17 +95,17 @@ def test_pieces_of_an_array_are_the_array(monkeypatch: pytest.MonkeyPatch) -> No
     ds = fd.sweep(scene, over, keep="samples=5")
     whole = ds.film.summary()
     for piece in (4, 7, 12, 30):
-        monkeypatch.setattr("film_datasets.schema.PIECE", piece)
+        monkeypatch.setattr("film_datasets.schema.content_hash.PIECE", piece)
         for name in ("maximum_force", "sampled_indentation"):
             parts = list(pieces(ds[name]))
             assert len(parts) > 1 and max(np.size(part) for part in parts) <= max(piece, 5)
             assert np.array_equal(np.concatenate([np.ravel(part) for part in parts]), ds[name].values.ravel())
         assert fd.content_sha256(ds) == ds.attrs["content_sha256"] and fd.validate(ds) == []
         for name, row in ds.film.summary().items():
-            assert row == pytest.approx(whole[name], rel=1e-13)
+            assert row == whole[name] or row == pytest.approx(whole[name], rel=1e-13)
 
 
-def test_a_sweep_of_which_nothing_happens_has_no_statistics() -> None:
+def test_a_sweep_of_failed_impacts_has_no_statistics() -> None:
     short = {"law": "tabulated", "indentation": ["0 um", "1 um"], "force": ["0 N", "1 N"]}
     ds = fd.sweep(BALL.replace({"contact": short}), {"impactor.velocity": ["1 m/s", "2 m/s"]})
     assert (ds["status"] < 0).all()
@@ -114,7 +115,7 @@ def test_a_sweep_of_which_nothing_happens_has_no_statistics() -> None:
 
 @pytest.mark.parametrize("exponent", [{}, {"exponent": 1.4}])
 def test_a_stiffness_is_swept_in_the_unit_of_the_laws_exponent(exponent: dict[str, float]) -> None:
-    """The law's own exponent where the scene gives none."""
+    """Without an exponent in the scene, the default of the law gives the unit."""
     unit = f"N/m^{exponent.get('exponent', 1.5)}"
     given = {"law": "tan-sun", "stiffness": f"1e10 {unit}", "critical_indentation": "5 um", **exponent}
     scene = BALL.replace({"contact": given})
@@ -126,7 +127,7 @@ def test_a_stiffness_is_swept_in_the_unit_of_the_laws_exponent(exponent: dict[st
     assert f"1000000000.0 {unit}" in ds.attrs["sweep_toml"]
 
 
-def test_a_grid_has_the_impact_of_each_scene() -> None:
+def test_a_grid_equals_the_single_impacts() -> None:
     ds = fd.sweep(PLATE, {"impactor.velocity": ["1 m/s", "3 m/s"], "impactor.radius": ["5 mm", "6 mm", "7 mm"]})
     assert fd.validate(ds) == []
     assert ds["maximum_force"].dims == ("impactor_velocity", "impactor_radius")
@@ -137,13 +138,15 @@ def test_a_grid_has_the_impact_of_each_scene() -> None:
             row = ds.film.summary(impactor_velocity=v, impactor_radius=r)
             history = fm.simulate(own, accuracy=1e-8)
             for name in SUMMARY:
-                assert row[name] == pytest.approx(history.summary[name], rel=1e-4, abs=1e-4 * own.kinetic_energy), name
+                value = np.nan if history.summary[name] is None else history.summary[name]
+                close = pytest.approx(value, rel=1e-4, abs=1e-4 * own.kinetic_energy, nan_ok=True)
+                assert (np.nan if row[name] is None else row[name]) == close, name
             assert ds.film.scene(impactor_velocity=v, impactor_radius=r) == own
 
 
-@pytest.mark.parametrize("keep", ["summary", "segments", "samples=7"])
-@pytest.mark.parametrize("suffix", ["nc", "zarr"])
-def test_a_file_has_what_memory_has(keep: str, suffix: str, tmp_path: Path) -> None:
+@pytest.mark.slow
+@combinations(suffix=["nc", "zarr"], keep=["summary", "segments", "samples=7"])
+def test_a_file_equals_the_dataset_in_memory(keep: str, suffix: str, tmp_path: Path) -> None:
     if suffix == "zarr":
         pytest.importorskip("zarr")
     over = {**SPEEDS, "contact.law": ["stronge", "hertz", "auto"]}
@@ -155,7 +158,7 @@ def test_a_file_has_what_memory_has(keep: str, suffix: str, tmp_path: Path) -> N
         assert ds["contact_law"].attrs["flag_meanings"] == "stronge hertz auto"
         assert ds.attrs["warnings"].startswith("law stronge: in 3 impacts its unloading returns more energy")
         assert set(ds.coords) == set(memory.coords)
-    with xr.open_dataset(path) as plain:  # a reader without anything of ours
+    with xr.open_dataset(path) as plain:  # plain xarray
         assert plain["maximum_force"].shape == (40, 3)
         same(fd.sweep(**_again(plain), keep=keep), memory)
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
@@ -166,6 +169,7 @@ def _again(ds: xr.Dataset) -> dict:
     return {"scene": fm.Scene.from_text(ds.attrs["scene_toml"]), **table}
 
 
+@pytest.mark.slow
 def test_segments_are_the_exact_histories() -> None:
     over = {"impactor.velocity": {"uniform": ["1 m/s", "4 m/s"]}, "impactor.mass": {"uniform": ["5 g", "20 g"]}}
     ds = fd.sweep(PLATE, over, "random", samples=9, keep="segments")
@@ -197,8 +201,9 @@ def test_free_bodies_and_falls_are_swept_too() -> None:
     assert float(ds["maximum_force"][1]) == pytest.approx(force, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_the_estimate_bounds_the_errors() -> None:
-    """Of 300 random impacts, some yielding and some not, hardly one is off by more than the sweep says."""
+    """At least 99 % of 300 random impacts are within the estimated accuracy of the sweep."""
     over = {
         "impactor.velocity": {"from": "0.02 m/s", "to": "5 m/s", "spacing": "log"},
         "impactor.radius": {"lognormal": ["10 mm", "3 mm"]},
@@ -215,8 +220,9 @@ def test_the_estimate_bounds_the_errors() -> None:
     assert coarse.attrs["estimated_accuracy"] <= 1e-4
 
 
+@pytest.mark.slow
 def test_an_accuracy_that_is_swept_is_the_one_that_was_asked_for() -> None:
-    """Nobody asked for that of the scene; each is held against what was estimated of its own impacts."""
+    """Swept accuracies replace that of the scene; the impacts of each meet it."""
     base = BALL.replace({"solver.accuracy": 1e-12})
     ds = fd.sweep(base, {**SPEEDS, "solver.accuracy": [1e-3, 1e-5]})
     assert ds.attrs["requested_accuracy"] == 1e-3
@@ -225,7 +231,8 @@ def test_an_accuracy_that_is_swept_is_the_one_that_was_asked_for() -> None:
     out = fd.sweep(BALL, {**SPEEDS, "solver.accuracy": [1e-4, 1e-14]})
     assert out.attrs["requested_accuracy"] == 1e-4
     (told,) = (line for line in out.attrs["warnings"].split("\n") if "was not reached" in line)
-    estimated = float(told.removeprefix("accuracy 1e-14 was not reached everywhere: estimated "))
+    assert told.startswith("accuracy 1e-14 was not reached in 40 impacts")
+    estimated = float(told.rpartition(" ")[2])
     assert 1e-14 < estimated < 1e-10
     mixed = fd.sweep(BALL, {**SPEEDS, "solver": [{"accuracy": 1e-4}, {"segments": 9}]})
     assert "requested_accuracy" not in mixed.attrs and fd.validate(mixed) == []
@@ -234,7 +241,7 @@ def test_an_accuracy_that_is_swept_is_the_one_that_was_asked_for() -> None:
 # ------------------------------------------------------------------------------------------------ designs
 
 
-def test_designs_draw_what_they_say() -> None:
+def test_designs_draw_from_their_distributions() -> None:
     over = {
         "impactor.velocity": {"from": "0.1 m/s", "to": "10 m/s", "spacing": "log"},
         "target.material.yield_strength": {"normal": ["1 GPa", "0.1 GPa"]},
@@ -267,7 +274,7 @@ def test_no_probability_is_an_infinite_value() -> None:
         assert np.isfinite(values).all() and (np.diff(values) > 0).all() and values[0] > 0
 
 
-def test_zip_goes_side_by_side() -> None:
+def test_zip_pairs_the_lists() -> None:
     over = {"impactor.velocity": ["3 m/s", "1 m/s"], "contact.law": ["hertz", "stronge"]}
     ds = fd.sweep(BALL, over, "zip")
     assert fd.validate(ds) == []
@@ -305,12 +312,13 @@ def test_blocks_cover_the_sweep_in_order(shape: tuple[int, ...]) -> None:
     }
     sweep = Sweep.of(BALL, over)
     flat, first = np.arange(sweep.size).reshape(sweep.shape), 0
-    for number in range(sweep.blocks):
-        block = sweep.block(number)
+    blocks = Blocks(sweep)
+    for number in range(len(blocks)):
+        block = blocks[number]
         assert block.first == first
         assert np.array_equal(flat[block.region].ravel(), np.arange(first, first + block.count))
         assert block.count <= 65_536
-        assert all(part.indices(n)[0] % c == 0 for part, n, c in zip(block.region, shape, sweep.chunks, strict=True))
+        assert all(part.indices(n)[0] % c == 0 for part, n, c in zip(block.region, shape, blocks.shape, strict=True))
         first += block.count
     assert first == sweep.size
 
@@ -318,7 +326,7 @@ def test_blocks_cover_the_sweep_in_order(shape: tuple[int, ...]) -> None:
 # ------------------------------------------------------------------------------------------------ rows that fail
 
 
-def test_failed_impacts_have_a_reason_and_no_numbers() -> None:
+def test_failed_impacts_have_a_status_and_nan() -> None:
     over = {"impactor.velocity": ["1 m/s", "2 m/s"], "target.velocity": ["0.5 m/s", "1.5 m/s"]}
     ds = fd.sweep(fm.Scene.from_toml(SCENES / "two_steel_balls.toml"), over)
     assert fd.validate(ds) == []
@@ -330,7 +338,7 @@ def test_failed_impacts_have_a_reason_and_no_numbers() -> None:
     ]
     assert np.isnan(ds["maximum_force"].values).tolist() == [[False, True], [False, False]]
     assert "-100 no_velocity: the impactor does not approach the target" in ds.attrs["statuses"].split("\n")
-    assert ds.attrs["warnings"] == "1 of 4 impacts failed: see status"
+    assert ds.attrs["warnings"].splitlines()[0] == "1 of 4 impacts failed: see status"
 
 
 def test_values_drawn_out_of_range_are_named() -> None:
@@ -375,7 +383,7 @@ def test_values_drawn_out_of_range_are_named() -> None:
         ("[over]", "[over", 3, "not TOML"),
     ],
 )
-def test_a_wrong_sweep_file_is_one_clear_message(
+def test_an_invalid_sweep_file_gives_one_message(
     capsys: pytest.CaptureFixture[str], file: Path, before: str, after: str, line: int | None, says: str
 ) -> None:
     assert before in FILE
@@ -389,10 +397,10 @@ def test_a_wrong_sweep_file_is_one_clear_message(
     assert [path.name for path in file.parent.iterdir()] == ["sweep.toml"]
 
 
-def test_all_mistakes_are_told_at_once(file: Path) -> None:
+def test_all_mistakes_of_a_sweep_are_reported_together(file: Path) -> None:
     file.write_text(FILE.replace("velocity", "velocty").replace("310 MPa", "310 m"), encoding="utf-8")
     with pytest.raises(fm.SceneError) as caught:
-        Sweep.from_toml(file)
+        read_sweep(file)
     assert [mistake.line for mistake in caught.value.mistakes] == [4, 5]
 
 
@@ -401,14 +409,14 @@ def test_all_mistakes_are_told_at_once(file: Path) -> None:
     [
         ({"design =": "desing =", "0.1 m/s": "0.1 kg", "310 MPa": "310 m"}, [2, 4, 5]),
         ({"design =": 'colour = "red"\ndesign =', '"grid"': '"gird"', "310 MPa": "310 m"}, [2, 3, 6]),
-        ({"steel.toml": "steal.toml", '"grid"': '"gird"'}, [2, None]),  # without a scene [over] means nothing
+        ({"steel.toml": "steal.toml", '"grid"': '"gird"'}, [2, None]),  # without the scene, [over] cannot be checked
         ({"scene =": "scen =", '"grid"': '"sobol"', "0.1 m/s": "0.1 kg"}, [None, 1, 4]),
         ({"[over]": "[ovr]", '"grid"': '"gird"', "0.1 m/s": "0.1 kg"}, [None, 2, 3]),
         ({FILE[FILE.index("[over]") :]: "over = 3\n", '"grid"': "7"}, [2, 3]),
         ({FILE[FILE.index("[over]") :]: "[over]\n", '"grid"': "7"}, [2, 3]),
     ],
 )
-def test_mistakes_of_the_file_hide_none_of_the_sweep(
+def test_mistakes_of_scene_and_sweep_are_reported_together(
     file: Path, changes: dict[str, str], lines: list[int | None]
 ) -> None:
     text = FILE
@@ -417,7 +425,7 @@ def test_mistakes_of_the_file_hide_none_of_the_sweep(
         text = text.replace(before, after, 1)
     file.write_text(text, encoding="utf-8")
     with pytest.raises(fm.SceneError) as caught:
-        Sweep.from_toml(file)
+        read_sweep(file)
     assert [mistake.line for mistake in caught.value.mistakes] == lines, str(caught.value)
 
 
@@ -429,7 +437,7 @@ def test_mistakes_of_the_file_hide_none_of_the_sweep(
         ({"impactor.velocity": ["1 m/s"], "impactor": [BALL.to_table()["impactor"]]}, {}, "swept too"),
         ({"contact.law": ["hertz", "hertz"]}, {}, "given 2 times"),
         ({"contact.law": ["hertz", "hurtz"]}, {}, 'did you mean "hertz"?'),
-        ({"contact.law": {"from": "hertz", "to": "meyer"}}, {}, "is no number"),
+        ({"contact.law": {"from": "hertz", "to": "meyer"}}, {}, "is not a number"),
         ({"impactor.velocity": {"normal": ["1 m/s"]}}, {"design": "random", "samples": 3}, "two values: mean and"),
         ({"impactor.velocity": {"normal": ["1 m/s", "0 m/s"]}}, {"design": "random", "samples": 3}, "must be > 0"),
         (
@@ -451,7 +459,9 @@ def test_mistakes_of_the_file_hide_none_of_the_sweep(
         ({"impactor.velocity": ["1 m/s"]}, {"samples": 3}, 'is not for design "grid"'),
         ({"impactor.velocity": ["1 m/s"]}, {"design": "random", "samples": 3, "seed": -1}, "seed"),
         ({"impactor.velocity": ["1 m/s", "2 m/s"], "impactor.mass": ["1 g"]}, {"design": "zip"}, "of one length"),
-        ({"solver": [{"segments": k} for k in range(1, 10_102)]}, {}, "at most 10000"),
+        pytest.param(
+            {"solver": [{"segments": k} for k in range(1, 10_102)]}, {}, "at most 10000", marks=pytest.mark.slow
+        ),
         ({"impactor.velocity": {**RANGE, "to": "1 m/s"}}, {}, "from and to are the same"),
         ({"impactor.velocity": {**RANGE, "from": "0 m/s", "spacing": "log"}}, {}, "spacing log needs from and to > 0"),
         ({"impactor.velocity": {**RANGE, "normal": ["1 m/s", "0.1 m/s"]}}, {}, "give normal alone"),
@@ -491,7 +501,7 @@ def test_words_that_need_other_keys_can_be_sections(
     section, key = path.split(".")
     hint = told.partition("list whole sections, e.g. ")[2]
     assert hint.startswith(f'"{section}" = [{{ {key} = ')
-    with pytest.raises(fm.SceneError) as plain:  # a word that is unknown needs no other keys
+    with pytest.raises(fm.SceneError) as plain:  # an unknown word needs no other keys
         fd.sweep(base, {path: [words[0], "hurtz"]})
     assert words[0] == "hunt-crossley" or "sections" not in str(plain.value)
     (again,) = tomllib.loads(hint.splitlines()[0]).values()  # the example itself is a sweep
@@ -510,22 +520,23 @@ def test_other_wrong_arguments(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_billion_impacts_are_refused_where_there_is_no_room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_sweep_larger_than_the_memory_or_disk_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     many = {"impactor.velocity": {"from": "0.1 m/s", "to": "5 m/s", "count": 10**9}}
-    with pytest.raises(MemoryError, match="1000000000 impacts take about 98 GB, at most 4 GB go into memory"):
+    with pytest.raises(MemoryError, match="1000000000 impacts take about 170 GB, at most 4 GB go into memory"):
         fd.sweep(BALL, many)
     usage = shutil.disk_usage(tmp_path)._replace(free=75 * 10**9)
-    monkeypatch.setattr("film_datasets.run.shutil.disk_usage", lambda _: usage)
-    with pytest.raises(OSError, match=r"1000000000 impacts need about 1\d\d GB of disk.*75 GB are free"):
+    monkeypatch.setattr("film_datasets.sweeps.runner.shutil.disk_usage", lambda _: usage)
+    with pytest.raises(OSError, match=r"1000000000 impacts need about 340 GB of disk.*75 GB are free"):
         fd.sweep(BALL, many, output=tmp_path / "out.nc")
     assert list(tmp_path.iterdir()) == []
 
 
 # ------------------------------------------------------------------------------------------------ workers, interruption
 
-SMALL_BLOCKS = ("film_datasets.sweeps.BLOCK_ROWS", 7)
+SMALL_BLOCKS = ("film_datasets.sweeps.blocks.BLOCK_IMPACTS", 7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("design", ["grid", "sobol"])
 def test_any_number_of_workers_gives_the_same_data(
     monkeypatch: pytest.MonkeyPatch, design: str, tmp_path: Path
@@ -549,51 +560,56 @@ class _StopAfter:
             raise self.error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["nc", "zarr"])
 def test_an_interrupted_sweep_is_resumed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, suffix: str) -> None:
     monkeypatch.setattr(*SMALL_BLOCKS)
     made, path = Sweep.of(BALL, SPEEDS), tmp_path / f"out.{suffix}"
-    with pytest.raises(Interrupted, match=r"interrupted: \d+ of 6 blocks in .*say resume=True to go on$"):
-        run(made, path, command="test", workers=1, progress=_StopAfter(20, KeyboardInterrupt))
+    with pytest.raises(Interrupted, match=r"interrupted: \d+ of 6 blocks in .*use resume=True to continue$"):
+        run_sweep(made, path, command="test", workers=1, progress=_StopAfter(20, KeyboardInterrupt))
     blocks = tmp_path / f".out.{suffix}.blocks"
     assert [p.name for p in tmp_path.iterdir()] == [blocks.name]
     kept = sorted(blocks.glob("*.npz"))
     assert len(kept) >= 3
     with pytest.raises(FileExistsError, match="an interrupted run left"):
-        run(made, path, command="test")
+        run_sweep(made, path, command="test")
     with pytest.raises(FileExistsError, match="of another sweep"):
-        run(Sweep.of(PLATE, SPEEDS), path, command="test", resume=True)
+        run_sweep(Sweep.of(PLATE, SPEEDS), path, command="test", resume=True)
     kept[0].write_bytes(kept[0].read_bytes()[:-100])  # a damaged block is computed again
     computed: list[int] = []
-    compute = Sweep.compute
-    monkeypatch.setattr(Sweep, "compute", lambda self, k: computed.append(k) or compute(self, k))
-    with run(made, path, command="test", resume=True) as ds:
-        same(ds, run(made, command="test"))
+
+    def counted(sweep: Sweep, block: Block) -> Columns:
+        computed.append(block.first)
+        return compute_block(sweep, block)
+
+    monkeypatch.setattr("film_datasets.sweeps.runner.compute_block", counted)
+    with run_sweep(made, path, command="test", resume=True) as ds:
+        same(ds, run_sweep(made, command="test"))
     assert len(computed) == 6 + (6 - len(kept)) + 1
     assert [p.name for p in tmp_path.iterdir()] == [path.name]
     computed.clear()
-    run(made, path, command="test", resume=True).close()  # finished already
+    run_sweep(made, path, command="test", resume=True).close()  # the output is complete
     assert computed == []
     with pytest.raises(FileExistsError, match="exists"):
-        run(made, path, command="test")
+        run_sweep(made, path, command="test")
 
 
-def test_only_one_process_at_an_output(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_one_process_at_a_time_writes_an_output(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     pytest.importorskip("fcntl")
     monkeypatch.setattr(*SMALL_BLOCKS)
     made, path = Sweep.of(BALL, SPEEDS), tmp_path / "out.nc"
 
     def again(done: int, size: int) -> None:
         with pytest.raises(FileExistsError, match="another process"):
-            run(made, path, command="test", resume=True)
+            run_sweep(made, path, command="test", resume=True)
 
-    run(made, path, command="test", progress=again).close()
+    run_sweep(made, path, command="test", progress=again).close()
 
 
 SCRIPT = """
 import sys, signal, resource, film_model as fm, film_datasets as fd
-import film_datasets.sweeps
-film_datasets.sweeps.BLOCK_ROWS = 2000
+import film_datasets.sweeps.blocks
+film_datasets.sweeps.blocks.BLOCK_IMPACTS = 2000
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 limit = int(sys.argv[3])
 if limit:
@@ -612,10 +628,11 @@ def script(output: Path, limit: int = 0, samples: int = 60_000) -> list[str]:
     return [sys.executable, "-c", SCRIPT, str(scene), str(output), str(limit), str(samples)]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGXFSZ"), reason="needs a limit on the size of files")
 @pytest.mark.parametrize("limit", [50_000, 1_000_000])
-def test_a_full_disk_is_one_message_and_loses_no_block(tmp_path: Path, limit: int) -> None:
-    """A small limit stops the blocks, a larger one the output."""
+def test_a_full_disk_gives_one_message_and_loses_no_block(tmp_path: Path, limit: int) -> None:
+    """A small limit on the file size fails the blocks, a larger one the output."""
     path = tmp_path / "out.nc"
     stopped = subprocess.run(script(path, limit), capture_output=True, text=True, check=False)
     assert stopped.returncode == 1
@@ -664,11 +681,12 @@ def test_a_dask_cluster_gives_the_same_data(monkeypatch: pytest.MonkeyPatch, tmp
             same(ds, whole)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="signals")
 def test_an_interrupt_from_the_keyboard(tmp_path: Path) -> None:
     file, output = tmp_path / "sweep.toml", tmp_path / "out.nc"
     file.write_text(FILE.replace("count = 30", "count = 1000000"), encoding="utf-8")
-    code = "import sys; from film_model.cli import main; sys.exit(main(sys.argv[1:]))"
+    code = "import sys; from film_model.cli.main import main; sys.exit(main(sys.argv[1:]))"
     command = [sys.executable, "-c", code, "sweep", str(file), "--output", str(output)]
     process = subprocess.Popen(
         command, stderr=subprocess.PIPE, text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -679,15 +697,15 @@ def test_an_interrupt_from_the_keyboard(tmp_path: Path) -> None:
     _, err = process.communicate()
     assert process.returncode == 130
     assert len(err.splitlines()) == 1
-    assert "blocks in" in err and err.endswith("use --resume to go on\n")
+    assert "blocks in" in err and err.endswith("use --resume to continue\n")
     assert sorted(path.name for path in tmp_path.iterdir()) == [".out.nc.blocks", "sweep.toml"]
 
 
-def test_progress_is_told() -> None:
+def test_progress_is_shown() -> None:
     stream = io.StringIO()
-    bar = Bar(stream)
+    bar = ProgressBar(stream)
     bar(500, 1000)
-    assert stream.getvalue() == ""  # no terminal: nothing for the first ten seconds
+    assert stream.getvalue() == ""  # not a terminal: no output for the first ten seconds
     bar(1000, 1000)
     assert stream.getvalue().startswith("1000 of 1000 impacts, 100 %, ")
 
@@ -696,7 +714,7 @@ def test_progress_is_told() -> None:
             return True
 
     stream = Terminal()
-    bar = Bar(stream)
+    bar = ProgressBar(stream)
     bar(500, 1000)
     assert "[##########..........] 500 of 1000 impacts, 50 %" in stream.getvalue()
     assert " s left" in stream.getvalue()
@@ -731,9 +749,9 @@ def test_command_writes_and_reports(capsys: pytest.CaptureFixture[str], file: Pa
 
 
 def test_dotted_keys_need_no_quotes(file: Path) -> None:
-    quoted = Sweep.from_toml(file)
+    quoted = read_sweep(file)
     file.write_text(FILE.replace('"impactor.velocity"', "impactor.velocity"), encoding="utf-8")
-    assert Sweep.from_toml(file).text() == quoted.text()
+    assert read_sweep(file).text() == quoted.text()
 
 
 def test_same_input_gives_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -746,7 +764,7 @@ def test_same_input_gives_the_same_bytes(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize("spoil", ["status", "content", "segments", "unit"])
-def test_validate_finds_what_is_wrong_with_a_sweep(spoil: str) -> None:
+def test_validate_finds_defects_of_a_sweep(spoil: str) -> None:
     ds = fd.sweep(BALL, SPEEDS, keep="segments")
     if spoil == "status":
         ds["status"].values[3] = 99
@@ -760,7 +778,7 @@ def test_validate_finds_what_is_wrong_with_a_sweep(spoil: str) -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"rubbish", b"\x89HDF\r\n\x1a\n" + bytes(200)])
-def test_a_damaged_file_is_one_clear_message(tmp_path: Path, content: bytes) -> None:
+def test_a_damaged_file_gives_one_message(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "x.nc"
     path.write_bytes(content)
     with pytest.raises(OSError, match=r"x\.nc: is not a netCDF file, or is damaged"):
@@ -769,7 +787,7 @@ def test_a_damaged_file_is_one_clear_message(tmp_path: Path, content: bytes) -> 
         fd.open(tmp_path / "y.nc")
 
 
-def test_a_foreign_file_is_one_clear_message(tmp_path: Path) -> None:
+def test_a_foreign_file_gives_one_message(tmp_path: Path) -> None:
     path = tmp_path / "x.nc"
     xr.Dataset({"a": ("x", [1.0])}).to_netcdf(path)
     with pytest.raises(ValueError, match=r"x\.nc: not a dataset of film-model"):
@@ -823,17 +841,17 @@ def test_film_of_a_history(tmp_path: Path) -> None:
         assert np.array_equal(samples[name].values, getattr(exact, name))
     assert samples["contact_force"].attrs["units"] == "N"
     assert ds.film.history().events == history.events
-    with pytest.raises(KeyError, match="no impacts to pick"):
+    with pytest.raises(KeyError, match="no impacts to select"):
         ds.film.scene(impact=3)
 
 
-def test_film_of_a_sweep_says_what_it_needs() -> None:
+def test_the_accessor_names_missing_selections() -> None:
     ds = fd.sweep(BALL, {**SPEEDS, "contact.law": ["hertz", "stronge"]})
     assert ds.film.scene() == BALL
     assert ds.film.history(impactor_velocity=0.1, contact_law="stronge").problem.law.name == "stronge"
     with pytest.raises(KeyError, match="impactor_velocity is missing"):
         ds.film.scene(contact_law="stronge")
-    with pytest.raises(KeyError, match="speed is none of them"):
+    with pytest.raises(KeyError, match="speed is not one of these"):
         ds.film.scene(speed=3.0)
     with pytest.raises(KeyError, match="there are hertz, stronge"):
         ds.film.scene(impactor_velocity=0.1, contact_law="meyer")
@@ -849,7 +867,7 @@ def test_segments_are_swept_over_a_scene_that_gives_none() -> None:
     assert ds.film.scene(solver_segments="2").solver == fm.Solver(segments=2)
 
 
-def test_an_impact_that_was_selected_is_the_one() -> None:
+def test_a_selected_impact_keeps_its_scene() -> None:
     ds = fd.sweep(BALL, {**SPEEDS, "contact.law": ["hertz", "stronge"]}, keep="segments")
     with pytest.raises(KeyError, match="impactor_velocity is missing"):
         ds.film.history()
@@ -862,7 +880,8 @@ def test_an_impact_that_was_selected_is_the_one() -> None:
     assert one.film.summary() == ds.film.summary(**where)
 
 
-@pytest.mark.parametrize("interop", [True, False])
+@pytest.mark.slow
+@combinations(interop=[True, False], fast=1)
 def test_quantities(interop: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     if interop:
         pytest.importorskip("pint_xarray")
@@ -909,16 +928,14 @@ def test_quantity_arrays_are_values() -> None:
 
 
 def test_cores_are_found() -> None:
-    from film_datasets.run import _cores
-
-    assert 1 <= _cores() <= (os.cpu_count() or 1)
+    assert 1 <= available_cores() <= (os.cpu_count() or 1)
 
 
 @pytest.mark.parametrize(("values", "options", "looked"), [
     ({"from": "1 mm/s", "to": "1 m/s", "count": 4, "spacing": "log"}, {}, 2),
     ({"uniform": ["1 mm/s", "5 mm/s"]}, {"design": "sobol", "samples": 64}, 8),
 ])  # fmt: skip
-def test_what_is_not_modelled_is_said(values: dict, options: dict, looked: int) -> None:
+def test_unmodelled_effects_are_listed(values: dict, options: dict, looked: int) -> None:
     sticky = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml").replace(
         {"contact.work_of_adhesion": "50 J/m^2"}
     )
@@ -946,7 +963,7 @@ def test_selections_keep_the_segments_of_their_impacts() -> None:
         assert part.film.summary(**picked) == ds.film.summary(**where)
     with pytest.raises(KeyError, match="contact_law big-alabo: there are stronge, hertz"):
         ds.isel(contact_law=[2, 0]).film.scene(impactor_velocity=1.0, contact_law="big-alabo")
-    with pytest.raises(ValueError, match="the dimension segment must be whole"):
+    with pytest.raises(ValueError, match="the dimension segment must be complete"):
         ds.isel(segment=slice(3, None)).film.sample(["20 us"], **where)
     with pytest.raises(ValueError, match="before first touch"):
         ds.film.sample([-1e-6], **where)
@@ -971,23 +988,24 @@ def test_tables_are_found_beside_the_sweep_and_kept_in_the_dataset(
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     monkeypatch.chdir(elsewhere)
-    ds = run(Sweep.from_toml(tmp_path / "sweep.toml", "segments"), command="test")
+    ds = run_sweep(read_sweep(tmp_path / "sweep.toml", "segments"), command="test")
     assert (ds["status"] == 1).all() and fd.validate(ds) == []
     assert ds["contact"].attrs["flag_meanings"] == "tabulated tabulated_unloading_retrace"
     where = {"impactor_velocity": 0.2, "contact": "tabulated"}
     assert ds["coefficient_of_restitution"].sel(impactor_velocity=0.2).values[1] == pytest.approx(1.0)
     other = TABLE.replace("4000", "9000")
-    (tmp_path / "table.csv").write_text(other, encoding="utf-8")  # the dataset does not need the file any more
+    (tmp_path / "table.csv").write_text(other, encoding="utf-8")  # the dataset contains the table
     assert ds.film.scene(**where).contact.parameters["force"][2] == 4000.0
     found = ds.film.history(**where).maximum_force.magnitude
     assert found == pytest.approx(ds.film.summary(**where)["maximum_force"], rel=1e-4)
 
 
-def test_words_side_by_side_may_repeat_and_need_make_sense_in_their_rows_only() -> None:
+@pytest.mark.slow
+def test_zipped_words_may_repeat_and_are_checked_row_by_row() -> None:
     soft = {"name": "soft", "youngs_modulus": "5 MPa", "poissons_ratio": 0.49, "density": "1000 kg/m^3"}
     over = {
         "target.material": ["mild steel", soft, "mild steel", "mild steel"],
-        "contact.law": ["big-alabo", "hertz", "hertz", "big-alabo"],  # the soft one has no yield strength
+        "contact.law": ["big-alabo", "hertz", "hertz", "big-alabo"],  # the soft material has no yield strength
         "impactor.velocity": ["0.2 m/s", "0.3 m/s", "0.2 m/s", "0.3 m/s"],
     }
     ds = fd.sweep(BALL, over, "zip")
@@ -1001,21 +1019,21 @@ def test_words_side_by_side_may_repeat_and_need_make_sense_in_their_rows_only() 
         "impactor.material.name": [f"a{k}" for k in range(200)],
         "target.material.name": [f"b{k}" for k in range(200)],
     }
-    assert fd.sweep(BALL, many, "zip").sizes["impact"] == 200  # of the 40000 combinations, those of the rows
+    assert fd.sweep(BALL, many, "zip").sizes["impact"] == 200  # the 200 rows, not the 40000 combinations
     drawn = fd.sweep(BALL, {"contact.law": ["hertz", "hertz", "hertz", "big-alabo"]}, "latin-hypercube", samples=400)
     assert int((drawn["contact_law"] == 0).sum()) == 300
     with pytest.raises(fm.SceneError, match=r"over\.contact\.law: no contact law is called"):
         fd.sweep(BALL, {"contact.law": ["hertz", "hurtz"]}, "zip")
 
 
-def test_sections_of_one_law_are_told_apart() -> None:
+def test_sections_of_one_law_have_different_labels() -> None:
     over = {"contact": [{"law": "hunt-crossley", "restitution": e} for e in (0.7, 0.8)]}
     ds = fd.sweep(BALL, over)
     assert ds["contact"].attrs["flag_meanings"] == "hunt-crossley_restitution_0.7 hunt-crossley_restitution_0.8"
     assert ds["coefficient_of_restitution"].values == pytest.approx([0.7, 0.8], rel=1e-4)
 
 
-def test_validate_tells_of_any_damage() -> None:
+def test_validate_finds_any_damage() -> None:
     ds = fd.sweep(BALL, SPEEDS, keep="segments")
     assert fd.validate(ds.isel(impactor_velocity=slice(0, 0)))
     begun = ds.copy(deep=True)
@@ -1023,7 +1041,7 @@ def test_validate_tells_of_any_damage() -> None:
     begun.attrs["content_sha256"] = fd.content_sha256(begun)
     assert fd.validate(begun) == ["segment_begin is not the sum of the segment_count before"]
     foreign = xr.Dataset(attrs={"film_model_schema": "impact_measurement", "measured": "nothing"})
-    assert fd.validate(foreign) == ["attribute measured is 'nothing', not 'history' or 'impacts'"]
+    assert fd.validate(foreign) == ["attribute measured is 'nothing', not 'history', 'impacts' or 'values'"]
 
 
 def test_a_damped_contact_that_does_not_end_has_no_dent() -> None:
@@ -1034,6 +1052,7 @@ def test_a_damped_contact_that_does_not_end_has_no_dent() -> None:
     assert fm.simulate(thin).summary["permanent_indentation"] is None
 
 
+@pytest.mark.slow
 def test_a_zarr_folder_is_drawn_and_takes_the_place_of_a_file(tmp_path: Path, file: Path) -> None:
     pytest.importorskip("matplotlib")
     pytest.importorskip("zarr")
@@ -1046,6 +1065,7 @@ def test_a_zarr_folder_is_drawn_and_takes_the_place_of_a_file(tmp_path: Path, fi
     assert main(["plot", str(tmp_path / "out.zarr"), "--force", "--over", "impactor_velocity,impactor_velocity"]) == 3
 
 
+@pytest.mark.slow
 def test_a_folder_that_is_no_store_is_not_replaced(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, file: Path
 ) -> None:
@@ -1055,18 +1075,18 @@ def test_a_folder_that_is_no_store_is_not_replaced(
     (output / "thesis.tex").write_text("precious", encoding="utf-8")
     for force in ([], ["--force"]):
         status, _, err = cli(capsys, "sweep", file, "--output", output, *force)
-        assert status == 3 and "is a folder but no Zarr store, and is not replaced" in err
+        assert status == 3 and "is a folder but not a Zarr store, and is not replaced" in err
     assert [path.name for path in output.iterdir()] == ["thesis.tex"]
     (output / "thesis.tex").unlink()
     output.rmdir()
     assert cli(capsys, "sweep", file, "--output", output)[0] == 0
     assert cli(capsys, "sweep", file, "--output", output)[2] == f"{output}: exists; use --force to replace it\n"
     assert cli(capsys, "sweep", file, "--output", output, "--force")[0] == 0
-    with pytest.raises(FileExistsError, match=r"exists; say overwrite=True to replace it$"):
+    with pytest.raises(FileExistsError, match=r"exists; use overwrite=True to replace it$"):
         fd.sweep(BALL, SPEEDS, output=output)
 
 
-def test_a_finished_output_with_other_samples_is_not_taken(tmp_path: Path) -> None:
+def test_a_finished_output_of_another_sweep_is_not_reused(tmp_path: Path) -> None:
     target = tmp_path / "s.nc"
     fd.sweep(BALL, SPEEDS, keep="samples=11", output=target).close()
     with pytest.raises(FileExistsError, match="is not the finished output of this sweep"):
@@ -1078,5 +1098,5 @@ def test_a_finished_output_with_other_samples_is_not_taken(tmp_path: Path) -> No
                 ds.film.scene(impact=place)
     drawn = fd.sweep(BALL, {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}}, "random", samples=4)
     for place in (1.5, -1, 4, "1"):
-        with pytest.raises(KeyError, match="they are 0 to 3"):
+        with pytest.raises(KeyError, match="must be from 0 to 3"):
             drawn.film.scene(impact=place)

@@ -1,4 +1,4 @@
-"""The claims of Table 1 of Big-Alabo, Cartmell & Harrison 2017, one by one, with numbers: how far each of them holds.
+"""The claims of Table 1 of Big-Alabo, Cartmell & Harrison 2017, each measured: how far it holds.
 
 1 to 4 say what the method is: the force is cut over indentation, each piece has a closed-form motion over a range of
 time, and nothing is iterated but the turning point. 7, that it can be done by hand, is examples/hand_calculation.py.
@@ -12,9 +12,9 @@ import pytest
 from cases import LAWS, scene
 
 import film_model as fm
-from film_model import reference
 from film_model.core import native
-from film_model.problem import problem_of
+from film_model.effects.choose import problem_of
+from film_model.studies import quadrature
 
 SCENES = Path(__file__).parents[1] / "examples" / "scenes"
 HALF_SPACES = ("tungsten_carbide_on_steel", "tungsten_carbide_on_steel_stronge")
@@ -24,7 +24,7 @@ VALUES = ("maximum_force", "maximum_indentation", "time_of_maximum_indentation",
 def errors(name, segments, linearisation):
     on = fm.Scene.from_toml(SCENES / f"{name}.toml").replace({"effects.boundary_reflections": False})
     problem = problem_of(on)
-    exact = reference.integrate(problem.law, problem.mass, on.approach_velocity, on.target_impedance)
+    exact = quadrature.integrate(problem.law, problem.mass, on.approach_velocity, on.target_impedance)
     found = fm.simulate(on, segments=segments, linearisation=linearisation).summary
     return max(abs(found[value] / exact[value] - 1.0) for value in VALUES)
 
@@ -50,9 +50,9 @@ def test_claim_6_effort_does_not_depend_on_the_law():
     for law in LAWS:
         history = fm.simulate(scene(law), segments=20)
         if history.outcome is not fm.Outcome.SEPARATED or history.problem.damping > 0.0:
-            continue  # a damped contact ends where its force does, within a leg
+            continue  # a damped contact ends within a stage, where its force is 0
         branches = sum(event.name == "stage_changes" for event in history.events)
-        legs = 2 + branches  # loading and unloading, and one more for each stage that is entered on the way
+        legs = 2 + branches  # loading and unloading, and one for each further stage
         assert history.accuracy.lines <= 20 * legs + branches + 2, law
         assert history.accuracy.lines >= 20 * legs - branches - 2, law
 
@@ -60,8 +60,8 @@ def test_claim_6_effort_does_not_depend_on_the_law():
 @pytest.mark.parametrize("linearisation", ["chord", "work-preserving"])
 @pytest.mark.parametrize("law", ["hertz", "big-alabo", "stronge", "thornton", "kogut-etsion", "saturating"])
 def test_claim_8_stable_at_any_number_of_segments(law, linearisation):
-    """Confirmed on half-spaces: from one segment up every contact ends, and never with more energy than it came with
-    but what the unloading of Stronge's law returns."""
+    """Confirmed on half-spaces: from one segment up every contact ends, and without a gain of energy,
+    except by the unloading of Stronge's law."""
     kind = native.CHORD if linearisation == "chord" else native.WORK_PRESERVING
     for velocity in (0.02, 0.25, 1.2):
         problem = problem_of(scene(law, velocity=velocity))

@@ -1,4 +1,4 @@
-"""Units are read exactly, as pint reads them, and never misread."""
+"""Units are read exactly, with the meaning that pint gives them."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 import pint
 import pytest
 
-from film_model import units
-from film_model.unit_symbols import SYMBOLS, parse_unit
+from film_model.base import units
+from film_model.base.unit_symbols import SYMBOLS, parse_unit
 
 REGISTRY = pint.get_application_registry()
 
@@ -114,7 +114,7 @@ def test_reads_to_the_last_bit(text: object, dimension: str, value: float) -> No
         (REGISTRY.Quantity([1.0, 2.0], "m"), "not one number"),
     ],
 )
-def test_refuses_with_a_reason_and_what_is_needed(value: object, fragment: str) -> None:
+def test_refusals_state_the_reason_and_the_needed_dimension(value: object, fragment: str) -> None:
     with pytest.raises(ValueError, match=r'a length is needed \(e.g. "10 mm"\)$') as caught:
         units.to_si(value, "length")
     assert fragment in str(caught.value)
@@ -122,7 +122,7 @@ def test_refuses_with_a_reason_and_what_is_needed(value: object, fragment: str) 
 
 
 @pytest.mark.parametrize("value", [True, "5 m", "x", "1 dB", REGISTRY.Quantity(5, "dB")])
-def test_refuses_what_is_no_plain_number(value: object) -> None:
+def test_values_that_are_no_plain_numbers_are_refused(value: object) -> None:
     with pytest.raises(ValueError, match="a plain number is needed"):
         units.to_si(value, "dimensionless")
 
@@ -189,8 +189,9 @@ def test_format(value: float, dimension: str, text: str) -> None:
     assert units.format_si(value, dimension) == text
 
 
+@pytest.mark.slow
 def test_ordinary_units_need_no_pint() -> None:
-    code = "import sys; from film_model.units import *; to_si('5 N/mm^2', 'pressure'); format_si(1., 'force'); "
+    code = "import sys; from film_model.base.units import *; to_si('5 N/mm^2', 'pressure'); format_si(1., 'force'); "
     code += "assert not {'pint', 'scipy'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
 

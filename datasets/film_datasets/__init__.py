@@ -1,15 +1,16 @@
-"""Impacts as labelled datasets (xarray, CF 1.11): histories and sweeps, in netCDF and Zarr."""
+"""Impacts as labelled datasets (xarray, CF 1.11) in netCDF and Zarr: histories, sweeps, measurements, cost studies."""
 
 from film_datasets.accessor import Film
+from film_datasets.conversion import to_dataset
+from film_datasets.csv_measurement import from_csv
+from film_datasets.dataset_plots import plot
 from film_datasets.files import open_dataset as open
 from film_datasets.files import read, write
-from film_datasets.history import history_of, lines_of, to_dataset
+from film_datasets.history_dataset import history_of, lines_of
 from film_datasets.identification import Identification, identify
-from film_datasets.measured import from_csv
-from film_datasets.pictures import plot
 from film_datasets.published import load, published
-from film_datasets.run import sweep
 from film_datasets.schema import TABLE, VERSIONS, Variable, content_sha256, validate
+from film_datasets.sweeps import sweep
 
 __all__ = [
     "TABLE",

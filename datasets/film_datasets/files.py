@@ -1,4 +1,4 @@
-"""Datasets in files: written whole or not at all."""
+"""Datasets in netCDF and Zarr files; a file is replaced by a complete one or not at all."""
 
 from __future__ import annotations
 
@@ -10,39 +10,41 @@ import xarray as xr
 
 from film_datasets.quantities import in_numbers
 from film_datasets.schema import HISTORY, kind_of, variables_of
-from film_model.files import written_whole
+from film_model.base.files import written_whole
 
 SUFFIX, ZARR = ".nc", ".zarr"
 
 STORES = ("zarr.json", ".zgroup")
-"""Files by which a folder is a Zarr store, of format 3 and 2."""
+"""A folder that has one of these files is a Zarr store, of format 3 or 2."""
 
 MOST_INDEXED = 10_000_000
-"""Values of a coordinate that `open_dataset` indexes, so that `sel` takes them."""
+"""A coordinate with more values than this is not indexed by `open_dataset`: the index is held in memory."""
+
+NEEDS_ZARR = 'Zarr folders need zarr: install film-model[zarr] (pip install "film-model[zarr]")'
 
 DEFLATE_FROM = 4096
-"""Bytes of a variable from which it is deflated: below, the chunk index (2 kB) takes more than deflating saves."""
+"""Smaller variables (bytes) are not compressed: the chunk index (2 kB) takes more than compression saves."""
 
 
 def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False) -> Path:
     """Write `ds` to the netCDF-4 file `path` and return the path.
 
-    The file is written beside its place, flushed to the disk and renamed, so that `path` never holds half a file; the
-    same dataset gives the same bytes. Long variables are shuffled and deflated at level 1. Of a dataset with quantities
-    (`ds.film.quantify()`), the SI numbers are written.
+    The file is written under another name in the same folder, flushed to the disk and renamed, so that `path` is never
+    incomplete; the same dataset gives the same bytes. Long variables are shuffled and deflated at level 1. Quantities
+    (`ds.film.quantify()`) are written as SI numbers.
 
-    Raises ValueError for a suffix other than .nc; FileExistsError if the file is there and `overwrite` is not set;
-    IsADirectoryError, FileNotFoundError, PermissionError or OSError where the file cannot be written.
+    Raises ValueError for a suffix other than .nc; FileExistsError if the file exists and `overwrite` is not set;
+    IsADirectoryError, FileNotFoundError, PermissionError or OSError if the file cannot be written.
     """
     if not isinstance(ds, xr.Dataset):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise TypeError(f"a dataset is written, not a {type(ds).__name__}: to_dataset makes one of a history")
+        raise TypeError(f"write takes a dataset, not a {type(ds).__name__}: to_dataset converts a history")
     target = Path(path)
     check_file(target, overwrite)
     ds = in_numbers(ds)
     try:
         with written_whole(target) as beside:
             ds.to_netcdf(beside, mode="w", format="NETCDF4", engine="netcdf4", encoding=_encoding(ds))
-    except RuntimeError as error:  # what the netCDF library makes of a full disk
+    except RuntimeError as error:  # the netCDF library raises it for a full disk
         raise OSError(f"{target}: cannot be written (is the disk full?): {error}") from error
     return target
 
@@ -54,12 +56,12 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
-    """The dataset in a netCDF file or Zarr folder of ours; it has the accessor `film`.
+    """The dataset in a netCDF file or Zarr folder written by film-model, with the accessor `film`.
 
-    A history is read into memory; of a sweep, what is asked for is read when it is needed. A coordinate of more than
-    `MOST_INDEXED` values has no index.
+    A history is read into memory; a sweep is read lazily. A coordinate of more than `MOST_INDEXED` values has no
+    index, so `sel` does not take it.
 
-    Raises OSError where there is no such file or it cannot be read, ValueError for a dataset that is not ours.
+    Raises OSError if the file does not exist or cannot be read, ValueError for a file of another program.
     """
     source = Path(path)
     if not source.exists():
@@ -71,7 +73,7 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         raise ImportError(f"{source}: {NEEDS_ZARR}") from error
     except PermissionError as error:
         raise PermissionError(f"{source}: cannot be read: {error.strerror}") from error
-    except Exception as error:  # each library has its own for a file it does not know
+    except Exception as error:  # each library raises its own for an unknown format
         kind = "a Zarr folder" if engine == "zarr" else "a netCDF file"
         raise OSError(f"{source}: is not {kind}, or is damaged ({error})") from error
     try:
@@ -87,11 +89,8 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     return ds
 
 
-NEEDS_ZARR = 'Zarr folders need zarr: install film-model[zarr] (pip install "film-model[zarr]")'
-
-
 def _indexed(ds: xr.Dataset) -> xr.Dataset:
-    """With an index, which is held in memory, for every coordinate that is not too long for it."""
+    """The dataset with an index for every coordinate of at most `MOST_INDEXED` values."""
     along = [str(name) for name, array in ds.coords.items() if array.dims == (name,) and array.size <= MOST_INDEXED]
     for name in along:
         ds = ds.set_xindex(name)
@@ -99,27 +98,27 @@ def _indexed(ds: xr.Dataset) -> xr.Dataset:
 
 
 def check_file(target: Path, overwrite: bool) -> None:
-    """As :func:`check_place`, of a netCDF file."""
+    """As `check_place`, for a netCDF file."""
     if target.suffix != SUFFIX:
         raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}"')
     check_place(target, overwrite)
 
 
 def check_place(target: Path, overwrite: bool) -> None:
-    """Say before the work what would make it useless after."""
+    """Raise before the computation if its result could not be written to `target`."""
     folder = target.absolute().parent
     if target.is_dir() and target.suffix != ZARR:
         raise IsADirectoryError(f"{target}: is a folder, the name of a file is needed")
     if target.is_dir() and not any((target / name).is_file() for name in STORES):
-        raise IsADirectoryError(f"{target}: is a folder but no Zarr store, and is not replaced")
+        raise IsADirectoryError(f"{target}: is a folder but not a Zarr store, and is not replaced")
     if not folder.is_dir():
         raise FileNotFoundError(f"{target}: there is no folder {folder}")
     if not overwrite and target.exists():
-        raise FileExistsError(f"{target}: exists; say overwrite=True to replace it")
+        raise FileExistsError(f"{target}: exists; use overwrite=True to replace it")
 
 
 def _encoding(ds: xr.Dataset) -> dict[str, Any]:
-    """Per variable: deflate what is long, and set a fill value only where values can be missing."""
+    """Per variable: compression for long ones, a fill value only for optional ones."""
     missing = {variable.name for variable in variables_of(ds) if variable.optional}
     deflate = {"zlib": True, "complevel": 1, "shuffle": True}
     return {

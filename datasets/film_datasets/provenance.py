@@ -1,4 +1,4 @@
-"""Where a dataset comes from: the global attributes that every dataset has."""
+"""Where a dataset comes from: the global attributes of every dataset, and the scene that is stored among them."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ import os
 from datetime import UTC, datetime
 from typing import Any
 
-from film_datasets.schema import VERSIONS
-from film_model.laws import AbstractLaw
+import xarray as xr
+
+from film_datasets.schema import VERSIONS, kind_of
+from film_model.base.errors import SceneError
+from film_model.effects.choose import Choice, choose
 from film_model.scene import Scene
-from film_model.scene_file import text_from_table
 from film_model.version import __version__
 
 PROGRAM = f"film-model {__version__}"
@@ -28,7 +30,7 @@ CONVENTIONS = (
 
 
 def provenance(kind: str, *, title: str, summary: str, source: str, command: str, comment: str) -> dict[str, Any]:
-    """Attributes of a dataset of `kind`. command: what made it, for the attribute `history`."""
+    """Attributes of a dataset of `kind`. command: the function or command that made it, for the attribute `history`."""
     now = moment()
     return {
         "Conventions": "CF-1.11",
@@ -47,20 +49,56 @@ def provenance(kind: str, *, title: str, summary: str, source: str, command: str
 
 
 def text_and_hash(name: str, text: str) -> dict[str, str]:
-    """The attributes of a text that is part of a dataset: name_toml and name_sha256."""
+    """The attributes that store a file's text in a dataset: name_toml and name_sha256."""
     return {f"{name}_toml": text, f"{name}_sha256": hashlib.sha256(text.encode()).hexdigest()}
 
 
-def scene_text(scene: Scene) -> str:
-    """The scene file; a law that is not film-model's is there by its name only."""
-    table = scene.to_table()
-    if isinstance(scene.contact.law, AbstractLaw):
-        table["contact"]["law"] = scene.contact.law.name
-    return text_from_table(table)
+def scene_of(ds: xr.Dataset) -> Scene:
+    """The scene in the attribute scene_toml.
+
+    Raises ValueError if the dataset has no scene, or if its law was an object of Python, which no file can store.
+    """
+    return choice_of(ds).scene if "contact_law" in ds.attrs else _stored_scene(ds)
+
+
+def choice_of(ds: xr.Dataset) -> Choice:
+    """What film_model chooses for the scene of a dataset; raises what `scene_of` raises.
+
+    It includes the law, which is compared with that of the dataset.
+    """
+    scene, law = _stored_scene(ds), str(ds.attrs.get("contact_law", ""))
+    try:
+        choice = choose(scene)
+    except SceneError:
+        raise _lost_law(law) from None
+    if law not in ("", str(choice.problem.law)):
+        raise _lost_law(law)
+    return choice
+
+
+def _stored_scene(ds: xr.Dataset) -> Scene:
+    if "scene_toml" not in ds.attrs:
+        raise ValueError(f"a dataset of kind {kind_of(ds)} has no scene")
+    try:
+        return Scene.from_stored_text(str(ds.attrs["scene_toml"]), "scene_toml")
+    except SceneError as error:
+        if not ds.attrs.get("contact_law") or any(mistake.key == "contact.file" for mistake in error.mistakes):
+            raise
+        raise _lost_law(str(ds.attrs.get("contact_law", ""))) from None
+
+
+def _lost_law(law: str) -> ValueError:
+    return ValueError(f"the contact law {law} was an object of Python: the scene cannot be made again without it")
+
+
+def warnings_of(ds: xr.Dataset) -> tuple[str, ...]:
+    """The sentences in the attribute `warnings`."""
+    warnings = str(ds.attrs["warnings"])
+    return () if warnings == "none" else tuple(warnings.split("\n"))
 
 
 def moment() -> str:
-    """This moment, or SOURCE_DATE_EPOCH, as ISO 8601 in UTC."""
+    """The current time, or SOURCE_DATE_EPOCH if it is set, as ISO 8601 in UTC."""
     given = os.environ.get("SOURCE_DATE_EPOCH")
     try:
         now = datetime.now(UTC) if given is None else datetime.fromtimestamp(int(given), UTC)

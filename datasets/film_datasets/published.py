@@ -1,4 +1,4 @@
-"""The small datasets that come with the package, made by examples/published_datasets.py."""
+"""The small datasets that are installed with the package; examples/published_datasets.py makes them."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from pathlib import Path
 import xarray as xr
 
 from film_datasets.files import SUFFIX, read
-from film_model.errors import did_you_mean, shown
+from film_model.base.errors import did_you_mean, shown
 
 HERE = Path(__file__).parent
 
 
 def _files() -> dict[str, Path]:
-    """By name; they are inside the installed package, or beside it in a working copy."""
+    """Files by name: inside the installed package, or beside it in a working copy."""
     folder = HERE / "published" if (HERE / "published").is_dir() else HERE.parent / "published"
     return {path.stem: path for path in sorted(folder.glob(f"*{SUFFIX}"))}
 
@@ -24,7 +24,7 @@ def published() -> dict[str, str]:
 
 
 def load(name: str) -> xr.Dataset:
-    """A dataset that comes with the package, e.g. "zener". Raises KeyError for a name that is not there."""
+    """A dataset that is installed with the package, e.g. "zener". Raises KeyError for an unknown name."""
     files = _files()
     if name not in files:
         hint = did_you_mean(name, files) or f"; there are {', '.join(files)}"

@@ -1,154 +1,24 @@
-/* Impacts by the thousand: what film_impact gives, by shorter ways where there are any.
- *
- * On a fixed target without a load, energy gives the velocity at every node and tan(omega tau/2) = omega h/(v0 + v1)
- * the time between two, so a summary needs neither events nor states. Everything else takes the march's own steps. */
+/* Many impacts at once, by faster ways than film_impact where there are any; on targets that move the results differ from
+ * film_impact's by less than the error of the lines. Impacts are sorted into blocks by the piece of the law in which they
+ * should turn; film_lanes.c runs a block. docs/method.md, section 10. */
 #include "film_batch.h"
 
-#include "film_line.h"
-
-#include <string.h>
-
-/* Time from one node to the next over the whole run, from `from`, where the velocity is v, to `to`. The first line of a
- * run from rest and the last one of a run that turns meet the law's force there. */
-static double cross(const film_curve *curve, const film_line *run, double from, double to, double v, int turns,
-                    int32_t segments, const double *nodes, double *peak) {
-    double f0, w0, f1, w1, x0 = from, v0 = v, time = 0.0;
-    law_at(curve, run, from, &f0, &w0);
-    double total = v * v + 2.0 * w0;
-    for (int32_t i = 1; i <= segments; i++) {
-        double x1 = i < segments ? from + (to - from) * nodes[i] : to, h = x1 - x0;
-        law_at(curve, run, x1, &f1, &w1);
-        double square = total - 2.0 * w1, per_h = 1.0 / h, mean = (w1 - w0) * per_h, kappa = (f1 - f0) * per_h;
-        double v1 = square > 0.0 && !(turns && i == segments) ? sqrt(square) : 0.0;
-        if (turns && i == segments) kappa = 2.0 * (f1 - mean) * per_h;
-        else if (i == 1 && v == 0.0) kappa = 2.0 * (mean - f0) * per_h;
-        double r = fabs(h) / (v0 + v1);
-        time += 2.0 * r * arc(kappa * r * r);
-        if (f1 > *peak) *peak = f1;
-        x0 = x1;
-        f0 = f1;
-        w0 = w1;
-        v0 = v1;
-    }
-    return time;
-}
-
-static double speed_at(double v, double work_done) {
-    double square = v * v - 2.0 * work_done;
-    return square > 0.0 ? sqrt(square) : 0.0;
-}
-
-static int fixed_target(const film_curve *curve, const film_mesh *mesh, double nu, film_summary *summary) {
-    film_line run;
-    memset(&run, 0, sizeof run);
-    double v = nu, xi = 0.0, time = 0.0, to = 0.0, force, work, peak = 0.0, stored = 0.0;
-    int status = FILM_OK;
-    const double *in = mesh->loading_nodes[FILM_COSINE], *out = mesh->unloading_nodes[FILM_COSINE];
-    for (;; run.branch++) {
-        if (run.branch >= curve->stages) return FILM_BEYOND_LAW;
-        double end = curve->stage[run.branch].end;
-        status = film_turning_point(curve, &run, xi, 0.0, v, 0.0, end, &to);
-        if (status < 0) return status;
-        law_at(curve, &run, to, &force, &work);
-        if (status == FILM_EVENT && to - xi <= SHORT_LEG * to) { /* the way is rounding; the velocity is not */
-            time += force > 0.0 ? v / force : 0.0;
-            if (force > peak) peak = force;
-        } else {
-            time += cross(curve, &run, xi, to, v, status == FILM_EVENT, mesh->loading, in, &peak);
-        }
-        summary->lines += mesh->loading;
-        stored += work;
-        xi = to;
-        if (status == FILM_EVENT) break;
-        v = speed_at(v, work);
-    }
-    summary->maximum_force = peak;
-    summary->maximum_indentation = xi - curve->compliance * force;
-    summary->time_of_maximum_indentation = summary->time_impactor_stops = time;
-    summary->stage = run.branch;
-    double given_back = stored;
-    status = open_branch(curve, &run, xi, force);
-    if (status < 0) return status;
-    if (run.branch == FILM_BRANCH) {
-        law_at(curve, &run, xi, &force, &given_back);
-        time += cross(curve, &run, xi, run.xi_free, 0.0, 0, mesh->unloading, out, &peak);
-        summary->lines += mesh->unloading;
-    } else {
-        for (v = 0.0; run.branch >= 0; run.branch--) {
-            to = curve->stage[run.branch].begin;
-            law_at(curve, &run, xi, &force, &work);
-            time += cross(curve, &run, xi, to, v, 0, mesh->unloading, out, &peak);
-            summary->lines += mesh->unloading;
-            v = speed_at(v, -work);
-            xi = to;
-        }
-    }
-    summary->contact_duration = time;
-    summary->permanent_indentation = run.branch == FILM_BRANCH ? run.xi_free : 0.0;
-    summary->final_velocity = -sqrt(2.0 * given_back);
-    summary->work = stored - given_back;
-    return FILM_EVENT;
-}
-
-static int undisturbed(const film_start *start) {
-    return start->load == 0.0 && start->stop_velocity == 0.0 && start->time_limit == INFINITY && start->damping == 0.0;
-}
-
-static void nothing_yet(film_summary *summary) {
-    memset(summary, 0, sizeof *summary);
-    summary->time_impactor_stops = summary->contact_duration = summary->permanent_indentation = NAN;
-    summary->final_velocity = NAN;
-}
-
-int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
-    film_state s;
-    nothing_yet(summary);
-    if (!(start->nu > 0.0 || (start->nu == 0.0 && start->load > 0.0)) || start->nu == INFINITY) return FILM_BAD_NUMBER;
-    if (start->gamma == 0.0 && undisturbed(start) && mesh->linearisation == FILM_WORK_PRESERVING) {
-        int status = fixed_target(curve, mesh, start->nu, summary);
-        if (status < 0 || summary->contact_duration < INFINITY) return status;
-        nothing_yet(summary); /* energies lost in the rounding of the law's work: the march knows more */
-    }
-    int status = film_init(curve, &s, 0.0, start->nu, start->gamma, start->load, start->stop_velocity);
-    if (status >= 0) status = film_damp(&s, start->damping);
-    for (int32_t events = 0; status >= 0; events++) {
-        status = film_step(curve, mesh, &s, start->time_limit - s.time);
-        if (status != FILM_EVENT || s.event == FILM_CONTACT_ENDS) break;
-        if (events >= FILM_MAX_EVENTS || s.lines > FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
-        double indentation = s.xi - curve->compliance * s.force;
-        if (s.event == FILM_MAXIMUM_INDENTATION && indentation > summary->maximum_indentation) {
-            summary->maximum_indentation = indentation;
-            summary->time_of_maximum_indentation = s.time;
-            summary->stage = s.stage_max;
-        } else if (s.event == FILM_IMPACTOR_STOPS && isnan(summary->time_impactor_stops)) {
-            summary->time_impactor_stops = s.time;
-        }
-    }
-    if (status < 0) return status;
-    summary->maximum_force = fmax(s.force_peak, s.force); /* that of the end, where the time is up on the way in */
-    summary->shift = s.shift;
-    summary->work = s.spent;
-    summary->lines = s.lines;
-    if (status == FILM_EVENT) {
-        summary->contact_duration = s.time;
-        summary->permanent_indentation = s.xi;
-        summary->final_velocity = s.nu;
-    }
-    return status;
-}
-
-/* ---------------------------------------------------------------- tables
+/* ---------------------------------------------------------------- tables of lines
  * On a stage that is one power from its beginning on, and on an unloading branch, nodes are the same fractions at every
- * depth, and the lines between them scale; across a whole stage they are the same for every impact. Both are drawn once
- * a batch. */
+ * depth, and the lines between them scale; across a whole stage they are the same for every impact. */
 
-static void power_at(double exponent, double x, double *force, double *work) {
-    *force = raised(x, exponent);
-    *work = *force * x * work_of(exponent);
+static void table_law(const batch_job *j, const line_table *t, double x, double *force, double *work) {
+    if (t->stage != UNIT_POWER) {
+        stage_law(j->curve, t->stage, x, force, work);
+        return;
+    }
+    *force = power_of(x, t->exponent);
+    *work = *force * x * work_factor(t->exponent);
 }
 
-static void draw_rows(const job *j, table *t, row *rows) {
-    double begin = 0.0, end = 1.0, f0, w0;
+/* The same lines as film_make_line's. docs/method.md, section 2. */
+static void make_rows(const batch_job *j, line_table *t, table_row *rows) {
+    double begin = 0.0, end = 1.0, f0 = 0.0, w0 = 0.0;
     int unit = t->stage == UNIT_POWER;
     if (!unit) {
         begin = j->curve->stage[t->stage].begin;
@@ -157,23 +27,22 @@ static void draw_rows(const job *j, table *t, row *rows) {
     for (int32_t i = 0; i <= t->segments; i++) {
         double s = (double)i / t->segments, f1, w1;
         s = t->nodes != NULL ? t->nodes[i] : s * s * (3.0 - 2.0 * s);
-        row *r = &rows[i];
+        table_row *r = &rows[i];
         r->x = t->direction > 0 ? begin + (end - begin) * s : end + (begin - end) * s;
         if (i == t->segments) r->x = t->direction > 0 ? end : begin;
-        if (unit) power_at(t->exponent, r->x, &f1, &w1);
-        else stage_law(j->curve, t->stage, r->x, &f1, &w1);
+        table_law(j, t, r->x, &f1, &w1);
         r->force = f1;
-        r->work = unit ? 2.0 * (work_of(t->exponent) - w1) : 2.0 * w1;
+        r->work = unit ? 2.0 * (work_factor(t->exponent) - w1) : 2.0 * w1;
         if (i > 0) {
             double h = r->x - rows[i - 1].x, mean = (w1 - w0) / h, kappa = (f1 - f0) / h;
-            if (unit && t->direction > 0 && i == t->segments) kappa = 2.0 * (f1 - mean) / h; /* true there */
+            if (unit && t->direction > 0 && i == t->segments) kappa = 2.0 * (f1 - mean) / h; /* the law's force at the turn */
             if (unit && t->direction < 0 && i == 1) kappa = 2.0 * (mean - f0) / h;
             r->h = fabs(h);
             r->kappa = kappa;
             r->phi = mean - 0.5 * kappa * h;
             if (f1 > t->peak) t->peak = f1;
             double per = r->h / (sqrt(rows[i - 1].work) + sqrt(r->work));
-            if (unit) t->rest += 2.0 * per * arc(kappa * per * per);
+            if (unit) t->rest_time += 2.0 * per * arc(kappa * per * per);
         } else {
             r->h = r->kappa = r->phi = 0.0;
         }
@@ -182,28 +51,23 @@ static void draw_rows(const job *j, table *t, row *rows) {
     }
 }
 
-/* There is room for every table a batch can ask for: see batch_begins. */
-const table *film_lines_of(job *j, int32_t stage, int32_t direction, int32_t segments, const double *nodes,
-                           double exponent) {
+const line_table *film_lines_of(batch_job *j, int32_t stage, int32_t direction, int32_t segments, const double *nodes,
+                                double exponent) {
     for (int32_t i = 0; i < j->table_count; i++) {
-        const table *t = &j->tables[i];
+        const line_table *t = &j->tables[i];
         if (t->nodes == nodes && t->stage == stage && t->direction == direction && t->segments == segments &&
             (stage != UNIT_POWER || t->exponent == exponent))
             return t;
     }
-    table *t = &j->tables[j->table_count++];
-    row *rows = &j->rows[j->row_count];
+    line_table *t = &j->tables[j->table_count++];
+    table_row *rows = &j->rows[j->row_count];
     j->row_count += segments + 1;
-    t->stage = stage;
-    t->direction = direction;
-    t->segments = segments;
-    t->exponent = exponent;
-    t->nodes = nodes;
-    t->peak = t->rest = 0.0;
-    t->rows = rows;
-    draw_rows(j, t, rows);
+    *t = (line_table){stage, direction, segments, exponent, nodes, 0.0, 0.0, rows};
+    make_rows(j, t, rows);
     return t;
 }
+
+/* ---------------------------------------------------------------- what all impacts share */
 
 /* The exponent of a stage's branches where it is one number, else NAN. */
 static double branch_exponent(const film_curve *curve, int32_t stage) {
@@ -216,40 +80,46 @@ static double branch_exponent(const film_curve *curve, int32_t stage) {
     return piece->exponent.constant;
 }
 
-static int32_t with(double exponent, double *known, int32_t count) {
+/* Adds an exponent to the known ones; returns how many there are. */
+static int32_t add_exponent(double exponent, double *known, int32_t count) {
     for (int32_t i = 0; i < count; i++)
         if (known[i] == exponent) return count;
     known[count] = exponent;
     return count + 1;
 }
 
-/* What all impacts share. 0: this curve or mesh is not for lanes. */
-static int batch_begins(job *j) {
+/* 0: lanes cannot run this stage. */
+static int prepare_stage(batch_job *j, int32_t k) {
     const film_curve *curve = j->curve;
-    const film_mesh *mesh = j->mesh;
-    int32_t n = mesh->loading, m = mesh->unloading, back = 0, powers = 0, branches = 0;
+    const film_stage *stage = &curve->stage[k];
+    const film_function *g = &curve->piece[stage->first].force;
+    int rising = force_rises(curve, k), reversible = stage->unloading == FILM_RETRACE;
+    if (!reversible && stage->unloading == FILM_SHIFTED) return 0; /* it may creep out for ever: only the march sees that */
+    j->simple[k] = rising && g->origin == stage->begin;
+    j->exponent[k] = reversible ? NAN : branch_exponent(curve, k);
+    j->whole[k] = j->end_force[k] = INFINITY;
+    if (stage->end < INFINITY) stage_law(curve, k, stage->end, &j->end_force[k], &j->whole[k]);
+    else if (!rising) return 0;
+    for (int32_t p = stage->first; p < stage->first + stage->count; p++) {
+        j->piece_work[p] = j->piece_force[p] = INFINITY;
+        if (curve->piece[p].end < INFINITY) stage_law(curve, k, curve->piece[p].end, &j->piece_force[p], &j->piece_work[p]);
+    }
+    if (reversible && plain_power(j, k)) j->exponent[k] = g->exponent;
+    return 1;
+}
+
+/* What all impacts share. 0: lanes cannot run this curve or mesh. */
+static int prepare_job(batch_job *j) {
+    const film_curve *curve = j->curve;
+    int32_t n = j->mesh->loading, m = j->mesh->unloading, back = 0, powers = 0, branches = 0;
     double power[FILM_MAX_STAGES], branch[FILM_MAX_STAGES];
     j->table_count = j->row_count = 0;
-    if (mesh->linearisation != FILM_WORK_PRESERVING || n > ROWS || m > ROWS) return 0;
+    if (curve->compliance != 0.0 || j->mesh->linearisation != FILM_WORK_PRESERVING || n > ROWS || m > ROWS) return 0;
     for (int32_t k = 0; k < curve->stages; k++) {
-        const film_stage *stage = &curve->stage[k];
-        const film_function *g = &curve->piece[stage->first].force;
-        int rising = rises(curve, k), reversible = stage->unloading == FILM_RETRACE;
-        if (!reversible && stage->unloading == FILM_SHIFTED) return 0; /* it may creep out for ever: the march sees that */
-        j->simple[k] = rising && g->origin == stage->begin;
-        j->exponent[k] = reversible ? NAN : branch_exponent(curve, k);
-        j->whole[k] = j->end_force[k] = INFINITY;
-        if (stage->end < INFINITY) stage_law(curve, k, stage->end, &j->end_force[k], &j->whole[k]);
-        else if (!rising) return 0;
-        for (int32_t p = stage->first; p < stage->first + stage->count; p++) {
-            j->piece_work[p] = j->piece_force[p] = INFINITY;
-            if (curve->piece[p].end < INFINITY)
-                stage_law(curve, k, curve->piece[p].end, &j->piece_force[p], &j->piece_work[p]);
-        }
-        if (reversible && k > 0) back = k;
-        if (reversible && plain_power(j, k)) j->exponent[k] = g->exponent;
-        powers = with(j->simple[k] ? g->exponent : ANY_POWER, power, powers);
-        if (j->exponent[k] == j->exponent[k]) branches = with(j->exponent[k], branch, branches);
+        if (!prepare_stage(j, k)) return 0;
+        if (curve->stage[k].unloading == FILM_RETRACE && k > 0) back = k;
+        powers = add_exponent(j->simple[k] ? curve->piece[curve->stage[k].first].force.exponent : ANY_POWER, power, powers);
+        if (j->exponent[k] == j->exponent[k]) branches = add_exponent(j->exponent[k], branch, branches);
     }
     /* of each stage's exponent: loading, graded and by cosines, and by trials (together less than n/2 + 12), and by as
      * many cosines as unloading; of each branch's: every grading and cosines; of each stage: across and back */
@@ -275,10 +145,10 @@ int film_instructions(void) {
     return (low & 0xe6) == 0xe6 && (b & all) == all ? FILM_AVX512 : FILM_AVX2;
 }
 
-static const routines *const sets[] = {&film_plain, &film_avx2, &film_avx512};
+static const block_routines *const routines[] = {&film_plain, &film_avx2, &film_avx512};
 #else
 int film_instructions(void) { return FILM_PLAIN; }
-static const routines *const sets[] = {&film_plain};
+static const block_routines *const routines[] = {&film_plain};
 #endif
 
 /* ---------------------------------------------------------------- blocks */
@@ -289,66 +159,69 @@ typedef struct {
 } block;
 
 typedef struct {
-    job j;
-    const routines *run;
+    batch_job j;
+    const block_routines *run;
     block fixed[FILM_MAX_PIECES], moving[FILM_MAX_PIECES]; /* by the piece in which they should turn */
-    leaving leaving[FILM_MAX_STAGES][3];
+    unloading_queue unloading[FILM_MAX_STAGES][3];         /* by stage and grading */
 } batch;
 
-static void flush_leaving(batch *b, int32_t stage, int32_t k) {
-    leaving *q = &b->leaving[stage][k];
-    if (q->count > 0) b->run->out(&b->j, FILM_PLATE_OUT + k, b->j.exponent[stage], q);
+static void run_unloading(batch *b, int32_t stage, int32_t grading) {
+    unloading_queue *q = &b->unloading[stage][grading];
+    if (q->count > 0) b->run->unload(&b->j, FILM_PLATE_OUT + grading, b->j.exponent[stage], q);
 }
 
-static void flush_fixed(batch *b, int32_t stage, block *waiting) {
+static void run_fixed(batch *b, int32_t stage, block *waiting) {
     if (waiting->count > 0) b->run->fixed(&b->j, stage, waiting->index, waiting->count);
     waiting->count = 0;
 }
 
-static void flush_moving(batch *b, int32_t stage, block *waiting) {
-    job *j = &b->j;
-    deepest t;
-    int count = waiting->count, back = j->curve->stage[stage].unloading == FILM_RETRACE && !plain_power(j, stage);
-    int32_t in = j->mesh->loading * (stage + 1);
+/* Lane l of t, which has turned in `stage`, waits for others to unload with, or is left to film_impact. */
+static void await_unloading(batch *b, int32_t stage, const turned_lanes *t, int l, int64_t i) {
+    batch_job *j = &b->j;
+    if (t->at.bad[l] > 0.0) {
+        j->status[i] = film_impact(j->curve, j->mesh, &j->start[i], &j->summary[i]);
+        return;
+    }
+    int32_t grading = film_grading(t->slowness[l]), k = grading - FILM_PLATE_OUT;
+    unloading_queue *q = &b->unloading[stage][k];
+    j->summary[i].lines += film_unloading(j->mesh, grading);
+    int at = q->count++;
+    q->index[at] = i;
+    q->gamma[at] = t->at.gamma[l];
+    q->time[at] = t->at.time[l];
+    q->top[at] = t->at.xi[l];
+    q->force[at] = t->at.force[l];
+    q->recovery[at] = t->recovery[l];
+    q->exponent[at] = t->exponent[l];
+    q->stored[at] = t->stored[l];
+    if (q->count == LANES) run_unloading(b, stage, k);
+}
+
+static void run_moving(batch *b, int32_t stage, block *waiting) {
+    batch_job *j = &b->j;
+    turned_lanes t;
+    int count = waiting->count, retrace = j->curve->stage[stage].unloading == FILM_RETRACE && !plain_power(j, stage);
     if (count == 0) return;
     waiting->count = 0;
-    b->run->in(j, stage, waiting->index, count, &t);
+    b->run->load(j, stage, waiting->index, count, &t);
     for (int l = 0; l < count; l++) {
-        int64_t i = waiting->index[l];
-        film_summary *out = &j->summary[i];
+        film_summary *out = &j->summary[waiting->index[l]];
         out->maximum_indentation = t.at.xi[l];
         out->time_of_maximum_indentation = t.at.time[l];
         out->maximum_force = t.peak[l];
         out->stage = stage;
-        out->lines = in;
-        if (back) continue;
-        if (t.at.bad[l] > 0.0) {
-            j->status[i] = film_impact(j->curve, j->mesh, &j->start[i], out);
-            continue;
-        }
-        int32_t grading = film_grading(t.slowness[l]), k = grading - FILM_PLATE_OUT;
-        leaving *q = &b->leaving[stage][k];
-        out->lines = in + film_unloading(j->mesh, grading);
-        int at = q->count++;
-        q->index[at] = i;
-        q->gamma[at] = t.at.gamma[l];
-        q->time[at] = t.at.time[l];
-        q->top[at] = t.at.xi[l];
-        q->force[at] = t.at.force[l];
-        q->recovery[at] = t.recovery[l];
-        q->exponent[at] = t.exponent[l];
-        q->stored[at] = t.stored[l];
-        if (q->count == LANES) flush_leaving(b, stage, k);
+        out->lines = j->mesh->loading * (stage + 1);
+        if (!retrace) await_unloading(b, stage, &t, l, waiting->index[l]);
     }
-    if (back) b->run->back(j, stage, waiting->index, count, &t.at, t.stored);
+    if (retrace) b->run->retrace(j, stage, waiting->index, count, &t.at, t.stored);
 }
 
-/* The piece of the stage in which a fixed target should turn the impactor, by the march's own arithmetic; -1: none. */
-static int32_t fixed_piece(const job *j, double v, int32_t *stage) {
+/* The piece of *stage in which a fixed target should turn the impactor, by the march's own arithmetic; -1: none. */
+static int32_t fixed_piece(const batch_job *j, double v, int32_t *stage) {
     for (int32_t k = 0; k < j->curve->stages; k++) {
         double energy = 0.5 * v * v, left = energy - j->whole[k];
         if (left >= 0.0) {
-            v = speed_at(v, j->whole[k]);
+            v = speed_after(v, j->whole[k]);
             continue;
         }
         int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
@@ -359,14 +232,14 @@ static int32_t fixed_piece(const job *j, double v, int32_t *stage) {
     return -1;
 }
 
-/* The same for a target that gives way, about. */
-static int32_t moving_piece(const job *j, double nu, double gamma, int32_t *stage) {
+/* The same for a target that moves, by the estimate of turn_excess. */
+static int32_t moving_piece(const batch_job *j, double nu, double gamma, int32_t *stage) {
     double stored = 0.0;
     for (int32_t k = 0; k < j->curve->stages; k++) {
         int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
         int ends = j->whole[k] < INFINITY;
-        if (!ends || spent_less_energy(stored + j->whole[k], j->end_force[k], nu, gamma) > 0.0) {
-            while (p < last && !(spent_less_energy(stored + j->piece_work[p], j->piece_force[p], nu, gamma) > 0.0)) p++;
+        if (!ends || turn_excess(stored + j->whole[k], j->end_force[k], nu, gamma) > 0.0) {
+            while (p < last && !(turn_excess(stored + j->piece_work[p], j->piece_force[p], nu, gamma) > 0.0)) p++;
             *stage = k;
             return p;
         }
@@ -375,30 +248,41 @@ static int32_t moving_piece(const job *j, double nu, double gamma, int32_t *stag
     return -1;
 }
 
-enum { FEWEST = 3 }; /* segments of a leg on targets that give way: fewer are too rough to find the turn from */
+/* Runs all blocks that are not full. */
+static void run_rest(batch *b) {
+    const film_curve *curve = b->j.curve;
+    for (int32_t k = 0; k < curve->stages; k++) {
+        for (int32_t p = curve->stage[k].first; p < curve->stage[k].first + curve->stage[k].count; p++) {
+            run_fixed(b, k, &b->fixed[p]);
+            run_moving(b, k, &b->moving[p]);
+        }
+        for (int32_t g = 0; g < 3; g++) run_unloading(b, k, g);
+    }
+}
+
+enum { FEWEST = 3 }; /* segments of a leg on targets that move: fewer are too rough to find the turn from */
 
 void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
                      const film_start *start, film_summary *summary, int32_t *status) {
     batch b;
-    job *j = &b.j;
+    batch_job *j = &b.j;
     j->curve = curve;
     j->mesh = mesh;
     j->start = start;
     j->summary = summary;
     j->status = status;
-    int lined = curve->compliance == 0.0 && batch_begins(j);
-    int moving = lined && mesh->loading >= FEWEST && mesh->unloading >= FEWEST;
-    b.run = sets[instructions];
+    int in_lanes = prepare_job(j), moving = in_lanes && mesh->loading >= FEWEST && mesh->unloading >= FEWEST;
+    b.run = routines[instructions];
     for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b.fixed[p].count = b.moving[p].count = 0;
     for (int32_t k = 0; k < FILM_MAX_STAGES; k++)
-        for (int32_t g = 0; g < 3; g++) b.leaving[k][g].count = 0;
+        for (int32_t g = 0; g < 3; g++) b.unloading[k][g].count = 0;
     for (int64_t i = 0; i < count; i++) {
         const film_start *s = &start[i];
         int32_t stage = 0, piece = -1;
-        if (lined && s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && undisturbed(s))
-            piece = s->gamma == 0.0 ? fixed_piece(j, s->nu, &stage)
-                    : moving        ? moving_piece(j, s->nu, s->gamma, &stage)
-                                    : -1;
+        if (in_lanes && s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && is_undisturbed(s)) {
+            if (s->gamma == 0.0) piece = fixed_piece(j, s->nu, &stage);
+            else if (moving) piece = moving_piece(j, s->nu, s->gamma, &stage);
+        }
         if (piece < 0) {
             status[i] = film_impact(curve, mesh, s, &summary[i]);
             continue;
@@ -406,16 +290,10 @@ void film_batch_with(int instructions, const film_curve *curve, const film_mesh 
         block *waiting = s->gamma == 0.0 ? &b.fixed[piece] : &b.moving[piece];
         waiting->index[waiting->count++] = i;
         if (waiting->count < LANES) continue;
-        if (s->gamma == 0.0) flush_fixed(&b, stage, waiting);
-        else flush_moving(&b, stage, waiting);
+        if (s->gamma == 0.0) run_fixed(&b, stage, waiting);
+        else run_moving(&b, stage, waiting);
     }
-    for (int32_t k = 0; lined && k < curve->stages; k++) {
-        for (int32_t p = curve->stage[k].first; p < curve->stage[k].first + curve->stage[k].count; p++) {
-            flush_fixed(&b, k, &b.fixed[p]);
-            flush_moving(&b, k, &b.moving[p]);
-        }
-        for (int32_t g = 0; g < 3; g++) flush_leaving(&b, k, g);
-    }
+    if (in_lanes) run_rest(&b);
 }
 
 enum { WORTH_ASKING = 2000 }; /* impacts, for the microseconds that film_instructions may take */

@@ -2,12 +2,13 @@
  *
  *     nu' = p - F          impactor velocity nu, load p held over a step
  *     xi' = nu - gamma F   indentation xi; gamma = 0 for a target that does not move
- *     F = f(xi) + c(xi) xi'   c = 0 but for a damped law, whose contact ends when F falls to 0
+ *     F = f(xi) + c(xi) xi'   c > 0 only for a damped law, whose contact ends when F falls to 0
  *
- * Every number here is dimensionless: indentation in units of the law's delta_s, force in F_s, time in
- * t_s = sqrt(m delta_s/F_s), velocity in delta_s/t_s; gamma = F_s/(Z v_s), Z the target's impedance.
+ * Every number is dimensionless. Units: indentation delta_s and force F_s, the law's scales; time
+ * t_s = sqrt(m delta_s/F_s); velocity v_s = delta_s/t_s; gamma = F_s/(Z v_s), Z the target's impedance; work F_s delta_s.
  * The core knows no law by name, no unit and no file. It allocates nothing, has no globals, calls nothing but
- * libm, and every loop in it is bounded. A film_state holds no pointer: copying it saves it. */
+ * libm, and every loop in it is bounded. A film_state holds no pointer: copying it saves it.
+ * docs/method.md derives what it does. */
 #ifndef FILM_CORE_H
 #define FILM_CORE_H
 
@@ -25,11 +26,11 @@
 
 enum {
     FILM_MAX_STAGES = 12, /* loading stages of a curve */
-    FILM_MAX_PIECES = 64, /* pieces of all its stages: a fitted stage is halved until its series converge */
+    FILM_MAX_PIECES = 64, /* pieces of all its stages: a stage is halved until the series fitted to it converge */
     FILM_MAX_TERMS = 26   /* Chebyshev terms of a fitted function */
 };
 
-/* How a function of indentation is written, with x = (xi - origin) per_span. */
+/* The form of a function of indentation, with x = (xi - origin) per_span. */
 enum {
     FILM_POWER = 0,      /* constant + slope x + coefficient x^exponent,  x >= 0, exponent > 0 */
     FILM_SERIES = 1,     /* Chebyshev series in 2x - 1,        0 <= x <= 1 */
@@ -39,14 +40,15 @@ enum {
 typedef struct {
     int32_t form;
     int32_t terms;
-    double origin, per_span; /* one over the length of a series' interval; 1 for a power */
+    double origin, per_span; /* per_span: 1/length of a series' interval; 1 for a power */
     double constant, slope, coefficient, exponent;
     double series[FILM_MAX_TERMS];
 } film_function;
 
-/* What a contact does when it turns at depth xi_m in a stage. */
+/* The unloading rule of a stage, for a contact that turns at depth xi_m: what piece.recovery means.
+ * f = f_m ((xi - xi_f)/(xi_m - xi_f))^q, but for FILM_SHIFTED. docs/method.md, section 6. */
 enum {
-    FILM_RETRACE = 0,  /* goes back along the loading curve */
+    FILM_RETRACE = 0,  /* back along the loading curve */
     FILM_RADIUS = 1,   /* recovery() is R_d/R: xi_m - xi_f = (f_m/sqrt(R_d/R))^(1/q) */
     FILM_RESIDUAL = 2, /* recovery() is xi_f itself */
     FILM_SECANT = 3,   /* recovery() is f_m/(xi_m - xi_f), but xi_f >= 0 */
@@ -54,26 +56,27 @@ enum {
 };
 
 typedef struct {
-    double end;             /* indentation up to which this piece of its stage serves */
-    double work_at_begin;   /* subtracted from the work since x = 0, so that a stage's starts at 0 */
+    double end;             /* indentation up to which this piece of its stage is used */
+    double work_at_begin;   /* subtracted from the work since x = 0, so that the work of a stage starts at 0 */
     film_function force;    /* f >= 0 */
-    film_function mean;     /* of a series: its mean since x = 0, which keeps the digits of a small work; of a power: unused */
+    film_function mean;     /* of a series: its mean since x = 0, so that a small work keeps its digits; of a power: unused */
     film_function recovery; /* of xi_m */
     film_function damping;  /* c over the factor of film_damp, where the stage is damped */
-    film_function exponent; /* q of xi_m: but for FILM_SHIFTED, f = f_m ((xi - xi_f)/(xi_m - xi_f))^q */
+    film_function exponent; /* q of xi_m */
 } film_piece;
 
 typedef struct {
     double begin, end; /* indentation; end may be INFINITY in the last stage, whose last piece must then be a power */
-    /* within a stage the force has no jump and no extreme, nor a root but where it begins */
+    /* within a stage the force has no jump and no extreme, and it is 0 only where the stage begins */
     int32_t first, count; /* its pieces */
     int32_t unloading;    /* FILM_RETRACE ... FILM_SHIFTED */
     int32_t damped;       /* 1: the only stage of a reversible law with damping */
-    double reload_exponent; /* r > 0: a contact that closes again does so along ((xi - xi_f)/(xi_m - xi_f))^r; 0: as it opened */
+    double reload_exponent; /* r > 0: reloading follows ((xi - xi_f)/(xi_m - xi_f))^r; 0: the unloading branch */
 } film_stage;
 
-/* With a compliance c the contact is in series with a spring: what the march calls xi is the indentation and the spring's
- * deflection c f together. The beginnings and ends of stages and pieces are in that sum, the functions in indentation. */
+/* A law. With a compliance c the contact is in series with a spring: the march's xi is then the sum of the indentation and
+ * the spring's deflection c f. Beginnings and ends of stages and pieces are values of that sum, functions take the
+ * indentation. docs/method.md, section 8. */
 typedef struct {
     int32_t stages, pieces;
     film_stage stage[FILM_MAX_STAGES];
@@ -81,12 +84,26 @@ typedef struct {
     double compliance;
 } film_curve;
 
+/* The curves of a law whose stages depend on one more number, its shape (S_y/E, say), for shapes from low to high. They
+ * differ from one curve, `whole`, in where the last stage ends, and in some doubles of its pieces. Each is a Chebyshev
+ * series in z = 2 ln(shape/low)/ln(high/low) - 1, in `numbers`: the series of ln(end), `nodes` terms; the places of the
+ * `varying` doubles among the doubles of film_curve, ascending; then for every term a row of `varying` coefficients. */
+typedef struct {
+    double low, high;
+    int32_t nodes, varying;
+    const double *numbers;
+} film_family;
+
+enum { FILM_MAX_NODES = 32 };
+
 enum { FILM_CHORD = 0, FILM_WORK_PRESERVING = 1 };
 
-/* Gradings of the nodes of a leg, s the fraction of segments, from the start of the leg to its end. */
+/* Gradings of the nodes of a leg: positions as a function of s, the fraction of segments. docs/method.md, section 4.
+ * Their exponents are in film_setup.c (graded), which also counts them (film_mesh_size); film_batch.c has a queue for each
+ * PLATE grading of unloading. */
 enum {
     FILM_EQUAL = 0,       /* s                          chords */
-    FILM_COSINE = 1,      /* sin^2(pi s/2)              half-space */
+    FILM_COSINE = 1,      /* sin^2(pi s/2)              half-space; damped laws on any target, unless they are slow */
     FILM_PLATE_IN = 2,    /* a = 1.2, b = 1.7,  c = 1    in s^a/(s^a + c (1 - s)^b), loading on a compliant target */
     FILM_PLATE_OUT = 3,   /* a = 1.6, b = 1.2,  c = 1    unloading, gamma sqrt(f_m/(xi_m - xi_f)) below 1.1 */
     FILM_PLATE_SLOW = 4,  /* a = 1.6, b = 1.15, c = 0.19 ... below 2.5: twice as many segments */
@@ -94,18 +111,19 @@ enum {
     FILM_GRADINGS = 6
 };
 
-/* Of an unloading leg, by gamma sqrt(force/depth) where it begins. */
+/* The grading of an unloading leg. slowness: gamma sqrt(f_max/depth), depth: of the branch or, along the loading curve,
+ * the indentation where the leg begins. */
 static inline int32_t film_grading(double slowness) {
     return slowness < 1.1 ? FILM_PLATE_OUT : slowness < 2.5 ? FILM_PLATE_SLOW : FILM_PLATE_CREEP;
 }
 
-/* How legs are cut: number of segments and fractions of their nodes, shared by any number of states.
- * ..._nodes[g] points at one number more than a leg of grading g has segments, inside the caller's memory, filled by
- * film_mesh_init; EQUAL and COSINE are there both for loading and for unloading. */
+/* Numbers of segments and positions of nodes of legs, shared by any number of states. ..._nodes[g] points at the nodes of
+ * grading g, one more than segments, inside the caller's memory, filled by film_mesh_init. EQUAL and COSINE exist both for
+ * loading and for unloading. */
 typedef struct {
     int32_t linearisation; /* FILM_CHORD or FILM_WORK_PRESERVING */
     int32_t loading;       /* segments of a loading leg in one stage, 1 .. FILM_MAX_SEGMENTS */
-    int32_t unloading;     /* segments of an unloading leg that is not slow: film_unloading */
+    int32_t unloading;     /* segments of an unloading leg that is not slow; film_unloading gives the others */
     int32_t reserved;
     const double *loading_nodes[FILM_GRADINGS];
     const double *unloading_nodes[FILM_GRADINGS];
@@ -113,7 +131,7 @@ typedef struct {
 
 enum { FILM_MAX_SEGMENTS = 4000000 };
 
-/* Segments of an unloading leg: more where contact fades out slowly, so that their error stays about the same. */
+/* Segments of an unloading leg: more where contact ends slowly, so that the error stays about the same. */
 static inline int32_t film_unloading(const film_mesh *mesh, int32_t grading) {
     return mesh->unloading * (grading == FILM_PLATE_CREEP ? 4 : grading == FILM_PLATE_SLOW ? 2 : 1);
 }
@@ -124,7 +142,7 @@ enum {
     FILM_LOADING = 1,     /* indentation grows along the law's loading curve */
     FILM_UNLOADING = 2,   /* indentation shrinks */
     FILM_RELOADING = 3,   /* indentation grows along the unloading branch */
-    FILM_RESTING = 4,     /* in contact, closer to equilibrium than the law's curvature can be seen */
+    FILM_RESTING = 4,     /* in contact, so close to equilibrium that the law is straight */
     FILM_SEPARATED = 5    /* contact has ended */
 };
 
@@ -133,99 +151,110 @@ enum {
     FILM_CONTACT_BEGINS = 1,
     FILM_STAGE_CHANGES = 2,
     FILM_MAXIMUM_INDENTATION = 3, /* indentation stops growing */
-    FILM_IMPACTOR_STOPS = 4,      /* impactor velocity falls to stop_velocity */
+    FILM_IMPACTOR_STOPS = 4,      /* nu falls to stop_velocity */
     FILM_CONTACT_ENDS = 5,
     FILM_RELOADING_BEGINS = 6     /* indentation stops shrinking: the load pushes the impactor back in */
 };
 
 enum {
     FILM_OK = 0,             /* the time asked for was reached */
-    FILM_ENDLESS = 2,        /* no event will ever come: at rest, or flying away */
+    FILM_ENDLESS = 2,        /* no further event: at rest, creeping out, or flying away */
     FILM_EVENT = 1,          /* stopped at an event, state.event says which */
     FILM_BAD_NUMBER = -1,    /* NaN, a negative step, a negative gamma ... */
-    FILM_BAD_CURVE = -2,     /* stages that do not follow each other, no stage, unknown form */
+    FILM_BAD_CURVE = -2,     /* stages that do not follow each other, no stage, an unknown form */
     FILM_BAD_MESH = -3,      /* segment counts out of range */
-    FILM_BEYOND_LAW = -4,    /* indentation passed the end of the law's last stage */
-    FILM_TOO_MANY = -5,      /* more than FILM_MAX_STEP_LINES lines in one call, or a contact that swings without end */
-    FILM_BAD_UNLOADING = -6, /* the unloading rule gives a branch of no length, less than 1e-12 of the depth */
+    FILM_BEYOND_LAW = -4,    /* the indentation passes the end of the law's last stage */
+    FILM_TOO_MANY = -5,      /* more than FILM_MAX_STEP_LINES lines in one call, or FILM_MAX_EVENTS of one contact */
+    FILM_BAD_UNLOADING = -6, /* the unloading rule gives a branch shorter than 1e-12 of the depth */
     FILM_FULL = -7,          /* the caller's array is too short */
-    FILM_TOO_STIFF = -8      /* the force jumps at first touch by more than Z nu: the target gives way at once */
+    FILM_TOO_STIFF = -8      /* the force at first touch exceeds Z nu: the target moves away at once */
 };
 
-enum { FILM_MAX_STEP_LINES = 50000000, FILM_MAX_EVENTS = 200000 /* of a contact that film_impact follows to its end */ };
+enum { FILM_MAX_STEP_LINES = 50000000, FILM_MAX_EVENTS = 200000 /* of one contact in film_impact */ };
 
-/* One straight piece of the force: everything about the motion in it is closed-form. */
+/* One straight piece of the force, on which the motion is closed-form. docs/method.md, section 3. */
 typedef struct {
-    double time;            /* when it begins */
-    double xi, nu, shift;   /* indentation, impactor velocity and target displacement there */
-    double phi, kappa;      /* the line's force there, and its slope */
-    double work, spent;     /* of the true law there, from the beginning of its stage; in all, since contact began */
-    double load;            /* p */
-    double gamma;
-    /* where branch is FILM_BRANCH: f_shift + f_max ((xi - xi_origin) per_recovery)^exponent, 0 at xi_free */
+    double time;          /* when it begins */
+    double xi, nu, shift; /* indentation, impactor velocity and target displacement there */
+    double phi, kappa;    /* the line's force there, and its slope */
+    double work, spent;   /* work of the true law there: since its stage began, and since contact began */
+    double load, gamma;   /* p and gamma */
+    /* if branch is FILM_BRANCH: f_shift + f_max ((xi - xi_origin) per_recovery)^exponent, 0 at xi_free; work_free: the work
+     * of that expression at xi_free */
     double xi_free, per_recovery, f_max, exponent, xi_origin, f_shift, work_free;
-    double damping, damper; /* c held on the line, and the factor of the law's c */
+    double damping, damper; /* c, constant on the line; the factor of the law's c */
     int32_t branch;         /* loading stage, or FILM_BRANCH, or FILM_FREE */
     int32_t phase;
 } film_line;
 
 enum { FILM_BRANCH = -1, FILM_FREE = -2 };
 
+/* A motion at one time. Lengths, velocities, forces and times in the units above. */
 typedef struct {
-    /* now */
-    double time, time_low; /* time and its rounding remainder */
+    /* where the motion is: callers may read these nine as one block, in this order */
+    double time, time_low; /* time and the part that rounding drops */
     double xi, nu;         /* indentation (negative: gap), impactor velocity relative to the support */
     double shift;          /* target displacement relative to the support */
-    double force, work;    /* of the true law at xi; work of f from the beginning of its stage or branch */
-    double spent;          /* work done on the indentation so far */
-    double force_peak;     /* largest force of this contact, at nodes and ends of stages */
-    /* settings */
-    double gamma, load, stop_velocity, damper;
-    double elastic; /* f(xi), the force without damping */
-    /* memory of the spot: deepest point so far, its force, and the branch that leads back from it */
-    double xi_max, f_max, xi_free, recovery, exponent, xi_origin, f_scale, f_shift, work_free;
-    /* where a law that reloads on a branch of its own began to reload, and where it turned on the way */
+    double force, work;    /* F; work of f since its stage or branch began */
+    double spent;          /* work done on the indentation since the first contact */
+    double force_peak;     /* largest F of this contact at nodes and ends of stages; with damping, anywhere */
+    /* what acts on it */
+    double gamma, load, stop_velocity; /* gamma; p; velocity at which FILM_IMPACTOR_STOPS is reported */
+    double damper;                     /* factor of the law's c */
+    double elastic;                    /* f at xi: F without damping */
+    /* what the spot remembers: the deepest point, its f, and the branch that leads back from it */
+    double xi_max, f_max;
+    double xi_free, recovery; /* where the branch ends: a dent; length of the branch, in indentation */
+    double exponent, xi_origin, f_scale; /* exponent, xi_origin and f_max of film_line on that branch */
+    /* reloading loop: where reloading began, where it turned on the way in, and f there */
     double xi_in, f_in, xi_out, f_out;
-    /* the leg: one run in one direction along one stage or branch, cut into lines at its nodes */
-    double leg_from, leg_to;
-    int32_t leg_node, leg_nodes, leg_grading, leg_ends;
-    /* the line: where the motion is on it and where it ends */
+    /* the leg: one way in one direction along one stage or branch, cut into lines at its nodes */
+    double leg_from, leg_to;     /* indentations */
+    int32_t leg_node, leg_nodes; /* nodes passed, and in all */
+    int32_t leg_grading, leg_ends;
+    /* the line: time since it began, with its rounding, and when it ends; the motion there */
     double tau, tau_low, tau_end;
-    double xi_end, nu_end, force_end, work_end;
+    double xi_end, nu_end, force_end, work_end; /* force_end: f */
     film_line line;
-    int32_t line_ends, has_line, has_leg, from_turn;
-    int32_t direction;         /* +1 deeper, -1 out */
-    int32_t branch, stage_max; /* loading stage, FILM_BRANCH or FILM_FREE; the stage of xi_max */
-    int32_t moving_in;         /* nu is above stop_velocity */
-    int32_t loop;              /* which branch FILM_BRANCH is: the one from xi_max, the way back to it, or one in between */
-    int32_t rising;            /* film_switch: a damped contact's force grows on the way in */
-    int32_t jumped;            /* nu was changed by film_input: the direction may have */
+    int32_t line_ends; /* how line and leg end: ENDS_... in film_march.h */
+    int32_t has_line, has_leg;
+    int32_t from_turn;         /* 1: the leg begins at rest, at a turn */
+    int32_t direction;         /* +1 inwards, -1 outwards */
+    int32_t branch, stage_max; /* loading stage, FILM_BRANCH or FILM_FREE; the stage of xi_max, -1 without one */
+    int32_t moving_in;         /* 1: nu is above stop_velocity */
+    int32_t loop;              /* which branch FILM_BRANCH is: LOOP_... in film_march.h */
+    int32_t rising;            /* for film_switch: a damped contact's force grows on the way in */
+    int32_t jumped;            /* 1: film_input has changed nu, and maybe the direction */
     /* reports */
-    int32_t phase, event, contacts, lines;
+    int32_t phase, event, contacts, lines; /* contacts and lines so far */
 } film_state;
 
-/* How one contact starts: at first touch, with velocity nu > 0 of the impactor relative to the support, or with none
+/* How one contact starts: at first touch, with velocity nu > 0 of the impactor relative to the support, or with nu = 0
  * and a load > 0. */
 typedef struct {
     double nu, gamma, load, stop_velocity;
-    double time_limit; /* a contact that the load holds shut is left then; INFINITY allowed */
+    double time_limit; /* when to stop following a contact that the load holds shut; INFINITY allowed */
     double damping;    /* the factor of film_damp */
 } film_start;
 
-/* What one contact did. Times count from first touch; NaN stands for what did not happen. */
+/* What one contact did. Times count from first touch; NaN: it did not happen. */
 typedef struct {
     double maximum_force, maximum_indentation, time_of_maximum_indentation;
     double time_impactor_stops;
-    double contact_duration, permanent_indentation, final_velocity; /* a damped law's dent closes by itself after the end */
+    double contact_duration, permanent_indentation, final_velocity; /* at the end; a damped law's dent closes afterwards */
     double shift; /* of the target, at the end */
-    double work;  /* done on the indentation and not given back */
+    double work;  /* done on the indentation, less what it gave back */
     int32_t stage, lines;
 } film_summary;
 
 /* 0, or FILM_BAD_CURVE / FILM_BAD_NUMBER. */
 FILM_API int film_check_curve(const film_curve *curve);
 
-/* Numbers of doubles film_mesh_init needs, and the mesh itself. memory must outlive the mesh. */
+/* The curve of a shape, low <= shape <= high. curve: a copy of `whole`, or the curve of another shape. The pieces beyond the
+ * end of its last stage are left out. 0, or FILM_BAD_CURVE: the family's numbers or the shape are out of range. */
+FILM_API int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve);
+
+/* Number of doubles that film_mesh_init needs, and the mesh itself. memory must outlive the mesh. */
 FILM_API size_t film_mesh_size(int32_t loading, int32_t unloading);
 FILM_API int film_mesh_init(film_mesh *mesh, int32_t linearisation, int32_t loading, int32_t unloading, double *memory);
 
@@ -260,48 +289,61 @@ FILM_API void film_evaluate(const film_curve *curve, const film_line *line, doub
 FILM_API void film_sample(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times,
                           int64_t count, double *values, int8_t *stages, int8_t *phases);
 
-/* The same contact for somebody else's integrator of the true law, who owns xi, nu and shift and puts them into the state
- * before each call. The state keeps where the contact is and what the spot remembers; lines play no part. */
+/* The same contact for another integrator of the true law, which owns xi, nu and shift and puts them into the state before
+ * each call. The state keeps the branch and what the spot remembers; lines are not used. docs/method.md, section 11. */
 typedef struct {
     double force, by_xi, by_nu; /* F, and its partial derivatives: by xi at one nu, and by nu */
 } film_contact;
 
-/* F at xi and nu, as the contact is now: beyond the end of a stage or branch its own curve goes on, and a damped contact's
- * F goes on below 0. */
+/* F at xi and nu on the current branch: beyond its end the same curve goes on, and a damped contact's F below 0. */
 FILM_API film_contact film_force(const film_curve *curve, const film_state *state, double xi, double nu);
 
-/* All > 0 while the contact goes on as it is; film_switch is due when one falls to 0 or below. None is ever 0 right after
- * film_switch: each is a little late, by 1e-10 of `speed` or of the way at that speed in unit time.
- * indicators: of direction, of the run's far end, of its near end, of the impactor's stop, of a peak. The far end of a
- * damped run outwards is where F falls to 0. A damped force has its peak within a run; film_switch only remembers it. */
+/* All > 0 while the contact goes on as it is; film_switch is due when one falls to 0 or below. None is 0 right after
+ * film_switch: each is late by 1e-10 of `speed`, or of the way at that speed in unit time.
+ * indicators: of the direction, of the run's far end, of its near end, of the impactor's stop, of a peak. The far end of a
+ * damped run outwards is where F falls to 0. A damped force may peak within a run: film_switch only keeps the peak. */
 enum { FILM_INDICATORS = 5 };
 FILM_API void film_indicators(const film_curve *curve, const film_state *state, double speed,
                               double indicators[FILM_INDICATORS]);
 
-/* One event that is due in the state: FILM_EVENT, state->event says which, and more may be due; FILM_OK: none; or a failure.
- * An edge that was passed is where state->xi is left: put xi in again before the next call. */
+/* Handles one event that is due: FILM_EVENT, state->event says which, and more may be due; FILM_OK: none is; or a failure.
+ * If the run's end was passed, state->xi becomes that end: put xi in again before the next call. */
 FILM_API int film_switch(const film_curve *curve, film_state *state);
 
-/* The true law: force and work (from the stage's beginning) of loading stage `stage` at xi. */
+/* The true law: force, and work since the stage began, of loading stage `stage` at xi. */
 FILM_API void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work);
 
 /* One contact: FILM_EVENT when it has ended, FILM_OK at the time limit, FILM_ENDLESS, or a failure. */
 FILM_API int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start,
                          film_summary *summary);
 
-/* count contacts, side by side where they can be, on less than 400 kB of stack; status[i] is what film_impact returns for
- * start[i]. What an impact gives does not depend on the others. */
+/* count contacts, side by side where possible, on less than 400 kB of stack; status[i] is what film_impact returns for
+ * start[i]. The result of an impact does not depend on the others. docs/method.md, section 10. */
 FILM_API void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                          film_summary *summary, int32_t *status);
 
-/* film_batch with the instructions given, no more than film_instructions() says: whatever they are, the bits are the
- * same. Asking the processor may take 20 microseconds, which film_batch spends on large batches only. */
+/* count contacts, each with the curve of its own shape, one after another: status[i] is what film_impact returns. */
+FILM_API void film_batch_shaped(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
+                                const film_start *start, const double *shape, film_summary *summary, int32_t *status);
+
+/* film_batch with the instructions given, at most film_instructions(); the bits are the same with all of them. Asking the
+ * processor may take 20 microseconds, so film_batch asks only for large batches. */
 enum { FILM_PLAIN = 0, FILM_AVX2 = 1, FILM_AVX512 = 2 };
 FILM_API int film_instructions(void);
 FILM_API void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
                               const film_start *start, film_summary *summary, int32_t *status);
 
-/* sizeof film_curve, film_mesh, film_line, film_state, film_summary: checked by those who mirror them. */
+/* off[i]: the largest relative difference of two summaries of the contact that starts with start[i], relative to b[i]; 1 for a
+ * value that exists in only one of them. Permanent indentations and velocities are relative to at least 1e-3 of the maximum
+ * indentation and of the approach velocity, work to the impact energy. If the approach velocity is 0, only values up to the
+ * maximum indentation count, because whether contact ends then depends on rounding. */
+FILM_API void film_compare(int64_t count, const film_start *start, const film_summary *a, const film_summary *b, double *off);
+
+/* off[i]: how much rounding may change summary[i], relative as in film_compare, at most 1. clearance: where the law's force begins. */
+FILM_API void film_rounding(const film_curve *curve, int64_t count, const film_start *start, const film_summary *summary,
+                            double clearance, double *off);
+
+/* sizeof film_curve, film_mesh, film_line, film_state, film_summary, for callers that mirror them. */
 FILM_API void film_sizes(int64_t sizes[5]);
 
 #endif

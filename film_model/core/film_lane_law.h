@@ -1,8 +1,8 @@
-/* Elementary functions, the law and what is asked of it, in lanes. Internal to film_lanes.c.
+/* Powers, the law and its inverse, in lanes. Internal to film_lanes.c. docs/method.md, section 10.
  *
- * Plain loops over LANES that compilers turn into vector instructions. Every lane sees the same operations in the same
- * order whatever the others hold and however wide the registers are, so the bits of an impact depend on it alone: no
- * fused multiply-add, no sum across lanes, nothing from libm but sqrt; a lane that has converged is left as it is. */
+ * Plain loops over LANES, which compilers turn into vector instructions. Each lane sees the same operations in the same
+ * order whatever the other lanes hold and however wide the registers are, so the result of an impact depends on that impact
+ * alone: no fused multiply-add, no sum across lanes, no libm function but sqrt; a lane that has converged is not changed. */
 #ifndef FILM_LANE_LAW_H
 #define FILM_LANE_LAW_H
 
@@ -20,7 +20,7 @@ enum { DEPTH_STEPS = 60 };
 
 #define EACH(l) for (int l = 0; l < LANES; l++)
 
-/* Flags are doubles, 1 or 0, so that the plainest vector instructions can choose by them. */
+/* Whether a flag is set. Flags are doubles, 1 or 0, so that SSE2 instructions can select by them. */
 static int any(const double *flag) {
     uint64_t bits[LANES], all = 0;
     memcpy(bits, flag, sizeof bits);
@@ -51,9 +51,9 @@ static void log2_lanes(const double *restrict x, double *restrict out) {
     }
 }
 
-/* 2^y; y beyond +-1000 counts as that. */
+/* 2^y, with y clamped to -1000 .. 1000. */
 static void exp2_lanes(const double *restrict y, double *restrict out) {
-    static const double shift = 6755399441055744.0; /* 1.5 2^52: added and subtracted, it rounds to whole numbers */
+    static const double shift = 6755399441055744.0; /* 1.5 2^52: adding and subtracting it rounds to a whole number */
     uint64_t count[LANES], bits[LANES];
     double t[LANES], p[LANES];
     EACH(l) {
@@ -73,7 +73,7 @@ static void exp2_lanes(const double *restrict y, double *restrict out) {
     EACH(l) out[l] = y[l] == y[l] ? p[l] : y[l];
 }
 
-/* x^e, each lane with its own e; x below 1e-300 counts as 0. */
+/* x^e, each lane with its own e; x below 1e-300 is flushed to 0. */
 static void power_lanes(const double *restrict x, const double *restrict e, double *restrict out) {
     double y[LANES], lifted[LANES];
     EACH(l) lifted[l] = x[l] < 1e-300 ? 1e-300 : x[l];
@@ -83,7 +83,8 @@ static void power_lanes(const double *restrict x, const double *restrict e, doub
     EACH(l) out[l] = x[l] < 1e-300 ? 0.0 : out[l];
 }
 
-static void raised_lanes(const double *restrict x, double exponent, double *restrict out) {
+/* x^exponent with one exponent for all lanes. */
+static void power_lanes_of(const double *restrict x, double exponent, double *restrict out) {
     if (exponent == 1.5) {
         EACH(l) out[l] = x[l] * sqrt(x[l]);
     } else if (exponent == 1.0) {
@@ -99,8 +100,8 @@ static void raised_lanes(const double *restrict x, double exponent, double *rest
 
 /* ---------------------------------------------------------------- the law */
 
-/* Clenshaw's sums of two series at once: a processor works on the one while a step of the other waits for the step
- * before. Terms that one has not are 0 and leave its sums 0. */
+/* Clenshaw's summation of two series at once, so that the processor works on one while the other waits for its last step.
+ * Missing terms of the shorter series are 0, which leaves its sums 0. */
 static void chebyshev_lanes(const film_function *g, const film_function *h, const double *restrict zg,
                             const double *restrict zh, double *restrict a, double *restrict b) {
     double a1[LANES] = {0.0}, a2[LANES] = {0.0}, b1[LANES] = {0.0}, b2[LANES] = {0.0};
@@ -127,6 +128,7 @@ static void chebyshev_lanes(const film_function *g, const film_function *h, cons
     }
 }
 
+/* The argument of a function: x of a power, z of a series. */
 static void variable_lanes(const film_function *g, const double *restrict xi, double *restrict z) {
     EACH(l) {
         double x = (xi[l] - g->origin) * g->per_span;
@@ -143,10 +145,11 @@ static void variable_lanes(const film_function *g, const double *restrict xi, do
 static void power_value_lanes(const film_function *g, const double *restrict xi, double *restrict out) {
     double x[LANES], power[LANES] = {0.0};
     variable_lanes(g, xi, x);
-    if (g->coefficient != 0.0) raised_lanes(x, g->exponent, power);
+    if (g->coefficient != 0.0) power_lanes_of(x, g->exponent, power);
     EACH(l) out[l] = g->constant + g->slope * x[l] + g->coefficient * power[l];
 }
 
+/* Two functions at once. */
 static void value_lanes(const film_function *g, const film_function *h, const double *restrict xi, double *restrict a,
                         double *restrict b) {
     double zg[LANES], zh[LANES], none[LANES];
@@ -171,12 +174,12 @@ static void piece_law_lanes(const film_piece *piece, const double *restrict xi, 
         }
         return;
     }
-    double x[LANES], power[LANES] = {0.0}, per = work_of(g->exponent);
+    double x[LANES], power[LANES] = {0.0}, per = work_factor(g->exponent);
     EACH(l) {
         x[l] = xi[l] - g->origin;
         x[l] = x[l] > 0.0 ? x[l] : 0.0;
     }
-    if (g->coefficient != 0.0) raised_lanes(x, g->exponent, power);
+    if (g->coefficient != 0.0) power_lanes_of(x, g->exponent, power);
     EACH(l) {
         double part = g->coefficient * power[l];
         force[l] = g->constant + g->slope * x[l] + part;
@@ -192,7 +195,7 @@ static void piece_lanes(const film_piece *piece, int which, const double *restri
     else value_lanes(&piece->recovery, &piece->exponent, xi, a, b);
 }
 
-/* 1 for the lanes in a piece of a stage, as piece_at has it. */
+/* 1 for the lanes that piece_at puts in this piece of a stage. */
 static void lanes_in(const film_curve *curve, int32_t stage, const film_piece *piece, const double *restrict xi,
                      double *restrict here) {
     const film_piece *first = &curve->piece[curve->stage[stage].first];
@@ -205,7 +208,7 @@ static void lanes_in(const film_curve *curve, int32_t stage, const film_piece *p
     }
 }
 
-/* Two functions of a stage, each lane from the piece it is in. */
+/* Two functions of a stage, each lane on its own piece. */
 static void stage_lanes(const film_curve *curve, int32_t stage, int which, const double *restrict xi,
                         double *restrict a, double *restrict b) {
     const film_piece *piece = piece_at(curve, stage, xi[0]);
@@ -232,17 +235,17 @@ static void law_lanes(const film_curve *curve, int32_t stage, const double *rest
     else stage_lanes(curve, stage, FORCE_AND_WORK, xi, force, work);
 }
 
-/* Where the work of a stage is `work`, which must not exceed the stage's. Newton's method: on a rising power from
- * above, without overshoot; elsewhere in a bracket. whole: the work of the whole stage. */
+/* The depth at which the work of a stage is `work`, which must not exceed `whole`, the work of all of it. Newton's method:
+ * on a rising power from above, where it does not overshoot, elsewhere in a bracket. */
 static void depth_lanes(const film_curve *curve, int32_t stage, double whole, const double *restrict work,
                         double *restrict depth) {
     const film_piece *piece = &curve->piece[curve->stage[stage].first];
     const film_function *g = &piece->force;
     double begin = curve->stage[stage].begin, end = curve->stage[stage].end, f[LANES], w[LANES];
-    int from_above = rises(curve, stage);
+    int from_above = force_rises(curve, stage);
     double moving[LANES];
     if (from_above) {
-        double c = g->constant, s = g->slope, k = g->coefficient, per = work_of(g->exponent), root[LANES];
+        double c = g->constant, s = g->slope, k = g->coefficient, per = work_factor(g->exponent), root[LANES];
         EACH(l) {
             double t = work[l] + piece->work_at_begin;
             root[l] = t / (k > 0.0 ? k * per : 1.0);
@@ -288,8 +291,8 @@ static void depth_lanes(const film_curve *curve, int32_t stage, double whole, co
     }
 }
 
-/* The unloading rule over lanes that turned in `stage`, which is not reversible, at xi under force: the branch's length
- * and exponent. A length that is not positive is for the caller to refuse. */
+/* The unloading rule for lanes that turned at xi under `force` in `stage`, which is not reversible: length and exponent of
+ * the branch. The caller refuses a length that is not positive. */
 static void open_lanes(const film_curve *curve, int32_t stage, const double *restrict xi, const double *restrict force,
                        double *restrict recovery, double *restrict exponent) {
     double given[LANES], load[LANES], e[LANES];
@@ -310,7 +313,7 @@ static void open_lanes(const film_curve *curve, int32_t stage, const double *res
         e[l] = 1.0 / exponent[l];
     }
     power_lanes(load, e, recovery);
-    EACH(l) { /* Hertz's: a step of Newton's method towards the cube root of load^2 */
+    EACH(l) { /* for q = 1.5 a step of Newton's method towards the cube root of load^2: power_lanes errs by some ulps */
         double r = recovery[l], cube = r - (r * r * r - load[l] * load[l]) / (3.0 * r * r);
         recovery[l] = exponent[l] == 1.5 ? cube : r;
     }

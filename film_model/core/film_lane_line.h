@@ -1,5 +1,5 @@
-/* The motion on lines, in lanes. Internal to film_lanes.c. What film_line.h does to rounding with whatever functions it
- * takes, short polynomials do here; where they do not reach, the march's own way is taken, lane by lane. */
+/* The motion on lines, in lanes. Internal to film_lanes.c. Short polynomials replace the closed forms of film_line.h; where
+ * they are not accurate enough, film_line.h is used lane by lane. docs/method.md, sections 3 and 10. */
 #ifndef FILM_LANE_LINE_H
 #define FILM_LANE_LINE_H
 
@@ -7,8 +7,13 @@
 
 #include "film_line.h"
 
-static const double REACH = 0.8, FAR_REACH = 3.6; /* of a line: see terms */
-static const double LONGEST_STEP = 0.03; /* of a line's time: what a correction errs by is of its fourth power */
+/* Up to where the polynomials of ten and of twenty terms are used, in units of the line's own time: see terms. Accuracy
+ * only, on meshes of a few segments: beyond, film_line.h is used. Of core_check.c only the hash sees it. */
+static const double REACH = 0.8, FAR_REACH = 3.6;
+
+/* Longest correction of a line's time, as a fraction of it: the correction errs by its fourth power, 1e-6. Accuracy only:
+ * of core_check.c only the hash sees it. */
+static const double LONGEST_STEP = 0.03;
 
 /* x and y = x' after tau on a line, y'' = -a2 y' - k y, b = -a2 tau, c = -k tau^2: Taylor polynomials, whose terms
  * before division by j! are t_j = b t_{j-1} + c t_{j-2}, two at a time. They err by reach^10/10! and, where far, by
@@ -40,7 +45,8 @@ INLINED void further_terms(double t8, double t9, double b, double c, double *hig
                t18 * (1.0 / 121645100408832000.0) + t19 * (1.0 / 2432902008176640000.0);
 }
 
-/* For all lanes, from y0 with y' = d1; the further terms only where they are needed. unfit: 1 where they do not reach. */
+/* x and y after q in all lanes, from y0 with y' = d1; further terms only where a lane needs them. unfit: 1 where even they
+ * are not accurate enough. */
 INLINED void polynomials(const double *restrict y0, const double *restrict d1, const double *restrict a2,
                          const double *restrict kappa, const double *restrict q, double *restrict x, double *restrict y,
                          double *restrict unfit) {
@@ -71,10 +77,10 @@ INLINED void polynomials(const double *restrict y0, const double *restrict d1, c
     }
 }
 
-/* Across lines of length h > 0, whose force begins at phi and changes by kappa a unit of indentation: time, and w at
- * the end. d = +1 inwards, -1 outwards; from_rest: y = 0 at the beginning. Energy without the damping's share gives a
- * time to begin with, which x at that time corrects, from rest twice; again, tau has it already. unserved: 1 where that
- * is not enough. The loops are short, so that a processor works on several lanes at a time. */
+/* Across lines of length h > 0, whose force begins at phi with slope kappa: time, and w at the end. d = +1 inwards, -1
+ * outwards; from_rest: y = 0 at the beginning. Energy, with the drag's work by the trapezoidal rule, gives a first guess of
+ * the time, which x at that time corrects, from rest twice. again: tau holds the guess. unserved: 1 where that is not
+ * accurate enough. */
 INLINED void cross_lines(const double *restrict gamma, const double *restrict h, const double *restrict phi,
                          const double *restrict kappa, double d, int from_rest, int again, const double *restrict w,
                          double *restrict tau, double *restrict w1, double *restrict unserved) {
@@ -109,7 +115,7 @@ INLINED void cross_lines(const double *restrict gamma, const double *restrict h,
             double step = part * (1.0 - part * (half - (2.0 * (half * half) - sixth) * part));
             double third = (1.0 / 6) * (a2[l] * bend + k * slope);
             double end = y[l] + step * (slope + step * (0.5 * bend - step * third));
-            double sure = fabs(part) < LONGEST_STEP * q[l] ? unfit[l] : 1.0; /* u may be short by chance */
+            double sure = fabs(part) < LONGEST_STEP * q[l] ? unfit[l] : 1.0; /* the step may be small by chance */
             u[l] = step;
             unserved[l] = end > 0.0 ? sure : 1.0;
             tau[l] = q[l] + step;
@@ -122,17 +128,17 @@ typedef struct {
     double h[LANES], phi[LANES], kappa[LANES], tau[LANES];
 } lines;
 
-/* The march's own way across one line of one lane. */
+/* One lane across its line, as the march does. */
 static int cross_alone(double gamma, double h, double phi, double kappa, double d, int from_rest, double w, double *tau,
                        double *w1) {
     double y = 0.0;
     motion m = {from_rest ? 0.0 : d * (w - gamma * phi), d * phi, kappa, 0.5 * kappa * gamma};
-    int left = leave(&m, h, tau, &y);
+    int left = move_to(&m, h, tau, &y);
     *w1 = d * y + gamma * (phi + d * (kappa * h));
-    return left == LEFT;
+    return left == REACHED;
 }
 
-/* What one correction has not served, a second may, and else the march's own way. */
+/* Lanes for which one correction is not accurate enough: a second, or the march's closed form. */
 static void cross_again(lanes *restrict s, lines *restrict n, double d, int from_rest,
                         const double *restrict unserved, double *restrict w1) {
     double tau[LANES], end[LANES], left[LANES];
@@ -167,8 +173,8 @@ static void pass_inwards(lanes *restrict s, lines *restrict n) { pass_lines(s, n
 static void pass_from_rest(lanes *restrict s, lines *restrict n) { pass_lines(s, n, -1.0, 1); }
 static void pass_outwards(lanes *restrict s, lines *restrict n) { pass_lines(s, n, -1.0, 0); }
 
-/* The lines to nodes at x1 where the law is f1 and work1; the lanes stand there afterwards. */
-INLINED void draw_lines(lanes *restrict s, lines *restrict n, double d, int from_rest, const double *restrict x1,
+/* The lines to nodes at x1, where the law is f1 and work1; moves the lanes there. docs/method.md, section 2. */
+INLINED void make_lines(lanes *restrict s, lines *restrict n, double d, int from_rest, const double *restrict x1,
                         const double *restrict f1, const double *restrict work1) {
     EACH(l) {
         double h = x1[l] - s->xi[l], per_h = 1.0 / h, mean = (work1[l] - s->work[l]) * per_h;

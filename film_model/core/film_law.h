@@ -1,4 +1,5 @@
-/* The law as the core evaluates it, for the march and for the batch. Internal. */
+/* The contact law as the core evaluates it: force, work and slope at an indentation. Internal.
+ * docs/method.md, section 1. */
 #ifndef FILM_LAW_H
 #define FILM_LAW_H
 
@@ -6,18 +7,24 @@
 
 #include <math.h>
 
-static inline double raised(double x, double exponent) {
+/* Shortest unloading branch, as a fraction of the depth (weighted with the force): the work of a shorter one is lost in
+ * rounding, so it is refused with FILM_BAD_UNLOADING. core_check.c, check_found: "a branch of 1e-13 of the depth". */
+static const double SHORTEST_RECOVERY = 1e-12;
+
+/* x^exponent; the exponents of most laws without pow(). */
+static inline double power_of(double x, double exponent) {
     if (exponent == 1.5) return x * sqrt(x);
     if (exponent == 1.0) return x;
     if (exponent == 2.0) return x * x;
     return pow(x, exponent);
 }
 
-/* 1/(q + 1), the work of x^q over x^(q+1). */
-static inline double work_of(double exponent) {
+/* 1/(q + 1): the integral of x^q is x^(q + 1)/(q + 1). */
+static inline double work_factor(double exponent) {
     return exponent == 1.5 ? 0.4 : 1.0 / (exponent + 1.0);
 }
 
+/* Clenshaw's summation of a Chebyshev series at -1 <= z <= 1. */
 static inline double chebyshev(const film_function *g, double z) {
     double b1 = 0.0, b2 = 0.0;
     for (int k = g->terms - 1; k > 0; k--) {
@@ -28,29 +35,31 @@ static inline double chebyshev(const film_function *g, double z) {
     return z * b1 - b2 + g->series[0];
 }
 
-static inline double variable(const film_function *g, double xi) {
+/* x = (xi - origin) per_span of a function, not below 0. */
+static inline double scaled_distance(const film_function *g, double xi) {
     double x = (xi - g->origin) * g->per_span;
     return x > 0.0 ? x : 0.0;
 }
 
-static inline double value(const film_function *g, double xi) {
-    double x = variable(g, xi);
+static inline double value_at(const film_function *g, double xi) {
+    double x = scaled_distance(g, xi);
     if (g->form == FILM_SERIES) return chebyshev(g, 2.0 * x - 1.0);
     if (g->form == FILM_ROOT_SERIES) return chebyshev(g, 2.0 * sqrt(x) - 1.0);
     double f = g->constant + g->slope * x;
-    return g->coefficient == 0.0 ? f : f + g->coefficient * raised(x, g->exponent);
+    return g->coefficient == 0.0 ? f : f + g->coefficient * power_of(x, g->exponent);
 }
 
-/* The derivative of value(). Next to the singular point of a root it is as large as the law's there. */
-static inline double slope_of(const film_function *g, double xi) {
-    double x = variable(g, xi);
+/* The derivative of value_at(). The slope of a root is infinite where it begins: there a power gives the rest of the
+ * function's slope, and a series the slope at x = 1e-30, so that the result stays finite. */
+static inline double slope_at(const film_function *g, double xi) {
+    double x = scaled_distance(g, xi);
     if (g->form == FILM_POWER) {
         if (g->coefficient == 0.0 || (x == 0.0 && g->exponent < 1.0)) return g->slope;
-        return g->slope + g->coefficient * (g->exponent * raised(x, g->exponent - 1.0));
+        return g->slope + g->coefficient * (g->exponent * power_of(x, g->exponent - 1.0));
     }
     double root = g->form == FILM_ROOT_SERIES ? sqrt(x > 1e-30 ? x : 1e-30) : 0.0;
     double z = root > 0.0 ? 2.0 * root - 1.0 : 2.0 * x - 1.0, before = 0.0, now = 0.0;
-    for (int k = g->terms - 1; k > 0; k--) { /* T_k' = k U_{k-1} */
+    for (int k = g->terms - 1; k > 0; k--) { /* T_k' = k U_{k-1}, the sum by Clenshaw's recurrence */
         double next = 2.0 * z * now - before + k * g->series[k];
         before = now;
         now = next;
@@ -58,6 +67,7 @@ static inline double slope_of(const film_function *g, double xi) {
     return g->per_span * now * (root > 0.0 ? 1.0 / root : 2.0);
 }
 
+/* The piece of a stage that holds xi; the last one beyond the end of the stage. */
 static inline const film_piece *piece_at(const film_curve *curve, int32_t stage, double xi) {
     const film_piece *piece = &curve->piece[curve->stage[stage].first];
     const film_piece *last = piece + curve->stage[stage].count - 1;
@@ -65,16 +75,17 @@ static inline const film_piece *piece_at(const film_curve *curve, int32_t stage,
     return piece;
 }
 
+/* Force, and work since the stage began. */
 static inline void piece_law(const film_piece *piece, double xi, double *force, double *work) {
     const film_function *g = &piece->force;
     if (g->form == FILM_POWER) {
-        double x = variable(g, xi);
-        double power = g->coefficient == 0.0 ? 0.0 : g->coefficient * raised(x, g->exponent);
+        double x = scaled_distance(g, xi);
+        double power = g->coefficient == 0.0 ? 0.0 : g->coefficient * power_of(x, g->exponent);
         *force = g->constant + g->slope * x + power;
-        *work = x * (g->constant + 0.5 * g->slope * x + power * work_of(g->exponent)) - piece->work_at_begin;
+        *work = x * (g->constant + 0.5 * g->slope * x + power * work_factor(g->exponent)) - piece->work_at_begin;
     } else {
-        *force = value(g, xi);
-        *work = fmax(xi - g->origin, 0.0) * value(&piece->mean, xi) - piece->work_at_begin;
+        *force = value_at(g, xi);
+        *work = fmax(xi - g->origin, 0.0) * value_at(&piece->mean, xi) - piece->work_at_begin;
     }
 }
 
@@ -82,55 +93,58 @@ static inline void stage_law(const film_curve *curve, int32_t stage, double xi, 
     piece_law(piece_at(curve, stage, xi), xi, force, work);
 }
 
-/* The contact law at an indentation, on the piece that serves there: a loading stage, the unloading branch, or no contact. */
+/* Force and work on the curve that a line belongs to: a loading stage, the unloading branch, or no contact (both 0).
+ * The work of a branch counts from xi_free, where its force is 0. */
 static inline void contact_at(const film_line *line, const film_piece *piece, double xi, double *force, double *work) {
     if (line->branch >= 0) {
         piece_law(piece, xi, force, work);
     } else if (line->branch == FILM_BRANCH) {
         double reach = xi - line->xi_origin, x = reach * line->per_recovery;
-        double power = x > 0.0 ? line->f_max * raised(x, line->exponent) : 0.0, f = power + line->f_shift;
+        double power = x > 0.0 ? line->f_max * power_of(x, line->exponent) : 0.0, f = power + line->f_shift;
         *force = f > 0.0 ? f : 0.0;
-        *work = reach * (power * work_of(line->exponent) + line->f_shift) - line->work_free;
+        *work = reach * (power * work_factor(line->exponent) + line->f_shift) - line->work_free;
     } else {
         *force = *work = 0.0;
     }
 }
 
 static inline double contact_slope(const film_line *line, const film_piece *piece, double xi) {
-    if (line->branch >= 0) return slope_of(&piece->force, xi);
+    if (line->branch >= 0) return slope_at(&piece->force, xi);
     double x = (xi - line->xi_origin) * line->per_recovery;
     if (line->branch != FILM_BRANCH || !(x > 0.0 && xi > line->xi_free)) return 0.0;
-    return line->f_max * line->exponent * line->per_recovery * raised(x, line->exponent - 1.0);
+    return line->f_max * line->exponent * line->per_recovery * power_of(x, line->exponent - 1.0);
 }
 
-/* law_at and law_slope in series with a spring: kept out of line, where they cost other laws nothing. */
+/* law_at and law_slope in series with a spring; not inline, so that they cost other laws nothing. */
 void film_law_in_series(const film_curve *curve, const film_line *line, double x, double *force, double *work);
 double film_slope_in_series(const film_curve *curve, const film_line *line, double x);
 
-/* The true law where a line lives: at an indentation, or, in series with a spring, at indentation + compliance force. */
+/* Force and work of the true law on the curve that a line belongs to. x is the march's variable: the indentation or, in
+ * series with a spring, indentation + compliance force. */
 static inline void law_at(const film_curve *curve, const film_line *line, double x, double *force, double *work) {
     if (curve->compliance != 0.0) film_law_in_series(curve, line, x, force, work);
     else contact_at(line, line->branch >= 0 ? piece_at(curve, line->branch, x) : 0, x, force, work);
 }
 
-/* The slope of the force in law_at. */
+/* The slope of the force that law_at gives. */
 static inline double law_slope(const film_curve *curve, const film_line *line, double x) {
     if (curve->compliance != 0.0) return film_slope_in_series(curve, line, x);
     return contact_slope(line, line->branch >= 0 ? piece_at(curve, line->branch, x) : 0, x);
 }
 
-/* c at xi. */
+/* The damping c at xi. */
 static inline double damping_at(const film_curve *curve, const film_line *line, double xi) {
     if (line->damper == 0.0 || line->branch < 0) return 0.0;
-    return line->damper * value(&piece_at(curve, line->branch, xi)->damping, xi);
+    return line->damper * value_at(&piece_at(curve, line->branch, xi)->damping, xi);
 }
 
-/* F at xi where the elastic force is f, unclipped: xi' (1 + gamma c) = nu - gamma f. */
+/* F = f + c xi' at xi, where the elastic force is f; it may be below 0. xi' = nu - gamma F, so
+ * xi' (1 + gamma c) = nu - gamma f. */
 static inline double total_force(const film_line *line, double c, double f, double nu) {
     return c == 0.0 ? f : f + c * (nu - line->gamma * f) / (1.0 + line->gamma * c);
 }
 
-/* atan(sqrt z)/sqrt z, and atanh for z < 0. */
+/* atan(sqrt z)/sqrt z, and its continuation atanh(sqrt -z)/sqrt -z for z < 0; its power series around 0. */
 static inline double arc(double z) {
     if (fabs(z) < 0.04) {
         double q = z * z;
@@ -142,44 +156,12 @@ static inline double arc(double z) {
     return z > -1.0 ? atanh(sqrt(-z)) / sqrt(-z) : INFINITY;
 }
 
-static const double SHORTEST_RECOVERY = 1e-12; /* of depth times force: the work of a shorter branch is rounding */
-static const double ROUNDED_TOUCH = 1e-12; /* a shifted branch that misses zero force by less ends at xi = 0 */
-
-/* The unloading rule: a run that turns on a loading stage at xi (with the spring's deflection), under force, continues on
- * the branch that leads back from there, or, where the stage is reversible, on the stage itself. */
-static inline int open_branch(const film_curve *curve, film_line *run, double xi, double force) {
-    const film_piece *piece = piece_at(curve, run->branch, xi);
-    int unloading = curve->stage[run->branch].unloading;
-    if (unloading == FILM_RETRACE) return FILM_OK;
-    xi -= curve->compliance * force;
-    double given = value(&piece->recovery, xi), q = value(&piece->exponent, xi), span, scale = force, origin;
-    if (unloading == FILM_SHIFTED) {
-        origin = 0.0;
-        span = xi;
-        scale = given * raised(xi, q);
-        double left = 1.0 - force / scale;
-        run->xi_free = left > 0.0 ? pow(left, 1.0 / q) * xi : left > -ROUNDED_TOUCH ? 0.0 : NAN;
-    } else if (unloading == FILM_RADIUS) {
-        double load = force / sqrt(given);
-        span = q == 1.5 ? cbrt(load * load) : pow(load, 1.0 / q);
-        run->xi_free = origin = xi - span;
-    } else {
-        run->xi_free = origin = unloading == FILM_RESIDUAL ? given : fmax(xi - force / given, 0.0);
-        span = xi - origin;
-    }
-    if (!(span > 0.0 && span < INFINITY && q > 0.0 && force * (xi - run->xi_free) > SHORTEST_RECOVERY * scale * xi)) return FILM_BAD_UNLOADING;
-    run->xi_origin = origin;
-    run->per_recovery = 1.0 / span;
-    run->f_max = scale;
-    run->f_shift = force - scale;
-    run->work_free = (run->xi_free - origin) * run->f_shift * (1.0 - work_of(q)); /* the force is 0 there */
-    run->exponent = q;
-    run->branch = FILM_BRANCH;
-    return FILM_OK;
-}
+/* The unloading rule: a run that turns on a loading stage at xi, under `force`, goes on along the branch that leads back
+ * from there or, where the stage is reversible, along the stage itself. FILM_BAD_UNLOADING: the branch is too short. */
+int film_open_branch(const film_curve *curve, film_line *run, double xi, double force);
 
 /* Where a fixed target turns the impactor back on its run from xi, where the work is `work`, towards `limit`, under
- * load: FILM_OK with *to = limit if there is energy to reach it, FILM_EVENT with the turning point, FILM_BEYOND_LAW. */
+ * `load`: FILM_OK with *to = limit if there is energy to reach it, FILM_EVENT with the turning point, FILM_BEYOND_LAW. */
 int film_turning_point(const film_curve *curve, const film_line *run, double xi, double work, double nu, double load,
                        double limit, double *to);
 

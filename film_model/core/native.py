@@ -13,11 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-MAX_STAGES = 12
-INDICATORS = 5
-MAX_PIECES = 64
-MAX_TERMS = 26
-MAX_SEGMENTS = 4_000_000
+MAX_STAGES, MAX_PIECES, MAX_TERMS, MAX_SEGMENTS, INDICATORS = 12, 64, 26, 4_000_000, 5
 POWER, SERIES, ROOT_SERIES = range(3)
 RETRACE, RADIUS, RESIDUAL, SECANT, SHIFTED = range(5)
 CHORD, WORK_PRESERVING = range(2)
@@ -38,8 +34,7 @@ PHASES = ("approaching", "loading", "unloading", "reloading", "resting", "separa
 OK, EVENT, ENDLESS = range(3)
 BAD_NUMBER, BAD_CURVE, BAD_MESH, BEYOND_LAW, TOO_MANY, BAD_UNLOADING, FULL, TOO_STIFF = range(-1, -9, -1)
 
-_D, _I = c.c_double, c.c_int32
-_GRADINGS = 6
+_D, _I, _GRADINGS = c.c_double, c.c_int32, 6
 _MOST_ROOM, _MOST_EVENTS = 4_000_000, 200_000  # lines and events of a recorded contact, beyond which it will not end
 
 
@@ -128,7 +123,7 @@ class State(c.Structure):
         [(name, _D) for name in ("time", "time_low", "xi", "nu", "shift", "force", "work", "spent", "force_peak")]
         + [(name, _D) for name in ("gamma", "load", "stop_velocity", "damper", "elastic")]
         + [(name, _D) for name in ("xi_max", "f_max", "xi_free", "recovery", "exponent")]
-        + [(name, _D) for name in ("xi_origin", "f_scale", "f_shift", "work_free")]
+        + [(name, _D) for name in ("xi_origin", "f_scale")]
         + [(name, _D) for name in ("xi_in", "f_in", "xi_out", "f_out")]
         + [("leg_from", _D), ("leg_to", _D)]
         + [(name, _I) for name in ("leg_node", "leg_nodes", "leg_grading", "leg_ends")]
@@ -187,10 +182,7 @@ def _library_path() -> Path:
 
 @lru_cache(maxsize=1)
 def library() -> Any:
-    """The shared library, loaded once and checked against the structures above.
-
-    Raises ImportError with the way to build it when it is missing or was built from other sources.
-    """
+    """The shared library, loaded once; ImportError, with how to build it, if it is missing or of other sources."""
     path = _library_path()
     if not path.exists():
         raise ImportError(f"{path} is missing: install the package (pip install .), which compiles it")
@@ -202,6 +194,7 @@ def library() -> Any:
     pointer, i64 = c.c_void_p, c.c_int64
     signatures: dict[str, tuple[list[Any], Any]] = {
         "film_check_curve": ([pointer], c.c_int),
+        "film_shape": ([pointer, pointer, _D, pointer], c.c_int),
         "film_mesh_size": ([_I, _I], c.c_size_t),
         "film_mesh_init": ([pointer, _I, _I, _I, pointer], c.c_int),
         "film_damp": ([pointer, _D], c.c_int),
@@ -217,6 +210,7 @@ def library() -> Any:
         "film_law": ([pointer, _I, _D, pointer, pointer], None),
         "film_impact": ([pointer, pointer, pointer, pointer], c.c_int),
         "film_instructions": ([], c.c_int),
+        "film_batch_shaped": ([pointer, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
         "film_batch_with": ([c.c_int, pointer, pointer, i64, pointer, pointer, pointer], None),
     }
     for name, (arguments, result) in signatures.items():
@@ -267,9 +261,9 @@ def set_input(state: State, load: float, nu_change: float, stop_velocity: float)
 
 def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tuple[int, NDArray[Any], NDArray[Any]]:
     """Status, lines and event states from `state`, which is moved on, to the end of the next contact or to `limit`."""
-    lines, events = np.empty(room, LINE_DTYPE), np.empty(min(room, _MOST_EVENTS), STATE_DTYPE)
-    counts = (_I * 2)()
-    begun = bytes(state)
+    most = min(room, _MOST_EVENTS)
+    lines, events = (np.empty(n * t.itemsize, np.uint8) for n, t in ((room, LINE_DTYPE), (most, STATE_DTYPE)))
+    counts, begun = (_I * 2)(), bytes(state)
     status = library().film_record(
         c.byref(curve),
         c.byref(cut),
@@ -279,15 +273,20 @@ def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tu
         room,
         c.byref(counts, 0),
         events.ctypes.data,
-        len(events),
+        most,
         c.byref(counts, 4),
     )
     if status == FULL and (room > _MOST_ROOM or counts[1] == _MOST_EVENTS):
-        return TOO_MANY, lines, events
+        return TOO_MANY, _rows(lines, counts[0], LINE_DTYPE), _rows(events, counts[1], STATE_DTYPE)
     if status == FULL:
         c.memmove(c.byref(state), begun, len(begun))
         return record(curve, cut, state, limit, 4 * room)
-    return status, lines[: counts[0]].copy(), events[: counts[1]].copy()
+    return status, _rows(lines, counts[0], LINE_DTYPE), _rows(events, counts[1], STATE_DTYPE)
+
+
+def _rows(memory: NDArray[np.uint8], count: int, dtype: np.dtype[Any]) -> NDArray[Any]:
+    """A copy of the first rows of a table; copying an array of structures takes ten times as long."""
+    return memory[: count * dtype.itemsize].copy().view(dtype)
 
 
 def record_many(curve: Curve, cut: Mesh, start: NDArray[Any], room: int) -> list[NDArray[Any]]:

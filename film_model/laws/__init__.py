@@ -1,4 +1,7 @@
-"""The contact laws by name, one file each."""
+"""The contact laws, one file each, and the list of the named ones.
+
+To add a law (docs/adding_a_law.md): its file, its import here, and its name in `LAWS` and in `__all__`.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,7 @@ LAWS: dict[str, type[AbstractLaw]] = {
         *(LinearDashpot, Tsuji, HuntCrossley, KuwabaraKono),
     )
 }
-"""Every named law. A new law: its own file, one word here, one line in the tests' list."""
+"""Every named law, in the order of lists, pictures and pages. All of these, and the tests, are made from it."""
 
 __all__ = [
     "LAWS",

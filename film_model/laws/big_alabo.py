@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from film_model.laws.law import AbstractLaw, Parameter, Power, Stage, Unloading
+from film_model.laws.law import AbstractLaw, Family, Parameter, Power, Stage, Unloading
 from film_model.laws.yielding import yield_point
 
 TRANSITION = 13.93  # δ_tep/δ_y
@@ -24,13 +24,14 @@ class BigAlabo(AbstractLaw):
 
     constants: "continuous" (default) chains the stages: f_tep = 1 + 12.93^{3/2}, f_p = f_tep + 5.40 · 68.57.
     "printed" uses the paper's F(δ_p) = 70.0 K_l δ_y + 47.6 K δ_y^{3/2}, which jumps up by 1.9 % at δ_p, and
-    δ_tep − δ_y = 11.93 δ_y in (20), with which the permanent indentation of its Table 3 (1.78 µm) comes out.
+    δ_tep − δ_y = 11.93 δ_y in (20), which reproduce the permanent indentation of its Table 3 (1.78 µm).
 
     The force has a plateau just above yield, so the coefficient of restitution is not monotone in velocity: it has a
     minimum near 1.7 V_Y and recovers until 8.5 V_Y.
     """
 
     name: ClassVar[str] = "big-alabo"
+    family: ClassVar[Family] = "yields"
     summary: ClassVar[str] = "elastic, two elastoplastic and a fully plastic stage; Hertz unloading with R_d"
     source: ClassVar[str] = "Big-Alabo, Cartmell & Harrison 2017, equations (19) and (20)"
     validity: ClassVar[str] = (

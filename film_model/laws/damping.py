@@ -1,4 +1,4 @@
-"""Restitution of damped contacts that end when the force falls to zero, and the damping for a restitution."""
+"""Restitution of damped contacts that end at zero force, and the damping that gives a restitution."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-_STRONGEST = 1e6  # damping ratio beyond which nothing comes back: e = 2.5e-13
-_ALMOST = 1.0 - 1e-15
+_STRONGEST = 1e6  # upper bound of the damping ratio, at which e = 2.5e-13
+_ALMOST = 1.0 - 1e-15  # excludes the end of an interval, where the logarithm is singular
 
 
 def spring_restitution(ratio: float) -> float:
-    """e of a spring k and a dashpot c = 2 ζ √(m k) from first touch until k δ + c δ̇ = 0, ratio = ζ ≥ 0.
+    """e of a spring k with a dashpot c = 2 ζ √(m k) from first touch until k δ + c δ̇ = 0; ratio = ζ ≥ 0.
 
     e = exp(−ζ/√(1 − ζ²) atan2(2ζ√(1 − ζ²), 2ζ² − 1)), e^{−2} at ζ = 1, exp(−2ζ/√(ζ² − 1) acosh ζ) above.
     """
@@ -23,23 +23,23 @@ def spring_restitution(ratio: float) -> float:
 
 
 def spring_ratio(restitution: float) -> float:
-    """ζ for a restitution above 0 and at most 1: the inverse of :func:`spring_restitution`."""
+    """ζ for a restitution in (0, 1]: the inverse of :func:`spring_restitution`."""
     wanted = math.log(max(restitution, spring_restitution(_STRONGEST)))
     return _root(lambda ratio: math.log(spring_restitution(ratio)) - wanted, 0.0, _STRONGEST)
 
 
 def hunt_crossley_restitution(strength: float) -> float:
-    """e of F = K δⁿ (1 + χ δ̇), strength λ = χ V_0 > 0: λ (1 + e) = ln((1 + λ)/(1 − λ e)), whatever n."""
+    """e of F = K δⁿ (1 + χ δ̇), strength λ = χ V_0 > 0: λ (1 + e) = ln((1 + λ)/(1 − λ e)) for any n."""
     return _root(lambda e: _hunt_crossley(strength, e), 0.0, min(1.0, _ALMOST / strength))
 
 
 def hunt_crossley_strength(restitution: float) -> float:
-    """λ = χ V_0 for a restitution above 0 and at most 1, the exact inverse of the same equation."""
+    """λ = χ V_0 for a restitution in (0, 1]: the exact inverse of the same equation."""
     if restitution > 1.0 - 1e-9:
         return 1.5 * (1.0 - restitution)
-    low = 0.75 * (1.0 - restitution)  # half of the small-damping limit, below the root everywhere
+    low = 0.75 * (1.0 - restitution)  # half of the small-damping limit: always below the root
     high = _ALMOST / restitution
-    if _hunt_crossley(high, restitution) > 0.0:  # 1 − λ e is e^{−λ (1 + e)} there, less than rounding
+    if _hunt_crossley(high, restitution) > 0.0:  # 1 − λ e = e^{−λ (1 + e)} is below the rounding error
         return 1.0 / restitution
     return _root(lambda strength: _hunt_crossley(strength, restitution), low, high)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from film_model.laws.law import AbstractLaw, Power, Stage
+from film_model.laws.law import AbstractLaw, Family, Power, Stage
 
 
 def hertz_stiffness(effective_modulus: float, radius: float) -> float:
@@ -21,6 +21,7 @@ class Hertz(AbstractLaw):
     """
 
     name: ClassVar[str] = "hertz"
+    family: ClassVar[Family] = "elastic"
     summary: ClassVar[str] = "elastic sphere, F = K δ^1.5; never yields"
     source: ClassVar[str] = "Hertz 1882"
     validity: ClassVar[str] = "a/R = √(δ/R) below about 0.2, no yield"

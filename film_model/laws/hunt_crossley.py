@@ -1,4 +1,4 @@
-"""Hunt and Crossley: damping in proportion to the elastic force."""
+"""Hunt and Crossley: damping proportional to the elastic force."""
 
 from __future__ import annotations
 
@@ -10,7 +10,16 @@ import numpy as np
 
 from film_model.laws.damping import hunt_crossley_strength
 from film_model.laws.hertz import Hertz, hertz_stiffness
-from film_model.laws.law import AbstractLaw, Parameter, Power, Stage, raise_wrong, wrong_restitution
+from film_model.laws.law import (
+    AbstractLaw,
+    ExampleBall,
+    Family,
+    Parameter,
+    Power,
+    Stage,
+    raise_wrong,
+    wrong_restitution,
+)
 
 
 @dataclass(frozen=True)
@@ -20,12 +29,13 @@ class HuntCrossley(AbstractLaw):
 
     hysteresis_damping: χ, s/m (the factor of δ^{3/2} δ̇ in other notations is K χ). Or restitution: e at the scene's
     approach velocity on a target that does not move, from which χ = λ/V_0 by the exact
-    λ (1 + e) = ln((1 + λ)/(1 − λ e)), which holds for any exponent of δ. The shortcuts in use (λ = 3(1 − e)/2,
-    3(1 − e²)/4, …) are its limits for e near 1; at e = 0.5 they return 0.66 and 0.73.
+    λ (1 + e) = ln((1 + λ)/(1 − λ e)), which holds for any exponent of δ. The common approximations (λ = 3(1 − e)/2,
+    3(1 − e²)/4, …) are its limits for e near 1; for e = 0.5 they give 0.66 and 0.73.
     """
 
     name: ClassVar[str] = "hunt-crossley"
-    summary: ClassVar[str] = "Hertz with damping in proportion to the force, K δ^1.5 (1 + χ δ̇)"
+    family: ClassVar[Family] = "damped"
+    summary: ClassVar[str] = "Hertz with damping proportional to the force, K δ^1.5 (1 + χ δ̇)"
     source: ClassVar[str] = "Hunt & Crossley 1975, J. Appl. Mech. 42:440; χ by the exact inversion"
     validity: ClassVar[str] = "near the velocity at which χ was found; restitution falls with velocity"
     parameters: ClassVar[Mapping[str, Parameter]] = {
@@ -43,6 +53,10 @@ class HuntCrossley(AbstractLaw):
 
     def __post_init__(self) -> None:
         raise_wrong(self)
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {"restitution": 0.6}
 
     def scales(self, energy: float) -> tuple[float, float]:
         return Hertz(self.effective_modulus, self.radius).scales(energy)

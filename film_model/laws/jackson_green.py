@@ -5,21 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from film_model.laws.law import AbstractLaw, Array, Parameter, Power, Stage, Unloading
+from film_model.base.arrays import exponential, greater
+from film_model.laws.law import AbstractLaw, Array, Family, Parameter, Power, Stage, Unloading
 from film_model.laws.yielding import limit_point
 
 ELASTIC_LIMIT = 1.9  # ω/ω_c up to which the force is Hertz's, though the contact has yielded at 1
-MOST_YIELD_STRAIN = 0.2  # S_y/E; the law was fitted up to 0.009, and e^{23 e_y} knows no bound
-BLENDING = 1.9  # the continuous variant's difference from the printed law falls by e over this many ω_c
+MOST_YIELD_STRAIN = 0.2  # S_y/E; the law was fitted up to 0.009; e^{23 e_y} grows without bound
+LAST_RESIDUAL = ELASTIC_LIMIT * 2.0**9  # 973 ω/ω_c up to which the residual indentation is the published one
+FITTED_STRAIN = (0.001, 0.009)  # S_y/E
+FITTED_RADIUS = 0.41  # a/R
+BLENDING = 1.9  # ω_c over which the correction of the continuous variant decays by a factor e
 
 
 @dataclass(frozen=True)
 class Plastic:
-    """f(w) beyond 1.9 for e_y = S_y/E and C; `mended`: without the jump at 1.9."""
+    """f(w) beyond 1.9 for e_y = S_y/E and C; `mended`: with the correction that removes the jump at 1.9."""
 
     yield_strain: float
     yield_factor: float
@@ -33,13 +37,17 @@ class Plastic:
     @property
     def growth(self) -> float:
         """B = 0.14 e^{23 e_y}."""
-        return 0.14 * math.exp(23.0 * self.yield_strain)
+        return 0.14 * exponential(23.0 * self.yield_strain)
 
     @property
     def end(self) -> float:
         """w at which the contact radius would be the sphere's."""
         b = self.growth
         return (ELASTIC_LIMIT ** (b / (1.0 + b))) * self.radius_factor ** (-2.0 / (1.0 + b))
+
+    def contact_radius(self, w: Any) -> Any:
+        """a/R."""
+        return self.radius_factor * (w * (w / ELASTIC_LIMIT) ** self.growth) ** 0.5
 
     def printed(self, w: Array) -> Array:
         """The law as published."""
@@ -53,12 +61,15 @@ class Plastic:
         force = self.printed(w)
         if not self.mended:
             return force
-        jump = ELASTIC_LIMIT**1.5 / float(self.printed(np.array([ELASTIC_LIMIT]))[0]) - 1.0
+        jump = ELASTIC_LIMIT**1.5 / self.printed(np.array([ELASTIC_LIMIT]))[0] - 1.0
         return force * (1.0 + jump * np.exp((ELASTIC_LIMIT - w) / BLENDING))
 
 
 def _residual(w: Array) -> Array:
-    return 1.02 * w * (1.0 - ((w + 5.9) / 6.9) ** -0.54)
+    """As published; that exceeds w beyond 10,050, so the recovered part falls as w^{−0.54} from `LAST_RESIDUAL` on."""
+    deep = np.minimum(w, LAST_RESIDUAL)
+    recovered = 1.0 - 1.02 * (1.0 - ((deep + 5.9) / 6.9) ** -0.54)
+    return w * (1.0 - recovered * (w / deep) ** -0.54)
 
 
 @dataclass(frozen=True)
@@ -68,17 +79,19 @@ class JacksonGreen(AbstractLaw):
     f = w^{3/2} (w ≤ 1.9); e^{−w^{5/12}/4} w^{3/2} + (4 H_G/(C S_y)) [1 − e^{−w^{5/9}/25}] w beyond, where
     H_G/S_y = 2.84 [1 − exp(−0.82 (a/R)^{−0.7})] and a/R = (π C e_y/2) √(w (w/1.9)^B), e_y = S_y/E, B = 0.14 e^{23 e_y}.
     Unloading from w > 1 (Jackson, Green & Marghitu 2010, Nonlinear Dyn. 60:217): Hertz's curve to
-    w_f = 1.02 w_m [1 − ((w_m + 5.9)/6.9)^{−0.54}].
+    w_f = 1.02 w_m [1 − ((w_m + 5.9)/6.9)^{−0.54}]; beyond w_m = 973, where this would recover too little and later
+    nothing, 1 − w_f/w_m falls as w_m^{−0.54}.
 
     poissons_ratio: ν of the body that yields. The stages depend on e_y and ν: the law is not self-similar.
 
     constants: "printed" is the law above; its force jumps at 1.9 by +0.5 % for ν = 0.3, −2.5 % for 0.45. "continuous"
-    (default) is our own variant: the jump fades in as 1 − exp((1.9 − w)/1.9).
+    (default) is our own variant: the force is continuous, and its correction decays as exp((1.9 − w)/1.9).
 
     Fitted to a/R below 0.41 and S_y/E from 0.001 to 0.009; ends where a = R.
     """
 
     name: ClassVar[str] = "jackson-green"
+    family: ClassVar[Family] = "yields"
     summary: ClassVar[str] = "finite-element law with a hardness that depends on a/R; residual-indentation unloading"
     source: ClassVar[str] = (
         "Jackson & Green 2005, J. Tribol. 127:343; Jackson, Green & Marghitu 2010, Nonlinear Dyn. 60:217"
@@ -92,6 +105,8 @@ class JacksonGreen(AbstractLaw):
         )
     }
 
+    shaped_by: ClassVar[tuple[str, ...]] = ("effective_modulus", "yield_strength")
+
     effective_modulus: float
     radius: float
     yield_strength: float
@@ -101,23 +116,45 @@ class JacksonGreen(AbstractLaw):
     @property
     def yield_factor(self) -> float:
         """C: the largest contact pressure at first yield over the yield strength."""
-        return 1.295 * math.exp(0.736 * self.poissons_ratio)
+        return 1.295 * exponential(0.736 * self.poissons_ratio)
 
     def __post_init__(self) -> None:
-        strain = self.yield_strength / self.effective_modulus
-        if not strain < MOST_YIELD_STRAIN:
-            raise ValueError(f"law jackson-green: S_y/E is {strain:.3g}; it must be below {MOST_YIELD_STRAIN}")
+        strain = self.shape
+        if not np.all(strain < MOST_YIELD_STRAIN):
+            raise ValueError(f"law jackson-green: S_y/E is {np.max(strain):.3g}; it must be below {MOST_YIELD_STRAIN}")
+
+    @property
+    def shape(self) -> float:
+        """e_y = S_y/E."""
+        return self.yield_strength / self.effective_modulus
+
+    def of_shape(self, shape: float) -> JacksonGreen:
+        return JacksonGreen(1.0, 1.0, shape, self.poissons_ratio, self.constants)
+
+    def outside(self, depth: float) -> str:
+        strain, said = self.shape, list[str]()
+        if not FITTED_STRAIN[0] <= strain <= FITTED_STRAIN[1]:
+            said.append(f"S_y/E is {strain:.3g}, fitted were {FITTED_STRAIN[0]} to {FITTED_STRAIN[1]}")
+        radius = Plastic(strain, self.yield_factor, True).contact_radius(depth)
+        if radius > FITTED_RADIUS:
+            said.append(f"the contact radius is {radius:.3g} of the ball's, fitted was up to {FITTED_RADIUS}")
+        return " and ".join(said) if depth > 1.0 else ""
 
     def scales(self, energy: float) -> tuple[float, float]:
         return limit_point(self.effective_modulus, self.radius, self.yield_factor * self.yield_strength)
 
     def stages(self) -> tuple[Stage, ...]:
-        plastic = Plastic(
-            self.yield_strength / self.effective_modulus, self.yield_factor, self.constants == "continuous"
-        )
+        plastic = Plastic(self.shape, self.yield_factor, self.constants == "continuous")
         hertz, unloading = Power(coefficient=1.0, exponent=1.5, origin=0.0), Unloading(residual=_residual)
         return (
             Stage("elastic", 0.0, 1.0, hertz),
             Stage("yielded", 1.0, ELASTIC_LIMIT, hertz, unloading),
-            Stage("plastic", ELASTIC_LIMIT, max(plastic.end, 2.0 * ELASTIC_LIMIT), plastic, unloading),
+            Stage(
+                "plastic",
+                ELASTIC_LIMIT,
+                greater(plastic.end, 2.0 * ELASTIC_LIMIT),
+                plastic,
+                unloading,
+                knots=(LAST_RESIDUAL,),
+            ),
         )

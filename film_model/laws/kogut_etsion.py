@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from film_model.laws.law import AbstractLaw, Array, Parameter, Power, Stage, Unloading
+from film_model.laws.law import AbstractLaw, Array, ExampleBall, Family, Parameter, Power, Stage, Unloading
 from film_model.laws.yielding import limit_point
 
 LAST = 1e5  # ω/ω_c at which the law ends: beyond 2e5 the unloading exponent would fall below one
@@ -33,13 +33,15 @@ class KogutEtsion(AbstractLaw):
     hardness: H, Pa, about 2.8 S_y. poissons_ratio: of the body that yields.
 
     constants: "printed" are the coefficients above, with which the force jumps by +3.0 % at 1, +1.7 % at 6 and
-    (ν = 0.3) +7.9 % at 110, and a contact just above yield returns more than it stored. "continuous" (default) is our
-    own variant: 1 and 6^{0.162} for 1.03 and 1.40, and the last stage begins where the one before ends.
+    (ν = 0.3) +7.9 % at 110, and a contact just above yield returns more energy than it stored.
+    "continuous" (default) is our own variant: 1 and 6^{0.162} for 1.03 and 1.40, and the last stage begins with the
+    force at which the one before ends.
 
-    Fitted to 1 ≤ w ≤ 110, unloading to about 170; ends at w = 1e5, since the exponent of unloading falls without end.
+    Fitted to 1 ≤ w ≤ 110, unloading to about 170; ends at w = 1e5, because the unloading exponent has no lower bound.
     """
 
     name: ClassVar[str] = "kogut-etsion"
+    family: ClassVar[Family] = "yields"
     summary: ClassVar[str] = "finite-element power laws of a sphere up to the hardness; Etsion's unloading"
     source: ClassVar[str] = (
         "Kogut & Etsion 2002, J. Appl. Mech. 69:657; Etsion, Kligerman & Kadin 2005, Int. J. Solids Struct. 42:3716"
@@ -62,6 +64,13 @@ class KogutEtsion(AbstractLaw):
     def pressure_factor(self) -> float:
         """K_ν: the largest contact pressure at first yield over the hardness."""
         return 0.454 + 0.41 * self.poissons_ratio
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {"hardness": 2.8 * ball.yield_strength}
+
+    def outside(self, depth: float) -> str:
+        return f"{depth:.4g} critical indentations, fitted were up to 110" if depth > FULLY_PLASTIC else ""
 
     def scales(self, energy: float) -> tuple[float, float]:
         return limit_point(self.effective_modulus, self.radius, self.pressure_factor * self.hardness)

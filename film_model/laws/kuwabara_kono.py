@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from film_model.laws.hertz import Hertz, hertz_stiffness
-from film_model.laws.law import AbstractLaw, Parameter, Power, Stage
+from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Power, Stage
 
 
 @dataclass(frozen=True)
@@ -18,15 +18,16 @@ class KuwabaraKono(AbstractLaw):
 
     dissipation_time: A, s. On a fixed target e depends on b = (3/2) A (K/m)^{2/5} V^{1/5} alone: e = 1 − 1.15345 b + …,
     and nearly (1 + 0.501086 s)/(1 + 0.501086 s + 1.15345 s² + 0.577978 s³ + 0.532178 s⁴), s = √b (Müller & Pöschel
-    2011, Phys. Rev. E 84:021302). Valid while A δ̇ is small against δ in the contact: quasi-static viscoelasticity.
+    2011, Phys. Rev. E 84:021302). Valid while A δ̇ is much smaller than δ: quasi-static viscoelasticity.
     """
 
     name: ClassVar[str] = "kuwabara-kono"
+    family: ClassVar[Family] = "damped"
     summary: ClassVar[str] = "viscoelastic sphere, (1 + A d/dt) K δ^1.5"
     source: ClassVar[str] = (
         "Kuwabara & Kono 1987, Jpn. J. Appl. Phys. 26:1230; Brilliantov et al. 1996, Phys. Rev. E 53:5382"
     )
-    validity: ClassVar[str] = "weak, quasi-static viscoelasticity: a dissipation time short against the contact's"
+    validity: ClassVar[str] = "weak, quasi-static viscoelasticity: a dissipation time much shorter than the contact"
     parameters: ClassVar[Mapping[str, Parameter]] = {
         "dissipation_time": Parameter("A", dimension="time", above=None, minimum=0.0)
     }
@@ -35,6 +36,10 @@ class KuwabaraKono(AbstractLaw):
     effective_modulus: float
     radius: float
     dissipation_time: float
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {"dissipation_time": 0.2 * ball.depth / ball.velocity}
 
     def scales(self, energy: float) -> tuple[float, float]:
         return Hertz(self.effective_modulus, self.radius).scales(energy)

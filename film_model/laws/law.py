@@ -1,8 +1,8 @@
-"""What a contact law is: scales and a few dimensionless stages.
+"""The interface of a contact law: two scales and a few dimensionless stages.
 
-A law gives two scales, an indentation δ_s and a force F_s, and its loading stages as functions of ξ = δ/δ_s that
-return f = F/F_s. Nothing else is needed: work is integrated, functions that the core cannot evaluate are fitted
-(:mod:`film_model.curve`), and the motion is the core's affair.
+A law gives an indentation scale δ_s, a force scale F_s, and its loading stages as functions of ξ = δ/δ_s that return
+f = F/F_s. The package derives the rest: it integrates the work, fits functions that the core cannot evaluate
+(:mod:`film_model.problem.curve`), and the core computes the motion. docs/adding_a_law.md shows a complete law.
 """
 
 from __future__ import annotations
@@ -12,14 +12,24 @@ import numbers
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.errors import shown
+from film_model.base.errors import shown
 
 Array = NDArray[np.float64]
+
+Family = Literal["elastic", "yields", "spring", "measured", "damped"]
+FAMILIES: dict[Family, str] = {
+    "elastic": "elastic",
+    "yields": "spheres that yield",
+    "spring": "springs",
+    "measured": "laminates and tables",
+    "damped": "damped",
+}
+"""Families of laws with the headings under which pictures and pages show them, in their order."""
 
 
 @dataclass(frozen=True)
@@ -37,23 +47,23 @@ class Power:
 
 
 Function = Power | Callable[[Array], Array]
-"""A function of ξ: a :class:`Power`, or any callable on arrays, which is fitted."""
+"""A function of ξ: a :class:`Power`, which the core evaluates, or any callable on arrays, which is fitted."""
 
 
 @dataclass(frozen=True)
 class Unloading:
-    """The branch f = f_m ((ξ − ξ_f)/(ξ_m − ξ_f))^q on which a contact that turned at ξ_m opens and reloads.
+    """The branch f = f_m ((ξ − ξ_f)/(ξ_m − ξ_f))^q of a contact that turned at ξ_m, for unloading and reloading.
 
-    Give one of, as a function of ξ_m,
+    Give exactly one of these, as a function of ξ_m:
 
     * `radius_ratio` R_d/R: ξ_m − ξ_f = (f_m/√(R_d/R))^(1/q), which is Hertz with the deformed radius R_d when the
       force scale is F_s = K δ_s^{3/2};
     * `residual` ξ_f;
-    * `secant`, the stiffness f_m/(ξ_m − ξ_f) of the chord; ξ_f is not below 0;
-    * `shifted` c: the branch is f = f_m − c (ξ_m^q − ξ^q) down to f = 0, the curve c ξ^q moved down.
+    * `secant`, the stiffness f_m/(ξ_m − ξ_f) of the chord; a negative ξ_f is replaced by 0;
+    * `shifted` c: the branch is f = f_m − c (ξ_m^q − ξ^q) down to f = 0, that is the curve c ξ^q moved down.
 
-    `exponent` q may be a function of ξ_m too. `reload_exponent` r ≤ q: a contact that is pushed in again does so along
-    f_m ((ξ − ξ_f)/(ξ_m − ξ_f))^r up to the turning point, and not the way it opened.
+    `exponent` q may be a function of ξ_m too. `reload_exponent` r ≤ q: reloading follows
+    f_m ((ξ − ξ_f)/(ξ_m − ξ_f))^r up to the turning point instead of the unloading branch.
     """
 
     radius_ratio: Function | None = None
@@ -65,10 +75,12 @@ class Unloading:
 
     def __post_init__(self) -> None:
         if sum(rule is not None for rule in self._rules().values()) != 1:
-            raise ValueError("Unloading: give one of " + ", ".join(self._rules()))
+            raise ValueError("Unloading: give exactly one of " + ", ".join(self._rules()))
         r, q = self.reload_exponent, self.exponent
         if r is not None and not (r > 0.0 and not (isinstance(q, float | int) and r > q)):
-            raise ValueError(f"Unloading: reload_exponent {r!r} must be > 0 and at most the exponent: it gives energy")
+            raise ValueError(
+                f"Unloading: reload_exponent {r!r} must be > 0 and at most the exponent: reloading would gain energy"
+            )
 
     def _rules(self) -> dict[str, Function | None]:
         names = ("radius_ratio", "residual", "secant", "shifted")
@@ -76,7 +88,7 @@ class Unloading:
 
     @property
     def rule(self) -> tuple[str, Function]:
-        """Which of the four was given, and the function."""
+        """Name of the rule that was given, and its function."""
         return next((name, function) for name, function in self._rules().items() if function is not None)
 
 
@@ -84,11 +96,11 @@ class Unloading:
 class Stage:
     """One loading stage, begin ≤ ξ ≤ end, of a law.
 
-    force: f(ξ). work: ∫f dξ from `begin`, if it is known in closed form: a check, since what is used is integrated.
-    unloading: the branch of a contact that turns in this stage; None: it goes back along the loading curve.
-    root: the force is smooth in √(ξ − begin) rather than in ξ (only asked of functions that are fitted). knots: where,
-    inside the stage, the force is less smooth than elsewhere; a fitted function is fitted piece by piece between them.
-    damping: c(ξ) over the law's `damping_factor`, for F = f + c ξ̇; only a law of one reversible stage may have it.
+    force: f(ξ). work: ∫f dξ from `begin`, if a closed form is known; it serves as a check only, the package integrates
+    the force. unloading: the branch of a contact that turns in this stage; None: unloading retraces the loading curve.
+    root: the force is smooth in √(ξ − begin) rather than in ξ (used only for functions that are fitted). knots: points
+    inside the stage where a derivative of the force jumps; the fit is made piecewise between them.
+    damping: c(ξ) divided by the law's `damping_factor`, for F = f + c ξ̇; only for a law of one reversible stage.
     """
 
     name: str
@@ -103,16 +115,16 @@ class Stage:
 
 
 def origin_of(power: Power, stage: Stage) -> float:
-    """ξ from which a power of a stage is counted: its own origin, or where the stage begins."""
+    """Origin of a power of a stage: its own, or the beginning of the stage."""
     return stage.begin if power.origin is None else power.origin
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A law's own entry in a scene's [contact]: its dimension or its choices, and whether it may be left out.
+    """A law's own entry in the [contact] table of a scene: its dimension or its choices, and whether it is required.
 
-    dimension: of `units.DIMENSIONS`, or "meyer_stiffness" (N/m^q with the entry `exponent`), or "file" (a path).
-    several: a list of values.
+    dimension: a key of `units.DIMENSIONS`, "meyer_stiffness" (N/m^q, q from the entry `exponent`) or "file" (a path).
+    minimum, above: the value must be >= minimum or > above. several: the entry is a list of values.
     """
 
     help: str
@@ -124,50 +136,100 @@ class Parameter:
     several: bool = False
 
 
+@dataclass(frozen=True)
+class ExampleBall:
+    """The ball of the gallery, from which a law derives example values of its own parameters. SI.
+
+    velocity: of approach. stiffness: Hertz's K, N/m^1.5. depth: the largest indentation under Hertz's law, m.
+    """
+
+    effective_modulus: float
+    radius: float
+    yield_strength: float
+    poissons_ratio: float
+    mass: float
+    velocity: float
+    stiffness: float
+    depth: float
+
+    @property
+    def spring(self) -> float:
+        """Stiffness [N/m] of a linear spring that the ball compresses about as far as Hertz's law."""
+        return 0.6 * self.stiffness * self.depth**0.5
+
+
 class AbstractLaw(ABC):
     """A contact law. Implementations are frozen dataclasses whose fields are SI floats.
 
     Fields named `effective_modulus` [Pa], `radius` [m], `yield_strength` [Pa] and `poissons_ratio` are filled from the
     scene; all others are the law's own `parameters`, by their names in the scene file.
 
-    validity: in a sentence, where the law is right. default_unloading: name of the unloading rule
-    (:mod:`film_model.laws.unloading`) of a law that has none of its own. damped: its stage has damping.
+    name: in scene files. summary, source, validity: one phrase each for lists and pages; validity is the range in which
+    the law holds. family: a key of `FAMILIES`; laws of a user's own script need none. default_unloading: name of the
+    unloading rule (:mod:`film_model.laws.unloading`) for a law without one. damped: the stage of the law has damping.
+    shaped_by: fields that enter the stages through `shape` only.
     """
 
     name: ClassVar[str]
     summary: ClassVar[str]
     source: ClassVar[str]
+    family: ClassVar[Family]
     validity: ClassVar[str] = ""
     parameters: ClassVar[Mapping[str, Parameter]] = {}
     default_unloading: ClassVar[str | None] = None
     damped: ClassVar[bool] = False
+    shaped_by: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
     def scales(self, energy: float) -> tuple[float, float]:
         """Indentation scale δ_s [m] and force scale F_s [N].
 
-        A law with no scale of its own (Hertz, Meyer) takes one from the impact energy [J], so that numbers in the
-        march are near one.
+        A law without a scale of its own (Hertz, Meyer) derives one from the impact energy [J], so that dimensionless
+        values are of order one.
         """
 
     @abstractmethod
     def stages(self) -> tuple[Stage, ...]:
         """The loading stages in order; the first begins at 0 and each begins where the one before ends."""
 
+    @property
+    def shape(self) -> Any:
+        """The one number on which the force of the last stage and its end depend smoothly, such as S_y/E; None: none.
+
+        For a law with a shape, the curves of all shapes are fitted together (:mod:`film_model.problem.families`).
+        """
+        return None
+
+    def of_shape(self, shape: float) -> AbstractLaw:
+        """The law with another shape. It is the same for laws that differ in shape and scales only."""
+        raise NotImplementedError
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        """Values, SI, of the law's required own parameters for a ball: pictures and tests run the law with them."""
+        return {}
+
     @classmethod
     def settle(cls, values: dict[str, Any]) -> dict[str, str]:
-        """What is wrong between the law's own parameters, by their names; `values` may be completed in place."""
+        """Check the law's own parameters against each other: messages by name, empty if all is well.
+
+        May complete `values` in place.
+        """
         return {}
 
     def damping_factor(self, mass: Any, velocity: Any, length: float) -> Any:
-        """What the stage's damping is to be multiplied with [N s/m]; 0 for a law without damping.
+        """Factor of the stage's damping [N s/m]; 0 for a law without damping.
 
-        mass: effective, kg, and velocity: of approach, m/s, which may be arrays; length: δ_s, m.
+        mass: effective, kg, and velocity: of approach, m/s, may be arrays. length: δ_s, m.
         """
         return 0.0
 
+    def outside(self, depth: float) -> str:
+        """What of an impact that reaches `depth` δ_s is outside the range in which the law holds; "" if nothing is."""
+        return ""
+
     def remarks(self) -> tuple[str, ...]:
-        """What a user of this law with these values should know, in sentences."""
+        """Warnings about this law with these values, in sentences."""
         return ()
 
 
@@ -177,7 +239,7 @@ def law_fields(law: type[AbstractLaw]) -> Mapping[str, Any]:
 
 
 def wrong_restitution(values: Mapping[str, Any], other: str | None = None) -> dict[str, str]:
-    """What is wrong with a law's restitution, or with the parameter `other` that may be given instead of it."""
+    """Message, by name, about a restitution outside (0, 1]; with `other`, also unless exactly one of both is given."""
     restitution = values.get("restitution")
     if other is not None and (restitution is None) == (values.get(other) is None):
         return {other: f"give restitution or {other}" + ("" if restitution is None else ", not both")}
@@ -186,17 +248,17 @@ def wrong_restitution(values: Mapping[str, Any], other: str | None = None) -> di
     return {}
 
 
-_OF_THE_SCENE = {
+SCENE_FIELDS = {
     "effective_modulus": (0.0, math.inf),
     "radius": (0.0, math.inf),
     "yield_strength": (0.0, math.inf),
     "poissons_ratio": (-1.0, 0.5),
 }
-"""Fields that are filled from the scene, and the ends between which they lie."""
+"""Open ranges of the fields that are filled from the scene."""
 
 
 def wrong_values(law: AbstractLaw) -> dict[str, str]:
-    """What is wrong with the values of a law that was made in Python, by their names: what a scene would refuse."""
+    """Messages, by name, about values of a law made in Python that a scene file would not accept."""
     wrong: dict[str, str] = {}
     for name in law_fields(type(law)):
         value, parameter = getattr(law, name), law.parameters.get(name)
@@ -207,8 +269,8 @@ def wrong_values(law: AbstractLaw) -> dict[str, str]:
         elif parameter is not None and parameter.choices:
             if value not in parameter.choices:
                 wrong[name] = f"{shown(value)} is not allowed: {' or '.join(map(shown, parameter.choices))} is needed"
-        elif parameter is not None or name in _OF_THE_SCENE:
-            low, high = _OF_THE_SCENE.get(name, (-math.inf, math.inf))
+        elif parameter is not None or name in SCENE_FIELDS:
+            low, high = SCENE_FIELDS.get(name, (-math.inf, math.inf))
             closed = parameter is not None and parameter.above is None
             if parameter is not None:
                 least = parameter.minimum if closed else parameter.above
@@ -223,6 +285,6 @@ def wrong_values(law: AbstractLaw) -> dict[str, str]:
 
 
 def raise_wrong(law: AbstractLaw) -> None:
-    """ValueError for what `settle` finds wrong with a law's own values."""
+    """Raise ValueError with the first message of `settle` about the law's own values."""
     for name, message in type(law).settle(dict(vars(law))).items():
         raise ValueError(f"{type(law).__name__}.{name}: {message}")

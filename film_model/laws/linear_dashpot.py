@@ -7,7 +7,16 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from film_model.laws.damping import spring_ratio
-from film_model.laws.law import AbstractLaw, Parameter, Power, Stage, raise_wrong, wrong_restitution
+from film_model.laws.law import (
+    AbstractLaw,
+    ExampleBall,
+    Family,
+    Parameter,
+    Power,
+    Stage,
+    raise_wrong,
+    wrong_restitution,
+)
 
 
 @dataclass(frozen=True)
@@ -21,6 +30,7 @@ class LinearDashpot(AbstractLaw):
     """
 
     name: ClassVar[str] = "linear-dashpot"
+    family: ClassVar[Family] = "damped"
     summary: ClassVar[str] = "spring and dashpot, F = k δ + c δ̇; ends without tension"
     source: ClassVar[str] = "Cundall & Strack 1979, Géotechnique 29:47; e of a contact that ends at F = 0: derived here"
     validity: ClassVar[str] = "a spring with a chosen restitution, not a material"
@@ -37,6 +47,10 @@ class LinearDashpot(AbstractLaw):
 
     def __post_init__(self) -> None:
         raise_wrong(self)
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {"stiffness": ball.spring, "restitution": 0.6}
 
     def scales(self, energy: float) -> tuple[float, float]:
         indentation = (energy / self.stiffness) ** 0.5

@@ -6,20 +6,22 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from film_model.laws.law import AbstractLaw, Parameter, Power, Stage, Unloading
+from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Power, Stage, Unloading
 
 
 @dataclass(frozen=True)
 class Luding(AbstractLaw):
     """Luding 2008, Granul. Matter 10:235, without adhesion. Loading F = k_1 δ up to the limit
     δ* = (k_p/(k_p − k_1)) φ_f 2R; unloading and reloading F = k_2 (δ − δ_f), δ_f = (1 − k_1/k_2) δ_m with
-    k_2 = k_1 + (k_p − k_1) δ_m/δ*. Beyond δ* the dent φ_f 2R stays and F = k_p (δ − φ_f 2R) both ways.
+    k_2 = k_1 + (k_p − k_1) δ_m/δ*. Beyond δ* the dent remains φ_f 2R, and loading and unloading
+    follow F = k_p (δ − φ_f 2R).
 
     loading_stiffness: k_1, N/m. plastic_stiffness: k_p > k_1, N/m. plasticity_depth: φ_f, of twice the effective
-    radius R. On a half-space e = √(k_1/k_2(δ_m)) below the limit. A law of granular simulations, not a material's.
+    radius R. On a half-space e = √(k_1/k_2(δ_m)) below the limit. A law of granular simulations, not of a material.
     """
 
     name: ClassVar[str] = "luding"
+    family: ClassVar[Family] = "spring"
     summary: ClassVar[str] = "springs k_1 and k_2(δ_m), elastic k_p beyond a plasticity depth; no adhesion"
     source: ClassVar[str] = "Luding 2008, Granul. Matter 10:235"
     validity: ClassVar[str] = "a spring of granular simulations, not a material"
@@ -33,6 +35,14 @@ class Luding(AbstractLaw):
     loading_stiffness: float
     plastic_stiffness: float
     plasticity_depth: float
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {
+            "loading_stiffness": ball.spring,
+            "plastic_stiffness": 5.0 * ball.spring,
+            "plasticity_depth": 1.2 * ball.depth / (2.0 * ball.radius),
+        }
 
     def scales(self, energy: float) -> tuple[float, float]:
         share = 1.0 - self.loading_stiffness / self.plastic_stiffness

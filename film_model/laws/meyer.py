@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from film_model.laws.law import AbstractLaw, Parameter, Power, Stage
+from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Power, Stage
 
 
 @dataclass(frozen=True)
@@ -14,10 +14,11 @@ class Meyer(AbstractLaw):
     """F = F_0 + K_c (δ − δ_0)^q for δ ≥ δ_0, and no force before: (1) and (9) of Big-Alabo, Cartmell & Harrison 2017.
 
     stiffness: K_c, N/m^q. exponent: q > 0 (1 linear or flat punch, 1.5 sphere, 2 cone). initial_force: F_0 ≥ 0, N.
-    initial_indentation: δ_0 ≥ 0, m, a clearance that is closed without force after the bodies meet. Reversible.
+    initial_indentation: δ_0 ≥ 0, m, a clearance that closes without force. Reversible.
     """
 
     name: ClassVar[str] = "meyer"
+    family: ClassVar[Family] = "elastic"
     summary: ClassVar[str] = "power law F = F0 + K (δ − δ0)^q, reversible"
     source: ClassVar[str] = "Meyer 1908; Big-Alabo, Cartmell & Harrison 2017, equations (1) and (9)"
     validity: ClassVar[str] = "where your power law was fitted; reversible"
@@ -32,6 +33,10 @@ class Meyer(AbstractLaw):
     exponent: float
     initial_force: float = 0.0
     initial_indentation: float = 0.0
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {"stiffness": 0.9 * ball.stiffness / ball.depth**0.5, "exponent": 2.0}
 
     def scales(self, energy: float) -> tuple[float, float]:
         if self.initial_force > 0.0:

@@ -1,13 +1,13 @@
-"""Johnson's fully plastic sphere: a constant pressure, and elastic recovery only on the way out."""
+"""Johnson's fully plastic sphere: constant pressure during loading, elastic recovery during unloading."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from film_model.laws.law import AbstractLaw, Parameter, Power, Stage
+from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Power, Stage
 from film_model.laws.unloading import brake_unloading
 
 
@@ -18,12 +18,13 @@ class RigidPlastic(AbstractLaw):
     F = 2 π R p_d δ; recovery with Hertz's curve of that radius, δ_m − δ_f = 3 F_m/(4 E a), hence
     e = 1.884 √(p_d/E) (W/(p_d R³))^{−1/8}, W = ½ m V²; e ∝ V^{−1/4}.
 
-    yield_pressure: p_d, Pa, about 3 S_y. Right where the impact is far beyond yield, V above some hundred V_Y. Below
-    δ_s = (9π²/8) (p_d/E)² R, where e = 0.894, the recovery would exceed the indentation: there is no dent then, and e
-    stays. There is no elastic stage at all: a slow impact does not bounce as it should.
+    yield_pressure: p_d, Pa, about 3 S_y. Valid far beyond yield, V above some hundred V_Y. Below
+    δ_s = (9π²/8) (p_d/E)² R, where e = 0.894, the recovery would exceed the indentation: the law then leaves no dent
+    and e is constant. Without an elastic stage the rebound of slow impacts is too small.
     """
 
     name: ClassVar[str] = "rigid-plastic"
+    family: ClassVar[Family] = "yields"
     summary: ClassVar[str] = "constant pressure, F = 2 π R p_d δ; elastic recovery of the contact radius"
     source: ClassVar[str] = "Johnson 1985, Contact Mechanics, section 11.5"
     validity: ClassVar[str] = "far beyond yield, V above some hundred V_Y; no elastic stage"
@@ -34,6 +35,10 @@ class RigidPlastic(AbstractLaw):
     effective_modulus: float
     radius: float
     yield_pressure: float
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {"yield_pressure": 3.0 * ball.yield_strength}
 
     def scales(self, energy: float) -> tuple[float, float]:
         indentation = 9.0 * math.pi**2 / 8.0 * (self.yield_pressure / self.effective_modulus) ** 2 * self.radius

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from film_model.laws.law import AbstractLaw, Array, Power, Stage, Unloading
+from film_model.laws.law import AbstractLaw, Array, Family, Power, Stage, Unloading
 from film_model.laws.yielding import YIELD_PRESSURE_RATIO, yield_point
 
 FULLY_PLASTIC_PRESSURE = 2.8  # p̄/Y
@@ -35,10 +35,11 @@ class Stronge(AbstractLaw):
     f = (2.8/1.1) x; Hertz's unloading with R_d = x R. Work is the exact integral, not the rounded (23).
 
     The slope jumps up at yield, and the force exceeds Hertz's until 15 δ_y, so unloading with this R_d returns more
-    energy than was stored when V is between 1 and 2.54 V_Y: a run says so, with the numbers.
+    energy than was stored when V is between 1 and 2.54 V_Y: a run warns, with the numbers.
     """
 
     name: ClassVar[str] = "stronge"
+    family: ClassVar[Family] = "yields"
     summary: ClassVar[str] = (
         "elastic, logarithmic elastoplastic, fully plastic; Hertz unloading with R_d = (2δ/δy − 1)R"
     )

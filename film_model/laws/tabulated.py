@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -12,17 +10,18 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from film_model.errors import shown
-from film_model.laws.law import AbstractLaw, Array, Parameter, Stage
-from film_model.units import to_si
+from film_model.base.errors import shown
+from film_model.base.tables import HEADING, rows_of
+from film_model.base.units import to_si
+from film_model.laws.law import AbstractLaw, Array, ExampleBall, Family, Parameter, Stage
 
 MOST_ROWS = 5000
 MOST_KNOTS = 60
-"""Points of the curve that is marched; a longer table is followed by the 60 of its points that serve it best."""
+"""Most points that are interpolated; a longer table is represented by 60 of its points."""
 
-_CLOSE = 1e-9  # of the largest force: a thinned table that comes so near needs no more points
+_CLOSE = 1e-9  # relative to the largest force: a smaller deviation needs no more points
 _COLUMNS = {"indentation": "length", "force": "force"}
-_HEADING = re.compile(r"\s*(\w+)\s*[(\[]\s*(.*?)\s*[)\]]\s*")
+_EXAMPLE = np.array([[0.0, 0.1, 0.25, 0.5, 0.8, 1.1, 1.5, 2.0], [0.0, 0.03, 0.1, 0.27, 0.46, 0.62, 0.8, 1.0]])
 
 
 @dataclass(frozen=True)
@@ -45,7 +44,7 @@ def _interpolant(points: tuple[tuple[float, float], ...]) -> Any:
 
 @lru_cache(maxsize=64)
 def _thinned(indentation: tuple[float, ...], force: tuple[float, ...]) -> tuple[tuple[tuple[float, float], ...], float]:
-    """At most MOST_KNOTS points (ξ, f) and the largest deviation from the others, over the largest force."""
+    """At most MOST_KNOTS points (ξ, f), and the largest deviation of the others relative to the largest force."""
     xi, f = np.array(indentation) / indentation[-1], np.array(force) / max(force)
     chosen = set(range(len(xi))) if len(xi) <= MOST_KNOTS else {0, len(xi) - 1}
     while True:
@@ -57,21 +56,26 @@ def _thinned(indentation: tuple[float, ...], force: tuple[float, ...]) -> tuple[
         chosen.add(worst)
 
 
+CLOSEST = 1e-9
+"""Least distance of two points over the last indentation; the slopes between closer ones are rounding."""
+
+
 @dataclass(frozen=True)
 class Tabulated(AbstractLaw):
-    """F(δ) through given points, by monotone cubic interpolation (Fritsch & Carlson 1980): no force between two points
-    is outside theirs, and the slope is continuous.
+    """F(δ) through given points, by monotone cubic interpolation (Fritsch & Carlson 1980): the force between two points
+    lies between theirs, and the slope is continuous.
 
     indentation: m, from 0 on, increasing. force: N, >= 0, not decreasing. In a scene: `file`, a CSV table whose first
     row names the columns with their units, "indentation (um), force (N)"; or both lists.
 
-    Of more than 60 points the 60 that serve the others best are interpolated, and a run says how far the others lie
-    off. Valid from zero to the last indentation of the table; a run beyond is an error. In a scene the contact opens by
-    Brake's rule (or reversibly, unloading = "retrace"); by itself this law is reversible.
+    Of a table with more than 60 points, 60 are interpolated, added one by one where the deviation is largest; a run
+    reports the largest deviation of the others. Valid from zero to the last indentation of the table; a larger
+    indentation is an error. In a scene the law unloads by Brake's rule (or reversibly, unloading = "retrace").
     """
 
     name: ClassVar[str] = "tabulated"
-    summary: ClassVar[str] = "a measured or computed curve, interpolated monotonely; unloading as Brake's"
+    family: ClassVar[Family] = "measured"
+    summary: ClassVar[str] = "a measured or computed curve, by monotone interpolation; Brake's unloading"
     source: ClassVar[str] = "Fritsch & Carlson 1980, SIAM J. Numer. Anal. 17:238 (interpolation)"
     validity: ClassVar[str] = "from zero to the last indentation of the table"
     parameters: ClassVar[Mapping[str, Parameter]] = {
@@ -89,6 +93,13 @@ class Tabulated(AbstractLaw):
         object.__setattr__(self, "force", tuple(map(float, self.force)))
         for name, message in _mistakes(self.indentation, self.force).items():
             raise ValueError(f"Tabulated.{name}: {message}")
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {
+            "indentation": tuple(_EXAMPLE[0] * ball.depth),
+            "force": tuple(_EXAMPLE[1] * ball.stiffness * ball.depth**1.5),
+        }
 
     def scales(self, energy: float) -> tuple[float, float]:
         return self.indentation[-1], max(self.force)
@@ -129,7 +140,7 @@ class Tabulated(AbstractLaw):
 
 
 def _mistakes(indentation: Sequence[float], force: Sequence[float]) -> dict[str, str]:
-    """What is wrong with a table, by column; points are counted from 1."""
+    """Messages about a table, by column; points are counted from 1."""
     if len(indentation) != len(force):
         return {"force": f"{len(force)} values for {len(indentation)} indentations"}
     if not 2 <= len(force) <= MOST_ROWS:
@@ -139,6 +150,8 @@ def _mistakes(indentation: Sequence[float], force: Sequence[float]) -> dict[str,
     for k, (a, b) in enumerate(pairwise(indentation), 2):
         if not b > a:
             return {"indentation": f"point {k}, {b:g} m, is not above the one before, {a:g} m: it must increase"}
+        if b - a < CLOSEST * indentation[-1]:
+            return {"indentation": f"point {k}, {b:g} m, is too close to the one before, {a:g} m: leave one out"}
     if not force[0] >= 0.0:
         return {"force": f"the first value is {force[0]:g} N; it must be >= 0 N"}
     for k, (a, b) in enumerate(pairwise(force), 2):
@@ -149,13 +162,13 @@ def _mistakes(indentation: Sequence[float], force: Sequence[float]) -> dict[str,
 
 def read_table(path: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Indentations [m] and forces [N] of a CSV file: UTF-8, separated by commas, semicolons or tabs; a first row such
-    as "indentation (um), force (N)", lines that begin with # and further columns are passed over.
+    as "indentation (um), force (N)", lines that begin with # and other columns are ignored.
 
     Raises OSError, or ValueError with the line of what is wrong.
     """
     columns: tuple[list[float], list[float]] = ([], [])
     with open(path, encoding="utf-8-sig", newline="") as file:
-        rows = _rows(path, file.read(50_000_000))
+        rows = rows_of(path, file.read(50_000_000))
     line, heading = next(rows, (1, []))
     where = dict(_heading(path, line, heading))
     if set(where) != set(_COLUMNS):
@@ -174,25 +187,12 @@ def read_table(path: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return tuple(columns[0]), tuple(columns[1])
 
 
-def _rows(path: str, text: str) -> Iterator[tuple[int, list[str]]]:
-    """Line number and cells of every row that is not empty or a comment."""
-    lines = text.splitlines()
-    first = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
-    separator = next((mark for mark in "\t;," if mark in first), ",")
-    for number, line in enumerate(lines, 1):
-        if line.strip() and not line.lstrip().startswith("#"):
-            try:
-                yield number, next(csv.reader([line], delimiter=separator))
-            except csv.Error as error:
-                raise ValueError(f"{shown(path)}, line {number}: {error}") from None
-
-
 def _heading(path: str, line: int, cells: list[str]) -> Iterator[tuple[str, tuple[int, str]]]:
     """Column name → its place and unit."""
     for place, cell in enumerate(cells):
-        match = _HEADING.fullmatch(cell)
+        match = HEADING.fullmatch(cell)
         name = match[1].lower() if match else ""
-        if match is not None and name in _COLUMNS:
+        if match is not None and match[2] is not None and name in _COLUMNS:
             try:
                 to_si(f"1 {match[2]}", _COLUMNS[name])
             except ValueError as error:

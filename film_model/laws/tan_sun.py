@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from film_model.laws.law import AbstractLaw, Parameter, Power, Stage, Unloading
+from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Power, Stage, Unloading
 
 
 @dataclass(frozen=True)
@@ -20,13 +20,14 @@ class TanSun(AbstractLaw):
     0.08 mm is quoted). exponent q, unloading_exponent q_u ≥ q, reloading_exponent q_r ≤ q_u: 1.5, 2.5 and 1.5.
     permanent_fraction: β, above 0 and at most 1.
 
-    For the laminate, thickness and indenter of the test only. Since q_u is not q, even the shallowest contact loses
-    energy: e² = (q + 1)/(q_u + 1) (δ_m − δ_f)/δ_m. A contact that is pushed in before it has opened reloads along the
-    stretch of the reloading curve that leads from there to the turning point; what turns once more on the way back
-    returns along the unloading curve, stretched likewise, and retraces it (our own choice: it gives no energy).
+    Valid only for the laminate, thickness and indenter of the test. Since q_u differs from q, every contact loses
+    energy: e² = (q + 1)/(q_u + 1) (δ_m − δ_f)/δ_m. Reloading before the contact has opened follows the reloading curve,
+    scaled to lead from the current point to the turning point; a second unloading follows the unloading curve, scaled
+    likewise, and retraces it (our own choice, which creates no energy).
     """
 
     name: ClassVar[str] = "tan-sun"
+    family: ClassVar[Family] = "measured"
     summary: ClassVar[str] = "laminates: k δ^1.5 in, power 2.5 out to a permanent indentation, 1.5 in again"
     source: ClassVar[str] = "Yang & Sun 1982, ASTM STP 787; Tan & Sun 1985, J. Appl. Mech. 52:6; your constants"
     validity: ClassVar[str] = "the laminate, thickness and indenter of your indentation test"
@@ -45,6 +46,10 @@ class TanSun(AbstractLaw):
     unloading_exponent: float = 2.5
     reloading_exponent: float = 1.5
     permanent_fraction: float | None = None
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {"stiffness": 0.7 * ball.stiffness, "critical_indentation": 0.3 * ball.depth}
 
     def scales(self, energy: float) -> tuple[float, float]:
         return self.critical_indentation, self.stiffness * self.critical_indentation**self.exponent

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from film_model.laws.law import AbstractLaw, Parameter, Power, Stage
+from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Power, Stage
 from film_model.laws.unloading import brake_unloading
 from film_model.laws.yielding import limit_point
 
@@ -16,16 +16,19 @@ class Thornton(AbstractLaw):
     """Thornton 1997, J. Appl. Mech. 64:383. Beyond δ_y = (π p_y/2E)² R the pressure is cut off at p_y:
 
     F = F_y + π R p_y (δ − δ_y), that is f = 1 + (3/2)(d − 1) with d = δ/δ_y; the slope is continuous. Unloading is
-    Hertz's with R_p = R F_Hertz(δ_m)/F_m, which keeps the contact radius a² = R δ_m.
+    Hertz's with R_p = R F_Hertz(δ_m)/F_m, which starts from the same contact radius a² = R δ_m.
 
     yield_pressure: p_y, Pa, about 1.6 S_y at first yield; 2.5 to 3 S_y is often taken to match deep indentations.
     With v = V_Y/V, e = √(6√3/5) (1 − v²/6)^{1/2} [v/(v + 2√((6 − v²)/5))]^{1/4}; for V ≫ V_Y, e = 1.18499 v^{1/4}.
-    No strain hardening and no growth of the mean pressure between first yield and full plasticity; small indentations,
-    a/R below about 0.2.
+    Neglects strain hardening and the growth of the mean pressure between first yield and full plasticity. For small
+    indentations, a/R below about 0.2.
     """
 
     name: ClassVar[str] = "thornton"
-    summary: ClassVar[str] = "elastic, then linear under a limiting pressure; Hertz unloading that keeps the radius"
+    family: ClassVar[Family] = "yields"
+    summary: ClassVar[str] = (
+        "elastic, then linear under a limiting pressure; Hertz unloading from the same contact radius"
+    )
     source: ClassVar[str] = "Thornton 1997, J. Appl. Mech. 64:383"
     validity: ClassVar[str] = "a/R below about 0.2; no strain hardening, one pressure from yield to full plasticity"
     parameters: ClassVar[Mapping[str, Parameter]] = {
@@ -35,6 +38,10 @@ class Thornton(AbstractLaw):
     effective_modulus: float
     radius: float
     yield_pressure: float
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {"yield_pressure": 1.6 * ball.yield_strength}
 
     def scales(self, energy: float) -> tuple[float, float]:
         return limit_point(self.effective_modulus, self.radius, self.yield_pressure)

@@ -8,7 +8,16 @@ from typing import Any, ClassVar
 
 from film_model.laws.damping import spring_ratio
 from film_model.laws.hertz import Hertz, hertz_stiffness
-from film_model.laws.law import AbstractLaw, Parameter, Power, Stage, raise_wrong, wrong_restitution
+from film_model.laws.law import (
+    AbstractLaw,
+    ExampleBall,
+    Family,
+    Parameter,
+    Power,
+    Stage,
+    raise_wrong,
+    wrong_restitution,
+)
 
 
 @dataclass(frozen=True)
@@ -16,12 +25,13 @@ class Tsuji(AbstractLaw):
     """Tsuji, Tanaka & Ishida 1992, Powder Technol. 71:239: F = K δ^{3/2} + α √(m K) δ^{1/4} δ̇ until F falls to zero.
 
     restitution: e on a target that does not move, at any velocity. With w = δ^{5/4} the law is a linear spring and
-    dashpot of damping ratio ζ = α/√5 in the (w, δ̇) plane, force zero where the spring's is: e(ζ) is that of
-    linear-dashpot, and α = √5 ζ(e) follows without fit. The usual α = √5 β, β = −ln e/√(ln² e + π²), is right for a
-    contact that is held by tension until δ = 0; without tension it returns 0.550 for e = 0.5.
+    dashpot of damping ratio ζ = α/√5 in the (w, δ̇) plane, with the same zero of the force: e(ζ) is that of
+    linear-dashpot, and α = √5 ζ(e) follows without a fit. The usual α = √5 β, β = −ln e/√(ln² e + π²), is right for a
+    contact with tension until δ = 0; without tension it gives 0.550 for e = 0.5.
     """
 
     name: ClassVar[str] = "tsuji"
+    family: ClassVar[Family] = "damped"
     summary: ClassVar[str] = "Hertz with a dashpot α √(m K) δ^¼: one restitution for all velocities"
     source: ClassVar[str] = "Tsuji, Tanaka & Ishida 1992, Powder Technol. 71:239; α for an end at F = 0: derived here"
     validity: ClassVar[str] = "a spring of granular simulations: no material has one restitution"
@@ -34,6 +44,10 @@ class Tsuji(AbstractLaw):
 
     def __post_init__(self) -> None:
         raise_wrong(self)
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {"restitution": 0.6}
 
     def scales(self, energy: float) -> tuple[float, float]:
         return Hertz(self.effective_modulus, self.radius).scales(energy)

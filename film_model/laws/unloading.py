@@ -1,17 +1,17 @@
-"""Ways to open that go with any loading law: [contact] unloading = "brake" or "retrace"."""
+"""Rules of unloading for any loading law: [contact] unloading = "brake" or "retrace"."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
-from film_model.errors import shown
+from film_model.base.errors import shown
 from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.law import AbstractLaw, Power, Stage, Unloading
 
 
 def brake_unloading(stiffness: float = 1.0) -> Unloading:
-    """Hertz's curve of the contact radius a² = R δ_m: δ_m − δ_f = F_m/(K √δ_m). stiffness: K δ_s^{3/2}/F_s."""
+    """Hertz's unloading with the contact radius a² = R δ_m: δ_m − δ_f = F_m/(K √δ_m). stiffness: K δ_s^{3/2}/F_s."""
     return Unloading(secant=Power(coefficient=stiffness, exponent=0.5, origin=0.0))
 
 
@@ -38,6 +38,9 @@ class _Reopened(AbstractLaw):
     def damping_factor(self, mass: Any, velocity: Any, length: float) -> Any:
         return self.law.damping_factor(mass, velocity, length)
 
+    def outside(self, depth: float) -> str:
+        return self.law.outside(depth)
+
     def remarks(self) -> tuple[str, ...]:
         return self.law.remarks()
 
@@ -48,14 +51,14 @@ class BrakeUnloading(_Reopened):
 
     δ_f = δ_m (1 − F_m/F_Hertz(δ_m)), F = (4/3) E √R̄ (δ − δ_f)^{3/2} with R̄ = F_m²/((4E/3)² (δ_m − δ_f)³).
 
-    For a sphere on a flat: effective_modulus E, Pa, and radius R, m. A law above Hertz's curve leaves no dent, and
-    returns F_m δ_m 2/5. The rule takes no energy from nothing where the loading work is at least
-    0.4 F_m² δ_m/F_Hertz(δ_m), as below Hertz's curve for the laws here; a run that returns more than it stored says so.
+    For a sphere on a flat: effective_modulus E, Pa, and radius R, m. A law above Hertz's curve leaves no dent and
+    returns the energy 2/5 F_m δ_m. The rule creates no energy if the loading work is at least
+    0.4 F_m² δ_m/F_Hertz(δ_m), as for the laws here below Hertz's curve; a run that returns more than it stored warns.
     """
 
     summary: ClassVar[str] = "δ_f = δ_m (1 − F_m/F_Hertz(δ_m)), then Hertz's curve through (δ_m, F_m)"
     source: ClassVar[str] = "Brake 2015, Int. J. Solids Struct. 62:104"
-    validity: ClassVar[str] = "a sphere; a law that is not above Hertz's"
+    validity: ClassVar[str] = "a sphere, and a law with no more force than Hertz's"
 
     effective_modulus: float
     radius: float
@@ -66,11 +69,11 @@ class BrakeUnloading(_Reopened):
             raise ValueError(f"law {self.law.name} is damped: it takes no rule of unloading")
 
     def scales(self, energy: float) -> tuple[float, float]:
-        return self.law.scales(1.0)  # not those of the impact: the dent depends on the ratio to Hertz's force
+        return self.law.scales(1.0)  # independent of the impact: the dent depends on the ratio to Hertz's force
 
     @property
     def ratio(self) -> Any:
-        """K δ_s^{3/2}/F_s: 1 for laws whose scales lie on Hertz's curve, where rounding must not make other curves."""
+        """K δ_s^{3/2}/F_s; exactly 1 for laws scaled by Hertz's curve, so that they share one fitted curve."""
         length, force = self.scales(1.0)
         ratio = hertz_stiffness(self.effective_modulus, self.radius) * length**1.5 / force
         return ratio + (1.0 - ratio) * (abs(ratio - 1.0) < 1e-14)
@@ -81,11 +84,11 @@ class BrakeUnloading(_Reopened):
 
 @dataclass(frozen=True)
 class Retrace(_Reopened):
-    """Any loading law, reversible: it opens the way it closed, whatever its force."""
+    """Any loading law made reversible: unloading retraces the loading curve."""
 
-    summary: ClassVar[str] = "back along the loading curve: reversible"
+    summary: ClassVar[str] = "unloading retraces the loading curve: reversible"
     source: ClassVar[str] = "elastic contact"
-    validity: ClassVar[str] = "a contact that does not yield"
+    validity: ClassVar[str] = "a contact without yield"
 
     def scales(self, energy: float) -> tuple[float, float]:
         return self.law.scales(energy)
@@ -95,4 +98,4 @@ class Retrace(_Reopened):
 
 
 UNLOADINGS: dict[str, type[AbstractLaw]] = {"brake": BrakeUnloading, "retrace": Retrace}
-"""By the names of [contact] unloading."""
+"""The rules by their names in [contact]."""

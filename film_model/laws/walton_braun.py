@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from film_model.laws.law import AbstractLaw, Parameter, Power, Stage, Unloading
+from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Power, Stage, Unloading
 
 
 @dataclass(frozen=True)
@@ -15,10 +15,11 @@ class WaltonBraun(AbstractLaw):
     δ_f = (1 − k_1/k_2) δ_m.
 
     loading_stiffness: k_1, N/m. unloading_stiffness: k_2 ≥ k_1, N/m. On a half-space e = √(k_1/k_2) at any velocity,
-    and contact lasts (π/2) √(m/k_1) (1 + e). A spring chosen for its restitution, not a material's.
+    and contact lasts (π/2) √(m/k_1) (1 + e). A spring chosen for its restitution, not a model of a material.
     """
 
     name: ClassVar[str] = "walton-braun"
+    family: ClassVar[Family] = "spring"
     summary: ClassVar[str] = "two springs, k_1 δ and k_2 (δ − δ_f): restitution √(k_1/k_2)"
     source: ClassVar[str] = "Walton & Braun 1986, J. Rheol. 30:949"
     validity: ClassVar[str] = "a spring with a chosen restitution, not a material"
@@ -29,6 +30,10 @@ class WaltonBraun(AbstractLaw):
 
     loading_stiffness: float
     unloading_stiffness: float
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {"loading_stiffness": ball.spring, "unloading_stiffness": 2.0 * ball.spring}
 
     def scales(self, energy: float) -> tuple[float, float]:
         indentation = (energy / self.loading_stiffness) ** 0.5

@@ -1,10 +1,10 @@
-"""What the elastoplastic laws of spheres share: the yield point."""
+"""The yield point of a sphere, for the elastoplastic laws."""
 
 from __future__ import annotations
 
 import math
 
-from film_model.elementwise import root
+from film_model.base.arrays import root
 from film_model.laws.hertz import hertz_stiffness
 
 YIELD_PRESSURE_RATIO = 1.1

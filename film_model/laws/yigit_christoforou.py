@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from film_model.laws.law import AbstractLaw, Power, Stage, Unloading
+from film_model.laws.law import AbstractLaw, Family, Power, Stage, Unloading
 from film_model.laws.yielding import yield_point
 
 
@@ -21,6 +21,7 @@ class YigitChristoforou(AbstractLaw):
     """
 
     name: ClassVar[str] = "yigit-christoforou"
+    family: ClassVar[Family] = "yields"
     summary: ClassVar[str] = "elastic, then linear with the slope at yield; unloads along Hertz's curve shifted down"
     source: ClassVar[str] = "Yigit & Christoforou 1994, Compos. Eng. 4:1143"
     validity: ClassVar[str] = "a/R below about 0.2; moderate plasticity"

@@ -1,19 +1,21 @@
-/* FMI 2.0: thin shims around instance.h. */
+/* The functions of FMI 2.0, which call those of instance.h. */
 #include "fmi2Functions.h"
 
 #include "instance.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #define HERE __func__
 #define SELF instance *i = c; if (!i) return fmi2Error
 #define NEED(pointer, count) \
-    if ((count) > 0 && !(pointer)) return (fmi2Status)instance_fails(i, HERE, "argument %s is NULL", #pointer)
+    if ((count) > 0 && !(pointer)) return (fmi2Status)instance_error(i, HERE, "argument %s is NULL", #pointer)
 
 static const char UNSUPPORTED[] = "not supported by this FMU";
 
-/* The message is a format, and some importers take it for the text: only its % signs are doubled. */
-static void tell(const instance *i, int status, const char *category, const char *text) {
+/* The text is passed as a printf format: its % signs are doubled. Other formatting is avoided, because some importers do
+ * not apply printf. */
+static void send_message(const instance *i, int status, const char *category, const char *text) {
     fmi2CallbackLogger logger = (fmi2CallbackLogger)i->logger;
     char format[1024];
     size_t used = 0;
@@ -31,20 +33,25 @@ const char *fmi2GetVersion(void) { return fmi2Version; }
 fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nCategories, const fmi2String categories[]) {
     SELF;
     NEED(categories, nCategories);
-    (void)loggingOn; /* only errors are logged, and always */
+    (void)loggingOn; /* all errors are logged, and nothing else */
     return fmi2OK;
 }
 
 fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID, fmi2String fmuResourceLocation,
                               const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean loggingOn) {
-    char folder[4096];
-    instance_options options = {instanceName, fmuGUID, folder, fmuType == fmi2ModelExchange, 0, 0, tell, NULL, NULL};
+    char folder[4096] = "", raw[4096] = "";
+    instance_options options = {instanceName, fmuGUID, folder, fmuType == fmi2ModelExchange, 0, 0, send_message, NULL, NULL};
     (void)visible, (void)loggingOn;
     if (functions) {
         options.environment = functions->componentEnvironment;
         options.logger = (void (*)(void))functions->logger;
     }
-    int bad = model_path_of_uri(fmuResourceLocation, folder, sizeof folder) < 0;
+    int bad = model_path_of_uri(fmuResourceLocation, folder, sizeof folder, 1) < 0;
+    /* Some importers do not escape: a folder may be called a%20b. */
+    if ((bad || !model_has_data(folder)) && model_path_of_uri(fmuResourceLocation, raw, sizeof raw, 0) == 0 && model_has_data(raw)) {
+        memcpy(folder, raw, sizeof folder);
+        bad = 0;
+    }
     return instance_new(HERE, &options, bad ? "fmuResourceLocation must be a file URI such as file:///tmp/fmu/resources" : NULL);
 }
 
@@ -53,7 +60,7 @@ void fmi2FreeInstance(fmi2Component c) { instance_free(c); }
 fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
                                fmi2Boolean stopTimeDefined, fmi2Real stopTime) {
     SELF;
-    (void)toleranceDefined, (void)tolerance; /* the segments decide the accuracy */
+    (void)toleranceDefined, (void)tolerance; /* the number of segments sets the accuracy */
     return (fmi2Status)instance_set_up(i, HERE, startTime, stopTimeDefined, stopTime);
 }
 
@@ -120,17 +127,17 @@ fmi2Status fmi2SetInteger(fmi2Component c, const fmi2ValueReference vr[], size_t
     return fmi2OK;
 }
 
-/* There are no variables of these types. */
-#define NONE_OF(name, type)                                                                                  \
+/* This FMU has no variables of these types. */
+#define NO_VARIABLES(name, type)                                                                                  \
     fmi2Status fmi2##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, type value[]) {        \
         SELF;                                                                                                \
         (void)vr, (void)value;                                                                               \
-        return nvr == 0 ? fmi2OK : (fmi2Status)instance_fails(i, HERE, "no variable of this FMU has this type"); \
+        return nvr == 0 ? fmi2OK : (fmi2Status)instance_error(i, HERE, "this FMU has no variables of this type"); \
     }
-NONE_OF(GetBoolean, fmi2Boolean)
-NONE_OF(GetString, fmi2String)
-NONE_OF(SetBoolean, const fmi2Boolean)
-NONE_OF(SetString, const fmi2String)
+NO_VARIABLES(GetBoolean, fmi2Boolean)
+NO_VARIABLES(GetString, fmi2String)
+NO_VARIABLES(SetBoolean, const fmi2Boolean)
+NO_VARIABLES(SetString, const fmi2String)
 
 /* ---------------------------------------------------------------- saved states */
 
@@ -184,9 +191,10 @@ fmi2Status fmi2EnterEventMode(fmi2Component c) {
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *fmi2eventInfo) {
     SELF;
     NEED(fmi2eventInfo, 1);
-    if (instance_update(i, HERE) != GOOD) return fmi2Error;
-    fmi2EventInfo none = {fmi2False, fmi2False, fmi2False, fmi2False, fmi2False, 0.0};
-    *fmi2eventInfo = none;
+    int restart;
+    if (instance_update(i, HERE, &restart) != GOOD) return fmi2Error;
+    fmi2EventInfo info = {fmi2False, fmi2False, fmi2False, restart, fmi2False, 0.0};
+    *fmi2eventInfo = info;
     return fmi2OK;
 }
 
@@ -242,14 +250,14 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
                                        const fmi2Real value[]) {
     SELF;
     (void)vr, (void)order, (void)value;
-    return nvr == 0 ? fmi2OK : (fmi2Status)instance_fails(i, HERE, "%s", UNSUPPORTED);
+    return nvr == 0 ? fmi2OK : (fmi2Status)instance_error(i, HERE, "%s", UNSUPPORTED);
 }
 
 fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
                                         fmi2Real value[]) {
     SELF;
     (void)vr, (void)order, (void)value;
-    return nvr == 0 ? fmi2OK : (fmi2Status)instance_fails(i, HERE, "%s", UNSUPPORTED);
+    return nvr == 0 ? fmi2OK : (fmi2Status)instance_error(i, HERE, "%s", UNSUPPORTED);
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
@@ -262,32 +270,32 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
 
 fmi2Status fmi2CancelStep(fmi2Component c) {
     SELF;
-    return (fmi2Status)instance_fails(i, HERE, "no step is under way: steps are done when fmi2DoStep returns");
+    return (fmi2Status)instance_error(i, HERE, "no step is in progress: fmi2DoStep returns after the step");
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value) {
     SELF;
     NEED(value, 1);
-    if (s != fmi2LastSuccessfulTime) return (fmi2Status)instance_fails(i, HERE, "only fmi2LastSuccessfulTime is a real number");
-    *value = i->model.memory.now;
+    if (s != fmi2LastSuccessfulTime) return (fmi2Status)instance_error(i, HERE, "only fmi2LastSuccessfulTime is supported");
+    *value = i->model.memory.time;
     return fmi2OK;
 }
 
 fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boolean *value) {
     SELF;
     NEED(value, 1);
-    if (s != fmi2Terminated) return (fmi2Status)instance_fails(i, HERE, "only fmi2Terminated is a boolean");
+    if (s != fmi2Terminated) return (fmi2Status)instance_error(i, HERE, "only fmi2Terminated is supported");
     *value = fmi2False;
     return fmi2OK;
 }
 
-/* No step is ever pending. */
-#define NO_STATUS(name, type)                                                       \
+/* Not needed: fmi2DoStep never returns fmi2Pending. */
+#define UNSUPPORTED_STATUS(name, type)                                                       \
     fmi2Status fmi2##name(fmi2Component c, const fmi2StatusKind s, type *value) {   \
         SELF;                                                                       \
         (void)s, (void)value;                                                       \
-        return (fmi2Status)instance_fails(i, HERE, "%s", UNSUPPORTED);              \
+        return (fmi2Status)instance_error(i, HERE, "%s", UNSUPPORTED);              \
     }
-NO_STATUS(GetStatus, fmi2Status)
-NO_STATUS(GetIntegerStatus, fmi2Integer)
-NO_STATUS(GetStringStatus, fmi2String)
+UNSUPPORTED_STATUS(GetStatus, fmi2Status)
+UNSUPPORTED_STATUS(GetIntegerStatus, fmi2Integer)
+UNSUPPORTED_STATUS(GetStringStatus, fmi2String)

@@ -1,4 +1,4 @@
-/* FMI 3.0: thin shims around instance.h. */
+/* The functions of FMI 3.0, which call those of instance.h. */
 #include "fmi3Functions.h"
 
 #include "instance.h"
@@ -8,14 +8,19 @@
 #define HERE __func__
 #define SELF instance *i = c; if (!i) return fmi3Error
 #define NEED(pointer, count) \
-    if ((count) > 0 && !(pointer)) return (fmi3Status)instance_fails(i, HERE, "argument %s is NULL", #pointer)
-#define ONE_EACH() \
+    if ((count) > 0 && !(pointer)) return (fmi3Status)instance_error(i, HERE, "argument %s is NULL", #pointer)
+#define FORWARD(name, call)           \
+    fmi3Status name(fmi3Instance c) { \
+        SELF;                         \
+        return (fmi3Status)call;      \
+    }
+#define CHECK_COUNTS() \
     if (nValues != nValueReferences) \
-    return (fmi3Status)instance_fails(i, HERE, "%u values for %u variables: all are scalar", (unsigned)nValues, (unsigned)nValueReferences)
+    return (fmi3Status)instance_error(i, HERE, "%u values for %u scalar variables", (unsigned)nValues, (unsigned)nValueReferences)
 
 static const char UNSUPPORTED[] = "not supported by this FMU";
 
-static void tell(const instance *i, int status, const char *category, const char *text) {
+static void send_message(const instance *i, int status, const char *category, const char *text) {
     fmi3LogMessageCallback logger = (fmi3LogMessageCallback)i->logger;
     if (logger) logger(i->environment, (fmi3Status)status, category, text);
 }
@@ -25,14 +30,14 @@ const char *fmi3GetVersion(void) { return fmi3Version; }
 fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean loggingOn, size_t nCategories, const fmi3String categories[]) {
     SELF;
     NEED(categories, nCategories);
-    (void)loggingOn; /* only errors are logged, and always */
+    (void)loggingOn; /* all errors are logged, and nothing else */
     return fmi3OK;
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
                                           fmi3Boolean visible, fmi3Boolean loggingOn, fmi3InstanceEnvironment environment,
                                           fmi3LogMessageCallback logMessage) {
-    instance_options options = {instanceName, instantiationToken, resourcePath, 1, 0, 0, tell, environment,
+    instance_options options = {instanceName, instantiationToken, resourcePath, 1, 0, 0, send_message, environment,
                                 (void (*)(void))logMessage};
     (void)visible, (void)loggingOn;
     return instance_new(HERE, &options, NULL);
@@ -44,11 +49,13 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          size_t nRequiredIntermediateVariables, fmi3InstanceEnvironment environment,
                                          fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate) {
     instance_options options = {instanceName, instantiationToken, resourcePath, 0, eventModeUsed, earlyReturnAllowed,
-                                tell,         environment,        (void (*)(void))logMessage};
-    (void)visible, (void)loggingOn, (void)requiredIntermediateVariables, (void)intermediateUpdate;
-    instance *made = instance_new(HERE, &options, nRequiredIntermediateVariables ? "no variable has intermediate values" : NULL);
+                                send_message,         environment,        (void (*)(void))logMessage};
+    (void)visible, (void)loggingOn;
+    /* intermediateUpdate is never called: this FMU has no intermediate variables */
+    (void)requiredIntermediateVariables, (void)nRequiredIntermediateVariables, (void)intermediateUpdate;
+    instance *made = instance_new(HERE, &options, NULL);
     if (made && made->data->kind == CONTACT && eventModeUsed) {
-        instance_fails(made, HERE, "this FMU has no event mode");
+        instance_error(made, HERE, "this FMU has no event mode");
         instance_free(made);
         return NULL;
     }
@@ -60,7 +67,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
                                                fmi3LockPreemptionCallback lockPreemption,
                                                fmi3UnlockPreemptionCallback unlockPreemption) {
-    instance_options options = {instanceName, instantiationToken, resourcePath, 0, 0, 0, tell, environment,
+    instance_options options = {instanceName, instantiationToken, resourcePath, 0, 0, 0, send_message, environment,
                                 (void (*)(void))logMessage};
     (void)visible, (void)loggingOn, (void)clockUpdate, (void)lockPreemption, (void)unlockPreemption;
     return instance_new(HERE, &options, "Scheduled Execution is not supported by this FMU");
@@ -71,30 +78,15 @@ void fmi3FreeInstance(fmi3Instance c) { instance_free(c); }
 fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean toleranceDefined, fmi3Float64 tolerance, fmi3Float64 startTime,
                                        fmi3Boolean stopTimeDefined, fmi3Float64 stopTime) {
     SELF;
-    (void)toleranceDefined, (void)tolerance; /* the segments decide the accuracy */
+    (void)toleranceDefined, (void)tolerance; /* the number of segments sets the accuracy */
     if (instance_set_up(i, HERE, startTime, stopTimeDefined, stopTime) != GOOD) return fmi3Error;
     return (fmi3Status)instance_enter_initialization(i, HERE);
 }
 
-fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
-    SELF;
-    return (fmi3Status)instance_exit_initialization(i, HERE);
-}
-
-fmi3Status fmi3EnterEventMode(fmi3Instance c) {
-    SELF;
-    return (fmi3Status)instance_enter_event_mode(i, HERE);
-}
-
-fmi3Status fmi3Terminate(fmi3Instance c) {
-    SELF;
-    return (fmi3Status)instance_terminate(i, HERE);
-}
-
-fmi3Status fmi3Reset(fmi3Instance c) {
-    SELF;
-    return (fmi3Status)instance_reset(i, HERE);
-}
+FORWARD(fmi3ExitInitializationMode, instance_exit_initialization(i, HERE))
+FORWARD(fmi3EnterEventMode, instance_enter_event_mode(i, HERE))
+FORWARD(fmi3Terminate, instance_terminate(i, HERE))
+FORWARD(fmi3Reset, instance_reset(i, HERE))
 
 /* ---------------------------------------------------------------- variables */
 
@@ -104,7 +96,7 @@ fmi3Status fmi3Reset(fmi3Instance c) {
         SELF;                                                                                                             \
         NEED(valueReferences, nValueReferences);                                                                          \
         NEED(values, nValues);                                                                                            \
-        ONE_EACH();                                                                                                       \
+        CHECK_COUNTS();                                                                                                       \
         for (size_t k = 0; k < nValues; k++) {                                                                            \
             double number;                                                                                                \
             if (instance_get(i, HERE, valueReferences[k], kind, or_kind, &number) != GOOD) return fmi3Error;              \
@@ -123,7 +115,7 @@ GETTER(Int64, fmi3Int64, ENUMERATION, ENUMERATION)
         if (!instance_allows(i, HERE, INSTANTIATED | INITIALIZATION | RUNNING)) return fmi3Error;                         \
         NEED(valueReferences, nValueReferences);                                                                          \
         NEED(values, nValues);                                                                                            \
-        ONE_EACH();                                                                                                       \
+        CHECK_COUNTS();                                                                                                       \
         for (size_t k = 0; k < nValues; k++)                                                                              \
             if (instance_set(i, HERE, valueReferences[k], kind, kind, (double)values[k]) != GOOD) return fmi3Error;       \
         return fmi3OK;                                                                                                    \
@@ -132,63 +124,63 @@ SETTER(Float64, fmi3Float64, REAL)
 SETTER(Int32, fmi3Int32, WHOLE)
 SETTER(Int64, fmi3Int64, ENUMERATION)
 
-/* There are no variables of these types. */
-#define NONE_OF(name, type_name)                                                                                          \
+/* This FMU has no variables of these types. */
+#define NO_VARIABLES(name, type_name)                                                                                          \
     fmi3Status fmi3##name(fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences,            \
                           type_name values[], size_t nValues) {                                                           \
         SELF;                                                                                                             \
         (void)valueReferences, (void)values;                                                                              \
         if (nValueReferences == 0 && nValues == 0) return fmi3OK;                                                         \
-        return (fmi3Status)instance_fails(i, HERE, "no variable of this FMU has this type");                              \
+        return (fmi3Status)instance_error(i, HERE, "this FMU has no variables of this type");                              \
     }
-NONE_OF(GetFloat32, fmi3Float32)
-NONE_OF(GetInt8, fmi3Int8)
-NONE_OF(GetUInt8, fmi3UInt8)
-NONE_OF(GetInt16, fmi3Int16)
-NONE_OF(GetUInt16, fmi3UInt16)
-NONE_OF(GetUInt32, fmi3UInt32)
-NONE_OF(GetUInt64, fmi3UInt64)
-NONE_OF(GetBoolean, fmi3Boolean)
-NONE_OF(GetString, fmi3String)
-NONE_OF(SetFloat32, const fmi3Float32)
-NONE_OF(SetInt8, const fmi3Int8)
-NONE_OF(SetUInt8, const fmi3UInt8)
-NONE_OF(SetInt16, const fmi3Int16)
-NONE_OF(SetUInt16, const fmi3UInt16)
-NONE_OF(SetUInt32, const fmi3UInt32)
-NONE_OF(SetUInt64, const fmi3UInt64)
-NONE_OF(SetBoolean, const fmi3Boolean)
-NONE_OF(SetString, const fmi3String)
+NO_VARIABLES(GetFloat32, fmi3Float32)
+NO_VARIABLES(GetInt8, fmi3Int8)
+NO_VARIABLES(GetUInt8, fmi3UInt8)
+NO_VARIABLES(GetInt16, fmi3Int16)
+NO_VARIABLES(GetUInt16, fmi3UInt16)
+NO_VARIABLES(GetUInt32, fmi3UInt32)
+NO_VARIABLES(GetUInt64, fmi3UInt64)
+NO_VARIABLES(GetBoolean, fmi3Boolean)
+NO_VARIABLES(GetString, fmi3String)
+NO_VARIABLES(SetFloat32, const fmi3Float32)
+NO_VARIABLES(SetInt8, const fmi3Int8)
+NO_VARIABLES(SetUInt8, const fmi3UInt8)
+NO_VARIABLES(SetInt16, const fmi3Int16)
+NO_VARIABLES(SetUInt16, const fmi3UInt16)
+NO_VARIABLES(SetUInt32, const fmi3UInt32)
+NO_VARIABLES(SetUInt64, const fmi3UInt64)
+NO_VARIABLES(SetBoolean, const fmi3Boolean)
+NO_VARIABLES(SetString, const fmi3String)
 
-#define WITHOUT(arguments, count, ...)                                                            \
+#define UNSUPPORTED_CALL(arguments, count, ...)                                                            \
     arguments {                                                                                   \
         SELF;                                                                                     \
         (void)valueReferences, __VA_ARGS__;                                                       \
-        return (count) == 0 ? fmi3OK : (fmi3Status)instance_fails(i, HERE, "%s", UNSUPPORTED);    \
+        return (count) == 0 ? fmi3OK : (fmi3Status)instance_error(i, HERE, "%s", UNSUPPORTED);    \
     }
 
 #define REFERENCES fmi3Instance c, const fmi3ValueReference valueReferences[], size_t nValueReferences
-WITHOUT(fmi3Status fmi3GetBinary(REFERENCES, size_t valueSizes[], fmi3Binary values[], size_t nValues), nValueReferences + nValues,
+UNSUPPORTED_CALL(fmi3Status fmi3GetBinary(REFERENCES, size_t valueSizes[], fmi3Binary values[], size_t nValues), nValueReferences + nValues,
         (void)valueSizes, (void)values)
-WITHOUT(fmi3Status fmi3SetBinary(REFERENCES, const size_t valueSizes[], const fmi3Binary values[], size_t nValues),
+UNSUPPORTED_CALL(fmi3Status fmi3SetBinary(REFERENCES, const size_t valueSizes[], const fmi3Binary values[], size_t nValues),
         nValueReferences + nValues, (void)valueSizes, (void)values)
-WITHOUT(fmi3Status fmi3GetClock(REFERENCES, fmi3Clock values[]), nValueReferences, (void)values)
-WITHOUT(fmi3Status fmi3SetClock(REFERENCES, const fmi3Clock values[]), nValueReferences, (void)values)
-WITHOUT(fmi3Status fmi3GetIntervalDecimal(REFERENCES, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]),
+UNSUPPORTED_CALL(fmi3Status fmi3GetClock(REFERENCES, fmi3Clock values[]), nValueReferences, (void)values)
+UNSUPPORTED_CALL(fmi3Status fmi3SetClock(REFERENCES, const fmi3Clock values[]), nValueReferences, (void)values)
+UNSUPPORTED_CALL(fmi3Status fmi3GetIntervalDecimal(REFERENCES, fmi3Float64 intervals[], fmi3IntervalQualifier qualifiers[]),
         nValueReferences, (void)intervals, (void)qualifiers)
-WITHOUT(fmi3Status fmi3GetIntervalFraction(REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+UNSUPPORTED_CALL(fmi3Status fmi3GetIntervalFraction(REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
                                            fmi3IntervalQualifier qualifiers[]),
         nValueReferences, (void)counters, (void)resolutions, (void)qualifiers)
-WITHOUT(fmi3Status fmi3GetShiftDecimal(REFERENCES, fmi3Float64 shifts[]), nValueReferences, (void)shifts)
-WITHOUT(fmi3Status fmi3GetShiftFraction(REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[]), nValueReferences,
+UNSUPPORTED_CALL(fmi3Status fmi3GetShiftDecimal(REFERENCES, fmi3Float64 shifts[]), nValueReferences, (void)shifts)
+UNSUPPORTED_CALL(fmi3Status fmi3GetShiftFraction(REFERENCES, fmi3UInt64 counters[], fmi3UInt64 resolutions[]), nValueReferences,
         (void)counters, (void)resolutions)
-WITHOUT(fmi3Status fmi3SetIntervalDecimal(REFERENCES, const fmi3Float64 intervals[]), nValueReferences, (void)intervals)
-WITHOUT(fmi3Status fmi3SetIntervalFraction(REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]),
+UNSUPPORTED_CALL(fmi3Status fmi3SetIntervalDecimal(REFERENCES, const fmi3Float64 intervals[]), nValueReferences, (void)intervals)
+UNSUPPORTED_CALL(fmi3Status fmi3SetIntervalFraction(REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]),
         nValueReferences, (void)counters, (void)resolutions)
-WITHOUT(fmi3Status fmi3SetShiftDecimal(REFERENCES, const fmi3Float64 shifts[]), nValueReferences, (void)shifts)
-WITHOUT(fmi3Status fmi3SetShiftFraction(REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]),
+UNSUPPORTED_CALL(fmi3Status fmi3SetShiftDecimal(REFERENCES, const fmi3Float64 shifts[]), nValueReferences, (void)shifts)
+UNSUPPORTED_CALL(fmi3Status fmi3SetShiftFraction(REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]),
         nValueReferences, (void)counters, (void)resolutions)
-WITHOUT(fmi3Status fmi3GetOutputDerivatives(REFERENCES, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues),
+UNSUPPORTED_CALL(fmi3Status fmi3GetOutputDerivatives(REFERENCES, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues),
         nValueReferences + nValues, (void)orders, (void)values)
 
 /* ---------------------------------------------------------------- dependencies and derivatives */
@@ -197,7 +189,7 @@ static fmi3Status dependencies(instance *i, const char *function, fmi3ValueRefer
                                fmi3ValueReference independents[], size_t of[], fmi3DependencyKind kinds[]) {
     *count = 0;
     if (dependent >= VARIABLES || VARIABLE[dependent].role[i->data->kind] != OUTPUT || model_depends(&i->model, dependent, TIME) < 0)
-        return (fmi3Status)instance_fails(i, function, "value reference %u is no continuous output", dependent);
+        return (fmi3Status)instance_error(i, function, "value reference %u is not a continuous output", dependent);
     for (unsigned known = 0; known < VARIABLES; known++) {
         if (model_depends(&i->model, dependent, known) != 1) continue;
         if (independents) {
@@ -228,7 +220,7 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference depend
     fmi3Status status = dependencies(i, HERE, dependent, &count, NULL, NULL, NULL, NULL);
     if (status != fmi3OK) return status;
     if (count != nDependencies)
-        return (fmi3Status)instance_fails(i, HERE, "%u dependencies; there are %u", (unsigned)nDependencies, (unsigned)count);
+        return (fmi3Status)instance_error(i, HERE, "%u dependencies, but there are %u", (unsigned)nDependencies, (unsigned)count);
     return dependencies(i, HERE, dependent, &count, elementIndicesOfDependent, independents, elementIndicesOfIndependents,
                         dependencyKinds);
 }
@@ -238,7 +230,7 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance c, fmi3ValueReference depend
                     size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity) { \
         SELF;                                                                                                             \
         if (nSeed != (seeds) || nSensitivity != (results))                                                                \
-            return (fmi3Status)instance_fails(i, HERE, "%u seeds and %u results do not fit %u unknowns and %u knowns",    \
+            return (fmi3Status)instance_error(i, HERE, "%u seeds and %u sensitivities do not match %u unknowns and %u knowns",    \
                                               (unsigned)nSeed, (unsigned)nSensitivity, (unsigned)nUnknowns, (unsigned)nKnowns); \
         return (fmi3Status)instance_derivatives(i, HERE, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity, adjoint); \
     }
@@ -282,15 +274,8 @@ fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte serializedStat
 
 /* ---------------------------------------------------------------- configuration and events */
 
-fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) {
-    SELF;
-    return (fmi3Status)instance_fails(i, HERE, "this FMU has no structural parameters to configure");
-}
-
-fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) {
-    SELF;
-    return (fmi3Status)instance_fails(i, HERE, "this FMU has no structural parameters to configure");
-}
+FORWARD(fmi3EnterConfigurationMode, instance_error(i, HERE, "this FMU has no structural parameters to configure"))
+FORWARD(fmi3ExitConfigurationMode, instance_error(i, HERE, "this FMU has no structural parameters to configure"))
 
 fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c) {
     SELF;
@@ -310,18 +295,14 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *discreteStatesN
     *discreteStatesNeedUpdate = *terminateSimulation = *nominalsOfContinuousStatesChanged = fmi3False;
     *valuesOfContinuousStatesChanged = *nextEventTimeDefined = fmi3False;
     *nextEventTime = 0.0;
-    return (fmi3Status)instance_update(i, HERE);
+    int restart;
+    fmi3Status status = (fmi3Status)instance_update(i, HERE, &restart);
+    *valuesOfContinuousStatesChanged = restart != 0;
+    return status;
 }
 
-fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) {
-    SELF;
-    return (fmi3Status)instance_leave_event_mode(i, HERE, CONTINUOUS);
-}
-
-fmi3Status fmi3EnterStepMode(fmi3Instance c) {
-    SELF;
-    return (fmi3Status)instance_leave_event_mode(i, HERE, STEPPING);
-}
+FORWARD(fmi3EnterContinuousTimeMode, instance_leave_event_mode(i, HERE, CONTINUOUS))
+FORWARD(fmi3EnterStepMode, instance_leave_event_mode(i, HERE, STEPPING))
 
 /* ---------------------------------------------------------------- model exchange */
 
@@ -395,7 +376,7 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi
     fmi3Status status = (fmi3Status)instance_step(i, HERE, currentCommunicationPoint, communicationStepSize, &event);
     *terminateSimulation = fmi3False;
     *eventHandlingNeeded = event != 0;
-    *lastSuccessfulTime = i->model.memory.now;
+    *lastSuccessfulTime = i->model.memory.time;
     *earlyReturn = status == fmi3OK && event && *lastSuccessfulTime < currentCommunicationPoint + communicationStepSize;
     return status;
 }
@@ -403,5 +384,5 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 currentCommunicationPoint, fmi
 fmi3Status fmi3ActivateModelPartition(fmi3Instance c, fmi3ValueReference clockReference, fmi3Float64 activationTime) {
     SELF;
     (void)clockReference, (void)activationTime;
-    return (fmi3Status)instance_fails(i, HERE, "Scheduled Execution is not supported by this FMU");
+    return (fmi3Status)instance_error(i, HERE, "Scheduled Execution is not supported by this FMU");
 }

@@ -8,11 +8,11 @@
 #include <string.h>
 
 enum { LONGEST_MESSAGE = 512 };
-static const double SAME_TIME = 1e-9; /* of a step: how well a communication point must meet the last one */
+static const double SAME_TIME = 1e-9; /* of a step: tolerance for a communication point to equal the end of the last step */
 
 /* ---------------------------------------------------------------- messages and modes */
 
-int instance_fails(const instance *i, const char *function, const char *format, ...) {
+int instance_error(const instance *i, const char *function, const char *format, ...) {
     char text[LONGEST_MESSAGE];
     int used = snprintf(text, sizeof text, "%s: ", function);
     va_list arguments;
@@ -23,8 +23,15 @@ int instance_fails(const instance *i, const char *function, const char *format, 
     return ERROR;
 }
 
-static int model_fails(const instance *i, const char *function) {
-    return instance_fails(i, function, "%s", i->model.message);
+static int report_model_error(const instance *i, const char *function) {
+    return instance_error(i, function, "%s", i->model.message);
+}
+
+/* Send a warning for every assumption of the export that has been found not to hold. */
+static void announce_validity(instance *i) {
+    char text[LONGEST_MESSAGE];
+    while (model_announce(&i->model, text, sizeof text))
+        if (i->report) i->report(i, WARNING, "validity", text);
 }
 
 static void list_modes(int modes, char *text, size_t room) {
@@ -43,7 +50,7 @@ int instance_allows(const instance *i, const char *function, int modes) {
     char now[40], allowed[160];
     list_modes(i->state.mode, now, sizeof now);
     list_modes(modes, allowed, sizeof allowed);
-    instance_fails(i, function, "called in state %s; it is allowed in: %s", now, allowed);
+    instance_error(i, function, "called in state %s; allowed in: %s", now, allowed);
     return 0;
 }
 
@@ -54,12 +61,12 @@ int instance_allows(const instance *i, const char *function, int modes) {
 
 #define NEED(pointer, count)                                                                              \
     do {                                                                                                  \
-        if ((count) > 0 && !(pointer)) return instance_fails(i, function, "argument %s is NULL", #pointer); \
+        if ((count) > 0 && !(pointer)) return instance_error(i, function, "argument %s is NULL", #pointer); \
     } while (0)
 
-/* ---------------------------------------------------------------- making and ending */
+/* ---------------------------------------------------------------- creation and modes */
 
-instance *instance_new(const char *function, const instance_options *options, const char *why) {
+instance *instance_new(const char *function, const instance_options *options, const char *error) {
     instance none;
     char message[LONGEST_MESSAGE];
     const char *name = options->name ? options->name : "";
@@ -70,17 +77,17 @@ instance *instance_new(const char *function, const instance_options *options, co
     none.logger = options->logger;
     none.name = (char *)name;
     if (i) i->name = malloc(strlen(name) + 1);
-    if (!i || !i->name) why = "no memory for an instance";
-    if (!why && !*name) why = "an instance needs a name";
-    if (!why) i->data = model_read_data(options->folder, message, sizeof message);
-    if (!why && !i->data) why = message;
-    if (!why && (!options->token || strcmp(options->token, i->data->token) != 0)) {
-        snprintf(message, sizeof message, "the GUID or instantiation token is \"%.80s\"; this FMU's is \"%s\"",
+    if (!i || !i->name) error = "no memory for an instance";
+    if (!error && !*name) error = "instanceName must not be empty";
+    if (!error) i->data = model_read_data(options->folder, message, sizeof message);
+    if (!error && !i->data) error = message;
+    if (!error && (!options->token || strcmp(options->token, i->data->token) != 0)) {
+        snprintf(message, sizeof message, "the GUID or instantiation token \"%.80s\" must be \"%s\"",
                  options->token ? options->token : "", i->data->token);
-        why = message;
+        error = message;
     }
-    if (why) {
-        instance_fails(&none, function, "%s", why);
+    if (error) {
+        instance_error(&none, function, "%s", error);
         instance_free(i);
         return NULL;
     }
@@ -106,11 +113,11 @@ void instance_free(instance *i) {
 
 int instance_set_up(instance *i, const char *function, double start, int has_stop, double stop) {
     ALLOW(INSTANTIATED);
-    if (!isfinite(start)) return instance_fails(i, function, "startTime %g s is no time", start);
+    if (!isfinite(start)) return instance_error(i, function, "startTime %g s must be finite", start);
     if (has_stop && !(stop >= start))
-        return instance_fails(i, function, "stopTime %g s must not be before startTime %g s", stop, start);
-    i->model.memory.start_time = i->model.memory.now = start;
-    i->model.memory.begun = 0;
+        return instance_error(i, function, "stopTime %g s must not be before startTime %g s", stop, start);
+    i->model.memory.start_time = i->model.memory.time = start;
+    i->model.memory.initialized = 0;
     i->state.has_stop_time = has_stop;
     i->state.stop_time = has_stop ? stop : 0.0;
     return GOOD;
@@ -125,10 +132,11 @@ int instance_enter_initialization(instance *i, const char *function) {
 int instance_exit_initialization(instance *i, const char *function) {
     ALLOW(INITIALIZATION);
     i->state.mode = FAILED;
-    if (model_begin(&i->model, i->model.memory.start_time) < 0) return model_fails(i, function);
-    if (model_start(&i->model, i->model_exchange) < 0) return model_fails(i, function);
+    if (model_initialize(&i->model, i->model.memory.start_time) < 0) return report_model_error(i, function);
+    if (model_start(&i->model, i->model_exchange) < 0) return report_model_error(i, function);
+    announce_validity(i);
     i->state.mode = i->model_exchange || i->event_mode ? EVENT : STEPPING;
-    if (i->state.mode == STEPPING) model_show(&i->model);
+    if (i->state.mode == STEPPING) model_report(&i->model);
     return GOOD;
 }
 
@@ -139,7 +147,7 @@ int instance_terminate(instance *i, const char *function) {
 }
 
 int instance_reset(instance *i, const char *function) {
-    ALLOW(ANYWHERE);
+    ALLOW(ANY_MODE);
     model_free(&i->model);
     model_init(&i->model, i->data);
     memset(&i->state, 0, sizeof i->state);
@@ -150,23 +158,26 @@ int instance_reset(instance *i, const char *function) {
 /* ---------------------------------------------------------------- variables */
 
 static int of_type(const instance *i, const char *function, unsigned reference, int type, int or_type) {
-    if (reference >= VARIABLES) return instance_fails(i, function, "no variable has the value reference %u", reference);
+    if (reference >= VARIABLES) return instance_error(i, function, "no variable has the value reference %u", reference);
     int is = VARIABLE[reference].type;
     if (is == type || is == or_type) return GOOD;
     static const char *const types[] = {"a real number", "a whole number", "an enumeration"};
-    return instance_fails(i, function, "%s is %s, which this function does not serve", VARIABLE[reference].name, types[is]);
+    return instance_error(i, function, "%s is %s; use the function for that type", VARIABLE[reference].name, types[is]);
 }
 
 int instance_get(instance *i, const char *function, unsigned reference, int type, int or_type, double *value) {
     if (of_type(i, function, reference, type, or_type) != GOOD) return ERROR;
-    return model_get(&i->model, reference, value) < 0 ? model_fails(i, function) : GOOD;
+    return model_get(&i->model, reference, value) < 0 ? report_model_error(i, function) : GOOD;
 }
 
 int instance_set(instance *i, const char *function, unsigned reference, int type, int or_type, double value) {
     if (of_type(i, function, reference, type, or_type) != GOOD) return ERROR;
     if (VARIABLE[reference].role[i->data->kind] == PARAMETER && !(i->state.mode & (INSTANTIATED | INITIALIZATION)))
-        return instance_fails(i, function, "%s can be set before the end of Initialization Mode only", VARIABLE[reference].name);
-    return model_set(&i->model, reference, value) < 0 ? model_fails(i, function) : GOOD;
+        return instance_error(i, function, "%s can only be set before the end of Initialization Mode", VARIABLE[reference].name);
+    int integrated = i->model_exchange && i->state.mode == CONTINUOUS;
+    int status = integrated && model_is_state(&i->model, reference) ? model_set_state(&i->model, reference, value)
+                                                                    : model_set(&i->model, reference, value);
+    return status < 0 ? report_model_error(i, function) : GOOD;
 }
 
 int instance_derivatives(instance *i, const char *function, const unsigned *unknowns, size_t unknown_count,
@@ -180,7 +191,7 @@ int instance_derivatives(instance *i, const char *function, const unsigned *unkn
     for (size_t row = 0; row < unknown_count; row++)
         for (size_t column = 0; column < known_count; column++) {
             double partial;
-            if (model_partial(&i->model, unknowns[row], knowns[column], &partial) < 0) return model_fails(i, function);
+            if (model_partial(&i->model, unknowns[row], knowns[column], &partial) < 0) return report_model_error(i, function);
             if (adjoint) sensitivity[column] += partial * seed[row];
             else sensitivity[row] += partial * seed[column];
         }
@@ -191,7 +202,7 @@ int instance_derivatives(instance *i, const char *function, const unsigned *unkn
 
 typedef struct {
     uint64_t checksum; /* FNV-1a of what follows */
-    char token[64];    /* of the FMU it was saved in */
+    char token[64];    /* of the FMU that saved it */
     int32_t model_exchange, event_mode; /* of the instance */
     instance_state state;
 } saved_state;
@@ -201,10 +212,10 @@ static uint64_t checksum_of(const saved_state *saved) {
 }
 
 int instance_save(instance *i, const char *function, void **saved) {
-    ALLOW(ANYWHERE);
-    if (!saved) return instance_fails(i, function, "argument FMUState is NULL");
+    ALLOW(ANY_MODE);
+    if (!saved) return instance_error(i, function, "argument FMUState is NULL");
     saved_state *state = *saved ? *saved : calloc(1, sizeof *state);
-    if (!state) return instance_fails(i, function, "no memory for a state");
+    if (!state) return instance_error(i, function, "no memory for a state");
     memcpy(state->token, i->data->token, sizeof state->token);
     state->model_exchange = i->model_exchange;
     state->event_mode = i->event_mode;
@@ -216,32 +227,32 @@ int instance_save(instance *i, const char *function, void **saved) {
 
 int instance_restore(instance *i, const char *function, const void *saved) {
     const saved_state *state = saved;
-    ALLOW(ANYWHERE);
-    if (!state) return instance_fails(i, function, "argument FMUState is NULL");
+    ALLOW(ANY_MODE);
+    if (!state) return instance_error(i, function, "argument FMUState is NULL");
     if (memcmp(state->token, i->data->token, sizeof state->token) != 0)
-        return instance_fails(i, function, "the state was saved in another FMU");
+        return instance_error(i, function, "the state was saved in another FMU");
     if (state->model_exchange != i->model_exchange || state->event_mode != i->event_mode)
-        return instance_fails(i, function, "the state was saved in an instance for %s%s",
+        return instance_error(i, function, "the state was saved in an instance for %s%s",
                               state->model_exchange ? "Model Exchange" : "Co-Simulation", state->event_mode ? " with event mode" : "");
     memcpy(&i->state, &state->state, sizeof i->state);
     memcpy(&i->model.memory, &state->state.memory, sizeof i->model.memory);
-    if (model_restored(&i->model) == 0) return GOOD;
-    i->state.mode = FAILED; /* the nodes are those of before */
-    return model_fails(i, function);
+    if (model_update_mesh(&i->model) == 0 && model_update_curve(&i->model) == 0) return GOOD;
+    i->state.mode = FAILED; /* the mesh does not belong to the restored memory */
+    return report_model_error(i, function);
 }
 
 int instance_size(instance *i, const char *function, const void *saved, size_t *size) {
-    ALLOW(ANYWHERE);
-    if (!saved || !size) return instance_fails(i, function, "argument %s is NULL", saved ? "size" : "FMUState");
+    ALLOW(ANY_MODE);
+    if (!saved || !size) return instance_error(i, function, "argument %s is NULL", saved ? "size" : "FMUState");
     *size = sizeof(saved_state);
     return GOOD;
 }
 
 int instance_serialize(instance *i, const char *function, const void *saved, unsigned char *bytes, size_t size) {
-    ALLOW(ANYWHERE);
-    if (!saved || !bytes) return instance_fails(i, function, "argument %s is NULL", saved ? "serializedState" : "FMUState");
+    ALLOW(ANY_MODE);
+    if (!saved || !bytes) return instance_error(i, function, "argument %s is NULL", saved ? "serializedState" : "FMUState");
     if (size < sizeof(saved_state))
-        return instance_fails(i, function, "%u bytes are too few: a state needs %u", (unsigned)size, (unsigned)sizeof(saved_state));
+        return instance_error(i, function, "%u bytes are too few; a state has %u", (unsigned)size, (unsigned)sizeof(saved_state));
     uint64_t checksum = checksum_of(saved);
     memcpy(bytes, saved, sizeof(saved_state));
     memcpy(bytes, &checksum, sizeof checksum);
@@ -249,20 +260,20 @@ int instance_serialize(instance *i, const char *function, const void *saved, uns
 }
 
 int instance_deserialize(instance *i, const char *function, const unsigned char *bytes, size_t size, void **saved) {
-    ALLOW(ANYWHERE);
-    if (!saved || !bytes) return instance_fails(i, function, "argument %s is NULL", saved ? "serializedState" : "FMUState");
+    ALLOW(ANY_MODE);
+    if (!saved || !bytes) return instance_error(i, function, "argument %s is NULL", saved ? "serializedState" : "FMUState");
     *saved = NULL;
     if (size != sizeof(saved_state))
-        return instance_fails(i, function, "a state of this FMU has %u bytes, not %u", (unsigned)sizeof(saved_state), (unsigned)size);
+        return instance_error(i, function, "a state of this FMU has %u bytes, not %u", (unsigned)sizeof(saved_state), (unsigned)size);
     saved_state *state = malloc(sizeof *state);
-    if (!state) return instance_fails(i, function, "no memory for a state");
+    if (!state) return instance_error(i, function, "no memory for a state");
     memcpy(state, bytes, sizeof *state);
     int other = memcmp(state->token, i->data->token, sizeof state->token) != 0;
     if (other || state->checksum != checksum_of(state)) {
         free(state);
-        return instance_fails(i, function, other ? "the state was saved in another FMU" : "the state is damaged");
+        return instance_error(i, function, other ? "the state was saved in another FMU" : "the state is damaged");
     }
-    *saved = state; /* what it was before may never have been set */
+    *saved = state; /* not freed before: its old value may be uninitialized */
     return GOOD;
 }
 
@@ -274,21 +285,22 @@ int instance_step(instance *i, const char *function, double from, double size, i
     *event = 0;
     ALLOW(STEPPING);
     if (!(size >= 0.0) || !isfinite(end))
-        return instance_fails(i, function, "a step of %g s from %g s; it must be >= 0 s and finite", size, from);
-    if (size > 0.0 && !(end > from)) return instance_fails(i, function, "a step of %g s is lost beside the time %g s", size, from);
-    if (!(fabs(from - now->now) <= SAME_TIME * size + 1e-14 * fabs(now->now)))
-        return instance_fails(i, function, "the step begins at %.17g s, but the last one ended at %.17g s", from, now->now);
+        return instance_error(i, function, "the step of %g s from %g s must be >= 0 s and finite", size, from);
+    if (size > 0.0 && !(end > from)) return instance_error(i, function, "the step of %g s is below the resolution of the time %g s", size, from);
+    if (!(fabs(from - now->time) <= SAME_TIME * size + 1e-14 * fabs(now->time)))
+        return instance_error(i, function, "the step begins at %.17g s, but the last one ended at %.17g s", from, now->time);
     if (i->state.has_stop_time && end > i->state.stop_time + SAME_TIME * (size + fabs(end)))
-        return instance_fails(i, function, "the step ends at %g s, after the stop time %g s", end, i->state.stop_time);
-    if (i->event_mode && model_hides(&i->model))
-        return instance_fails(i, function, "an event at %.17g s has to be handled in Event Mode first", now->now);
-    int stopped, status = model_step(&i->model, end > now->now ? end : now->now, i->event_mode && i->early_return, &stopped);
+        return instance_error(i, function, "the step ends at %g s, after the stop time %g s", end, i->state.stop_time);
+    if (i->event_mode && model_has_unreported(&i->model))
+        return instance_error(i, function, "the event at %.17g s must first be handled in Event Mode", now->time);
+    int stopped, status = model_step(&i->model, end > now->time ? end : now->time, i->event_mode && i->early_return, &stopped);
     if (status < 0) {
         i->state.mode = FAILED;
-        return model_fails(i, function);
+        return report_model_error(i, function);
     }
-    if (!i->event_mode) model_show(&i->model);
-    *event = model_hides(&i->model);
+    announce_validity(i);
+    if (!i->event_mode) model_report(&i->model);
+    *event = model_has_unreported(&i->model);
     return GOOD;
 }
 
@@ -297,42 +309,45 @@ int instance_step(instance *i, const char *function, double from, double size, i
 int instance_enter_event_mode(instance *i, const char *function) {
     ALLOW(i && i->model_exchange ? CONTINUOUS : STEPPING);
     if (!i->model_exchange && !i->event_mode)
-        return instance_fails(i, function, "the instance was made without event mode");
-    if (i->model_exchange) model_reached(&i->model); /* before inputs change */
+        return instance_error(i, function, "the instance was created without event mode");
+    if (i->model_exchange) model_accept_states(&i->model); /* before the inputs change */
     i->state.mode = EVENT;
     return GOOD;
 }
 
-int instance_update(instance *i, const char *function) {
+int instance_update(instance *i, const char *function, int *restart) {
+    *restart = 0;
     ALLOW(EVENT);
-    if (i->model_exchange && model_switch(&i->model) < 0) {
+    if (i->model_exchange && model_apply_events(&i->model) < 0) {
         i->state.mode = FAILED;
-        return model_fails(i, function);
+        return report_model_error(i, function);
     }
-    model_show(&i->model);
+    announce_validity(i);
+    *restart = i->model_exchange && model_has_unreported(&i->model);
+    model_report(&i->model);
     return GOOD;
 }
 
 int instance_leave_event_mode(instance *i, const char *function, int mode) {
     ALLOW(EVENT);
     if (i->model_exchange != (mode == CONTINUOUS))
-        return instance_fails(i, function, "the instance was made for %s", i->model_exchange ? "Model Exchange" : "Co-Simulation");
+        return instance_error(i, function, "the instance was created for %s", i->model_exchange ? "Model Exchange" : "Co-Simulation");
     i->state.mode = mode;
     return GOOD;
 }
 
 int instance_completed(instance *i, const char *function) {
     ALLOW(CONTINUOUS);
-    model_reached(&i->model);
+    model_accept_states(&i->model);
     return GOOD;
 }
 
 int instance_set_time(instance *i, const char *function, double time) {
     ALLOW(EVENT | CONTINUOUS);
-    if (!i->model_exchange) return instance_fails(i, function, "the instance was made for Co-Simulation");
+    if (!i->model_exchange) return instance_error(i, function, "the instance was created for Co-Simulation");
     if (!isfinite(time) || time < i->model.memory.start_time)
-        return instance_fails(i, function, "time %g s must not be before the start time %g s", time, i->model.memory.start_time);
-    i->model.memory.now = time;
+        return instance_error(i, function, "time %g s must not be before the start time %g s", time, i->model.memory.start_time);
+    i->model.memory.time = time;
     return GOOD;
 }
 
@@ -342,28 +357,28 @@ size_t instance_state_count(const instance *i) {
 
 int instance_set_states(instance *i, const char *function, const double *states, size_t count) {
     ALLOW(CONTINUOUS | EVENT);
-    if (!i->model_exchange) return instance_fails(i, function, "the instance was made for Co-Simulation");
+    if (!i->model_exchange) return instance_error(i, function, "the instance was created for Co-Simulation");
     if (count != instance_state_count(i))
-        return instance_fails(i, function, "%u states; there are %u", (unsigned)count, (unsigned)instance_state_count(i));
+        return instance_error(i, function, "%u states, but there are %u", (unsigned)count, (unsigned)instance_state_count(i));
     NEED(states, count);
     for (size_t k = 0; k < count; k++)
-        if (!isfinite(states[k])) return instance_fails(i, function, "state %u is %g", (unsigned)k, states[k]);
-    for (size_t k = 0; k < count; k++) i->model.memory.at[k] = states[k];
+        if (!isfinite(states[k])) return instance_error(i, function, "state %u is %g, it must be finite", (unsigned)k, states[k]);
+    for (size_t k = 0; k < count; k++) i->model.memory.states[k] = states[k];
     return GOOD;
 }
 
 int instance_vector(instance *i, const char *function, int what, double *values, size_t count) {
-    ALLOW(what == GET_NOMINALS ? ANYWHERE : INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | FAILED);
-    if (!i->model_exchange) return instance_fails(i, function, "the instance was made for Co-Simulation");
+    ALLOW(what == GET_NOMINALS ? ANY_MODE : INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | FAILED);
+    if (!i->model_exchange) return instance_error(i, function, "the instance was created for Co-Simulation");
     size_t expected = what == GET_INDICATORS ? FILM_INDICATORS : instance_state_count(i);
-    if (count != expected) return instance_fails(i, function, "%u values; there are %u", (unsigned)count, (unsigned)expected);
+    if (count != expected) return instance_error(i, function, "%u values, but there are %u", (unsigned)count, (unsigned)expected);
     NEED(values, count);
-    if (!i->model.memory.begun && model_begin(&i->model, i->model.memory.start_time) < 0) return model_fails(i, function);
+    if (!i->model.memory.initialized && model_initialize(&i->model, i->model.memory.start_time) < 0) return report_model_error(i, function);
     if (count == 0) return GOOD;
     int status = 0;
-    if (what == GET_STATES) memcpy(values, i->model.memory.at, count * sizeof *values);
+    if (what == GET_STATES) memcpy(values, i->model.memory.states, count * sizeof *values);
     else if (what == GET_NOMINALS) memcpy(values, i->data->nominal, count * sizeof *values);
     else if (what == GET_INDICATORS) status = model_indicators(&i->model, values);
     else status = model_rates(&i->model, values);
-    return status < 0 ? model_fails(i, function) : GOOD;
+    return status < 0 ? report_model_error(i, function) : GOOD;
 }

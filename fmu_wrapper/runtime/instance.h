@@ -1,13 +1,14 @@
-/* What both FMI versions share: an instance, which calls it allows when, its saved states and its messages.
- * Every function returns GOOD or ERROR, which are fmi2OK/fmi3OK and fmi2Error/fmi3Error; an ERROR has been reported. */
+/* An FMU instance, shared by FMI 2.0 and 3.0: allowed calls in each state, saved states, messages.
+ * Functions return GOOD or ERROR, the values of fmi2OK/fmi3OK and fmi2Error/fmi3Error; with ERROR, the function has sent
+ * a message. */
 #ifndef FILM_INSTANCE_H
 #define FILM_INSTANCE_H
 
 #include "model.h"
 
-enum { GOOD = 0, ERROR = 3 };
+enum { GOOD = 0, WARNING = 1, ERROR = 3 };
 
-/* Where an instance is, as a set for what a call allows. */
+/* States of an instance, as bits: a set of them says where a call is allowed. */
 enum {
     INSTANTIATED = 1,
     INITIALIZATION = 2,
@@ -17,13 +18,13 @@ enum {
     TERMINATED = 32,
     FAILED = 64,
     RUNNING = EVENT | CONTINUOUS | STEPPING,
-    ANYWHERE = 127
+    ANY_MODE = 127
 };
 
 typedef struct instance instance;
 typedef void report(const instance *i, int status, const char *category, const char *text);
 
-/* All that a saved state holds; no pointers. */
+/* Content of a saved state; no pointers. */
 typedef struct {
     model_memory memory;
     double stop_time;
@@ -33,11 +34,11 @@ typedef struct {
 struct instance {
     model model;
     model_data *data;
-    instance_state state; /* but for the memory, which is the model's */
+    instance_state state; /* except state.memory: model.memory is used */
     int model_exchange, event_mode, early_return;
     report *report;
     void *environment;
-    void (*logger)(void); /* as the importer gave it; report knows its type */
+    void (*logger)(void); /* the importer's callback; `report` casts it to its type */
     char *name;
 };
 
@@ -49,12 +50,12 @@ typedef struct {
     void (*logger)(void);
 } instance_options;
 
-/* NULL when it cannot be made, with a reason reported; `why` is reported instead of trying, if there is one. */
-instance *instance_new(const char *function, const instance_options *options, const char *why);
+/* Returns NULL after an error message if the instance cannot be created. With `error` != NULL, only sends that message. */
+instance *instance_new(const char *function, const instance_options *options, const char *error);
 void instance_free(instance *i);
 
 int instance_allows(const instance *i, const char *function, int modes);
-int instance_fails(const instance *i, const char *function, const char *format, ...);
+int instance_error(const instance *i, const char *function, const char *format, ...);
 
 int instance_set_up(instance *i, const char *function, double start, int has_stop, double stop);
 int instance_enter_initialization(instance *i, const char *function);
@@ -62,7 +63,7 @@ int instance_exit_initialization(instance *i, const char *function);
 int instance_terminate(instance *i, const char *function);
 int instance_reset(instance *i, const char *function);
 
-/* One variable of the type (REAL, WHOLE or ENUMERATION) or, where either will do, of two types. */
+/* Get or set one variable, whose type (REAL, WHOLE or ENUMERATION) must be one of two, which may be the same. */
 int instance_get(instance *i, const char *function, unsigned reference, int type, int or_type, double *value);
 int instance_set(instance *i, const char *function, unsigned reference, int type, int or_type, double value);
 
@@ -72,19 +73,20 @@ int instance_size(instance *i, const char *function, const void *saved, size_t *
 int instance_serialize(instance *i, const char *function, const void *saved, unsigned char *bytes, size_t size);
 int instance_deserialize(instance *i, const char *function, const unsigned char *bytes, size_t size, void **saved);
 
-/* sensitivity = (partial derivatives of the unknowns by the knowns) seed, or with the transposed matrix. */
+/* sensitivity = J seed, J = partial derivatives of the unknowns with respect to the knowns; adjoint: transposed J. */
 int instance_derivatives(instance *i, const char *function, const unsigned *unknowns, size_t unknown_count,
                          const unsigned *knowns, size_t known_count, const double *seed, double *sensitivity, int adjoint);
 
 int instance_step(instance *i, const char *function, double from, double size, int *event);
 
 int instance_enter_event_mode(instance *i, const char *function);
-int instance_update(instance *i, const char *function);
+/* *restart: 1 if an event has changed the motion, so that an integrator should start anew. */
+int instance_update(instance *i, const char *function, int *restart);
 int instance_leave_event_mode(instance *i, const char *function, int mode);
 int instance_completed(instance *i, const char *function);
 int instance_set_time(instance *i, const char *function, double time);
 int instance_set_states(instance *i, const char *function, const double *states, size_t count);
-/* What: the states, their rates, their nominals, the event indicators. */
+/* States, derivatives, nominal values or event indicators. */
 enum { GET_STATES, GET_RATES, GET_NOMINALS, GET_INDICATORS };
 int instance_vector(instance *i, const char *function, int what, double *values, size_t count);
 size_t instance_state_count(const instance *i);

@@ -1,97 +1,138 @@
-/* The impact, and the contact alone, as components in SI units: what the FMI functions are thin shims around.
- * Knows no FMI. No globals; the only memory allocated is that of a mesh's nodes. Directions are positive into the target. */
+/* The impact, and the contact alone, as components in SI units; the FMI functions only call these functions.
+ * Independent of FMI. No global variables; the only memory allocated is that of the mesh's nodes. Positive directions
+ * point into the target. */
 #ifndef FILM_MODEL_H
 #define FILM_MODEL_H
 
 #include "film_core.h"
 #include "variables.h"
 
-enum { STATES = 3, SCALING = 3, DAMPING = 5 }; /* indentation, impactor velocity, target displacement; see model_data */
-enum { MOST_EVENTS = 1000000 };   /* in one step: a ball that bounces for ever has no end of them */
+enum { STATES = 3 };                   /* indentation, impactor velocity, target displacement */
+enum { SCALINGS = 7, DAMPINGS = 12 };  /* parameters that scale the march, and its damping; see model_data */
+enum { LIMITS = 2, LONGEST_REASON = 80 };
+enum { MAX_STEP_EVENTS = 1000000 }; /* per step: a ball that bounces without loss has infinitely many events */
 
-/* What an export fixes: resources/model.film, written by fmu_wrapper/resource.py, little endian as all platforms are.
- * The scales of the march are length = length_scale * prod (p/start)^length_power over p = radius, effective modulus and
- * yield strength; force likewise. What the curve's damping is multiplied with, N s/m, is a product of powers of mass and
- * initial velocity too. */
+/* The family of curves of a law whose stages depend on a shape: shape * prod (p/start)^power with p = radius, effective
+ * modulus, yield strength. If nodes > 0, a film_curve (`whole`) and the numbers of film_family follow model_data. */
+enum { SHAPE_POWERS = 3 };
+typedef struct {
+    double shape, power[SHAPE_POWERS], low, high;
+    int32_t nodes, varying;
+} model_family;
+
+/* The data of an export: resources/model.film, written by fmu_wrapper/resource.py; little endian, as all platforms are.
+ * The scales of the march depend on the parameters p of the law (SCALES_BY in model.c):
+ * length = length_scale * prod (p/start)^length_power, and force likewise. The damping factor (N s/m) is such a product
+ * too, with mass, initial velocity and parameters of damping. The assumptions of the export hold for parameters within
+ * `valid`, where `reason` names what fails below and above, and for indentations up to `limit`, which is such a product. */
 typedef struct {
     char magic[8];
-    uint64_t size;     /* of this structure */
+    uint64_t size;     /* of this structure and what follows it */
     uint64_t checksum; /* FNV-1a of everything after it */
     char token[64];    /* instantiation token, GUID */
     int32_t kind, linearisation;
     int32_t available[SETTABLE]; /* whether this law has the parameter */
-    int32_t even;                /* keeps the numbers below at multiples of 8 */
+    int32_t padding;             /* aligns the members below to 8 bytes */
     double start[SETTABLE];
-    double length_scale, length_power[SCALING];
-    double force_scale, force_power[SCALING];
-    double damping, damping_power[DAMPING];
+    double length_scale, length_power[SCALINGS];
+    double force_scale, force_power[SCALINGS];
+    double damping, damping_power[DAMPINGS];
     double speed; /* typical relative velocity, m/s */
     double nominal[STATES];
+    double valid[SETTABLE][2];
+    char reason[SETTABLE][2][LONGEST_REASON];
+    double limit[LIMITS], limit_power[LIMITS][SCALINGS]; /* m: of an elastic law, of a narrow contact */
     film_curve curve;
+    model_family family;
 } model_data;
 
-/* What is known of events: the discrete outputs. */
+enum { HAD_MAXIMUM = 1, HAD_STOP = 2 };         /* events in the current contact */
+enum { OUTSIDE = 1, YIELDS = 2, WIDE = 4 };     /* assumptions of the export that do not hold: see the variable validity */
+
+/* The discrete outputs. */
 typedef struct {
-    int32_t phase, stage, contacts, events, last_event, seen;
-    double time[VARIABLES - SETTABLE]; /* times and values, by value reference less SETTABLE */
+    int32_t phase, stage, contacts, events, last_event, had;
+    int32_t validity, padding; /* sum of OUTSIDE, YIELDS, WIDE */
+    double value[VARIABLES - SETTABLE]; /* times and values of events, by value reference - SETTABLE */
 } model_record;
 
-/* Everything that changes, without pointers: copying it saves it. */
+/* Everything that changes during a simulation. No pointers: copying it saves it. */
 typedef struct {
-    double value[SETTABLE]; /* parameters and inputs, SI */
-    double start_time, now;
-    double length, force, tick, velocity; /* scales: m, N, s, m/s */
-    double load, support;                 /* as the state has them: a part of the force scale; m/s */
-    double support_displacement;
-    double contact_speed;
-    double at[STATES]; /* an importer's integrator has them here, SI */
-    double committed_time, committed_indentation, committed_rate, reached; /* contact: last point of the path, and
-                                                                              the indentation now */
+    double value[SETTABLE];                      /* parameters and inputs, SI */
+    double start_time, time;                     /* s */
+    double length, force, time_scale, velocity;  /* scales: m, N, s, m/s */
+    double load, support;                        /* inputs in use: load over the force scale; support velocity, m/s */
+    double support_displacement;                 /* m */
+    double contact_speed;                        /* relative velocity at first touch, over the velocity scale */
+    double states[STATES];                       /* in Model Exchange, as set by the importer, SI */
+    double step_force;                           /* mean contact force over the last communication step, N */
+    double impulse, released, external;          /* of contact, N s; work done by the contact force on the impactor, and by
+                                                    gravity and external force, J */
+    double committed_time, committed_indentation, committed_rate; /* contact: last accepted point of the path, SI */
+    double indentation, rate;                    /* contact: at the current time, set or extrapolated, m and m/s */
     film_state state;
-    model_record happened, shown; /* what is known, and what outputs tell: more comes to light by model_show */
-    int32_t begun, continuous;    /* parameters are taken over; an importer's integrator owns the states */
+    model_record actual, reported; /* after the latest event; as outputs show it, until the next model_report */
+    int32_t initialized;           /* the parameters are in use */
+    int32_t importer_integrates;   /* Model Exchange */
+    int32_t announced, padding;    /* of validity: what has been logged */
 } model_memory;
 
 typedef struct {
     const model_data *data;
+    const film_curve *curve; /* for the parameters: that of the data, or `own` */
+    film_curve *own;
     film_mesh mesh;
     double *nodes;
-    char message[240]; /* of the last failure */
+    char message[240]; /* of the last error */
     model_memory memory;
 } model;
 
-/* Read, check and free the data of an export. NULL with a message of at most `room` characters. */
+/* Read and check the data of an export. Returns NULL and writes a message of at most `room` characters on failure. */
 model_data *model_read_data(const char *folder, char *message, size_t room);
-/* A file URI such as file:///tmp/a%20b/resources as a path, in place of `path` with its room; 0, or -1 if it is none. */
-int model_path_of_uri(const char *uri, char *path, size_t room);
+/* Whether the folder has the file of that data. */
+int model_has_data(const char *folder);
+/* Convert a file URI such as file:///tmp/a%20b/resources to a path of at most `room` characters. -1: not a file URI.
+ * Without `escapes`, %20 stays as it is. */
+int model_path_of_uri(const char *uri, char *path, size_t room, int escapes);
 
-/* FNV-1a. */
+/* FNV-1a hash. */
 uint64_t model_checksum(const void *from, size_t count);
 
 void model_init(model *m, const model_data *data);
 void model_free(model *m);
 
-/* All of these return 0, or -1 with m->message. */
+/* All functions below that return int return 0, or -1 with m->message, unless noted otherwise. */
+
 int model_set(model *m, unsigned reference, double value);
 int model_get(model *m, unsigned reference, double *value);
+/* Partial derivative of an output with respect to an input or state. */
 int model_partial(model *m, unsigned unknown, unsigned known, double *partial);
+/* Whether an output depends directly on a variable: 1 or 0; -1: not a continuous output. */
 int model_depends(const model *m, unsigned unknown, unsigned known);
-/* Takes over the parameters; time: when the simulation starts. */
-int model_begin(model *m, double time);
-/* After model_begin: whatever happens at once. `continuous`: an importer's integrator owns the states. */
-int model_start(model *m, int continuous);
-/* To time `end` >= now, s. With stop_at_events: to the next event, if that comes first; *stopped says so. */
-int model_step(model *m, double end, int stop_at_events, int *stopped);
-/* Whether something has happened that outputs do not tell yet; to tell it. */
-int model_hides(const model *m);
-void model_show(model *m);
-/* The nodes that belong to the memory, after it was replaced. */
-int model_restored(model *m);
 
-/* Model exchange. */
+/* Compute scales, mesh and state from the parameters. time: start of the simulation, s. */
+int model_initialize(model *m, double time);
+/* After model_initialize: handle the events at the start time. */
+int model_start(model *m, int importer_integrates);
+/* Advance to time `end` >= time, s. With stop_at_events: only to the next event if that is earlier; *stopped is then 1. */
+int model_step(model *m, double end, int stop_at_events, int *stopped);
+/* Whether an event has happened that the outputs do not show yet (0 or 1); and update the outputs. */
+int model_has_unreported(const model *m);
+void model_report(model *m);
+/* Build the mesh for the number of segments in the memory, unless it exists already. */
+int model_update_mesh(model *m);
+
+/* The next message about an assumption that does not hold and has not been announced yet: 1, or 0 if there is none. */
+int model_announce(model *m, char *text, size_t room);
+/* Put the curve for the parameters into m->curve. */
+int model_update_curve(model *m);
+
+/* Model Exchange. */
+int model_is_state(const model *m, unsigned reference);
+int model_set_state(model *m, unsigned reference, double value);
 int model_rates(model *m, double rates[STATES]);
 int model_indicators(model *m, double indicators[FILM_INDICATORS]);
-int model_switch(model *m); /* all events that are due */
-void model_reached(model *m); /* the states and inputs are a point of the motion, not only tried */
+int model_apply_events(model *m);    /* all events that are due */
+void model_accept_states(model *m);  /* states and inputs belong to the solution: the integrator step was accepted */
 
 #endif

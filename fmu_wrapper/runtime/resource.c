@@ -1,4 +1,4 @@
-/* Reading what an export fixes. See model.h. */
+/* Read the data of an export. See model.h. */
 #include "model.h"
 
 #include <stdarg.h>
@@ -8,13 +8,13 @@
 
 #if defined(_WIN32)
 #define WIN32_LEAN_AND_MEAN
-#define NOUSER /* its INPUT is ours too */
+#define NOUSER /* without winuser.h, whose INPUT conflicts with that of variables.h */
 #include <windows.h>
 #endif
 
 static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '1'};
 static const char NAME[] = "model.film";
-enum { LONGEST_PATH = 4096 };
+enum { LONGEST_PATH = 4096, LARGEST_FILE = 1 << 24, MOST_VARYING = 1 << 13 };
 
 static FILE *open_file(const char *path) {
 #if defined(_WIN32)
@@ -47,31 +47,56 @@ static int bad_numbers(const model_data *data) {
               !(data->damping >= 0.0);
     for (unsigned k = 0; k < SETTABLE; k++)
         bad |= !(data->start[k] >= VARIABLE[k].low && data->start[k] <= VARIABLE[k].high);
+    const model_family *family = &data->family;
+    if (family->nodes != 0)
+        bad |= family->nodes < 2 || family->nodes > FILM_MAX_NODES || !(family->low > 0.0 && family->low < family->high) ||
+               !(family->shape >= family->low && family->shape <= family->high) || family->varying < 1;
     return bad || film_check_curve(&data->curve) < 0;
+}
+
+/* Bytes that follow the data. */
+static size_t family_size(const model_data *data) {
+    size_t nodes = (size_t)data->family.nodes, varying = (size_t)data->family.varying;
+    if (data->family.nodes <= 0 || data->family.nodes > FILM_MAX_NODES || varying > MOST_VARYING) return 0;
+    return sizeof(film_curve) + (nodes + varying + nodes * varying) * sizeof(double);
 }
 
 model_data *model_read_data(const char *folder, char *message, size_t room) {
     char path[LONGEST_PATH];
-    if (!folder || !*folder) return fault(NULL, NULL, message, room, "no folder of resources was given; it holds %s", NAME);
+    if (!folder || !*folder) return fault(NULL, NULL, message, room, "the path of the resources folder, which contains %s, is missing", NAME);
     size_t length = strlen(folder);
     const char *slash = folder[length - 1] == '/' || folder[length - 1] == '\\' ? "" : "/";
-    if (length + sizeof NAME + 2 > sizeof path) return fault(NULL, NULL, message, room, "the path of the resources is too long");
+    if (length + sizeof NAME + 2 > sizeof path) return fault(NULL, NULL, message, room, "the path of the resources folder is too long");
     snprintf(path, sizeof path, "%s%s%s", folder, slash, NAME);
     FILE *file = open_file(path);
     if (!file) return fault(NULL, NULL, message, room, "%s cannot be opened", path);
-    model_data *data = malloc(sizeof *data);
+    if (fseek(file, 0, SEEK_END) != 0) return fault(NULL, file, message, room, "%s cannot be read", path);
+    long bytes = ftell(file);
+    if (bytes < (long)sizeof(model_data) || bytes > LARGEST_FILE)
+        return fault(NULL, file, message, room, "%s is damaged: it must have at least %u bytes", path, (unsigned)sizeof(model_data));
+    rewind(file);
+    size_t size = (size_t)bytes;
+    model_data *data = malloc(size);
     if (!data) return fault(NULL, file, message, room, "no memory for %s", path);
-    size_t read = fread(data, 1, sizeof *data, file);
-    if (read < sizeof *data || fgetc(file) != EOF)
-        return fault(data, file, message, room, "%s is damaged: it must have %u bytes", path, (unsigned)sizeof *data);
-    if (memcmp(data->magic, MAGIC, sizeof MAGIC) != 0 || data->size != sizeof *data)
-        return fault(data, file, message, room, "%s is not of this version of film-model, or no such file at all", path);
+    if (fread(data, 1, size, file) < size) return fault(data, file, message, room, "%s cannot be read", path);
+    if (memcmp(data->magic, MAGIC, sizeof MAGIC) != 0)
+        return fault(data, file, message, room, "%s was not written by this version of film-model", path);
+    if (data->size != size || size != sizeof *data + family_size(data))
+        return fault(data, file, message, room, "%s is damaged: it must have %u bytes", path, (unsigned)data->size);
     size_t head = offsetof(model_data, token);
-    if (data->checksum != model_checksum((const unsigned char *)data + head, sizeof *data - head) ||
+    if (data->checksum != model_checksum((const unsigned char *)data + head, size - head) ||
         memchr(data->token, 0, sizeof data->token) == NULL || bad_numbers(data))
-        return fault(data, file, message, room, "%s is damaged: its checksum does not fit", path);
+        return fault(data, file, message, room, "%s is damaged: its checksum or its numbers are wrong", path);
     fclose(file);
     return data;
+}
+
+int model_has_data(const char *folder) {
+    char path[LONGEST_PATH];
+    if ((size_t)snprintf(path, sizeof path, "%s/%s", folder, NAME) >= sizeof path) return 0;
+    FILE *file = open_file(path);
+    if (file) fclose(file);
+    return file != NULL;
 }
 
 static int digit(char c) {
@@ -80,7 +105,7 @@ static int digit(char c) {
     return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
 }
 
-int model_path_of_uri(const char *uri, char *path, size_t room) {
+int model_path_of_uri(const char *uri, char *path, size_t room, int escapes) {
     if (!uri || strncmp(uri, "file:", 5) != 0) return -1;
     const char *from = uri + 5;
     if (strncmp(from, "//", 2) == 0) {
@@ -92,7 +117,7 @@ int model_path_of_uri(const char *uri, char *path, size_t room) {
     size_t count = 0;
     for (; *from; from++) {
         char c = *from;
-        if (c == '%') {
+        if (escapes && c == '%') {
             int high = digit(from[1]), low = high < 0 ? -1 : digit(from[2]);
             if (low < 0 || high * 16 + low == 0) return -1;
             c = (char)(high * 16 + low);

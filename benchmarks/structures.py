@@ -1,0 +1,123 @@
+"""Impacts on structures: the core's contact on modes, DOP853 and Newmark's method on the same modes, in one process.
+
+    python -m benchmarks.structures [--slow]
+
+Prints milliseconds of processor time, the best of several runs, and the relative error of the maximum force and of the
+time at which the first contact ends. With --slow also the scenes of heavy impactors on thin plates.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import film_model as fm
+from film_model.base import units
+from film_model.effects.choose import problem_of
+from film_model.solve import vibration
+from film_model.studies import modal_reference
+
+OLSSON = fm.Scene.from_toml(Path(__file__).parent.parent / "examples" / "scenes" / "olsson_plate.toml")
+HIGHEST = 4e6  # rad/s: 671 modes of the paper's plate
+STEEL = fm.Material("steel", "210 GPa", 0.3, "7850 kg/m^3")
+GLASS = fm.Material("glass", "70 GPa", 0.23, "2500 kg/m^3")
+ALUMINIUM = fm.Material("aluminium", "70 GPa", 0.33, "2700 kg/m^3")
+EDGES = fm.Effects(gravity=False, boundary_reflections=True, target_inertia=True)
+
+
+def timed(run: Callable[[], Any], repeats: int) -> tuple[float, Any]:
+    """Least processor time of a call in ms, and its result."""
+    best, found = np.inf, None
+    for _ in range(repeats):
+        begin = time.process_time()
+        found = run()
+        best = min(best, time.process_time() - begin)
+    return 1e3 * best, found
+
+
+def newmark(problem: Any, frequency: Any, share: Any, rest: float, end: float, steps: int) -> tuple[float, float]:
+    """Maximum force and end of the first contact: average acceleration, Hertz's law, fixed steps."""
+    h, (w, u, a) = end / steps, (np.zeros_like(frequency) for _ in range(3))
+    x, v, force, most, stiff = 0.0, problem.approach, 0.0, 0.0, 1.0 / (1.0 + 0.25 * h**2 * frequency**2)
+    soft = 0.25 * h * h * (1.0 + float(np.sum(share * stiff))) + rest
+    for k in range(steps):
+        guess = w + h * u + 0.25 * h * h * a
+        ahead = x + h * v - 0.25 * h * h * force - float(np.sum(guess * stiff))
+        depth = max(ahead, 0.0)
+        for _ in range(20 if ahead > 0.0 else 0):
+            depth = max(depth - (depth + soft * depth**1.5 - ahead) / (1.0 + 1.5 * soft * depth**0.5), 0.25 * depth)
+        new = depth**1.5
+        w = (guess + 0.25 * h * h * share * new) * stiff
+        next_a = share * new - frequency**2 * w
+        u, a = u + 0.5 * h * (a + next_a), next_a
+        x, v, force, most = x + h * v - 0.25 * h * h * (force + new), v - 0.5 * h * (force + new), new, max(most, new)
+        if new == 0.0 and k > 10:
+            return most, (k + 1) * h
+    return most, end
+
+
+def papers_plate() -> None:
+    """The paper's plate, 200 mm by 200 mm."""
+    problem = problem_of(OLSSON)
+    structure = vibration.structure_of(OLSSON.target, HIGHEST, problem.scales.time)
+    scales, tables = problem.scales, structure.tables
+    exact = vibration.run(problem, structure, 1e-11, 1.0).summary
+    rest, frequency = structure.omitted * scales.force / scales.length, tables.frequency * scales.time
+    share = tables.share * problem.mass
+    print(f"paper's plate, {tables.count} modes")
+
+    def tell(name: str, milliseconds: float, force: float, end: float) -> None:
+        errors = force / exact.maximum_force - 1.0, end / exact.contact_duration - 1.0
+        print(f"  {name:30} {milliseconds:10.2f} ms   errors {errors[0]:9.1e} {errors[1]:9.1e}")
+
+    for tolerance in (1e-3, 1e-5, 1e-7):
+        spent, run = timed(lambda tolerance=tolerance: vibration.run(problem, structure, tolerance, 1.0), 7)
+        tell(f"core, tolerance {tolerance:g}", spent, run.summary.maximum_force, run.summary.contact_duration)
+    for tolerance in (1e-4, 1e-6):
+
+        def dop853(tolerance: float = tolerance) -> Any:
+            return modal_reference.integrate(problem, frequency, share, rest, 1.0, 1.0 / scales.time, tolerance)
+
+        spent, run = timed(dop853, 1)
+        tell(f"DOP853, tolerance {tolerance:g}", spent, run.summary.maximum_force, run.summary.contact_duration)
+    for steps in (2000, 8000):
+        end = 1.5 * exact.contact_duration
+        spent, found = timed(lambda n=steps, end=end: newmark(problem, frequency, share, rest, end, n), 1)
+        tell(f"Newmark, {steps} steps, one contact", spent, *found)
+
+
+def whole(name: str, scene: fm.Scene, accuracy: float) -> None:
+    """A simulation with its choice of modes, the structure kept from a first one."""
+    fm.simulate(scene, accuracy=accuracy)
+    spent, history = timed(lambda: fm.simulate(scene, accuracy=accuracy), 3)
+    run = history.vibration
+    error = history.accuracy.estimated
+    print(f"  {name:22} {spent:9.1f} ms  {run.modes:6} modes, {run.contacts:3} contacts, estimated {error:.0e}")
+
+
+def main() -> None:
+    """The table."""
+    papers_plate()
+    print("simulate() at an accuracy of 1e-3, structure kept")
+    whole("paper's plate", OLSSON, 1e-3)
+    pane = fm.Plate(GLASS, "4 mm", size=["1 m", "1 m"])
+    ball = fm.Sphere("25 mm", "4.43 m/s", material=STEEL, mass="500 g")
+    whole("glass pane, 500 g", fm.Scene(ball, pane, fm.Contact("hertz"), EDGES), 1e-3)
+    for mass in ("0.2 kg", "0.5 kg", "1 kg", "2 kg", "3 kg", "5 kg") if "--slow" in sys.argv else ():
+        for thickness in ("1 mm", "2 mm", "4 mm", "8 mm"):
+            plate = fm.Plate(ALUMINIUM, thickness, size=["150 mm", "100 mm"])
+            ball = fm.Sphere("12 mm", "2 m/s", material=STEEL, mass=mass)
+            whole(f"{mass} on {thickness}", fm.Scene(ball, plate, fm.Contact("hertz"), EDGES), 1e-3)
+    speeds = units.quantity(np.linspace(0.1, 1.0, 2000), "velocity")
+    scene = OLSSON.replace({"effects.boundary_reflections": True, "effects.target_inertia": True})
+    spent, _ = timed(lambda: fm.simulate_batch(scene, velocity=speeds, accuracy=1e-3), 1)
+    print(f"2000 velocities on the paper's plate: {2e6 / spent:.0f} impacts a second of processor time")
+
+
+if __name__ == "__main__":
+    main()

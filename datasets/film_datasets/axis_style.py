@@ -1,0 +1,98 @@
+"""Axes of plots: values in readable units, labels, ticks, logarithmic scales and titles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from film_datasets.schema import dimension_of, flag_meanings
+from film_model.plot.style import prefixed_unit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MOST_POINTS = 20_000
+"""Points along a line or in a scatter plot; longer arrays are thinned evenly."""
+
+LOG_RATIO = 30.0
+"""An axis whose largest value is at least this multiple of its smallest is logarithmic, if all values are > 0."""
+
+LOG_SPACED_RATIO = 3.0
+"""The same for values in a geometric sequence."""
+
+LABELLED_RATIO = 2000.0
+"""Up to this ratio a logarithmic axis has labels at 1, 2 and 5 of each decade, beyond it at powers of ten."""
+
+
+def finite(array: xr.DataArray) -> Any:
+    """The finite values; [0] if there are none."""
+    values = array.values[np.isfinite(array.values)]
+    return values if values.size else np.zeros(1)
+
+
+def thinned(size: int, most: int) -> slice:
+    """A slice that leaves at most `most` of `size` values, evenly spaced."""
+    return slice(None, None, max(1, -(-size // most)))
+
+
+def names_present(array: xr.DataArray) -> list[str]:
+    """The names of the values of a swept quantity, of a selection those that it contains; empty if they are numbers."""
+    meanings = flag_meanings(array)
+    return [meanings[number] for number in array.values.tolist()] if meanings else []
+
+
+def values_and_label(array: xr.DataArray) -> tuple[Any, str]:
+    """Values in a unit with a suitable prefix, and the label of their axis."""
+    if flag_meanings(array):
+        return array.values, plain(str(array.name))
+    size, unit = prefixed_unit(array.values, dimension_of(array))
+    return array.values / size, label(str(array.name), unit)
+
+
+def label(name: str, unit: str) -> str:
+    """'contact force (kN)'."""
+    return plain(name) + (f" ({unit})" if unit else "")
+
+
+def plain(name: str) -> str:
+    """A name with spaces, without `$`, which matplotlib reads as the start of a formula."""
+    return name.replace("_", " ").replace("$", r"\$")
+
+
+def format_axis(panel: Any, which: str, array: xr.DataArray, scaled: xr.DataArray | None = None) -> None:
+    """Format the axis "x" or "y" of `array`: names as ticks, or a logarithmic scale with plain numbers.
+
+    scaled: the values that decide whether the scale is logarithmic, those of `array` unless given.
+    """
+    axis = getattr(panel, f"{which}axis")
+    meanings = flag_meanings(array)
+    if meanings:
+        axis.set_ticks(range(len(meanings)), meanings)
+        return
+    array = array if scaled is None else scaled
+    values = np.asarray(array.values[:: max(1, array.size // MOST_POINTS)], np.float64)
+    low, high = float(values.min()), float(values.max())
+    if not (low > 0.0 and math.isfinite(high)):
+        return
+    steps = values[1:] / values[:-1]
+    geometric = steps.size > 1 and high >= LOG_SPACED_RATIO * low and np.ptp(steps) <= 1e-6 * abs(steps[0])
+    if geometric or high >= LOG_RATIO * low:
+        from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # lazy: an optional dependency
+
+        getattr(panel, f"set_{which}scale")("log")
+        if high <= LABELLED_RATIO * low:
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
+
+
+def set_title(figure: Figure, ds: xr.Dataset, notes: Sequence[str] = ()) -> None:
+    """The title of the dataset, and below it the notes."""
+    title = str(ds.attrs["title"]).partition(": sweep over")[0]
+    figure.suptitle(title.replace("$", r"\$"), fontsize=min(11.0, 620.0 / max(len(title), 1)), fontweight="bold")
+    if notes:
+        figure.axes[0].set_title("; ".join(notes).replace("$", r"\$"), fontsize=8)

@@ -1,0 +1,160 @@
+"""Measurements in CSV files, whose headings have units, as datasets."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import math
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from film_datasets.provenance import provenance
+from film_datasets.schema import MEASUREMENT, TABLE, Variable, content_sha256
+from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
+from film_model.base.units import DIMENSIONS, to_si
+from film_model.scene.toml import read_text
+
+NAMES = {
+    **{"time": "t", "force": "contact_force", "velocity": "impactor_velocity", "displacement": "impactor_displacement"},
+    **{"restitution": "coefficient_of_restitution", "e": "coefficient_of_restitution"},
+}
+"""Short names of columns, and the variables they stand for."""
+
+MOST_MISTAKES = 20
+"""Wrong cells that are reported."""
+
+_HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?\s*")
+
+
+def from_csv(path: str | os.PathLike[str], title: str = "") -> xr.Dataset:
+    """A measured history, or measured impacts at several velocities, as a dataset of kind impact_measurement, SI.
+
+    The first line that is not a comment (#) has the names of the columns, each with its unit: `time [us], force [kN]`
+    and any other quantity of a history; or `velocity [m/s], restitution` and any other summary quantity. Times count
+    from first touch (an offset can be fitted, see `identify`). Cells may be empty, except times and velocities. Columns
+    are separated by commas, semicolons or tabs; numbers have a decimal point.
+
+    Raises SceneError with all mistakes and their lines.
+    """
+    text, name = read_text(path)
+    lines = enumerate(text.splitlines(), 1)
+    numbered = [(number, line) for number, line in lines if line.strip() and line.lstrip()[0] != "#"]
+    if len(numbered) < 3:
+        raise SceneError([Mistake(name, None, "", "a heading and at least two rows of numbers are needed")])
+    separator = max(",;\t", key=numbered[0][1].count)
+    cells = [(number, next(csv.reader([line], delimiter=separator))) for number, line in numbered]
+    if not any(row[-1].strip() for _, row in cells):  # every line ends with a separator
+        cells = [(number, row[:-1]) for number, row in cells]
+    (head, headings), body = cells[0], cells[1:]
+    names = [NAMES.get(_name(heading), _name(heading)) for heading in headings]
+    kind = "history" if "t" in names else "impacts"
+    known = {variable.name: variable for variable in TABLE[f"{MEASUREMENT} {kind}"]}
+    columns = _columns(name, head, headings, names, known)
+    values = _values(name, body, names, columns)
+    along = next(iter(known))
+    if kind == "history" and not (np.diff(values[along]) > 0).all():
+        late = int(np.flatnonzero(~(np.diff(values[along]) > 0))[0]) + 1
+        raise SceneError([Mistake(name, body[late][0], "", "the time does not increase")])
+    if kind == "impacts" and not (values[along] > 0).all():
+        late = int(np.flatnonzero(~(values[along] > 0))[0])
+        raise SceneError([Mistake(name, body[late][0], "", "the velocity must be > 0")])
+    return _dataset(Path(name), text, title, kind, {key: (known[key], value) for key, value in values.items()}, along)
+
+
+def measured_over(ds: xr.Dataset) -> tuple[str, list[str]]:
+    """The variable over which a measurement was made ("t" or "impactor_velocity"), and the measured variables."""
+    along = "t" if ds.attrs["measured"] == "history" else "impactor_velocity"
+    return along, [str(name) for name in ds.data_vars if name != along]
+
+
+def _name(heading: str) -> str:
+    match = _HEADING.fullmatch(heading)
+    return (match[1] if match else heading).strip().lower().replace(" ", "_")
+
+
+def _columns(
+    file: str, line: int, headings: list[str], names: list[str], known: dict[str, Variable]
+) -> dict[str, tuple[str, str]]:
+    """Dimension and unit of each column."""
+    mistakes: list[Mistake] = []
+    columns: dict[str, tuple[str, str]] = {}
+    for heading, name in zip(headings, names, strict=True):
+        if name not in known:
+            hint = did_you_mean(name, [*known, *NAMES]) or f"; there are {', '.join(known)}"
+            mistakes.append(Mistake(file, line, "", f"column {shown(heading.strip())} is not known{hint}"))
+            continue
+        if name in columns:
+            mistakes.append(Mistake(file, line, "", f"column {shown(heading.strip())} is given twice"))
+        match = _HEADING.fullmatch(heading)
+        unit = ((match[2] or match[3] or "") if match else "").strip()
+        dimension = next(key for key, value in DIMENSIONS.items() if value.unit == known[name].unit)
+        if dimension == "dimensionless" and unit in ("-", "1"):
+            unit = ""
+        try:
+            to_si(f"1 {unit}", dimension)
+        except ValueError as error:
+            what = str(error).replace(f'"1 {unit}"', f"unit {shown(unit)}" if unit else "no unit:")
+            mistakes.append(Mistake(file, line, "", f"column {shown(heading.strip())}: {what}"))
+        columns[name] = dimension, unit
+    along, *others = known
+    if along not in names:
+        mistakes.append(Mistake(file, line, "", 'a column "time [us]" or "velocity [m/s]" is needed'))
+    elif not set(others) & set(names):
+        mistakes.append(Mistake(file, line, "", f"a column beside {along} is needed: {', '.join(others)}"))
+    raise_all(mistakes)
+    return columns
+
+
+def _values(
+    file: str, body: list[tuple[int, list[str]]], names: list[str], columns: dict[str, tuple[str, str]]
+) -> dict[str, np.ndarray]:
+    """The numbers of each column, SI."""
+    mistakes: list[Mistake] = []
+    table = np.full((len(body), len(names)), math.nan)
+    for row, (line, cells) in enumerate(body):
+        if len(cells) != len(names):
+            mistakes.append(Mistake(file, line, "", f"{len(cells)} cells, but {len(names)} columns"))
+            continue
+        for column, cell in enumerate(cells):
+            if not cell.strip() and names[column] not in ("t", "impactor_velocity"):
+                continue
+            try:
+                table[row, column] = float(cell)
+                finite = math.isfinite(table[row, column])
+            except ValueError:
+                finite = False
+            if not finite:
+                hint = ": write a decimal point" if "," in cell else ""
+                mistakes.append(
+                    Mistake(file, line, "", f"{names[column]}: {shown(cell.strip())} is not a number{hint}")
+                )
+    raise_all(mistakes[:MOST_MISTAKES])
+    sizes = [to_si(f"1 {unit}", dimension) for dimension, unit in (columns[name] for name in names)]
+    return {name: table[:, k] * sizes[k] for k, name in enumerate(names)}
+
+
+def _dataset(
+    path: Path, text: str, title: str, kind: str, values: dict[str, tuple[Variable, np.ndarray]], along: str
+) -> xr.Dataset:
+    data = {name: (v.dims, array, v.attributes()) for name, (v, array) in values.items()}
+    order = [variable.name for variable in TABLE[f"{MEASUREMENT} {kind}"] if variable.name in data]
+    ds = xr.Dataset({name: data[name] for name in order}).set_coords(along)
+    ds.attrs = {
+        **provenance(
+            MEASUREMENT,
+            title=title or f"Measurement {path.stem}",
+            summary=f"Measured {', '.join(name for name in order if name != along)} of "
+            + ("one impact over time." if kind == "history" else "impacts at several velocities."),
+            source=f"measurement, from the file {path.name}",
+            command="film_datasets.from_csv",
+            comment="Empty cells of the file are NaN. measurement_sha256 is of the file's text.",
+        ),
+        "measured": kind,
+        "measurement_sha256": hashlib.sha256(text.encode()).hexdigest(),
+    }
+    ds.attrs["content_sha256"] = content_sha256(ds)
+    return ds

@@ -1,0 +1,80 @@
+"""plot: a figure of any dataset; sweeps are in `sweep_plots`."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from film_datasets.axis_style import finite, format_axis, label, set_title
+from film_datasets.cost_dataset import study_of
+from film_datasets.csv_measurement import measured_over
+from film_datasets.history_dataset import trace_of
+from film_datasets.schema import COST, HISTORY, MEASUREMENT, SWEEP, dimension_of, kind_of
+from film_datasets.sweep_plots import FEW_POINTS, draw_sweep
+from film_model.plot.cost import plot_study
+from film_model.plot.history import plot_history
+from film_model.plot.style import COLOURS, picture, prefixed_unit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SIZE = (7.2, 4.6)  # inches
+
+PANEL_HEIGHT = 2.2  # inches, at least, for each quantity of a measurement
+
+
+def plot(
+    ds: xr.Dataset,
+    path: str | os.PathLike[str] | None = None,
+    quantity: str | None = None,
+    over: Sequence[str] | str | None = None,
+    at: Mapping[str, Any] | None = None,
+    dpi: float = 200.0,
+) -> Figure:
+    """A figure of a dataset, written to `path` if given.
+
+    Of a history, the whole contact; of the run of an FMU, its samples; of a measurement, its points; of a cost study,
+    error against time. The other arguments are for sweeps:
+
+    quantity: of the summary; the coefficient of restitution unless given. over: one or two names in the dataset such
+    as "impactor_velocity"; unless given, the first two with many values. One gives lines, a line for each value of
+    another swept quantity that has names or few values; two give a heat map. A sampled sweep gives a scatter plot.
+    at: values of the other swept quantities ("70 g" or SI, of which the nearest is taken, or a name); their first
+    values unless given. The title states them.
+
+    Raises ValueError for an unknown name, an argument that is not for such a dataset, a run without contact or a suffix
+    other than .png, .svg and .pdf; ImportError without matplotlib; OSError if the file cannot be written.
+    """
+    kind = kind_of(ds)
+    given = [name for name, value in (("quantity", quantity), ("over", over), ("at", at)) if value]
+    if kind != SWEEP and given:
+        raise ValueError(f"{given[0]}: is for sweeps, this is an {kind.replace('_', ' ')}")
+    if kind == HISTORY:
+        return plot_history(trace_of(ds), path, dpi)
+    if kind == COST:
+        return plot_study(study_of(ds), path, dpi)
+    if kind == MEASUREMENT:
+        size = SIZE[0], max(SIZE[1], PANEL_HEIGHT * (len(ds.variables) - 1))
+        return picture(path, lambda figure: _draw_measurement(figure, ds), size, dpi)
+    return picture(path, draw_sweep(ds, quantity, over, at), SIZE, dpi)
+
+
+def _draw_measurement(figure: Figure, ds: xr.Dataset) -> None:
+    """The points of a measurement, a panel for each quantity."""
+    figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.04)
+    along, names = measured_over(ds)
+    x_size, x_unit = prefixed_unit(ds[along].values, dimension_of(ds[along]))
+    panels: Any = np.ravel(figure.subplots(len(names), sharex=True, squeeze=False))
+    for panel, name in zip(panels, names, strict=True):
+        size, unit = prefixed_unit(finite(ds[name]), dimension_of(ds[name]))
+        style = {"markersize": 4.0 if ds[name].size <= FEW_POINTS else 2.0, "color": COLOURS[0]}
+        panel.plot(ds[along].values / x_size, ds[name].values / size, "o", **style)
+        panel.set_ylabel(label(name, unit))
+    panels[-1].set_xlabel(label("time" if along == "t" else along, x_unit))
+    if along != "t":
+        format_axis(panels[-1], "x", ds[along])
+    set_title(figure, ds)

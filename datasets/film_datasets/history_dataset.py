@@ -1,0 +1,220 @@
+"""One impact as a dataset (motion over time, events, summary, closed-form segments), and back."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from film_datasets.provenance import (
+    PROGRAM,
+    choice_of,
+    provenance,
+    text_and_hash,
+    warnings_of,
+)
+from film_datasets.schema import BRANCHES, HISTORY, TABLE, content_sha256, flag_meanings, flag_words
+from film_model.base.errors import Outcome
+from film_model.core.native import BRANCH_NAMES, EVENTS, LINE_DTYPE
+from film_model.plot.history import Trace
+from film_model.solve.history import MOTION, SUMMARY, Accuracy, Event, History, Samples, stage_names
+from film_model.solve.simulate import simulate_chosen
+
+NEAREST_SAMPLE = 1e-9
+"""Even samples closer to an event than this fraction of the contact are omitted: over so short a time the difference
+of two samples is rounding error."""
+
+COMMENT = (
+    "t counts in seconds from first touch and is no date. The segments give the motion at any time in closed form. On "
+    "segment k, with time, indentation and velocity in the units scale_*, f = phi + kappa (xi - xi_k) + "
+    "damping d xi/dt, d nu/dt = load - f, d xi/dt = nu - gamma f, and the target's displacement grows at gamma f. The "
+    "impactor's velocity is drift_velocity + impactor_share nu. contact_force is the contact law's at that indentation "
+    "and its rate. Where target_compliance is not 0, xi is the indentation and target_compliance contact_force "
+    "together. A target that vibrates has no segments. scene_toml is the scene file to run again."
+)
+
+
+def history_dataset(history: History, samples: int = 201, command: str = "film_datasets.history_dataset") -> xr.Dataset:
+    """A history as a dataset of kind impact_history; see `film_datasets.to_dataset`."""
+    if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ValueError(f"samples: {samples!r} must be a whole number, 2 or more")
+    columns = {
+        **_motion(history, _times(history, int(samples))),
+        **_events(history),
+        **{name: np.nan if value is None else value for name, value in history.summary.items()},
+        **_segments(history),
+    }
+    meanings = {"stages": flag_words(history.problem.curve.stage_names, tuple(BRANCHES.values()))}
+    data: dict[str, Any] = {
+        v.name: (v.dims, np.asarray(columns[v.name], dtype=v.dtype), v.attributes(meanings)) for v in TABLE[HISTORY]
+    }
+    ds = xr.Dataset({name: value for name, value in data.items() if name != "t"}, coords={"t": data["t"]})
+    ds.attrs = _attributes(history, command)
+    ds.attrs["content_sha256"] = content_sha256(ds)
+    return ds
+
+
+def lines_of(ds: xr.Dataset) -> NDArray[Any]:
+    """The segments of a dataset as the core's lines (`native.LINE_DTYPE`), for `native.sample`.
+
+    Empty if the target vibrates or the dataset is the run of an FMU.
+    """
+    lines: NDArray[Any] = np.empty(ds.sizes["segment"], LINE_DTYPE)
+    for name in LINE_DTYPE.names or ():
+        lines[name] = ds[f"segment_{name}"].values
+    return lines
+
+
+def history_of(ds: xr.Dataset) -> History:
+    """The history that a dataset was made from, to be sampled and plotted without another march.
+
+    A target that vibrates has no segments: its impact is simulated again. Raises ValueError if the contact law was an
+    object of Python, if segments are missing, and for the run of an FMU, which has no segments.
+    """
+    choice = choice_of(ds)
+    scene, problem = choice.scene, choice.problem
+    if problem.vibrates:
+        return simulate_chosen(choice, scene.solver)
+    lines, names = lines_of(ds), stage_names(problem)
+    if not lines.size:
+        raise ValueError("the run of an FMU has no segments: its motion is known at the times t only")
+    last = float(ds["event_time"].values.max(initial=0.0)) / problem.scales.time
+    if lines["time"][0] != 0.0 or lines["time"][-1] < last * (1.0 - NEAREST_SAMPLE):
+        raise ValueError("segments of this history are missing: the dimension segment must be complete")
+    accuracy = Accuracy(
+        ds.attrs.get("requested_accuracy"),
+        float(ds.attrs["estimated_accuracy"]),
+        int(ds.attrs["segments"]),
+        int(ds.attrs["unloading_segments"]),
+        lines.size - 1,
+    )
+    remarks = warnings_of(ds)
+    return History(
+        scene,
+        choice,
+        lines,
+        _read_events(ds, names),
+        Outcome(ds.attrs["outcome"]),
+        _read_summary(ds),
+        accuracy,
+        remarks,
+    )
+
+
+def trace_of(ds: xr.Dataset) -> Trace:
+    """What is plotted of a history: its segments, or the samples at t if `history_of` raises ValueError.
+
+    The samples are those from first touch to the last end of contact, or to the end of the run if contact goes on.
+    Raises ValueError if there is no contact.
+    """
+    try:
+        return Trace.of(history_of(ds))
+    except ValueError:  # the run of an FMU, or a law that was an object of Python
+        pass
+    flags = flag_meanings(ds["stage"])[len(BRANCHES) :]
+    law, stages = str(ds.attrs["contact_law"]).partition("(")[0], [word.replace("_", " ") for word in flags]
+    with contextlib.suppress(ValueError):
+        problem = choice_of(ds).problem
+        law, stages = problem.law.name, problem.curve.stage_names
+    names = [*stages, *(BRANCH_NAMES[number] for number in BRANCHES)]
+    events = _read_events(ds, names)
+    if not events:
+        raise ValueError("there is no contact in this run: nothing to plot")
+    end = events[-1].time if events[-1].name == "contact_ends" else float(ds["t"][-1])
+    contact = ds.isel(t=(ds["t"].values >= 0.0) & (ds["t"].values <= end))
+    motion = {name: contact[name].values for name in MOTION}
+    samples = Samples(time=contact["t"].values, stage=np.array(names)[contact["stage"].values], **motion)
+    return Trace(str(ds.attrs["title"]), law, tuple(stages), samples, end, events, _read_summary(ds), {})
+
+
+def _read_summary(ds: xr.Dataset) -> dict[str, float | None]:
+    values = {name: float(ds[name]) for name in SUMMARY if name in ds}  # older files may lack some
+    return {name: None if np.isnan(value := values.get(name, np.nan)) else value for name in SUMMARY}
+
+
+def _read_events(ds: xr.Dataset, names: list[str]) -> tuple[Event, ...]:
+    """The events of a dataset; names: of the stages, by their numbers."""
+    table = zip(*(ds[f"event_{name}"].values.tolist() for name in ("kind", "time", "stage", *MOTION)), strict=True)
+    return tuple(Event(EVENTS[kind], time, names[stage], *motion) for kind, time, stage, *motion in table)
+
+
+def _times(history: History, samples: int) -> NDArray[np.float64]:
+    """Evenly spaced times and event times, increasing, each once."""
+    events = np.array([event.time for event in history.events])
+    even = np.linspace(0.0, history.duration, samples)
+    near = np.abs(even[:, None] - events).min(axis=1, initial=np.inf) <= NEAREST_SAMPLE * history.duration
+    return np.union1d(even[~near], events)
+
+
+def _stage_numbers(history: History, names: Any) -> list[int]:
+    count = len(history.problem.curve.stage_names)
+    numbers = {name: k if k < count else k - count - 2 for k, name in enumerate(stage_names(history.problem))}
+    return [numbers[name] for name in names]
+
+
+def _motion(history: History, t: NDArray[np.float64]) -> dict[str, Any]:
+    """Samples at t [s]; at an event the event's own values, from which samples differ by rounding."""
+    samples = history.sample_si(t)
+    columns: dict[str, Any] = {name: np.array(getattr(samples, name)) for name in MOTION}
+    columns["stage"] = np.array(_stage_numbers(history, samples.stage))
+    for name, column in _events(history).items():
+        if name not in ("event_kind", "event_time"):
+            columns[name.removeprefix("event_")][np.searchsorted(t, [e.time for e in history.events])] = column
+    return {"t": t, **columns}
+
+
+def _events(history: History) -> dict[str, Any]:
+    return {
+        "event_kind": [EVENTS.index(event.name) for event in history.events],
+        "event_time": [event.time for event in history.events],
+        "event_stage": _stage_numbers(history, [event.stage for event in history.events]),
+        **{f"event_{name}": [getattr(event, name) for event in history.events] for name in MOTION},
+    }
+
+
+def _segments(history: History) -> dict[str, Any]:
+    problem, lines = history.problem, history.lines
+    return {
+        **{f"scale_{name}": value for name, value in asdict(problem.scales).items()},
+        "drift_velocity": problem.drift,
+        "impactor_share": problem.share,
+        "target_compliance": problem.curve.native.compliance,
+        **{f"segment_{name}": lines[name] for name in LINE_DTYPE.names or ()},
+    }
+
+
+def _attributes(history: History, command: str) -> dict[str, Any]:
+    """Global attributes except the hash of the content."""
+    scene, law, accuracy = history.scene, history.problem.law, history.accuracy
+    kind = scene.target.kind
+    requested = {} if accuracy.requested is None else {"requested_accuracy": accuracy.requested}
+    return {
+        **provenance(
+            HISTORY,
+            title=scene.title or f"Impact on a {kind}",
+            summary=f"Impact of a compact body (target: {kind}, contact law: {law.name}): motion, contact force and "
+            f"events from first touch. Outcome: {history.outcome.value}.",
+            source=f"{PROGRAM}, {_method(history)}",
+            command=command,
+            comment=COMMENT,
+        ),
+        **text_and_hash("scene", scene.archived_text()),
+        "contact_law": str(law),
+        "outcome": history.outcome.value,
+        "effects": "\n".join(effect.line for effect in history.effects),
+        "warnings": "\n".join(history.warnings) or "none",
+        **requested,
+        "estimated_accuracy": accuracy.estimated,
+        "segments": np.int32(accuracy.segments),
+        "unloading_segments": np.int32(accuracy.unloading_segments),
+    }
+
+
+def _method(history: History) -> str:
+    if history.vibration is None:
+        return f"force-indentation linearisation method (FILM), {history.accuracy.lines} segments"
+    return f"contact law on {history.accuracy.modes} modes of the target, by Gauss collocation"

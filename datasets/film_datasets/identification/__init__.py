@@ -1,0 +1,6 @@
+"""Identification: parameters of a scene from a measurement, with confidence intervals."""
+
+from film_datasets.identification.least_squares import identify
+from film_datasets.identification.result import FittedParameter, Identification
+
+__all__ = ["FittedParameter", "Identification", "identify"]

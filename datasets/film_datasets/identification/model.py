@@ -1,0 +1,48 @@
+"""What a scene predicts for the measured quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from film_datasets.csv_measurement import measured_over
+from film_datasets.impacts import simulate_impacts
+from film_model.scene import Scene
+from film_model.solve.history import MOTION, SUMMARY
+from film_model.solve.simulate import simulate_quietly
+
+Array = NDArray[np.float64]
+
+ACCURACY = 1e-7
+"""Of the impacts that are compared with the measurement: an error that changed with the parameters would disturb the
+finite differences of the fit."""
+
+DIMENSIONS_OF_QUANTITIES = {name: dimension for name, (dimension, _) in (*MOTION.items(), *SUMMARY.items())}
+"""Dimension of every quantity that can be measured."""
+
+
+def predict(
+    scene: Scene, measured: xr.Dataset, names: Sequence[str], time_offset: float, points: Array | None = None
+) -> dict[str, Array]:
+    """The quantities `names` at the measured times or velocities, or at other `points`, SI.
+
+    time_offset: time of the measurement's first touch, s. Raises SimulationError if there is no impact.
+    """
+    along, _ = measured_over(measured)
+    points = np.asarray(measured[along].values if points is None else points)
+    if along == "impactor_velocity":
+        return simulate_impacts(scene, {"impactor.velocity": points}).summary
+    t = points - time_offset
+    samples = simulate_quietly(scene).sample_si(np.maximum(t, 0.0))
+    return {name: _before_first_touch(getattr(samples, name), t, scene, name) for name in names}
+
+
+def _before_first_touch(values: Array, t: Array, scene: Scene, name: str) -> Array:
+    """The values, and for t < 0 those of bodies that move at constant velocity without a contact force."""
+    if name.endswith("displacement") or name == "indentation":
+        speed = {"indentation": scene.approach_velocity, "impactor_displacement": scene.impactor.speed}.get(name, 0.0)
+        return np.where(t < 0.0, speed * t, values)
+    return values

@@ -1,0 +1,100 @@
+"""The parameters that are fitted: their check, their start values and their scaling for the search."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import xarray as xr
+
+from film_datasets.identification.result import TIME_OFFSET
+from film_datasets.scene_numbers import field_at, unit_of
+from film_model.base.errors import Mistake, SceneError, raise_all
+from film_model.base.units import scene_unit
+from film_model.scene import Scene
+
+LARGEST = 1e30
+"""Bound for parameters without one."""
+
+OPEN_END = 1e-9
+"""Distance that the search keeps from the open end of a range, relative to its value or to 1e-3."""
+
+SMALLEST = 1e-9
+"""Lower bound of a positive parameter, relative to its start value."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter, SI, and the scaled value z in which it is searched: 0 at the start, of the order of 1.
+
+    log: z is the logarithm of value/start, else (value - start)/scale.
+    """
+
+    path: str
+    dimension: str
+    unit: str
+    start: float
+    scale: float
+    log: bool
+    low: float
+    high: float
+
+    def si(self, z: float) -> float:
+        """The value for a scaled value."""
+        return self.start * math.exp(z) if self.log else self.start + self.scale * z
+
+    def scaled(self, value: float) -> float:
+        """The scaled value."""
+        return math.log(value / self.start) if self.log else (value - self.start) / self.scale
+
+
+def parameters_of(scene: Scene, fit: Sequence[str], measured: xr.Dataset) -> list[Parameter]:
+    """The parameters at the paths `fit`. Raises SceneError for those that cannot be fitted."""
+    _check(scene, fit, measured.attrs["measured"] == "history")
+    return [_parameter(scene, path, measured) for path in fit]
+
+
+def _check(scene: Scene, fit: Sequence[str], history: bool) -> None:
+    mistakes: list[Mistake] = []
+    for path in fit:
+        try:
+            if path == TIME_OFFSET:
+                if not history:
+                    raise ValueError("is for measured histories")
+            elif field_at(scene, path) is None:
+                raise ValueError("is not a number that can be fitted")
+            elif path == "impactor.velocity" and not history:
+                raise ValueError("is measured")
+            if list(fit).count(path) > 1:
+                raise ValueError("is given twice")
+        except ValueError as error:
+            mistakes.append(Mistake(None, None, f"fit: {path}", str(error)))
+    if not fit:
+        mistakes.append(Mistake(None, None, "fit", "missing: at least one parameter is needed"))
+    raise_all(list(dict.fromkeys(mistakes)))
+
+
+def _parameter(scene: Scene, path: str, measured: xr.Dataset) -> Parameter:
+    """A parameter that starts at the scene's value; in [contact], if that has no value, at the materials'."""
+    if path == TIME_OFFSET:
+        span = float(measured["t"].values[-1] - measured["t"].values[0])
+        return Parameter(path, "time", scene_unit("time"), 0.0, span, False, -span, span)
+    value: Any = scene
+    for name in path.split("."):
+        value = value.parameters[name] if name in getattr(value, "parameters", {}) else getattr(value, name)
+    if value is None and path.startswith("contact."):
+        value = getattr(scene, path.partition(".")[2], None)
+    if value is None:
+        message = "the scene has no value to begin with: give one"
+        raise SceneError([Mistake(None, None, f"fit: {path}", message)])
+    field = field_at(scene, path)
+    assert field is not None and field.low is not None and field.high is not None
+    start, unit = float(value), unit_of(scene, field)
+    low, high = max(float(field.low), -LARGEST), min(float(field.high), LARGEST)
+    if field.open_ends:
+        low, high = low + OPEN_END * max(abs(low), 1e-3), high - OPEN_END * max(abs(high), 1e-3)
+    if low >= 0.0 and start > 0.0 and field.dimension != "dimensionless":
+        return Parameter(path, field.dimension, unit, start, start, True, max(low, SMALLEST * start), high)
+    return Parameter(path, field.dimension, unit, start, abs(start) or 1.0, False, low, high)

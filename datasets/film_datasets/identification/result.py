@@ -1,0 +1,146 @@
+"""The result of an identification: fitted parameters with intervals, as text, JSON and figure."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from film_datasets.axis_style import finite, label
+from film_datasets.csv_measurement import measured_over
+from film_datasets.identification.model import ACCURACY, DIMENSIONS_OF_QUANTITIES, predict
+from film_model.base.units import DIMENSIONS, format_si, si_unit
+from film_model.plot.style import HIGHLIGHT, picture, prefixed_unit
+from film_model.scene import Scene
+from film_model.solve.history import History
+from film_model.solve.simulate import simulate
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TIME_OFFSET = "time_offset"
+"""A parameter of the measurement, not of the scene: time of its first touch, s."""
+
+SIZE = (7.2, 5.2)  # inches
+
+FINE_POINTS = 501
+"""Points of the fitted curve in the figure."""
+
+
+@dataclass(frozen=True)
+class FittedParameter:
+    """One parameter, SI, in `unit`. low, high: confidence interval. identified: whether the measurement determines it;
+    reason: why not."""
+
+    path: str
+    dimension: str
+    unit: str
+    value: float
+    standard_error: float
+    low: float
+    high: float
+    identified: bool
+    reason: str
+
+    def text(self, value: float) -> str:
+        """A value of the parameter with its unit."""
+        if not math.isfinite(value):
+            return "?"
+        return format_si(value, self.dimension, 5) if self.dimension in DIMENSIONS else f"{value:.5g} {self.unit}"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values; None for what is not known."""
+        numbers = {name: getattr(self, name) for name in ("value", "standard_error", "low", "high")}
+        plain = {name: value if math.isfinite(value) else None for name, value in numbers.items()}
+        units = si_unit(self.dimension) if self.dimension in DIMENSIONS else self.unit
+        return {**plain, "units": units, "identified": self.identified, "reason": self.reason}
+
+
+@dataclass(frozen=True)
+class Identification:
+    """A scene fitted to a measurement.
+
+    scene: with the fitted values. parameters: with intervals at the level `confidence`. residual: RMS residual of each
+    measured quantity, SI. measured: what was fitted.
+    """
+
+    scene: Scene
+    parameters: tuple[FittedParameter, ...]
+    confidence: float
+    points: int
+    residual: Mapping[str, float]
+    measured: xr.Dataset = field(repr=False)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """A sentence for each parameter that is not identified."""
+        return tuple(f"{one.path} cannot be identified: {one.reason}" for one in self.parameters if not one.identified)
+
+    def history(self) -> History:
+        """The fitted impact."""
+        return simulate(self.scene, accuracy=ACCURACY)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, SI."""
+        residual = {
+            name: {"value": value, "units": si_unit(DIMENSIONS_OF_QUANTITIES[name])}
+            for name, value in self.residual.items()
+        }
+        return {
+            "parameters": {one.path: one.to_dict() for one in self.parameters},
+            "confidence": self.confidence,
+            "points": self.points,
+            "residual": residual,
+            "warnings": list(self.warnings),
+        }
+
+    def table(self) -> str:
+        """The parameters as text."""
+        lines = [f"{self.points} points; intervals at {100 * self.confidence:g} %", ""]
+        for one in self.parameters:
+            value, low, high = map(one.text, (one.value, one.low, one.high))
+            interval = f"{low} to {high}" if one.identified else "not identified"
+            lines.append(f"  {one.path:32}{value:>14}   {interval}")
+        lines += ["", "  RMS residual:"]
+        for name, value in self.residual.items():
+            largest = float(np.nanmax(np.abs(self.measured[name].values), initial=0.0))
+            share = f"{100 * value / largest:.2g} % of the largest" if largest else ""
+            text = format_si(value, DIMENSIONS_OF_QUANTITIES[name], 3)
+            lines.append(f"  {name.replace('_', ' '):32}{text:>14}   {share}".rstrip())
+        return "\n".join(lines)
+
+    def plot(self, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
+        """Measurement and fitted model, and below them their difference; a column for every measured quantity."""
+        return picture(path, self._draw, SIZE, dpi)
+
+    def _draw(self, figure: Figure) -> None:
+        names = list(self.residual)
+        along, _ = measured_over(self.measured)
+        offset = next((one.value for one in self.parameters if one.path == TIME_OFFSET), 0.0)
+        x = self.measured[along].values
+        fine = np.linspace(x.min(), x.max(), FINE_POINTS)
+        curve, at_points = (predict(self.scene, self.measured, names, offset, points) for points in (fine, x))
+        x_size, x_unit = prefixed_unit(x, "time" if along == "t" else "velocity")
+        ratios: dict[str, Any] = {"height_ratios": (3, 1), "hspace": 0.08, "wspace": 0.35}
+        panels: Any = figure.subplots(2, len(names), sharex=True, squeeze=False, gridspec_kw=ratios)
+        for column, name in enumerate(names):
+            values = self.measured[name].values
+            size, unit = prefixed_unit(finite(self.measured[name]), DIMENSIONS_OF_QUANTITIES[name])
+            above, below = panels[:, column]
+            above.plot(x / x_size, values / size, "o", color="0.45", markersize=2.5, label="measured")
+            above.plot(fine / x_size, curve[name] / size, color=HIGHLIGHT, label="fitted")
+            below.plot(x / x_size, (values - at_points[name]) / size, "o", color="0.45", markersize=2.0)
+            below.axhline(0.0, color=HIGHLIGHT, linewidth=0.8)
+            above.set_ylabel(label(name, unit))
+            below.set(xlabel=label("time" if along == "t" else "velocity", x_unit), ylabel=label("difference", unit))
+        panels[0, 0].legend(frameon=False, fontsize=8)
+        texts: list[str] = []
+        for one in self.parameters:
+            interval = f"{one.text(one.low)} to {one.text(one.high)}" if one.identified else "not identified"
+            texts.append(f"{one.path} {one.text(one.value)} ({interval})")
+        figure.suptitle("\n".join(texts).replace("$", r"\$"), fontsize=9)

@@ -1,0 +1,167 @@
+"""Many impacts of one scene: the only module here that uses film_model's solver for arrays of impacts.
+
+The rest of film_datasets sees plain arrays with one value per impact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.arrays import Array, Index
+from film_model.core import native
+from film_model.effects.choose import problem_of
+from film_model.effects.edge_effects import edged, infinite_unless_judged
+from film_model.effects.many import rows_of
+from film_model.problem.problem import Problem
+from film_model.problem.scales import Scales, motion_of
+from film_model.scene import Scene
+from film_model.scene.columns import scene_of_columns
+from film_model.solve.accuracy import mesh_of
+from film_model.solve.batch import simulate_many
+from film_model.solve.history import MOTION
+
+SEGMENT_UNITS = (*(f"scale_{scale.name}" for scale in fields(Scales)), "drift_velocity", "impactor_share")
+"""Values that convert an impact's segments to SI, by the names of the schema."""
+
+ENERGY_GAIN = 1e-9
+"""Fraction of the kinetic energy: a smaller negative energy_absorbed is rounding error, not a law that gains energy."""
+
+SPARE_LINES = 64
+"""Room for segments of one impact beyond those of its mesh: events split segments, and reloading adds legs."""
+
+
+@dataclass(frozen=True)
+class Segments:
+    """Segments of impacts that share a contact law.
+
+    index: of the impacts. lines: the segments of each, in the core's units.
+    units: the values of `SEGMENT_UNITS` and the target's compliance, one of each per impact.
+    """
+
+    index: Index
+    lines: list[NDArray[Any]]
+    units: dict[str, Array]
+
+
+@dataclass(frozen=True)
+class Impacts:
+    """Simulated impacts of a scene; each array has one value per impact.
+
+    summary: SI, by the names of film_model's summary, NaN where there is no value. status: keys of
+    `film_model.base.errors.STATUSES`. law: numbers of `laws`, -1 for an impact that has none. gains_energy: whether the
+    unloading returned more energy than the loading stored. estimated: bound on the relative error of every value, NaN
+    for an impact that failed.
+    """
+
+    scene: Scene
+    summary: dict[str, Array]
+    status: NDArray[np.int32]
+    laws: tuple[str, ...]
+    law: NDArray[np.int8]
+    zener_number: Array
+    gains_energy: NDArray[np.bool_]
+    estimated: Array
+    _problems: tuple[Problem, ...] = field(repr=False)
+    _segments: NDArray[np.int32] = field(repr=False)
+
+    def segments(self) -> Iterator[Segments]:
+        """The closed-form segments of all impacts that have a contact law."""
+        for problem in self._curves():
+            units = {f"scale_{name}": value for name, value in vars(problem.scales).items()}
+            units.update(drift_velocity=problem.drift, impactor_share=problem.share)
+            index = rows_of(problem)
+            units["target_compliance"] = np.full(index.size, problem.curve.native.compliance)
+            yield Segments(index, self._record(problem), units)
+
+    def samples(self, count: int) -> dict[str, Array]:
+        """Motion at `count` evenly spaced times of each contact: (impacts, count), NaN if the contact does not end."""
+        motion = {name: np.full((self.status.size, count), np.nan) for name in MOTION}
+        for problem in self._curves():
+            index, lines = rows_of(problem), self._record(problem)
+            duration = self.summary["contact_duration"][index]
+            ended = np.flatnonzero(np.isfinite(duration))
+            scales = problem.scales.part((ended, None))
+            t = np.linspace(0.0, 1.0, count) * duration[ended, None]
+            time: Any = scales.time
+            values = np.empty((*t.shape, 5))
+            for k, impact in enumerate(ended.tolist()):
+                values[k] = native.sample(problem.curve.native, lines[impact], t[k] / time[k])[0]
+            drift, share = problem.drift[ended, None], problem.share[ended, None]
+            found = motion_of(scales, drift, share, problem.free, t, np.moveaxis(values, -1, 0))
+            for name, column in motion.items():
+                column[index[ended]] = found[name]
+        return motion
+
+    def _curves(self) -> Iterator[Problem]:
+        for problem in self._problems:
+            yield from problem.by_curve()
+
+    def _record(self, problem: Problem) -> list[NDArray[Any]]:
+        """The segments of each impact, on its own mesh."""
+        own = self._segments[rows_of(problem)]
+        found: list[NDArray[Any]] = [np.empty(0, native.LINE_DTYPE)] * len(own)
+        for counts in np.unique(own, axis=0).tolist():
+            places = np.flatnonzero((own == counts).all(axis=1))
+            room = (counts[0] + 2) * (problem.curve.native.stages + 1) + counts[1] + SPARE_LINES
+            mesh = mesh_of(self.scene.solver, tuple(counts))
+            lines = native.record_many(problem.curve.native, mesh, problem.start[places], room)
+            for place, own_lines in zip(places.tolist(), lines, strict=True):
+                found[place] = own_lines
+        return found
+
+
+def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
+    """Impacts of a scene in which some numbers vary: path such as "impactor.velocity" → SI values, one per impact.
+
+    The values must be within the ranges that a scene allows, and at least one path is needed.
+    """
+    found = simulate_many(scene, numbers)
+    law = np.full(found.status.size, -1, np.int8)
+    zener_number = np.full(law.size, np.nan)
+    gains_energy = np.zeros(law.size, np.bool_)
+    on_modes = (found.segments[:, 0] == 0) & (found.status >= 0)
+    law[on_modes] = found.law[on_modes]
+    for problem in found.problems:
+        index = rows_of(problem)
+        law[index] = found.law[index]
+        zener_number[index] = problem.impacts.zener
+        energy = 0.5 * problem.mass * (problem.approach * problem.scales.velocity) ** 2
+        gains_energy[index] = found.summary["energy_absorbed"][index] < -ENERGY_GAIN * energy
+    return Impacts(
+        scene,
+        found.summary,
+        found.status,
+        found.laws,
+        law,
+        zener_number,
+        gains_energy,
+        found.estimated,
+        found.problems,
+        found.segments,
+    )
+
+
+def sample_segments(scene: Scene, lines: NDArray[Any], units: Mapping[str, float], times: Array) -> dict[str, Array]:
+    """Motion of one impact at any times [s] from its stored segments. units: the values of `SEGMENT_UNITS`."""
+    *scales, drift, share = (units[name] for name in SEGMENT_UNITS)
+    order = np.argsort(times, kind="stable")
+    problem, units_of_lines = problem_of(scene), Scales(*scales)
+    values = np.empty((times.size, 5))
+    values[order] = native.sample(problem.curve.native, lines, times[order] / units_of_lines.time)[0]
+    return motion_of(units_of_lines, drift, share, problem.free, times, values.T)
+
+
+def scene_with_numbers(scene: Scene, numbers: Mapping[str, float]) -> Scene:
+    """The scene with some of its numbers replaced [SI], by path, without the checks of `Scene.replace`."""
+    values: dict[str, Any] = dict(numbers)
+    return scene_of_columns(scene, values)
+
+
+def one_curve_per_impact(scene: Scene) -> bool:
+    """Whether impacts of the scene may differ in their dimensionless curve: a static stiffness is part of the curve."""
+    return edged(scene) and not infinite_unless_judged(scene)

@@ -1,0 +1,344 @@
+"""The tables of variables and attributes of our datasets, generated from those of the summary and the motion.
+
+Kinds: the history of one impact, a sweep over many, a measurement to compare with, and the cost of accuracy.
+A new value in `film_model.solve.history.SUMMARY` gets its variables by itself; it needs a new version in `ADDED`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from film_datasets.schema.variable import (
+    BYTE,
+    FLOAT,
+    IMPACTS,
+    INTEGER,
+    LONG,
+    Variable,
+    flag_meanings,
+    swept_name,
+    swept_variable,
+)
+from film_model.base.errors import STATUSES
+from film_model.base.units import si_unit
+from film_model.core.native import EVENTS, LINE_DTYPE, PHASES
+from film_model.problem.scales import Scales
+from film_model.solve.history import MOTION, SUMMARY
+from film_model.studies.reference import COMPARED
+
+HISTORY, SWEEP, MEASUREMENT, COST = "impact_history", "impact_sweep", "impact_measurement", "impact_cost_study"
+_STRESSES = (
+    *("impulse", "contact_radius", "dent_diameter", "mean_pressure", "peak_pressure", "maximum_shear_stress"),
+    *("maximum_von_mises_stress", "depth_of_maximum_stress"),
+)
+
+ADDED: dict[str, dict[str, tuple[str, ...]]] = {
+    HISTORY: {"1.1": (), "1.2": _STRESSES},
+    SWEEP: {"1.0": (), "1.1": ("estimated_accuracy", *_STRESSES)},
+    MEASUREMENT: {"1.0": ()},
+    COST: {"1.0": ()},
+}
+"""Kinds of datasets (attribute film_model_schema): the versions that can be read, oldest first, each with the names of
+the variables that it added, so that files written before remain valid."""
+
+VERSIONS = {kind: list(versions)[-1] for kind, versions in ADDED.items()}
+"""The version of each kind that is written."""
+
+BRANCHES = {-2: "no_contact", -1: "unloading"}
+"""Stage numbers below the law's own, which count from 0."""
+
+IMPACT_STATUSES = {code: status for code, status in sorted(STATUSES.items()) if status.of_row}
+"""The statuses that an impact of a sweep can have, besides those of values that are out of range."""
+
+OUT_OF_RANGE = max(IMPACT_STATUSES) + 1
+"""Status of an impact whose value of the first swept quantity is out of range, +1 for the second, and so on."""
+
+
+def _spaced(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _number(
+    name: str, dims: tuple[str, ...], dimension: str, long_name: str, comment: str = "", optional: bool = False
+) -> Variable:
+    return Variable(name, dims, FLOAT, si_unit(dimension), long_name, comment, optional=optional)
+
+
+def _stage(name: str, dims: tuple[str, ...], long_name: str, comment: str = "") -> Variable:
+    return Variable(name, dims, BYTE, None, long_name, comment, tuple(BRANCHES.items()), more="stages")
+
+
+_ABSENT = "NaN if there is none"
+
+_SEGMENT = {
+    "time": "time at which the segment begins",
+    "xi": "indentation there",
+    "nu": "velocity of the impactor there, relative to the target if that is a free body",
+    "shift": "target displacement there",
+    "phi": "force of the straight line there",
+    "kappa": "slope of the straight line",
+    "work": "work of the contact law there since its stage began",
+    "spent": "work done on the indentation since first touch",
+    "load": "external force on the impactor",
+    "gamma": "compliance of the target, scale_force/(impedance scale_velocity)",
+    "xi_free": "indentation at which the unloading branch ends",
+    "per_recovery": "one over the indentation from xi_origin to the turning point",
+    "f_max": "scale of the force on it, the force at the turning point where f_shift is 0",
+    "exponent": "exponent of the unloading branch, f_shift + f_max ((xi - xi_origin) per_recovery)^exponent",
+    "xi_origin": "indentation from which the unloading branch is counted",
+    "f_shift": "constant part of the force on the unloading branch",
+    "work_free": "work of the unloading branch at xi_free, counted from xi_origin",
+    "damping": "damping held on the segment",
+    "damper": "factor of the contact law's damping",
+}
+
+_LAW = "see attribute comment for the equations of motion on a segment"
+
+
+def _summary_variables(dims: tuple[str, ...]) -> tuple[Variable, ...]:
+    """A variable for each value of film_model's summary."""
+    return tuple(
+        _number(name, dims, dimension, _spaced(name), f"{what.partition(';')[0]}; {_ABSENT}", optional=True)
+        for name, (dimension, what) in SUMMARY.items()
+    )
+
+
+def _segment_units(dims: tuple[str, ...], optional: bool = False) -> tuple[Variable, ...]:
+    """The units of the segments' values; scales are named after their dimensions."""
+    table = (
+        *((f"scale_{s.name}", s.name, f"unit of {s.name} of the segments", "") for s in fields(Scales)),
+        ("drift_velocity", "velocity", "velocity of the centre of mass", "0 unless the target is a free body"),
+        ("impactor_share", "dimensionless", "share of the impactor in the motion", "1 unless the target is free"),
+        (
+            "target_compliance",
+            "dimensionless",
+            "static compliance of the target, scale_force/(static stiffness scale_length)",
+            "0 unless the target follows the force statically",
+        ),
+    )
+    return tuple(_number(name, dims, dimension, *what, optional=optional) for name, dimension, *what in table)
+
+
+_SEGMENTS = (
+    *(_number(f"segment_{key}", ("segment",), "dimensionless", what, _LAW) for key, what in _SEGMENT.items()),
+    _stage("segment_branch", ("segment",), "stage of the contact law on the segment"),
+    Variable("segment_phase", ("segment",), BYTE, None, "phase of the contact", flags=tuple(enumerate(PHASES))),
+)
+
+assert {f"segment_{name}" for name in LINE_DTYPE.names or ()} == {v.name for v in _SEGMENTS}
+
+_HISTORY = (
+    _number("t", ("t",), "time", "time since first touch", "even samples and the times of all events"),
+    *(_number(name, ("t",), dimension, _spaced(name), what) for name, (dimension, what) in MOTION.items()),
+    _stage("stage", ("t",), "stage of the contact law"),
+    Variable("event_kind", ("event",), BYTE, None, "kind of event", flags=tuple(enumerate(EVENTS))[1:]),
+    _number("event_time", ("event",), "time", "time of the event since first touch", "lies exactly on t"),
+    *(
+        _number(f"event_{name}", ("event",), dimension, f"{_spaced(name)} at the event", what)
+        for name, (dimension, what) in MOTION.items()
+    ),
+    _stage("event_stage", ("event",), "stage of the contact law after the event"),
+    *_summary_variables(()),
+    *_segment_units(()),
+    *_SEGMENTS,
+)
+
+_SWEEP = (
+    *_summary_variables((IMPACTS,)),
+    Variable(
+        *("status", (IMPACTS,), BYTE, None, "how the impact ended"),
+        comment="attribute statuses says each in a sentence; the summary of an impact that failed is NaN",
+        flags=tuple((code, status.word) for code, status in IMPACT_STATUSES.items()),
+        more="out_of_range",
+        more_from=OUT_OF_RANGE,
+    ),
+    Variable(
+        *("zener_number", (IMPACTS,), FLOAT, "1", "inelasticity parameter of Zener"),
+        comment="(4 E/3)^(2/5) R^(1/5) m^(3/5) V^(1/5)/Z: what target motion costs; NaN without elastic constants",
+        optional=True,
+    ),
+    Variable("law", (IMPACTS,), BYTE, None, "contact law", flags=((-1, "none"),), more="laws"),
+    Variable(
+        *("estimated_accuracy", (IMPACTS,), FLOAT, "1", "estimated relative error of the summary"),
+        comment="bound on the relative error of every summary value of the impact; NaN if it failed",
+        optional=True,
+    ),
+)
+
+_SWEEP_SEGMENTS = (
+    Variable(
+        *("segment_count", (IMPACTS,), INTEGER, "1", "number of segments of the impact"),
+        comment="segments of all impacts follow each other in the order of the rows, the last dimension fastest",
+    ),
+    Variable(
+        *("segment_begin", (IMPACTS,), LONG, "1", "number of segments of the impacts before"),
+        comment="place along segment where those of the impact begin, in a selection of impacts too",
+    ),
+    *_segment_units((IMPACTS,), optional=True),
+    *_SEGMENTS,
+)
+
+_SWEEP_SAMPLES = (
+    _number("normalised_time", ("normalised_time",), "dimensionless", "time over contact duration"),
+    *(
+        _number(f"sampled_{name}", (IMPACTS, "normalised_time"), dimension, f"{_spaced(name)} over time", what, True)
+        for name, (dimension, what) in MOTION.items()
+    ),
+)
+
+_MEASURED_HISTORY = (
+    _number("t", ("t",), "time", "time since first touch"),
+    *(
+        _number(name, ("t",), dimension, f"measured {_spaced(name)}", f"{what}; {_ABSENT}", True)
+        for name, (dimension, what) in MOTION.items()
+    ),
+)
+
+_MEASURED_IMPACTS = (
+    _number("impactor_velocity", ("impact",), "velocity", "impactor velocity at first touch"),
+    *(replace(variable, long_name=f"measured {variable.long_name}") for variable in _summary_variables(("impact",))),
+)
+
+EVIDENCE_QUANTITIES = (
+    *("coefficient_of_restitution", "maximum_force", "maximum_indentation"),
+    *("time_of_maximum_indentation", "contact_duration", "dent_diameter"),
+)
+EVIDENCE_KINDS = ("measured", "finite_element", "theory", "same_law")
+EVIDENCE_SURENESS = ("table", "figure", "formula", "recollection")
+
+_EVIDENCE = (
+    Variable("quantity", ("row",), BYTE, None, "what the value is", flags=tuple(enumerate(EVIDENCE_QUANTITIES))),
+    Variable(
+        *("value", ("row",), FLOAT, None, "value of the quantity"),
+        comment="SI: 1 for a coefficient of restitution, N, m and s for the others",
+    ),
+    _number("uncertainty", ("row",), "dimensionless", "relative uncertainty of the value"),
+    Variable("source_of_value", ("row",), BYTE, None, "source", "attribute sources has the references", more="sources"),
+    Variable("kind_of_value", ("row",), BYTE, None, "where it is from", flags=tuple(enumerate(EVIDENCE_KINDS))),
+    Variable("sureness", ("row",), BYTE, None, "how it was read", flags=tuple(enumerate(EVIDENCE_SURENESS))),
+    Variable("law", ("row",), BYTE, None, "law that it was computed with", flags=((-1, "none"),), more="laws"),
+    _number("radius", ("row",), "length", "effective radius"),
+    _number("mass", ("row",), "mass", "effective mass"),
+    _number("velocity", ("row",), "velocity", "approach velocity"),
+    _number("effective_modulus", ("row",), "pressure", "effective contact modulus"),
+    _number("yield_strength", ("row",), "pressure", "yield strength", "NaN: elastic contact", True),
+    _number("poissons_ratio", ("row",), "dimensionless", "Poisson's ratio of the body that yields", _ABSENT, True),
+    _number("target_impedance", ("row",), "impedance", "wave impedance of the target", "NaN: a half-space", True),
+)
+
+_COST = (
+    Variable("method", ("run",), INTEGER, None, "method", "its setting: attribute settings", more="methods"),
+    Variable("outcome", ("run",), BYTE, None, "outcome", "attribute outcomes", ((0, "done"), (1, "no_answer"))),
+    *(
+        _number(f"{what}_time_{way}", ("run",), "time", f"{long} of seconds an impact, {how}", _ABSENT, optional=True)
+        for way, how in (("single", "one call from Python"), ("batch", "in a batch"))
+        for what, long in (("median", "median"), ("spread", "half the distance between the quartiles"))
+    ),
+    Variable("force_evaluations", ("run",), INTEGER, "1", "evaluations of the contact law", "-1 if not counted"),
+    *(
+        _number(
+            f"error_{name}", ("run",), "dimensionless", f"relative error of {_spaced(name)}", _ABSENT, optional=True
+        )
+        for name in COMPARED
+    ),
+    *(_number(f"reference_{name}", (), SUMMARY[name][0], f"exact {_spaced(name)}") for name in COMPARED),
+    _number("reference_error", (), "dimensionless", "relative error of the reference values"),
+)
+
+TABLE: dict[str, tuple[Variable, ...]] = {
+    HISTORY: _HISTORY,
+    SWEEP: _SWEEP,
+    f"{SWEEP} segments": _SWEEP_SEGMENTS,
+    f"{SWEEP} samples": _SWEEP_SAMPLES,
+    f"{MEASUREMENT} history": _MEASURED_HISTORY,
+    f"{MEASUREMENT} impacts": _MEASURED_IMPACTS,
+    f"{MEASUREMENT} values": _EVIDENCE,
+    COST: _COST,
+}
+"""Variables by the kind of dataset and what is kept in it, in the order in which `content_sha256` reads them."""
+
+_PROVENANCE = (
+    *("Conventions", "title", "summary", "source", "references", "history", "license", "date_created", "comment"),
+    *("film_model_schema", "film_model_schema_version", "film_model_version", "content_sha256"),
+)
+
+ATTRIBUTES: dict[str, tuple[str, ...]] = {
+    HISTORY: (
+        *_PROVENANCE,
+        *("scene_toml", "scene_sha256", "contact_law", "outcome", "effects", "warnings"),
+        *("estimated_accuracy", "segments", "unloading_segments"),
+    ),
+    SWEEP: (
+        *_PROVENANCE,
+        *("scene_toml", "scene_sha256", "sweep_toml", "sweep_sha256", "swept", "kept", "statuses", "warnings"),
+        "estimated_accuracy",
+    ),
+    MEASUREMENT: (*_PROVENANCE, "measured"),
+    COST: (
+        *_PROVENANCE,
+        *("scene_toml", "scene_sha256", "contact_law", "settings", "outcomes", "reference_method", "machine"),
+    ),
+}
+"""Global attributes that every dataset of a kind has. `requested_accuracy`, the largest of those that were swept, is
+set too unless the scene gives segments."""
+
+
+def kind_of(ds: xr.Dataset) -> str:
+    """The kind of a dataset. Raises ValueError if film-model did not write it."""
+    kind = str(ds.attrs.get("film_model_schema", ""))
+    if kind not in VERSIONS:
+        raise ValueError("not a dataset of film-model: the attribute film_model_schema does not name a kind")
+    return kind
+
+
+def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
+    """The variables that a dataset must have, swept quantities first. Raises ValueError as `kind_of` does."""
+    kind = kind_of(ds)
+    if kind == MEASUREMENT:
+        table = TABLE[f"{kind} {ds.attrs.get('measured', 'history')}"]
+        return tuple(v for v in table if not v.optional or v.name in ds.variables)
+    later = _added_later(kind, ds)
+    if kind in (HISTORY, COST):
+        return tuple(v for v in TABLE[kind] if v.name not in later)
+    swept = _swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
+    dims = tuple(v.dims[0] for v in swept) if "impact" not in ds.sizes else ("impact",)
+    kept = sweep_variables(str(ds.attrs.get("kept", "")).split(), dims)
+    return (*swept, *(v for v in kept if v.name not in later))
+
+
+def _added_later(kind: str, ds: xr.Dataset) -> set[str]:
+    """Names of the variables that versions after that of the dataset have added."""
+    versions = list(ADDED[kind])
+    version = ds.attrs.get("film_model_schema_version")
+    later = versions[versions.index(version) + 1 :] if version in versions else ()
+    return {name for version in later for name in ADDED[kind][version]}
+
+
+def has_failed(status: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which values of `status` mean that the impact has no result."""
+    return (status < 0) | (status >= OUT_OF_RANGE)
+
+
+def sweep_variables(kept: Iterable[str], dims: tuple[str, ...]) -> tuple[Variable, ...]:
+    """The variables of a sweep with dimensions `dims`, except the swept quantities; kept: words of `Sweep.kept`."""
+    keys = [SWEEP, *(f"{SWEEP} {word}" for word in kept if f"{SWEEP} {word}" in TABLE)]
+    return tuple(variable.over(dims) for key in keys for variable in TABLE[key])
+
+
+def _swept_variables(paths: list[str], ds: xr.Dataset) -> tuple[Variable, ...]:
+    """The variables of a dataset's swept quantities; their units and labels are those in the dataset."""
+    found: list[Variable] = []
+    for path in paths:
+        name = swept_name(path)
+        dims = ("impact",) if "impact" in ds.sizes else (name,)
+        if name in ds.variables:
+            found.append(swept_variable(path, dims, ds[name].attrs.get("units"), flag_meanings(ds[name])))
+        else:
+            found.append(swept_variable(path, dims, None))
+    return tuple(found)

@@ -1,0 +1,81 @@
+"""The check of a dataset against the schema."""
+
+from __future__ import annotations
+
+import hashlib
+
+import numpy as np
+import xarray as xr
+
+from film_datasets.schema.content_hash import content_sha256, pieces
+from film_datasets.schema.tables import ADDED, ATTRIBUTES, MEASUREMENT, TABLE, VERSIONS, kind_of, variables_of
+from film_datasets.schema.variable import FLOAT, Variable, flag_meanings
+
+
+def validate(ds: xr.Dataset) -> list[str]:
+    """Every difference between `ds` and the schema, one sentence each; an empty list if it matches."""
+    try:
+        kind = kind_of(ds)
+    except ValueError as error:
+        return [str(error)]
+    if kind == MEASUREMENT and f"{kind} {ds.attrs.get('measured')}" not in TABLE:
+        return [f"attribute measured is {ds.attrs.get('measured')!r}, not 'history', 'impacts' or 'values'"]
+    variables = variables_of(ds)
+    found = [f"attribute {name} is missing" for name in ATTRIBUTES[kind] if name not in ds.attrs]
+    version = ds.attrs.get("film_model_schema_version", VERSIONS[kind])
+    if version not in ADDED[kind]:
+        found.append(f"attribute film_model_schema_version is {version!r}, not {VERSIONS[kind]!r}")
+    known = {variable.name for variable in variables}
+    found += [f"variable {name} is not in the schema" for name in ds.variables if name not in known]
+    for variable in variables:
+        if variable.name not in ds.variables:
+            found.append(f"variable {variable.name} is missing")
+        else:
+            found += [f"variable {variable.name}: {what}" for what in _differences(variable, ds[variable.name])]
+    return found or _inconsistencies(ds)
+
+
+def _differences(variable: Variable, array: xr.DataArray) -> list[str]:
+    """Differences between an array and its variable in the schema."""
+    found = [
+        f"{what} {got!r}, not {want!r}"
+        for what, got, want in (
+            ("dimensions", array.dims, variable.dims),
+            ("type", array.dtype.name, variable.dtype.name),
+            *((key, array.attrs.get(key), variable.attributes().get(key)) for key in ("units", "long_name", "comment")),
+        )
+        if got != want
+    ]
+    values = np.atleast_1d(array.attrs.get("flag_values", [])).tolist()
+    meanings = flag_meanings(array)
+    pairs = tuple(zip(values, meanings, strict=False))
+    own = pairs[: len(variable.flags)] if variable.more else pairs
+    if own != variable.flags or len(values) != len(meanings):
+        found.append(f"flags {values} {meanings}, not {dict(variable.flags)}")
+    elif values and not all(np.isin(piece, values).all() for piece in pieces(array)):
+        found.append("values that are not in flag_values")
+    if array.dtype == FLOAT and not variable.optional and not all(np.isfinite(p).all() for p in pieces(array)):
+        found.append("values that are not finite")
+    return found
+
+
+def _inconsistencies(ds: xr.Dataset) -> list[str]:
+    """Contradictions within a dataset that has every variable and attribute."""
+    checks = {"content_sha256 does not match the variables": ds.attrs["content_sha256"] == content_sha256(ds)}
+    for name in ("scene", "sweep"):
+        if f"{name}_toml" in ds.attrs:
+            text = str(ds.attrs[f"{name}_toml"]).encode()
+            good = ds.attrs.get(f"{name}_sha256") == hashlib.sha256(text).hexdigest()
+            checks[f"{name}_sha256 does not match {name}_toml"] = good
+    if "t" in ds.variables:
+        checks["t does not increase"] = bool((np.diff(ds["t"].values) > 0).all())
+    if "event_time" in ds.variables:
+        checks["an event_time is not on t"] = bool(np.isin(ds["event_time"].values, ds["t"].values).all())
+    if "segment_count" in ds.variables:
+        end, good = 0, True
+        for begins, counts in zip(pieces(ds["segment_begin"]), pieces(ds["segment_count"]), strict=True):
+            ends = end + np.cumsum(counts, dtype=np.int64)
+            good, end = good and np.array_equal(np.ravel(begins) + np.ravel(counts), ends), int(ends.max(initial=end))
+        checks["segment_begin is not the sum of the segment_count before"] = good
+        checks["segment_count does not add up to the segments"] = end == ds.sizes["segment"]
+    return [message for message, good in checks.items() if not good]

@@ -1,0 +1,22 @@
+"""Sweeps: many impacts of a scene, computed in blocks, written to memory, netCDF or Zarr, and resumed."""
+
+from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.executor import available_cores
+from film_datasets.sweeps.progress_bar import Progress, ProgressBar
+from film_datasets.sweeps.runner import Interrupted, run_sweep, sweep
+from film_datasets.sweeps.statistics import statistics, sweep_report
+from film_datasets.sweeps.sweep_file import read_sweep, sweep_from_text
+
+__all__ = [
+    "Interrupted",
+    "Progress",
+    "ProgressBar",
+    "Sweep",
+    "available_cores",
+    "read_sweep",
+    "run_sweep",
+    "statistics",
+    "sweep",
+    "sweep_from_text",
+    "sweep_report",
+]

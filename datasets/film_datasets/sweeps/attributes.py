@@ -1,0 +1,117 @@
+"""The attributes of a sweep's dataset, global and of its variables."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_datasets.provenance import PROGRAM, provenance, text_and_hash
+from film_datasets.schema import IMPACT_STATUSES, OUT_OF_RANGE, SWEEP, Variable, flag_words, has_failed
+from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, Columns
+from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.designs import SAMPLED
+from film_datasets.sweeps.effect_warnings import effect_warnings, sweep_law_warnings
+from film_model.core.native import MAX_STAGES
+from film_model.laws import AbstractLaw
+
+COMMENT = (
+    "status says how each impact ended; an impact that failed has NaN for its summary and harms no other. With "
+    "segments, the motion of each impact is as in an impact_history: its segments begin where those of the impacts "
+    "before end, in C order. scene_toml and sweep_toml are the files to run again."
+)
+
+
+@dataclass
+class Totals:
+    """What the attributes need of all blocks. estimated: largest error for each of `Sweep.accuracies`; missed: impacts
+    that miss each. energy_gains: impacts of each of `Sweep.laws` that return more energy than their loading stored.
+    failed: impacts that failed."""
+
+    estimated: NDArray[np.float64]
+    missed: NDArray[np.int64]
+    energy_gains: NDArray[np.int64]
+    failed: int = field(default=0)
+
+    @classmethod
+    def of(cls, sweep: Sweep) -> Totals:
+        """Before the first block."""
+        asked, laws = len(sweep.accuracies), len(sweep.laws)
+        return cls(np.zeros(asked), np.zeros(asked, np.int64), np.zeros(laws, np.int64))
+
+    def add(self, columns: Columns) -> None:
+        """Add the columns of a block."""
+        self.estimated = np.maximum(self.estimated, columns[ESTIMATED])
+        self.missed += columns[MISSED]
+        self.energy_gains += columns[ENERGY_GAINS]
+        self.failed += int(np.count_nonzero(has_failed(columns["status"])))
+
+
+def variable_attributes(sweep: Sweep) -> list[tuple[Variable, dict[str, Any]]]:
+    """The variables of a sweep with their attributes."""
+    meanings = {
+        "laws": flag_words(sweep.laws),
+        "out_of_range": flag_words([f"{axis.name}_out_of_range" for axis in sweep.axes]),
+        "stages": [f"stage_{number}_of_the_law" for number in range(1, MAX_STAGES + 1)],
+    }
+    swept = [axis.name for axis in sweep.axes]
+    coordinates = {"coordinates": " ".join(swept)} if sweep.dims == ("impact",) else {}
+    return [
+        (v, v.attributes(meanings) | (coordinates if v.dims[:1] == ("impact",) and v.name not in swept else {}))
+        for v in sweep.variables
+    ]
+
+
+def global_attributes(sweep: Sweep, command: str, totals: Totals) -> dict[str, Any]:
+    """Global attributes except the hash of the content."""
+    scene = sweep.scene
+    paths = [axis.path for axis in sweep.axes]
+    asked = [accuracy for accuracy in sweep.accuracies if accuracy is not None]
+    requested: dict[str, Any] = {"requested_accuracy": max(asked)} if len(asked) == len(sweep.accuracies) else {}
+    if sweep.design in SAMPLED:
+        requested |= {"samples": str(sweep.samples), "seed": str(sweep.seed)}
+    return {
+        **provenance(
+            SWEEP,
+            title=f"{scene.title or 'Impact'}: sweep over {', '.join(paths)}",
+            summary=f"{sweep.size} impacts (target: {scene.target.kind}), design {sweep.design}.",
+            source=f"{PROGRAM}, force-indentation linearisation method (FILM)",
+            command=command,
+            comment=COMMENT,
+        ),
+        **text_and_hash("scene", scene.archived_text()),
+        **text_and_hash("sweep", sweep.text()),
+        **({"contact_law": str(scene.contact.law)} if isinstance(scene.contact.law, AbstractLaw) else {}),
+        "swept": " ".join(paths),
+        "kept": " ".join(sweep.kept),
+        "design": sweep.design,
+        "statuses": "\n".join(_statuses(sweep)),
+        "warnings": "\n".join([*_warnings(sweep, totals), *effect_warnings(sweep), *sweep_law_warnings(sweep)])
+        or "none",
+        **requested,
+        "estimated_accuracy": float(totals.estimated.max()),
+    }
+
+
+def _statuses(sweep: Sweep) -> list[str]:
+    """A line for each value of `status`: its number, word and sentence."""
+    statuses = [f"{code} {status.word}: {status.sentence}" for code, status in IMPACT_STATUSES.items()]
+    for place, axis in enumerate(sweep.axes):
+        if axis.field is not None:
+            allowed = f"{axis.field.low:g} to {axis.field.high:g} {axis.unit}".rstrip()
+            sentence = f"the value drawn is out of range: {allowed} is allowed"
+            statuses.append(f"{OUT_OF_RANGE + place} {axis.name}_out_of_range: {sentence}")
+    return statuses
+
+
+def _warnings(sweep: Sweep, totals: Totals) -> list[str]:
+    warnings = [f"{totals.failed} of {sweep.size} impacts failed: see status"] if totals.failed else []
+    for law, count in zip(sweep.laws, totals.energy_gains.tolist(), strict=True):
+        if count:
+            warnings.append(f"law {law}: in {count} impacts its unloading returns more energy than its loading stored")
+    for accuracy, found, missed in zip(sweep.accuracies, totals.estimated, totals.missed.tolist(), strict=True):
+        if missed:
+            warnings.append(f"accuracy {accuracy:g} was not reached in {missed} impacts: estimated up to {found:.1e}")
+    return warnings

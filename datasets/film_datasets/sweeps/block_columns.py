@@ -1,0 +1,107 @@
+"""The computation of a block: its impacts simulated, as columns of the schema's variables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_datasets.impacts import Impacts, simulate_impacts
+from film_datasets.schema import OUT_OF_RANGE
+from film_datasets.sweeps.blocks import Block
+from film_datasets.sweeps.definition import MOST_COMBINATIONS, Sweep
+from film_datasets.sweeps.designs import GRID
+from film_model.base.errors import NO_VELOCITY
+from film_model.core.native import LINE_DTYPE
+
+Columns = dict[str, NDArray[Any]]
+
+ESTIMATED, MISSED, ENERGY_GAINS = "estimated", "missed", "energy_gains"
+"""Columns besides the variables: the largest estimated error for each of `Sweep.accuracies`, the number of impacts that
+miss each, and the number of impacts of each of `Sweep.laws` whose unloading returns more energy than their loading
+stored."""
+
+
+def compute_block(sweep: Sweep, block: Block) -> Columns:
+    """The columns of a block by the names of variables, impacts in C order; `ESTIMATED`, `MISSED`, `ENERGY_GAINS`."""
+    values = sweep.values(block.first, block.count)
+    columns = _empty_columns(sweep, block.count)
+    if sweep.design != GRID:
+        columns |= {axis.name: value for axis, value in zip(sweep.axes, values, strict=True)}
+    in_range = np.ones(block.count, np.bool_)
+    numbers: dict[str, NDArray[Any]] = {}
+    for place, (axis, value) in enumerate(zip(sweep.axes, values, strict=True)):
+        if axis.kind != "choices":
+            numbers[axis.path] = value
+            outside = axis.outside(value) & in_range
+            columns["status"][outside] = OUT_OF_RANGE + place
+            in_range &= ~outside
+    combination = sweep.combination_numbers(values)
+    few = sweep.combinations <= MOST_COMBINATIONS
+    lines: dict[int, NDArray[Any]] = {}
+    for number in (np.flatnonzero(np.bincount(combination)) if few else np.unique(combination)).tolist():
+        index = np.flatnonzero((combination == number) & in_range)
+        if index.size:
+            scene = sweep.combination(number)
+            picked = {path: value[index] for path, value in numbers.items()}
+            picked = picked or {"impactor.velocity": np.full(index.size, scene.impactor.speed)}
+            _put(sweep, columns, lines, simulate_impacts(scene, picked), index)
+    if sweep.keep == "segments":
+        columns |= _segment_columns(lines, block.count)
+    return columns
+
+
+def _empty_columns(sweep: Sweep, count: int) -> Columns:
+    columns: Columns = {
+        ESTIMATED: np.zeros(len(sweep.accuracies)),
+        MISSED: np.zeros(len(sweep.accuracies), np.int64),
+        ENERGY_GAINS: np.zeros(len(sweep.laws), np.int64),
+    }
+    for variable in sweep.variables[len(sweep.axes) :]:
+        if variable.dims[: len(sweep.dims)] == sweep.dims:
+            shape = (count, sweep.dense) if "normalised_time" in variable.dims else (count,)
+            columns[variable.name] = np.full(shape, np.nan if variable.optional else 0, variable.dtype)
+    columns["status"][:] = NO_VELOCITY
+    columns["law"][:] = -1
+    return columns
+
+
+def _put(
+    sweep: Sweep, columns: Columns, lines: dict[int, NDArray[Any]], impacts: Impacts, index: NDArray[np.intp]
+) -> None:
+    """Put simulated impacts into the columns and lines at the places `index`."""
+    for name, column in impacts.summary.items():
+        columns[name][index] = column
+    columns["status"][index] = impacts.status
+    columns["zener_number"][index] = impacts.zener_number
+    columns["estimated_accuracy"][index] = impacts.estimated
+    wanted = impacts.scene.solver.accuracy
+    accuracy = sweep.accuracies.index(wanted)
+    worst = float(np.nanmax(impacts.estimated, initial=columns[ESTIMATED][accuracy]))
+    columns[ESTIMATED][accuracy] = worst
+    if wanted is not None and worst > wanted:
+        columns[MISSED][accuracy] += np.count_nonzero(impacts.estimated > wanted)
+    for number, law in enumerate(impacts.laws):
+        own, place = impacts.law == number, sweep.laws.index(law)
+        columns["law"][index[own]] = place
+        columns[ENERGY_GAINS][place] += np.count_nonzero(impacts.gains_energy[own])
+    if sweep.keep == "segments":
+        for segments in impacts.segments():
+            places = index[segments.index]
+            lines.update(zip(places.tolist(), segments.lines, strict=True))
+            for name, value in segments.units.items():
+                columns[name][places] = value
+    elif sweep.keep == "samples":
+        for name, column in impacts.samples(sweep.dense).items():
+            columns[f"sampled_{name}"][index] = column
+
+
+def _segment_columns(lines: Mapping[int, NDArray[Any]], count: int) -> Columns:
+    """The segments of all impacts, one after the other, and how many each impact has."""
+    none = np.empty(0, LINE_DTYPE)
+    each = [lines.get(impact, none) for impact in range(count)]
+    together = np.concatenate(each)
+    counts = np.array([one.size for one in each], np.int32)
+    return {"segment_count": counts, **{f"segment_{name}": together[name] for name in LINE_DTYPE.names or ()}}

@@ -1,0 +1,220 @@
+"""Writers that take the variables of a sweep block by block: to memory, a netCDF file or a Zarr folder."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+import xarray as xr
+
+from film_datasets.files import NEEDS_ZARR, ZARR
+from film_datasets.schema import Variable
+from film_model.base.files import flush
+
+Region = tuple[slice, ...]
+
+GROWING = "segment"
+"""The dimension whose length is not known before the last block."""
+
+GROWING_CHUNK = 1 << 16
+"""Segments of a chunk of the file."""
+
+
+class Writer(Protocol):
+    """What takes the variables of a dataset in pieces."""
+
+    def create(
+        self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
+    ) -> None:
+        """Create variables with their attributes. sizes: of the dimensions; chunks: sizes of a block."""
+
+    def put(self, name: str, region: Region, values: Any) -> None:
+        """Write a region of a variable."""
+
+    def grow(self, name: str, values: Any) -> None:
+        """Append values to a variable along `GROWING`."""
+
+    def close(self, attributes: Mapping[str, Any]) -> None:
+        """Write the global attributes; nothing can be written afterwards."""
+
+
+def writer_for(target: Path) -> NetCDFWriter | ZarrWriter:
+    """The writer for a file name. Raises ImportError for a Zarr folder if zarr is not installed."""
+    return ZarrWriter(temporary_path(target)) if target.suffix == ZARR else NetCDFWriter(temporary_path(target))
+
+
+def temporary_path(target: Path) -> Path:
+    """Where a file or folder is written before it is renamed to `target`."""
+    return target.absolute().with_name(f".{target.name}.part")
+
+
+def put_in_place(finished: Path, target: Path) -> None:
+    """Rename a finished file (flushed to the disk) or folder to `target`, replacing an older one."""
+    if not finished.is_dir():
+        flush(finished, os.O_RDWR)
+        os.replace(finished, target)
+        return
+    old = target.absolute().with_name(f".{target.name}.old")
+    shutil.rmtree(old, ignore_errors=True)
+    if target.is_dir():
+        os.rename(target, old)
+    else:
+        target.unlink(missing_ok=True)
+    os.rename(finished, target)
+    shutil.rmtree(old, ignore_errors=True)
+
+
+class MemoryWriter:
+    """Fills arrays in memory; `dataset` is set by `close`."""
+
+    def __init__(self) -> None:
+        self._arrays: dict[str, Any] = {}
+        self._pieces: dict[str, list[Any]] = {}
+        self._variables: dict[str, tuple[Variable, dict[str, Any]]] = {}
+        self.dataset: Any = None
+
+    def create(
+        self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
+    ) -> None:
+        for variable, attributes in variables:
+            self._variables[variable.name] = variable, attributes
+            if GROWING in variable.dims:
+                self._pieces[variable.name] = [np.empty(0, variable.dtype)]
+            else:
+                self._arrays[variable.name] = np.empty([sizes[dim] for dim in variable.dims], variable.dtype)
+
+    def put(self, name: str, region: Region, values: Any) -> None:
+        self._arrays[name][region] = values
+
+    def grow(self, name: str, values: Any) -> None:
+        self._pieces[name].append(values)
+
+    def close(self, attributes: Mapping[str, Any]) -> None:
+        arrays = {**self._arrays, **{name: np.concatenate(pieces) for name, pieces in self._pieces.items()}}
+        coordinates = {
+            word for _, attrs in self._variables.values() for word in str(attrs.get("coordinates", "")).split()
+        }
+        coordinates |= {name for name, (variable, _) in self._variables.items() if variable.dims == (name,)}
+        data: dict[bool, dict[str, Any]] = {True: {}, False: {}}
+        for name, (variable, attrs) in self._variables.items():
+            attrs.pop("coordinates", None)
+            data[name in coordinates][name] = xr.Variable(variable.dims, arrays[name], attrs)
+        self.dataset = xr.Dataset(data[False], data[True], dict(attributes))
+
+
+class NetCDFWriter:
+    """Writes a netCDF-4 file. Nothing is compressed: that would take longer than the simulation."""
+
+    def __init__(self, path: Path) -> None:
+        import netCDF4  # lazy: a sweep in memory does not need it
+
+        path.unlink(missing_ok=True)
+        # created here because the library does not tell why it cannot create a file
+        os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        self.path = path
+        self._file: Any = netCDF4.Dataset(path, "w", format="NETCDF4")
+        self._file.set_fill_off()
+        self._variables: dict[str, Any] = {}
+        self._grown: dict[str, int] = {}
+
+    def create(
+        self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
+    ) -> None:
+        for dim, size in sizes.items():
+            self._file.createDimension(dim, size)
+        if any(GROWING in variable.dims for variable, _ in variables):
+            self._file.createDimension(GROWING, None)
+        for variable, attributes in variables:
+            growing = GROWING in variable.dims
+            created = self._file.createVariable(
+                variable.name,
+                variable.dtype,
+                variable.dims,
+                chunksizes=(GROWING_CHUNK,) if growing else None,
+                fill_value=np.nan if variable.optional else False,
+                contiguous=not growing,
+            )
+            created.set_auto_maskandscale(False)
+            created.setncatts(attributes)
+            self._variables[variable.name] = created
+
+    def put(self, name: str, region: Region, values: Any) -> None:
+        self._variables[name][region] = values
+
+    def grow(self, name: str, values: Any) -> None:
+        begin = self._grown.get(name, 0)
+        self._grown[name] = begin + len(values)
+        if len(values):
+            self._variables[name][begin : begin + len(values)] = values
+
+    def close(self, attributes: Mapping[str, Any]) -> None:
+        self._file.setncatts(dict(attributes))
+        self._file.close()
+
+    def abandon(self) -> None:
+        """Remove what was written."""
+        try:
+            if self._file.isopen():
+                self._file.close()
+        except (RuntimeError, OSError):  # closing writes, which fails on a full disk
+            pass
+        self.path.unlink(missing_ok=True)
+
+
+class ZarrWriter:
+    """Writes a Zarr folder (format 3) with a chunk for each block, compressed with zarr's default."""
+
+    def __init__(self, path: Path) -> None:
+        try:
+            import zarr  # lazy: an optional dependency
+        except ImportError as error:
+            raise ImportError(NEEDS_ZARR) from error
+        if path.exists():
+            shutil.rmtree(path)
+        self.path = path
+        self._group: Any = zarr.open_group(path, mode="w", zarr_format=3)
+        self._arrays: dict[str, Any] = {}
+
+    def create(
+        self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
+    ) -> None:
+        for variable, attributes in variables:
+            self._arrays[variable.name] = self._group.create_array(
+                variable.name,
+                shape=tuple(sizes.get(dim, 0) for dim in variable.dims),
+                chunks=tuple(chunks.get(dim, GROWING_CHUNK) for dim in variable.dims),
+                dtype=variable.dtype,
+                dimension_names=variable.dims,
+                fill_value=np.nan if variable.optional else 0,
+                attributes={key: _plain(value) for key, value in attributes.items()},
+            )
+
+    def put(self, name: str, region: Region, values: Any) -> None:
+        self._arrays[name][region] = values
+
+    def grow(self, name: str, values: Any) -> None:
+        if len(values):
+            self._arrays[name].append(values)
+
+    def close(self, attributes: Mapping[str, Any]) -> None:
+        import zarr  # lazy: an optional dependency
+
+        self._group.attrs.update({key: _plain(value) for key, value in attributes.items()})
+        with warnings.catch_warnings():
+            warnings.simplefilter(
+                "ignore"
+            )  # format 3 does not yet specify consolidated metadata, but xarray reads them
+            zarr.consolidate_metadata(self.path)
+
+    def abandon(self) -> None:
+        """Remove what was written."""
+        shutil.rmtree(self.path, ignore_errors=True)
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value

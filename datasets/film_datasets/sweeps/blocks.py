@@ -1,0 +1,68 @@
+"""Blocks: the parts of a sweep that are computed, saved and written one at a time."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from film_datasets.impacts import one_curve_per_impact
+from film_datasets.sweeps.definition import Sweep
+
+BLOCK_BYTES, BLOCK_IMPACTS = 6_000_000, 65_536
+"""A block has about so many bytes of data and at most so many impacts; both depend on the sweep alone, so that the
+results do not depend on the workers."""
+
+OWN_CURVES = 1024
+"""Impacts of a block if each may need a curve of its own (91 kB): on beams and static stiffnesses."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A part of a sweep: its region of the arrays, and its impacts `first` … `first + count - 1` in C order."""
+
+    region: tuple[slice, ...]
+    first: int
+    count: int
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of the region."""
+        return tuple(part.stop - part.start for part in self.region)
+
+
+class Blocks:
+    """The blocks of a sweep, in C order: one axis is divided, later ones are complete, earlier ones have length 1."""
+
+    def __init__(self, sweep: Sweep) -> None:
+        scenes = (sweep.combination(number) for number in sweep.combinations_used)
+        limit = OWN_CURVES if any(map(one_curve_per_impact, scenes)) else BLOCK_IMPACTS
+        most = max(1, min(limit, BLOCK_BYTES // sweep.bytes_per_impact))
+        shape = self._shape = sweep.shape
+        fits = (k for k in range(len(shape)) if math.prod(shape[k + 1 :]) <= most)
+        cut = self._cut = next(fits, len(shape) - 1)
+        parts = -(-shape[cut] // max(1, most // math.prod(shape[cut + 1 :])))
+        self._length = -(-shape[cut] // parts)
+        self._parts = -(-shape[cut] // self._length)
+
+    def __len__(self) -> int:
+        return math.prod(self._shape[: self._cut]) * self._parts
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Of a block; the last one along the divided axis may be shorter."""
+        return (*(1,) * self._cut, self._length, *self._shape[self._cut + 1 :])
+
+    def __getitem__(self, number: int) -> Block:
+        cut, shape = self._cut, self._shape
+        outer, part = divmod(number, self._parts)
+        leading = np.unravel_index(outer, shape[:cut]) if cut else ()
+        begin, end = part * self._length, min((part + 1) * self._length, shape[cut])
+        inner = math.prod(shape[cut + 1 :])
+        region = (
+            *(slice(int(k), int(k) + 1) for k in leading),
+            slice(begin, end),
+            *(slice(0, size) for size in shape[cut + 1 :]),
+        )
+        return Block(region, (outer * shape[cut] + begin) * inner, (end - begin) * inner)

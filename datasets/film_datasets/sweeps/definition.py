@@ -1,0 +1,279 @@
+"""A sweep: a scene, the axes over which it is varied, and a design that places the impacts."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from film_datasets.impacts import scene_with_numbers
+from film_datasets.scene_numbers import number_text
+from film_datasets.schema import Variable, sweep_variables, swept_name
+from film_datasets.sweeps.axis import Axis
+from film_datasets.sweeps.axis_reading import read_axes, swept_mistakes
+from film_datasets.sweeps.designs import DESIGNS, GRID, MOST_SAMPLES, SAMPLED, ZIP, points
+from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
+from film_model.core.native import LINE_DTYPE
+from film_model.problem.law_of_scene import ELASTIC, YIELDING
+from film_model.scene import Scene
+from film_model.scene.scene import NO_FILES
+from film_model.scene.toml import toml_table
+from film_model.solve.history import MOTION
+
+MOST_COMBINATIONS = 10_000
+"""Combinations of choices that a sweep may have: a scene is held for each."""
+
+MOST_CORNERS = 64
+"""Corners of a design that are tried until one makes a valid scene."""
+
+TYPICAL_SEGMENTS = 32
+"""Segments of an impact at the default accuracy, about: to estimate the size of a file."""
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Impacts of a scene over some axes, made by `Sweep.of`; `read_sweep` reads one from a sweep file.
+
+    design: "grid" (every combination), "zip" (lists side by side), or "random", "sobol", "latin-hypercube" with
+    `samples` impacts drawn with `seed`. keep: "summary", "segments" (exact histories too) or "samples" (histories at
+    `dense` normalised times too). first: the scene with the first choice of each axis that has choices.
+    """
+
+    scene: Scene
+    axes: tuple[Axis, ...]
+    design: str
+    samples: int
+    seed: int
+    keep: str
+    dense: int
+    first: Scene = field(repr=False)
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        over: Mapping[str, Any],
+        design: str = GRID,
+        *,
+        samples: int | None = None,
+        seed: int | None = None,
+        keep: str = "summary",
+    ) -> Sweep:
+        """A sweep; see `film_datasets.sweep`. Raises SceneError with all mistakes."""
+        mistakes = option_mistakes(design, samples, seed)
+        kept, dense = _read_keep(keep)
+        axes: tuple[Axis, ...] = ()
+        first = scene
+        try:
+            axes, first = read_axes(scene, over, design if design in DESIGNS else GRID)
+        except SceneError as error:
+            mistakes += error.mistakes
+        raise_all(mistakes)
+        sweep = cls(scene, axes, design, samples or 0, 1 if seed is None else seed, kept, dense, first)
+        count = sweep.combinations if design != ZIP else len(sweep.combinations_used)
+        if count > MOST_COMBINATIONS:
+            paths = " and ".join(axis.path for axis in sweep.choice_axes)
+            message = f"{count} combinations of {paths}; at most {MOST_COMBINATIONS} are allowed"
+            raise SceneError([Mistake(None, None, "over", message)])
+        sweep._check_numbers()
+        return sweep
+
+    @classmethod
+    def of_dataset(cls, ds: xr.Dataset) -> Sweep:
+        """The sweep that a dataset was made by."""
+        base = Scene.from_stored_text(str(ds.attrs["scene_toml"]), "scene_toml")
+        kept = str(ds.attrs["kept"]).split()
+        keep = kept[-1] if kept[-1] != "samples" else f"samples={ds.sizes['normalised_time']}"
+        table = toml_table(str(ds.attrs["sweep_toml"]), "sweep_toml")
+        over = table["over"]
+        _refuse_files(over)
+        for path, given in over.items():
+            if isinstance(given, Mapping) and "listed" in given:  # too many values for sweep_toml
+                array = ds[swept_name(path)]
+                over[path] = [f"{value!r} {array.attrs.get('units', '')}" for value in array.values.tolist()]
+        options = {key: table[key] for key in ("samples", "seed") if key in table}
+        return cls.of(base, over, table["design"], **options, keep=keep)
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """Of every variable."""
+        if self.design == GRID:
+            return tuple(axis.count for axis in self.axes)
+        return (self.axes[0].count if self.design == ZIP else self.samples,)
+
+    @cached_property
+    def dims(self) -> tuple[str, ...]:
+        """Dimensions of every variable: the swept quantities, or `impact`."""
+        return tuple(axis.name for axis in self.axes) if self.design == GRID else ("impact",)
+
+    @cached_property
+    def size(self) -> int:
+        """Number of impacts."""
+        return math.prod(self.shape)
+
+    @cached_property
+    def kept(self) -> tuple[str, ...]:
+        """What is kept of every impact."""
+        return tuple(dict.fromkeys(("summary", self.keep)))
+
+    @cached_property
+    def laws(self) -> tuple[str, ...]:
+        """Names of the contact laws that may occur, in the order of the flags of `law`."""
+        names: list[str] = []
+        for number in self.combinations_used:
+            contact = self.combination(number).contact
+            names += [ELASTIC, YIELDING] if contact.law == "auto" else [contact.law_name]
+        return tuple(dict.fromkeys(names))
+
+    @cached_property
+    def accuracies(self) -> tuple[float | None, ...]:
+        """Requested accuracies, each once; None where segments are given instead."""
+        return tuple(dict.fromkeys(self.combination(number).solver.accuracy for number in self.combinations_used))
+
+    @cached_property
+    def variables(self) -> tuple[Variable, ...]:
+        """The schema's variables for this sweep: swept quantities, then what is kept."""
+        swept = tuple(axis.variable((axis.name,) if self.design == GRID else ("impact",)) for axis in self.axes)
+        return (*swept, *sweep_variables(self.kept, self.dims))
+
+    @property
+    def bytes_per_impact(self) -> int:
+        """In a file, about."""
+        own = sum(v.dtype.itemsize for v in self.variables if v.dims == self.dims)
+        history = {"segments": TYPICAL_SEGMENTS * LINE_DTYPE.itemsize, "samples": 8 * len(MOTION) * self.dense}
+        return own + history.get(self.keep, 0)
+
+    def text(self) -> str:
+        """The sweep file, except for the line that names the scene."""
+        head = [f'design = "{self.design}"']
+        if self.design in SAMPLED:
+            head += [f"samples = {self.samples}", f"seed = {self.seed}"]
+        return "\n".join([*head, "", "[over]", *(f'"{axis.path}" = {axis.text()}' for axis in self.axes), ""])
+
+    def values(self, first: int, count: int) -> list[NDArray[Any]]:
+        """For each axis, the values of impacts first … first + count - 1 in C order: SI, or numbers of choices."""
+        if self.design in SAMPLED:
+            u = points(self.design, len(self.axes), self.samples, self.seed)(first, count)
+            return [axis.quantile(u[:, k]) for k, axis in enumerate(self.axes)]
+        flat = np.arange(first, first + count)
+        places = np.unravel_index(flat, self.shape) if self.design == GRID else [flat] * len(self.axes)
+        return [axis.at(place) for axis, place in zip(self.axes, places, strict=True)]
+
+    # ---------------------------------------------------------------- combinations of choices: a scene for each
+
+    @property
+    def choice_axes(self) -> list[Axis]:
+        """The axes that have choices."""
+        return [axis for axis in self.axes if axis.kind == "choices"]
+
+    @property
+    def combinations(self) -> int:
+        """Number of combinations of choices."""
+        return math.prod(len(axis.choices) for axis in self.choice_axes)
+
+    @cached_property
+    def combinations_used(self) -> Sequence[int]:
+        """Numbers of the combinations that impacts may have: for lists side by side not all."""
+        axes = self.choice_axes
+        if self.design != ZIP or not axes:
+            return range(self.combinations)
+        sizes = [len(axis.choices) for axis in axes]
+        return np.unique(np.ravel_multi_index([axis.indices for axis in axes], sizes)).tolist()
+
+    def combination_numbers(self, values: Sequence[NDArray[Any]]) -> NDArray[np.int64]:
+        """The number of each impact's combination, from its values along the axes."""
+        numbers = np.zeros(len(values[0]), np.int64)
+        for axis, value in zip(self.axes, values, strict=True):
+            if axis.kind == "choices":
+                numbers = numbers * len(axis.choices) + value
+        return numbers
+
+    @cached_property
+    def _scenes(self) -> dict[int, Scene]:
+        return {}
+
+    def combination(self, number: int) -> Scene:
+        """The scene of a combination of choices."""
+        if number not in self._scenes:
+            axes = self.choice_axes
+            places = np.unravel_index(number, [len(axis.choices) for axis in axes]) if axes else ()
+            changes = {axis.path: axis.choices[int(place)] for axis, place in zip(axes, places, strict=True)}
+            self._scenes[number] = self.first.replace(changes) if changes else self.scene
+        return self._scenes[number]
+
+    def scene_of(self, impact: int) -> Scene | None:
+        """The scene of one impact, by its place in C order; None if a value is out of range."""
+        values = self.values(impact, 1)
+        numbers: dict[str, float] = {}
+        for axis, value in zip(self.axes, values, strict=True):
+            if axis.kind == "choices":
+                continue
+            if axis.outside(value)[0]:
+                return None
+            numbers[axis.path] = float(value[0])
+        return scene_with_numbers(self.combination(int(self.combination_numbers(values)[0])), numbers)
+
+    def _check_numbers(self) -> None:
+        """Raise SceneError if no corner of the design makes a valid scene; single impacts may fail, with a status."""
+        axes = [axis for axis in self.axes if axis.kind != "choices"]
+        ends = [a.numbers[:1] if a.kind in ("normal", "lognormal") else (a.numbers[0], a.numbers[-1]) for a in axes]
+        for number in self.combinations_used:
+            first = None
+            for corner in itertools.islice(itertools.product(*ends), MOST_CORNERS):
+                pairs = zip(axes, corner, strict=True)
+                try:
+                    self.combination(number).replace({axis.path: number_text(v, axis.unit) for axis, v in pairs})
+                    break
+                except SceneError as error:
+                    first = first or error
+            else:
+                assert first is not None
+                raise SceneError(swept_mistakes(first, [axis.path for axis in self.choice_axes]))
+
+
+def option_mistakes(design: object, samples: object, seed: object) -> list[Mistake]:
+    """Mistakes of a design and of its number of samples and seed."""
+    found: dict[str, str] = {}
+    if design not in DESIGNS:
+        words = ", ".join(f'"{word}"' for word in DESIGNS)
+        hint = did_you_mean(design, DESIGNS) if isinstance(design, str) else ""
+        found["design"] = f"{shown(design)} is not allowed: one of {words} is needed{hint}"
+    elif design not in SAMPLED:
+        given = [key for key, value in (("samples", samples), ("seed", seed)) if value is not None]
+        found |= {key: f'is not for design "{design}"' for key in given}
+    else:
+        most = MOST_SAMPLES[str(design)]
+        if samples is None:
+            found["samples"] = f'missing: design "{design}" needs the number of impacts'
+        elif isinstance(samples, bool) or not isinstance(samples, int) or not 1 <= samples <= most:
+            found["samples"] = f"{shown(samples)} is not allowed: a whole number from 1 to {most} is needed"
+        if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**64):
+            found["seed"] = f"{shown(seed)} is not allowed: a whole number from 0 to 2^64 - 1 is needed"
+    return [Mistake(None, None, key, message) for key, message in found.items()]
+
+
+def _refuse_files(over: Mapping[str, Any]) -> None:
+    """Raise SceneError if a choice of a stored sweep names a file."""
+    sections = [section for choices in over.values() if isinstance(choices, list) for section in choices]
+    if any(path.endswith(".file") for path in over) or any(
+        isinstance(section, Mapping) and "file" in section for section in sections
+    ):
+        raise SceneError([Mistake("sweep_toml", None, "over", NO_FILES)])
+
+
+def _read_keep(keep: str) -> tuple[str, int]:
+    """What is kept, and the number of normalised times of "samples=…"."""
+    word, _, number = keep.partition("=")
+    if word == "samples" and number.isascii() and number.isdigit() and 2 <= int(number) <= 1_000_000:
+        return word, int(number)
+    if keep in ("summary", "segments"):
+        return keep, 0
+    message = f"{shown(keep)} is not allowed: summary, segments or samples=201 is needed"
+    raise SceneError([Mistake(None, None, "keep", message)])

@@ -1,0 +1,71 @@
+"""Designs: how the impacts of a sweep are placed, and the random or quasi-random points of the sampled ones."""
+
+from __future__ import annotations
+
+import threading
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+GRID, ZIP = "grid", "zip"
+SAMPLED = ("random", "sobol", "latin-hypercube")
+DESIGNS = (GRID, ZIP, *SAMPLED)
+
+MOST_SAMPLES = {"random": 2**53, "sobol": 2**30, "latin-hypercube": 20_000_000}
+"""Largest number of impacts of a sampled design; a Latin hypercube is a permutation held in memory."""
+
+
+class Points:
+    """Points of a sampled design in the unit cube.
+
+    Any range of them can be asked for, by any worker and in any order, and is always the same.
+    """
+
+    def __init__(self, design: str, dimensions: int, samples: int, seed: int) -> None:
+        self._design, self._dimensions, self._samples, self._seed = design, dimensions, samples, seed
+        self._lock, self._engine, self._next = threading.Lock(), None, 0
+
+    def __call__(self, first: int, count: int) -> Array:
+        """Points first … first + count - 1: (count, dimensions) numbers between 0 and 1."""
+        if self._design == "random":
+            return self._random(first, count)
+        if self._design == "sobol":
+            return self._sobol(first, count)
+        return _latin_hypercube(self._dimensions, self._samples, self._seed)[first : first + count]
+
+    def _random(self, first: int, count: int) -> Array:
+        words, per_step = first * self._dimensions, 4  # Philox makes four numbers in a step of its counter
+        generator = np.random.Philox(key=self._seed)
+        generator.advance(words // per_step)
+        numbers = np.random.Generator(generator).random(words % per_step + count * self._dimensions)
+        return numbers[words % per_step :].reshape(count, self._dimensions)
+
+    def _sobol(self, first: int, count: int) -> Array:
+        """Sobol's sequence, scrambled (Owen). SciPy's engine only goes forward: a range behind it needs a new one."""
+        from scipy.stats import qmc  # lazy: importing scipy.stats takes 1 s
+
+        with self._lock:
+            if self._engine is None or first < self._next:
+                self._engine, self._next = qmc.Sobol(self._dimensions, scramble=True, rng=self._seed), 0
+            if first > self._next:
+                self._engine.fast_forward(first - self._next)
+            self._next = first + count
+            # the first point is drawn alone: SciPy warns if the first draw's size is not a power of two
+            draws = (1, count - 1) if first == 0 else (count,)
+            return np.concatenate([self._engine.random(draw) for draw in draws if draw])
+
+
+@lru_cache(maxsize=1)
+def _latin_hypercube(dimensions: int, samples: int, seed: int) -> Array:
+    from scipy.stats import qmc  # lazy: importing scipy.stats takes 1 s
+
+    return qmc.LatinHypercube(dimensions, rng=seed).random(samples)
+
+
+@lru_cache(maxsize=4)
+def points(design: str, dimensions: int, samples: int, seed: int) -> Points:
+    """The points of a design: one object per process, so that its Sobol engine is shared by all threads."""
+    return Points(design, dimensions, samples, seed)

@@ -1,0 +1,283 @@
+"""Running a sweep: blocks computed by many workers, written in order, and resumed after an interruption."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from concurrent.futures import Future
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from film_datasets.files import SUFFIX, ZARR, check_place, open_dataset
+from film_datasets.schema import SWEEP, VERSIONS, ContentHash
+from film_datasets.sweeps.attributes import Totals, global_attributes, variable_attributes
+from film_datasets.sweeps.block_columns import Columns, compute_block
+from film_datasets.sweeps.block_writers import GROWING, MemoryWriter, Writer, put_in_place, writer_for
+from film_datasets.sweeps.blocks import Block, Blocks
+from film_datasets.sweeps.checkpoint import Checkpoint
+from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.executor import Workers, workers_of
+from film_datasets.sweeps.progress_bar import Progress
+from film_model.base.errors import SimulationError
+from film_model.scene import Scene
+from film_model.version import __version__
+
+MOST_IN_MEMORY = 4_000_000_000
+"""Bytes of a sweep without an output file."""
+
+
+NO_SPACE = 1_000_000
+"""A disk with fewer free bytes than this is full."""
+
+
+@dataclass(frozen=True)
+class _Run:
+    """A sweep with its blocks. command: for the attribute `history`. progress: called after each block."""
+
+    sweep: Sweep
+    blocks: Blocks
+    command: str
+    progress: Progress | None
+
+
+class Interrupted(KeyboardInterrupt):
+    """A sweep was interrupted; the message says where its finished blocks are kept."""
+
+
+def sweep(
+    scene: Scene | str | os.PathLike[str],
+    over: Mapping[str, Any],
+    design: str = "grid",
+    *,
+    samples: int | None = None,
+    seed: int | None = None,
+    keep: str = "summary",
+    output: str | os.PathLike[str] | None = None,
+    workers: int | None = None,
+    scheduler: Any = None,
+    resume: bool = False,
+    overwrite: bool = False,
+) -> xr.Dataset:
+    """Impacts of a scene over swept quantities, as a dataset with every summary quantity of every impact.
+
+    over: path in a scene file such as "impactor.velocity" → its values: a list (["250 MPa", "310 MPa"], a pint
+    quantity that holds an array, or names such as those of laws and materials), {"from": "0.1 m/s", "to": "5 m/s",
+    "count": 1000, "spacing": "log"}, or for sampled designs a distribution: {"normal": ["310 MPa", "15 MPa"]} or
+    "lognormal", mean and standard deviation, or {"uniform": [least, greatest]}.
+
+    design: "grid", every combination, with the swept quantities as dimensions; "zip", lists side by side; "random",
+    "sobol" (scrambled; balanced for powers of two) or "latin-hypercube", with `samples` impacts and `seed` (1); these
+    draw from lists with equal probability and from ranges uniformly. keep: "summary"; "segments", the exact histories
+    too; "samples=201", histories at 201 normalised times too.
+
+    output: FILE.nc or FILE.zarr, complete or not written at all; it is opened lazily. Without it the dataset is in
+    memory. workers: threads, as many as there are cores unless given; scheduler: the address of a Dask scheduler, or a
+    distributed.Client, whose workers compute the blocks instead. The data do not depend on either. resume: continue an
+    interrupted run with this output. overwrite: replace an existing output or interrupted run.
+
+    An impact that fails has NaN as its values and a status that gives the reason. Raises SceneError for mistakes in
+    scene or sweep, FileExistsError or another OSError if the output cannot be written, MemoryError for a sweep that is
+    too large without an output.
+    """
+    base = scene if isinstance(scene, Scene) else Scene.from_toml(scene)
+    asked = Sweep.of(base, over, design, samples=samples, seed=seed, keep=keep)
+    return run_sweep(
+        asked, output, workers=workers, scheduler=scheduler, resume=resume, overwrite=overwrite,
+        command="film_datasets.sweep",
+    )  # fmt: skip
+
+
+def run_sweep(
+    sweep: Sweep,
+    output: str | os.PathLike[str] | None = None,
+    *,
+    command: str,
+    workers: int | None = None,
+    scheduler: Any = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Run a sweep; see `film_datasets.sweep`. command: for the attribute `history`. progress: called after each block.
+
+    Raises Interrupted, a KeyboardInterrupt, if it is stopped from the keyboard with some blocks finished.
+    """
+    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or not 1 <= workers <= 4096):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ValueError(f"workers: {workers!r} is not allowed: a whole number from 1 to 4096 is needed")
+    run = _Run(sweep, Blocks(sweep), command, progress)
+    if output is None:
+        if (need := sweep.size * sweep.bytes_per_impact) > MOST_IN_MEMORY:
+            raise MemoryError(
+                f"{sweep.size} impacts take about {_bytes(need)}, at most {_bytes(MOST_IN_MEMORY)} go into memory: "
+                "give an output, FILE.nc or FILE.zarr"
+            )
+        writer = MemoryWriter()
+        with workers_of(workers, scheduler) as pool:
+            _write_blocks(run, writer, _computed_blocks(run, pool))
+        return writer.dataset
+    target = Path(output)
+    checkpoint = Checkpoint(target, sweep, run.blocks)
+    if resume and target.exists() and not overwrite:
+        if (difference := _not_the_output_of(target, sweep)) is not None:
+            raise FileExistsError(f"{target}: {difference}; use overwrite=True to replace it")
+        checkpoint.remove()
+        return open_dataset(target)
+    if target.is_symlink():
+        raise FileExistsError(f"{target}: is a link, which writing would replace; give the file it points to")
+    if target.suffix not in (SUFFIX, ZARR):
+        raise ValueError(f'{target}: the name of a sweep\'s output must end in "{SUFFIX}" or "{ZARR}"')
+    check_place(target, overwrite)
+    _check_free_space(target, sweep)
+    with checkpoint.locked(resume, overwrite):
+        try:
+            _write_file(run, target, checkpoint, workers, scheduler)
+        except KeyboardInterrupt:
+            raise Interrupted(f"interrupted: {checkpoint.summary()}") from None
+        except (SimulationError, FileExistsError):
+            raise
+        except (OSError, RuntimeError) as error:  # the netCDF library raises RuntimeError for a full disk
+            reason = _reason(error, target)
+            raise OSError(f"{target}: cannot be written: {reason}; {checkpoint.summary()}") from error
+    checkpoint.remove()
+    return open_dataset(target)
+
+
+def _write_file(run: _Run, target: Path, checkpoint: Checkpoint, workers: int | None, scheduler: Any) -> None:
+    """Write the output under another name and rename it; if that fails, keep the checkpoint if it has blocks."""
+    writer = writer_for(target)
+    try:
+        with workers_of(workers, scheduler) as pool:
+            _write_blocks(run, writer, _computed_blocks(run, pool, checkpoint))
+        put_in_place(writer.path, target)
+    except BaseException:
+        writer.abandon()
+        if not checkpoint.finished():
+            checkpoint.remove()
+        raise
+
+
+def _write_blocks(run: _Run, writer: Writer, computed: Iterator[tuple[Block, Columns]]) -> None:
+    """Put the columns of all blocks into the writer, in order, then the attributes."""
+    sweep, blocks = run.sweep, run.blocks
+    sizes = dict(zip(sweep.dims, sweep.shape, strict=True)) | ({"normalised_time": sweep.dense} if sweep.dense else {})
+    chunks = dict(zip(sweep.dims, blocks.shape, strict=True)) | {"normalised_time": sweep.dense or 1}
+    writer.create(sizes, chunks, variable_attributes(sweep))
+    content, totals, segments = ContentHash(sweep.variables), Totals.of(sweep), 0
+    _write_coordinates(sweep, writer, blocks, content)
+    for block, columns in computed:
+        if "segment_count" in columns:
+            ends = segments + np.cumsum(columns["segment_count"], dtype=np.int64)
+            columns["segment_begin"], segments = ends - columns["segment_count"], int(ends[-1])
+        for variable in sweep.variables:
+            if variable.name not in columns:
+                continue
+            values = np.asarray(columns[variable.name], variable.dtype)
+            content.update(variable.name, values)
+            if GROWING in variable.dims:
+                writer.grow(variable.name, values)
+            else:
+                writer.put(variable.name, block.region, values.reshape(block.shape + values.shape[1:]))
+        totals.add(columns)
+        if run.progress is not None:
+            run.progress(block.first + block.count, sweep.size)
+    writer.close({**global_attributes(sweep, run.command, totals), "content_sha256": content.hexdigest()})
+
+
+def _write_coordinates(sweep: Sweep, writer: Writer, blocks: Blocks, content: ContentHash) -> None:
+    """Write the coordinates that are not columns of the blocks."""
+    if sweep.dense:
+        values = np.linspace(0.0, 1.0, sweep.dense)
+        writer.put("normalised_time", (slice(None),), values)
+        content.update("normalised_time", values)
+    if sweep.dims == ("impact",):
+        return
+    for axis, chunk in zip(sweep.axes, blocks.shape, strict=True):
+        step = chunk * max(1, (1 << 20) // chunk)  # whole chunks: part of a chunk would be read and written again
+        for first in range(0, axis.count, step):
+            values = axis.at(np.arange(first, min(first + step, axis.count)))
+            writer.put(axis.name, (slice(first, first + len(values)),), values)
+            content.update(axis.name, values)
+
+
+def _computed_blocks(
+    run: _Run, workers: Workers, checkpoint: Checkpoint | None = None
+) -> Iterator[tuple[Block, Columns]]:
+    """Every block with its columns, in order. Each is saved in the checkpoint, unless there is only one."""
+    sweep, blocks = run.sweep, run.blocks
+    if workers.local and len(blocks) == 1:  # computed in this thread: there is nothing to do meanwhile
+        yield blocks[0], compute_block(sweep, blocks[0])
+        return
+    if len(blocks) == 1:
+        checkpoint = None
+    saved = checkpoint.finished() if checkpoint is not None else set[int]()
+
+    def compute_and_save(number: int) -> Columns:
+        columns = compute_block(sweep, blocks[number])
+        if checkpoint is not None:
+            checkpoint.save(number, columns)
+        return columns
+
+    def submit(number: int) -> Future[Columns]:
+        if workers.local:
+            return workers.executor.submit(compute_and_save, number)
+        return workers.executor.submit(compute_block, sweep, blocks[number])
+
+    under_way: dict[int, Future[Columns]] = {}
+    upcoming = iter(number for number in range(len(blocks)) if number not in saved)
+    for number in range(len(blocks)):
+        while len(under_way) < workers.ahead and (following := next(upcoming, None)) is not None:
+            under_way[following] = submit(following)
+        if number in under_way:
+            columns = under_way.pop(number).result()
+            if checkpoint is not None and not workers.local:
+                checkpoint.save(number, columns)
+        else:
+            assert checkpoint is not None
+            columns = checkpoint.load(number) or compute_and_save(number)
+        yield blocks[number], columns
+
+
+def _not_the_output_of(target: Path, sweep: Sweep) -> str | None:
+    """Why a finished output is not that of this sweep and version; None if it is."""
+    wanted = (sweep.scene.archived_text(), sweep.text(), " ".join(sweep.kept), sweep.dense)
+    try:
+        with open_dataset(target) as ds:
+            found = (
+                *(ds.attrs.get(name) for name in ("scene_toml", "sweep_toml", "kept")),
+                ds.sizes.get("normalised_time", 0),
+            )
+            version = ds.attrs.get("film_model_schema_version"), ds.attrs.get("film_model_version")
+    except (OSError, ValueError, ImportError) as error:
+        return f"is not the finished output of a sweep ({error})"
+    if found != wanted:
+        return "is not the finished output of this sweep and scene"
+    if version != (VERSIONS[SWEEP], __version__):
+        return f"was made by film-model {version[1]} (schema {version[0]}), this is {__version__} ({VERSIONS[SWEEP]})"
+    return None
+
+
+def _reason(error: Exception, target: Path) -> str:
+    """Why writing failed. The netCDF library says "Permission denied" for a full disk, and RuntimeError for others."""
+    if shutil.disk_usage(target.absolute().parent).free < NO_SPACE:
+        return "the disk is full"
+    return getattr(error, "strerror", None) or str(error)
+
+
+def _check_free_space(target: Path, sweep: Sweep) -> None:
+    """Raise OSError if the disk cannot hold the output and, until it is finished, the saved blocks."""
+    need = 2 * sweep.size * sweep.bytes_per_impact
+    free = shutil.disk_usage(target.absolute().parent).free
+    if need > free:
+        raise OSError(
+            f"{target}: {sweep.size} impacts need about {_bytes(need)} of disk while they are computed, half of it in "
+            f"the end; {_bytes(free)} are free"
+        )
+
+
+def _bytes(count: int) -> str:
+    return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{max(count / 1e6, 0.1):.3g} MB"

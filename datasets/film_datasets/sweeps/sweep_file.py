@@ -1,0 +1,88 @@
+"""Sweep files: a sweep written in TOML beside the file of its scene."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from film_datasets.sweeps.axis_reading import DISTRIBUTIONS, RANGE
+from film_datasets.sweeps.definition import Sweep, option_mistakes
+from film_datasets.sweeps.designs import GRID
+from film_model.base.errors import Mistake, SceneError, did_you_mean, shown
+from film_model.scene import Scene
+from film_model.scene.toml import line_of, lines_of_keys, read_text, toml_table
+
+KEYS = ("scene", "design", "samples", "seed", "over")
+
+
+def read_sweep(path: str | os.PathLike[str], keep: str = "summary") -> Sweep:
+    """Read a sweep file; the scene it names is in the same folder. All mistakes are raised in one SceneError."""
+    text, name = read_text(path)
+    folder = Path(path).parent
+    return sweep_from_text(text, name, lambda scene: Scene.from_toml(folder / scene), keep, folder)
+
+
+def sweep_from_text(
+    text: str, name: str, read_scene: Callable[[str], Scene], keep: str = "summary", folder: Path = Path()
+) -> Sweep:
+    """A sweep from the text of a sweep file called `name`; folder: where the files of tabulated laws are."""
+    given = toml_table(text, name)
+    table = {_closest_key(key): value for key, value in given.items()} | given
+    mistakes = _key_mistakes(given, table)
+    has_over = isinstance(table.get("over"), Mapping)
+    over = _flat(table["over"]) if has_over else {}
+    sections = over.get("contact")
+    for section in sections if isinstance(sections, list) else ():
+        if isinstance(section, dict) and isinstance(section.get("file"), str):
+            section["file"] = str(folder / section["file"])
+    options = {key: table[key] for key in ("samples", "seed") if key in table}
+    design, scene, sweep = table.get("design", GRID), None, None
+    try:
+        scene = read_scene(table["scene"]) if isinstance(table.get("scene"), str) else None
+        sweep = Sweep.of(scene, over, design, **options, keep=keep) if scene is not None and has_over else None
+    except SceneError as error:
+        mistakes += error.mistakes
+    if scene is None or not has_over:  # `Sweep.of` was not called and has not checked these
+        mistakes += option_mistakes(design, options.get("samples"), options.get("seed"))
+    if sweep is None or mistakes:
+        lines = lines_of_keys(text)
+        own = [m if m.file else replace(m, file=name, line=_line(lines, m.key, over)) for m in mistakes]
+        raise SceneError(sorted(own, key=lambda m: (m.file != name, m.line or 0)))
+    return sweep
+
+
+def _closest_key(key: str) -> str:
+    """The key of a sweep file that a misspelt one is closest to, so that its value is checked too."""
+    return next(iter(difflib.get_close_matches(key, KEYS, 1)), key)
+
+
+def _key_mistakes(given: Mapping[str, Any], table: Mapping[str, Any]) -> list[Mistake]:
+    """Unknown and missing keys of a sweep file; `table` has the misspelt ones under the correct keys too."""
+    mistakes = [Mistake(None, None, key, f"unknown key{did_you_mean(key, KEYS)}") for key in given if key not in KEYS]
+    for key, kind, what in (("scene", str, "the name of a scene file"), ("over", Mapping, "a section [over]")):
+        if key not in table:
+            mistakes.append(Mistake(None, None, key, f"missing: {what} is needed"))
+        elif not isinstance(table[key], kind):
+            mistakes.append(Mistake(None, None, key, f"{shown(table[key])} is not allowed: {what} is needed"))
+    return mistakes
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Nested tables, which unquoted keys with dots make, by their paths."""
+    flat: dict[str, Any] = {}
+    for key, value in table.items():
+        plain = not isinstance(value, Mapping) or "." in key or any(k in (*RANGE, *DISTRIBUTIONS) for k in value)
+        flat |= {prefix + key: value} if plain else _flat(value, f"{prefix}{key}.")
+    return flat
+
+
+def _line(lines: Mapping[str, int], key: str, over: Mapping[str, Any]) -> int | None:
+    """The line of a key; the keys of `over` are quoted in the file."""
+    for path in over:
+        if key == f"over.{path}" or key.startswith(f"over.{path}."):
+            return lines.get(f'over."{path}"') or line_of(lines, key)
+    return line_of(lines, key)

@@ -1,0 +1,65 @@
+"""Functions for formulas that serve one impact (floats) and many (arrays, element by element)."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+Mask = NDArray[np.bool_]
+Number: TypeAlias = Any
+"""A float of one impact, or an array with one value for each of many."""
+
+
+def root(x: Any) -> Any:
+    """√x."""
+    return np.sqrt(x) if isinstance(x, np.ndarray) else math.sqrt(x)
+
+
+def cosine(x: Any) -> Any:
+    """cos x, x in radians."""
+    return np.cos(x) if isinstance(x, np.ndarray) else math.cos(x)
+
+
+def exponential(x: Any) -> Any:
+    """eˣ of a number, an array, or an object that has a method for it."""
+    if isinstance(x, np.ndarray):
+        return np.exp(x)
+    return x.exp() if hasattr(x, "exp") else math.exp(x)
+
+
+def lesser(a: Any, b: Any) -> Any:
+    """The smaller of two."""
+    return np.minimum(a, b) if isinstance(a, np.ndarray) or isinstance(b, np.ndarray) else min(a, b)
+
+
+def greater(a: Any, b: Any) -> Any:
+    """The larger of two."""
+    return np.maximum(a, b) if isinstance(a, np.ndarray) or isinstance(b, np.ndarray) else max(a, b)
+
+
+def ratio(a: Any, b: Any) -> Any:
+    """a/b; nan where b is 0."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(b == 0.0, np.nan, a / b)
+    return a / b if b else math.nan
+
+
+def any_of(condition: Any) -> bool:
+    """Whether the condition holds; for many impacts, whether it holds for at least one."""
+    return bool(condition.any()) if isinstance(condition, np.ndarray) else condition
+
+
+def either(condition: Any, a: Any, b: Any) -> Any:
+    """a where the condition holds, else b."""
+    return np.where(condition, a, b) if isinstance(condition, np.ndarray) else a if condition else b
+
+
+def endless(x: Any) -> bool:
+    """Whether x is the float infinity; False for an array, whatever its values."""
+    return not isinstance(x, np.ndarray) and math.isinf(x)

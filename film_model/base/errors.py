@@ -1,0 +1,141 @@
+"""Mistakes in a scene, failed simulations, and the ways in which a run can end."""
+
+from __future__ import annotations
+
+import difflib
+import enum
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """One mistake in a scene, and its place. `key` is a path such as "impactor.radius" or "Sphere.radius"."""
+
+    file: str | None
+    line: int | None
+    key: str
+    message: str
+
+    def __str__(self) -> str:
+        place = "" if self.file is None else self.file + ("" if self.line is None else f":{self.line}")
+        return ": ".join(part for part in (place, self.key, self.message) if part)
+
+    def moved(self, owner: str) -> Mistake:
+        """The same mistake with the first word of its key, the name of a class, replaced by `owner`."""
+        rest = self.key.partition(".")[2]
+        return replace(self, key=".".join(part for part in (owner, rest) if part))
+
+
+class SceneError(ValueError):
+    """All the mistakes of a scene, or of one of its parts; one line each."""
+
+    def __init__(self, mistakes: Iterable[Mistake]) -> None:
+        self.mistakes = tuple(mistakes)
+        super().__init__(self.mistakes)
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.mistakes))
+
+
+def raise_all(mistakes: list[Mistake]) -> None:
+    """Raise one SceneError if there is any mistake."""
+    if mistakes:
+        raise SceneError(mistakes)
+
+
+class DamagedFile(ValueError):
+    """A file is not what it should be: it is cut, or its content is wrong."""
+
+
+class ImpactWarning(UserWarning):
+    """What a user must know about a result, as a Python warning; results keep the same sentences as `warnings`.
+
+    Filter it with `warnings.filterwarnings("ignore", category=ImpactWarning)`; Python's option -W knows only built-in
+    categories, of which this one is a UserWarning.
+    """
+
+
+class SimulationError(RuntimeError):
+    """The scene is valid but cannot be simulated."""
+
+
+class CoreError(SimulationError):
+    """The core failed, with a status of `STATUSES`."""
+
+    def __init__(self, message: str, status: int) -> None:
+        super().__init__(message)
+        self.status = status
+
+
+class Status(NamedTuple):
+    """How an impact can end. of_row: a single impact of a batch can have this status; otherwise the call is invalid."""
+
+    word: str
+    sentence: str
+    of_row: bool = True
+
+
+NO_VELOCITY, VIBRATES = -100, -101
+"""Status codes of impacts that are not passed to the core. All other codes are the core's (`film_core.h`)."""
+
+STATUSES: dict[int, Status] = {
+    0: Status("time_limit", "the time limit was reached during contact"),
+    1: Status("separated", "contact ended"),
+    2: Status("resting", "the impactor came to rest in contact"),
+    -1: Status("bad_number", "a value of this impact is outside the solver's range"),
+    -2: Status("bad_curve", "the law's curve is invalid: its stages must join without a gap", of_row=False),
+    -3: Status("bad_mesh", "the number of segments is outside the solver's range", of_row=False),
+    -4: Status(
+        "beyond_law", "the indentation passed the end of the law's last stage: the law cannot stop this impactor"
+    ),
+    -5: Status(
+        "too_many_segments",
+        "the motion needs more segments than are allowed: ask for fewer segments or for a shorter step",
+    ),
+    -6: Status("bad_unloading", "the law's unloading from the maximum indentation has zero length"),
+    -7: Status("full", "the motion has more segments or events than the caller's arrays can hold", of_row=False),
+    -8: Status("too_stiff", "the law's force at first touch exceeds the target's impedance times the impact velocity"),
+    NO_VELOCITY: Status("no_velocity", "the impactor does not approach the target"),
+    VIBRATES: Status(
+        "vibrates",
+        "the target vibrates between its edges; use simulate(), or make a plate infinite by boundary_reflections = "
+        "false in [effects]",
+    ),
+}
+"""Status code → word and sentence. The impact failed if the code is negative. All messages about failures are made from
+this table: of one impact, of the rows of a batch, of datasets and of FMUs."""
+
+
+class Outcome(enum.Enum):
+    """How a run ended, as a sentence."""
+
+    SEPARATED = STATUSES[1].sentence
+    RESTING = STATUSES[2].sentence
+    TIME_LIMIT = STATUSES[0].sentence
+    BEYOND_LAW = STATUSES[-4].sentence
+    TOO_MANY_SEGMENTS = STATUSES[-5].sentence
+    NO_CONTACT = STATUSES[NO_VELOCITY].sentence
+
+
+def did_you_mean(word: str, words: Iterable[str]) -> str:
+    """'; did you mean "velocity"?' for the most similar of `words`, or an empty text if none is similar."""
+    near = difflib.get_close_matches(word[:100], list(words), n=1, cutoff=0.6)
+    return f'; did you mean "{near[0]}"?' if near else ""
+
+
+def shown(value: object) -> str:
+    """A value as messages show it: on one line, at most 80 characters."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        text = f'"{value}"' if value.isprintable() else ascii(value)
+    elif isinstance(value, Mapping):
+        text = "a table"
+    elif isinstance(value, list | tuple):
+        text = "a list"
+    else:
+        text = f"{value:~}" if hasattr(value, "magnitude") else repr(value)
+        text = text if text.isprintable() else ascii(text)
+    return text if len(text) <= 80 else f"{text[:38]}...{text[-39:]}"

@@ -1,0 +1,242 @@
+"""Fields of the objects a scene is made of: how each is read, checked and written.
+
+Every such class has one table `FIELDS`, name → :class:`Field`. Its constructor and the reader and writer of scene files
+use that table. The constructors take quantities and store SI floats.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol, TypeVar, cast
+
+from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
+from film_model.base.units import needed, scene_unit, to_si
+
+
+@dataclass(frozen=True)
+class Field:
+    """One entry of a table. read: converts and checks a value. need: the message if a required entry is missing.
+
+    low, high: range of a quantity, SI; with `open_ends`, the range excludes its ends. inside: names of
+    the entries of a part.
+    """
+
+    read: Callable[[object], Any]
+    need: str
+    required: bool = False
+    dimension: str = "dimensionless"
+    low: float | None = None
+    high: float | None = None
+    open_ends: bool = False
+    inside: tuple[str, ...] = ()
+
+
+class Part(Protocol):
+    """A frozen dataclass with a table of its fields."""
+
+    FIELDS: ClassVar[Mapping[str, Field]]
+
+
+AnyPart = TypeVar("AnyPart")
+
+
+def measure(dimension: str, low: float, high: float, *, required: bool = False, open_ends: bool = False) -> Field:
+    """A quantity between `low` and `high` in SI units, or strictly between them."""
+
+    def read(value: object) -> float:
+        result = to_si(value, dimension)
+        if result <= 0 <= low and not low == result == 0:
+            raise ValueError(f"{shown(value)} must be {'>=' if low == 0 and not open_ends else '>'} 0")
+        if not (low < result < high if open_ends else low <= result <= high):
+            unit = scene_unit(dimension)
+            between = "between" if open_ends else "from"
+            and_ = "and" if open_ends else "to"
+            raise ValueError(f"{shown(value)} is out of range: {between} {low:g} {and_} {high:g} {unit}".rstrip())
+        return result
+
+    return Field(read, needed(dimension), required, dimension, low, high, open_ends)
+
+
+def choice(*choices: str | bool) -> Field:
+    """One of the given words, or true or false."""
+    need = " or ".join(shown(c) for c in choices) + " is needed"
+
+    def read(value: object) -> str | bool:
+        for allowed in choices:
+            if type(value) is type(allowed) and value == allowed:
+                return allowed
+        hint = did_you_mean(value, [c for c in choices if isinstance(c, str)]) if isinstance(value, str) else ""
+        raise ValueError(f"{shown(value)} is not allowed: {need}{hint}")
+
+    return Field(read, need, required=True)
+
+
+def whole(low: int, high: int) -> Field:
+    """A whole number from `low` to `high`."""
+    need = f"a whole number from {low} to {high} is needed"
+
+    def read(value: object) -> int:
+        if isinstance(value, bool) or not isinstance(value, numbers.Integral) or not low <= int(value) <= high:
+            raise ValueError(f"{shown(value)} is not allowed: {need}")
+        return int(value)
+
+    return Field(read, need)
+
+
+def words(what: str) -> Field:
+    """A text."""
+
+    def read(value: object) -> str:
+        if not isinstance(value, str):
+            raise ValueError(f"{shown(value)} is not a text, {what} is needed")
+        return value
+
+    return Field(read, f"{what} is needed", required=True)
+
+
+def several(field: Field, count: int) -> Field:
+    """A list of `count` values."""
+    need = f"a list of {count} values is needed"
+
+    def read(value: object) -> tuple[Any, ...]:
+        if isinstance(value, str) or not isinstance(value, Sequence):
+            raise ValueError(f"{shown(value)} is not a list: {need}")
+        items = cast("Sequence[object]", value)
+        if len(items) != count:
+            raise ValueError(f"{shown(value)} has {len(items)} values: {need}")
+        return tuple(field.read(item) for item in items)
+
+    return Field(read, need, dimension=field.dimension)
+
+
+def part(cls: type[AnyPart], *, required: bool = False, by_name: Callable[[str], AnyPart] | None = None) -> Field:
+    """An object of class `cls`: itself, a table of its fields, or, with `by_name`, its name in a catalogue."""
+    what = f"a {cls.__name__}" if by_name is None else f"a name from the catalogue or a {cls.__name__}"
+
+    def read(value: object) -> AnyPart:
+        if isinstance(value, cls):
+            return value
+        if isinstance(value, str) and by_name is not None:
+            return by_name(value)
+        if isinstance(value, Mapping):
+            return build(cls, cast("Mapping[str, object]", value))
+        raise ValueError(f"{shown(value)} is not allowed: {what} is needed")
+
+    return Field(read, f"{what} is needed", required, inside=tuple(cast("type[Part]", cls).FIELDS))
+
+
+def mistake(owner: object, name: str, message: str) -> Mistake:
+    """A mistake in the entry `name` of an object."""
+    return Mistake(None, None, f"{type(owner).__name__}.{name}", message)
+
+
+def one_of(owner: object, **values: object) -> list[Mistake]:
+    """The mistake of giving neither or both of two entries."""
+    first, second = values
+    given = [name for name, value in values.items() if value is not None]
+    if len(given) == 1:
+        return []
+    message = f"give {first} or {second}, not both" if given else f"missing: {first} or {second} is needed"
+    return [mistake(owner, second if given else first, message)]
+
+
+def fill(target: object, values: Mapping[str, object]) -> list[Mistake]:
+    """Read `values` by the table of `target` and store them on it; missing and wrong values are stored as None.
+
+    `values` is `locals()` in the first line of a constructor, and may contain other names.
+    """
+    owner = type(target).__name__
+    mistakes: list[Mistake] = []
+    for name, field in cast("Part", target).FIELDS.items():
+        value, result = values[name], None
+        key = f"{owner}.{name}"
+        if value is None:
+            if field.required:
+                mistakes.append(Mistake(None, None, key, f"missing: {field.need}"))
+        else:
+            try:
+                result = field.read(value)
+            except SceneError as error:
+                mistakes += [mistake.moved(key) for mistake in error.mistakes]
+            except ValueError as error:
+                mistakes.append(Mistake(None, None, key, str(error)))
+        object.__setattr__(target, name, result)
+    return mistakes
+
+
+_DIAMETER = measure("length", 2e-10, 2e3)
+
+
+def fill_ball(target: object, values: Mapping[str, object]) -> list[Mistake]:
+    """As :func:`fill`, for a body that is given by its radius or by its diameter; the radius is stored."""
+    diameter = values["diameter"]
+    if diameter is None:
+        return fill(target, values)
+    mistakes = one_of(target, radius=values["radius"], diameter=diameter)
+    radius = 1.0
+    try:
+        radius = 0.5 * _DIAMETER.read(diameter)
+    except ValueError as error:
+        mistakes.append(mistake(target, "diameter", str(error)))
+    return mistakes + fill(target, {**values, "radius": f"{radius!r} m"})
+
+
+def build(cls: type[AnyPart], table: Mapping[str, object]) -> AnyPart:
+    """An object of class `cls` from a table such as a section of a scene file."""
+    fields = cast("type[Part]", cls).FIELDS
+    allowed = (*fields, "diameter") if getattr(cls, "is_ball", False) else tuple(fields)
+    mistakes = [
+        Mistake(None, None, f"{cls.__name__}.{key_text(key)}", "unknown key" + _instead(key, fields, allowed))
+        for key in table
+        if key not in allowed
+    ]
+    try:
+        result = cls(**{name: table[name] for name in allowed if name in table})
+    except SceneError as error:
+        mistakes += error.mistakes
+        raise SceneError(mistakes) from None
+    raise_all(mistakes)
+    return result
+
+
+SYNONYMS = {"speed": "velocity", "weight": "mass", "height": "drop_height", "elastic_modulus": "youngs_modulus"}
+"""Words for entries that are not similar to them."""
+
+
+def _instead(key: str, fields: Mapping[str, Field], allowed: Sequence[str]) -> str:
+    """What an unknown key may have meant: another entry, or one of a part such as the material."""
+    if SYNONYMS.get(key) in fields:
+        return f'; did you mean "{SYNONYMS[key]}"?'
+    for name, field in fields.items():
+        if key in field.inside:
+            return f"; it is an entry of {name}: {name} = {{ {key} = ..., ... }}"
+    return did_you_mean(key, allowed)
+
+
+def key_text(key: str) -> str:
+    """A key as messages show it."""
+    return key if key.replace("-", "_").isidentifier() else shown(key)
+
+
+def table_of(source: object) -> dict[str, Any]:
+    """The table from which :func:`build` makes the same object again, to the last bit."""
+    table: dict[str, Any] = {}
+    for name, field in cast("Part", source).FIELDS.items():
+        value = getattr(source, name)
+        if value is not None and value != math.inf and value != "":
+            table[name] = written(value, field.dimension)
+    return table
+
+
+def written(value: object, dimension: str) -> Any:
+    """A stored value as a scene file contains it."""
+    if hasattr(value, "FIELDS"):
+        return table_of(value)
+    if isinstance(value, tuple):
+        return [written(item, dimension) for item in cast("tuple[object, ...]", value)]
+    if isinstance(value, float) and dimension != "dimensionless":
+        return f"{value!r} {scene_unit(dimension)}"
+    return value

@@ -1,0 +1,41 @@
+"""Atomic writing of files."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+from collections.abc import Generator
+from pathlib import Path
+
+
+@contextlib.contextmanager
+def written_whole(target: Path) -> Generator[Path, None, None]:
+    """A new, empty file next to `target` to write to; flushed and renamed to `target` if the block raises no exception.
+
+    In every case `target` is never a partial file, and no temporary file remains. Raises FileNotFoundError,
+    PermissionError or another OSError that names `target` if it cannot be written.
+    """
+    beside = target.absolute().with_name(f".{target.name[:100]}.{secrets.token_hex(4)}.part")
+    try:
+        # Created here, not by the library that fills it, so that the message has the reason if this fails.
+        os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        yield beside
+        flush(beside, os.O_RDWR)
+        os.replace(beside, target)
+    except OSError as error:
+        raise type(error)(f"{target}: cannot be written: {error.strerror or error}") from error
+    finally:
+        with contextlib.suppress(OSError):
+            beside.unlink()
+    with contextlib.suppress(OSError):  # some systems cannot open a folder
+        flush(target.absolute().parent, os.O_RDONLY)
+
+
+def flush(path: Path, flags: int) -> None:
+    """Flush a file, or the entries of a folder, to the disk. flags: for opening it."""
+    descriptor = os.open(path, flags)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,143 @@
+"""Materials, and a small catalogue of nominal values."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, ClassVar, TypeAlias
+
+from film_model.base.catalogue import ROWS, Row
+from film_model.base.errors import raise_all, shown
+from film_model.base.fields import Field, fill, measure, part, words
+from film_model.base.units import Value
+
+
+@dataclass(frozen=True, init=False)
+class Material:
+    """An isotropic elastic material. Quantities go in, SI floats are stored.
+
+    youngs_modulus: Pa. poissons_ratio: dimensionless. density: kg/m³. yield_strength: Pa, None for a brittle
+    material or if unknown. source: where the values come from.
+
+    Used only to estimate effects that are not simulated: loss_factor, tan δ at the frequency of the contact;
+    strain_rate_coefficient, C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength; tensile_strength
+    of a brittle material, Pa; surface_energy, J/m².
+    """
+
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "name": words("a name"),
+        "youngs_modulus": measure("pressure", 1, 1e14, required=True),
+        "poissons_ratio": measure("dimensionless", -1, 0.5, required=True, open_ends=True),
+        "density": measure("density", 1e-3, 1e6, required=True),
+        "yield_strength": measure("pressure", 1, 1e13),
+        "source": words("a source"),
+        "loss_factor": measure("dimensionless", 0, 10),
+        "strain_rate_coefficient": measure("dimensionless", 0, 1),
+        "tensile_strength": measure("pressure", 1, 1e12),
+        "surface_energy": measure("surface_energy", 0, 1e3),
+    }
+
+    name: str
+    youngs_modulus: float
+    poissons_ratio: float
+    density: float
+    yield_strength: float | None
+    source: str
+    loss_factor: float | None
+    strain_rate_coefficient: float | None
+    tensile_strength: float | None
+    surface_energy: float | None
+
+    def __init__(
+        self,
+        name: str = "",
+        youngs_modulus: Value | None = None,
+        poissons_ratio: float | str | None = None,
+        density: Value | None = None,
+        yield_strength: Value | None = None,
+        source: str = "",
+        loss_factor: float | str | None = None,
+        strain_rate_coefficient: float | str | None = None,
+        tensile_strength: Value | None = None,
+        surface_energy: Value | None = None,
+    ) -> None:
+        raise_all(fill(self, locals()))
+
+
+@cache
+def catalogue() -> Mapping[str, Material]:
+    """The catalogue, by name. Values are nominal: real ones vary with grade, heat treatment, rate and temperature."""
+    return {row.name: _material(row) for row in ROWS}
+
+
+def _material(row: Row) -> Material:
+    def with_unit(value: float | None, unit: str) -> str | None:
+        return None if value is None else f"{value} {unit}"
+
+    return Material(
+        row.name,
+        f"{row.modulus} GPa",
+        row.ratio,
+        f"{row.density} kg/m^3",
+        with_unit(row.strength, "MPa"),
+        "; ".join(filter(None, (row.source, row.more))),
+        row.loss,
+        row.rate,
+        with_unit(row.tensile, "MPa"),
+        with_unit(row.surface, "J/m^2"),
+    )
+
+
+@cache
+def _names() -> Mapping[str, str]:
+    """The name of a material by every word for it, in lower case and British spelling."""
+    return {_plain(word): row.name for row in ROWS for word in (*row.words, row.name)}
+
+
+def _plain(name: str) -> str:
+    return " ".join(name.lower().split()).replace("aluminum", "aluminium")
+
+
+def material(name: str) -> Material:
+    """The material of that name, or of another word for it; case and the American spelling of aluminium are ignored."""
+    word, names = _plain(name), _names()
+    if word in names:
+        return catalogue()[names[word]]
+    parts = [found.name for found in search(name)][:6]
+    if len(parts) > 1:
+        hint = "; there are " + ", ".join(f'"{part}"' for part in parts)
+    else:
+        near = difflib.get_close_matches(word[:100], names, n=1, cutoff=0.75)
+        nearest = parts[0] if parts else names[near[0]] if near else None
+        hint = f'; did you mean "{nearest}"?' if nearest else '; "film-model materials" lists all'
+    raise ValueError(f"no material of the catalogue is called {shown(name)}{hint}")
+
+
+def synonyms(name: str) -> tuple[str, ...]:
+    """Other words for a material of the catalogue."""
+    return next(row.words for row in ROWS if row.name == name)
+
+
+def search(words: str) -> list[Material]:
+    """The materials whose name, or one of the other words for it, contains all the words."""
+    wanted = _plain(words).split()
+    texts = {row.name: " ".join(map(_plain, (row.name, *row.words))) for row in ROWS}
+    return [catalogue()[name] for name, text in texts.items() if wanted and all(word in text for word in wanted)]
+
+
+MaterialLike: TypeAlias = Material | str | Mapping[str, Any]
+"""A material, its name in the catalogue, or a table of its values."""
+
+MATERIAL = part(Material, by_name=material)
+REQUIRED_MATERIAL = part(Material, by_name=material, required=True)
+MASS = measure("mass", 1e-28, 1e12)
+
+
+def sphere_mass(mass: float | None, radius: float, of: Material | None) -> float | None:
+    """The given mass, or density × sphere volume, kg; None if neither is known."""
+    if mass is not None or of is None:
+        return mass
+    return of.density * 4 / 3 * math.pi * radius**3

@@ -1,0 +1,147 @@
+"""film-model sweep, plot, identify: many impacts, files and measurements."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from typing import Any
+
+from film_model.base.units import format_si
+from film_model.cli.output import (
+    DONE,
+    add_force,
+    add_json,
+    add_plot,
+    add_style,
+    check_picture,
+    check_writable,
+    listed,
+    print_json,
+    print_warnings,
+    print_written,
+)
+from film_model.scene import Scene
+from film_model.solve.history import SUMMARY
+
+
+def add_commands(named: Any) -> None:
+    """The commands and their options."""
+    _add_sweep(named.add_parser("sweep", help="simulate the impacts of a sweep file"))
+    parser: argparse.ArgumentParser = named.add_parser(
+        "plot", help="draw a dataset: a history, a measurement, a study, or a quantity of a sweep"
+    )
+    parser.add_argument("file", metavar="FILE", help="FILE.nc or FILE.zarr")
+    parser.add_argument("--output", metavar="PICTURE", help=".png, .svg or .pdf (default: FILE.png)")
+    parser.add_argument(
+        "--quantity", metavar="NAME", help="summary quantity of a sweep (default: coefficient_of_restitution)"
+    )
+    parser.add_argument("--over", metavar="NAME[,NAME]", help="one swept quantity for lines, or two for a heat map")
+    parser.add_argument("--at", metavar="NAME=VALUE", action="append", help="of another swept quantity, SI or a word")
+    add_style(parser)
+    add_force(parser, "overwrite an existing picture")
+    parser.set_defaults(command=plot)
+
+    parser = named.add_parser("identify", help="fit parameters of a scene to a measurement")
+    parser.add_argument("measured", help="CSV file: time and force, or velocity and restitution, with units")
+    parser.add_argument("scene", help="scene file (TOML), with initial values")
+    parser.add_argument("--fit", required=True, metavar="NAME[,NAME]", help="e.g. contact.yield_strength,time_offset")
+    parser.add_argument("--confidence", type=float, default=0.99, help="level of the intervals (default: 0.99)")
+    add_plot(parser, "draw measurement and fit")
+    add_force(parser, "overwrite an existing picture")
+    add_json(parser)
+    parser.set_defaults(command=identify)
+
+
+def _add_sweep(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("sweep", help="sweep file (TOML)")
+    parser.add_argument("--output", metavar="FILE", required=True, help="FILE.nc or FILE.zarr")
+    parser.add_argument(
+        "--keep",
+        metavar="WHAT",
+        default="summary",
+        help="summary (default); segments: also the exact histories; samples=201: also histories at 201 times",
+    )
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=int, metavar="N", help="number of threads (default: all cores)")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler whose workers compute instead")
+    parser.add_argument("--resume", action="store_true", help="continue an interrupted run")
+    add_force(parser, "overwrite an existing output and start again")
+    add_json(parser)
+    parser.set_defaults(command=sweep)
+
+
+def sweep(options: argparse.Namespace) -> int:
+    from film_datasets.sweeps import ProgressBar, read_sweep, run_sweep, sweep_report
+
+    asked = read_sweep(options.sweep, options.keep)
+    dataset = run_sweep(
+        asked,
+        options.output,
+        command=f"film-model sweep {options.sweep} --output {options.output} --keep {options.keep}",
+        workers=options.workers,
+        scheduler=options.scheduler,
+        resume=options.resume,
+        overwrite=options.force,
+        progress=ProgressBar(),
+    )
+    with dataset:
+        report = sweep_report(dataset)
+    if options.json:
+        print_json({"output": options.output, **report})
+    else:
+        print(_sweep_table(report))
+        print_written(options.output)
+    print_warnings(report["warnings"])
+    return DONE
+
+
+def _sweep_table(report: dict[str, Any]) -> str:
+    """Counts of outcomes, and the range of every summary quantity."""
+    ended = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in report["statuses"].items())
+    lines = [report["title"], f"{report['impacts']} impacts: {ended}", ""]
+    lines.append(f"  {'':30}{'minimum':>16}{'mean':>16}{'maximum':>16}")
+    for name, row in report["summary"].items():
+        cells = (row[key] for key in ("least", "mean", "greatest"))
+        texts = ("-" if value is None else format_si(value, SUMMARY[name][0], 5) for value in cells)
+        lines.append(f"  {name.replace('_', ' '):30}" + "".join(f"{text:>16}" for text in texts))
+    lines += ["", f"  estimated relative error ≤ {report['accuracy']['estimated']:.1e}"]
+    return "\n".join(lines)
+
+
+def plot(options: argparse.Namespace) -> int:
+    from film_datasets.dataset_plots import plot as draw
+    from film_datasets.files import open_dataset
+
+    output = options.output or os.path.splitext(options.file.rstrip("/" + os.sep))[0] + ".png"
+    over = [_variable(name) for name in listed(options.over)]
+    chosen: dict[str, Any] = {"quantity": options.quantity, "over": over}
+    pairs = (pair.partition("=")[::2] for pair in options.at or ())
+    with open_dataset(options.file) as dataset:
+        check_writable(output, options.force)
+        given = {key: value for key, value in chosen.items() if value}
+        draw(dataset, output, **given, at={_variable(key): value for key, value in pairs})
+    print_written(output)
+    return DONE
+
+
+def _variable(path: str) -> str:
+    """The dataset variable of a swept quantity such as impactor.velocity."""
+    return path.replace(".", "_")
+
+
+def identify(options: argparse.Namespace) -> int:
+    import film_datasets
+
+    check_picture(options.plot, options.force)
+    scene = Scene.from_toml(options.scene)
+    measured = film_datasets.from_csv(options.measured)
+    found = film_datasets.identify(measured, scene, listed(options.fit), options.confidence)
+    if options.plot:
+        found.plot(options.plot)
+    if options.json:
+        print_json(found.to_dict())
+    else:
+        print(found.table())
+        print_written(options.plot)
+    print_warnings(found.warnings)
+    return DONE

@@ -1,0 +1,112 @@
+"""film-model contact-for: parameters of another engine's contact law for the impact of a scene file."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from film_model.cli.output import (
+    DONE,
+    add_force,
+    add_json,
+    add_plot,
+    check_picture,
+    print_json,
+    print_warnings,
+    print_written,
+)
+from film_model.scene import Scene
+
+if TYPE_CHECKING:
+    from film_model.translate import Translation
+
+WIDTH = 20
+
+
+def add_commands(named: Any) -> None:
+    """The command and its options."""
+    parser: argparse.ArgumentParser = named.add_parser(
+        "contact-for", help="fit the contact law of another engine to the impacts of a scene"
+    )
+    parser.add_argument("engine", help="name of the engine, e.g. mujoco; another word lists them")
+    parser.add_argument("scene", help="scene file (TOML)")
+    parser.add_argument(
+        "--velocity",
+        metavar="LOW..HIGH",
+        help='approach velocities, e.g. 0.1..2 in m/s, or "5 mm/s..2 m/s" (default: half to twice the scene\'s)',
+    )
+    parser.add_argument("--law", metavar="NAME", help="only this law of the engine (default: all, the closest first)")
+    parser.add_argument("--count", type=int, metavar="N", help="number of velocities in the range (default: 9)")
+    add_plot(parser, "compare force and restitution with the closest law's")
+    add_force(parser, "overwrite an existing picture")
+    add_json(parser)
+    parser.set_defaults(command=contact_for)
+
+
+def contact_for(options: argparse.Namespace) -> int:
+    from film_model import translate
+
+    check_picture(options.plot, options.force)
+    engine = translate.engine_named(options.engine)
+    velocity = _range(options.velocity)
+    scene = Scene.from_toml(options.scene)
+    count = {} if options.count is None else {"count": options.count}
+    made = translate.contact_for(engine, scene, velocity, law=options.law, **count)
+    if options.plot:
+        from film_model.plot.engines import plot_translation
+
+        plot_translation(scene, made[0], options.plot)
+    if options.json:
+        print_json({"title": scene.title, "engine": engine.name, "laws": [one.to_dict() for one in made]})
+    else:
+        print(_text(scene, made))
+        print_written(options.plot)
+    print_warnings(made[0].warnings)
+    return DONE
+
+
+def _range(text: str | None) -> tuple[Any, ...]:
+    """The two ends of a range; plain numbers are m/s."""
+    if text is None:
+        return ()
+    low, dots, high = text.partition("..")
+    ends = (low, high) if dots else (low, low)
+    made: list[Any] = []
+    for end in ends:
+        try:
+            made.append(float(end))
+        except ValueError:
+            made.append(end.strip())
+    return tuple(made)
+
+
+def _text(scene: Scene, made: list[Translation]) -> str:
+    """The closest law in full, the others in a row each."""
+    best = made[0]
+    speeds = best.velocities
+    lines = [scene.title or "Impact", f"{best.engine.title}, law {best.law.name}: {best.law.formula}"]
+    lines += [f"{best.law.source}", ""]
+    for p in best.law.parameters:
+        number = f"{best.values[p.name]:.6g} {p.unit}".rstrip()
+        lines.append(f"  {p.name:{WIDTH}}{number:>24}  {p.meaning}")
+    lines += ["", f"  {'at ' + _speeds(speeds):{WIDTH + 24}}{'error (rms)':>12}{'worst':>10}"]
+    for name, error in best.errors.items():
+        worst = f"{100 * error.worst:+.1f} % at {error.velocity:.3g} m/s"
+        lines.append(f"  {name:{WIDTH + 24}}{100 * error.rms:>10.1f} %{worst:>22}")
+    if len(made) > 1:
+        lines += ["", f"  {'other laws':{WIDTH + 24}}{'force':>10}{'duration':>10}{'restitution':>13}  (rms)"]
+    for one in made[1:]:
+        force, duration, restitution = (f"{100 * error.rms:.1f} %" for error in one.errors.values())
+        lines.append(f"  {one.law.name:{WIDTH + 24}}{force:>10}{duration:>10}{restitution:>13}")
+        numbers = (f"{p.name} {one.values[p.name]:.6g} {p.unit}".rstrip() for p in one.law.parameters)
+        lines.append(f"    {', '.join(numbers)}")
+    lines += ["", *(f"  {note}" for note in best.law.notes), "", best.paste()]
+    return "\n".join(lines)
+
+
+def _speeds(speeds: Any) -> str:
+    return (
+        f"{speeds[0]:.3g} m/s"
+        if len(speeds) == 1
+        else f"{len(speeds)} velocities, {speeds[0]:.3g} to {speeds[-1]:.3g} m/s"
+    )

@@ -1,0 +1,87 @@
+"""film-model export-fmu, check-fmu."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import Any
+
+from film_model.base.units import to_si
+from film_model.cli.output import DONE, FAILED, add_force, add_json, check_writable, print_json, print_written
+from film_model.scene import Scene
+
+
+def add_commands(named: Any) -> None:
+    """The commands and their options."""
+    parser: argparse.ArgumentParser = named.add_parser("export-fmu", help="write the impact of a scene file as an FMU")
+    parser.add_argument("scene", help="scene file (TOML)")
+    parser.add_argument("--fmi", type=int, choices=(2, 3), default=3, help="FMI version (default: 3)")
+    parser.add_argument(
+        "--kind", choices=("impact", "contact"), default="impact", help="impactor with its mass, or force element"
+    )
+    parser.add_argument(
+        "--initial-gap", metavar="LENGTH", default="0 m", help='distance between the bodies at the start, e.g. "5 mm"'
+    )
+    parser.add_argument(
+        "--platform",
+        action="append",
+        metavar="NAME",
+        help="e.g. aarch64-linux, or all (default: this machine's)",
+    )
+    parser.add_argument("--with-sources", action="store_true", help="include the C sources, for importers that compile")
+    parser.add_argument("--name", help="name of the model (default: the kind and the scene's title)")
+    parser.add_argument("--output", metavar="FILE.fmu", help="file to write (default: impact.fmu or contact.fmu)")
+    add_force(parser, "overwrite an existing file")
+    parser.set_defaults(command=export_fmu)
+
+    parser = named.add_parser("check-fmu", help="validate an FMU and compare its runs with the library's")
+    parser.add_argument("fmu", help="FMU written by export-fmu")
+    add_json(parser)
+    parser.set_defaults(command=check_fmu)
+
+
+def export_fmu(options: argparse.Namespace) -> int:
+    import fmu_wrapper
+    from fmu_wrapper import platforms
+
+    try:
+        gap = to_si(options.initial_gap, "length")
+    except ValueError as error:
+        raise ValueError(f"--initial-gap: {error}") from None
+    path = options.output or f"{options.kind}.fmu"
+    check_writable(path, options.force)
+    scene = Scene.from_toml(options.scene)
+    fmu_wrapper.export(
+        scene,
+        path,
+        options.fmi,
+        kind=options.kind,
+        initial_gap=gap,
+        platform=options.platform,
+        with_sources=options.with_sources,
+        name=options.name,
+        overwrite=options.force,
+    )
+    print_written(path)
+    if options.platform is None:
+        print(
+            f"its binary is for {platforms.this_platform()} only: --platform all is for five systems", file=sys.stderr
+        )
+    return DONE
+
+
+def check_fmu(options: argparse.Namespace) -> int:
+    import fmu_wrapper
+
+    report = fmu_wrapper.check(options.fmu)
+    if options.json:
+        print_json(report.to_dict())
+    else:
+        for problem in report.problems:
+            print(f"error      {problem}")
+        for finding in report.findings:
+            word = "agrees" if finding.good else "differs"
+            where = "" if finding.good else f"  at {finding.where}"
+            print(f"{word:10} {finding.what:48} {finding.difference:8.1e}, allowed {finding.allowed:.0e}{where}")
+        print(f"{report.path}: {'passed' if report.good else 'failed'}")
+    return DONE if report.good else FAILED

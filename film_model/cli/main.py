@@ -1,0 +1,71 @@
+"""The command line of film-model.
+
+Results go to standard output, progress and warnings to standard error. Exit status 0: done; 2: the scene, the FMU or
+the command line is wrong; 3: the work failed, a file cannot be read or written, or a check failed; 130: interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
+
+from film_model.base.errors import DamagedFile, SceneError, SimulationError
+from film_model.cli import catalogues, datasets, engines, explore, fmu, new, run, studies, validate
+from film_model.cli.output import DONE, FAILED, WRONG
+from film_model.version import __version__
+
+OPTIONS = {"overwrite=True": "--force", "resume=True": "--resume"}
+"""Arguments that error messages name for Python, and the corresponding options."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; the exit status."""
+    options = _parser().parse_args(arguments)
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # "?" for characters that the encoding lacks
+
+    try:
+        with _pictures_in(getattr(options, "style", None)):
+            return options.command(options)
+    except (SceneError, DamagedFile) as error:
+        return _complain(str(error), WRONG)
+    except SimulationError as error:
+        return _complain(str(error), FAILED)
+    except BrokenPipeError:  # the reading process has ended
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+    except (OSError, ValueError, ImportError) as error:
+        return _complain(str(error), FAILED)
+    except KeyboardInterrupt as stop:
+        return _complain(str(stop) or "interrupted", 130)
+
+
+def _pictures_in(style: str | None) -> AbstractContextManager[None]:
+    """The style of the pictures that a command draws."""
+    if style is None:
+        return nullcontext()
+    from film_model.plot.style import picture_style
+
+    return picture_style(style)
+
+
+def _complain(text: str, status: int) -> int:
+    for argument, option in OPTIONS.items():
+        text = text.replace(f"use {argument}", f"use {option}")
+    print(text, file=sys.stderr)
+    return status
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="film-model", description="Simulate the impact of a ball: force, indentation, rebound."
+    )
+    parser.add_argument("--version", action="version", version=f"film-model {__version__}")
+    named = parser.add_subparsers(required=True, metavar="command")
+    for group in (new, run, studies, validate, explore, fmu, engines, datasets, catalogues):
+        group.add_commands(named)
+    return parser

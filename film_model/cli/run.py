@@ -1,0 +1,94 @@
+"""film-model run: simulate one scene."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from film_model.base.units import format_si
+from film_model.cli.output import (
+    DONE,
+    add_force,
+    add_json,
+    add_plot,
+    check_outputs,
+    print_json,
+    print_warnings,
+    print_written,
+)
+from film_model.effects.effect import COMPUTED
+from film_model.scene import Scene
+from film_model.solve.history import SUMMARY, History
+from film_model.solve.simulate import simulate_quietly
+
+MOST_EVENTS = 24
+"""Events in a table; JSON and files contain all of them."""
+
+
+def add_commands(named: Any) -> None:
+    """The command and its options."""
+    parser: argparse.ArgumentParser = named.add_parser("run", help="simulate the impact of a scene file")
+    parser.add_argument("scene", help="scene file (TOML)")
+    parser.add_argument("--output", metavar="FILE.nc", help="write the history as netCDF")
+    add_plot(parser, "draw the history")
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument("--accuracy", type=float, help="relative accuracy of every summary value, e.g. 1e-6")
+    how.add_argument("--segments", type=int, help="segments per stage, instead of an accuracy")
+    parser.add_argument(
+        "--linearisation", choices=("work-preserving", "chord"), help="how segments approximate the law"
+    )
+    add_force(parser)
+    add_json(parser)
+    parser.set_defaults(command=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    check_outputs(options)
+    scene = Scene.from_toml(options.scene)
+    history = simulate_quietly(
+        scene, accuracy=options.accuracy, segments=options.segments, linearisation=options.linearisation
+    )
+    if options.output:
+        import film_datasets
+
+        dataset = film_datasets.to_dataset(history)
+        film_datasets.write(dataset, options.output, overwrite=options.force)
+    if options.plot:
+        from film_model.plot.history import plot_history
+
+        plot_history(history, options.plot)
+    if options.json:
+        print_json(history.to_dict())
+    else:
+        print(_table(history))
+        print_written(options.output, options.plot)
+    print_warnings(history.warnings)
+    return DONE
+
+
+def _table(history: History) -> str:
+    """Summary, events and computed effects as text."""
+    problem, accuracy = history.problem, history.accuracy
+    lines = [history.scene.title or "Impact", f"law {problem.law.name}; {history.outcome.value}", ""]
+    for name, (dimension, _) in SUMMARY.items():
+        value = history.summary[name]
+        lines.append(f"  {name.replace('_', ' '):30}{'-' if value is None else format_si(value, dimension, 6):>16}")
+    lines += ["", f"  {'event':24}{'time':>14}{'indentation':>16}{'force':>14}"]
+    for event in history.events[:MOST_EVENTS]:
+        numbers = (
+            f"{format_si(event.time, 'time', 5):>14}{format_si(event.indentation, 'length', 5):>16}"
+            f"{format_si(event.contact_force, 'force', 5):>14}"
+        )
+        what = f"  ({event.stage})" if event.name == "stage_changes" else ""
+        lines.append(f"  {event.name.replace('_', ' '):24}{numbers}{what}")
+    if len(history.events) > MOST_EVENTS:
+        lines.append(f"  and {len(history.events) - MOST_EVENTS} more")
+    lines.append("")
+    lines += [
+        f"  {effect.name.replace('_', ' ')}: {effect.state}; {effect.reason}"
+        for effect in history.effects
+        if effect.name in COMPUTED
+    ]
+    means = f"{accuracy.modes} modes" if accuracy.modes else f"{accuracy.lines} segments"
+    lines.append(f"  estimated relative error ≤ {accuracy.estimated:.1e} ({means})")
+    return "\n".join(lines)

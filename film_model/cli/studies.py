@@ -1,0 +1,126 @@
+"""film-model cost, hard-cases: studies of the method."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from film_model.cli.output import (
+    DONE,
+    FAILED,
+    add_force,
+    add_json,
+    add_plot,
+    check_outputs,
+    check_writable,
+    print_json,
+)
+from film_model.scene import Scene
+
+if TYPE_CHECKING:
+    from film_model.studies.cost import Study
+    from film_model.studies.hard_cases import Report
+
+
+def add_commands(named: Any) -> None:
+    """The commands and their options."""
+    parser: argparse.ArgumentParser = named.add_parser(
+        "cost", help="compare error and computing time with other methods"
+    )
+    parser.add_argument("scene", help="scene file (TOML)")
+    parser.add_argument(
+        "--method", action="append", metavar="NAME", help="only methods whose name begins with this; repeatable"
+    )
+    parser.add_argument("--output", metavar="FILE.nc", help="write the study as netCDF")
+    add_plot(parser, "draw the work-precision diagram")
+    add_force(parser)
+    add_json(parser)
+    parser.set_defaults(command=cost)
+
+    parser = named.add_parser("hard-cases", help="run the catalogue of hard cases")
+    parser.add_argument("--match", metavar="TEXT", default="", help="only cases whose name contains this")
+    parser.add_argument("--markdown", metavar="FILE.md", help="write the report as a page")
+    add_force(parser, "overwrite an existing page")
+    add_json(parser)
+    parser.set_defaults(command=hard_cases)
+
+
+def cost(options: argparse.Namespace) -> int:
+    from film_model.studies.cost import study
+    from film_model.studies.methods import FILM
+    from film_model.studies.timing import one_thread
+
+    check_outputs(options)
+    one_thread()
+    scene = Scene.from_toml(options.scene)
+    done = study(scene, methods=options.method, progress=lambda name: print(f"timing {name}", file=sys.stderr))
+    if not done.runs:
+        wanted = " or ".join(options.method)
+        raise ValueError(f"--method: no method begins with {wanted}; there are {', '.join(FILM)} ...")
+    if options.output:
+        import film_datasets
+
+        film_datasets.write(film_datasets.to_dataset(done), options.output, overwrite=options.force)
+    if options.plot:
+        from film_model.plot.cost import plot_study
+
+        plot_study(done, options.plot)
+    if options.json:
+        return print_json(done.to_dict())
+    print(_cost_table(done))
+    return DONE
+
+
+def _cost_table(done: Study) -> str:
+    """All runs, with a star for the Pareto-optimal ones, and what follows from them."""
+    lines = [done.scene.title or "Impact", f"law {done.law}; reference: {done.reference['method']}", ""]
+    lines.append(f"{'':26}{'':16}{'error':>10}{'single impact':>15}{'in a batch':>14}{'evaluations':>13}")
+    best = {id(run) for run in done.front()}
+    for run in done.runs:
+        error = f"{run.error:10.1e}" if run.errors else f"{'-':>10}"
+        single, batch = ("-" if t is None else f"{1e6 * t.median:.2f} us" for t in (run.time_single, run.time_batch))
+        mark = "  *" if id(run) in best else "" if run.outcome == "done" else f"  {run.outcome}"
+        numbers = f"{error}{single:>15}{batch:>14}{run.force_evaluations or '-':>13}"
+        lines.append(f"{run.method:26}{run.setting:16}{numbers}{mark}")
+    lines += ["", "times are per impact; * Pareto-optimal in error and time of a single impact"]
+    return "\n".join([*lines, done.sentence(), *done.beaten()])
+
+
+def hard_cases(options: argparse.Namespace) -> int:
+    from film_model.studies import high_precision
+    from film_model.studies.hard_cases import all_cases, page, report
+
+    high_precision.arithmetic()  # without mpmath, raises before the first case
+    if options.markdown:
+        check_writable(options.markdown, options.force)
+    reports: list[Report] = []
+    chosen = [case for case in all_cases() if options.match in case.name]
+    if not chosen:
+        raise ValueError(f"--match: no case's name contains {options.match!r}")
+    for case in chosen:
+        print(f"running {case.name}", file=sys.stderr)
+        reports.append(report(case))
+    good = all(r.finding.good for r in reports)
+    if options.markdown:
+        from film_model.base.files import written_whole
+
+        with written_whole(Path(options.markdown)) as beside:
+            beside.write_text(page(reports), "utf-8")
+    if options.json:
+        print_json({"good": good, "cases": [r.to_dict() for r in reports]})
+    else:
+        _print_cases(reports)
+    return DONE if good else FAILED
+
+
+def _print_cases(reports: list[Report]) -> None:
+    print(f"{'':6}{'case':52}{'error':>9}{'allowed':>9}{'segments':>10}{'time':>10}  outcome")
+    for r in reports:
+        f = r.finding
+        numbers = f"{f.error:9.1e}{f.allowed:9.0e}{f.segments or '-':>10}{r.seconds:8.2f} s"
+        print(f"{'pass' if f.good else 'FAIL':6}{r.case.name:52}{numbers}  {f.outcome}")
+        for name, said in r.others.items():
+            print(f"{'':58}{name}: {said}")
+    print(f"{sum(r.finding.good for r in reports)} of {len(reports)} passed")

@@ -1,0 +1,65 @@
+"""Families of curves in the core: a law whose stages depend on one more number, its shape (film_family)."""
+
+from __future__ import annotations
+
+import ctypes as c
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.core import native
+
+
+class Family(c.Structure):
+    """film_family. `memory`, to which `numbers` points, is kept alive here."""
+
+    _fields_ = [
+        ("low", c.c_double),
+        ("high", c.c_double),
+        ("nodes", c.c_int32),
+        ("varying", c.c_int32),
+        ("numbers", c.c_void_p),
+    ]
+
+    @classmethod
+    def of(
+        cls, low: float, high: float, end: NDArray[np.float64], places: list[int], table: NDArray[np.float64]
+    ) -> Family:
+        """end: series of ln(end). places: of the doubles that vary. table: their series, (nodes, varying)."""
+        made = cls(low, high, len(end), len(places))
+        made.memory = np.concatenate([end, np.array(places, np.float64), table.ravel()])
+        made.numbers = made.memory.ctypes.data
+        return made
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        end, rest = np.split(self.memory, [self.nodes])
+        places, table = np.split(rest, [self.varying])
+        return Family.of, (self.low, self.high, end, places.astype(int).tolist(), table)
+
+
+def shaped(family: Family, whole: native.Curve, shape: float) -> native.Curve:
+    """The curve of a shape."""
+    made = native.Curve.from_buffer_copy(whole)
+    if native.library().film_shape(c.byref(family), c.byref(whole), shape, c.byref(made)) != native.OK:
+        raise ValueError(f"the shape {shape!r} is not between {family.low!r} and {family.high!r}")
+    return made
+
+
+def batch(
+    family: Family, whole: native.Curve, cut: native.Mesh, start: NDArray[Any], shape: NDArray[np.float64]
+) -> tuple[NDArray[np.int32], NDArray[Any]]:
+    """Statuses and summaries of many contacts (START_DTYPE), each on its shape's curve; the GIL is released."""
+    start, shape = np.ascontiguousarray(start, native.START_DTYPE), np.ascontiguousarray(shape, np.float64)
+    summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
+    native.library().film_batch_shaped(
+        c.byref(family),
+        c.byref(whole),
+        c.byref(cut),
+        start.size,
+        start.ctypes.data,
+        shape.ctypes.data,
+        summary.ctypes.data,
+        status.ctypes.data,
+    )
+    return status, summary

@@ -1,0 +1,210 @@
+/* Where a leg ends: at the turn that energy gives on a fixed target, at the turn of trial legs on others. Nodes are graded
+ * towards that point, and the last line must meet the law's force there. docs/method.md, section 5. */
+#include "film_march.h"
+
+/* A turn is known to this fraction of the depth at best: the mean force of a short line is a difference of works.
+ * core_check.c, one_schedule with DAMPED. */
+static const double TURN_ROUNDING = 2e-15;
+
+/* A trial leg only places the nodes of the next, so its turn is sought to this fraction of its last line. Cost only: another
+ * value moves the nodes, and the results by less than the lines' error. */
+static const double TRIAL_TOLERANCE = 1e-2;
+
+/* Newton's method has converged when a step is below this fraction of the depth: the error of the next one is its square.
+ * core_check.c, check_linear_law, at 1e-4. */
+static const double NEWTON_SETTLED = 1e-9;
+
+enum { BALANCE_HALVINGS = 100 };
+
+/* ---------------------------------------------------------------- a line that ends at the turn */
+
+/* How far the motion goes on a line until it turns, and when; INFINITY if it never does. An over-damped motion that a load
+ * pushes creeps up to its balance, and turns there after an infinite time. */
+static double reach_of(const motion *m, double *tau) {
+    double reach = INFINITY, y;
+    *tau = INFINITY;
+    if (!(m->y0 > 0.0) && !(m->phi < 0.0 && m->a > 0.0)) {
+        reach = *tau = 0.0;
+    } else if (m->a == 0.0) {
+        double root = m->phi * m->phi + m->kappa * m->y0 * m->y0;
+        int driven = m->phi < 0.0 && m->kappa > 0.0; /* the load drives it on, past the balance */
+        if (driven || (root >= 0.0 && m->phi + sqrt(root) > 0.0)) {
+            reach = driven ? (sqrt(root) - m->phi) / m->kappa : m->y0 * m->y0 / (m->phi + sqrt(root));
+            double ratio = reach / m->y0;
+            *tau = 2.0 * ratio * arc(m->kappa * ratio * ratio);
+        }
+    } else if ((*tau = turn_time(m)) < INFINITY) {
+        motion_at(m, *tau, &reach, &y);
+    } else if (m->kappa > 0.0 && m->phi < 0.0) {
+        reach = -m->phi / m->kappa;
+    } else if (m->kappa == 0.0 && m->phi == 0.0) {
+        reach = 0.5 * m->y0 / m->a;
+    }
+    return reach;
+}
+
+/* The length h for which the line over h, which meets the law's force at its end (film_make_turn_line), turns after exactly
+ * h: there y = nu - gamma f is 0 on the line and on the law. Secant steps in a bracket; *length is the first guess and the
+ * answer. NO_TURN: the motion passes `limit`; TURN_BETWEEN: there is no such length, since lines up to *length turn late and
+ * longer ones early. docs/method.md, section 5. */
+int film_find_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double *length, double limit,
+                   double tolerance, int plain) {
+    double low = 0.0, high = INFINITY, h = *length < limit ? *length : limit;
+    double last_h = 0.0, last_miss = 0.0;
+    for (int k = 0; k < TURN_ITERATIONS; k++) {
+        film_make_turn_line(curve, mesh, s, h, plain);
+        motion m = motion_on(s, s->line.phi, s->line.kappa);
+        double reach = reach_of(&m, &s->tau_end), miss = reach - h;
+        *length = h;
+        if (fabs(miss) <= tolerance * h + TURN_ROUNDING * (fabs(s->xi) + h)) return TURN;
+        if (miss > 0.0) low = h; else high = h;
+        if (miss > 0.0 && h >= limit) return NO_TURN;
+        double next = reach;
+        if (k > 0 && reach < INFINITY && miss != last_miss) next = h - miss * (h - last_h) / (miss - last_miss);
+        last_h = h;
+        last_miss = miss;
+        double top = high < limit ? high : limit;
+        double middle = high > 100.0 * low ? (low > 0.0 ? sqrt(low) * sqrt(high) : 1e-3 * high) : 0.5 * (low + high);
+        if (!(next > low && next < high)) next = high < INFINITY ? middle : 2.0 * h;
+        if (k > 20 && high < INFINITY) next = middle;
+        h = next < top ? next : top;
+    }
+    return high < INFINITY ? TURN_BETWEEN : NO_TURN;
+}
+
+/* ---------------------------------------------------------------- fixed targets: energy */
+
+/* Kinetic energy left at xi on a fixed target, and its slope. `energy`: kinetic energy + work - load xi of the run. */
+static double energy_at(const film_curve *curve, const film_line *run, double energy, double load, double xi,
+                        double *slope) {
+    double force, work;
+    law_at(curve, run, xi, &force, &work);
+    *slope = load - force;
+    return energy - work + load * xi;
+}
+
+/* In a stage without an end: *inner, where energy is left, and *outer, where none is. The leading term of a power gives an
+ * *outer of about the right size; elsewhere the way is doubled. */
+static int bracket_turn(const film_curve *curve, const film_line *run, double xi, double total, double load, double *inner,
+                        double *outer) {
+    const film_piece *piece = piece_at(curve, run->branch, INFINITY);
+    const film_function *g = &piece->force;
+    double reach = INFINITY, slope;
+    if (g->coefficient > 0.0 && g->slope >= 0.0 && g->constant >= 0.0 && load <= 0.0 && curve->compliance == 0.0)
+        reach = pow((g->exponent + 1.0) * (total + piece->work_at_begin) / g->coefficient, work_factor(g->exponent));
+    *outer = reach < INFINITY ? g->origin + reach * (1.0 + 1e-12) : xi + 1.0;
+    for (int k = 0; energy_at(curve, run, total, load, *outer, &slope) > 0.0; k++) {
+        if (k >= DOUBLINGS || !(*outer < 1e300)) return FILM_BEYOND_LAW;
+        *inner = *outer;
+        *outer = xi + 2.0 * (*outer - xi);
+    }
+    return FILM_OK;
+}
+
+/* Where the law's work has used up the kinetic energy at the start and the load's work: Newton's method in a bracket.
+ * docs/method.md, section 5. */
+int film_turning_point(const film_curve *curve, const film_line *run, double xi, double work, double nu, double load,
+                       double limit, double *to) {
+    double energy = 0.5 * nu * nu, total = energy + work - load * xi, slope, inner = xi, outer = limit, at = limit;
+    if (limit < INFINITY) {
+        double left = energy_at(curve, run, total, load, limit, &slope);
+        if (left >= 0.0) {
+            *to = limit;
+            return FILM_OK;
+        }
+        if (energy > 0.0) at = xi + (limit - xi) * sqrt(energy / (energy - left)); /* as if work grew as a square */
+    } else {
+        int status = bracket_turn(curve, run, xi, total, load, &inner, &outer);
+        if (status < 0) return status;
+        at = outer;
+    }
+    double d = outer > inner ? 1.0 : -1.0;
+    for (int k = 0; k < ROOT_ITERATIONS; k++) {
+        energy = energy_at(curve, run, total, load, at, &slope);
+        if (energy >= 0.0) inner = at; else outer = at;
+        double next = at - energy / slope;
+        int inside = d * (next - inner) > 0.0 && d * (outer - next) > 0.0;
+        int settled = fabs(next - at) <= (inside ? NEWTON_SETTLED : 4e-16) * fabs(at);
+        at = inside ? next : settled ? at : 0.5 * (inner + outer);
+        if (settled) break;
+    }
+    *to = at;
+    return FILM_EVENT;
+}
+
+static int aim_by_energy(const film_curve *curve, film_state *s) {
+    int status = film_turning_point(curve, &s->line, s->xi, s->work, s->nu, s->load, run_limit(curve, s), &s->leg_to);
+    s->leg_ends = status == FILM_EVENT ? ENDS_TURN : ENDS_EDGE;
+    return status < 0 ? status : FILM_OK;
+}
+
+/* ---------------------------------------------------------------- targets that move, damping: trial legs */
+
+/* Where the true law balances the load, from the current point towards the end of the leg or beyond, by halving;
+ * `otherwise` if it never does. */
+static double balance(const film_curve *curve, const film_state *s, double otherwise) {
+    double low = s->xi, high = s->leg_to, limit = run_limit(curve, s), force, work;
+    double side = s->elastic - s->load;
+    if (side == 0.0) return high; /* no force to balance: damping alone slows the motion, and stops it anywhere */
+    for (int k = 0; k < DOUBLINGS && high != limit; k++) {
+        law_at(curve, &s->line, high, &force, &work);
+        if (!(side > 0.0 ? force > s->load : force < s->load)) break;
+        high = limit < INFINITY ? limit : s->xi + 2.0 * (high - s->xi);
+    }
+    if (!(high < INFINITY)) return otherwise;
+    for (int k = 0; k < BALANCE_HALVINGS; k++) {
+        double middle = 0.5 * (low + high);
+        law_at(curve, &s->line, middle, &force, &work);
+        if (side > 0.0 ? force > s->load : force < s->load) low = middle; else high = middle;
+    }
+    return high;
+}
+
+/* Follows a leg of `nodes` lines from s to its end, without what happens there. */
+static int follow_trial(const film_curve *curve, const film_mesh *mesh, const film_state *s, int32_t nodes, film_state *trial) {
+    *trial = *s;
+    trial->leg_nodes = nodes;
+    trial->leg_grading = GRADING_COARSE;
+    if (nodes == 1) trial->leg_ends = s->from_turn ? ENDS_EDGE : ENDS_TURN;
+    for (int k = 0; k < 4 * nodes + 4; k++) {
+        int status = film_next_line(curve, mesh, trial, TRIAL_TOLERANCE);
+        if (status < 0) return status;
+        if (trial->line_ends != ENDS_NODE || trial->leg_node >= trial->leg_nodes - 1) break;
+        film_follow(trial);
+    }
+    return FILM_OK;
+}
+
+/* Trial legs of 1, 4, 16 ... segments, each aimed by the one before. docs/method.md, section 5. */
+static int aim_by_trial(const film_curve *curve, const film_mesh *mesh, film_state *s) {
+    double limit = s->leg_to; /* of the run */
+    if (!(limit < INFINITY)) { /* a fixed target stops the impactor later than one that moves: begin with its turn */
+        film_state fixed = *s;
+        int status = aim_by_energy(curve, &fixed);
+        if (status < 0) return status;
+        s->leg_to = fixed.leg_to;
+        s->leg_ends = ENDS_TURN;
+    }
+    for (int32_t nodes = 1; nodes == 1 || 3 * nodes <= s->leg_nodes; nodes *= 4) {
+        film_state trial;
+        int status = follow_trial(curve, mesh, s, nodes, &trial);
+        if (status < 0) return status;
+        s->leg_ends = trial.line_ends == ENDS_NODE ? ENDS_TURN : trial.line_ends;
+        s->leg_to = s->leg_ends == ENDS_EDGE ? limit : s->leg_ends == ENDS_NEVER ? balance(curve, s, trial.xi_end) : trial.xi_end;
+        if (s->leg_ends == ENDS_EDGE && limit < INFINITY) break;
+        if (s->leg_ends == ENDS_EDGE) { /* a run without an end; its few lines went too far */
+            s->leg_ends = ENDS_TURN;
+            s->leg_to = trial.xi_end;
+        }
+    }
+    return FILM_OK;
+}
+
+/* Sets leg_to and leg_ends of the run that begins here. On the way out without a load nothing turns the motion before the
+ * contact ends. docs/method.md, section 5. */
+int film_aim_leg(const film_curve *curve, const film_mesh *mesh, film_state *s) {
+    s->leg_to = run_limit(curve, s);
+    s->leg_ends = ENDS_EDGE;
+    if (leaves_freely(s)) return FILM_OK;
+    return s->gamma == 0.0 && !is_damped(curve, s) ? aim_by_energy(curve, s) : aim_by_trial(curve, mesh, s);
+}

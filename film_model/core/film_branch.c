@@ -1,0 +1,194 @@
+/* What a contact does after a turn: the unloading branch, the loops of a law that reloads along another curve, and the
+ * spring in series. docs/method.md, sections 6 and 8. */
+#include "film_march.h"
+
+/* A shifted branch whose force at xi = 0 is still above 0 has no end and is refused. If that force is below this fraction
+ * of its scale, it is rounding, and the branch ends at xi = 0. core_check.c, check_surface. */
+static const double SURFACE_ROUNDING = 1e-12;
+
+/* A law that reloads along another curve stays on its branch if the way back from the turn is shorter than this fraction of
+ * the recovery: over such a way the two curves differ by rounding. core_check.c, check_small_loop. */
+static const double SMALL_LOOP = 1e-6;
+
+/* How far beyond the end of its interval a series may be evaluated, as a fraction of the interval: the search for the
+ * indentation must be able to pass the end of a piece. core_check.c, check_overrun. */
+static const double SERIES_OVERRUN = 1.05;
+
+enum { SERIES_STEPS = 100 };
+
+/* ---------------------------------------------------------------- a contact in series with a spring */
+
+/* The indentation xi at which xi + compliance force(xi) = x: Newton's method in a bracket, as the sum grows with xi.
+ * docs/method.md, section 8. */
+static double indentation_at(const film_curve *curve, const film_line *line, const film_piece *piece, double x) {
+    double c = curve->compliance, low = line->xi_free, high = x, force, work;
+    if (line->branch >= 0) {
+        const film_function *g = &piece->force;
+        low = g->origin;
+        if (g->form != FILM_POWER) high = fmin(x, low + SERIES_OVERRUN / g->per_span);
+    }
+    if (!(x > low)) return x;
+    contact_at(line, piece, low, &force, &work);
+    if (!(low + c * force < x)) return low;
+    double xi = high;
+    for (int k = 0; k < SERIES_STEPS; k++) {
+        contact_at(line, piece, xi, &force, &work);
+        double miss = xi + c * force - x, next = xi - miss / (1.0 + c * contact_slope(line, piece, xi));
+        if (fabs(next - xi) <= 4e-16 * x) return next;
+        if (miss < 0.0) low = xi; else high = xi;
+        xi = next > low && next < high ? next : 0.5 * (low + high);
+    }
+    return xi;
+}
+
+/* The spring stores c f^2/2. docs/method.md, section 8. */
+void film_law_in_series(const film_curve *curve, const film_line *line, double x, double *force, double *work) {
+    const film_piece *piece = line->branch >= 0 ? piece_at(curve, line->branch, x) : 0;
+    if (line->branch == FILM_FREE) {
+        *force = *work = 0.0;
+        return;
+    }
+    contact_at(line, piece, indentation_at(curve, line, piece, x), force, work);
+    *work += 0.5 * curve->compliance * *force * *force;
+}
+
+/* d force/d(xi + c force) = f'/(1 + c f'). docs/method.md, section 8. */
+double film_slope_in_series(const film_curve *curve, const film_line *line, double x) {
+    const film_piece *piece = line->branch >= 0 ? piece_at(curve, line->branch, x) : 0;
+    if (line->branch == FILM_FREE) return 0.0;
+    double slope = contact_slope(line, piece, indentation_at(curve, line, piece, x));
+    return slope / (1.0 + curve->compliance * slope);
+}
+
+/* From the march's own xi, rate and shift to those of the contact: the spring's deflection belongs to the target.
+ * docs/method.md, section 8. */
+void film_split_off_spring(const film_curve *curve, const film_line *line, double values[5]) {
+    double bent = curve->compliance * values[2];
+    if (curve->compliance == 0.0 || line->branch == FILM_FREE) return;
+    values[1] *= 1.0 - curve->compliance * law_slope(curve, line, values[0]);
+    values[0] -= bent;
+    values[4] += bent;
+}
+
+/* ---------------------------------------------------------------- unloading */
+
+/* The unloading rules of film_core.h. The branch is f_shift + f_max ((xi - xi_origin) per_recovery)^q, and its force
+ * is 0 at xi_free. docs/method.md, section 6. */
+int film_open_branch(const film_curve *curve, film_line *run, double xi, double force) {
+    const film_piece *piece = piece_at(curve, run->branch, xi);
+    int unloading = curve->stage[run->branch].unloading;
+    if (unloading == FILM_RETRACE) return FILM_OK;
+    xi -= curve->compliance * force;
+    double given = value_at(&piece->recovery, xi), q = value_at(&piece->exponent, xi), span, scale = force, origin;
+    if (unloading == FILM_SHIFTED) {
+        origin = 0.0;
+        span = xi;
+        scale = given * power_of(xi, q);
+        double left = 1.0 - force / scale;
+        run->xi_free = left > 0.0 ? pow(left, 1.0 / q) * xi : left > -SURFACE_ROUNDING ? 0.0 : NAN;
+    } else if (unloading == FILM_RADIUS) {
+        double load = force / sqrt(given);
+        span = q == 1.5 ? cbrt(load * load) : pow(load, 1.0 / q);
+        run->xi_free = origin = xi - span;
+    } else {
+        run->xi_free = origin = unloading == FILM_RESIDUAL ? given : fmax(xi - force / given, 0.0);
+        span = xi - origin;
+    }
+    int long_enough = force * (xi - run->xi_free) > SHORTEST_RECOVERY * scale * xi; /* false where xi_free is NaN */
+    if (!(span > 0.0 && span < INFINITY && q > 0.0 && long_enough)) return FILM_BAD_UNLOADING;
+    run->xi_origin = origin;
+    run->per_recovery = 1.0 / span;
+    run->f_max = scale;
+    run->f_shift = force - scale;
+    run->work_free = (run->xi_free - origin) * run->f_shift * (1.0 - work_factor(q));
+    run->exponent = q;
+    run->branch = FILM_BRANCH;
+    return FILM_OK;
+}
+
+/* The contact turns on the loading curve: keep the deepest point, and take the branch that leads back from it.
+ * docs/method.md, section 6. */
+int film_remember_turn(const film_curve *curve, film_state *s) {
+    film_line *line = &s->line;
+    double force;
+    s->xi_max = s->xi;
+    s->f_max = s->elastic;
+    s->stage_max = line->branch = s->branch;
+    int status = film_open_branch(curve, line, s->xi, s->elastic);
+    if (status < 0 || line->branch == s->branch) return status;
+    s->branch = FILM_BRANCH;
+    s->loop = LOOP_NONE;
+    s->xi_free = line->xi_free;
+    s->recovery = s->xi - curve->compliance * s->elastic - s->xi_free;
+    s->exponent = line->exponent;
+    s->xi_origin = line->xi_origin;
+    s->f_scale = line->f_max;
+    law_at(curve, line, s->xi, &force, &s->work);
+    return FILM_OK;
+}
+
+/* ---------------------------------------------------------------- reloading loops */
+
+double film_reload_exponent(const film_curve *curve, const film_state *s) {
+    return s->stage_max >= 0 ? curve->stage[s->stage_max].reload_exponent : 0.0;
+}
+
+/* A branch from (a, f_a) to (b, f_b), both on the march's axis: the part of ((xi - origin)/span)^q between them, scaled and
+ * shifted in force. docs/method.md, section 6. */
+static void stretch_branch(const film_curve *curve, film_line *line, double origin, double span, double q, double a, double f_a,
+                           double b, double f_b) {
+    a -= curve->compliance * f_a;
+    b -= curve->compliance * f_b;
+    double low = power_of(fmax((a - origin) / span, 0.0), q); /* rounding may put the end of a contact before its origin */
+    line->xi_origin = origin;
+    line->per_recovery = 1.0 / span;
+    line->exponent = q;
+    line->f_max = (f_b - f_a) / (power_of((b - origin) / span, q) - low);
+    line->f_shift = f_a - line->f_max * low;
+    line->work_free = 0.0;
+}
+
+/* Writes into the line what all lines of a run share: load, target, and the branch. docs/method.md, section 6. */
+void film_open_run(const film_curve *curve, film_state *s) {
+    film_line *line = &s->line;
+    line->load = s->load;
+    line->gamma = s->gamma;
+    line->branch = s->branch;
+    line->phase = s->phase;
+    line->damper = is_damped(curve, s) ? s->damper : 0.0;
+    line->xi_free = s->xi_free;
+    double span = s->xi_max - curve->compliance * s->f_max - s->xi_origin;
+    if (s->branch == FILM_BRANCH && s->loop == LOOP_RELOAD) {
+        stretch_branch(curve, line, s->xi_free, s->recovery, film_reload_exponent(curve, s), s->xi_in, s->f_in, s->xi_max, s->f_max);
+    } else if (s->branch == FILM_BRANCH && s->loop == LOOP_INNER) {
+        stretch_branch(curve, line, s->xi_origin, span, s->exponent, s->xi_in, s->f_in, s->xi_out, s->f_out);
+    } else {
+        line->xi_origin = s->xi_origin;
+        line->per_recovery = s->recovery > 0.0 ? 1.0 / span : 0.0;
+        line->exponent = s->exponent;
+        line->f_max = s->f_scale;
+        line->f_shift = s->f_scale > 0.0 ? s->f_max - s->f_scale : 0.0;
+        line->work_free = (s->xi_free - s->xi_origin) * line->f_shift * (1.0 - work_factor(s->exponent));
+    }
+}
+
+/* Go on from the current point along another branch, on which the force is the same. */
+void film_change_loop(const film_curve *curve, film_state *s, int32_t loop) {
+    s->loop = loop;
+    film_open_run(curve, s);
+    law_at(curve, &s->line, s->xi, &s->elastic, &s->work);
+}
+
+/* A law with a reload exponent leaves the branch it has turned on. docs/method.md, section 6. */
+void film_choose_loop(const film_curve *curve, film_state *s) {
+    if (s->branch != FILM_BRANCH || film_reload_exponent(curve, s) == 0.0) return;
+    if (s->direction > 0 && s->loop == LOOP_NONE && s->xi_max - s->xi > SMALL_LOOP * s->recovery) {
+        s->xi_in = s->xi;
+        s->f_in = s->elastic;
+        film_change_loop(curve, s, LOOP_RELOAD);
+    } else if (s->direction < 0 && s->loop == LOOP_RELOAD && s->xi - s->xi_in > SMALL_LOOP * s->recovery) {
+        s->xi_out = s->xi;
+        s->f_out = s->elastic;
+        film_change_loop(curve, s, LOOP_INNER);
+    }
+}

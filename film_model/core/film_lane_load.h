@@ -1,0 +1,255 @@
+/* Blocks of impacts on targets that move, to the turn. Internal to film_lanes.c. docs/method.md, sections 5 and 10. */
+#ifndef FILM_LANE_LOAD_H
+#define FILM_LANE_LOAD_H
+
+#include "film_lane_line.h"
+
+enum { AIM_STEPS = 8 };
+static const double AIM_TOLERANCE = 5e-3; /* fraction of the energy: less than the error of turn_excess. Cost only */
+static const double HERTZ_AIM = 1e-5;     /* fraction of the depth: error of hertz_aim. Cost only */
+
+/* Along a loading stage towards aim, up to the node before it. nodes NULL: those of a trial. */
+static void run_towards(batch_job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict aim,
+                        lanes *restrict s) {
+    const film_curve *curve = j->curve;
+    const film_function *g = &curve->piece[curve->stage[stage].first].force;
+    double begin = curve->stage[stage].begin, x1[LANES], f1[LANES], w1[LANES];
+    lines n;
+    const table_row *r = film_lines_of(j, UNIT_POWER, 1, segments, nodes, j->simple[stage] ? g->exponent : ANY_POWER)->rows;
+    if (j->simple[stage]) {
+        double span[LANES], power[LANES], stiff[LANES], c = g->constant, k = g->slope;
+        EACH(l) span[l] = aim[l] - begin;
+        power_lanes_of(span, g->exponent, power);
+        EACH(l) {
+            power[l] *= g->coefficient;
+            stiff[l] = power[l] / span[l];
+        }
+        for (int32_t i = 1; i < segments; i++) {
+            double x = r[i - 1].x, h = r[i].h, kappa = r[i].kappa, phi = r[i].phi;
+            EACH(l) {
+                n.h[l] = span[l] * h;
+                n.kappa[l] = k + stiff[l] * kappa;
+                n.phi[l] = c + k * (span[l] * x) + power[l] * phi;
+            }
+            pass_inwards(s, &n);
+        }
+        EACH(l) s->xi[l] = begin + span[l] * r[segments - 1].x;
+        law_lanes(curve, stage, s->xi, s->force, s->work);
+        return;
+    }
+    for (int32_t i = 1; i < segments; i++) {
+        EACH(l) x1[l] = begin + (aim[l] - begin) * r[i].x;
+        law_lanes(curve, stage, x1, f1, w1);
+        make_lines(s, &n, 1.0, 0, x1, f1, w1);
+        pass_inwards(s, &n);
+    }
+}
+
+/* The turn near x1: the last line meets the law's force at x1. The time is that at which nu = gamma f of the true law, by
+ * Newton's method from tau or, where it is not known, from a step of Halley's at the line's beginning: with the line's force
+ * instead, the time of the turn would err by gamma f'' h^2/(12 f). docs/method.md, section 5. */
+static void turn_near(batch_job *j, int32_t stage, const double *restrict x1, lanes *restrict s, int known, int steps,
+                       double *restrict tau) {
+    double phi[LANES], kappa[LANES], y0[LANES], d1[LANES], a2[LANES], x[LANES], y[LANES], f1[LANES], w1[LANES];
+    double w[LANES], miss[LANES];
+    law_lanes(j->curve, stage, x1, f1, w1);
+    EACH(l) {
+        double g = s->gamma[l], h = x1[l] - s->xi[l], mean = (w1[l] - s->work[l]) / h;
+        phi[l] = 2.0 * mean - f1[l];
+        kappa[l] = 2.0 * (f1[l] - mean) / h;
+        a2[l] = g * kappa[l];
+        y0[l] = s->w[l] - g * phi[l];
+        d1[l] = -phi[l] - a2[l] * y0[l];
+        double d2 = -a2[l] * d1[l] - kappa[l] * y0[l];
+        tau[l] = known ? tau[l] : 2.0 * y0[l] * d1[l] / (y0[l] * d2 - 2.0 * d1[l] * d1[l]);
+    }
+    for (int i = 0; i <= steps; i++) {
+        polynomials(y0, d1, a2, kappa, tau, x, y, miss);
+        EACH(l) {
+            w[l] = y[l] + s->gamma[l] * (phi[l] + kappa[l] * x[l]);
+            x[l] += s->xi[l];
+        }
+        law_lanes(j->curve, stage, x, f1, w1);
+        if (i == steps) break;
+        /* gamma f falls by a2 y, as on the line */
+        EACH(l) tau[l] += (w[l] - s->gamma[l] * f1[l]) / (f1[l] + a2[l] * y[l]);
+    }
+    EACH(l) {
+        double g = s->gamma[l], bad = fabs(w[l] - g * f1[l]) < 1e-9 * w[l] ? miss[l] : 1.0;
+        bad = y0[l] > 0.0 ? bad : 1.0;
+        s->bad[l] = tau[l] > 0.0 ? s->bad[l] + bad : 1.0;
+        s->time[l] += tau[l];
+        s->xi[l] = x[l];
+        s->force[l] = f1[l];
+        s->work[l] = w1[l];
+        s->w[l] = g * f1[l];
+    }
+}
+
+/* Where the impacts turn on Hertz's law, within 1e-5 for gamma nu^{1/5} up to 60: a fixed target turns them at the depth X
+ * that energy gives; this one at X P^(-2/3), where P is a function of gamma f(X)/nu alone, fitted to the march. */
+static void hertz_aim(const batch_job *j, const double *restrict nu, const double *restrict gamma, double *restrict aim) {
+    double k = j->curve->piece[0].force.coefficient, power[LANES], e[LANES], x[LANES], p[LANES], share[LANES];
+    EACH(l) {
+        power[l] = 1.25 * (nu[l] * nu[l]) / k;
+        e[l] = 0.4;
+    }
+    power_lanes(power, e, x);
+    EACH(l) {
+        double s = gamma[l] * k * x[l] * sqrt(x[l]) / nu[l];
+        p[l] = (1.0 + s * (1.1872359 + s * (0.28208004 + s * 0.0117072))) / (1.0 + s * (0.27930149 + s * 0.01171541));
+        e[l] = -2.0 / 3;
+    }
+    power_lanes(p, e, share);
+    EACH(l) aim[l] = x[l] * share[l];
+}
+
+/* About where the impacts turn, within 2 % on Hertz's law: turn_excess = 0 by false position, the value at the older end
+ * halved. A fixed target would stop them later. */
+static void first_aim(batch_job *j, int32_t stage, double stored, const double *restrict nu, const double *restrict gamma,
+                      double *restrict aim) {
+    const film_curve *curve = j->curve;
+    double begin = curve->stage[stage].begin, whole = j->whole[stage];
+    double low[LANES], high[LANES], below[LANES], above[LANES], f[LANES], w[LANES], energy[LANES];
+    double moving[LANES];
+    EACH(l) {
+        energy[l] = 0.5 * nu[l] * nu[l] - stored;
+        low[l] = begin;
+    }
+    EACH(l) energy[l] = energy[l] < whole ? energy[l] : whole;
+    depth_lanes(curve, stage, whole, energy, high);
+    law_lanes(curve, stage, low, f, w);
+    EACH(l) below[l] = turn_excess(stored + w[l], f[l], nu[l], gamma[l]);
+    law_lanes(curve, stage, high, f, w);
+    EACH(l) {
+        above[l] = turn_excess(stored + w[l], f[l], nu[l], gamma[l]);
+        aim[l] = high[l];
+        moving[l] = above[l] > 0.0 ? 1.0 : 0.0;
+    }
+    for (int i = 0; i < AIM_STEPS && any(moving); i++) {
+        double x[LANES];
+        EACH(l) {
+            double next = low[l] - (high[l] - low[l]) * below[l] / (above[l] - below[l]);
+            x[l] = moving[l] > 0.0 ? next : aim[l];
+        }
+        law_lanes(curve, stage, x, f, w);
+        EACH(l) {
+            double excess = turn_excess(stored + w[l], f[l], nu[l], gamma[l]);
+            high[l] = excess > 0.0 ? x[l] : high[l];
+            low[l] = excess > 0.0 ? low[l] : x[l];
+            below[l] = excess > 0.0 ? 0.5 * below[l] : excess;
+            above[l] = excess > 0.0 ? excess : 0.5 * above[l];
+            aim[l] = x[l];
+            moving[l] = fabs(excess) < AIM_TOLERANCE * (0.5 * nu[l] * nu[l]) ? 0.0 : moving[l];
+        }
+    }
+}
+
+/* All lanes at first touch; an incomplete block is filled up with its first impact. */
+static void start_lanes(const batch_job *j, const int64_t *index, int count, lanes *restrict s, double *restrict nu) {
+    EACH(l) {
+        const film_start *start = &j->start[index[l < count ? l : 0]];
+        s->gamma[l] = start->gamma;
+        s->w[l] = nu[l] = start->nu;
+        s->time[l] = 0.0;
+        s->bad[l] = 0.0;
+    }
+}
+
+/* Across the whole stages before `stage`, to its beginning. Returns their work; *largest: their largest force. */
+static double cross_before(batch_job *j, int32_t stage, lanes *restrict s, double *largest) {
+    const double *nodes = j->mesh->loading_nodes[FILM_PLATE_IN];
+    double stored = 0.0;
+    lines n;
+    for (int32_t k = 0; k < stage; k++) {
+        const line_table *whole = film_lines_of(j, k, 1, j->mesh->loading, nodes, 0.0);
+        for (int32_t i = 1; i <= j->mesh->loading; i++) {
+            EACH(l) {
+                n.h[l] = whole->rows[i].h;
+                n.kappa[l] = whole->rows[i].kappa;
+                n.phi[l] = whole->rows[i].phi;
+            }
+            pass_inwards(s, &n);
+        }
+        stored += j->whole[k];
+        *largest = whole->peak > *largest ? whole->peak : *largest;
+    }
+    EACH(l) s->xi[l] = j->curve->stage[stage].begin;
+    law_lanes(j->curve, stage, s->xi, s->force, s->work);
+    return stored;
+}
+
+/* Aims at the turn in `stage`: a formula, then trial legs of 4, 16 ... segments, each aimed by the one before. 1 if the aim
+ * is good enough for the last line without another trial. docs/method.md, section 5. */
+static int aim_lanes(batch_job *j, int32_t stage, double stored, const double *restrict nu, const lanes *restrict s,
+                     double *restrict aim) {
+    const double *nodes = j->mesh->loading_nodes[FILM_PLATE_IN];
+    double end = j->curve->stage[stage].end, tau[LANES];
+    int32_t segments = j->mesh->loading, m = AIMING_SEGMENTS;
+    int sure = 0;
+    if (plain_power(j, stage) && j->curve->piece[0].force.exponent == 1.5) {
+        hertz_aim(j, nu, s->gamma, aim);
+        EACH(l) aim[l] = aim[l] < end ? aim[l] : end;
+        m *= 4;
+        sure = 1.0 - nodes[segments - 1] > 100.0 * HERTZ_AIM;
+    } else {
+        first_aim(j, stage, stored, nu, s->gamma, aim);
+    }
+    for (; m == AIMING_SEGMENTS || 3 * m <= segments; m *= 4) {
+        lanes trial = *s;
+        run_towards(j, stage, m, NULL, aim, &trial);
+        turn_near(j, stage, aim, &trial, 0, 1, tau);
+        EACH(l) { /* a trial only places the nodes, so a rough one is left alone */
+            double to = trial.xi[l] < end ? trial.xi[l] : end;
+            aim[l] = fabs(trial.xi[l] - aim[l]) < 0.1 * aim[l] ? to : aim[l];
+        }
+    }
+    return sure;
+}
+
+/* Along `stage` to the turn near `aim`. Lanes whose turn is too far from their aim are bad. */
+static void run_to_aim(batch_job *j, int32_t stage, int sure, double *restrict aim, lanes *restrict s) {
+    const double *nodes = j->mesh->loading_nodes[FILM_PLATE_IN];
+    double end = j->curve->stage[stage].end, last[LANES], tau[LANES];
+    run_towards(j, stage, j->mesh->loading, nodes, aim, s);
+    EACH(l) last[l] = s->xi[l];
+    if (!sure) {
+        lanes trial = *s;
+        turn_near(j, stage, aim, &trial, 0, 1, tau);
+        EACH(l) {
+            s->bad[l] = fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? s->bad[l] : 1.0;
+            aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
+        }
+    }
+    turn_near(j, stage, aim, s, !sure, 3, tau);
+    EACH(l) {
+        s->bad[l] = s->xi[l] <= end ? s->bad[l] : 1.0;
+        s->bad[l] = fabs(s->xi[l] - aim[l]) < 0.1 * (s->xi[l] - last[l]) ? s->bad[l] : 1.0;
+    }
+}
+
+/* A block of impacts that should turn in `stage`, from first touch to the turn, and the branches from there. */
+static void load_lanes(batch_job *j, int32_t stage, const int64_t *index, int count, turned_lanes *restrict t) {
+    lanes *restrict s = &t->at;
+    double nu[LANES], aim[LANES], largest = 0.0;
+    start_lanes(j, index, count, s, nu);
+    double stored = cross_before(j, stage, s, &largest);
+    int sure = aim_lanes(j, stage, stored, nu, s, aim);
+    run_to_aim(j, stage, sure, aim, s);
+    double exponent = plain_power(j, stage) ? j->exponent[stage] : 1.0; /* 1: retraced, not used */
+    EACH(l) {
+        t->stored[l] = stored + s->work[l];
+        t->peak[l] = s->force[l] > largest ? s->force[l] : largest;
+        t->recovery[l] = s->xi[l];
+        t->exponent[l] = exponent;
+    }
+    if (j->curve->stage[stage].unloading != FILM_RETRACE)
+        open_lanes(j->curve, stage, s->xi, s->force, t->recovery, t->exponent);
+    EACH(l) {
+        s->bad[l] = t->recovery[l] > SHORTEST_RECOVERY * s->xi[l] ? s->bad[l] : 1.0;
+        s->bad[l] = t->exponent[l] > 0.0 ? s->bad[l] : 1.0;
+        t->slowness[l] = s->gamma[l] * sqrt(s->force[l] / t->recovery[l]);
+    }
+}
+
+#endif

@@ -1,0 +1,78 @@
+/* What the files of the contact on modes share. Internal.
+ *
+ *     film_modal_table.c     the modes' responses to powers of time; tables of a step size
+ *     film_modal_force.c     the force of a step, by collocation at its nodes
+ *     film_modal_root.c      where a polynomial first falls below 0
+ *     film_modal_contact.c   steps in contact: their size, the events in them
+ *     film_modal_flight.c    flights between contacts
+ *     film_modal.c           states, steps, impacts */
+#ifndef FILM_MODAL_PARTS_H
+#define FILM_MODAL_PARTS_H
+
+#include "film_modal.h"
+#include "film_march.h"
+
+enum { NODES = FILM_NODES, BENDS = FILM_BENDS, DEGREE = 7, RESPONSES = 6 };
+
+/* Gauss nodes on 0 .. 1, and LAGRANGE[j][k]: coefficient of theta^k in the cubic that is 1 at node j, 0 at the others. */
+static const double NODE_AT[NODES] = {0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970263};
+static const double LAGRANGE[NODES][NODES] = {
+    {1.5267881254572668, -8.546023607872199, 14.325858354171888, -7.420540068038946},
+    {-0.8136324494869273, 13.807166925689577, -31.38822236344606, 18.79544940755506},
+    {0.4007615203116504, -7.417070421462639, 24.998125859219122, -18.79544940755506},
+    {-0.11391719628198993, 2.155927103645261, -7.93576184994495, 7.420540068038946},
+};
+
+/* One table: how a step of one size moves every mode, per unit of share k for forces. */
+typedef struct {
+    double *node_cos, *node_sin;  /* [n][NODES]: of w and of w' at the beginning, on w at the nodes */
+    double *end_cos, *end_sin;    /* [n]: on w at the end */
+    double *rate_cos, *rate_sin;  /* [n]: on w' at the end */
+    double *push, *push_rate;     /* [NODES][n]: share x response of w and w' at the end to a force's value at a node */
+    double *nodes, *node_rates;   /* [NODES][NODES]: sums over the modes of the responses at node i to the force at node j */
+} film_table;
+
+/* film_modal_table.c. responses[k + 2]: of w at time t to the force theta^k/k!, k = 0 .. 3; at 0 and 1 (k = -2, -1) the
+ * derivatives w' and w of the response to an impulse. */
+void film_responses(double square, double drag, double t, double responses[RESPONSES]);
+film_table film_table_at(const film_structure *structure, int32_t level);
+film_table film_level_table(film_structure *structure, int32_t level);
+void film_fill_table(const film_structure *structure, const film_table *table, double h);
+void film_moved_mode(const film_structure *structure, const film_modal *s, const double *waves, int32_t n, double t, double *w,
+                     double *u);
+
+/* film_modal_root.c: the first place in (from, 1] where the polynomial with these Bernstein coefficients falls below 0, 2 if
+ * it does not. A coefficient at `from` that is not above 0 counts as 0 if the polynomial rises there. */
+double film_first_below(const double *bernstein, int degree, double from);
+double film_bernstein(const double *bernstein, int degree, double at);
+
+/* film_modal_force.c */
+typedef struct {
+    double force, by_xi, by_nu;
+} film_at;
+film_at film_law_on(const film_curve *curve, const film_line *line, double xi, double nu);
+double film_indentation(const film_curve *curve, const film_line *line, double rest, double depth);
+/* What the forces of a step must satisfy: depth_i = free_i - sum_j moved_ij F_j, F_i = law(depth_i - rest F_i, rate_i). */
+typedef struct {
+    double depth[NODES], rate[NODES], moved[NODES][NODES], gained[NODES][NODES];
+} film_equations;
+int film_try_step(const film_structure *structure, const film_curve *curve, film_modal *s, const double *waves,
+                  const film_table *table, double h, film_equations *e, double *error);
+int film_take_step(const film_structure *structure, film_modal *s, double *waves, const film_table *table, const film_equations *e);
+void film_depth_polynomial(const film_modal *s, double bernstein[DEGREE + 1]);
+void film_ball_at(const film_modal *s, double tau, double *x, double *v);
+double film_force_at(const film_modal *s, double theta);
+
+/* film_modal_contact.c */
+int film_plan_contact(film_structure *structure, const film_curve *curve, film_modal *s, double *waves);
+void film_next_event(const film_curve *curve, film_modal *s, double from);
+int film_soft_event(const film_curve *curve, film_modal *s);
+
+/* film_modal.c */
+int film_plan_step(film_structure *structure, const film_curve *curve, film_modal *s, double *waves);
+int film_advance(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves, double *dt);
+
+/* film_modal_flight.c */
+int film_plan_flight(film_structure *structure, const film_curve *curve, film_modal *s, double *waves);
+
+#endif

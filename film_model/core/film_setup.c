@@ -1,0 +1,195 @@
+/* What the march is given: curves, their checks and their families, meshes and their gradings, states before the first touch. */
+#include "film_line.h"
+
+#include <string.h>
+
+/* Loads, velocities and gaps below this are 0: their squares and powers underflow. Units of the law's scales.
+ * core_check.c, check_tiny. */
+static const double TINY = 1e-100;
+
+/* ---------------------------------------------------------------- curves */
+
+void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work) {
+    film_line line;
+    memset(&line, 0, sizeof line);
+    line.branch = stage;
+    law_at(curve, &line, xi, force, work);
+}
+
+static int bad_function(const film_function *g) {
+    if (g->form == FILM_POWER)
+        return !(isfinite(g->constant) && isfinite(g->slope) && isfinite(g->coefficient) && g->exponent > 0.0 &&
+                 isfinite(g->exponent) && isfinite(g->origin) && g->per_span == 1.0);
+    if (g->form != FILM_SERIES && g->form != FILM_ROOT_SERIES) return 1;
+    if (g->terms < 1 || g->terms > FILM_MAX_TERMS || !(g->per_span > 0.0 && g->per_span < INFINITY) || !isfinite(g->origin)) return 1;
+    for (int k = 0; k < g->terms; k++)
+        if (!isfinite(g->series[k])) return 1;
+    return 0;
+}
+
+static int bad_piece(const film_curve *curve, const film_stage *stage, const film_piece *piece) {
+    int last = piece == &curve->piece[stage->first + stage->count - 1];
+    if (bad_function(&piece->force) || !isfinite(piece->work_at_begin)) return 1;
+    if (piece->force.form != FILM_POWER && bad_function(&piece->mean)) return 1;
+    if (stage->unloading != FILM_RETRACE && (bad_function(&piece->recovery) || bad_function(&piece->exponent))) return 1;
+    if (stage->damped && bad_function(&piece->damping)) return 1;
+    if (last && piece->end != stage->end) return 1;
+    return !(piece->end < INFINITY) && !(last && stage == &curve->stage[curve->stages - 1] && piece->force.form == FILM_POWER);
+}
+
+static int bad_stage(const film_curve *curve, const film_stage *stage, int32_t pieces_before) {
+    if (stage->first != pieces_before || stage->count < 1 || stage->count > FILM_MAX_PIECES - pieces_before) return 1;
+    if (stage->unloading < FILM_RETRACE || stage->unloading > FILM_SHIFTED) return 1;
+    if (stage->damped != 0 && (stage->damped != 1 || curve->stages > 1 || stage->unloading != FILM_RETRACE)) return 1;
+    if (!(stage->reload_exponent >= 0.0 && stage->reload_exponent < INFINITY)) return 1;
+    double begin = stage->begin;
+    for (int32_t i = stage->first; i < stage->first + stage->count; i++) {
+        if (!(curve->piece[i].end > begin) || bad_piece(curve, stage, &curve->piece[i])) return 1;
+        begin = curve->piece[i].end;
+    }
+    return 0;
+}
+
+int film_check_curve(const film_curve *curve) {
+    int32_t pieces = 0;
+    if (curve->stages < 1 || curve->stages > FILM_MAX_STAGES || curve->stage[0].begin != 0.0) return FILM_BAD_CURVE;
+    if (!(curve->compliance >= 0.0 && curve->compliance < INFINITY)) return FILM_BAD_CURVE;
+    if (curve->compliance > 0.0 && curve->stage[0].damped) return FILM_BAD_CURVE;
+    for (int32_t k = 0; k < curve->stages; k++) {
+        if (k > 0 && curve->stage[k].begin != curve->stage[k - 1].end) return FILM_BAD_CURVE;
+        if (bad_stage(curve, &curve->stage[k], pieces)) return FILM_BAD_CURVE;
+        pieces += curve->stage[k].count;
+    }
+    return pieces == curve->pieces ? FILM_OK : FILM_BAD_CURVE;
+}
+
+/* ---------------------------------------------------------------- families of curves */
+
+/* The Chebyshev polynomials at z. */
+static void polynomials(double z, int32_t count, double *of) {
+    of[0] = 1.0;
+    of[1] = z;
+    for (int32_t n = 2; n < count; n++) of[n] = 2.0 * z * of[n - 1] - of[n - 2];
+}
+
+int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve) {
+    enum { TOGETHER = 64 };
+    int32_t nodes = family->nodes, varying = family->varying, last = whole->stages - 1, first = whole->stage[last].first;
+    const double *places = family->numbers + nodes, *table = places + varying;
+    double of[FILM_MAX_NODES], log_end = 0.0, sum[TOGETHER], *doubles = (double *)curve;
+    if (nodes < 2 || nodes > FILM_MAX_NODES || !(shape >= family->low && shape <= family->high)) return FILM_BAD_CURVE;
+    polynomials(2.0 * log(shape / family->low) / log(family->high / family->low) - 1.0, nodes, of);
+    for (int32_t n = 0; n < nodes; n++) log_end += of[n] * family->numbers[n];
+    double end = exp(log_end);
+    int32_t piece = first;
+    while (piece < whole->pieces - 1 && whole->piece[piece].end < end) {
+        curve->piece[piece].end = whole->piece[piece].end;
+        piece++;
+    }
+    curve->pieces = piece + 1;
+    curve->stage[last].count = piece + 1 - first;
+    curve->piece[piece].end = curve->stage[last].end = end;
+    double beyond = (double)((const double *)&whole->piece[piece + 1] - (const double *)whole);
+    while (varying > 0 && places[varying - 1] >= beyond) varying--;
+    for (int32_t v = 0; v < varying; v += TOGETHER) {
+        int32_t count = varying - v < TOGETHER ? varying - v : TOGETHER;
+        memset(sum, 0, sizeof sum);
+        for (int32_t n = 0; n < nodes; n++) {
+            const double *row = table + (int64_t)n * family->varying + v;
+            for (int32_t k = 0; k < count; k++) sum[k] += of[n] * row[k];
+        }
+        for (int32_t k = 0; k < count; k++) doubles[(int32_t)places[v + k]] = sum[k];
+    }
+    return FILM_OK;
+}
+
+/* ---------------------------------------------------------------- meshes */
+
+/* Nodes at s^a/(s^a + c (1 - s)^b), cosines or equal segments: film_core.h has the numbers, docs/method.md, section 4, why. */
+static double graded(int grading, double s) {
+    static const double a[FILM_GRADINGS] = {1.0, 0.0, 1.2, 1.6, 1.6, 1.0};
+    static const double b[FILM_GRADINGS] = {1.0, 0.0, 1.7, 1.2, 1.15, 2.5};
+    static const double c[FILM_GRADINGS] = {1.0, 0.0, 1.0, 1.0, 0.19, 0.3};
+    if (grading == FILM_EQUAL || s <= 0.0 || s >= 1.0) return s;
+    if (grading == FILM_COSINE) return 0.5 * (1.0 - cos(PI * s));
+    double from = pow(s, a[grading]);
+    return from / (from + c[grading] * pow(1.0 - s, b[grading]));
+}
+
+/* Loading: EQUAL, COSINE and PLATE_IN. Unloading: EQUAL, COSINE and PLATE_OUT with `unloading` segments, PLATE_SLOW with two
+ * times and PLATE_CREEP with four times as many. Each has one node more than segments. */
+size_t film_mesh_size(int32_t loading, int32_t unloading) {
+    return 3 * ((size_t)loading + 1) + 9 * (size_t)unloading + 5;
+}
+
+static double *fill(const double **nodes, int grading, int32_t segments, double *memory) {
+    *nodes = memory;
+    for (int32_t i = 0; i <= segments; i++) *memory++ = graded(grading, (double)i / segments);
+    return memory;
+}
+
+int film_mesh_init(film_mesh *mesh, int32_t linearisation, int32_t loading, int32_t unloading, double *memory) {
+    memset(mesh, 0, sizeof *mesh);
+    if (loading < 1 || unloading < 1 || loading > FILM_MAX_SEGMENTS || unloading > FILM_MAX_SEGMENTS)
+        return FILM_BAD_MESH;
+    if (linearisation != FILM_CHORD && linearisation != FILM_WORK_PRESERVING) return FILM_BAD_MESH;
+    mesh->linearisation = linearisation;
+    mesh->loading = loading;
+    mesh->unloading = unloading;
+    for (int g = FILM_EQUAL; g <= FILM_PLATE_IN; g++) memory = fill(&mesh->loading_nodes[g], g, loading, memory);
+    for (int g = FILM_EQUAL; g < FILM_GRADINGS; g++)
+        if (g != FILM_PLATE_IN) memory = fill(&mesh->unloading_nodes[g], g, film_unloading(mesh, g), memory);
+    return FILM_OK;
+}
+
+/* ---------------------------------------------------------------- states */
+
+static double flush_tiny(double x) { return fabs(x) < TINY ? 0.0 : x; }
+
+int film_init(const film_curve *curve, film_state *s, double xi, double nu, double gamma, double load,
+              double stop_velocity) {
+    memset(s, 0, sizeof *s);
+    if (!isfinite(xi) || !isfinite(nu) || !isfinite(gamma) || !isfinite(load) || !isfinite(stop_velocity) ||
+        gamma < 0.0 || xi > 0.0)
+        return FILM_BAD_NUMBER;
+    if (curve->stages < 1) return FILM_BAD_CURVE;
+    s->xi = flush_tiny(xi);
+    s->nu = flush_tiny(nu);
+    s->gamma = flush_tiny(gamma);
+    s->load = flush_tiny(load);
+    s->stop_velocity = flush_tiny(stop_velocity);
+    s->moving_in = s->nu > s->stop_velocity;
+    s->branch = FILM_FREE;
+    s->stage_max = -1;
+    s->phase = FILM_APPROACHING;
+    return FILM_OK;
+}
+
+int film_damp(film_state *s, double factor) {
+    if (!(factor >= 0.0 && factor < INFINITY)) return FILM_BAD_NUMBER;
+    s->damper = factor;
+    s->has_line = s->has_leg = s->from_turn = 0;
+    return FILM_OK;
+}
+
+int film_input(film_state *s, double load, double nu_change, double stop_velocity) {
+    if (!isfinite(load) || !isfinite(nu_change) || !isfinite(stop_velocity)) return FILM_BAD_NUMBER;
+    load = flush_tiny(load);
+    stop_velocity = flush_tiny(stop_velocity);
+    if (load == s->load && nu_change == 0.0 && stop_velocity == s->stop_velocity) return FILM_OK;
+    s->load = load;
+    s->nu += nu_change;
+    s->jumped |= nu_change != 0.0;
+    s->stop_velocity = stop_velocity;
+    if (s->nu > stop_velocity) s->moving_in = 1;
+    s->has_line = s->has_leg = s->from_turn = 0;
+    return FILM_OK;
+}
+
+void film_sizes(int64_t sizes[5]) {
+    sizes[0] = (int64_t)sizeof(film_curve);
+    sizes[1] = (int64_t)sizeof(film_mesh);
+    sizes[2] = (int64_t)sizeof(film_line);
+    sizes[3] = (int64_t)sizeof(film_state);
+    sizes[4] = (int64_t)sizeof(film_summary);
+}

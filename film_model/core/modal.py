@@ -1,0 +1,292 @@
+"""The core's contact on modes, seen from Python. Nothing else calls it or knows its structures (film_modal.h)."""
+
+from __future__ import annotations
+
+import ctypes as c
+from dataclasses import dataclass
+from functools import lru_cache
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.core import native
+from film_model.core.native import Curve, Line, State
+
+Array = NDArray[np.float64]
+
+LEVELS = 40
+MOST_MODES = 10_000_000
+MOST_MEMORY = 256 * 2**20
+"""Limit of a record, bytes: 10,000 contacts on 200 modes with 100 steps each."""
+
+_D, _I = c.c_double, c.c_int32
+_BENDS, _NODES, _FLIGHTS = 6, 4, 10
+_ROOM = 512  # segments that a record has room for at first
+
+
+class Structure(c.Structure):
+    """film_structure: modes, and tables for the step sizes in use."""
+
+    _fields_ = [
+        ("modes", _I),
+        ("levels", _I),
+        ("rigid", _I),
+        ("made", _I * LEVELS),
+        ("longest", _D),
+        ("frequency", c.c_void_p),
+        ("share", c.c_void_p),
+        ("square", c.c_void_p),
+        ("drag", c.c_void_p),
+        ("tables", c.c_void_p),
+    ]
+
+
+class Start(c.Structure):
+    """film_modal_start: how an impact on a structure starts."""
+
+    _fields_ = [(name, _D) for name in ("nu", "load", "rest", "mass", "unit", "damping", "tolerance", "limit")]
+
+
+class Modal(c.Structure):
+    """film_modal: a contact on a structure at one moment; with the modes' array beside it the whole state."""
+
+    _fields_ = (
+        [("contact", State)]
+        + [(name, _D) for name in ("time", "time_low", "x", "v", "shift", "rate", "load", "rest", "mass", "unit")]
+        + [(name, _D) for name in ("speed", "tolerance", "last_force", "last_slope", "spent", "peak", "h", "tau")]
+        + [("force", _D * _NODES), ("bend", _D * _BENDS)]
+        + [(name, _D) for name in ("end_x", "end_v", "end_shift", "end_rate", "event_at", "reach")]
+        + [("blur", _D * _FLIGHTS)]
+        + [(name, _I) for name in ("event_kind", "ends", "end_direction", "reserved", "level", "flight_level")]
+        + [(name, _I) for name in ("kind", "has_step", "short_steps", "steps", "moving_in", "flight_size")]
+    )
+
+
+class Segment(c.Structure):
+    """film_modal_segment: one step in contact, or one flight."""
+
+    _fields_ = (
+        [(name, _D) for name in ("time", "h", "x", "v", "depth", "depth_rate", "load", "unit", "rest")]
+        + [("force", _D * _NODES), ("bend", _D * _BENDS)]
+        + [("line", Line), ("flight", _I), ("reserved", _I)]
+    )
+
+
+class Event(c.Structure):
+    """film_modal_event: an event, with the five values of `native.motion`."""
+
+    _fields_ = [("time", _D), ("values", _D * 5), ("event", _I), ("branch", _I)]
+
+
+class Summary(c.Structure):
+    """film_modal_summary: what an impact on a structure did."""
+
+    _fields_ = [("core", native.Summary), ("contacts", _I), ("waited", _I)]
+
+
+class Record(c.Structure):
+    """film_modal_record: arrays to record in, and how much of each is filled."""
+
+    _fields_ = [(name, c.c_void_p) for name in ("segments", "events", "flights")] + [
+        (f"{name}_{what}", _I) for what in ("room", "count") for name in ("segment", "event", "flight")
+    ]
+
+
+START_DTYPE = np.dtype(Start)
+SEGMENT_DTYPE = np.dtype(Segment)
+EVENT_DTYPE = np.dtype(Event)
+SUMMARY_DTYPE = np.dtype(Summary)
+
+
+@lru_cache(maxsize=1)
+def _library() -> Any:
+    """The core's library, with the functions of film_modal.h declared."""
+    lib = native.library()
+    pointer, i64 = c.c_void_p, c.c_int64
+    signatures: dict[str, tuple[list[Any], Any]] = {
+        "film_structure_size": ([_I, _I], c.c_size_t),
+        "film_structure_init": ([pointer, _I, pointer, pointer, pointer, _D, _I, pointer], c.c_int),
+        "film_modal_init": ([pointer, pointer, pointer, pointer, pointer, _D], c.c_int),
+        "film_modal_input": ([pointer, pointer, pointer, _D, _D], c.c_int),
+        "film_modal_step": ([pointer, pointer, pointer, pointer, _D], c.c_int),
+        "film_modal_motion": ([pointer] * 5, None),
+        "film_modal_energies": ([pointer] * 4, None),
+        "film_modal_impact": ([pointer] * 7, c.c_int),
+        "film_modal_go_on": ([pointer, pointer, _D, *[pointer] * 4], c.c_int),
+        "film_modal_batch": ([pointer, pointer, i64, *[pointer] * 4], None),
+        "film_modal_sample": ([pointer, pointer, pointer, _I, pointer, pointer, i64, pointer, pointer], None),
+        "film_modal_sizes": ([pointer], None),
+    }
+    for name, (arguments, result) in signatures.items():
+        function = getattr(lib, name)
+        function.argtypes = arguments
+        function.restype = result
+    sizes = (c.c_int64 * 6)()
+    lib.film_modal_sizes(sizes)
+    if list(sizes) != [c.sizeof(t) for t in (Structure, Modal, Start, Segment, Event, Summary)]:
+        raise ImportError("the core was built from other sources: install the package again (pip install .)")
+    return lib
+
+
+class Tables:
+    """Modes in the core's form, with tables that are made on demand and kept; used by one thread at a time.
+
+    frequency [rad/s], share [1/kg], damping ratio: ascending frequencies. longest: largest step, s. Raises ValueError
+    for modes that are no motion of a structure. Memory: 18 floats for each mode and step size in use.
+    """
+
+    def __init__(self, frequency: Array, share: Array, ratio: Array, longest: float) -> None:
+        self.frequency, self.share, self.ratio = (
+            np.ascontiguousarray(column, dtype=np.float64) for column in (frequency, share, ratio)
+        )
+        self.longest = longest
+        if not self.frequency.shape == self.share.shape == self.ratio.shape == (self.frequency.size,):
+            raise ValueError("modes need as many shares and damping ratios as frequencies")
+        lib = _library()
+        self.lock = Lock()
+        self.native = Structure()
+        self._memory = np.empty(lib.film_structure_size(self.frequency.size, LEVELS))
+        status = lib.film_structure_init(
+            c.byref(self.native),
+            self.frequency.size,
+            self.frequency.ctypes.data,
+            self.share.ctypes.data,
+            self.ratio.ctypes.data,
+            longest,
+            LEVELS,
+            self._memory.ctypes.data,
+        )
+        if status != native.OK:
+            raise ValueError(_wrong(self.frequency, self.share, self.ratio))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Tables, (self.frequency, self.share, self.ratio, self.longest)
+
+    @property
+    def count(self) -> int:
+        """Number of modes."""
+        return self.frequency.size
+
+
+def _wrong(frequency: Array, share: Array, ratio: Array) -> str:
+    """What is wrong with modes that the core refuses."""
+    names = (("frequency", frequency, "finite and >= 0 rad/s"), ("share", share, "finite and > 0 1/kg"))
+    for name, column, rule in (*names, ("damping ratio", ratio, "from 0 to 1")):
+        good = np.isfinite(column) & (column >= 0.0) & ((name != "share") | (column > 0.0))
+        good &= (name != "damping ratio") | (column <= 1.0)
+        if not good.all():
+            n = int(np.argmin(good))
+            return f"mode {n + 1}: {name} {column[n]:g} must be {rule}"
+    falls = np.flatnonzero(np.diff(frequency) < 0.0)
+    if falls.size:
+        n = int(falls[0])
+        return f"mode {n + 2}: frequency {frequency[n + 1]:g} rad/s must not be below that of mode {n + 1}"
+    return "the modes are outside the solver's range"
+
+
+@dataclass(frozen=True)
+class Impact:
+    """A recorded impact. status: as `native.record`. segments (SEGMENT_DTYPE), events (EVENT_DTYPE), flights: modal
+    states, one row per flight; energies: of each mode at the end, over F_s δ_s."""
+
+    status: int
+    summary: Summary
+    segments: NDArray[Any]
+    events: NDArray[Any]
+    flights: Array
+    energies: Array
+
+
+class _Room:
+    """Arrays for a record."""
+
+    def __init__(self, modes: int, segments: int) -> None:
+        self.modes = modes
+        flights = min(max(segments // 16, 4), max(MOST_MEMORY // (32 * modes + 1), 4))
+        self.segments = np.empty(segments * SEGMENT_DTYPE.itemsize, np.uint8)
+        self.events = np.empty(segments * EVENT_DTYPE.itemsize, np.uint8)
+        self.flights = np.empty((flights, 2 * modes))
+        arrays = (self.segments, self.events, self.flights)
+        self.native = Record(*(array.ctypes.data for array in arrays), segments, segments, flights, 0, 0, 0)
+
+    def take(self) -> tuple[NDArray[Any], NDArray[Any], Array]:
+        """Copies of what is filled."""
+        at = self.native
+        segments = self.segments[: at.segment_count * SEGMENT_DTYPE.itemsize].copy().view(SEGMENT_DTYPE)
+        events = self.events[: at.event_count * EVENT_DTYPE.itemsize].copy().view(EVENT_DTYPE)
+        return segments, events, self.flights[: at.flight_count].copy()
+
+
+def impact(tables: Tables, curve: Curve, start: Start) -> Impact:
+    """One impact, recorded; see :func:`_impact`."""
+    with tables.lock:
+        return _impact(tables, curve, start)
+
+
+def _impact(tables: Tables, curve: Curve, start: Start) -> Impact:
+    """One impact, recorded. native.TOO_MANY: its record would need more than `MOST_MEMORY`."""
+    lib, state, summary = _library(), Modal(), Summary()
+    waves = np.empty(4 * tables.count)
+    at = c.byref(tables.native), c.byref(curve)
+    room, parts, size = _Room(tables.count, _ROOM), list[tuple[Any, Any, Array]](), 0
+    own = c.byref(state), waves.ctypes.data, c.byref(summary)
+    status = lib.film_modal_impact(*at, c.byref(start), *own, c.byref(room.native))
+    while status == native.FULL:
+        parts.append(room.take())
+        size += sum(array.nbytes for array in parts[-1])
+        if size > MOST_MEMORY:
+            status = native.TOO_MANY
+            break
+        room = _Room(tables.count, min(2 * len(room.segments) // SEGMENT_DTYPE.itemsize, 1 << 16))
+        status = lib.film_modal_go_on(*at, start.limit, *own, c.byref(room.native))
+    else:
+        parts.append(room.take())
+    segments, events, flights = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    kept = 0
+    for part in parts:  # flights count from 0 in each part
+        first, kept = kept, kept + len(part[2])
+        part[0]["flight"][part[0]["flight"] >= 0] += first
+    segments = np.concatenate([part[0] for part in parts])
+    energies = np.empty(tables.count)
+    lib.film_modal_energies(at[0], c.byref(state), waves.ctypes.data, energies.ctypes.data)
+    return Impact(status, summary, segments, events, flights, energies)
+
+
+def batch(tables: Tables, curve: Curve, start: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[Any]]:
+    """Statuses and summaries (SUMMARY_DTYPE) of many impacts (START_DTYPE) on one structure; the GIL is released."""
+    start = np.ascontiguousarray(start, dtype=START_DTYPE)
+    summary, status = np.zeros(start.size, SUMMARY_DTYPE), np.empty(start.size, np.int32)
+    waves = np.empty(4 * tables.count)
+    with tables.lock:
+        _library().film_modal_batch(
+            c.byref(tables.native),
+            c.byref(curve),
+            start.size,
+            start.ctypes.data,
+            waves.ctypes.data,
+            summary.ctypes.data,
+            status.ctypes.data,
+        )
+    return status, summary
+
+
+def sample(
+    tables: Tables, curve: Curve, segments: NDArray[Any], flights: Array, times: Array
+) -> tuple[Array, NDArray[np.int8]]:
+    """(count, 5) values as of `native.sample` at ascending times [s], and branch of each."""
+    times = np.ascontiguousarray(times, dtype=np.float64)
+    values, branches = np.empty((times.size, 5)), np.empty(times.size, np.int8)
+    _library().film_modal_sample(
+        c.byref(tables.native),
+        c.byref(curve),
+        segments.ctypes.data,
+        len(segments),
+        flights.ctypes.data,
+        times.ctypes.data,
+        times.size,
+        values.ctypes.data,
+        branches.ctypes.data,
+    )
+    return values, branches

@@ -1,0 +1,148 @@
+"""One impact in the form that the rules for neglected effects take, and the effects that they return."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from film_model.base.arrays import either, ratio
+from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, Effect, agreeing
+from film_model.problem.problem import Problem
+from film_model.scene import Scene
+from film_model.targets import Impact
+
+ABSENT = "not supported"
+"""Cost of an effect that this package cannot simulate."""
+
+
+class Pulse(NamedTuple):
+    """The impulse of one impact or of many, dimensionless.
+
+    back: time from the centre of the impulse to the end of contact, in the units of the march. motion: the target's
+    displacement over V t_c, m (1 + e)/(Z t_c).
+    """
+
+    restitution: Any
+    back: Any
+    motion: Any
+
+    @classmethod
+    def of(cls, approach: Any, gamma: Any, core: Any) -> Pulse:
+        """From the approach velocity, γ and the core's summary of contacts that have ended."""
+        push, duration = approach - core.final_velocity, core.contact_duration
+        moved = core.permanent_indentation + core.shift
+        back = either(push > 0.0, ratio(approach * duration - moved, push), 0.5 * duration)
+        return cls(-core.final_velocity / approach, back, push / approach * gamma / duration)
+
+
+class Case(NamedTuple):
+    """The input of the rules: SI numbers of an impact on the trial mesh.
+
+    fraction: absorbed part of the impact energy. back [s], motion: as in :class:`Pulse`. turn: time of the maximum
+    indentation.
+    """
+
+    problem: Problem
+    tolerance: float
+    force: float
+    indentation: float
+    duration: float
+    turn: float
+    restitution: float
+    fraction: float
+    back: float
+    motion: float
+    vibrates: bool
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return self.problem.scene
+
+    @property
+    def contact_radius(self) -> float:
+        """√(R δ_m), m: Hertz's."""
+        return math.sqrt(self.scene.effective_radius * self.indentation)
+
+    @property
+    def energy(self) -> float:
+        """Impact energy, J."""
+        return self.scene.kinetic_energy
+
+    @property
+    def seen_by_target(self) -> Impact:
+        """The impact in the form that the rules of the target take."""
+        problem, fixed = self.problem, self.problem.again(impedance=math.inf, compliance=0.0)
+        core, scales = fixed.trial.summary, fixed.scales
+        softness = core.maximum_indentation * scales.length / (core.maximum_force * scales.force)
+        return Impact(
+            mass=problem.scene.mass,
+            force=self.force,
+            indentation=self.indentation,
+            contact_radius=self.contact_radius,
+            duration=self.duration,
+            restitution=self.restitution,
+            energy=self.energy,
+            fraction=self.fraction,
+            back=self.back,
+            motion=self.motion,
+            by_impedance=problem.gamma != 0.0,
+            by_compliance=problem.compliance > 0.0,
+            vibrates=self.vibrates,
+            tolerance=self.tolerance,
+            held=(core.contact_duration * scales.time, softness),
+        )
+
+
+class Rule(NamedTuple):
+    """Name, indicator and source of an effect, with which a rule makes its answer."""
+
+    name: str
+    indicator: str
+    source: str
+
+    def unjudged(self, why: str, value: float | None = None, threshold: float | None = None) -> Effect:
+        """The effect cannot be judged; `why` names the missing entry or knowledge."""
+        return Effect(self.name, self.indicator, value, threshold, None, NOT_JUDGED, why, self.source, ABSENT)
+
+    def absent(self, why: str) -> Effect:
+        """The effect cannot occur in this scene."""
+        return Effect(self.name, self.indicator, None, None, 0.0, NOT_NEEDED, why, self.source)
+
+    def failing(self, why: str, value: float | None = None, threshold: float | None = None) -> Effect:
+        """The effect matters, by an unknown amount."""
+        return Effect(self.name, self.indicator, value, threshold, None, NOT_MODELLED, why, self.source, ABSENT)
+
+    def sized(
+        self,
+        tolerance: float,
+        value: float,
+        threshold: float | None,
+        size: float,
+        why: str,
+        cost: str = ABSENT,
+        below: bool = False,
+    ) -> Effect:
+        """The effect changes the summary by `size`. below: it matters if the indicator is below the threshold."""
+        state = NOT_MODELLED if size > tolerance else NOT_NEEDED
+        limit = threshold if below else agreeing(value, threshold, size, tolerance)
+        return Effect(self.name, self.indicator, value, limit, size, state, why, self.source, cost)
+
+
+def case_of(problem: Problem, vibrates: bool) -> Case:
+    """The impact of a problem whose trial march ends. vibrates: its target does, though not in this problem."""
+    s, core = problem.scales, problem.trial.summary
+    pulse = Pulse.of(problem.approach, problem.gamma, core)
+    return Case(
+        problem=problem,
+        tolerance=problem.scene.effect_tolerance,
+        force=core.maximum_force * s.force,
+        indentation=core.maximum_indentation * s.length,
+        duration=core.contact_duration * s.time,
+        turn=core.time_of_maximum_indentation * s.time,
+        restitution=pulse.restitution,
+        fraction=max(0.0, core.work / (0.5 * problem.approach**2)),
+        back=pulse.back * s.time,
+        motion=pulse.motion,
+        vibrates=vibrates,
+    )

@@ -1,0 +1,128 @@
+"""Which effects a scene calls for. Each is decided by two marches on a coarse mesh, with the effect and without.
+
+"auto" simulates an effect if neglecting it would change the summary by more than the scene's tolerance. Every rule
+serves one impact (:func:`choose`) and many that share a law and a curve (:func:`chosen`). Effects that cannot be
+simulated are estimated by formulas (:mod:`film_model.effects.judged`).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from film_model.base.arrays import any_of, either
+from film_model.effects import gravity, plasticity, target_motion
+from film_model.effects.edge_effects import edged, support_of
+from film_model.effects.effect import COMPUTED, FREE, NOT_NEEDED, Effect
+from film_model.effects.judged import judge
+from film_model.effects.law_range import law_warnings
+from film_model.effects.plausibility import remarks
+from film_model.effects.target_motion import Support
+from film_model.problem.law_of_scene import law_of_scene
+from film_model.problem.problem import Impacts, Problem
+from film_model.scene import Scene
+
+_ORDER = {name: k for k, name in enumerate(COMPUTED)}
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The decisions for one scene: what is simulated, and the numbers that decided.
+
+    problem: what is simulated: law, target motion and load. light: without the weight. moved: with target motion,
+    unless the scene switches it off. yielding: before Hertz's law may replace the law. yields: whether the impact
+    reaches the yield point, None if unknown. support, edges: how the target moves, and the effects of its edges.
+    decided: whether gravity and target motion are simulated, and whether the law stays.
+    """
+
+    problem: Problem
+    light: Problem
+    moved: Problem
+    yielding: Problem
+    yields: bool | None
+    support: Support
+    edges: tuple[Effect, ...]
+    decided: tuple[bool, bool, bool]
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return self.problem.scene
+
+    @cached_property
+    def effects(self) -> tuple[Effect, ...]:
+        """Every effect with the number that decided, in the order of :data:`COMPUTED`; then the estimated ones.
+
+        Nothing is decided here: the additional marches only complete the numbers.
+        """
+        heavy, moves, keeps_law = self.decided
+        found = [gravity.describe(self.light, heavy), target_motion.describe(self.moved, self.support, moves)]
+        found += plasticity.describe(self.yielding, self.yields, keeps_law)
+        held = self.scene.target.gives_way and self.scene.effects.target_motion is not False and not moves
+        why = "the target moves too little to matter"
+        found += [effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in self.edges]
+        known = {effect.name for effect in self.edges}
+        tried = self.yielding if keeps_law else plasticity.elastic(self.yielding)
+        found += [effect for effect in judge(tried, self.problem.vibrates) if effect.name not in known]
+        return tuple(sorted(found, key=lambda effect: _ORDER.get(effect.name, len(_ORDER))))
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings of the law, about unlikely numbers, and about effects that matter but are not modelled."""
+        said = (effect.warning for effect in self.effects)
+        law = (*self.problem.law.remarks(), *self.problem.curve.warnings, *law_warnings(self.problem))
+        law = (*law, *remarks(self.scene))
+        return (*law, *(warning for warning in said if warning is not None))
+
+
+def choose(scene: Scene) -> Choice:
+    """Law, target motion and load of one impact. Raises SimulationError if the scene asks for an unsupported effect."""
+    law, yields = law_of_scene(scene)
+    impacts = Impacts.one(scene, law)
+    support, edges = Support(impacts.numbers.impedance), ()
+    if edged(scene):
+        support, edges = support_of(impacts)
+    light, moved, yielding, decided = _decide(impacts, support, yields)
+    problem = yielding if decided[2] else plasticity.elastic(yielding)
+    if support.vibrates and decided[1]:
+        problem = problem.impacts.problem(math.inf, problem.given[1], vibrates=True)
+    return Choice(problem, light, moved, yielding, yields, support, edges, decided)
+
+
+def problem_of(scene: Scene) -> Problem:
+    """The dimensionless problem of a scene, with the effects it calls for."""
+    return choose(scene).problem
+
+
+def chosen(impacts: Impacts, yields: bool | None) -> list[Problem]:
+    """The problems of many impacts that share a law and a curve; Hertz's law may replace it for some.
+
+    Their targets have an impedance, or do not move.
+    """
+    *_, yielding, decided = _decide(impacts, Support(impacts.numbers.impedance), yields)
+    keeps_law = decided[2]
+    if keeps_law.all():
+        return [yielding]
+    elastic = plasticity.elastic(yielding).part(~keeps_law)
+    return [yielding.part(keeps_law), elastic] if keeps_law.any() else [elastic]
+
+
+def _decide(impacts: Impacts, support: Support, yields: bool | None) -> tuple[Problem, Problem, Problem, Any]:
+    """The problem without weight, with it, and with the target's motion decided; and the three decisions."""
+    light = impacts.problem(support.impedance, impacts.column(0.0), support.compliance)
+    heavy = gravity.needed(light)
+    moved = light if not any_of(heavy) else light.again(load=either(heavy, impacts.numbers.weight, 0.0))
+    moves = target_motion.needed(moved, support)
+    problem = moved
+    if any_of(moved.impedance < math.inf) or support.compliance > 0.0:
+        problem = _held(moved, moves)
+    return light, moved, problem, (heavy, moves, plasticity.needed(problem, yields))
+
+
+def _held(moved: Problem, moves: Any) -> Problem:
+    """The problem with a fixed target, for the impacts whose target motion does not matter."""
+    if not moved.impacts.many:
+        return moved if moves else target_motion.held(moved)
+    return moved if moves.all() else moved.again(impedance=either(moves, moved.impedance, math.inf))

@@ -1,0 +1,234 @@
+"""Plates and beams with edges: whether reflected waves matter, and how the target then moves.
+
+If contact ends before waves return, the plate behaves as an infinite one. If contact is slow compared with all natural
+vibrations, the target follows by its static stiffness, in series with the contact law. Otherwise it vibrates.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+from film_model.base.arrays import endless
+from film_model.base.errors import SimulationError
+from film_model.effects.effect import (
+    FREE,
+    NOT_JUDGED,
+    NOT_MODELLED,
+    NOT_NEEDED,
+    ON_MODES,
+    SIMULATED,
+    SWITCHED_OFF,
+    Effect,
+)
+from film_model.effects.judged import judged
+from film_model.effects.target_motion import Support
+from film_model.effects.trial import change
+from film_model.problem.problem import Impacts, Problem
+from film_model.scene import Scene
+
+REFLECTIONS, INERTIA = "boundary_reflections", "target_inertia"
+
+LARGE_MASS = 2.0
+"""Impactor mass over that of a plate of unknown modes, from which the static stiffness is simulated."""
+
+_RATIO = "vibration/static force"
+_SOURCE = "vibration of a support that a contact loads suddenly, to first order"
+
+Supported = tuple[Support, tuple[Effect, ...]]
+
+
+def edged(scene: Scene) -> bool:
+    """Whether the target may have edge effects: a structure with edges, or with a given static stiffness."""
+    target = scene.target
+    if scene.effects.target_motion is False:
+        return False
+    return target.structural and (target.finite or target.stiffness_given or scene.effects.boundary_reflections is True)
+
+
+def infinite_unless_judged(scene: Scene) -> bool:
+    """Whether the target of an :func:`edged` scene is an infinite plate unless its edges matter."""
+    target, effects = scene.target, scene.effects
+    if not target.structural or endless(target.impedance):
+        return False
+    asked = effects.boundary_reflections is True or effects.target_inertia is True
+    return effects.boundary_reflections is False or (target.finite and not asked)
+
+
+def support_of(impacts: Impacts) -> Supported:
+    """How the target of an :func:`edged` scene moves in one impact, and the effects that describe it.
+
+    Boundary reflections: :func:`film_model.effects.judged.reflections` for the impact on the infinite plate. Target
+    inertia: :func:`vibration` against the scene's tolerance. Raises SimulationError if the scene asks for an effect
+    that cannot be simulated.
+    """
+    scene, edges = impacts.base, _Edges(impacts)
+    target, wanted, inertia = scene.target, scene.effects.boundary_reflections, scene.effects.target_inertia
+    if wanted is False:
+        if edges.bounded:
+            raise SimulationError(
+                f"effects.boundary_reflections is false, but an infinite {target.kind} has no impedance"
+            )
+        return edges.infinite(SWITCHED_OFF, "the scene has boundary_reflections = false")
+    seen = edges.reflections
+    if wanted == "auto" and target.finite and not edges.bounded and seen.state != NOT_MODELLED:
+        return edges.infinite(seen.state, seen.reason)
+    if edges.no_static:
+        return _without_static(edges, asked=wanted is True or inertia is True)
+    if target.compliance is None and target.finite and not target.modes_missing:
+        return edges.vibrating()
+    if target.compliance is None:
+        raise SimulationError(f"effects.boundary_reflections is true, but the {target.kind} has no {target.extent}")
+    static = f"a static stiffness of {1 / target.compliance:.4g} N/m"
+    if inertia is False and not target.held:
+        raise SimulationError(
+            f"effects.target_inertia is false, but nothing holds the {target.kind}: it has no static stiffness"
+        )
+    if inertia is False:
+        return edges.static(SWITCHED_OFF, f"the scene has target_inertia = false: {static} alone")
+    if inertia == "auto" and edges.inertia is not None and edges.inertia <= scene.effect_tolerance:
+        return edges.static(NOT_NEEDED, f"the target follows by {static} alone")
+    if not target.modes_missing:
+        return edges.vibrating()
+    return _without_modes(edges, static)
+
+
+def _without_static(edges: _Edges, asked: bool) -> Supported:
+    """The support for a law, such as a damped one, that cannot be in series with a static stiffness."""
+    scene, target, law = edges.scene, edges.scene.target, edges.impacts.one_law
+    if not target.modes_missing and scene.effects.target_inertia is not False:
+        return edges.vibrating()
+    if not law.damped:
+        raise SimulationError(edges.no_static)
+    if edges.bounded or target.stiffness_given or asked:
+        held = "target_motion = false in [effects] fixes the target"
+        otherwise = held if edges.bounded else "boundary_reflections = false in [effects] makes it infinite"
+        what = f"a {target.kind} with edges whose vibrations are not known, or with a static stiffness"
+        raise SimulationError(f"law {law.name}: a damped law cannot be simulated on {what}; {otherwise}")
+    reason = f"{edges.reflections.reason}; a damped law needs an infinite plate or known vibrations"
+    return edges.infinite(NOT_MODELLED, reason)
+
+
+def _without_modes(edges: _Edges, static: str) -> Supported:
+    """The support if vibrations matter but the target's modes are unknown."""
+    scene, target, missing = edges.scene, edges.scene.target, edges.scene.target.modes_missing
+    if scene.effects.target_inertia is True:
+        raise SimulationError(f"effects.target_inertia is true, but it cannot be simulated: {missing}")
+    if target.whole_mass is None:
+        return edges.static(NOT_JUDGED, f"missing: target.size, needed for the mass; {static} alone")
+    if edges.bounded or target.stiffness_given or scene.mass >= LARGE_MASS * target.whole_mass:
+        return edges.static(NOT_MODELLED, f"{missing}: {static} alone")
+    if scene.effects.boundary_reflections is True:
+        raise SimulationError(
+            f"effects.boundary_reflections is true, but the impactor is lighter than {LARGE_MASS:g} plates, whose "
+            f"vibrations would be needed, and {missing}"
+        )
+    return edges.infinite(NOT_MODELLED, f"{edges.reflections.reason}; {missing}")
+
+
+@dataclass(frozen=True)
+class _Edges:
+    """One impact on a target with edges, marched on the infinite plate and on the static stiffness."""
+
+    impacts: Impacts
+
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return self.impacts.base
+
+    @property
+    def bounded(self) -> bool:
+        """Whether the target has no wave impedance, so that its boundaries always matter (a beam)."""
+        return endless(self.scene.target.impedance)
+
+    @cached_property
+    def on_infinite(self) -> Problem | None:
+        """The impact on the infinite plate, if there is one."""
+        return None if self.bounded else self.impacts.problem(self.scene.target_impedance, 0.0)
+
+    @cached_property
+    def on_static(self) -> Problem:
+        """The impact on the static stiffness."""
+        return self.impacts.problem(math.inf, 0.0, self.scene.target.compliance or 0.0)
+
+    @cached_property
+    def no_static(self) -> str:
+        """Why the law cannot follow a static stiffness; empty if it can."""
+        try:
+            self.impacts.problem(math.inf, 0.0, self.scene.target.compliance or 0.0)
+        except SimulationError as error:
+            return str(error)
+        return ""
+
+    @cached_property
+    def reflections(self) -> Effect:
+        """The effect of reflections, estimated for the impact on the infinite plate."""
+        if self.on_infinite is None:
+            reason = f"a {self.scene.target.kind} has no wave impedance: its boundaries matter in every impact"
+            source = "no target without boundaries to compare with"
+            return Effect(REFLECTIONS, "-", None, None, None, NOT_MODELLED, reason, source)
+        seen, target = judged(self.on_infinite, REFLECTIONS), self.scene.target
+        if not target.finite and target.stiffness_given:
+            return seen._replace(reason="the scene gives a static stiffness")
+        return seen
+
+    @cached_property
+    def inertia(self) -> float | None:
+        """Force of vibration over static force; None if a mass or the static impact is unknown, contact stays, or
+        nothing holds the target."""
+        target = self.scene.target
+        if target.whole_mass is None or not target.held or self.no_static:
+            return None
+        return vibration(self.on_static, target.first_mode_share * target.whole_mass)
+
+    def infinite(self, state: str, reason: str) -> Supported:
+        """The support and effects of the infinite plate."""
+        inertial = Effect(INERTIA, _RATIO, None, None, 0.0, NOT_NEEDED, "the impedance includes it", _SOURCE)
+        return Support(self.scene.target_impedance), (self.reflections._replace(state=state, reason=reason), inertial)
+
+    def static(self, state: str, reason: str) -> Supported:
+        """The support and effects of the static stiffness alone."""
+        size, source = self.reflections.change, self.reflections.source
+        if self.on_infinite is not None:
+            found = change(self.on_static, self.on_infinite)
+            size = None if math.isnan(found) else found
+            source = "marched on the static stiffness and on the infinite plate"
+        kept = self.reflections._replace(state=SIMULATED, change=size, source=source, cost=FREE)
+        return Support(math.inf, self.scene.target.compliance or 0.0), (kept, self._inertia(state, reason, FREE))
+
+    def vibrating(self) -> Supported:
+        """The support and effects of vibrations; other effects are tried on the softer of impedance and stiffness."""
+        infinite, compliance = self.on_infinite, 0.0 if self.no_static else self.scene.target.compliance or 0.0
+        support = Support(math.inf, compliance, vibrates=True)
+        trusted = infinite is not None and infinite.trial.ends
+        if infinite and trusted and (self.no_static or not _force(infinite) < _force(self.on_static)):
+            support = Support(infinite.impedance, vibrates=True)
+        reason = f"the {self.scene.target.kind} moves by its natural vibrations"
+        kept = self.reflections._replace(state=SIMULATED, cost=ON_MODES)
+        return support, (kept, self._inertia(SIMULATED, reason, ON_MODES))
+
+    def _inertia(self, state: str, reason: str, cost: str) -> Effect:
+        value, tolerance = self.inertia, self.scene.effect_tolerance
+        size = None if value is None else min(value, 1.0)
+        return Effect(INERTIA, _RATIO, value, tolerance, size, state, reason, _SOURCE, cost)
+
+
+def vibration(static: Problem, part: float) -> float | None:
+    """Force amplitude of the vibration of `part` [kg] of the target over the quasi-static force; None if contact stays.
+
+    static: the impact on the target's static stiffness k_b. A contact of stiffness k_c = 1.5 F/δ that begins with the
+    velocity V would move the target suddenly with V k_c/(k_b + k_c). Its inertia resists: the part m_e of its mass
+    oscillates with the relative amplitude k_c^{3/2} √(m_e/m)/((k_b + k_c) √k_b).
+    """
+    core = static.trial.summary
+    if not static.trial.ends or core.maximum_indentation <= 0.0:
+        return None
+    depth = core.maximum_indentation * static.scales.length
+    contact, support = 1.5 * _force(static) / depth, 1 / static.compliance
+    return contact**1.5 * math.sqrt(part / static.scene.mass / support) / (support + contact)
+
+
+def _force(problem: Problem) -> float:
+    return problem.trial.summary.maximum_force * problem.scales.force

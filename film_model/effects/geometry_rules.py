@@ -1,0 +1,150 @@
+"""Effects of the shape of the bodies: slopes, whole balls, oblique impact; and those that the target judges."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from film_model.base.units import format_si
+from film_model.effects.case import ABSENT, Case, Rule
+from film_model.effects.effect import Effect
+from film_model.effects.elastic_ball import stiffening
+from film_model.laws.hertz import hertz_stiffness
+from film_model.scene import Scene
+from film_model.targets import Estimate, Impact
+
+DEEPEST = 1.0
+"""Indentation over the effective radius from which no contact law is valid: half the ball is below the surface."""
+
+
+def reflections(case: Case, rule: Rule) -> Effect:
+    """Waves reflected from the edges of a plate or the end of a rod before contact ends."""
+    return _by_target(case, case.scene.target.reflections, rule)
+
+
+def thickness(case: Case, rule: Rule) -> Effect:
+    """The thickness: large enough for a half-space, small enough for a plate or beam without shear."""
+    return _by_target(case, case.scene.target.thickness_effect, rule)
+
+
+def contact_width(case: Case, rule: Rule) -> Effect:
+    """A half-space law on a plate or beam, which is valid for contacts narrow compared with the thickness."""
+    return _by_target(case, case.scene.target.contact_width, rule)
+
+
+def wave_losses(case: Case, rule: Rule) -> Effect:
+    """Waves radiated into a target that is simulated without them."""
+    return _by_target(case, case.scene.target.wave_losses, rule)
+
+
+def stretching(case: Case, rule: Rule) -> Effect:
+    """Membrane forces of a plate or beam that is bent by more than a fraction of its thickness."""
+    return _by_target(case, case.scene.target.stretching, rule)
+
+
+def cross_bending(case: Case, rule: Rule) -> Effect:
+    """Bending across the width of a beam; twist that is coupled with the bending of a plate of layers."""
+    return _by_target(case, case.scene.target.cross_bending, rule)
+
+
+def omitted_modes(case: Case, rule: Rule) -> Effect:
+    """Vibrations of a structure above the highest that is given."""
+    return _by_target(case, case.scene.target.omitted_modes, rule)
+
+
+def _by_target(case: Case, judge: Callable[[Impact], Estimate], rule: Rule) -> Effect:
+    """The effect that a rule of the target estimates."""
+    found = judge(case.seen_by_target)
+    rule = rule._replace(indicator=found.indicator or rule.indicator)
+    if not found.applies:
+        return rule.absent(found.reason)
+    if found.fails:
+        return rule.failing(found.reason, found.value, found.threshold)
+    if found.change is None or found.value is None:
+        return rule.unjudged(found.reason, found.value, found.threshold)
+    cost = ABSENT if found.remedy is None else f"{ABSENT}: {found.remedy}"
+    return rule.sized(case.tolerance, found.value, found.threshold, found.change, found.reason, cost)
+
+
+def small_slope(case: Case, rule: Rule) -> Effect:
+    """Hertz's half-spaces and paraboloids instead of balls.
+
+    Two errors are added. An elastic ball is compressed as a whole, and its surface is curved: under the same force it
+    approaches less than Hertz's half-space, by the fraction (a/R) (A + B ln(a/R)) of its own share of the indentation
+    (film_model/effects/elastic_ball.py): 2.2, 4.7 and 10 % at a/R = 0.05, 0.1 and 0.2 for ν = 0.3 on a rigid target.
+    Sneddon's rigid sphere, δ = (a/2) ln((R + a)/(R − a)), F = E [(a² + R²)/2 ln((R + a)/(R − a)) − a R], expands to
+    F = K δ^{3/2} (1 − a²/(10 R²) + …): under the same force, δ changes by a fifteenth of (a/R)². Peak force and contact
+    time change by 0.6 times the total. Without the material of any body the share of the ball is unknown: not judged,
+    unless even the whole would not matter. From an indentation of one radius no law is valid.
+    """
+    scene = case.scene
+    modulus, radius = scene.effective_modulus, scene.effective_radius
+    if modulus is None:
+        return rule.unjudged("missing: an effective modulus")
+    if case.indentation > DEEPEST * radius:
+        why = f"the indentation is {case.indentation / radius:.3g} times the radius: no contact law is valid so deep"
+        return rule.failing(why, case.contact_radius / radius, math.sqrt(DEEPEST))
+    hertz = (case.force / hertz_stiffness(modulus, radius)) ** (2.0 / 3.0)  # elastic part of the indentation
+    wide = math.sqrt(radius * hertz)
+    balls, known = _balls(scene, modulus)
+    size = sum(ball.share * stiffening(ball.poissons_ratio, wide / ball.radius) for ball in balls)
+    size = (size + (wide / radius) ** 2 / 15.0) * hertz / case.indentation
+    value, threshold = case.contact_radius / radius, case.tolerance * case.contact_radius / (radius * size)
+    why = f"the contact radius is {value:.2g} R: a ball approaches about {100 * size:.2g} % less than by Hertz's theory"
+    if not known and size > case.tolerance:
+        why = f"missing: impactor.material; if the target is much stiffer, {why}"
+        return rule.unjudged(why, value, threshold)
+    return rule.sized(case.tolerance, value, threshold, min(size, 1.0), why)
+
+
+class _Ball(NamedTuple):
+    """A ball and its share of the indentation."""
+
+    radius: float
+    share: float
+    poissons_ratio: float
+
+
+def _balls(scene: Scene, modulus: float) -> tuple[list[_Ball], bool]:
+    """The balls, and whether their shares of the indentation are known; otherwise each is taken as the whole."""
+    bodies = (scene.impactor, scene.target)
+    soft = [None if (m := body.material) is None else (1.0 - m.poissons_ratio**2) / m.youngs_modulus for body in bodies]
+    total = 1.0 / modulus if None in soft else sum(c for c in soft if c is not None)
+    found: list[_Ball] = []
+    for body, own, other in zip(bodies, soft, soft[::-1], strict=True):
+        share = own / total if own is not None else 1.0 if other is None else 1.0 - other / total
+        ratio = 0.5 if body.material is None else body.material.poissons_ratio  # the largest
+        found.append(_Ball(body.radius, min(max(share, 0.0), 1.0), ratio))
+    return found if scene.target.free else found[:1], soft != [None, None]
+
+
+def obliqueness(case: Case, rule: Rule) -> Effect:
+    """An impact at an angle, of which only the normal component of the velocity is simulated.
+
+    Left out are the tangential velocity v_t = V sin α, friction and spin. Friction's impulse is at most µ times the
+    normal one, m (1 + e) V cos α, and at most 2/7 of m v_t, which stops the sliding of a solid ball that did not spin:
+    it does so from µ = 2 tan α/(7 (1 + e)). The normal impact is unchanged by friction if both bodies are elastically
+    similar.
+    """
+    return oblique(case.scene, rule, case.restitution)
+
+
+def oblique(scene: Scene, rule: Rule, restitution: float | None) -> Effect:
+    """The same, also for an impact whose restitution is unknown."""
+    angle = scene.impactor.angle or 0.0
+    if angle == 0.0:
+        return rule.absent("the impact is along the normal")
+    sliding = scene.impactor.path_speed * math.sin(angle)
+    why = (
+        f"only the normal component, {format_si(scene.impactor.speed, 'velocity')}, is simulated; the tangential "
+        f"velocity of {format_si(sliding, 'velocity')}, friction and spin are not"
+    )
+    if restitution is not None:
+        sticks = 2.0 * math.tan(angle) / (7.0 * (1.0 + restitution))
+        normal = scene.effective_mass * (1.0 + restitution) * scene.approach_velocity
+        why += (
+            f": friction takes up to µ x {format_si(normal, 'impulse')}, and from µ = {sticks:.2g} a solid ball stops "
+            "sliding and loses 2/7 of its tangential velocity"
+        )
+    return rule.failing(why, math.degrees(angle), 0.0)

@@ -1,0 +1,74 @@
+"""Effects that are estimated, not simulated.
+
+Each rule takes the trial march of an impact and returns an :class:`Effect`. If the estimated change exceeds the
+tolerance, the effect becomes a warning; if the scene lacks an input, the reason names it. No input is guessed; one that
+is taken as 0 is named. The changes are first-order estimates: the order of magnitude is right, the second digit is not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from film_model.effects.case import Case, Rule, case_of
+from film_model.effects.effect import Effect
+from film_model.effects.geometry_rules import (
+    contact_width,
+    cross_bending,
+    oblique,
+    obliqueness,
+    omitted_modes,
+    reflections,
+    small_slope,
+    stretching,
+    thickness,
+    wave_losses,
+)
+from film_model.effects.material_rules import adhesion, fracture, heating, material_damping, strain_rate
+from film_model.problem.problem import Problem
+
+
+def judge(problem: Problem, vibrates: bool) -> tuple[Effect, ...]:
+    """All rules applied to one impact; "not judged" if its contact does not end.
+
+    vibrates: the target does; `problem` is then the impact on its impedance or static stiffness.
+    """
+    return tuple(judged(problem, name, vibrates) for name in RULES)
+
+
+def judged(problem: Problem, name: str, vibrates: bool = False) -> Effect:
+    """One rule, by name, applied to one impact."""
+    indicator, source, judge_case = RULES[name]
+    rule = Rule(name, indicator, source)
+    if problem.trial.ends and problem.approach > 0.0:
+        return judge_case(case_of(problem, vibrates), rule)
+    if judge_case is obliqueness:
+        return oblique(problem.scene, rule, None)
+    why = "the impactor has no velocity" if problem.approach == 0.0 else "contact did not end"
+    return rule.unjudged(why)
+
+
+RULES: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
+    "boundary_reflections": (
+        "t_c/t_return",
+        "fitted to sums over the modes of simply supported plates struck at the centre; one-dimensional waves in a rod",
+        reflections,
+    ),
+    "thickness": ("k h", "Zener 1941; pole of Mindlin's plate (1951), to first order", thickness),
+    "stretching": ("deflection/h", "Berger 1955, J. Appl. Mech. 22:465, in one term", stretching),
+    "cross_bending": ("-", "response to a half-sine; classical lamination theory", cross_bending),
+    "omitted_modes": ("Ω T/π", "response to a half-sine of the contact time T on a fixed target", omitted_modes),
+    "small_slope": (
+        "a/R",
+        "elastic sphere under Hertz's pressure and its inertia, to first order; Sneddon 1965; compare Tatara 1991",
+        small_slope,
+    ),
+    "contact_width": ("a/h", "half-space laws fail for contacts wider than the plate thickness", contact_width),
+    "adhesion": ("V/V_s", "Thornton & Ning 1998; work of separation by Johnson, Kendall & Roberts", adhesion),
+    "material_damping": ("tan δ", "half a cycle of linear hysteresis", material_damping),
+    "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", wave_losses),
+    "strain_rate": ("strain rate, 1/s", "Tabor 1951; Johnson & Cook 1983", strain_rate),
+    "heating": ("plastic work/volume, J/m³", "balance of energy", heating),
+    "fracture": ("tensile stress/strength", "Hertz 1881; Auerbach 1891; Johnson 1985, section 4.2", fracture),
+    "obliqueness": ("angle from the normal, °", "impulse and angular momentum of a solid ball", obliqueness),
+}
+"""Name → indicator, source and rule."""

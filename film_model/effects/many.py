@@ -1,0 +1,239 @@
+"""The problems of many impacts of one scene, in which columns with one value per impact replace some numbers.
+
+Impacts that share a law and a curve form one problem with arrays; its effects are decided together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.arrays import Array, Index, Mask
+from film_model.base.errors import VIBRATES, SimulationError
+from film_model.core import native
+from film_model.effects.case import Pulse
+from film_model.effects.choose import chosen, problem_of
+from film_model.effects.edge_effects import edged, infinite_unless_judged
+from film_model.laws import LAWS, AbstractLaw
+from film_model.laws.unloading import BrakeUnloading
+from film_model.problem.families import LAST_PAGE, page_number
+from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
+from film_model.problem.problem import Impacts, Problem
+from film_model.scene import Scene
+from film_model.scene.columns import scene_of_columns
+
+FEW = 4
+"""If fewer impacts than this share a curve, on average, they are set up one by one."""
+
+_OF_THE_IMPACTOR = ("impactor.velocity", "impactor.mass")
+_ASKED = 16  # if the target vibrates in so many impacts, evenly chosen by energy, then in all between them
+
+SURE = 3.0
+"""Edges are neglected without further trials if the change by reflections is this many times below the tolerance."""
+
+
+def problems_of(
+    scene: Scene, columns: Mapping[str, Array], count: int, status: NDArray[np.int32] | None = None
+) -> list[Problem]:
+    """The problems of `count` impacts of a scene, some of whose numbers are columns (path → SI values, one each).
+
+    Omitted are impacts that do not approach, those whose numbers raise an error, and those whose target vibrates, which
+    have no lines; status is set to `VIBRATES` for the latter. If no impact remains because of errors, the first
+    error is raised.
+    """
+    status = np.zeros(count, np.int32) if status is None else status
+    approach = np.broadcast_to(np.asarray(scene_of_columns(scene, columns).approach_velocity), (count,))
+    moving, found = np.flatnonzero(approach > 0.0), list[Problem]()
+    part = _part(scene, columns, moving)
+    if infinite_unless_judged(part) or not edged(part):
+        try:
+            groups = _groups(scene, columns, moving)
+            found = [problem for impacts, yields in groups for problem in chosen(impacts, yields)]
+        except (TypeError, ValueError, SimulationError):  # a law or a target that accepts numbers only
+            return _one_by_one(scene, columns, moving, status)
+        if edged(part) and scene.effects.boundary_reflections == "auto":
+            found = [problem.part(~_edges_may_matter(problem)) for problem in found]
+            found = [problem for problem in found if problem.approach.size]
+    rest = np.zeros(count, np.bool_)
+    rest[moving] = True
+    for problem in found:
+        rest[rows_of(problem)] = False
+    left = np.flatnonzero(rest)
+    return found + (_one_by_one(scene, columns, left, status, bool(found)) if left.size else [])
+
+
+def rows_of(problem: Problem) -> Index:
+    """The indices of the impacts of a problem of many."""
+    return cast("Index", problem.impacts.index)
+
+
+def _edges_may_matter(problem: Problem) -> Mask:
+    """Impacts on a plate with edges for which reflected waves may matter."""
+    scene, impacts = problem.scene, problem.impacts
+    free = problem.again(impedance=impacts.column(scene.target_impedance), load=impacts.column(0.0))
+    status, seen = free.march(native.mesh(native.WORK_PRESERVING, 4, 8))
+    returns = impacts.column(impacts.scene.target.return_time) / free.scales.time
+    with np.errstate(divide="ignore", invalid="ignore"):
+        pulse = Pulse.of(free.approach, free.gamma, seen)
+        off = impacts.scene.target.reflection_change(pulse.motion, pulse.restitution, pulse.back / returns)
+    return (status != native.EVENT) | ~(off < scene.effect_tolerance / SURE)
+
+
+def _one_by_one(
+    scene: Scene,
+    columns: Mapping[str, Array],
+    rows: Index,
+    status: NDArray[np.int32],
+    others: bool = False,
+) -> list[Problem]:
+    """Problems from one scene per row. others: whether problems of other rows exist."""
+    groups: dict[tuple[str, int], list[tuple[int, Problem]]] = {}
+    first: Exception | None = None
+    if set(columns) <= set(_OF_THE_IMPACTOR) and rows.size > 4 * _ASKED and _all_vibrate(scene, columns, rows):
+        status[rows] = VIBRATES
+        return []
+    for row in rows.tolist():
+        try:
+            own = {path: cast("Any", float(values[row])) for path, values in columns.items()}
+            problem = problem_of(scene_of_columns(scene, own))
+        except (SimulationError, ValueError) as error:
+            first = first or error
+            continue
+        if problem.vibrates:
+            status[row] = VIBRATES
+            continue
+        groups.setdefault((problem.law.name, id(problem.curve)), []).append((row, problem))
+    if not groups and not others and first is not None and not (status[rows] == VIBRATES).any():
+        raise first
+    return [_gathered(members, scene, columns) for members in groups.values()]
+
+
+def _all_vibrate(scene: Scene, columns: Mapping[str, Array], rows: Index) -> bool:
+    """Whether the target vibrates in each of some impacts, from the one with the least to that with the most energy."""
+    part = _part(scene, columns, rows)
+    order = np.argsort(np.broadcast_to(part.approach_velocity**2 * part.mass, rows.shape), kind="stable")
+    for row in rows[order[np.linspace(0, rows.size - 1, _ASKED).astype(int)]].tolist():
+        own = {path: cast("Any", float(values[row])) for path, values in columns.items()}
+        try:
+            if not problem_of(scene_of_columns(scene, own)).vibrates:
+                return False
+        except (SimulationError, ValueError):
+            return False
+    return True
+
+
+def _gathered(members: list[tuple[int, Problem]], scene: Scene, columns: Mapping[str, Array]) -> Problem:
+    """One problem with arrays, from several problems that share a curve."""
+    index, problems = np.array([row for row, _ in members]), [problem for _, problem in members]
+    first = problems[0]
+
+    def column(name: str) -> Any:
+        return np.array([getattr(problem, name) for problem in problems])
+
+    scales = {name: np.array([getattr(problem.scales, name) for problem in problems]) for name in vars(first.scales)}
+    impedance, load, _ = (np.array(values) for values in zip(*(problem.given for problem in problems), strict=True))
+    names = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
+    return replace(
+        first,
+        impacts=Impacts.several(scene, first.impacts.law, index, _picked(columns, index)),
+        scales=type(first.scales)(**scales),
+        given=(impedance, load, first.given[2]),
+        **{name: column(name) for name in names},
+    )
+
+
+def _part(scene: Scene, columns: Mapping[str, Array], index: Index) -> Scene:
+    return scene_of_columns(scene, _picked(columns, index))
+
+
+def _picked(columns: Mapping[str, Array], index: Index) -> dict[str, Array]:
+    return {path: values[index] for path, values in columns.items()}
+
+
+def _groups(scene: Scene, columns: Mapping[str, Array], index: Index) -> Iterator[tuple[Impacts, bool | None]]:
+    """The impacts of `index` by law and curve, and whether they reach the yield point.
+
+    Raises ValueError where there are nearly as many curves as impacts.
+    """
+    for law, yields, own in _laws(_part(scene, columns, index), index):
+        made = SceneLaw.of(_part(scene, columns, own), law)
+        impacts = Impacts.several(scene, made, own, _picked(columns, own))
+        for places in _shared_curves(made, own.size):
+            yield impacts if places.size == own.size else impacts.part(np.sort(places)), yields
+
+
+def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], bool | None, Index]]:
+    """Laws, whether they yield, and their impacts. scene: has the columns of the impacts `index`."""
+    law, wanted = scene.contact.law, scene.effects.plasticity
+    if index.size == 0:
+        return
+    yields = reaches_yield(scene)
+    if law != "auto":
+        yield (law if isinstance(law, AbstractLaw) else LAWS[law]), None, index
+        return
+    auto = wanted == "auto" and yields is not None
+    plastic = np.broadcast_to(yields & can_yield(scene) if auto else wanted is True, index.shape)
+    for name, mask in ((ELASTIC, ~plastic), (YIELDING, plastic)):
+        if mask.any():
+            yield LAWS[name], name == YIELDING, index[mask]
+
+
+def _shared_curves(law: SceneLaw, count: int) -> Iterator[Index]:
+    """The impacts of each curve. Most laws have stages that do not depend on the varied values, hence one curve."""
+    shapes = _shapes(law)
+    if not shapes:
+        yield np.arange(count)
+        return
+    _, first, group, sizes = np.unique(
+        np.stack(shapes, axis=-1), axis=0, return_index=True, return_inverse=True, return_counts=True
+    )
+    if first.size > max(count // FEW, 1):
+        raise ValueError("nearly every impact has a curve of its own")
+    yield from np.split(np.argsort(group.ravel(), kind="stable"), np.cumsum(sizes)[:-1])
+
+
+def _shapes(law: SceneLaw) -> list[Array]:
+    """The varied values on which the stages depend, one array each; for a family of curves, the page."""
+    shapes: list[Array] = []
+    if not isinstance(law.law, AbstractLaw):
+        varying = {name: value for name, value in law.values.items() if isinstance(value, np.ndarray)}
+        if law.rule is None and any(name in varying for name in law.law.shaped_by):
+            shape = np.asarray(law.at(slice(None)).shape)
+            page = page_number(shape)
+            varying = {name: value for name, value in varying.items() if name not in law.law.shaped_by}
+            inside = (page >= 0) & (page < LAST_PAGE)
+            shapes.append(np.where(inside, page, shape))  # outside, each has a curve of its own
+        if varying and not _stages_are_blind_to(law.law, law.values, varying):
+            shapes += varying.values()
+    if law.rule == "brake":
+        made = law.at(slice(None))
+        assert isinstance(made, BrakeUnloading)
+        shapes += [made.ratio] if isinstance(made.ratio, np.ndarray) else []
+    return shapes
+
+
+class _Seen(Exception):
+    """Raised when a law's stages read a varied value."""
+
+
+def _stages_are_blind_to(law: type[AbstractLaw], values: Mapping[str, Any], varying: Mapping[str, Any]) -> bool:
+    """Whether stages() never reads the varied fields, so that the stages do not depend on them."""
+
+    def look(_: AbstractLaw) -> Any:
+        raise _Seen
+
+    metaclass: Any = type(law)  # that of abstract classes
+    blind = metaclass(law.__name__, (law,), {name: property(look) for name in varying})
+    made = object.__new__(blind)
+    for name, value in values.items():
+        if name not in varying:
+            object.__setattr__(made, name, value.flat[0] if isinstance(value, np.ndarray) else value)
+    try:
+        made.stages()
+    except _Seen:
+        return False
+    return True

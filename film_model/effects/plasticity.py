@@ -1,0 +1,131 @@
+"""Plasticity: whether the contact yields, and whether it reaches full plasticity."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+from film_model.core import native
+from film_model.effects.effect import FREE, NOT_JUDGED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
+from film_model.effects.trial import change, matters
+from film_model.laws.jackson_green import MOST_YIELD_STRAIN
+from film_model.laws.law import AbstractLaw, Stage
+from film_model.laws.yielding import yield_velocity
+from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIELDING, can_yield
+from film_model.problem.problem import Problem
+
+FULLY_PLASTIC_RATIO = 200.0
+"""V/V_Y at which an impact on a half-space reaches full plasticity: 200.6 by Stronge's law, 201.3 by Big-Alabo's."""
+
+DEEPEST = 3000.0
+"""Largest indentation over that at yield up to which the last stage is compared with an extension of the one before."""
+
+
+@dataclass(frozen=True)
+class Shortened(AbstractLaw):
+    """A law without its last stage: the stage before is extended to `end`."""
+
+    name: ClassVar[str] = "shortened"
+    summary: ClassVar[str] = "another law without its last stage"
+    source: ClassVar[str] = ""
+
+    law: AbstractLaw
+    end: float
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        return self.law.scales(energy)
+
+    def stages(self) -> tuple[Stage, ...]:
+        *_, last, _ = stages = self.law.stages()
+        return (*stages[:-2], replace(last, end=self.end))
+
+
+def dissipates(problem: Problem) -> bool:
+    """Whether the law has an unloading branch of its own."""
+    core = problem.curve.native
+    return any(core.stage[k].unloading != native.RETRACE for k in range(core.stages))
+
+
+def needed(problem: Problem, yields: bool | None) -> Any:
+    """Whether an impact under law "auto" keeps the law that yields. yields: whether it reaches the yield point."""
+    scene = problem.scene
+    chosen = scene.contact.law == "auto" and scene.effects.plasticity == "auto"
+    if not (chosen and yields and problem.law.name == YIELDING):
+        return problem.impacts.column(True)
+    return matters(problem, elastic(problem))
+
+
+def elastic(problem: Problem) -> Problem:
+    """The problem under Hertz's law."""
+    return problem.again(law=ELASTIC)
+
+
+def describe(problem: Problem, yields: bool | None, kept: bool) -> tuple[Effect, Effect]:
+    """The effects on one impact: plasticity, and full plasticity. problem: before Hertz's law may replace its law.
+
+    kept: whether the problem's law is simulated.
+    """
+    scene, law = problem.scene, problem.law
+    wanted, tolerance, auto = scene.effects.plasticity, scene.effect_tolerance, scene.contact.law == "auto"
+    modulus, strength, yielding = scene.effective_modulus, scene.yield_strength, dissipates(problem)
+    size, ratio, limit, cost = 0.0 if yields is False else None, None, 0.0, FREE
+    able = can_yield(scene)
+    if modulus is not None and able and (yields or (yielding and yields is not False)):
+        plastic = problem if yielding else problem.again(law=YIELDING)
+        without = elastic(problem) if yielding else problem
+        found = change(plastic, without)
+        size = None if math.isnan(found) else found
+        if 0 < without.trial.summary.lines < plastic.trial.summary.lines:
+            cost = f"{plastic.trial.summary.lines / without.trial.summary.lines:.2g} × the segments"
+    if strength is not None and modulus is not None:
+        limit = yield_velocity(modulus, scene.effective_radius, strength, scene.effective_mass)
+        ratio = scene.approach_velocity / limit
+    if not auto:
+        small = size is not None and size <= tolerance
+        state = SIMULATED if yielding else NOT_NEEDED if small else SWITCHED_OFF
+        reason = f"the scene asks for the law {law.name}"
+    elif wanted is False:
+        state, reason = SWITCHED_OFF, "the scene has plasticity = false: law hertz"
+    elif yields is None:
+        state, reason = NOT_JUDGED, "missing: a yield strength; law hertz"
+    elif yields and not able and strength is not None and modulus is not None:
+        state = NOT_JUDGED
+        reason = f"S_y/E is {strength / modulus:.3g}, at least {MOST_YIELD_STRAIN}: no law for it; law hertz"
+    elif not kept:
+        state = NOT_NEEDED
+        reason = f"beyond the yield velocity {limit:.4g} m/s, but by less than the tolerance: law hertz"
+    elif yielding:
+        assumed = f", with an assumed Poisson's ratio of {ASSUMED_POISSONS_RATIO}: the scene gives none"
+        state, reason = SIMULATED, f"the yield velocity is {limit:.4g} m/s: law {YIELDING}"
+        reason += assumed if scene.poissons_ratio is None else ""
+    else:
+        state, reason = NOT_NEEDED, f"the impact stays below the yield velocity {limit:.4g} m/s: law hertz"
+    source = "Big-Alabo, Cartmell & Harrison 2017, after (19): p_m = 1.1 S_y; marched with the law and with Hertz's"
+    found = Effect("plasticity", "V/V_Y", ratio, 1.0, size, state, reason, source, cost)
+    return found, _fully_plastic(problem, yielding, ratio)
+
+
+def _fully_plastic(problem: Problem, yielding: bool, ratio: float | None) -> Effect:
+    """Whether the contact reaches the law's last stage, and the change if the stage before were extended."""
+    curve, core = problem.curve, problem.trial.summary
+
+    def effect(state: str, size: float | None, reason: str) -> Effect:
+        source = "Stronge 2000: V/V_Y = 200.6; Big-Alabo's law: 201.3; marched with the last stage and without"
+        return Effect("fully_plastic", "V/V_Y", ratio, FULLY_PLASTIC_RATIO, size, state, reason, source)
+
+    if not yielding and ratio is None:
+        return effect(NOT_JUDGED, None, "missing: a yield strength")
+    if not yielding:
+        late = ratio is not None and ratio > FULLY_PLASTIC_RATIO
+        return effect(SWITCHED_OFF if late else NOT_NEEDED, None if late else 0.0, "the law does not yield")
+    if curve.stage_names[-1] != "fully plastic":
+        return effect(NOT_JUDGED, None, f"the law {problem.law.name} has no fully plastic stage of its own")
+    if core.stage != curve.native.stages - 1:
+        return effect(NOT_NEEDED, 0.0, "the contact does not reach the last stage of the law")
+    depth, size = core.maximum_indentation, None
+    if depth < DEEPEST:
+        end = 10.0 ** math.ceil(math.log10(depth) + 0.5)  # a power of ten: few curves have to be made
+        found = change(problem, problem.again(law=Shortened(problem.law, end)))
+        size = None if math.isnan(found) else found
+    return effect(SIMULATED, size, "it is a stage of the law")

@@ -1,0 +1,101 @@
+"""Target motion: the target moves by its impedance, its static stiffness or its vibrations."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from film_model.base.arrays import endless
+from film_model.effects.effect import (
+    DAMPED,
+    FREE,
+    NOT_NEEDED,
+    ON_MODES,
+    SIMULATED,
+    SPRUNG,
+    SWITCHED_OFF,
+    Effect,
+    agreeing,
+)
+from film_model.effects.trial import change, matters
+from film_model.problem.numbers import zener
+from film_model.problem.problem import Problem
+
+FIRST_ORDER_LOSS = 2 * 1.730173
+"""Energy an elastic impact loses to target motion, over Zener's λ, as λ → 0: e = 1 − 1.730173 λ."""
+
+
+class Support(NamedTuple):
+    """How a target moves: by its impedance [N s/m], or statically with its compliance [m/N].
+
+    vibrates: by its natural vibrations instead; impedance or compliance then only serve to decide other effects.
+    """
+
+    impedance: Any
+    compliance: float = 0.0
+    vibrates: bool = False
+
+    @property
+    def only_vibrates(self) -> bool:
+        """Whether the target has neither impedance nor static stiffness: a trial without vibrations has it fixed."""
+        return self.vibrates and self.compliance == 0.0 and endless(self.impedance)
+
+    @property
+    def how(self) -> str:
+        """The same as a phrase."""
+        if self.vibrates:
+            return "vibrates between its edges"
+        if self.compliance > 0.0:
+            return f"has a static stiffness of {1 / self.compliance:.4g} N/m"
+        return f"has an impedance of {self.impedance:.4g} N s/m"
+
+
+def needed(moved: Problem, support: Support) -> Any:
+    """Whether an impact is simulated with the target's motion. moved: the problem with it."""
+    effects, impacts = moved.scene.effects, moved.impacts
+    if effects.target_motion is False or not moved.scene.target.gives_way:
+        return impacts.column(False)
+    asked = effects.boundary_reflections is True or effects.target_inertia is True
+    if effects.target_motion is True or asked or support.only_vibrates or not np.any(moved.approach > 0.0):
+        return impacts.column(True)
+    return matters(moved, held(moved), where=np.isfinite(moved.impedance) if impacts.many else None)
+
+
+def held(moved: Problem) -> Problem:
+    """The problem on a target that does not move."""
+    return moved.again(impedance=moved.impacts.column(math.inf), compliance=0.0)
+
+
+def describe(problem: Problem, support: Support, moves: bool) -> Effect:
+    """The effect on one impact. problem: with target motion, unless the scene switches it off."""
+    scene, wanted, tolerance = problem.scene, problem.scene.effects.target_motion, problem.scene.effect_tolerance
+    target, size, cost, value = scene.target, None, FREE, None
+    if not target.gives_way:
+        state, size, value = NOT_NEEDED, 0.0, 0.0
+        reason = "the target is a free body: reduced mass" if problem.free else f"the target is a {target.kind}"
+    elif wanted is False:
+        state, reason = SWITCHED_OFF, "the scene has target_motion = false"
+    elif moves:
+        state, reason = SIMULATED, f"the target {support.how}"
+    else:
+        state, reason = NOT_NEEDED, f"the target {support.how} and moves too little to matter"
+    if target.gives_way and scene.approach_velocity > 0.0:
+        moved = problem
+        if wanted is False:
+            own = (target.compliance or 0.0) if math.isinf(scene.target_impedance) else 0.0
+            moved = problem.again(impedance=scene.target_impedance, compliance=own)
+        still = problem if wanted is False else held(problem)
+        found = change(moved, still)
+        size = None if math.isnan(found) or support.only_vibrates else found
+        each = SPRUNG if moved.compliance > 0.0 else DAMPED
+        cost = f"{moved.trial.summary.lines / max(still.trial.summary.lines, 1):.2g} × the segments, {each}"
+        if support.vibrates:
+            cost = ON_MODES
+    if math.isfinite(scene.target_impedance):
+        found = zener(scene, scene.target_impedance)
+        value = None if math.isnan(found) else found
+    source = "Zener 1941, Phys. Rev. 59:669; marched with the target's motion and without"
+    threshold = agreeing(value, tolerance / FIRST_ORDER_LOSS, size, tolerance)
+    return Effect("target_motion", "Zener's λ", value, threshold, size, state, reason, source, cost)

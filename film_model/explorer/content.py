@@ -1,0 +1,214 @@
+"""What the page is made of besides its text: the recorded formulas, and one table of data."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from film_model.base.errors import STATUSES, Outcome, SimulationError
+from film_model.base.materials import catalogue
+from film_model.base.unit_symbols import SYMBOLS, parse_unit
+from film_model.base.units import DIMENSIONS, PREFIXED, scene_unit, si_unit
+from film_model.core import native
+from film_model.effects.choose import Choice, choose
+from film_model.effects.effect import COMPUTED, NOT_MODELLED
+from film_model.effects.many import SURE
+from film_model.explorer import formulas
+from film_model.explorer.inputs import inputs_of
+from film_model.explorer.laws import laws_of
+from film_model.plot.style import COLOURS
+from film_model.problem.families import TERMS, mean_matrix, series_matrix
+from film_model.problem.law_of_scene import ELASTIC, YIELDING
+from film_model.problem.problem import TRIAL_SEGMENTS
+from film_model.problem.summary import SUMMARY
+from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene
+from film_model.solve.accuracy import FIRST_SEGMENTS, MOST_SEGMENTS, ORDER_FACTOR, REGULAR_FALL
+from film_model.solve.history import MOTION
+from film_model.solve.simulate import DEEPER, GRAZING, simulate_chosen
+from film_model.version import __version__
+
+SAMPLES = 201
+"""Times at which the motion of an impact is sampled that the page cannot simulate."""
+
+SWITCHES = ("plasticity", "target_motion", "gravity")
+"""Effects that the page decides again for every change, by the same formulas."""
+
+
+class Content:
+    """The formulas and data of a page with these scenes, by name."""
+
+    def __init__(self, scenes: Iterable[tuple[str, Scene]]) -> None:
+        self._functions: dict[str, str] = {}
+        self._curves: dict[bytes, int] = {}
+        self._laws: dict[str, tuple[int, dict[str, Any]]] = {}
+        self._scenes = [self._scene(name, scene) for name, scene in scenes]
+        free, fixed = _samples()
+        texts = [*formulas.result_functions("Free", free), *formulas.result_functions("Fixed", fixed)]
+        texts += [formulas.change_function("change", fixed)]
+        texts += [formulas.gravity_function("gravityChange", fixed), formulas.mass_function("sphereMass")]
+        self._functions |= {text: text for text in texts}
+
+    @property
+    def script(self) -> str:
+        """The recorded formulas as JavaScript."""
+        any_object = "/** @type {Record<string, (...values: any[]) => Record<string, any>>} */\n"
+        names = ", ".join(text.removeprefix("function ").partition("(")[0] for text in self._functions.values())
+        return "\n".join([*self._functions.values(), f"{any_object}const FORMULAS = {{ {names} }};", ""])
+
+    @property
+    def curves(self) -> bytes:
+        """The laws' curves, one after the other."""
+        return b"".join(self._curves)
+
+    def table(self) -> dict[str, Any]:
+        """The data, for JSON."""
+        return {
+            "version": __version__,
+            "scenes": self._scenes,
+            "laws": [table for _, table in self._laws.values()],
+            "materials": {
+                name: {"youngs_modulus": m.youngs_modulus, "poissons_ratio": m.poissons_ratio, "density": m.density}
+                | {"yield_strength": m.yield_strength, "source": m.source}
+                for name, m in catalogue().items()
+            },
+            "units": {symbol: [float(size), list(powers)] for symbol, (size, powers) in SYMBOLS.items()},
+            "dimensions": {name: _dimension(name) for name in DIMENSIONS},
+            "summary": {name: [dimension, text] for name, (dimension, text) in SUMMARY.items()},
+            "motion": {name: [dimension, text] for name, (dimension, text) in MOTION.items()},
+            "computed": COMPUTED,
+            "statuses": {str(code): status.sentence for code, status in STATUSES.items()},
+            "colours": COLOURS,
+            "series": {"points": chebyshev.chebpts1(TERMS).tolist()}
+            | {"force": series_matrix(TERMS).tolist(), "mean": mean_matrix().tolist()},
+            "layout": layout(),
+            "constants": _constants(),
+        }
+
+    def _scene(self, name: str, scene: Scene) -> dict[str, Any]:
+        """A scene with what was decided for it."""
+        choice = choose(scene)
+        if not choice.problem.approach > 0.0:
+            raise SimulationError("the impactor has no velocity: there is no impact to show on a page")
+        inputs = inputs_of(scene)
+        paths = [entry.path for entry in inputs]
+        target = scene.target
+        reflected = None
+        if target.structural and target.finite and hasattr(target, "reflection_change"):
+            reflected = self._named("reflections", formulas.reflections_function("reflections", scene, paths))
+        effects = scene.effects
+        return {
+            "name": name,
+            "title": scene.title or f"Impact on a {target.kind}",
+            "kind": target.kind,
+            "free": target.free,
+            "table": scene.to_table(),
+            "inputs": [entry.to_dict() for entry in inputs],
+            "numbers": self._named("numbers", formulas.numbers_function("numbers", scene, paths)),
+            "reflections": reflected,
+            "laws": [self._law(found, scene) for found in laws_of(scene)],
+            "law": scene.contact.law_name,
+            "effects": {switch: getattr(effects, switch) for switch in SWITCHES},
+            "edges": effects.boundary_reflections,
+            "tolerance": effects.tolerance,
+            "solver": {key: getattr(scene.solver, key) for key in ("accuracy", "segments", "linearisation")},
+            "given": given(choice) if not_simulated(choice) else None,
+            "judged": [effect.to_dict() | {"line": effect.line} for effect in choice.effects],
+            "warnings": list(choice.warnings),
+        }
+
+    def _law(self, found: Any, scene: Scene) -> int:
+        """The place of a law in the list of laws."""
+        curve = self._curves.setdefault(found.embedded, len(self._curves))
+        table = found.to_dict(self._named("problem", found.function("problem", scene)), curve)
+        if table["shape"] is not None:
+            shape, force = formulas.shape_functions("last", found.law, found.fixed)
+            named = {"function": self._named("lastShape", shape), "force": self._named("lastForce", force)}
+            table["shape"] |= named
+        return self._laws.setdefault(repr(table), (len(self._laws), table))[0]
+
+    def _named(self, name: str, text: str) -> str:
+        """The name of a function; functions with the same body are kept once."""
+        body = text.partition("(")[2]
+        if body not in self._functions:
+            self._functions[body] = text.replace(f"function {name}(", f"function {name}{len(self._functions)}(", 1)
+        return self._functions[body].removeprefix("function ").partition("(")[0]
+
+
+def not_simulated(choice: Choice) -> str:
+    """Why the page cannot simulate the scene; empty if it can."""
+    target, support, law = choice.scene.target, choice.support, choice.problem.law
+    if law.damped:
+        return f"the law {law.name} is damped"
+    if choice.problem.vibrates or support.compliance > 0.0 or (support.vibrates and choice.decided[1]):
+        return f"the {target.kind} {support.how}"
+    return ""
+
+
+def given(choice: Choice) -> dict[str, Any]:
+    """The result of an impact that the page cannot simulate."""
+    history = simulate_chosen(choice, choice.scene.solver)
+    samples = history.sample_si(np.linspace(0.0, history.duration, SAMPLES))
+    motion = {name: getattr(samples, name).tolist() for name in ("time", *MOTION)}
+    return {
+        "reason": not_simulated(choice),
+        "summary": dict(history.summary),
+        "error": history.accuracy.estimated,
+        "segments": history.accuracy.lines,
+        "law": choice.problem.law.name,
+        "ended": history.outcome is Outcome.SEPARATED,
+        "motion": {name: [float(f"{value:.7g}") for value in values] for name, values in motion.items()},
+        "stage": samples.stage.tolist(),
+        "warnings": list(history.remarks),
+    }
+
+
+def _samples() -> list[Scene]:
+    """A scene with a free target, and one with another."""
+    ball = {"radius": "1 mm", "velocity": "1 m/s", "material": "mild steel"}
+    other = {"kind": "body", "radius": "1 mm", "material": "mild steel"}
+    tables = ({"impactor": ball, "target": other}, {"impactor": ball, "target": {"kind": "half-space"}})
+    contact = {"effective_modulus": "1 GPa"}
+    return [Scene.from_table(table | {"contact": contact}) for table in tables]
+
+
+def _dimension(name: str) -> dict[str, Any]:
+    unit = si_unit(name)
+    powers = (0, 0, 0) if name == "dimensionless" else parse_unit(unit)[1]
+    return {"unit": scene_unit(name), "powers": list(powers), "prefixed": name in PREFIXED}
+
+
+def layout() -> dict[str, Any]:
+    """Sizes and offsets of the core's structures, in bytes; without pointers they are the same on all platforms."""
+    structures = {"start": native.Start, "summary": native.Summary, "state": native.State, "line": native.Line}
+    found: dict[str, Any] = {
+        name: {field[0]: getattr(kind, field[0]).offset for field in kind._fields_} | {"size": size_of(kind)}
+        for name, kind in structures.items()
+    }
+    return found | {"curve": size_of(native.Curve), "events": native.EVENTS, "phases": native.PHASES}
+
+
+def size_of(kind: Any) -> int:
+    """Size of a structure, bytes."""
+    return ctypes.sizeof(kind)
+
+
+def _constants() -> dict[str, Any]:
+    return {
+        "first_segments": FIRST_SEGMENTS,
+        "most_segments": MOST_SEGMENTS,
+        "trial_segments": TRIAL_SEGMENTS,
+        "order_factor": ORDER_FACTOR,
+        "regular_fall": REGULAR_FALL,
+        "grazing": GRAZING,
+        "deeper": DEEPER,
+        "sure": SURE,
+        "accuracy": DEFAULT_ACCURACY,
+        "tolerance": DEFAULT_TOLERANCE,
+        "elastic": ELASTIC,
+        "yielding": YIELDING,
+        "not_modelled": NOT_MODELLED,
+    }

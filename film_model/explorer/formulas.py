@@ -1,0 +1,213 @@
+"""The formulas of the page: recorded from those of :mod:`film_model.problem` and :mod:`film_model.effects`.
+
+`n` are the numbers of a scene, `p` those of a problem (scales, starting values), `a` and `b` the core's summaries.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from types import SimpleNamespace
+from typing import Any, ClassVar, cast
+
+from film_model.base.arrays import either
+from film_model.base.materials import Material, sphere_mass
+from film_model.core import native
+from film_model.effects import gravity
+from film_model.effects.case import Pulse
+from film_model.effects.trial import change
+from film_model.explorer.trace import Recording
+from film_model.laws.example_ball import example_ball
+from film_model.laws.law import SCENE_FIELDS, AbstractLaw, Stage
+from film_model.laws.yielding import yield_velocity
+from film_model.problem.curve import Curve
+from film_model.problem.law_of_scene import SceneLaw, can_yield, reaches_yield
+from film_model.problem.numbers import Numbers, zener
+from film_model.problem.problem import Impacts, Problem, Trial
+from film_model.problem.scales import Scales, motion_of
+from film_model.problem.summary import summary_of
+from film_model.scene import Effects, Scene
+from film_model.scene.columns import scene_of_columns
+
+FROM_SCENE = ("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio")
+"""Properties of a scene, besides its :class:`Numbers`, that laws take."""
+
+_SCALES = tuple(f.name for f in fields(Scales))
+_PROBLEM = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
+_START = ("approach", "gamma", "load", "stop_velocity", "limit", "damping")
+
+
+@dataclass(frozen=True)
+class Scaled(AbstractLaw):
+    """The stages of one law with the scales of another: of the same law, with unknown values."""
+
+    name: ClassVar[str] = "scaled"
+    summary: ClassVar[str] = "the stages of one law, the scales of another"
+    source: ClassVar[str] = ""
+
+    staged: AbstractLaw
+    scaling: AbstractLaw
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        return self.scaling.scales(energy)
+
+    def stages(self) -> tuple[Stage, ...]:
+        return self.staged.stages()
+
+
+def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
+    """The numbers of a scene from its entries `x`, by path. `template` has the entries that are fixed."""
+    recording = Recording()
+    scene = scene_of_columns(template, cast("Any", recording.symbols("x", paths)))
+    numbers = Numbers.of(replace_effects(scene, Effects()), None)
+    outputs: dict[str, Any] = {**numbers._asdict(), "weight": numbers.weight}
+    outputs |= {"impactor_mass": scene.mass, "target_mass": scene.target.own_mass, "speed": scene.impactor.speed}
+    outputs |= {entry: getattr(scene, entry) for entry in FROM_SCENE}
+    outputs["able"] = can_yield(scene)
+    outputs["yields"] = reaches_yield(replace_effects(scene, Effects()))
+    outputs["yields_light"] = reaches_yield(replace_effects(scene, Effects(gravity=False)))
+    outputs["zener"] = zener(scene, numbers.impedance)
+    outputs["yield_velocity"] = math.nan
+    if scene.yield_strength is not None and scene.effective_modulus is not None:
+        given = scene.effective_modulus, scene.effective_radius, scene.yield_strength, scene.effective_mass
+        outputs["yield_velocity"] = yield_velocity(*given)
+    known = {entry: math.nan if value is None else value for entry, value in outputs.items()}
+    return recording.function(name, "x", known)
+
+
+def replace_effects(scene: Scene, effects: Effects) -> Scene:
+    """The scene, whose numbers may be symbols, with other effects."""
+    return scene_of_columns(scene, cast("Any", {"effects": effects}))
+
+
+def mass_function(name: str) -> str:
+    """The mass of a sphere from its radius and density."""
+    recording = Recording()
+    material = Material("", "1 Pa", 0.0, "1 kg/m^3")
+    object.__setattr__(material, "density", recording.symbol("density"))
+    mass = sphere_mass(None, cast("Any", recording.symbol("radius")), material)
+    return recording.function(name, "radius, density", {"mass": mass})
+
+
+def problem_function(name: str, template: Scene, law: AbstractLaw, fixed: frozenset[str], derived: bool) -> str:
+    """Scales and starting values under a law, for a target impedance and a load.
+
+    fixed: values that the law does not take from `n`. derived: its own parameters are those of :meth:`example`.
+    """
+    recording = Recording()
+    unknown = law_symbols(recording, law, fixed)
+    own = _example(recording, type(law)) if derived else {}
+    for key, value in own.items():
+        object.__setattr__(unknown, key, value)
+    impacts = Impacts(template, SceneLaw(Scaled(law, unknown), {}, None, {}), _numbers(recording))
+    found = impacts.problem(recording.symbol("impedance"), recording.symbol("load"))
+    outputs = {entry: getattr(found.scales, entry) for entry in (*_SCALES, "energy")}
+    outputs |= {entry: getattr(found, entry) for entry in (*_PROBLEM, *_START)}
+    outputs["stop_velocity"] = replace(found, free=True).stop_velocity  # -0 with the drift 0 of other targets
+    outputs |= {f"own_{key}": value for key, value in own.items()}
+    return recording.function(name, "n, impedance, load", outputs)
+
+
+def shape_functions(name: str, law: AbstractLaw, fixed: frozenset[str]) -> tuple[str, str]:
+    """Of a law with a shape: the shape and the end of the last stage; the force in that stage at the indentation w."""
+    recording = Recording()
+    unknown = law_symbols(recording, law, fixed)
+    last = unknown.stages()[-1]
+    shape = recording.function(f"{name}Shape", "n", {"shape": unknown.shape, "end": last.end})
+    force = cast("Any", last.force)(recording.symbol("w"))
+    return shape, recording.function(f"{name}Force", "n, w", {"force": force})
+
+
+def law_symbols(recording: Recording, law: AbstractLaw, fixed: frozenset[str]) -> AbstractLaw:
+    """The law with symbols in place of the values that it takes from the scene, except the `fixed` ones."""
+    made = object.__new__(type(law))
+    for name, value in vars(law).items():
+        unknown = value
+        if isinstance(value, AbstractLaw):
+            unknown = law_symbols(recording, value, fixed)
+        elif name in SCENE_FIELDS and name not in fixed:
+            unknown = recording.symbol(f'n["{entry_of(name)}"]')
+        object.__setattr__(made, name, unknown)
+    return made
+
+
+def entry_of(name: str) -> str:
+    """The property of a scene from which a field of laws is filled."""
+    return "effective_radius" if name == "radius" else name
+
+
+def _example(recording: Recording, law: type[AbstractLaw]) -> Mapping[str, Any]:
+    """The required parameters that a law derives from the values of a scene."""
+    numbers = recording.symbols("n", ("mass", "approach", *FROM_SCENE))
+    names = ("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio", "mass", "approach")
+    return law.example(example_ball(*(cast("Any", numbers[name]) for name in names)))
+
+
+def _numbers(recording: Recording) -> Numbers:
+    return Numbers(**recording.symbols("n", Numbers._fields))
+
+
+def _problem(recording: Recording, owner: str, template: Scene) -> Problem:
+    """A problem whose numbers are those of the object `owner`."""
+    scales = Scales(**cast("Any", recording.symbols(owner, _SCALES)))
+    curve = Curve(native.Curve(), (), 0.0, 0.0, ())
+    impacts = Impacts(template, SceneLaw(cast("Any", None), {}, None, {}), _numbers(recording))
+    found = recording.symbols("n", FROM_SCENE)
+    strength = found["yield_strength"]  # infinite if there is none
+    impacts.__dict__["scene"] = SimpleNamespace(
+        **found | {"yield_strength": either(strength < math.inf, strength, math.nan)}
+    )
+    values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": 0.0}
+    return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free)
+
+
+class _Core:
+    """The core's summary, with symbols."""
+
+    def __init__(self, recording: Recording, owner: str) -> None:
+        self.__dict__ |= recording.symbols(owner, native.SUMMARY)
+
+
+def _tried(recording: Recording, owner: str, core: str, template: Scene) -> Problem:
+    """A problem with the result of its trial, which the object `core` has, with a `status`."""
+    problem = _problem(recording, owner, template)
+    problem.__dict__["trial"] = Trial(recording.symbol(f"{core}.status"), _Core(recording, core))
+    return problem
+
+
+def result_functions(suffix: str, template: Scene) -> list[str]:
+    """Summary and motion in SI, for a free target or for the others."""
+    r = Recording()
+    outputs = summary_of(_problem(r, "p", template), r.symbol("a.status"), _Core(r, "a"))
+    summary = r.function(f"summary{suffix}", "p, a, n", outputs)
+    r = Recording()
+    p = _problem(r, "p", template)
+    values = [r.symbol(f"v[i + {k}]") for k in range(5)]
+    motion = motion_of(p.scales, p.drift, p.share, p.free, r.symbol("t"), values)
+    return [summary, r.function(f"motion{suffix}", "p, t, v, i", motion)]
+
+
+def change_function(name: str, template: Scene) -> str:
+    """The change of the summary by neglecting an effect: `p`, `a` with it, `q`, `b` without."""
+    r = Recording()
+    found = change(_tried(r, "p", "a", template), _tried(r, "q", "b", template))
+    return r.function(name, "p, a, q, b", {"change": found})
+
+
+def gravity_function(name: str, template: Scene) -> str:
+    """The change of the summary by the weight: `p`, `a` with it, `q`, `b` without."""
+    r = Recording()
+    light, pressed = _tried(r, "q", "b", template), _tried(r, "p", "a", template)
+    return r.function(name, "p, a, q, b, n", {"change": gravity.size_of(light, pressed)[0]})
+
+
+def reflections_function(name: str, template: Scene, paths: Sequence[str]) -> str:
+    """The change by waves reflected from the edges of a plate: `p`, `a` on the infinite plate."""
+    r = Recording()
+    target = scene_of_columns(template, cast("Any", r.symbols("x", paths))).target
+    p, core = _problem(r, "p", template), _Core(r, "a")
+    pulse = Pulse.of(p.approach, p.gamma, core)
+    delay = pulse.back / (target.return_time / p.scales.time)
+    found = cast("Any", target).reflection_change(pulse.motion, pulse.restitution, delay)
+    return r.function(name, "x, p, a", {"change": found})

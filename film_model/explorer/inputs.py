@@ -1,0 +1,92 @@
+"""The entries of a scene that can be changed on the page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from film_model.base.fields import Field
+from film_model.base.materials import Material
+from film_model.base.units import scene_unit
+from film_model.scene import Scene
+
+_POSITIVE = (1.0 / 20.0, 20.0)
+"""Least and largest value of a slider over the value of the scene."""
+
+LABELS = {
+    "impactor": "impactor",
+    "target": "target",
+    "contact": "contact",
+    "youngs_modulus": "Young's modulus",
+    "poissons_ratio": "Poisson's ratio",
+    "D11": "bending stiffness D11",
+    "D12": "bending stiffness D12",
+    "D22": "bending stiffness D22",
+    "D66": "bending stiffness D66",
+}
+
+MATERIAL_ENTRIES = ("youngs_modulus", "poissons_ratio", "density", "yield_strength")
+OPTIONAL = {"yield_strength": math.inf}
+"""Entries that may be missing, and the value that then serves: a material without a yield strength does not yield."""
+
+
+@dataclass(frozen=True)
+class Input:
+    """One entry: its path in the scene, its field, and its value [SI]; None if it is missing and may be."""
+
+    path: str
+    field: Field
+    value: float | None
+
+    @property
+    def of_material(self) -> bool:
+        """Whether it belongs to a material."""
+        return ".material." in self.path
+
+    def to_dict(self) -> dict[str, Any]:
+        """What the page needs. slider: its range, and whether it is logarithmic."""
+        name, low, high = self.path.rsplit(".", 1)[1], self.field.low, self.field.high
+        assert low is not None and high is not None
+        value = self.value
+        logarithmic = value is not None and 0.0 < value < math.inf and low >= 0.0
+        if logarithmic:
+            assert value is not None
+            slider = [max(low, value * _POSITIVE[0]), min(high, value * _POSITIVE[1])]
+        else:
+            size = max(abs(value or 0.0), 1.0 if high > 1.0 else high)
+            slider = [max(low, -10.0 * size), min(high, 10.0 * size)]
+        return {
+            "path": self.path,
+            "label": LABELS.get(name, name.replace("_", " ")),
+            "unit": scene_unit(self.field.dimension),
+            "dimension": self.field.dimension,
+            "low": low,
+            "high": high,
+            "open": self.field.open_ends or (low == 0.0 and name != "drop_height" and name != "velocity"),
+            "slider": slider,
+            "logarithmic": logarithmic,
+            "value": None if value is None or math.isinf(value) else value,
+            "optional": name in OPTIONAL or name == "mass",
+        }
+
+
+def inputs_of(scene: Scene) -> tuple[Input, ...]:
+    """The entries of a scene, in the order of scene files."""
+    sections = (("impactor", scene.impactor), ("target", scene.target), ("contact", scene.contact))
+    return tuple(found for path, owner in sections for found in _entries(path, owner))
+
+
+def _entries(path: str, owner: Any) -> Iterator[Input]:
+    for name, field in owner.FIELDS.items():
+        value, here = getattr(owner, name), f"{path}.{name}"
+        if isinstance(value, Material):
+            for entry in MATERIAL_ENTRIES:
+                yield Input(f"{here}.{entry}", Material.FIELDS[entry], getattr(value, entry))
+        elif hasattr(value, "FIELDS"):
+            yield from _entries(here, value)
+        elif field.low is not None and not isinstance(value, tuple) and name != "work_of_adhesion":
+            missing = value is None or (name == "radius" and math.isinf(value))
+            if not missing or (name == "mass" and owner.material is not None):
+                yield Input(here, field, None if value is None else float(value))

@@ -1,0 +1,181 @@
+"""The laws that the page offers: their curves, and the formulas of their scales."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from film_model.base.units import DIMENSIONS, scene_unit
+from film_model.core import native
+from film_model.explorer.formulas import entry_of, problem_function
+from film_model.laws import LAWS, AbstractLaw
+from film_model.laws.example_ball import example_ball
+from film_model.laws.law import SCENE_FIELDS, Power, law_fields
+from film_model.problem.curve import Curve, curve_of
+from film_model.problem.families import EDGES, Page, page_between, page_of
+from film_model.problem.law_of_scene import SceneLaw, law_named, law_values
+from film_model.scene import Scene
+
+FAMILIES = ("elastic", "yields")
+"""Families whose laws are offered for every scene; the law that a scene names is offered too."""
+
+ALL_SHAPES = float(EDGES[0]), float(EDGES[-1])
+"""Least and largest shape of a law that the page has."""
+
+_PROBES = (0.7, 1.3)
+"""Factors on a value: if the curve stays the same, the value may change on the page."""
+
+
+@dataclass(frozen=True)
+class PageLaw:
+    """A law as the page has it.
+
+    law: with the scene's values. derived: its own parameters follow from them. fixed: names of values on which the
+    curve depends. The page offers the law only for these values of them.
+    """
+
+    name: str
+    law: AbstractLaw
+    derived: bool
+    fixed: frozenset[str]
+
+    @property
+    def page(self) -> Page | None:
+        """The curves of all shapes that a law with a shape may have here."""
+        return page_between(self.law.of_shape(EDGES[2]), *ALL_SHAPES) if page_of(self.law) is not None else None
+
+    @property
+    def curve(self) -> Curve:
+        """Its curve."""
+        return curve_of(self.law)
+
+    @property
+    def _derived(self) -> list[str]:
+        return _required(LAWS[self.name]) if self.derived else []
+
+    @property
+    def own(self) -> Mapping[str, Any]:
+        """Its own parameters that do not follow from the scene, SI or words."""
+        inner = getattr(self.law, "law", self.law)
+        names = [] if self.derived else type(inner).parameters
+        return {name: getattr(inner, name) for name in names if getattr(inner, name, None) is not None}
+
+    def function(self, name: str, template: Scene) -> str:
+        """The JavaScript of its scales and starting values."""
+        return problem_function(name, template, self.law, self.fixed, self.derived)
+
+    @property
+    def embedded(self) -> bytes:
+        """The curve for the page; of a law with a shape, with all pieces that any of them needs."""
+        return bytes(self.curve.native if self.page is None else self.page.whole)
+
+    def to_dict(self, function: str, place: int) -> dict[str, Any]:
+        """What the page needs of it. place: of its curve among the curves of the page."""
+        curve, kind = self.curve, LAWS[self.name]
+        stages = [curve.native.stage[k].unloading for k in range(curve.native.stages)]
+        return {
+            "name": self.name,
+            "summary": kind.summary,
+            "source": kind.source,
+            "validity": kind.validity,
+            "family": kind.family,
+            "function": function,
+            "curve": place,
+            "stages": list(curve.stage_names),
+            "fit_error": curve.fit_error,
+            "clearance": curve.clearance,
+            "ratio": curve.unloading_ratio,
+            "dissipates": any(rule != native.RETRACE for rule in stages),
+            "remarks": [*self.law.remarks(), *curve.warnings],
+            "shape": None if self.page is None else _shape_data(self.page),
+            "needs": [entry_of(name) for name in SCENE_FIELDS if name in law_fields(kind) and name not in self.fixed],
+            "derived": [[key, scene_unit(kind.parameters[key].dimension)] for key in self._derived],
+            "fixed": {entry_of(name): value for name, value in _values(self.law).items() if name in self.fixed},
+            "own": {key: list(value) if isinstance(value, tuple) else value for key, value in self.own.items()},
+        }
+
+
+def laws_of(scene: Scene) -> Iterator[PageLaw]:
+    """The laws that a scene allows: the scene's own, and those of `FAMILIES`."""
+    for name, kind in LAWS.items():
+        own = scene.contact.law == name
+        if kind.damped or not (own or (kind.family in FAMILIES and _plain(kind))):
+            continue
+        try:
+            law = _law(scene, name, own)
+        except (TypeError, ValueError):  # a value is missing, or outside the law's range
+            continue
+        absent = {field for field in _values(law) if getattr(scene, entry_of(field)) is None}
+        fixed = absent | {field for field in _values(law) if _shapes(law, field)}
+        yield PageLaw(name, law, not own and bool(_required(kind)), frozenset(fixed))
+
+
+def _law(scene: Scene, name: str, own: bool) -> AbstractLaw:
+    """A named law with the scene's values, and with those of its example if the scene does not have them."""
+    kind = LAWS[name]
+    if own or not _required(kind):
+        law = law_named(scene, name).at()
+    else:
+        ball = example_ball(
+            *(getattr(scene, entry) for entry in ("effective_modulus", "effective_radius", "yield_strength")),
+            *(getattr(scene, entry) for entry in ("poissons_ratio", "effective_mass", "approach_velocity")),
+        )
+        law = SceneLaw(kind, {**law_values(scene, kind), **kind.example(ball)}, None, {}).at()
+    law.scales(1.0)
+    return law
+
+
+def _required(kind: type[AbstractLaw]) -> list[str]:
+    return [name for name, parameter in kind.parameters.items() if parameter.required]
+
+
+def _plain(kind: type[AbstractLaw]) -> bool:
+    """Whether the law's required parameters have plain units."""
+    return all(kind.parameters[name].dimension in DIMENSIONS for name in _required(kind))
+
+
+def _values(law: AbstractLaw) -> dict[str, Any]:
+    """The values that a law, and the law inside it, take from the scene."""
+    inner = getattr(law, "law", None)
+    found = _values(inner) if isinstance(inner, AbstractLaw) else {}
+    return found | {name: value for name, value in vars(law).items() if name in SCENE_FIELDS}
+
+
+def _changed(law: AbstractLaw, name: str, factor: float) -> AbstractLaw:
+    changes: dict[str, Any] = {}
+    for field, value in vars(law).items():
+        if isinstance(value, AbstractLaw):
+            changes[field] = _changed(value, name, factor)
+        elif field == name:
+            changes[field] = value * factor
+    return replace(law, **changes)  # type: ignore[type-var]
+
+
+def _shapes(law: AbstractLaw, name: str) -> bool:
+    """Whether the dimensionless curve depends on a value; of a law with a shape, what it does not compute from n."""
+    try:
+        base = _rest(law)
+        return any(_rest(_changed(law, name, factor)) != base for factor in _PROBES)
+    except ValueError:
+        return True
+
+
+def _rest(law: AbstractLaw) -> Any:
+    """The part of the curve that the page has as it is."""
+    if page_of(law) is None:
+        return bytes(curve_of(law).native)
+    *first, last = law.stages()
+    return first, replace(last, end=math.inf, force=Power())
+
+
+def _shape_data(page: Page) -> dict[str, Any]:
+    """The pieces of the last stage, and the places in the curve of what depends on the shape, piece by piece."""
+    family, whole = page.family, page.whole
+    first = whole.stage[whole.stages - 1].first
+    ends = [whole.piece[k].end for k in range(first, whole.pieces)]
+    terms = [[whole.piece[k].force.terms, whole.piece[k].mean.terms] for k in range(first, whole.pieces)]
+    places = family.memory[family.nodes : family.nodes + family.varying]
+    begin = whole.stage[whole.stages - 1].begin
+    return {"edges": [begin, *ends], "terms": terms, "places": places.astype(int).tolist(), "range": list(ALL_SHAPES)}

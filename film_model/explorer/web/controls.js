@@ -1,0 +1,223 @@
+// The form: fields with units, sliders, choices.
+
+const STEPS = 1000;
+
+/** @param {string} id */
+function byId(id) {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`no element ${id}`);
+  return found;
+}
+
+/** @param {string} text */
+function say(text) {
+  byId("said").textContent = text;
+}
+
+/** @template {keyof HTMLElementTagNameMap} K @param {K} name @param {Record<string, string>} attributes @param {(Node|string)[]} children */
+function made(name, attributes, ...children) {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  element.append(...children);
+  return element;
+}
+
+/** The units in which the reader writes the entries. @type {Record<string, string>} */
+const UNITS = {};
+
+/** @param {any} input @param {number|null} value */
+function fieldText(input, value) {
+  if (value === null) return "";
+  if (input.dimension === "dimensionless") return String(value);
+  const unit = (UNITS[input.path] ??= readableUnit(value, input.dimension));
+  return `${shortNumber(value / sizeOf(unit), 12)} ${unit.replaceAll("*", "·")}`;
+}
+
+/** @param {any} input @param {number} place of the slider @returns {number} */
+function sliderValue(input, place) {
+  const [low, high] = input.slider;
+  const share = place / STEPS;
+  const value = input.logarithmic ? low * (high / low) ** share : low + (high - low) * share;
+  return Math.min(Math.max(Number(value.toPrecision(3)), low), high);
+}
+
+/** @param {any} input @param {number|null} value */
+function sliderPlace(input, value) {
+  const [low, high] = input.slider;
+  if (value === null) return STEPS / 2;
+  const share = input.logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
+  return Math.round(STEPS * Math.min(Math.max(share, 0), 1));
+}
+
+/**
+ * One entry: a field for a value with a unit and, outside of materials, a slider.
+ * @param {Scene} scene @param {any} input @param {() => void} changed
+ */
+function entryRow(scene, input, changed) {
+  const id = `entry-${input.path.replaceAll(".", "-")}`;
+  const field = made("input", { id, type: "text", autocomplete: "off", spellcheck: "false", "data-path": input.path });
+  const error = made("span", { id: `${id}-error`, class: "error", role: "alert" });
+  field.setAttribute("aria-describedby", error.id);
+  const row = made("div", { class: "entry" }, made("label", { for: id }, input.label), field);
+  if (input.optional) field.placeholder = input.label === "mass" ? "from the density" : "none";
+  const slider = made("input", { type: "range", min: "0", max: String(STEPS), "aria-label": `${input.label}, slider` });
+  const show = () => {
+    const value = scene.values[input.path];
+    field.value = fieldText(input, value);
+    slider.value = String(sliderPlace(input, value));
+    slider.setAttribute("aria-valuetext", field.value || field.placeholder);
+    field.removeAttribute("aria-invalid");
+    error.textContent = "";
+  };
+  field.addEventListener("change", () => {
+    const problem = typed(scene, input, field.value);
+    if (problem) {
+      field.setAttribute("aria-invalid", "true");
+      error.textContent = problem;
+      return;
+    }
+    show();
+    changed();
+  });
+  slider.addEventListener("input", () => {
+    scene.values[input.path] = sliderValue(input, Number(slider.value));
+    show();
+    changed();
+  });
+  if (!input.path.includes(".material.")) row.append(slider);
+  row.append(error);
+  show();
+  return { row, show };
+}
+
+/** Take a typed text as the value of an entry; returns what is wrong with it. @param {Scene} scene @param {any} input @param {string} text */
+function typed(scene, input, text) {
+  if (!text.trim()) {
+    if (!input.optional) return "a value is needed";
+    scene.values[input.path] = null;
+    return "";
+  }
+  const unit = UNITS[input.path] || input.unit;
+  const found = parseValue(text, input.dimension, unit);
+  if (found.value === undefined) return found.error;
+  if (!inRange(input, found.value)) return `out of range: ${rangeText(input)}`;
+  const [body, part] = input.path.split(".");
+  if (part === "material" && found.value !== scene.values[input.path]) {
+    scene.materials[body] = `${scene.materials[body].replace(/, changed$/u, "")}, changed`;
+  }
+  scene.values[input.path] = found.value;
+  if (found.unit) UNITS[input.path] = found.unit;
+  return "";
+}
+
+/** @param {string} id @param {string} label @param {[string, string][]} options value and text @param {string} value @param {(value: string) => void} changed */
+function choiceRow(id, label, options, value, changed) {
+  const select = made("select", { id }, ...options.map(([key, text]) => made("option", { value: key }, text)));
+  select.value = value;
+  select.addEventListener("change", () => changed(select.value));
+  return made("div", { class: "entry" }, made("label", { for: id }, label), select);
+}
+
+/** A picker of catalogue materials for a body. @param {Scene} scene @param {string} body @param {() => void} changed */
+function materialRow(scene, body, changed) {
+  const own = scene.materials[body];
+  const names = Object.keys(DATA.materials);
+  /** @type {[string, string][]} */
+  const options = names.map((name) => [name, name]);
+  if (!names.includes(own)) options.unshift([own, own || "own values"]);
+  return choiceRow(`material-${body}`, "material", options, own, (name) => {
+    const material = DATA.materials[name];
+    if (!material) return;
+    scene.materials[body] = name;
+    for (const [key, value] of Object.entries(material)) {
+      const path = `${body}.material.${key}`;
+      if (path in scene.values) scene.values[path] = /** @type {number|null} */ (value);
+    }
+    changed();
+  });
+}
+
+/**
+ * The whole form of a scene. @param {Scene} scene @param {() => void} changed a value @param {() => void} replaced what entries there are
+ */
+function buildForm(scene, changed, replaced) {
+  const titles = { impactor: "Impactor", target: `Target: ${scene.base.kind}`, contact: "Contact" };
+  const rows = /** @type {{show: () => void}[]} */ ([]);
+  const refresh = () => rows.forEach((row) => row.show());
+  const parts = Object.entries(titles).map(([body, title]) => {
+    const group = made("fieldset", {}, made("legend", {}, title));
+    const material = made("details", {}, made("summary", {}, "material values"));
+    if (body in scene.materials) {
+      group.append(materialRow(scene, body, () => (refresh(), changed())));
+    }
+    for (const input of scene.base.inputs) {
+      if (!input.path.startsWith(`${body}.`)) continue;
+      const entry = entryRow(scene, input, changed);
+      rows.push(entry);
+      (input.path.includes(".material.") ? material : group).append(entry.row);
+    }
+    if (material.childElementCount > 1) group.append(material);
+    if (body === "target") group.insertBefore(kindRow(scene, replaced), group.children[1] ?? null);
+    if (body === "contact") group.append(lawRow(scene, changed));
+    return group;
+  });
+  byId("form").replaceChildren(...parts, effectsGroup(scene, changed), solverGroup(scene, changed));
+}
+
+/** @param {Scene} scene @param {() => void} replaced */
+function kindRow(scene, replaced) {
+  const kinds = [...new Set(DATA.scenes.map((/** @type {any} */ base) => base.kind))];
+  return choiceRow("kind", "kind", kinds.map((kind) => [kind, kind]), scene.base.kind, (kind) => {
+    const bases = DATA.scenes.filter((/** @type {any} */ entry) => entry.kind === kind);
+    const base = bases.find((/** @type {any} */ entry) => entry.table.target.material && entry.table.impactor.velocity);
+    const next = sceneOf(base ?? bases[0]);
+    for (const [path, value] of Object.entries(scene.values)) {
+      if (path.startsWith("impactor.") && path in next.values) next.values[path] = value;
+    }
+    if (scene.materials.impactor && next.materials.impactor !== undefined) next.materials.impactor = scene.materials.impactor;
+    Object.assign(scene, next);
+    replaced();
+  });
+}
+
+/** @param {Scene} scene @param {() => void} changed */
+function lawRow(scene, changed) {
+  /** @type {[string, string][]} */
+  const options = lawNames(scene).map((name) => [name, name === "auto" ? "auto" : name]);
+  return choiceRow("law", "law", options, scene.law, (name) => {
+    scene.law = name;
+    changed();
+  });
+}
+
+/** @param {Scene} scene @param {() => void} changed */
+function effectsGroup(scene, changed) {
+  /** @type {[string, string][]} */
+  const options = [["auto", "if it matters"], ["true", "always"], ["false", "never"]];
+  const rows = Object.keys(scene.effects).map((name) =>
+    choiceRow(`effect-${name}`, name.replaceAll("_", " "), options, String(scene.effects[name]), (value) => {
+      scene.effects[name] = value === "auto" ? value : value === "true";
+      changed();
+    }),
+  );
+  return made("fieldset", {}, made("legend", {}, "Effects"), ...rows);
+}
+
+/** @param {Scene} scene @param {() => void} changed */
+function solverGroup(scene, changed) {
+  const { solver } = scene;
+  const how = solver.segments === null ? `1e${Math.round(Math.log10(solver.accuracy ?? 1e-4))}` : "segments";
+  /** @type {[string, string][]} */
+  const options = [2, 3, 4, 5, 6, 8, 10, 12].map((power) => [`1e-${power}`, `relative error 1e-${power}`]);
+  if (solver.segments !== null) options.unshift(["segments", `${solver.segments} segments per stage`]);
+  const accuracy = choiceRow("accuracy", "accuracy", options, how, (value) => {
+    if (value !== "segments") Object.assign(solver, { accuracy: Number(value), segments: null });
+    changed();
+  });
+  const lines = /** @type {[string, string][]} */ (["work-preserving", "chord"].map((name) => [name, name]));
+  const line = choiceRow("linearisation", "segments are", lines, solver.linearisation, (value) => {
+    solver.linearisation = value;
+    changed();
+  });
+  return made("fieldset", {}, made("legend", {}, "Accuracy"), accuracy, line);
+}

@@ -1,0 +1,288 @@
+// The core in WebAssembly: its memory, and its functions with JavaScript's numbers.
+
+const EVENT = 1;
+const BAD_NUMBER = -1;
+const FULL = -7;
+const HALVINGS = 32;
+const KEPT = 8; // curves of shapes that are kept
+
+/**
+ * The core's summary of one contact, with its status.
+ * @typedef {Record<string, number>} Impact
+ */
+
+class Core {
+  /**
+   * @param {WebAssembly.Instance} instance
+   * @param {any} layout
+   * @param {Uint8Array} curves
+   */
+  constructor(instance, layout, curves) {
+    this.c = /** @type {any} */ (instance.exports);
+    this.layout = layout;
+    /** @type {Map<string, number>} */
+    this.meshes = new Map();
+    this.c._initialize();
+    this.top = Number(this.c.__heap_base.value);
+    this.top += (8 - (this.top % 8)) % 8;
+    this.curves = this.allocate(curves.length);
+    new Uint8Array(this.c.memory.buffer).set(curves, this.curves);
+    this.start = this.allocate(layout.start.size);
+    this.result = this.allocate(layout.summary.size);
+    this.other = this.allocate(layout.summary.size);
+    this.state = this.allocate(layout.state.size);
+    this.counts = this.allocate(8);
+    /** The shapes of curves, and where the curves are. @type {Map<string, number>} */
+    this.shapes = new Map();
+    this.family = this.allocate(32);
+    this.numbers = this.allocate(65536);
+    this.shaped = Array.from({ length: KEPT }, () => this.allocate(layout.curve));
+    this.fixedTop = this.top;
+  }
+
+  /** The address of new memory. @param {number} size in bytes */
+  allocate(size) {
+    const place = this.top;
+    this.top += size + ((8 - (size % 8)) % 8);
+    const missing = this.top - this.c.memory.buffer.byteLength;
+    if (missing > 0) this.c.memory.grow(Math.ceil(missing / 65536));
+    return place;
+  }
+
+  view() {
+    return new DataView(this.c.memory.buffer);
+  }
+
+  /** The address of a curve. @param {number} index */
+  curve(index) {
+    return this.curves + index * this.layout.curve;
+  }
+
+  /**
+   * The address of the curve of a law with a shape: the force of its last stage, from the law's own formula, in series.
+   * @param {any} law @param {any} n numbers of the scene
+   */
+  curveOfShape(law, n) {
+    const { shape, end } = FORMULAS[law.shape.function](n);
+    const [low, high] = law.shape.range;
+    if (!(shape >= low && shape < high)) throw new Unsupported(`law ${law.name} is not on this page for a shape of ${shape}`);
+    const key = `${law.curve} ${law.shape.force} ${shape} ${end}`;
+    const known = this.shapes.get(key);
+    if (known !== undefined) return known;
+    const place = this.shapes.size < KEPT ? this.shaped[this.shapes.size] : this.forget();
+    const numbers = lastStage(law, n, end);
+    const view = this.view();
+    new Float64Array(this.c.memory.buffer, this.numbers, numbers.length).set(numbers);
+    view.setFloat64(this.family, low, true);
+    view.setFloat64(this.family + 8, high, true);
+    view.setInt32(this.family + 16, 2, true);
+    view.setInt32(this.family + 20, law.shape.places.length, true);
+    view.setUint32(this.family + 24, this.numbers, true);
+    const whole = this.curve(law.curve);
+    new Uint8Array(this.c.memory.buffer).copyWithin(place, whole, whole + this.layout.curve);
+    const status = this.c.film_shape(this.family, whole, shape, place);
+    if (status !== 0) throw new Failure(status);
+    this.shapes.set(key, place);
+    return place;
+  }
+
+  /** Give up the oldest of the shapes; the place of its curve. */
+  forget() {
+    const [[key, place]] = this.shapes;
+    this.shapes.delete(key);
+    return place;
+  }
+
+  /**
+   * The mesh for these numbers of segments; meshes are kept until they fill too much memory.
+   * @param {string} linearisation @param {number} loading @param {number} unloading
+   */
+  mesh(linearisation, loading, unloading) {
+    const key = `${linearisation} ${loading} ${unloading}`;
+    const known = this.meshes.get(key);
+    if (known !== undefined) return known;
+    if (this.top - this.fixedTop > 64e6) {
+      this.meshes.clear();
+      this.top = this.fixedTop;
+    }
+    const mesh = this.allocate(128);
+    const nodes = this.allocate(8 * this.c.film_mesh_size(loading, unloading));
+    const status = this.c.film_mesh_init(mesh, linearisation === "chord" ? 0 : 1, loading, unloading, nodes);
+    if (status !== 0) throw new Failure(status);
+    this.meshes.set(key, mesh);
+    return mesh;
+  }
+
+  /** @param {any} p problem @param {number} curve address @param {number} mesh address @returns {Impact} */
+  impact(p, curve, mesh) {
+    this.writeStart(p);
+    const status = this.c.film_impact(curve, mesh, this.start, this.result);
+    return { status, ...this.read("summary", this.result, ["stage", "lines"]) };
+  }
+
+  /** @param {any} p problem */
+  writeStart(p) {
+    const view = this.view();
+    const values = { nu: p.approach, gamma: p.gamma, load: p.load, stop_velocity: p.stop_velocity };
+    const all = { ...values, time_limit: p.limit, damping: p.damping };
+    for (const [name, value] of Object.entries(all)) view.setFloat64(this.start + this.layout.start[name], value, true);
+  }
+
+  /** @param {number} place @param {Impact} summary */
+  writeSummary(place, summary) {
+    const view = this.view();
+    for (const [name, offset] of Object.entries(this.layout.summary)) {
+      if (name === "stage" || name === "lines") view.setInt32(place + offset, summary[name], true);
+      else if (name !== "size") view.setFloat64(place + offset, summary[name], true);
+    }
+  }
+
+  /** The largest relative difference of two summaries of a problem, relative to the second. @param {any} p @param {Impact} a @param {Impact} b */
+  compare(p, a, b) {
+    this.writeStart(p);
+    this.writeSummary(this.result, a);
+    this.writeSummary(this.other, b);
+    this.c.film_compare(1n, this.start, this.result, this.other, this.counts);
+    return this.view().getFloat64(this.counts, true);
+  }
+
+  /** How much rounding may change a summary. @param {any} p @param {number} curve @param {Impact} summary @param {number} clearance */
+  rounding(p, curve, summary, clearance) {
+    this.writeStart(p);
+    this.writeSummary(this.result, summary);
+    this.c.film_rounding(curve, 1n, this.start, this.result, clearance, this.counts);
+    return this.view().getFloat64(this.counts, true);
+  }
+
+  /** The numbers of a structure. @param {string} kind @param {number} place @param {string[]} whole */
+  read(kind, place, whole) {
+    const view = this.view();
+    /** @type {Record<string, number>} */
+    const found = {};
+    for (const [name, offset] of Object.entries(this.layout[kind])) {
+      if (name === "size") continue;
+      found[name] = whole.includes(name) ? view.getInt32(place + offset, true) : view.getFloat64(place + offset, true);
+    }
+    return found;
+  }
+
+  /** Put the start of a contact into the state. @param {any} p @param {number} curve */
+  begin(p, curve) {
+    let status = this.c.film_init(curve, this.state, -0, p.approach, p.gamma, p.load, p.stop_velocity);
+    if (status === 0) status = this.c.film_damp(this.state, p.damping);
+    if (status !== 0) throw new Failure(BAD_NUMBER);
+  }
+
+  /**
+   * Indentation and velocity of an impactor that creeps in, at the time limit divided by powers of 2.
+   * @param {any} p @param {number} curve @param {number} mesh
+   */
+  creep(p, curve, mesh) {
+    this.begin(p, curve);
+    return Array.from({ length: HALVINGS + 1 }, (_, k) => {
+      const until = p.limit * 2 ** (k - HALVINGS);
+      while (this.c.film_step(curve, mesh, this.state, Math.max(until - this.motionAt(this.state).time, 0)) === EVENT);
+      const { xi, nu } = this.motionAt(this.state);
+      return [xi, nu];
+    });
+  }
+
+  /**
+   * Every segment of a contact, and the motion at its events.
+   * @param {any} p @param {number} curve @param {number} mesh @param {number} room segments that there may be
+   * @returns {any}
+   */
+  record(p, curve, mesh, room) {
+    const { line, state } = this.layout;
+    const top = this.top;
+    this.begin(p, curve);
+    const lines = this.allocate(room * line.size);
+    const events = this.allocate(4096 * state.size);
+    const [count, met] = [this.counts, this.counts + 4];
+    const status = this.c.film_record(curve, mesh, this.state, p.limit, lines, room, count, events, 4096, met);
+    const view = this.view();
+    const found = { status, lines, count: view.getInt32(count, true), top, end: this.motionAt(this.state) };
+    const names = Array.from({ length: view.getInt32(met, true) }, (_, k) => this.motionAt(events + k * state.size));
+    if (status !== FULL || room > 4e6 || names.length >= 4096) return { ...found, events: names };
+    this.top = top;
+    return this.record(p, curve, mesh, 4 * room);
+  }
+
+  /** @param {number} place of a state */
+  motionAt(place) {
+    const view = this.view();
+    const { state, events } = this.layout;
+    /** @param {string} name */
+    const number = (name) => view.getFloat64(place + state[name], true);
+    return {
+      name: events[view.getInt32(place + state.event, true)],
+      branch: view.getInt32(place + state.branch, true),
+      time: number("time"),
+      xi: number("xi"),
+      nu: number("nu"),
+      force: number("force"),
+      shift: number("shift"),
+      spent: number("spent"),
+      peak: Math.max(number("force_peak"), number("force")),
+    };
+  }
+
+  /**
+   * Indentation, its rate, force, velocity and displacement of the target at ascending times: five numbers for each.
+   * @param {number} curve @param {any} recorded @param {Float64Array} times
+   */
+  sample(curve, recorded, times) {
+    const top = this.top;
+    const at = this.allocate(8 * times.length);
+    const values = this.allocate(40 * times.length);
+    const branches = this.allocate(2 * times.length);
+    new Float64Array(this.c.memory.buffer, at, times.length).set(times);
+    const { lines, count } = recorded;
+    const phases = branches + times.length;
+    this.c.film_sample(curve, lines, count, at, BigInt(times.length), values, branches, phases);
+    const found = {
+      values: new Float64Array(this.c.memory.buffer, values, 5 * times.length).slice(),
+      branches: new Int8Array(this.c.memory.buffer, branches, times.length).slice(),
+    };
+    this.top = top;
+    return found;
+  }
+}
+
+/**
+ * The numbers of a law's last stage for the core: a family of one shape, whose series over shapes are constant.
+ * @param {any} law @param {any} n @param {number} end
+ */
+function lastStage(law, n, end) {
+  const { edges, terms, places, force } = law.shape;
+  const { points, force: toForce, mean: toMean } = DATA.series;
+  const row = new Float64Array(places.length);
+  let [at, work] = [0, 0];
+  for (let k = 0; k < terms.length; k++) {
+    const [a, b] = [edges[k], edges[k + 1]];
+    const inside = k === 0 || a < end;
+    const values = inside ? points.map((/** @type {number} */ x) => FORMULAS[force](n, a + (b - a) * 0.5 * (1 + x)).force) : points.map(() => 0);
+    const series = product(toForce, values);
+    const mean = product(toMean, series);
+    row[at] = -work;
+    row.set(series.slice(0, terms[k][0]), at + 1);
+    row.set(mean.slice(0, terms[k][1]), at + 1 + terms[k][0]);
+    at += 1 + terms[k][0] + terms[k][1];
+    work += (b - a) * mean.reduce((sum, value) => sum + value, 0);
+  }
+  return Float64Array.from([Math.log(end), 0, ...places, ...row, ...new Float64Array(places.length)]);
+}
+
+/** A matrix times a vector. @param {number[][]} matrix @param {number[]} vector */
+function product(matrix, vector) {
+  return matrix.map((row) => row.reduce((sum, factor, k) => sum + factor * vector[k], 0));
+}
+
+/** A contact that the core cannot march. */
+class Failure extends Error {
+  /** @param {number} status */
+  constructor(status) {
+    super(DATA.statuses[String(status)] ?? `the core failed with status ${status}`);
+    this.status = status;
+  }
+}

@@ -1,0 +1,319 @@
+// One impact: which effects are simulated, the mesh, the march, the summary. The formulas are the recorded ones.
+
+/**
+ * A scene on the page. base: the scene of DATA from which it comes; values: its entries by path, SI, null if missing.
+ * @typedef {{base: any, values: Record<string, number|null>, title: string, materials: Record<string, string>,
+ *   law: string, effects: Record<string, string|boolean>, tolerance: number|null,
+ *   solver: {accuracy: number|null, segments: number|null, linearisation: string}}} Scene
+ */
+
+class Unsupported extends Error {}
+
+/** The entries of a scene for the recorded formulas. @param {Scene} scene */
+function entriesOf(scene) {
+  /** @type {Record<string, number>} */
+  const entries = {};
+  for (const [path, value] of Object.entries(scene.values)) entries[path] = value ?? Infinity;
+  for (const body of ["impactor", "target"]) {
+    if (`${body}.mass` in scene.values && scene.values[`${body}.mass`] === null) {
+      const radius = entries[`${body}.radius`];
+      entries[`${body}.mass`] = FORMULAS.sphereMass(radius, entries[`${body}.material.density`]).mass;
+    }
+  }
+  return entries;
+}
+
+/** The numbers of a scene. @param {Scene} scene */
+function numbersOf(scene) {
+  const x = entriesOf(scene);
+  const [d11, d12, d22] = ["D11", "D12", "D22"].map((name) => x[`target.bending_stiffness.${name}`] ?? 0);
+  if (d11 && d12 ** 2 >= d11 * d22) throw new Unsupported("D12 must be smaller than √(D11 D22): otherwise the plate has negative bending energy");
+  const n = FORMULAS[scene.base.numbers](x);
+  if (!(n.approach > 0)) throw new Unsupported("the impactor does not approach the target: there is no impact");
+  return n;
+}
+
+/** The law of that name, if the scene's values allow it; otherwise the reason. @param {Scene} scene @param {any} n @param {string} name */
+function lawOf(scene, n, name) {
+  let reason = `law ${name} is not on this page`;
+  for (const index of scene.base.laws) {
+    const law = DATA.laws[index];
+    if (law.name !== name) continue;
+    const missing = law.needs.filter((/** @type {string} */ entry) => Number.isNaN(n[entry]) || n[entry] === Infinity);
+    if (missing.length) return { reason: `law ${name} needs a ${missing[0].replaceAll("_", " ")}` };
+    const off = Object.entries(law.fixed).filter(([entry, value]) => n[entry] !== value);
+    if (!off.length) return { law };
+    const what = off.map(([entry]) => entry.replaceAll("_", " ")).join(" and ");
+    reason = `law ${name} is available here for the ${what} of the scene as given only: its curve depends on it`;
+  }
+  return { reason };
+}
+
+/** @param {Scene} scene @param {any} n @param {string} name */
+function lawOrThrow(scene, n, name) {
+  const { law, reason } = lawOf(scene, n, name);
+  if (!law) throw new Unsupported(reason ?? "");
+  return law;
+}
+
+/** Everything that is needed to march one impact under a law. @param {any} law @param {any} n @param {number} impedance @param {number} load */
+function problemOf(law, n, impedance, load) {
+  const p = FORMULAS[law.function](n, impedance, load);
+  if (!(p.length > 0 && p.length < Infinity && p.force > 0 && p.force < Infinity)) {
+    throw new Unsupported(`law ${law.name}: its scales are ${p.length} m and ${p.force} N`);
+  }
+  return { law, p, impedance, load, curve: law.shape ? CORE.curveOfShape(law, n) : CORE.curve(law.curve) };
+}
+
+/** @typedef {ReturnType<typeof problemOf>} Problem */
+
+/** @param {Problem} problem @param {string} linearisation @param {number[]} counts */
+function march(problem, linearisation, counts) {
+  return CORE.impact(problem.p, problem.curve, CORE.mesh(linearisation, counts[0], counts[1]));
+}
+
+/** The impact on a coarse mesh, to decide effects. @param {Problem} problem */
+function trial(problem) {
+  const n = DATA.constants.trial_segments;
+  return march(problem, "work-preserving", [n, problem.law.ratio * n]);
+}
+
+/** The change of the summary between a problem with an effect and one without. @param {Problem} full @param {Problem} without */
+function changeOf(full, without) {
+  return FORMULAS.change(full.p, trial(full), without.p, trial(without)).change;
+}
+
+/** @param {Scene} scene */
+function toleranceOf(scene) {
+  return scene.tolerance ?? Math.max(DATA.constants.tolerance, scene.solver.accuracy ?? 0);
+}
+
+/**
+ * Law, load and target motion of a scene, with the change that each effect makes.
+ * @param {Scene} scene @param {any} n
+ */
+function choose(scene, n) {
+  const { plasticity, target_motion: motion, gravity } = scene.effects;
+  const tolerance = toleranceOf(scene);
+  const { elastic, yielding } = DATA.constants;
+  const yields = gravity === false ? n.yields_light : n.yields;
+  const automatic = scene.law === "auto";
+  const plastic = plasticity === true || (plasticity !== false && yields === true && n.able);
+  const law = lawOrThrow(scene, n, automatic ? (plastic ? yielding : elastic) : scene.law);
+  const own = motion === false ? Infinity : n.impedance;
+  const light = problemOf(law, n, own, 0);
+  /** @type {Record<string, {simulated: boolean, change: number|null}>} */
+  const found = {};
+
+  let heavy = gravity === true && !scene.base.free;
+  if (!scene.base.free) {
+    const pressed = problemOf(law, n, own, n.weight);
+    const size = FORMULAS.gravityChange(pressed.p, trial(pressed), light.p, trial(light), n).change;
+    if (gravity === "auto") heavy = !(size <= tolerance);
+    found.gravity = { simulated: heavy, change: size };
+  }
+  const moved = heavy ? problemOf(law, n, own, n.weight) : light;
+
+  let moves = own < Infinity;
+  if (moves) {
+    const size = changeOf(moved, problemOf(law, n, Infinity, moved.load));
+    if (motion === "auto") moves = !(size <= tolerance);
+    found.target_motion = { simulated: moves, change: size };
+  }
+  let problem = moves ? moved : problemOf(law, n, Infinity, moved.load);
+
+  const free = lawOf(scene, n, elastic).law;
+  let keeps = true;
+  if (law.dissipates && free) {
+    const without = problemOf(free, n, problem.impedance, problem.load);
+    const size = changeOf(problem, without);
+    if (automatic && plasticity === "auto") keeps = !(size <= tolerance);
+    found.plasticity = { simulated: keeps, change: size };
+    if (!keeps) problem = without;
+  } else if (yields === false) {
+    found.plasticity = { simulated: false, change: 0 };
+  }
+  return { problem, found, edges: edgesOf(scene, n, light, tolerance) };
+}
+
+/** The change by waves from the edges of a plate, if the page can judge it; null if the plate has none. @param {Scene} scene @param {any} n @param {Problem} light @param {number} tolerance */
+function edgesOf(scene, n, light, tolerance) {
+  if (!scene.base.reflections || scene.base.edges === false || scene.effects.target_motion === false) return null;
+  const change = FORMULAS[scene.base.reflections](entriesOf(scene), light.p, trial(light)).change;
+  return { change, matter: !(change < tolerance / DATA.constants.sure) };
+}
+
+/** Segments of loading and unloading. @param {Problem} problem @param {number} n @returns {number[]} */
+function countsFor(problem, n) {
+  return [n, problem.law.ratio * n];
+}
+
+/** @param {Problem} problem @param {string} linearisation @param {number[]} counts */
+function marchOrThrow(problem, linearisation, counts) {
+  const found = march(problem, linearisation, counts);
+  if (found.status < 0) throw new Failure(found.status);
+  return found;
+}
+
+/**
+ * Largest relative difference of the summaries on two meshes; of the motion itself if there is no deepest point.
+ * @param {Problem} problem @param {string} line @param {number[][]} counts @param {Impact} a @param {Impact} b
+ */
+function apart(problem, line, counts, a, b) {
+  const off = CORE.compare(problem.p, a, b);
+  if (a.maximum_indentation > 0 || b.maximum_indentation > 0 || !Number.isFinite(problem.p.limit)) return off;
+  const ways = counts.map(([loading, unloading]) => CORE.creep(problem.p, problem.curve, CORE.mesh(line, loading, unloading)));
+  const [first, second] = ways;
+  const worst = second[0].map((_, column) => {
+    const differences = first.map((row, k) => Math.abs(row[column] - second[k][column]));
+    return Math.max(...differences) / Math.max(...second.map((row) => Math.abs(row[column])), 1e-300);
+  });
+  return Math.max(off, ...worst);
+}
+
+/** Segments that meet the accuracy, doubled until two meshes agree, and the error estimate. @param {Problem} problem @param {Scene["solver"]} solver */
+function refine(problem, solver) {
+  const { first_segments: first, most_segments: most, order_factor: order, regular_fall: falls } = DATA.constants;
+  const line = solver.linearisation;
+  const accuracy = solver.accuracy ?? DATA.constants.accuracy;
+  let n = first;
+  const counts = [n / 2, n].map((k) => countsFor(problem, k));
+  const [coarsest, start] = counts.map((each) => marchOrThrow(problem, line, each));
+  let [coarse, before, last] = [start, apart(problem, line, counts, coarsest, start), Infinity];
+  for (;;) {
+    n *= 2;
+    const here = [countsFor(problem, n / 2), countsFor(problem, n)];
+    const fine = marchOrThrow(problem, line, here[1]);
+    const off = apart(problem, line, here, coarse, fine);
+    const error = order[line][1] * Math.max(off, before / falls[line]);
+    before = off;
+    const rounds = roundingOf(problem, fine);
+    const estimated = error + rounds;
+    if (estimated <= accuracy) return { counts: here[1], estimated, warning: "" };
+    if (n >= most || error < rounds || (estimated > 0.7 * last && estimated < 1e-9)) {
+      const reached = `the estimated relative error is ${estimated.toExponential(1)} with ${n} segments per stage`;
+      return { counts: here[1], estimated, warning: `accuracy ${accuracy} is not reached: ${reached}` };
+    }
+    [coarse, last] = [fine, estimated];
+  }
+}
+
+/** @param {Problem} problem @param {Impact} summary */
+function roundingOf(problem, summary) {
+  return CORE.rounding(problem.p, problem.curve, summary, problem.law.clearance);
+}
+
+/** The error estimate for a number of segments. @param {Problem} problem @param {Scene["solver"]} solver */
+function estimate(problem, solver) {
+  const n = solver.segments ?? DATA.constants.first_segments;
+  const line = solver.linearisation;
+  const [given, double] = [n, 2 * n].map((k) => marchOrThrow(problem, line, [k, k]));
+  const off = apart(problem, line, [[n, n], [2 * n, 2 * n]], given, double);
+  const estimated = DATA.constants.order_factor[line][0] * off + roundingOf(problem, given);
+  return { counts: [n, n], estimated, warning: "" };
+}
+
+/** Segments, recorded motion and the core's summary of it. @param {Problem} problem @param {string} line @param {number[]} counts */
+function recorded(problem, line, counts) {
+  const { p, law } = problem;
+  const room = (counts[0] + 2) * (law.stages.length + 1) + 4 * counts[1] + 64;
+  const found = CORE.record(p, problem.curve, CORE.mesh(line, counts[0], counts[1]), room);
+  if (found.status < 0) {
+    CORE.top = found.top;
+    throw new Failure(found.status);
+  }
+  const { grazing, deeper } = DATA.constants;
+  let { status, events, end } = found;
+  const rounding = grazing * p.load * Math.max(0, ...events.map((/** @type {any} */ e) => e.xi));
+  if (status === EVENT && p.load > 0 && end.nu ** 2 <= rounding && p.approach ** 2 <= rounding) {
+    status = 0;
+    events = events.slice(0, -1);
+  }
+  const last = events.at(-1);
+  const core = { status, maximum_force: end.peak, maximum_indentation: 0, time_of_maximum_indentation: NaN };
+  const times = { time_impactor_stops: NaN, contact_duration: NaN };
+  for (const event of events) {
+    if (event.name === "maximum_indentation" && event.xi > core.maximum_indentation * deeper) {
+      core.maximum_indentation = event.xi;
+      core.time_of_maximum_indentation = event.time;
+    } else if (event.name === "impactor_stops" && Number.isNaN(times.time_impactor_stops)) {
+      times.time_impactor_stops = event.time;
+    } else if (event.name === "contact_ends") {
+      times.contact_duration = event.time;
+    }
+  }
+  const at = { permanent_indentation: last.xi, final_velocity: last.nu, shift: last.shift, work: last.spent };
+  return { ...found, status, events, core: { ...core, ...times, ...at } };
+}
+
+/**
+ * The impact of a scene: what film-model run computes. samples: at how many times the motion is sampled.
+ * @param {Scene} scene @param {number} samples
+ */
+function simulate(scene, samples) {
+  const n = numbersOf(scene);
+  if (scene.base.given && n.impedance === Infinity) {
+    throw new Unsupported(`${scene.base.given.reason}, which this page cannot simulate: it shows the scene as given only`);
+  }
+  const choice = choose(scene, n);
+  return { n, choice, ...run(scene, n, choice.problem, samples) };
+}
+
+/**
+ * n: numbers of the scene. choice: what is simulated; its problem is null for a result that Python computed.
+ * @typedef {ReturnType<typeof run> & {n: any, choice: {problem: Problem|null, found: ReturnType<typeof choose>["found"],
+ *   edges: ReturnType<typeof edgesOf>}}} Result
+ */
+
+/** Python's result of a scene that the page cannot simulate. @param {Scene} scene @returns {Result} */
+function givenResult(scene) {
+  const { given } = scene.base;
+  /** @type {Record<string, Float64Array>} */
+  const motion = {};
+  for (const [name, values] of Object.entries(given.motion)) motion[name] = Float64Array.from(/** @type {number[]} */ (values));
+  const summary = Object.fromEntries(Object.entries(given.summary).map(([name, value]) => [name, value ?? NaN]));
+  const { error, segments, warnings, stage } = given;
+  const status = given.ended ? EVENT : 0;
+  const choice = { problem: null, found: {}, edges: null };
+  return { n: numbersOf(scene), choice, summary, error, segments, warnings, counts: [], status, law: { name: given.law }, motion: { motion, stage } };
+}
+
+/** One impact under decided effects. @param {Scene} scene @param {any} n @param {Problem} problem @param {number} samples */
+function run(scene, n, problem, samples) {
+  const solver = scene.solver;
+  const mesh = solver.segments !== null ? estimate(problem, solver) : refine(problem, solver);
+  const found = recorded(problem, solver.linearisation, mesh.counts);
+  const { p, law } = problem;
+  const free = scene.base.free ? "Free" : "Fixed";
+  const summary = FORMULAS[`summary${free}`](p, found.core, n);
+  const warnings = mesh.warning ? [...law.remarks, mesh.warning] : [...law.remarks];
+  const impact = 0.5 * p.approach ** 2 * p.energy;
+  if (summary.energy_absorbed < -1e-9 * impact) {
+    const share = ((-100 * summary.energy_absorbed) / impact).toPrecision(3);
+    warnings.push(`law ${law.name}: its unloading returns more energy than its loading stored (${share} % of the impact energy)`);
+  }
+  const motion = sampled(scene, problem, found, samples);
+  CORE.top = found.top;
+  const error = mesh.estimated + law.fit_error;
+  return { summary, warnings, error, counts: mesh.counts, segments: found.count - 1, motion, status: found.status, law };
+}
+
+/** The motion at evenly spaced times and at the events, SI. @param {Scene} scene @param {Problem} problem @param {any} found @param {number} samples */
+function sampled(scene, problem, found, samples) {
+  const { p, law } = problem;
+  const last = found.events.at(-1).time || found.end.time;
+  const times = Array.from({ length: samples }, (_, k) => (last * k) / (samples - 1));
+  const at = Float64Array.from([...times, ...found.events.map((/** @type {any} */ e) => e.time)]).sort();
+  const { values, branches } = CORE.sample(problem.curve, found, at);
+  const convert = FORMULAS[scene.base.free ? "motionFree" : "motionFixed"];
+  /** @type {Record<string, Float64Array>} */
+  const motion = { time: at.map((t) => t * p.time) };
+  for (const name of Object.keys(DATA.motion)) motion[name] = new Float64Array(at.length);
+  for (let k = 0; k < at.length; k++) {
+    const row = convert(p, motion.time[k], values, 5 * k);
+    for (const name of Object.keys(DATA.motion)) motion[name][k] = row[name];
+  }
+  const stages = [...law.stages, "", "unloading"];
+  const stage = Array.from(branches, (branch) => stages.at(branch));
+  return { motion, stage };
+}

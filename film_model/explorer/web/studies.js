@@ -1,0 +1,85 @@
+// Studies of a scene: every law, restitution against velocity, what accuracy costs.
+
+/** The scene's impact under every law, with the load and target motion of the scene. @param {Scene} scene @param {any} n @param {Problem} problem */
+function everyLaw(scene, n, problem) {
+  const { impedance, load } = problem;
+  return lawNames(scene).filter((name) => name !== "auto").map((name) => {
+    const { law, reason } = lawOf(scene, n, name);
+    if (!law) return { name, reason: reason ?? "" };
+    try {
+      return { name, reason: "", found: run(scene, n, problemOf(law, n, impedance, load), 200) };
+    } catch (error) {
+      return { name, reason: reasonOf(error) };
+    }
+  });
+}
+
+/** @param {unknown} error */
+function reasonOf(error) {
+  if (error instanceof Failure || error instanceof Unsupported) return error.message;
+  throw error;
+}
+
+const VELOCITIES = 41;
+
+/** Velocity and restitution of impacts from a tenth to ten times the scene's velocity. @param {Scene} scene */
+function restitutionCurve(scene) {
+  const path = "impactor.velocity" in scene.values ? "impactor.velocity" : "impactor.drop_height";
+  const power = path === "impactor.velocity" ? 1 : 2;
+  const own = /** @type {number} */ (scene.values[path]);
+  /** @type {{x: number[], y: number[]}} */
+  const curve = { x: [], y: [] };
+  for (let k = 0; k < VELOCITIES; k++) {
+    const factor = 10 ** ((2 * k) / (VELOCITIES - 1) - 1);
+    const other = copyOf(scene);
+    other.values[path] = own * factor ** power;
+    try {
+      const n = numbersOf(other);
+      const { problem } = choose(other, n);
+      const { counts } = scene.solver.segments === null ? refine(problem, scene.solver) : estimate(problem, scene.solver);
+      const core = marchOrThrow(problem, scene.solver.linearisation, counts);
+      const summary = FORMULAS[`summary${scene.base.free ? "Free" : "Fixed"}`](problem.p, core, n);
+      if (!(summary.coefficient_of_restitution >= 0)) continue;
+      curve.x.push(n.approach);
+      curve.y.push(summary.coefficient_of_restitution);
+    } catch (error) {
+      reasonOf(error);
+    }
+  }
+  return curve;
+}
+
+const COUNTS = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256];
+const REFERENCE = 2048;
+
+/** Largest relative error of the summary for numbers of segments, against a fine mesh. @param {Problem} problem */
+function accuracyCurve(problem) {
+  const best = marchOrThrow(problem, "work-preserving", countsFor(problem, REFERENCE));
+  return ["work-preserving", "chord"].map((line) => {
+    /** @type {{name: string, x: number[], y: number[]}} */
+    const curve = { name: line, x: [], y: [] };
+    for (const n of COUNTS) {
+      const found = march(problem, line, countsFor(problem, n));
+      if (found.status < 0) continue;
+      curve.x.push(found.lines);
+      curve.y.push(Math.max(CORE.compare(problem.p, found, best), 1e-15));
+    }
+    return curve;
+  });
+}
+
+/** Energies at the samples, J; the work of the contact force by the trapezoidal rule. @param {Scene} scene @param {Result} result */
+function energiesOf(scene, result) {
+  const { motion } = result.motion;
+  const { impactor_mass: mass, target_mass: other } = result.n;
+  const force = motion.contact_force;
+  /** @param {Float64Array} path */
+  const work = (path) => {
+    let sum = 0;
+    return path.map((x, k) => (sum += k ? 0.5 * (force[k] + force[k - 1]) * (x - path[k - 1]) : 0));
+  };
+  /** @param {number} m @param {Float64Array} v */
+  const kinetic = (m, v) => v.map((x) => 0.5 * m * x * x);
+  const target = scene.base.free ? kinetic(other, motion.target_velocity) : work(motion.target_displacement);
+  return { impactor: kinetic(mass, motion.impactor_velocity), contact: work(motion.indentation), target };
+}

@@ -1,0 +1,105 @@
+"""Methods of histories and scenes that use packages above theirs: pictures, explanations, datasets, notebooks.
+
+`film_model/__init__.py` adds them, so that they exist wherever a history does. The classes
+declare them, for editors.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import os
+from collections.abc import Iterable, Mapping
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+from film_model.base.text import Text
+from film_model.base.units import format_si
+from film_model.problem.summary import SUMMARY
+from film_model.scene import Scene
+from film_model.solve.history import History
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+
+def add_methods() -> None:
+    """Add the methods below to their classes."""
+    of_history = {"plot": plot, "to_dataset": to_dataset, "_repr_html_": history_as_html}
+    of_scene = {"explain": explain, "_repr_html_": scene_as_html}
+    for owner, methods in ((History, of_history), (Scene, of_scene)):
+        for name, method in methods.items():
+            setattr(owner, name, method)
+
+
+def plot(self: History, path: str | os.PathLike[str] | None = None) -> Figure:
+    """The picture of the impact, as a matplotlib figure; written to `path` (.png, .svg or .pdf) if given.
+
+    Raises ImportError without matplotlib.
+    """
+    from film_model.plot.history import plot_history
+
+    return plot_history(self, path)
+
+
+def to_dataset(self: History, samples: int = 201) -> xr.Dataset:
+    """The impact as an xarray.Dataset: motion at evenly spaced times and at all events, summary and segments."""
+    import film_datasets
+
+    return film_datasets.to_dataset(self, samples, "History.to_dataset")
+
+
+def explain(self: Scene, *, verbose: bool = False) -> Text:
+    """What `film-model explain` prints: the effects of the scene, with the numbers that decide.
+
+    verbose: also indicators, thresholds, costs and sources. Raises SimulationError as `simulate` does.
+    """
+    from film_model.studies.explain import effects_text
+
+    return Text(effects_text(self, verbose=verbose))
+
+
+def history_as_html(self: History) -> str:
+    """For notebooks: the summary and the warnings, and the picture if matplotlib is installed."""
+    rows = (
+        (name.replace("_", " "), format_si(value, SUMMARY[name][0], 6))
+        for name, value in self.summary.items()
+        if value is not None
+    )
+    said = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in self.warnings)
+    return _heading(self.scene, repr(self)) + _table(rows) + (f"<ul>{said}</ul>" if said else "") + _picture(self)
+
+
+def scene_as_html(self: Scene) -> str:
+    """For notebooks: every entry of the scene file."""
+    return _heading(self, repr(self)) + _table(_entries("", self.to_table()))
+
+
+def _heading(scene: Scene, line: str) -> str:
+    title = scene.title or f"Impact on a {scene.target.kind}"
+    return f"<p><strong>{html.escape(title)}</strong><br/>{html.escape(line)}</p>"
+
+
+def _table(rows: Iterable[tuple[str, str]]) -> str:
+    cells = "".join(f"<tr><th>{html.escape(name)}</th><td>{html.escape(value)}</td></tr>" for name, value in rows)
+    return f"<table>{cells}</table>"
+
+
+def _entries(path: str, table: Mapping[str, Any]) -> Iterable[tuple[str, str]]:
+    for name, value in table.items():
+        key = f"{path}.{name}".lstrip(".")
+        if isinstance(value, dict):
+            yield from _entries(key, value)
+        else:
+            yield key, str(value)
+
+
+def _picture(history: History) -> str:
+    """The picture as an image inside the page, so that identifiers of several pictures do not meet."""
+    if find_spec("matplotlib") is None:
+        return ""
+    from film_model.plot.style import svg
+
+    data = base64.b64encode(svg(plot(history))).decode("ascii")
+    return f'<img alt="Force, indentation and velocity over time" src="data:image/svg+xml;base64,{data}"/>'

@@ -1,0 +1,225 @@
+"""The picture of one impact: force, indentation, velocities and energies over time, and the force loop."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from film_model.base.units import format_si
+from film_model.plot.style import COLOURS, NO_CONTACT, UNLOADING, picture, plain, prefixed_unit
+from film_model.solve.history import MOTION, SUMMARY, Event, History, Samples
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SAMPLES = 1001  # evenly spaced over the contact: enough for lines without visible corners in print
+
+LABELS = {
+    "contact_begins": "contact again",
+    "stage_changes": "{stage} begins",
+    "maximum_indentation": "maximum indentation",
+    "impactor_stops": "impactor stops",
+    "reloading_begins": "reloading",
+    "contact_ends": "contact ends",
+}
+
+LABEL_ROWS, LETTER = 3, 4.4
+"""Rows of event labels above the panels (a label without room is omitted), and the width of a letter in points."""
+
+NUMBERS = {
+    **{"maximum_force": "peak force", "maximum_indentation": "peak indentation", "contact_duration": "contact"},
+    **{"permanent_indentation": "dent", "rebound_velocity": "rebound", "coefficient_of_restitution": "restitution"},
+}
+STRESSES = {
+    **{"impulse": "impulse", "contact_radius": "contact radius", "dent_diameter": "dent diameter"},
+    **{"mean_pressure": "mean pressure", "peak_pressure": "peak pressure", "maximum_shear_stress": "shear stress"},
+}
+"""Numbers of the first and of the second line, with their words."""
+
+VELOCITIES = {"impactor_velocity": "-", "target_velocity": "--", "relative_velocity": ":"}
+
+SIZE, LEFT = (9.6, 7.0), 0.075  # inches; left margin as a fraction of the width
+
+
+@dataclass(frozen=True)
+class Trace:
+    """The data of the picture. stages: of the law, in order. samples: SI, from first touch to `end` [s].
+
+    energies: J at the samples, by name; empty if they are unknown.
+    """
+
+    title: str
+    law: str
+    stages: tuple[str, ...]
+    samples: Samples
+    end: float
+    events: tuple[Event, ...]
+    summary: Mapping[str, float | None]
+    energies: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, history: History) -> Trace:
+        """The whole contact at evenly spaced times and at all events."""
+        scene, events = history.scene, [event.time for event in history.events]
+        samples = history.sample_si(np.union1d(np.linspace(0.0, history.duration, SAMPLES), events))
+        found = {name: e for name, e in energies(history, samples).items() if e.max() > 1e-6 * scene.kinetic_energy}
+        title = scene.title or f"Impact on a {scene.target.kind}"
+        law, stages = history.problem.law.name, tuple(history.problem.curve.stage_names)
+        return cls(title, law, stages, samples, history.duration, history.events, history.summary, found)
+
+
+def plot_history(history: History | Trace, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
+    """The whole contact, coloured by the stage of the law. Files, errors and dpi: see `style.picture`."""
+    trace = history if isinstance(history, Trace) else Trace.of(history)
+    return picture(path, lambda figure: _draw(figure, trace), SIZE, dpi)
+
+
+def _draw(figure: Figure, trace: Trace) -> None:
+    rows, columns = figure.add_gridspec(
+        1, 2, width_ratios=(1.35, 1.0), left=LEFT, right=0.985, bottom=0.135, top=0.83, wspace=0.2
+    )
+    grid, beside = rows.subgridspec(3, 1, hspace=0.12), columns.subgridspec(2, 1, hspace=0.34)
+    samples = trace.samples
+    force = figure.add_subplot(grid[0])
+    depth = figure.add_subplot(grid[1], sharex=force)
+    speed = figure.add_subplot(grid[2], sharex=force)
+    loop = figure.add_subplot(beside[0] if trace.energies else columns)
+    panels = [force, depth, speed]
+    moved = float(np.abs(samples.target_velocity).max()) > 1e-9 * float(np.abs(samples.impactor_velocity).max())
+    velocities = list(VELOCITIES) if moved else ["impactor_velocity"]
+    _curves(force, trace, "time", ["contact_force"])
+    _curves(depth, trace, "time", ["indentation"])
+    _curves(speed, trace, "time", velocities)
+    _curves(loop, trace, "indentation", ["contact_force"])
+    for panel in (force, depth):
+        panel.tick_params(labelbottom=False)
+        panel.set(xlabel="", ylim=(0.0, None))
+    if trace.energies:
+        panels.append(figure.add_subplot(beside[1], sharex=force))
+        _energies(panels[3], trace)
+    speed.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
+    force.set_xlim(0.0, trace.end / _unit(samples.time, "time")[0] * 1.01)
+    loop.set(xlim=(0.0, None), ylim=(0.0, None))
+    loop.set_title(plain(f"contact law: {trace.law}"), loc="right", fontsize=8)
+    _mark_events(panels, trace)
+    _key(figure, trace, velocities)
+    figure.align_ylabels(panels[:3])
+    figure.align_ylabels([loop, *panels[3:]])
+    title = " ".join(trace.title.split())
+    size = min(12.0, 900.0 / len(title))  # letters of 12 points: some 75 fit
+    figure.text(LEFT, 0.967, plain(title), fontsize=size, fontweight="bold")
+    for height, names in ((0.936, NUMBERS), (0.912, STRESSES)):
+        figure.text(LEFT, height, _numbers(trace, names), fontsize=8, color="0.25")
+
+
+def _curves(panel: Axes, trace: Trace, across: str, names: list[str]) -> None:
+    """Quantities `names` over `across`, one line per stage."""
+    samples = trace.samples
+    x_size, x_unit = _unit(getattr(samples, across), across)
+    size, unit = _unit(np.stack([getattr(samples, name) for name in names]), names[0])
+    for name in names:
+        for stage, run in _runs(samples.stage):
+            x, y = getattr(samples, across)[run] / x_size, getattr(samples, name)[run] / size
+            panel.plot(x, y, VELOCITIES.get(name, "-"), color=_colour(trace, stage), solid_capstyle="round")
+    what = "velocity" if len(names) > 1 else names[0].replace("_", " ")
+    panel.set(xlabel=f"{across} ({x_unit})", ylabel=f"{what} ({unit})")
+
+
+def energies(history: History, samples: Samples) -> dict[str, Any]:
+    """Energies at the samples, J: of the impactor's motion, of the contact, and transferred to the target.
+
+    The work of the contact force is integrated by the trapezoidal rule.
+    """
+    target, own = history.scene.target, samples.target_velocity
+    mass = target.own_mass if target.free else None
+    return {
+        "impactor": 0.5 * history.scene.mass * samples.impactor_velocity**2,
+        "contact": _work(samples.contact_force, samples.indentation),
+        "target": _work(samples.contact_force, samples.target_displacement) if mass is None else 0.5 * mass * own**2,
+    }
+
+
+def _work(force: Any, displacement: Any) -> Any:
+    return np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(displacement))])
+
+
+def _energies(panel: Axes, trace: Trace) -> None:
+    """Energies over time."""
+    x_size, x_unit = _unit(trace.samples.time, "time")
+    size, unit = _unit(np.stack(list(trace.energies.values())), "energy")
+    for (name, values), line in zip(trace.energies.items(), ("-", "--", ":"), strict=False):
+        panel.plot(trace.samples.time / x_size, values / size, line, color="0.2", label=name)
+    panel.set(xlabel=f"time ({x_unit})", ylabel=f"energy ({unit})", ylim=(0.0, None))
+    above: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.01), "ncols": 3, "borderaxespad": 0.0}
+    panel.legend(**above, fontsize=8, frameon=False)
+
+
+def _runs(stages: Any) -> Iterator[tuple[str, slice]]:
+    """Each stage with its samples and the first of the next stage, so that the lines join."""
+    starts = [0, *(np.flatnonzero(stages[1:] != stages[:-1]) + 1).tolist(), len(stages)]
+    for first, after in itertools.pairwise(starts):
+        if after - first > 1 or after < len(stages):
+            yield str(stages[first]), slice(first, after + 1)
+
+
+def _mark_events(panels: list[Axes], trace: Trace) -> None:
+    """A thin line at every event after first touch, with a label above the first panel if there is room."""
+    top, size = panels[0], _unit(trace.samples.time, "time")[0]
+    width, height = top.get_position().width * SIZE[0] * 72.0, top.get_position().height * SIZE[1] * 72.0  # points
+    span, ends = top.get_xlim()[1], [-math.inf] * LABEL_ROWS
+    thin: dict[str, Any] = {"color": "0.55", "linewidth": 0.5}
+    labels: dict[str, float] = {}  # of the first event of a kind
+    for event in trace.events[1:]:
+        labels.setdefault(LABELS.get(event.name, event.name).format(stage=event.stage), event.time / size)
+        for panel in panels:
+            panel.axvline(event.time / size, zorder=0, **thin)
+    for t in dict.fromkeys(labels.values()):
+        text = ", ".join(label for label, time in labels.items() if time == t)
+        half, at = 0.5 * LETTER * len(text), t / span * width
+        middle = min(max(at, half), width - half)
+        row = next((k for k, end in enumerate(ends) if middle - half > end), None)
+        if row is not None:
+            ends[row] = middle + half + LETTER
+            top.axvline(t, 1.0, 1.0 + 10.0 * row / height, clip_on=False, zorder=0, **thin)
+            note = top.annotate(
+                plain(text), (t, 1.0), (middle - at, 3.0 + 10.0 * row), top.get_xaxis_transform(), "offset points"
+            )
+            note.set(ha="center", fontsize=8, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
+
+
+def _key(figure: Figure, trace: Trace, velocities: list[str]) -> None:
+    """The legend below the panels: colours of the stages, and line styles of the velocities."""
+    from matplotlib.lines import Line2D
+
+    keys = [
+        Line2D([], [], color=_colour(trace, stage), linewidth=3, label=plain(stage or "no contact"))
+        for stage in dict.fromkeys(stage for stage, _ in _runs(trace.samples.stage))
+    ]
+    for name in velocities if len(velocities) > 1 else []:
+        keys.append(Line2D([], [], ls=VELOCITIES[name], color="0.2", label=name.replace("_", " ")))
+    place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (LEFT - 0.012, 0.0), "ncols": min(len(keys), 5)}
+    figure.legend(handles=keys, **place, frameon=False, fontsize=8)
+
+
+def _numbers(trace: Trace, names: Mapping[str, str]) -> str:
+    """Numbers on one line; zeros and missing values are omitted."""
+    values = ((word, trace.summary.get(name), SUMMARY[name][0]) for name, word in names.items())
+    return "  ·  ".join(f"{word} {format_si(value, kind)}" for word, value, kind in values if value).replace("-", "−")
+
+
+def _unit(values: Any, name: str) -> tuple[float, str]:
+    """Size in SI and symbol of the unit for a quantity of the motion."""
+    return prefixed_unit(values, name if name in ("time", "energy") else MOTION[name][0])
+
+
+def _colour(trace: Trace, stage: str) -> str:
+    if stage in trace.stages:
+        return COLOURS[trace.stages.index(stage) % len(COLOURS)]
+    return UNLOADING if stage else NO_CONTACT

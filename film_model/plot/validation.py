@@ -1,0 +1,51 @@
+"""Pictures of the comparison of laws with measured and computed values."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from film_model.plot.style import COLOURS, HIGHLIGHT, picture
+from film_model.studies.validation import AUTO, LawReport, measured
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MARKS = {"measured": "o", "finite_element": "s", "theory": "^"}
+
+
+def plot_validation(
+    reports: Sequence[LawReport], path: str | os.PathLike[str] | None = None, dpi: float = 200.0
+) -> Figure:
+    """Left: computed over published value for every row and law. Right: the distribution of the errors of each law."""
+
+    def draw(figure: Figure) -> None:
+        figure.set_layout_engine("constrained")
+        left, right = figure.subplots(1, 2, width_ratios=(3, 2))
+        for k, report in enumerate(reversed(reports)):
+            first = report.law == AUTO
+            colour = HIGHLIGHT if first else COLOURS[k % len(COLOURS)]
+            for kind, mark in MARKS.items():
+                found = [p for p in report.predictions if p.row.kind == kind and p.value == p.value]
+                values = [p.row.value if p.row.value < 1.0 and p.row.value > 0.01 else 1e3 * p.row.value for p in found]
+                style: Any = {"linestyle": "", "marker": mark, "markersize": 5.0 if first else 3.0, "color": colour}
+                left.plot(values, [1.0 + p.error for p in found], **style, alpha=1.0 if first else 0.45)
+        left.axhline(1.0, color="0.3", linewidth=0.8)
+        left.set(
+            xscale="log",
+            ylim=(0.4, 1.8),
+            xlabel="published value: coefficient of restitution, or dent in mm",
+            ylabel="computed/published; circles measured, squares finite elements",
+        )
+        errors: list[Any] = [[100 * error for error in report.errors()] for report in reports]
+        right.boxplot(errors, orientation="horizontal", whis=(0, 100))
+        names = [f"{report.law}{'' if report.monotone else ' (not monotone)'}" for report in reports]
+        right.set_yticks(range(1, len(names) + 1), names)
+        right.invert_yaxis()
+        right.set(xscale="symlog", xlabel="absolute error, %")
+        for k, report in enumerate(reports):
+            own = [100 * error for error in report.errors(measured)]
+            right.plot(own, [k + 1] * len(own), "o", markersize=3.0, color=HIGHLIGHT)
+
+    return picture(path, draw, (11.0, 5.0), dpi)

@@ -1,0 +1,144 @@
+"""The contact law of a scene, with its values: numbers for one impact, arrays for many."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from film_model.base.arrays import Array
+from film_model.base.errors import Mistake, SceneError
+from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
+from film_model.laws.jackson_green import MOST_YIELD_STRAIN
+from film_model.laws.law import law_fields
+from film_model.laws.yielding import yield_point
+from film_model.scene import STANDARD_GRAVITY, Scene
+
+ELASTIC, YIELDING = "hertz", "jackson-green"
+"""What law "auto" means below and above yield; docs/validation.md compares the laws with measurements."""
+
+ASSUMED_POISSONS_RATIO = 0.3
+"""Of a body that yields under law "auto" if the scene gives none."""
+
+_FROM_SCENE = {
+    "effective_modulus": "effective_modulus",
+    "radius": "effective_radius",
+    "yield_strength": "yield_strength",
+    "poissons_ratio": "poissons_ratio",
+}
+"""Fields of laws that are taken from the scene → properties of the scene."""
+
+
+@dataclass(frozen=True)
+class SceneLaw:
+    """The law of one impact or of many.
+
+    law: a law for all impacts, or the class of their laws. values: fields of that class, numbers or arrays with one
+    value per impact. rule: name of the unloading rule that replaces the law's own, or None. sphere: arguments of
+    Brake's rule.
+    """
+
+    law: AbstractLaw | type[AbstractLaw]
+    values: Mapping[str, Any]
+    rule: str | None
+    sphere: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, scene: Scene, law: AbstractLaw | type[AbstractLaw]) -> SceneLaw:
+        """A law with its values from the scene."""
+        values = {} if isinstance(law, AbstractLaw) else law_values(scene, law)
+        rule, sphere = scene.contact.unloading_name, dict[str, Any]()
+        if rule == "brake":
+            sphere = {"effective_modulus": scene.effective_modulus, "radius": scene.effective_radius}
+        return cls(law, values, rule, sphere)
+
+    def at(self, places: Any = None) -> AbstractLaw:
+        """The law of one impact; for several impacts, with arrays in its fields."""
+        try:
+            law = self.law if isinstance(self.law, AbstractLaw) else self.law(**_picked(self.values, places))
+        except ValueError as error:
+            raise SceneError([Mistake(None, None, "contact.law", str(error))]) from None
+        if self.rule is None:
+            return law
+        return Retrace(law) if self.rule == "retrace" else BrakeUnloading(law, **_picked(self.sphere, places))
+
+    def part(self, places: Any) -> SceneLaw:
+        """The law of some of the impacts."""
+        return SceneLaw(self.law, _picked(self.values, places), self.rule, _picked(self.sphere, places))
+
+    def on_arrays(self, formula: Callable[[AbstractLaw, Any], tuple[Any, ...]], count: int) -> list[Array]:
+        """A formula of the law and of places, for each of many impacts.
+
+        It is evaluated on whole arrays if this gives the same values as one by one for the first, middle and last
+        impact; otherwise one by one, because a law may accept numbers only.
+        """
+        try:
+            everywhere = slice(None)
+            found = [np.broadcast_to(value, (count,)) for value in formula(self.at(everywhere), everywhere)]
+            if all(self._agrees(found, formula, place) for place in {0, count // 2, count - 1}):
+                return found
+        except (TypeError, ValueError):
+            pass
+        table = np.array([formula(self.at(place), place) for place in range(count)])
+        return list(table.T)
+
+    def _agrees(self, found: list[Array], formula: Callable[[AbstractLaw, Any], tuple[Any, ...]], place: int) -> bool:
+        alone = formula(self.at(place), place)
+        return all(abs(many[place] - one) <= 1e-13 * abs(one) for many, one in zip(found, alone, strict=True))
+
+
+def _picked(values: Mapping[str, Any], places: Any) -> dict[str, Any]:
+    """The values at one place (floats) or at several (arrays)."""
+    at = {name: value[places] if isinstance(value, np.ndarray) else value for name, value in values.items()}
+    return {name: value.item() if isinstance(value, np.generic) else value for name, value in at.items()}
+
+
+def law_values(scene: Scene, law: type[AbstractLaw]) -> dict[str, Any]:
+    """Values of a law's fields from the scene; with the parameters in [contact] if it is the scene's law."""
+    filled = {field: getattr(scene, _FROM_SCENE[field]) for field in law_fields(law) if field in _FROM_SCENE}
+    if scene.contact.law != law.name and filled.get("poissons_ratio", 0.0) is None:
+        filled["poissons_ratio"] = ASSUMED_POISSONS_RATIO
+    return filled | (dict(scene.contact.parameters) if scene.contact.law == law.name else {})
+
+
+def law_named(scene: Scene, name: str) -> SceneLaw:
+    """The named law with its values from the scene; [contact] unloading applies only to the law named there."""
+    law = SceneLaw.of(scene, LAWS[name])
+    return law if scene.contact.law in ("auto", name) else SceneLaw(law.law, law.values, None, {})
+
+
+def reaches_yield(scene: Scene) -> Any:
+    """Whether the impact reaches the yield point, for each impact of a scene with arrays; None if unknown.
+
+    It does if the impact energy and the work of the weight exceed the elastic work up to that point, 0.4 F_y δ_y.
+    """
+    strength, modulus = scene.yield_strength, scene.effective_modulus
+    if strength is None or modulus is None:
+        return None
+    indentation, force = yield_point(modulus, scene.effective_radius, strength)
+    heavy = scene.effects.gravity is not False and not scene.target.free
+    weight = scene.effective_mass * STANDARD_GRAVITY if heavy else 0.0
+    return scene.kinetic_energy + weight * indentation > 0.4 * force * indentation
+
+
+def can_yield(scene: Scene) -> Any:
+    """Whether S_y/E is in the range of the law that yields, for each impact of a scene with arrays."""
+    strength, modulus = scene.yield_strength, scene.effective_modulus
+    return strength is None or modulus is None or strength < MOST_YIELD_STRAIN * modulus
+
+
+def yielding_entries(scene: Scene) -> dict[str, Any]:
+    """Entries with which a scene of law "auto" names the law that yields."""
+    known = scene.poissons_ratio is not None
+    return {"contact.law": YIELDING} | ({} if known else {"contact.poissons_ratio": ASSUMED_POISSONS_RATIO})
+
+
+def law_of_scene(scene: Scene) -> tuple[SceneLaw, bool | None]:
+    """The law of one impact before plasticity is tried, and whether its materials yield (None: unknown)."""
+    wanted, law, yields = scene.effects.plasticity, scene.contact.law, reaches_yield(scene)
+    if law != "auto":
+        return SceneLaw.of(scene, law if isinstance(law, AbstractLaw) else LAWS[law]), yields
+    plastic = wanted is True or (wanted is not False and yields is True and can_yield(scene))
+    return law_named(scene, YIELDING if plastic else ELASTIC), yields

@@ -1,0 +1,340 @@
+"""Impacts without units: the dimensionless numbers for the core, and the conversion of its results.
+
+Every formula here serves one impact, whose numbers are floats, and many that share a curve, whose numbers are arrays
+with one value per impact.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.arrays import Array, Index, Number, any_of, either, greater
+from film_model.base.errors import STATUSES, VIBRATES, SimulationError
+from film_model.core import families, native
+from film_model.laws.law import AbstractLaw
+from film_model.problem.curve import Curve, curve_of
+from film_model.problem.law_of_scene import SceneLaw, law_named
+from film_model.problem.numbers import Numbers, zener
+from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
+from film_model.scene import Scene
+from film_model.scene.columns import scene_of_columns
+
+CONTACT_LIMIT = 100.0
+"""A contact under a load, which may never end, is followed for this many elastic contact times and times m/Z."""
+
+
+TRIAL_SEGMENTS = 16
+"""Segments per stage of the trial march. Its relative errors, about 1e-5, are similar with and without an effect."""
+
+
+class Columns:
+    """The core's summaries of many impacts: one array per value, by the names of native.Summary."""
+
+    __slots__ = ("table",)
+
+    def __init__(self, table: NDArray[Any]) -> None:
+        self.table = table
+
+    def __getattr__(self, name: str) -> Any:
+        return self.table[name]
+
+
+class Trial(NamedTuple):
+    """An impact on a coarse mesh. status: the core's, negative where it failed. summary: native.Summary or Columns."""
+
+    status: Any
+    summary: Any
+
+    @property
+    def ends(self) -> Any:
+        """Whether contact ends, so that the trial is a complete impact."""
+        return self.status == native.EVENT
+
+
+@dataclass(frozen=True)
+class Impacts:
+    """One impact, or many that share a law and a curve, before target motion and load are decided.
+
+    base: the scene; of many impacts the one whose numbers they vary. law: with the scene's values. numbers: of the
+    scene. index: which rows of a sweep or batch the many are; None for one impact. columns: the numbers that vary,
+    path → SI values.
+    """
+
+    base: Scene
+    law: SceneLaw
+    numbers: Numbers
+    index: Index | None = None
+    columns: Mapping[str, Array] = field(default_factory=dict[str, Array])
+
+    @classmethod
+    def one(cls, scene: Scene, law: SceneLaw) -> Impacts:
+        """One impact."""
+        return cls(scene, law, Numbers.of(scene, None))
+
+    @classmethod
+    def several(cls, scene: Scene, law: SceneLaw, index: Index, columns: Mapping[str, Array]) -> Impacts:
+        """Many impacts."""
+        return cls(scene, law, Numbers.of(scene_of_columns(scene, columns), index.size), index, columns)
+
+    @property
+    def many(self) -> bool:
+        """Whether these are many impacts, and the numbers arrays."""
+        return self.index is not None
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene, with arrays in place of the numbers that vary."""
+        return scene_of_columns(self.base, self.columns) if self.columns else self.base
+
+    def column(self, value: Any) -> Any:
+        """A number of the scene: unchanged for one impact, an array with one value per impact for many."""
+        return value if self.index is None else np.broadcast_to(np.asarray(value), (self.index.size,))
+
+    def part(self, places: Any) -> Impacts:
+        """Some of many impacts, by their indices or by a mask."""
+        assert self.index is not None
+        numbers = Numbers(*(values[places] for values in self.numbers))
+        columns = {path: values[places] for path, values in self.columns.items()}
+        return Impacts(self.base, self.law.part(places), numbers, self.index[places], columns)
+
+    def under(self, law: SceneLaw) -> Impacts:
+        """The same impacts under another law."""
+        return Impacts(self.base, law, self.numbers, self.index, self.columns)
+
+    @cached_property
+    def zener(self) -> Any:
+        """λ of the elastic contact (:func:`zener`); 0 on a target without impedance."""
+        return either(self.numbers.impedance < math.inf, zener(self.scene, self.numbers.impedance), 0.0)
+
+    @cached_property
+    def one_law(self) -> AbstractLaw:
+        """The law of the one impact, or of the first of many."""
+        return self.law.at(0)
+
+    @cached_property
+    def curve(self) -> Curve:
+        """The curve that many impacts share."""
+        return curve_of(self.one_law)
+
+    @cached_property
+    def _light_scales(self) -> Scales:
+        return self._scales(self.numbers.energy)
+
+    def _scales(self, energy: Any) -> Scales:
+        if self.index is None:
+            return scales_of(self.one_law, energy, self.numbers.mass)
+        length, force = self.law.on_arrays(lambda law, places: law.scales(energy[places]), self.index.size)
+        return scales_from(length, force, self.numbers.mass)
+
+    @cached_property
+    def shape(self) -> Any:
+        """Of many impacts whose laws differ in their shape: the shapes; else None."""
+        law = self.law.law
+        if self.index is None or self.law.rule is not None or isinstance(law, AbstractLaw) or not law.shaped_by:
+            return None
+        if not any(isinstance(self.law.values[name], np.ndarray) for name in law.shaped_by):
+            return None
+        return self.law.on_arrays(lambda law, _: (law.shape,), self.index.size)[0]
+
+    def _damping_factor(self, length: Any) -> Any:
+        mass, approach = self.numbers.mass, self.numbers.approach
+        if self.index is None:
+            return float(self.one_law.damping_factor(mass, approach, length))
+        if not self.law.law.damped:
+            return self.column(0.0)
+
+        def factor(law: AbstractLaw, at: Any) -> tuple[Any, ...]:
+            return (law.damping_factor(mass[at], approach[at], length[at]),)
+
+        return self.law.on_arrays(factor, self.index.size)[0]
+
+    def problem(self, impedance: Any, load: Any, compliance: float = 0.0, vibrates: bool = False) -> Problem:
+        """The dimensionless problem for a target impedance [N s/m] and a load [N], which are arrays for many impacts.
+
+        compliance: of a target that follows the force statically, m/N, of one impact only: it is part of the curve.
+        vibrates: the target moves by its modes instead.
+        """
+        numbers, energy = self.numbers, self.numbers.energy
+        weighed = load * 1e-3 * numbers.radius
+        if any_of(weighed > energy):
+            scales = self._scales(greater(energy, weighed))
+        elif self.index is None and energy == 0.0:  # a ball at rest, for a component: what its weight would do
+            scales = self._scales(numbers.weight * 1e-3 * numbers.radius)
+        else:
+            scales = self._light_scales
+        return Problem(
+            impacts=self,
+            law=self.one_law,
+            curve=curve_of(self.one_law, compliance * scales.force / scales.length) if compliance else self.curve,
+            scales=scales,
+            gamma=scales.force / (impedance * scales.velocity),
+            load=load / scales.force,
+            damping=self._damping_factor(scales.length) * scales.velocity / scales.force,
+            approach=numbers.approach / scales.velocity,
+            drift=numbers.drift,
+            share=numbers.share,
+            mass=numbers.mass,
+            given=(impedance, load, compliance),
+            free=self.base.target.free,
+            vibrates=vibrates,
+            shape=self.shape,
+        )
+
+
+@dataclass(frozen=True)
+class Problem:
+    """The dimensionless numbers of an impact for the core, and those that convert its results; arrays for many impacts.
+
+    gamma: F_s/(Z v_s). load: external force over F_s. damping: factor of a damped law's c over F_s/v_s. approach:
+    relative velocity over v_s. drift, share: the impactor's velocity is drift + share·ν v_s, a free target's
+    drift − (1 − share)·ν v_s; drift 0 and share 1 unless the target is a free body. mass: effective, kg. given: target
+    impedance [N s/m], load [N] and compliance [m/N]. free: the target is a free body. vibrates: it moves by its modes,
+    and is integrated, not marched by the core. law: of many impacts, that of the first. shape: of many impacts whose
+    laws differ in it; then the curve, too, is that of the first.
+    """
+
+    impacts: Impacts = field(repr=False)
+    law: AbstractLaw
+    curve: Curve
+    scales: Scales
+    gamma: Number
+    load: Number
+    damping: Number
+    approach: Number
+    drift: Number
+    share: Number
+    mass: Number
+    given: tuple[Number, Number, float] = field(repr=False)
+    free: bool = False
+    vibrates: bool = False
+    shape: Any = None
+    _others: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene; for many impacts, the scene whose numbers are varied."""
+        return self.impacts.base
+
+    def again(self, law: str | AbstractLaw | None = None, **changed: Any) -> Problem:
+        """The problem with another law, or law name, impedance, load or compliance.
+
+        For one impact these problems are cached, so that each is marched once.
+        """
+        key = (law, *changed.items()) if not self.impacts.many and not isinstance(law, AbstractLaw) else None
+        if key in self._others:
+            return self._others[key]
+        impacts = self.impacts
+        if law is not None:
+            own = law_named(impacts.scene, law) if isinstance(law, str) else SceneLaw(law, {}, None, {})
+            impacts = impacts.under(own)
+        given: dict[str, Any] = dict(zip(("impedance", "load", "compliance"), self.given, strict=True))
+        made = impacts.problem(**(given | changed))
+        if key is not None:
+            self._others[key] = made
+        return made
+
+    def part(self, places: Any) -> Problem:
+        """Some of many impacts, by their indices or by a mask."""
+        impedance, load, compliance = self.given
+        numbers = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
+        return Problem(
+            impacts=self.impacts.part(places),
+            law=self.law,
+            curve=self.curve,
+            scales=self.scales.part(places),
+            given=(_at(impedance, places), _at(load, places), compliance),
+            free=self.free,
+            vibrates=self.vibrates,
+            shape=None if self.shape is None else self.shape[places],
+            **{name: getattr(self, name)[places] for name in numbers},
+        )
+
+    @property
+    def impedance(self) -> Number:
+        """Target impedance, N s/m; infinite if the target does not move by its impedance."""
+        return self.given[0]
+
+    @property
+    def compliance(self) -> Number:
+        """Static compliance of the target, m/N; 0 if the target does not follow the force statically."""
+        return self.curve.native.compliance * self.scales.length / self.scales.force
+
+    @cached_property
+    def start(self) -> Any:
+        """Start values for the core: native.Start, or for many impacts an array of native.START_DTYPE."""
+        numbers = (self.approach, self.gamma, self.load, self.stop_velocity, self.limit, self.damping)
+        if not self.impacts.many:
+            return native.Start(*numbers)
+        start = np.empty(np.shape(self.approach), native.START_DTYPE)
+        for name, values in zip(cast("Any", start.dtype.names), numbers, strict=True):
+            start[name] = values
+        return start
+
+    def march(self, mesh: native.Mesh) -> tuple[Any, Any]:
+        """The core's status and summary of the impact on a mesh; of many impacts, an array and :class:`Columns`."""
+        if not self.impacts.many:
+            return native.impact(self.curve.native, mesh, self.start)
+        page = self.curve.page
+        if self.shape is None or page is None:
+            status, table = native.batch(self.curve.native, mesh, self.start)
+        else:
+            status, table = families.batch(page.family, page.whole, mesh, self.start, self.shape)
+        return status, Columns(table)
+
+    def by_curve(self) -> Iterator[Problem]:
+        """The problems, of one impact or of many, whose impacts share a curve to the last digit."""
+        if self.shape is None:
+            yield self
+            return
+        shapes, group = np.unique(self.shape, return_inverse=True)
+        for k in range(shapes.size):
+            places = np.flatnonzero(group == k)
+            part = self.part(places)
+            yield replace(part, law=part.impacts.one_law, curve=curve_of(part.impacts.one_law), shape=None)
+
+    @cached_property
+    def trial(self) -> Trial:
+        """The impact on a coarse mesh, used to decide effects."""
+        return Trial(*self.march(native.mesh(native.WORK_PRESERVING, *self.curve.segments(TRIAL_SEGMENTS))))
+
+    @property
+    def stop_velocity(self) -> Any:
+        """ν at which the impactor's velocity is zero in the laboratory frame."""
+        return -self.drift / (self.share * self.scales.velocity) if self.free else -0.0
+
+    @property
+    def limit(self) -> Any:
+        """Time after which a contact under a load is no longer followed."""
+        loaded = self.load > 0.0
+        return either(loaded, contact_limit(self.approach, self.gamma), math.inf) if any_of(loaded) else math.inf
+
+    def motion(self, t: Any, values: Any) -> dict[str, Any]:
+        """As :func:`motion_of`."""
+        return motion_of(self.scales, self.drift, self.share, self.free, t, values)
+
+
+def _at(value: Any, places: Any) -> Any:
+    return value[places] if isinstance(value, np.ndarray) else value
+
+
+def contact_limit(approach: Any, gamma: Any) -> Any:
+    """Time after which a contact under a load is no longer followed; an elastic contact takes about 3 ν^{-1/5}."""
+    return CONTACT_LIMIT * (3.0 * greater(approach, 1e-3) ** -0.2 + gamma)
+
+
+def refuse_vibrations(problem: Problem, what: str) -> None:
+    """SimulationError if the target vibrates; `what` does not support that."""
+    if problem.vibrates:
+        raise SimulationError(vibrations_refused(what))
+
+
+def vibrations_refused(what: str) -> str:
+    """The message that `what` is not supported for a vibrating target."""
+    return f"{what} is not supported: {STATUSES[VIBRATES].sentence}"

@@ -1,0 +1,171 @@
+"""Results of a march in SI: summary values, energies, and the difference of two summaries.
+
+Every formula serves one impact, with the core's structure native.Summary, and many, with one array per field
+(problem.Columns).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from film_model.base.arrays import any_of, either, ratio
+from film_model.core import native
+from film_model.core.comparison import compare
+from film_model.core.comparison import rounding as rounding_of
+from film_model.problem.problem import Columns, Problem
+from film_model.problem.stresses import stresses_of
+
+SUMMARY: dict[str, tuple[str, str]] = {
+    "maximum_force": ("force", "largest contact force"),
+    "maximum_indentation": ("length", "largest indentation"),
+    "time_of_maximum_indentation": ("time", "time from first touch to maximum indentation"),
+    "time_impactor_stops": ("time", "time at which the impactor's velocity is zero; none if it never is"),
+    "contact_duration": ("time", "time from first touch to the end of contact"),
+    "permanent_indentation": ("length", "indentation that is left at the end of contact"),
+    "rebound_velocity": ("velocity", "impactor velocity at the end of contact; a rebound is negative"),
+    "coefficient_of_restitution": ("dimensionless", "separation velocity over approach velocity"),
+    "energy_absorbed": ("energy", "work done on the indentation and not given back"),
+    "energy_radiated": ("energy", "energy that went into the motion of the target"),
+    "impulse": ("impulse", "of the contact force, until the end of contact"),
+    "contact_radius": ("length", "largest radius of contact: Hertz's, and beyond yield Jackson and Green's"),
+    "dent_diameter": ("length", "twice contact_radius if an indentation is left; its depth is permanent_indentation"),
+    "mean_pressure": ("pressure", "largest force over the area of contact"),
+    "peak_pressure": ("pressure", "at the centre of contact; elastic contacts only, none beyond yield"),
+    "maximum_shear_stress": ("pressure", "below the surface, on the axis; elastic contacts only, none beyond yield"),
+    "maximum_von_mises_stress": ("pressure", "at the same point; elastic contacts only, none beyond yield"),
+    "depth_of_maximum_stress": ("length", "of that point below the surface; elastic contacts only, none beyond yield"),
+}
+"""Summary names, with dimension and meaning."""
+
+COMPARED = (
+    *("maximum_force", "maximum_indentation", "time_of_maximum_indentation", "time_impactor_stops"),
+    *("contact_duration", "permanent_indentation", "final_velocity", "work"),
+)
+"""Values of the core's summary that :func:`difference` compares."""
+
+_SHOWN = {"final_velocity": "rebound_velocity", "work": "energy_absorbed"}  # the core's names → those of `SUMMARY`
+
+WORK_ROUNDING = 1e-14
+"""Absorbed work below this, over the square of the approach velocity in the core's units, is rounding and set to 0."""
+
+
+def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
+    """Summary in SI from the core's; nan for what did not happen, and for all values of an impact that failed."""
+    s, approach, final = problem.scales, problem.approach, core.final_velocity
+    over = status == native.EVENT
+    turned = core.maximum_indentation > 0.0
+    absorbed = either(abs(core.work) > WORK_ROUNDING * approach**2, core.work, 0.0)
+    damped = problem.damping > 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        begun = {
+            "maximum_indentation": core.maximum_indentation * s.length,
+            "time_of_maximum_indentation": core.time_of_maximum_indentation * s.time,
+        }
+        whole = {
+            "contact_duration": core.contact_duration * s.time,
+            "permanent_indentation": either(damped, 0.0, core.permanent_indentation) * s.length,
+            "rebound_velocity": problem.drift + problem.share * (final * s.velocity),
+            "coefficient_of_restitution": ratio(-final, approach),
+            "energy_absorbed": absorbed * s.energy,
+            "energy_radiated": radiated_energy(problem, core),
+            "impulse": _impulse(problem, core),
+        }
+        values = {
+            "maximum_force": core.maximum_force * s.force,
+            **{name: _where(turned, value) for name, value in begun.items()},
+            "time_impactor_stops": core.time_impactor_stops * s.time,
+            **{name: _where(over, value) for name, value in whole.items()},
+        }
+        values |= stresses_of(problem, values)
+    return {name: _where(status >= 0, value) for name, value in values.items()}
+
+
+def _where(condition: Any, value: Any) -> Any:
+    """The value where the condition holds, else nan."""
+    if isinstance(condition, np.ndarray) and condition.all():
+        return value
+    return either(condition, value, math.nan)
+
+
+def _impulse(problem: Problem, core: Any) -> Any:
+    """Impulse of the contact force, N s: m (V − v) + P t. On a vibrating target it needs a load of 0."""
+    s = problem.scales
+    push = problem.approach - core.final_velocity + problem.load * core.contact_duration
+    impulse = push * (s.force * s.time)
+    return either(problem.load > 0.0, math.nan, impulse) if problem.vibrates else impulse
+
+
+def radiated(problem: Problem, core: Any) -> Any:
+    """Energy transferred to target motion, over F_s δ_s: the remainder in the balance of energy."""
+    lost = 0.5 * (problem.approach**2 - core.final_velocity**2) - core.work
+    return lost + problem.load * (core.permanent_indentation + core.shift)
+
+
+def radiated_energy(problem: Problem, core: Any) -> Any:
+    """Energy transferred to target motion, J: ∫F²/Z dt, or the kinetic energy that a free target gains.
+
+    A free target's momentum grows by m (V − v), m the effective mass. The energy is half of that times the sum of its
+    velocities before and after, which avoids the cancellation in a difference of squares.
+    """
+    s = problem.scales
+    if not problem.free:
+        moves = problem.gamma > 0.0
+        return either(moves, radiated(problem, core) * s.energy, 0.0) if any_of(moves) else 0.0 * problem.gamma
+    other = 1.0 - problem.share
+    before, after = problem.approach * s.velocity, core.final_velocity * s.velocity
+    return 0.5 * problem.mass * (before - after) * (2.0 * problem.drift - other * (before + after))
+
+
+def difference(problem: Problem, a: Any, b: Any) -> Any:
+    """Largest relative difference of two summaries, relative to `b`: film_compare in film_core.h."""
+    return _number_or_column(b, compare(*_tables(problem, a, b)))
+
+
+def differences(problem: Problem, a: native.Summary, b: native.Summary) -> dict[str, float]:
+    """The same value by value, of one impact: each of `COMPARED` is taken from `a`, all others from `b`."""
+    found: dict[str, float] = {}
+    for name in COMPARED:
+        if name == "permanent_indentation" and problem.damping > 0.0:  # reported as 0
+            continue
+        mixed = native.Summary.from_buffer_copy(b)
+        setattr(mixed, name, getattr(a, name))
+        found[_SHOWN.get(name, name)] = difference(problem, mixed, b)
+    return found
+
+
+def rounding(problem: Problem, summary: Any) -> Any:
+    """How much rounding may change a summary, relative as in :func:`difference`: film_rounding in film_core.h.
+
+    It is large where the summary is a small difference of large numbers: the velocity of a ball whose weight does more
+    work than its impact, or an indentation beyond a deep clearance.
+    """
+    start, table = _tables(problem, summary)
+    return _number_or_column(summary, rounding_of(problem.curve.native, start, table, problem.curve.clearance))
+
+
+def _tables(problem: Problem, *summaries: Any) -> list[Any]:
+    """Start values and summaries as arrays, of one row for one impact."""
+    tables = [
+        each.table if isinstance(each, Columns) else np.frombuffer(bytes(each), native.SUMMARY_DTYPE)
+        for each in summaries
+    ]
+    if problem.impacts.many:
+        return [problem.start, *tables]
+    return [np.frombuffer(bytes(problem.start) * len(tables[0]), native.START_DTYPE), *tables]
+
+
+def _number_or_column(summary: Any, found: Any) -> Any:
+    return found if isinstance(summary, Columns) else float(found[0])
+
+
+def energy_warning(problem: Problem, summary: dict[str, float | None]) -> list[str]:
+    """A warning if the law's unloading returns more energy than its loading stored."""
+    absorbed = summary["energy_absorbed"]
+    impact = 0.5 * problem.approach**2 * problem.scales.energy
+    if absorbed is None or absorbed >= -1e-9 * impact:
+        return []
+    share = f" ({-100 * absorbed / impact:.3g} % of the impact energy)" if impact > 0.0 else ""
+    return [f"law {problem.law.name}: its unloading returns {-absorbed:.4g} J{share} more than its loading stored"]

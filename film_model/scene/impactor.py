@@ -1,0 +1,82 @@
+"""The impactor: a sphere, or a compact body whose contacting surface is spherical."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, cast
+
+from film_model.base.arrays import cosine, root
+from film_model.base.errors import raise_all
+from film_model.base.fields import Field, fill_ball, measure, mistake, one_of
+from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
+from film_model.base.units import Value
+
+STANDARD_GRAVITY = 9.80665  # m/s²
+
+STEEPEST = 1.5
+"""Largest angle of impact, rad (86°)."""
+
+SLOWEST = 1e-100
+"""Least velocity, m/s: the square of a smaller one underflows to 0."""
+
+
+@dataclass(frozen=True, init=False)
+class Sphere:
+    """The impactor.
+
+    radius: of the contacting surface, m; or, to the constructor, diameter. velocity: towards the target, m/s; or
+    drop_height: of a fall from rest, m. mass: kg; default density × sphere volume. angle: between the velocity and the
+    normal of the surface, rad; default 0. Only the normal component, velocity × cos(angle), is simulated: friction,
+    tangential motion and spin are not.
+    """
+
+    is_ball: ClassVar[bool] = True
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "radius": measure("length", 1e-10, 1e3, required=True),
+        "velocity": measure("velocity", 0, 2e4),
+        "drop_height": measure("length", 0, 1e5),
+        "mass": MASS,
+        "material": MATERIAL,
+        "angle": measure("angle", 0, STEEPEST),
+    }
+
+    radius: float
+    velocity: float | None
+    drop_height: float | None
+    mass: float | None
+    material: Material | None
+    angle: float | None
+
+    def __init__(
+        self,
+        radius: Value | None = None,
+        velocity: Value | None = None,
+        drop_height: Value | None = None,
+        mass: Value | None = None,
+        material: MaterialLike | None = None,
+        angle: Value | None = None,
+        diameter: Value | None = None,
+    ) -> None:
+        mistakes = fill_ball(self, locals()) + one_of(self, velocity=velocity, drop_height=drop_height)
+        if not mistakes and 0.0 < self.speed < SLOWEST:
+            name = "drop_height" if velocity is None else "velocity"
+            mistakes.append(mistake(self, name, f"{self.speed:g} m/s must be 0 or at least {SLOWEST:g} m/s"))
+        raise_all(mistakes)
+
+    @property
+    def path_speed(self) -> float:
+        """Velocity along the path when contact begins, m/s: the given one, or √(2 g h)."""
+        if self.velocity is not None:
+            return self.velocity
+        return root(2 * STANDARD_GRAVITY * cast("float", self.drop_height))
+
+    @property
+    def speed(self) -> float:
+        """The component of that velocity normal to the surface, m/s, which is simulated."""
+        return self.path_speed if self.angle is None else self.path_speed * cosine(self.angle)
+
+    @property
+    def own_mass(self) -> float | None:
+        """The given mass, or density × sphere volume, kg; None if neither is known."""
+        return sphere_mass(self.mass, self.radius, self.material)

@@ -1,0 +1,85 @@
+"""Options of a scene: which effects are simulated, and how accurately the motion is solved."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Literal, TypeAlias
+
+from film_model.base.errors import Mistake, raise_all
+from film_model.base.fields import Field, choice, fill, measure, whole
+
+DEFAULT_ACCURACY = 1e-4
+DEFAULT_TOLERANCE = 0.01
+
+Switch: TypeAlias = Literal["auto"] | bool
+
+
+@dataclass(frozen=True, init=False)
+class Effects:
+    """Which effects are simulated: each "auto", True or False.
+
+    boundary_reflections: waves reflected from the edges of a plate; False makes the plate infinite. target_inertia: of
+    a plate or beam with edges; False makes it follow the force by its static stiffness alone.
+    tolerance: "auto" simulates an effect if neglecting it would change a summary value by more than this relative
+    amount. An effect that would, but cannot be simulated, causes a warning. Default: 1 %, or the requested accuracy if
+    that is larger. A finer accuracy does not lower it, so that refining a mesh does not change the physics.
+    """
+
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        **{
+            name: choice("auto", True, False)
+            for name in ("plasticity", "target_motion", "gravity", "boundary_reflections", "target_inertia")
+        },
+        "tolerance": measure("dimensionless", 1e-12, 1),
+    }
+
+    plasticity: Switch
+    target_motion: Switch
+    gravity: Switch
+    boundary_reflections: Switch
+    target_inertia: Switch
+    tolerance: float | None
+
+    def __init__(
+        self,
+        plasticity: Switch = "auto",
+        target_motion: Switch = "auto",
+        gravity: Switch = "auto",
+        tolerance: float | None = None,
+        boundary_reflections: Switch = "auto",
+        target_inertia: Switch = "auto",
+    ) -> None:
+        raise_all(fill(self, locals()))
+
+
+@dataclass(frozen=True, init=False)
+class Solver:
+    """How accurately the motion is solved.
+
+    accuracy: relative, of every summary value, default 1e-4; or segments: number per stage. linearisation: of the
+    force, "work-preserving", or "chord" as in the paper.
+    """
+
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "accuracy": measure("dimensionless", 1e-14, 0.1),
+        "segments": whole(1, 1_000_000),
+        "linearisation": choice("work-preserving", "chord"),
+    }
+
+    accuracy: float | None
+    segments: int | None
+    linearisation: Literal["work-preserving", "chord"]
+
+    def __init__(
+        self,
+        accuracy: float | None = None,
+        segments: int | None = None,
+        linearisation: Literal["work-preserving", "chord"] = "work-preserving",
+    ) -> None:
+        mistakes = fill(self, locals())
+        if accuracy is None and segments is None:
+            object.__setattr__(self, "accuracy", DEFAULT_ACCURACY)
+        if accuracy is not None and segments is not None:
+            mistakes.append(Mistake(None, None, "Solver.segments", "give accuracy or segments, not both"))
+        raise_all(mistakes)

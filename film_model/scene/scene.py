@@ -1,0 +1,287 @@
+"""A scene: impactor, target, contact law, effects and solver options."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import reduce
+from typing import TYPE_CHECKING, Any, cast
+
+from film_model.base.arrays import either, endless, lesser
+from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
+from film_model.base.fields import build, key_text, mistake, table_of
+from film_model.base.materials import Material
+from film_model.base.text import Text
+from film_model.base.units import format_si
+from film_model.laws import AbstractLaw
+from film_model.scene.contact import Contact, contact_table
+from film_model.scene.impactor import Sphere
+from film_model.scene.options import DEFAULT_TOLERANCE, Effects, Solver
+from film_model.scene.toml import change_table, placed, read_text, text_from_table, toml_table
+from film_model.targets import TARGETS, AbstractTarget
+
+NO_FILES = "a scene that is stored with results has its tables inside, and no other file is read"
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One impact. The derived properties are SI floats."""
+
+    impactor: Sphere
+    target: AbstractTarget
+    contact: Contact = field(default_factory=Contact)
+    effects: Effects = field(default_factory=Effects)
+    solver: Solver = field(default_factory=Solver)
+    title: str = ""
+
+    if TYPE_CHECKING:  # added by film_model/methods.py
+
+        def explain(self, *, verbose: bool = False) -> Text: ...
+        def _repr_html_(self) -> str: ...
+
+    def __post_init__(self) -> None:
+        raise_all(self._wrong_types() or self._mistakes())
+
+    def __repr__(self) -> str:
+        radius, mass = format_si(self.impactor.radius, "length"), format_si(self.mass, "mass")
+        ball = f"ball of radius {radius}, {mass}, {format_si(self.impactor.speed, 'velocity')}"
+        target = " ".join(filter(None, (_name(self.target.material), self.target.kind)))
+        title = f"{shown(self.title)}: " if self.title else ""
+        return f"Scene({title}{ball}, on {target}; law {self.contact.law_name})"
+
+    @classmethod
+    def from_toml(cls, path: str | os.PathLike[str]) -> Scene:
+        """Read a scene file; all its mistakes are raised in one SceneError."""
+        text, name = read_text(path)
+        return cls.from_text(text, name, os.path.dirname(os.fspath(path)))
+
+    @classmethod
+    def from_text(cls, text: str, name: str = "scene", folder: str = "") -> Scene:
+        """Read the text of a scene file. name: of the file, in messages. folder: for the relative paths in the text."""
+        return cls._from_text(text, name, folder)
+
+    @classmethod
+    def from_stored_text(cls, text: str, name: str) -> Scene:
+        """Read the text of a scene that was stored with results, in a dataset or an FMU: its tables are in the text, so
+        that a path in it is refused and nothing else is read."""
+        return cls._from_text(text, name, None)
+
+    @classmethod
+    def _from_text(cls, text: str, name: str, folder: str | None) -> Scene:
+        """folder: of relative paths; None to refuse paths."""
+        table = toml_table(text, name)
+        contact = table.get("contact")
+        if isinstance(contact, dict) and "file" in contact:
+            if folder is None:
+                raise placed([Mistake(None, None, "contact.file", NO_FILES)], text, name)
+            if isinstance(contact["file"], str):
+                contact["file"] = os.path.join(folder, contact["file"])
+        try:
+            return cls.from_table(table)
+        except SceneError as error:
+            raise placed(error.mistakes, text, name) from None
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any]) -> Scene:
+        """Make a scene from nested tables laid out as in a scene file."""
+        parts, mistakes = _parts(table)
+        missing = [key for key in ("impactor", "target") if key not in table]
+        mistakes += [Mistake(None, None, key, f"missing: a section [{key}] is needed") for key in missing]
+        if not isinstance(parts.get("title", ""), str):
+            mistakes.append(Mistake(None, None, "title", f"{shown(parts['title'])} is not a text"))
+        raise_all(mistakes)
+        try:
+            return cls(**parts)
+        except SceneError as error:
+            raise SceneError(found.moved("") for found in error.mistakes) from None
+
+    def to_table(self) -> dict[str, Any]:
+        """Nested tables, as in a scene file, from which :meth:`from_table` makes the same scene, to the last bit."""
+        sections = {
+            "impactor": table_of(self.impactor),
+            "target": {"kind": self.target.kind, **table_of(self.target)},
+            "contact": contact_table(self.contact),
+            "effects": table_of(self.effects),
+            "solver": table_of(self.solver),
+        }
+        return {"title": self.title, **sections} if self.title else sections
+
+    def to_toml(self) -> str:
+        """The text of a scene file, from which :meth:`from_text` makes the same scene, to the last bit."""
+        return text_from_table(self.to_table())
+
+    def archived_text(self) -> str:
+        """The text of a scene file to be stored with results; a law that is not in `LAWS` is given by its name only."""
+        table = self.to_table()
+        if isinstance(self.contact.law, AbstractLaw):
+            table["contact"]["law"] = self.contact.law.name
+        return text_from_table(table)
+
+    def replace(self, changes: Mapping[str, Any]) -> Scene:
+        """The scene with some entries changed, e.g. {"impactor.velocity": "1 m/s"}; None removes an entry.
+
+        solver.segments replaces solver.accuracy, and vice versa.
+        """
+        return Scene.from_table(change_table(self.to_table(), changes))
+
+    @property
+    def mass(self) -> float:
+        """Mass of the impactor, kg."""
+        mass = self.impactor.own_mass
+        assert mass is not None
+        return mass
+
+    @property
+    def effective_mass(self) -> float:
+        """1/(1/m + 1/m_t) for a free target, otherwise the mass of the impactor, kg."""
+        other = self.target.own_mass
+        assert other is not None
+        return self.mass if endless(other) else self.mass * other / (self.mass + other)
+
+    @property
+    def effective_radius(self) -> float:
+        """1/(1/R + 1/R_t), m."""
+        own, other = self.impactor.radius, self.target.radius
+        return own if endless(other) else own * other / (own + other)
+
+    @property
+    def effective_modulus(self) -> float | None:
+        """1/((1 − ν²)/E + (1 − ν_t²)/E_t), or the value in [contact], Pa; None only if the law does not need it."""
+        if self.contact.effective_modulus is not None:
+            return self.contact.effective_modulus
+        one, two = self.impactor.material, self.target.material
+        if one is None or two is None:
+            return None
+        return 1 / sum((1 - m.poissons_ratio**2) / m.youngs_modulus for m in (one, two))
+
+    @property
+    def yield_strength(self) -> float | None:
+        """The value in [contact], or the lower of the materials' values, Pa; None if none is given."""
+        if self.contact.yield_strength is not None:
+            return self.contact.yield_strength
+        materials = (self.impactor.material, self.target.material)
+        strengths = [m.yield_strength for m in materials if m is not None and m.yield_strength is not None]
+        return reduce(lesser, strengths) if strengths else None
+
+    @property
+    def poissons_ratio(self) -> float | None:
+        """The value in [contact], or that of the body that yields first; without yield strengths, the target's."""
+        if self.contact.poissons_ratio is not None:
+            return self.contact.poissons_ratio
+        own, other = self.target.material, self.impactor.material
+        if own is None or other is None:
+            only = own or other
+            return None if only is None else only.poissons_ratio
+        one, two = (math.inf if m.yield_strength is None else m.yield_strength for m in (own, other))
+        return either(one <= two, own.poissons_ratio, other.poissons_ratio)
+
+    @property
+    def approach_velocity(self) -> float:
+        """Velocity of the impactor relative to the target when contact begins, m/s."""
+        return self.impactor.speed - self.target.velocity
+
+    @property
+    def target_impedance(self) -> float:
+        """Wave impedance of the target, N·s/m; infinite if it has none: a half-space, a beam, a free body."""
+        return self.target.impedance
+
+    @property
+    def kinetic_energy(self) -> float:
+        """½ m v² of the effective mass at the approach velocity, J: the impact energy."""
+        return 0.5 * self.effective_mass * self.approach_velocity**2
+
+    @property
+    def effect_tolerance(self) -> float:
+        """Largest relative change of the summary by a neglected effect; see :class:`Effects`."""
+        if self.effects.tolerance is not None:
+            return self.effects.tolerance
+        return max(DEFAULT_TOLERANCE, self.solver.accuracy or 0.0)
+
+    def _wrong_types(self) -> list[Mistake]:
+        kinds: dict[str, type] = {
+            "impactor": Sphere,
+            "target": AbstractTarget,
+            "contact": Contact,
+            "effects": Effects,
+            "solver": Solver,
+            "title": str,
+        }
+        targets = " or ".join(target.__name__ for target in TARGETS.values())
+        return [
+            mistake(
+                self,
+                name,
+                f"{shown(getattr(self, name))} is not allowed: "
+                f"{targets if name == 'target' else kind.__name__} is needed",
+            )
+            for name, kind in kinds.items()
+            if not isinstance(getattr(self, name), kind)
+        ]
+
+    def _mistakes(self) -> list[Mistake]:
+        """Mistakes that concern several parts of the scene."""
+        found: dict[str, str] = {}
+        contact, target, name = self.contact, self.target, self.contact.law_name
+        if self.impactor.own_mass is None:
+            found["impactor.mass"] = "missing: give mass, or a material (the mass is then density × sphere volume)"
+        if target.own_mass is None:
+            found["target.mass"] = "missing: give mass, or a material (the mass is then density × sphere volume)"
+        if target.free and self.approach_velocity <= 0:
+            found["target.velocity"] = f"{target.velocity:g} m/s must be < the impactor's {self.impactor.speed:g} m/s"
+        if contact.needs("effective_modulus") and self.effective_modulus is None:
+            both = (("impactor", self.impactor), ("target", target))
+            missing = " and ".join(f"{part}.material" for part, body in both if body.material is None)
+            found["contact.effective_modulus"] = f"missing: give {missing}, or effective_modulus"
+        if contact.needs("poissons_ratio") and self.poissons_ratio is None:
+            found["contact.poissons_ratio"] = f'missing: law "{name}" needs it: give a material, or poissons_ratio'
+        if self.yield_strength is None:
+            where = "give yield_strength in [target.material], [impactor.material] or [contact]"
+            if contact.needs("yield_strength"):
+                found["contact.law"] = f'law "{name}" needs a yield strength: {where}'
+            elif self.effects.plasticity is True and name == "auto":
+                found["effects.plasticity"] = f"plasticity needs a yield strength: {where}"
+        return [Mistake(None, None, f"Scene.{key}", message) for key, message in found.items()]
+
+
+def _name(material: Material | None) -> str:
+    return material.name if material is not None else ""
+
+
+def _parts(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[Mistake]]:
+    """The parts of a scene from its sections, and their mistakes."""
+    makers: dict[str, Callable[[dict[str, Any]], Any]] = {
+        "impactor": lambda section: build(Sphere, section),
+        "target": _target,
+        "contact": lambda section: Contact(**section),
+        "effects": lambda section: build(Effects, section),
+        "solver": lambda section: build(Solver, section),
+    }
+    mistakes: list[Mistake] = []
+    parts: dict[str, Any] = {}
+    for key, value in table.items():
+        if key == "title":
+            parts[key] = value
+        elif key not in makers:
+            hint = did_you_mean(key, ["title", *makers])
+            mistakes.append(Mistake(None, None, key_text(key), f"unknown key{hint}"))
+        elif not isinstance(value, Mapping):
+            mistakes.append(Mistake(None, None, key, f"{shown(value)} is not allowed: a section [{key}] is needed"))
+        else:
+            try:
+                parts[key] = makers[key](dict(cast("Mapping[str, Any]", value)))
+            except SceneError as error:
+                mistakes += [found.moved(key) for found in error.mistakes]
+    return parts, mistakes
+
+
+def _target(section: dict[str, Any]) -> AbstractTarget:
+    kind = section.pop("kind", None)
+    if isinstance(kind, str) and kind in TARGETS:
+        return build(TARGETS[kind], section)
+    need = ", ".join(f'"{known}"' for known in TARGETS) + " is needed"
+    if kind is None:
+        raise SceneError([Mistake(None, None, "Target.kind", f"missing: {need}")])
+    hint = did_you_mean(kind, TARGETS) if isinstance(kind, str) else ""
+    raise SceneError([Mistake(None, None, "Target.kind", f"{shown(kind)} is not allowed: {need}{hint}")])

@@ -1,0 +1,163 @@
+"""Scene files as text: TOML to nested tables and back, line numbers of keys, and changes by path."""
+
+from __future__ import annotations
+
+import copy
+import json
+import os
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any, cast
+
+from film_model.base.errors import Mistake, SceneError, shown
+from film_model.base.fields import key_text
+
+LARGEST_FILE = 1_000_000  # bytes; a typical scene file has 1000
+
+
+def read_text(path: str | os.PathLike[str]) -> tuple[str, str]:
+    """The text of a scene or sweep file, and its name as messages show it. Raises SceneError."""
+    name = os.fspath(path)
+    shown_name = name if name.isprintable() else ascii(name)
+    try:
+        with open(path, "rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+        if len(data) > LARGEST_FILE:
+            raise ValueError(f"is larger than {LARGEST_FILE // 1_000_000} MB, and so no scene file")
+        text = data.decode("utf-8-sig")
+    except OSError as error:
+        raise SceneError([Mistake(shown_name, None, "", f"cannot be read: {error.strerror or error}")]) from None
+    except UnicodeDecodeError as error:
+        what = f"is not UTF-8 text: byte {error.object[error.start]:#04x} at offset {error.start}"
+        line = error.object[: error.start].count(b"\n") + 1
+        raise SceneError([Mistake(shown_name, line, "", what)]) from None
+    except ValueError as error:
+        raise SceneError([Mistake(shown_name, None, "", str(error))]) from None
+    return text, shown_name
+
+
+MOST_KEYS, MOST_LEVELS = 2000, 20
+"""Keys of a file, and parts of a key. The time of tomllib grows with the square of both."""
+
+_KEY = re.compile(r"""^[ \t]*(?:\[{1,2}[^\]=,\n]*\]|(?:"[^"\n]*"|'[^'\n]*'|[^=\n"'\[\]{},#])+=)""", re.MULTILINE)
+"""A section's heading, or a key up to its equal sign, at the beginning of a line."""
+
+
+def toml_table(text: str, name: str) -> dict[str, Any]:
+    """The table in the text of a TOML file called `name`. Raises SceneError with the line of a mistake."""
+    for count, key in enumerate(_KEY.finditer(text), 1):
+        too_many = count > MOST_KEYS
+        if too_many or key[0].count(".") >= MOST_LEVELS:
+            what = f"more than {MOST_KEYS} keys" if too_many else f"a key of more than {MOST_LEVELS} parts"
+            raise SceneError([Mistake(name, text.count("\n", 0, key.start()) + 1, "", what)])
+    try:
+        return tomllib.loads(text.removeprefix("\ufeff"))
+    except (ValueError, OverflowError, RecursionError) as error:
+        message = str(error) if str(error).isprintable() else ascii(str(error))
+        found = re.search(r" \(at line ([0-9]+), column ([0-9]+)\)", message)
+        line = int(found[1]) if found else text.count("\n") + 1 if "end of document" in message else None
+        raise SceneError([Mistake(name, line, "", f"not TOML: {message}")]) from None
+
+
+def change_table(table: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The table with the entries at paths such as "impactor.velocity" changed, or removed where None.
+
+    Segments replace an accuracy (which may be the default), and vice versa; the impactor's diameter its radius.
+    """
+    table, given = copy.deepcopy(table), {path for path, value in changes.items() if value is not None}
+    pairs = {
+        "solver.segments": "solver.accuracy",
+        "solver.accuracy": "solver.segments",
+        "impactor.diameter": "impactor.radius",
+    }
+    replaced = {other: None for path, other in pairs.items() if path in given and other not in given}
+    for path, value in {**changes, **replaced}.items():
+        *sections, key = path.split(".")
+        section = table
+        for name in sections:
+            section = section.setdefault(name, {})
+            if not isinstance(section, dict):
+                raise SceneError([Mistake(None, None, path, f"{name} has no entries of its own")])
+            section = cast("dict[str, Any]", section)
+        if value is None:
+            section.pop(key, None)
+        else:
+            section[key] = value
+    return table
+
+
+def text_from_table(table: Mapping[str, Any]) -> str:
+    """The text of a scene file with these nested tables."""
+    return "\n".join(_section_lines("", table)).lstrip("\n") + "\n"
+
+
+def _section_lines(path: str, table: Mapping[str, Any]) -> list[str]:
+    plain = {key: value for key, value in table.items() if not isinstance(value, dict)}
+    lines = ["", f"[{path}]"] if path and plain else []
+    lines += [f"{key} = {_toml(value)}" for key, value in plain.items()]
+    for key, value in table.items():
+        if isinstance(value, dict):
+            lines += _section_lines(f"{path}.{key}".lstrip("."), cast("dict[str, Any]", value))
+    return lines
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_toml, cast("list[object]", value))) + "]"
+    if isinstance(value, int | float):
+        return repr(value)
+    if isinstance(value, dict):
+        entries = (f"{key} = {_toml(item)}" for key, item in cast("dict[str, object]", value).items())
+        return "{ " + ", ".join(entries) + " }"
+    raise ValueError(f"{shown(value)} cannot be written to a scene file")
+
+
+_PART = r"""(?:"(?:[^"\\]|\\.)*"|'[^']*'|[A-Za-z0-9_-]+)"""
+_PATH = re.compile(rf"{_PART}(?:\s*\.\s*{_PART})*")
+
+
+def lines_of_keys(text: str) -> dict[str, int]:
+    """The line of every key, by its path, which tomllib does not report. Keys of an inline table have its line."""
+    lines: dict[str, int] = {}
+    section, quotes = "", ""
+    for number, whole_line in enumerate(text.split("\n"), 1):
+        line = whole_line.strip()
+        if quotes:  # inside a text of several lines
+            quotes = "" if quotes in line else quotes
+            continue
+        header = re.match(r"\[{1,2}\s*", line)
+        path = _PATH.match(line, header.end() if header else 0)
+        if path is not None:
+            rest = line[path.end() :].lstrip()
+            keys = [key_text(_unquoted(part)) for part in re.findall(_PART, path[0])]
+            if rest.startswith("]" if header else "="):
+                section = "" if header else section
+                for key in (keys[0], ".".join(keys)):
+                    lines.setdefault(f"{section}.{key}".lstrip("."), number)
+                section = ".".join(keys) if header else section
+        quotes = next((q for q in ('"""', "'''") if line.count(q) % 2), "")
+    return lines
+
+
+def _unquoted(part: str) -> str:
+    return part[1:-1] if part[0] in "\"'" else part
+
+
+def line_of(lines: Mapping[str, int], key: str) -> int | None:
+    """The line of the key, or of the innermost table that contains it."""
+    while key and key not in lines:
+        key = key.rpartition(".")[0]
+    return lines.get(key)
+
+
+def placed(mistakes: Iterable[Mistake], text: str, name: str) -> SceneError:
+    """The mistakes in a text, each with the file `name` and its line, sorted by line."""
+    lines = lines_of_keys(text)
+    found = [replace(m, file=name, line=line_of(lines, m.key)) for m in mistakes]
+    return SceneError(sorted(found, key=lambda m: m.line or 0))

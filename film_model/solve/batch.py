@@ -1,0 +1,164 @@
+"""Many impacts of one scene: simulate_many(scene, columns) → ManyResult, and simulate_batch(scene, velocity=…)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base import errors, units
+from film_model.base.arrays import Array
+from film_model.base.errors import NO_VELOCITY, VIBRATES
+from film_model.core import native
+from film_model.effects.law_range import law_warnings
+from film_model.effects.many import problems_of, rows_of
+from film_model.problem.problem import Problem
+from film_model.problem.summary import SUMMARY, summary_of
+from film_model.scene import SLOWEST, Scene, Solver, Sphere
+from film_model.scene.columns import scene_of_columns
+from film_model.solve.accuracy import solver_for
+from film_model.solve.many_meshes import march_many
+from film_model.solve.many_modes import on_modes
+
+STATUSES = {code: (status.word, status.sentence) for code, status in errors.STATUSES.items() if status.of_row}
+"""How an impact of a batch can end: word and sentence. Negative: it failed, and its values are nan."""
+
+
+@dataclass(frozen=True)
+class ManyResult:
+    """Many impacts. summary: arrays, SI, by the names of `SUMMARY` (nan: did not happen).
+
+    status: keys of `STATUSES`. laws: names, and law: the number of each impact's among them. segments: per loading
+    stage and of unloading, for each impact, 0 if its target vibrates. estimated: bound on the relative error of every
+    value, nan for an impact that failed; of vibrating targets from those impacts that were tried with two numbers of
+    modes. problems: what was marched; `rows_of` gives the impacts of each.
+    """
+
+    summary: dict[str, Array]
+    status: NDArray[np.int32]
+    laws: tuple[str, ...]
+    law: NDArray[np.int8]
+    segments: NDArray[np.int32]
+    estimated: Array
+    problems: tuple[Problem, ...]
+
+
+@dataclass(frozen=True)
+class BatchResult:
+    """Summaries of many impacts: arrays of one shape, SI, by the names of `history.SUMMARY` (nan: did not happen).
+
+    estimated_accuracy: bound on the relative error of every value of each impact (nan: it failed); estimated: the
+    largest. segments: largest numbers per loading stage and of unloading. failed: True where the impact failed (its
+    values are nan). varied: the velocities [m/s] and, if given, masses [kg], in the shape of the results.
+    """
+
+    summary: dict[str, Array]
+    varied: dict[str, Array]
+    estimated_accuracy: Array
+    estimated: float
+    segments: tuple[int, int]
+    failed: NDArray[np.bool_]
+    _many: ManyResult = field(repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        failed, impacts = np.count_nonzero(self.failed), " × ".join(map(str, self.failed.shape)) or "1"
+        said = f"{impacts} impacts over {' and '.join(self.varied)}, {' and '.join(self._many.laws)}"
+        return f"BatchResult({said}; {failed} failed, estimated relative error ≤ {self.estimated:.1e})"
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences about laws: energy gained, restitution that rises with velocity, and depths outside their range."""
+        said: list[str] = []
+        for problem in self._many.problems:
+            rows = rows_of(problem)
+            impact = 0.5 * problem.mass * (problem.approach * problem.scales.velocity) ** 2
+            gains = np.count_nonzero(self._many.summary["energy_absorbed"][rows] < -1e-9 * impact)
+            if gains:
+                said.append(
+                    f"law {problem.law.name}: in {gains} impacts its unloading returns more energy than it stored"
+                )
+            said += law_warnings(problem, self._many.summary["maximum_indentation"][rows] / problem.scales.length)
+        return tuple(said)
+
+
+def simulate_batch(
+    scene: Scene, *, velocity: Any, mass: Any = None, accuracy: float | None = None, segments: int | None = None
+) -> BatchResult:
+    """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
+
+    Effects and law "auto" are decided for every impact. For an accuracy, every impact is
+    refined until its own estimate meets it.
+
+    Raises ValueError for a velocity or mass that is not > 0 or outside the range of scenes, a velocity that is not
+    above a free target's, or empty arrays; SceneError for a bad option.
+    """
+    speeds = units.array_to_si(velocity, "velocity")
+    masses = None if mass is None else units.array_to_si(mass, "mass")
+    shape = np.broadcast_shapes(speeds.shape, () if masses is None else masses.shape)
+    given = {"impactor.velocity": speeds, "impactor.mass": masses}
+    columns = {path: np.broadcast_to(values, shape).ravel() for path, values in given.items() if values is not None}
+    least = max(scene.target.velocity, 0.0)
+    for name, values, unit, floor in (("velocity", speeds, "m/s", least), ("mass", masses, "kg", 0.0)):
+        if values is None:
+            continue
+        if values.size == 0:
+            raise ValueError(f"{name}: no values, at least one is needed")
+        if not values.min() > floor:
+            whose = ", the target's" if floor > 0.0 else ""
+            raise ValueError(f"{name}: {values.min():g} {unit} must be > {floor:g} {unit}{whose}")
+        field = Sphere.FIELDS[name]
+        low, high = max(field.low or 0.0, SLOWEST), field.high or math.inf
+        wrong = values[(values < low) | (values > high)]
+        if wrong.size:
+            raise ValueError(f"{name}: {wrong[0]:g} {unit} is out of range: from {low:g} to {high:g} {unit}")
+    solver = solver_for(scene.solver, accuracy, segments, None)
+    result = simulate_many(scene, columns, solver)
+    shaped = {name: column.reshape(shape) for name, column in result.summary.items()}
+    counts = result.segments.max(axis=0).tolist()
+    worst = float(np.nanmax(result.estimated, initial=0.0))
+    each, failed = result.estimated.reshape(shape), (result.status < 0).reshape(shape)
+    varied = {path.partition(".")[2]: column.reshape(shape) for path, column in columns.items()}
+    return BatchResult(shaped, varied, each, worst, (counts[0], counts[1]), failed, result)
+
+
+def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | None = None) -> ManyResult:
+    """Impacts of one scene, in which columns replace some numbers: path such as "impactor.velocity" → SI values.
+
+    There is at least one column. All have the same length, values within the ranges of scenes, and a path that has a
+    number in `scene`. solver: default the scene's.
+    """
+    solver = solver or scene.solver
+    count = len(next(iter(columns.values())))
+    summary = {name: np.full(count, np.nan) for name in SUMMARY}
+    speed = scene_of_columns(scene, columns).approach_velocity
+    status = np.full(count, native.BAD_NUMBER, np.int32)
+    status[np.broadcast_to(np.less_equal(speed, 0.0), (count,))] = NO_VELOCITY
+    law = np.zeros(count, np.int8)
+    segments, laws, estimated = np.zeros((count, 2), np.int32), list[str](), np.full(count, np.nan)
+    problems = problems_of(scene, columns, count, status)
+    for problem in problems:
+        rows, name = rows_of(problem), problem.law.name
+        if name not in laws:
+            laws.append(name)
+        made = march_many(problem, solver)
+        law[rows] = laws.index(name)
+        segments[rows] = made.segments
+        status[rows] = made.status
+        estimated[rows] = made.estimated + problem.curve.fit_error
+        for name, column in summary_of(problem, made.status, made.core).items():
+            summary[name][rows] = column
+    vibrating = np.flatnonzero(status == VIBRATES)
+    if vibrating.size:
+        found = on_modes(scene, columns, vibrating, solver)
+        status[vibrating] = found.status
+        estimated[vibrating] = np.where(found.status >= 0, found.estimated, np.nan)
+        laws += [name for name in dict.fromkeys(found.laws) if name not in laws]
+        law[vibrating] = [laws.index(name) for name in found.laws]
+        for name, values in found.summary.items():
+            summary[name][vibrating] = values
+    return ManyResult(summary, status, tuple(laws), law, segments, estimated, tuple(problems))

@@ -1,0 +1,220 @@
+"""The impact as a component that the caller advances in steps, with exact events."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from film_model.base import units
+from film_model.base.errors import SimulationError
+from film_model.core import native
+from film_model.effects.choose import Choice, choose
+from film_model.problem.problem import refuse_vibrations
+from film_model.scene import Scene
+from film_model.solve.accuracy import Linearisation, mesh_for, mesh_of, raise_failure, solver_for
+from film_model.solve.history import Event, stage_names
+
+_NOW = struct.Struct("9d")  # the first fields of film_state: time … force_peak
+_REPORT = struct.Struct("4i")
+_REPORT_AT = native.State.phase.offset
+DEFAULT_SEGMENTS = (24, 48)  # used if the impactor starts at rest: there is no impact on which to try meshes
+
+MOST_EVENTS = 1_000_000
+"""A step with more events raises an error: an undamped ball under a load bounces for ever."""
+
+
+class Outputs(NamedTuple):
+    """Motion at one time, SI; directions positive into the target. phase: one of `native.PHASES`."""
+
+    time: float
+    indentation: float
+    relative_velocity: float
+    impactor_displacement: float
+    impactor_velocity: float
+    target_displacement: float
+    target_velocity: float
+    contact_force: float
+    phase: str
+    contact_count: int
+
+
+class StepResult(NamedTuple):
+    """What a step did: the time it reached [s], the outputs there, and the events on the way, at their exact times."""
+
+    time: float
+    outputs: Outputs
+    events: tuple[Event, ...]
+
+
+@dataclass(frozen=True)
+class SavedState:
+    """The state of a component, from `save`, for `restore`."""
+
+    core: bytes
+    start_time: float
+    support_velocity: float
+    support_displacement: float
+    load: float
+
+
+class ImpactComponent:
+    """An impactor in front of its target, or in contact with it, advanced step by step.
+
+    scene: as for `simulate`. initial_gap: distance to the target at the start, m. Accuracy or segments determine the
+    mesh as in `simulate`; a pair of segments is for loading and unloading. The external force and the support velocity
+    are constant during a step, so one step of dt gives the same as two of dt/2; the motion is exact on the segments of
+    the march. Later contacts begin on the permanent indentation of earlier ones. Arguments may be quantities, texts
+    with units, or SI floats. The scene's gravity, if simulated, is added to the external force.
+
+    Raises SceneError or SimulationError as `simulate` does; SimulationError for a target that is a free body or
+    vibrates.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        initial_gap: Any = 0.0,
+        accuracy: float | None = None,
+        segments: int | tuple[int, int] | None = None,
+        linearisation: Linearisation | None = None,
+    ) -> None:
+        if scene.target.free:
+            raise SimulationError("a free body as target cannot be stepped: simulate() gives its motion")
+        self.scene = scene
+        self.choice: Choice = choose(scene)
+        self.problem = self.choice.problem
+        refuse_vibrations(self.problem, "an ImpactComponent")
+        self._gap = _gap(initial_gap)
+        if isinstance(segments, tuple):
+            self.segments = segments
+            self._mesh = mesh_of(solver_for(scene.solver, accuracy, max(segments), linearisation), segments)
+        else:
+            self.segments, self._mesh = mesh_for(
+                scene, self.problem, accuracy, segments, linearisation, fallback=DEFAULT_SEGMENTS
+            )
+        self._curve = self.problem.curve.native
+        self.reset()
+
+    def __repr__(self) -> str:
+        return f"ImpactComponent(law {self.problem.law.name}, {self.phase} at {self.time:g} s)"
+
+    def initialize(self, *, time: Any = 0.0, initial_gap: Any = None, velocity: Any = None) -> None:
+        """Start at `time` [s], target undeformed; gap [m] and velocity [m/s] default to those of the constructor."""
+        start = self.problem.start
+        if velocity is not None:
+            start.nu = units.to_si(velocity, "velocity", bare=True) / self.problem.scales.velocity
+        gap = self._gap if initial_gap is None else _gap(initial_gap)
+        state = native.initial_state(self._curve, start, gap / self.problem.scales.length)
+        begin = units.to_si(time, "time", bare=True)
+        self.restore(SavedState(bytes(state), begin, 0.0, 0.0, self.problem.load))
+
+    def reset(self) -> None:
+        """Return to the initial state: undeformed target, no contact."""
+        self.initialize()
+
+    def save(self) -> SavedState:
+        """A copy of the state, for `restore`."""
+        support = self._support_velocity, self._support_displacement
+        return SavedState(bytes(self._state), self._start_time, *support, self._load)
+
+    def restore(self, saved: SavedState) -> None:
+        """Return to a saved state; the same steps then give the same results to the last bit."""
+        self._state = native.State.from_buffer_copy(saved.core)
+        self._start_time = saved.start_time
+        self._support_velocity, self._support_displacement = saved.support_velocity, saved.support_displacement
+        self._load = saved.load
+
+    @property
+    def time(self) -> float:
+        """Time, s; starts at 0 unless `initialize` sets another start."""
+        return self._start_time + self._state.time * self.problem.scales.time
+
+    @property
+    def phase(self) -> str:
+        """Phase of the motion: "approaching", "loading", "unloading", "reloading", "resting", "separated"."""
+        return native.PHASES[self._state.phase]
+
+    @property
+    def outputs(self) -> Outputs:
+        """Motion now, SI."""
+        time, _, xi, nu, shift, force, _, _, _ = _NOW.unpack_from(self._state)
+        phase, _, contacts, _ = _REPORT.unpack_from(self._state, _REPORT_AT)
+        s, support = self.problem.scales, self._support_velocity
+        target = self.problem.gamma * force * s.velocity
+        if self._curve.compliance > 0.0:
+            xi, rate, force, _, shift = native.motion(self._curve, self._state).tolist()
+            target = (nu - rate) * s.velocity
+        velocity = nu * s.velocity
+        moved = shift * s.length + self._support_displacement
+        return Outputs(
+            self._start_time + time * s.time,
+            xi * s.length,
+            velocity - target,
+            moved + xi * s.length,
+            velocity + support,
+            moved,
+            target + support,
+            force * s.force,
+            native.PHASES[phase],
+            contacts,
+        )
+
+    def step(
+        self, dt: Any, *, external_force: Any = 0.0, support_velocity: Any = 0.0, stop_at_events: bool = False
+    ) -> StepResult:
+        """Advance by dt [s], or with `stop_at_events` to the next event if that comes first.
+
+        external_force: on the impactor, positive into the target [N]; support_velocity: of the target as a whole [m/s];
+        both constant during the step. Raises ValueError for a negative time or a value that is not finite;
+        SimulationError if the indentation passes the end of the contact law or the step has too many events. The
+        component then keeps the state of that moment.
+        """
+        dt, force = _si(dt, "time"), _si(external_force, "force")
+        if dt < 0.0:
+            raise ValueError(f"dt: {dt:g} s must be >= 0 s")
+        support = _si(support_velocity, "velocity")
+        scales, state = self.problem.scales, self._state
+        load = self.problem.load + force / scales.force
+        if load != self._load or support != self._support_velocity:
+            change = (support - self._support_velocity) / scales.velocity
+            native.set_input(state, load, -change, -support / scales.velocity)
+            self._load, self._support_velocity = load, support
+        events: list[Event] = []
+        end, before = state.time + dt / scales.time, state.time
+        remaining = dt / scales.time
+        while True:
+            status = native.step(self._curve, self._mesh, state, remaining)
+            self._support_displacement += support * (state.time - before) * scales.time
+            before = state.time
+            if status != native.EVENT:
+                raise_failure(status, self.problem)
+                break
+            events.append(self._event())
+            if len(events) > MOST_EVENTS:
+                raise SimulationError(f"more than {MOST_EVENTS} events in one step: ask for a shorter one")
+            remaining = max(end - state.time, 0.0)
+            if stop_at_events:
+                break
+        outputs = self.outputs
+        return StepResult(outputs.time, outputs, tuple(events))
+
+    def _event(self) -> Event:
+        o = self.outputs
+        stage = stage_names(self.problem)[self._state.branch]
+        motion = (o.indentation, o.relative_velocity, o.contact_force, o.impactor_displacement, o.impactor_velocity)
+        return Event(native.EVENTS[self._state.event], o.time, stage, *motion, o.target_displacement, o.target_velocity)
+
+
+def _gap(value: Any) -> float:
+    gap = units.to_si(value, "length", bare=True)
+    if gap < 0.0:
+        raise ValueError(f"initial_gap: {gap:g} m must be >= 0 m")
+    return gap
+
+
+def _si(value: Any, dimension: str) -> float:
+    if type(value) is float and value - value == 0.0:
+        return value
+    return units.to_si(value, dimension, bare=True)

@@ -1,0 +1,237 @@
+"""The result of one impact: events, summary, and the motion at any time, as quantities."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base import units
+from film_model.base.errors import Outcome
+from film_model.core import native
+from film_model.effects.choose import Choice
+from film_model.effects.effect import Effect
+from film_model.problem.problem import Problem
+from film_model.problem.summary import SUMMARY
+from film_model.scene import Scene
+from film_model.solve.vibration import Vibration
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+MOTION: dict[str, tuple[str, str]] = {
+    "indentation": ("length", "impactor displacement less target displacement"),
+    "relative_velocity": ("velocity", "rate of indentation"),
+    "contact_force": ("force", "force of the contact law at the indentation"),
+    "impactor_displacement": ("length", "from first touch, positive into the target"),
+    "impactor_velocity": ("velocity", "positive into the target"),
+    "target_displacement": ("length", "at the point of impact, positive along the impactor's approach"),
+    "target_velocity": ("velocity", "at the point of impact"),
+}
+"""Quantities of a history over time, with dimension and meaning. Equation (27) of Big-Alabo et al. 2017 gives the
+target's displacement, ∫F dt/Z."""
+
+
+@dataclass(frozen=True)
+class Event:
+    """An event and the motion at its time, SI floats. stage: of the law, or "unloading", or "" (no contact)."""
+
+    name: str
+    time: float
+    stage: str
+    indentation: float
+    relative_velocity: float
+    contact_force: float
+    impactor_displacement: float
+    impactor_velocity: float
+    target_displacement: float
+    target_velocity: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON (`force` is the contact force)."""
+        table = {f.name: getattr(self, f.name) for f in fields(self)}
+        table["force"] = table.pop("contact_force")
+        return table
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Motion at given times: arrays, or numbers for a single time; quantities from `sample`, SI from `sample_si`.
+
+    stage: names of the law's stages, "unloading" on the elastic branch, "" without contact.
+    """
+
+    time: Any
+    indentation: Any
+    relative_velocity: Any
+    contact_force: Any
+    impactor_displacement: Any
+    impactor_velocity: Any
+    target_displacement: Any
+    target_velocity: Any
+    stage: Any
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """Requested and estimated accuracy, and the size of the mesh.
+
+    requested: relative accuracy; None if segments were given. estimated: bound on the relative error of every summary
+    value. segments: per loading stage. unloading_segments: of the unloading; the core takes two or four times as many
+    if the force falls to 0 slowly. lines: segments in total. modes: number of modes of a target that vibrates; there
+    are no segments then.
+
+    The error of a velocity or indentation is relative to at least a thousandth of the approach velocity or maximum
+    indentation, that of an energy to the impact energy.
+    """
+
+    requested: float | None
+    estimated: float
+    segments: int
+    unloading_segments: int
+    lines: int
+    modes: int = 0
+
+
+class _Quantity:
+    """A summary value as a pint quantity, or None where it does not exist."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.dimension, self.__doc__ = SUMMARY[name]
+
+    def __get__(self, instance: History | None, owner: type) -> Any:
+        if instance is None:
+            return self
+        value = instance.summary[self.name]
+        return None if value is None else units.quantity(value, self.dimension)
+
+
+@dataclass(frozen=True)
+class History:
+    """One impact from first touch to separation.
+
+    summary: SI floats by the names of `SUMMARY`, None for what did not happen; the same names are attributes that
+    return pint quantities. lines: the segments as recorded by the core; empty if the target vibrates, since the motion
+    is then in `vibration`. On such a target several contacts may follow each other: contact_duration is that of the
+    first; permanent indentation, rebound and energies are those after the last. remarks: warnings of this run.
+    Histories are equal if scene, events, summary and remarks are equal to the last bit.
+    """
+
+    scene: Scene
+    choice: Choice = field(repr=False, compare=False)
+    lines: NDArray[Any] = field(repr=False, compare=False)
+    events: tuple[Event, ...] = field(repr=False)
+    outcome: Outcome
+    summary: Mapping[str, float | None] = field(hash=False)
+    accuracy: Accuracy
+    remarks: tuple[str, ...]
+    vibration: Vibration | None = field(default=None, repr=False, compare=False)
+
+    if TYPE_CHECKING:  # the summary values, added below the class, and the methods of film_model/methods.py
+
+        def __getattr__(self, name: str) -> Any: ...
+        def plot(self, path: str | os.PathLike[str] | None = None) -> Figure: ...
+        def to_dataset(self, samples: int = 201) -> xr.Dataset: ...
+        def _repr_html_(self) -> str: ...
+
+    def __repr__(self) -> str:
+        shown = (
+            ("maximum_force", "peak"),
+            ("contact_duration", "contact"),
+            ("coefficient_of_restitution", "restitution"),
+        )
+        values = ((word, self.summary[name], SUMMARY[name][0]) for name, word in shown)
+        said = ", ".join(f"{word} {units.format_si(value, kind)}" for word, value, kind in values if value is not None)
+        return f"History({self.problem.law.name}: {said}; {self.outcome.value})"
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings of the law, about effects that are not modelled, and of this run."""
+        return tuple(dict.fromkeys((*self.choice.warnings, *self.remarks)))
+
+    @property
+    def problem(self) -> Problem:
+        """The dimensionless problem."""
+        return self.choice.problem
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """Every effect with the number that decided."""
+        return self.choice.effects
+
+    @property
+    def vibration_energy_by_mode(self) -> NDArray[np.float64] | None:
+        """Energy of each natural vibration at the end, J, in the order of `vibration.frequency`; None without modes."""
+        return None if self.vibration is None else self.vibration.energies * self.problem.scales.energy
+
+    @property
+    def duration(self) -> float:
+        """Time of the last event, s; of the last segment, if the only event is first touch."""
+        last = self.events[-1].time if self.events else 0.0
+        return last or (float(self.lines["time"][-1]) * self.problem.scales.time if self.lines.size else 0.0)
+
+    def sample_si(self, times: Any) -> Samples:
+        """Motion at `times` [s, or with units; from first touch, >= 0; any shape], as SI floats.
+
+        Exact on the segments of the march; the force is the law's at that indentation. On a target that vibrates, the
+        polynomial of degree 7 of each step in contact, and the modes' closed form in flight. After the end of contact
+        the impactor moves freely. Raises ValueError for a time that is negative or not finite.
+        """
+        t = units.array_to_si(times, "time", bare=True)
+        if not (t >= 0.0).all():
+            raise ValueError("times must be finite and not before first touch (0 s)")
+        order = np.argsort(t, axis=None, kind="stable")
+        flat = t.reshape(-1)
+        scales = self.problem.scales
+        ascending = flat[order] / scales.time
+        if self.vibration is not None:
+            values, branches = self.vibration.sample(ascending)
+        else:
+            values, branches, _ = native.sample(self.problem.curve.native, self.lines, ascending)
+        back = np.empty_like(order)
+        back[order] = np.arange(order.size)
+        motion = self.problem.motion(flat, values[back].T)
+        names = np.array(stage_names(self.problem))[branches[back]]
+        shaped = {name: column.reshape(t.shape)[()] for name, column in motion.items()}
+        return Samples(time=t[()], stage=names.reshape(t.shape)[()], **shaped)
+
+    def sample(self, times: Any) -> Samples:
+        """Motion at `times` ("20 us" or a pint quantity, scalar or array), as pint quantities; see `sample_si`."""
+        plain = self.sample_si(units.array_to_si(times, "time"))
+        motion = {name: units.quantity(getattr(plain, name), MOTION[name][0]) for name in MOTION}
+        return Samples(time=units.quantity(plain.time, "time"), stage=plain.stage, **motion)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, SI throughout: title, law, outcome, summary, events, effects, accuracy and warnings."""
+        return {
+            "title": self.scene.title,
+            "law": self.problem.law.name,
+            "outcome": self.outcome.value,
+            "summary": {
+                name: {"value": value, "units": units.si_unit(SUMMARY[name][0])} for name, value in self.summary.items()
+            },
+            "events": [event.to_dict() for event in self.events],
+            "effects": [effect.to_dict() for effect in self.effects],
+            "accuracy": {f.name: getattr(self.accuracy, f.name) for f in fields(self.accuracy)},
+            "warnings": list(self.warnings),
+        }
+
+    def to_json(self) -> str:
+        """The same values as the text of one JSON object."""
+        return json.dumps(self.to_dict(), indent=2, ensure_ascii=False, allow_nan=False)
+
+
+for _name in SUMMARY:
+    setattr(History, _name, _Quantity(_name))
+
+
+def stage_names(problem: Problem) -> list[str]:
+    """Names by the core's branch number: the law's stages, then no contact (index −2) and unloading (index −1)."""
+    return [*problem.curve.stage_names, native.BRANCH_NAMES[native.FREE], native.BRANCH_NAMES[native.BRANCH]]

@@ -1,0 +1,150 @@
+"""Meshes for many impacts of one curve: most share one, found from a sample; each is refined if its estimate asks."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.arrays import Array, Index
+from film_model.problem.problem import Columns, Problem
+from film_model.problem.summary import difference, rounding
+from film_model.scene import Solver
+from film_model.solve.accuracy import MOST_SEGMENTS, ORDER_FACTOR, first_segments, mesh_of
+
+FIRST_SEGMENTS = 4
+"""Segments per stage of the first trial: few, because every segment costs time in all impacts."""
+
+SAMPLE_LEAST, SAMPLE_SHARE = 64, 256
+"""The shared mesh is found from at least this number and this fraction (1/256) of the impacts."""
+
+EASY = 0.9
+"""Fraction of the sample that meets the accuracy on the shared mesh; refining the others costs less than finer lines
+for all."""
+
+COARSE_FACTOR, COARSE = 2.0, 24
+"""Bound on the error over the difference to half as many segments, up to so many segments; it falls as 1/n to that of
+`ORDER_FACTOR`. Where errors do not yet fall with the fourth power, at kinks of the law and in slow contacts under a
+load, the two meshes may agree by chance. Needed by tests/test_sweep_accuracy.py."""
+
+STALLED, SMALL = 0.7, 1e-9
+"""Refinement ends if an estimate below `SMALL` falls by less than this factor: the rest is rounding."""
+
+
+@dataclass(frozen=True)
+class Marched:
+    """Many impacts, marched. status, core: as `Problem.march` returns them. segments: per loading stage and of
+    unloading, (impacts, 2). estimated: bound on the relative error of every value, of each impact; nan if it failed."""
+
+    status: NDArray[np.int32]
+    core: Columns
+    segments: NDArray[np.int32]
+    estimated: Array
+
+
+def march_many(problem: Problem, solver: Solver) -> Marched:
+    """March many impacts on meshes that meet the accuracy, or on the given number of segments.
+
+    Every impact is marched on two meshes, and their difference gives its estimate. The two meshes have n and about n/2
+    segments; an impact whose estimate exceeds the accuracy is marched again with 2n, and so on as `accuracy.refine`.
+    """
+    if solver.segments is not None:
+        return _with_segments(problem, solver, solver.segments)
+    n = _shared_segments(problem, solver)
+    coarse_status, coarse = _march(problem, solver, _half(n, solver))
+    status, core = _march(problem, solver, n)
+    made = Marched(
+        status,
+        core,
+        np.tile(np.array(problem.curve.segments(n), np.int32), (status.size, 1)),
+        np.full(status.size, math.nan),
+    )
+    every = np.arange(status.size)
+    left = _estimate(problem, solver, made, every, n, (coarse_status, coarse, status, core))
+    while left.size and n < MOST_SEGMENTS:
+        n *= 2
+        left = _refine(problem.part(left), solver, made, left, n)
+    return made
+
+
+def _refine(part: Problem, solver: Solver, made: Marched, places: Index, n: int) -> Index:
+    """March the impacts at `places` with n segments; the places whose estimates still exceed the accuracy."""
+    status, core = _march(part, solver, n)
+    known = status >= 0  # an impact that fails on a finer mesh only keeps its result
+    before = made.status[places], Columns(made.core.table[places])
+    last = made.estimated[places]
+    to = places[known]
+    made.status[to], made.core.table[to] = status[known], core.table[known]
+    made.segments[to] = part.curve.segments(n)
+    pair = before[0][known], Columns(before[1].table[known]), status[known], Columns(core.table[known])
+    left = _estimate(part.part(known), solver, made, to, n, pair)
+    stalled = (made.estimated[places] > STALLED * last) & (made.estimated[places] < SMALL)
+    return np.setdiff1d(left, places[stalled], assume_unique=True)
+
+
+def _estimate(
+    problem: Problem,
+    solver: Solver,
+    made: Marched,
+    places: Index,
+    n: int,
+    pair: tuple[NDArray[np.int32], Columns, NDArray[np.int32], Columns],
+) -> Index:
+    """Set the estimates at `places` from two meshes; the places to refine: more segments would make them smaller."""
+    assert solver.accuracy is not None
+    coarse_status, coarse, status, core = pair
+    found = _factor(n, solver) * difference(problem, coarse, core)
+    found[coarse_status < 0] = 1.0
+    rounds = rounding(problem, core)
+    made.estimated[places] = np.minimum(found + rounds, 1.0)
+    asked = np.flatnonzero(found > solver.accuracy - rounds)
+    if (status < 0).any():
+        made.estimated[places[status < 0]] = math.nan
+        asked = asked[status[asked] >= 0]
+    return places[asked[found[asked] > rounds[asked]]]
+
+
+def _factor(n: int, solver: Solver) -> float:
+    """Bound on the error of n segments over the difference to n/2."""
+    return max(ORDER_FACTOR[solver.linearisation][1], COARSE_FACTOR * min(1.0, COARSE / n))
+
+
+def _with_segments(problem: Problem, solver: Solver, n: int) -> Marched:
+    """March with the given number of segments; the estimates are from twice as many."""
+    (status, core), (other, fine) = (problem.march(mesh_of(solver, (k, k))) for k in (n, 2 * n))
+    found = ORDER_FACTOR[solver.linearisation][0] * np.where(other >= 0, difference(problem, core, fine), 1.0)
+    estimated = np.where(status < 0, math.nan, np.minimum(found + rounding(problem, core), 1.0))
+    return Marched(status, core, np.full((status.size, 2), n, np.int32), estimated)
+
+
+def _shared_segments(problem: Problem, solver: Solver) -> int:
+    """Segments per stage with which `EASY` of a sample meet the accuracy."""
+    assert solver.accuracy is not None
+    count = problem.approach.size
+    damping = float(np.median(problem.damping)) if count else 0.0
+    n = first_segments(damping) if damping > 0.0 else FIRST_SEGMENTS
+    if count <= SAMPLE_LEAST:
+        return n
+    spread = np.linspace(0, count - 1, max(SAMPLE_LEAST, count // SAMPLE_SHARE)).astype(np.intp)
+    sample = problem.part(spread)
+    while n < MOST_SEGMENTS:
+        (status, coarse), (other, fine) = (_march(sample, solver, k) for k in (_half(n, solver), n))
+        off = np.where((status >= 0) & (other >= 0), _factor(n, solver) * difference(sample, coarse, fine), 0.0)
+        typical = float(np.quantile(off, EASY))
+        if typical <= solver.accuracy:
+            break
+        # the difference decreases with about the fourth power of the segments
+        wanted = math.ceil(n * (typical / solver.accuracy) ** 0.25)
+        n = min(2 * n, max(wanted, n + (2 if solver.linearisation == "chord" else 1)))
+    return n
+
+
+def _half(n: int, solver: Solver) -> int:
+    """Segments of the coarser mesh: half, rounded up; chords, of second order, need a complete halving."""
+    return n // 2 if solver.linearisation == "chord" else (n + 1) // 2
+
+
+def _march(problem: Problem, solver: Solver, n: int) -> tuple[NDArray[np.int32], Columns]:
+    return problem.march(mesh_of(solver, problem.curve.segments(n)))

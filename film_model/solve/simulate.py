@@ -1,0 +1,240 @@
+"""simulate(scene) → History: the mesh for the requested accuracy, and the impact recorded on it."""
+
+from __future__ import annotations
+
+import math
+import warnings as python_warnings
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from film_model.base.errors import ImpactWarning, Outcome, SimulationError, shown
+from film_model.core import native
+from film_model.effects.choose import Choice, choose
+from film_model.effects.effect import NOT_JUDGED
+from film_model.problem.problem import Problem
+from film_model.problem.summary import energy_warning, summary_of
+from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
+from film_model.solve.accuracy import Linearisation, estimate, mesh_of, raise_failure, refine, solver_for
+from film_model.solve.history import Accuracy, Event, History, stage_names
+from film_model.solve.vibration import Moment, vibrate
+
+GRAZING = 1e-12
+"""Kinetic energy over the work of the load that is rounding, if both the impact and the end of contact have less."""
+
+
+DEEPER = 1.0 + 1e-10
+"""A turn is deeper than those before by this factor, as in film_impact.c: contacts that swing turn at one depth."""
+
+
+def simulate(
+    scene: Scene,
+    *,
+    accuracy: float | None = None,
+    segments: int | None = None,
+    linearisation: Linearisation | None = None,
+) -> History:
+    """The impact a scene describes, from first touch to the end of contact.
+
+    accuracy: relative, of every summary value; or segments: number per stage; both default to the scene's. The method
+    is FILM (Big-Alabo, Cartmell & Harrison 2017) with work-preserving segments on graded nodes, of fourth order in the
+    number of segments; linearisation="chord" is the paper's, of second order. The error is estimated from the
+    difference of two meshes, one with twice the segments of the other.
+
+    A target whose vibrations matter is followed by its natural modes, as many as the accuracy needs.
+
+    Every entry of the history's `warnings` is issued as an ImpactWarning too.
+
+    Raises SceneError for a bad option, SimulationError for a contact that the core cannot march, TypeError if `scene`
+    is not a Scene.
+    """
+    if not isinstance(scene, Scene):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise TypeError(f"simulate takes a Scene, not {shown(scene)}: Scene.from_toml reads one from a file")
+    history = simulate_quietly(scene, accuracy=accuracy, segments=segments, linearisation=linearisation)
+    for sentence in history.warnings if _warnings_are_shown() else ():
+        python_warnings.warn(sentence, ImpactWarning, stacklevel=2)
+    return history
+
+
+def _warnings_are_shown() -> bool:
+    """Whether Python may show an ImpactWarning: if not, the effects that only cause warnings need not be estimated."""
+    for action, message, category, module, line in python_warnings.filters:
+        if issubclass(ImpactWarning, category):
+            return action != "ignore" or message is not None or module is not None or line != 0
+    return True
+
+
+def simulate_quietly(
+    scene: Scene,
+    *,
+    accuracy: float | None = None,
+    segments: int | None = None,
+    linearisation: Linearisation | None = None,
+) -> History:
+    """As :func:`simulate`, without Python warnings: for callers that show `warnings` themselves or try many scenes."""
+    return simulate_chosen(choose(scene), solver_for(scene.solver, accuracy, segments, linearisation))
+
+
+def simulate_chosen(choice: Choice, solver: Solver) -> History:
+    """As :func:`simulate`, for effects that are already chosen."""
+    problem, scene = choice.problem, choice.scene
+    if problem.approach == 0.0 and problem.load <= 0.0:
+        raise SimulationError("the impactor has no velocity and no force pushes it: there is no impact")
+    scene = scene if solver is scene.solver else replace(scene, solver=solver)
+    warnings: list[str] = []
+    if problem.vibrates:
+        return _on_modes(scene, choice, warnings)
+    if solver.segments is not None:
+        counts, estimated = (solver.segments, solver.segments), estimate(problem, solver)
+    else:
+        counts, estimated = refine(problem, solver, warnings)
+    estimated += problem.curve.fit_error
+    status, lines, states, peak = _record(problem, solver, counts)
+    found = _at_events(problem, states)
+    events = _events(problem, found)
+    values = summary_of(problem, status, _Recorded.of(found, states[-1], peak))
+    summary = {name: None if math.isnan(value) else value for name, value in values.items()}
+    warnings.extend(energy_warning(problem, summary))
+    return History(
+        scene=scene,
+        choice=choice,
+        lines=lines,
+        events=events,
+        outcome=_outcome(status),
+        summary=summary,
+        accuracy=Accuracy(solver.accuracy, estimated, *counts, lines.size - 1),
+        remarks=tuple(warnings),
+    )
+
+
+def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[int, Any, Any, float]:
+    """Status, segments, states at events, and the largest force."""
+    state = native.initial_state(problem.curve.native, problem.start)
+    room = (counts[0] + 2) * (problem.curve.native.stages + 1) + 4 * counts[1] + 64
+    status, lines, states = native.record(problem.curve.native, mesh_of(solver, counts), state, problem.limit, room)
+    raise_failure(status, problem)
+    peak = max(state.force_peak, state.force)
+    if status == native.EVENT and problem.load > 0.0 and _grazes(problem, state, states):
+        status, states = native.OK, states[:-1]  # back at first touch without velocity: the load keeps contact closed
+    return status, lines, states, peak
+
+
+def _grazes(problem: Problem, state: native.State, states: Any) -> bool:
+    """Whether the velocity at the end of contact is only rounding of the work of the load."""
+    rounding = GRAZING * problem.load * float(states["xi"].max())
+    return state.nu**2 <= rounding and problem.approach**2 <= rounding
+
+
+class _Recorded(NamedTuple):
+    """The fields of the core's summary, from a recorded impact."""
+
+    maximum_force: float
+    maximum_indentation: float
+    time_of_maximum_indentation: float
+    time_impactor_stops: float
+    contact_duration: float
+    permanent_indentation: float
+    final_velocity: float
+    shift: float
+    work: float
+
+    @classmethod
+    def of(cls, events: Iterable[_AtEvent], last: Any, peak: float) -> _Recorded:
+        """From the motion at the events, the core's state at the last one, and the largest force."""
+        deepest, turned, stops, ends = 0.0, math.nan, math.nan, math.nan
+        for event in events:
+            if event.name == "maximum_indentation" and event.values[0] > deepest * DEEPER:
+                deepest, turned = event.values[0], event.time
+            elif event.name == "impactor_stops" and stops != stops:
+                stops = event.time
+            elif event.name == "contact_ends":
+                ends = event.time
+        numbers = (float(last[name]) for name in ("xi", "nu", "shift", "spent"))
+        return cls(peak, deepest, turned, stops, ends, *numbers)
+
+
+class _AtEvent(NamedTuple):
+    """An event: the core's five values (`motion_of`) at its time, and the law's branch after it."""
+
+    name: str
+    time: float
+    values: Sequence[float]
+    branch: int
+
+
+def _at_events(problem: Problem, states: Any) -> list[_AtEvent]:
+    """The motion at events, from the core's states (STATE_DTYPE) there."""
+    curve, gamma = problem.curve.native, problem.gamma
+    columns = (states[name].tolist() for name in ("event", "time", "xi", "nu", "force", "shift", "branch"))
+    found = [
+        _AtEvent(native.EVENTS[kind], time, (xi, nu - gamma * force, force, nu, shift), branch)
+        for kind, time, xi, nu, force, shift, branch in zip(*columns, strict=True)
+    ]
+    if curve.compliance == 0.0:
+        return found
+    at = (native.State.from_buffer_copy(state) for state in states)
+    return [event._replace(values=native.motion(curve, state).tolist()) for event, state in zip(found, at, strict=True)]
+
+
+def _events(problem: Problem, found: Iterable[_AtEvent | Moment]) -> tuple[Event, ...]:
+    """Events in SI."""
+    names, clock = stage_names(problem), problem.scales.time
+    return tuple(
+        Event(event.name, t := event.time * clock, names[event.branch], **problem.motion(t, event.values))
+        for event in found
+    )
+
+
+def _outcome(status: int) -> Outcome:
+    if status == native.EVENT:
+        return Outcome.SEPARATED
+    return Outcome.RESTING if status == native.ENDLESS else Outcome.TIME_LIMIT
+
+
+def _on_modes(scene: Scene, choice: Choice, warnings: list[str]) -> History:
+    """The history of an impact on a vibrating target."""
+    target, solver, problem = scene.target, scene.solver, choice.problem
+    asked = solver.accuracy or DEFAULT_ACCURACY
+    if solver.segments is not None or solver.linearisation == "chord":
+        warnings.append(
+            f"segments and linearisation are not used: the vibrating target is followed with accuracy {asked:g}"
+        )
+    vibration, estimated = vibrate(problem, target, asked, warnings)
+    separated = vibration.outcome is Outcome.SEPARATED
+    values = summary_of(problem, native.EVENT if separated else native.OK, vibration.summary)
+    summary = {name: None if math.isnan(value) else value for name, value in values.items()}
+    if separated and vibration.reversible:
+        summary["energy_absorbed"] = 0.0
+    if separated:
+        summary["energy_radiated"] = vibration.transferred(problem) * problem.scales.energy
+    events = _events(problem, vibration.events)
+    lost = [event.time for event in events if event.name == "contact_ends"]
+    if len(lost) > 1:
+        warnings.append(
+            f"there are {len(lost)} contacts: contact_duration is that of the first, which ends after {lost[0]:.4g} s; "
+            f"the rebound is that after the last, which ends after {lost[-1]:.4g} s{_unknown_shear(choice)}"
+        )
+    if vibration.waited:
+        warnings.append("the target still vibrates so far that it may touch the impactor again")
+    return History(
+        scene=scene,
+        choice=choice,
+        lines=np.empty(0, native.LINE_DTYPE),
+        events=events,
+        outcome=vibration.outcome,
+        summary=summary,
+        accuracy=Accuracy(solver.accuracy, estimated + problem.curve.fit_error, 0, 0, 0, vibration.modes),
+        remarks=tuple(warnings),
+        vibration=vibration,
+    )
+
+
+def _unknown_shear(choice: Choice) -> str:
+    """The end of the warning about several contacts, if the theory of the target neglects shear."""
+    shear = next(effect for effect in choice.effects if effect.name == "thickness")
+    if shear.state != NOT_JUDGED:
+        return ""
+    kind = choice.scene.target.kind
+    return f"; how shear of the {kind}, which is neglected, would change the later ones cannot be judged"

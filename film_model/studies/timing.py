@@ -1,0 +1,68 @@
+"""Computing times: repeated timing loops on one processor, and the machine they were measured on."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+import statistics
+import time
+from collections.abc import Callable
+from importlib.metadata import PackageNotFoundError, version
+from typing import NamedTuple
+
+SHORTEST, MOST_TIME, MOST_REPEATS = 2e-3, 0.15, 25
+"""Shortest timing loop [s], time for all loops of a setting [s], and largest number of loops."""
+
+PACKAGES = ("film-model", "numpy", "scipy", "numba", "scikit-sundae", "heyoka")
+
+
+class Timing(NamedTuple):
+    """Median and half the interquartile range of the seconds per call."""
+
+    median: float
+    spread: float
+
+
+def timed(call: Callable[[], object]) -> Timing:
+    """Seconds per call: median over loops after a warm-up."""
+    call()
+    begun = time.perf_counter()
+    call()
+    once = max(time.perf_counter() - begun, 1e-9)
+    calls = max(1, math.ceil(SHORTEST / once))
+    repeats = max(3, min(MOST_REPEATS, int(MOST_TIME / (calls * once))))
+    found: list[float] = []
+    for _ in range(repeats):
+        begun = time.perf_counter()
+        for _ in range(calls):
+            call()
+        found.append((time.perf_counter() - begun) / calls)
+    lower, _, upper = statistics.quantiles(found, n=4)
+    return Timing(statistics.median(found), 0.5 * (upper - lower))
+
+
+def one_thread() -> None:
+    """Bind this process and the libraries it calls to one processor, if the system supports it."""
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+
+
+def machine() -> dict[str, str]:
+    """Processor, system and package versions."""
+    found = {"machine": platform.machine(), "system": platform.system(), "python": platform.python_version()}
+    found["processor"] = _processor()
+    for package in PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def _processor() -> str:
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8") as file:
+            return next((line.split(":", 1)[1].strip() for line in file if line.startswith("model name")), "unknown")
+    except OSError:
+        return platform.processor() or "unknown"

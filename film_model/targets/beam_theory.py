@@ -1,0 +1,222 @@
+"""Vibrations and static deflection of beams with any ends: Euler and Bernoulli's theory, and Timoshenko's.
+
+Timoshenko: energy ½ ∫ EI ψ′² + κGA γ² dx of the curvature ψ′ and the shear γ = w′ − ψ, inertia ρA of w and ρI of ψ.
+Euler and Bernoulli: γ = 0 and ρI = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from film_model.base.errors import SimulationError
+from film_model.targets.line_functions import line, polynomials
+from film_model.targets.modes import Array, Modes, check_count, sorted_modes
+
+MOST_WAVES = 450
+"""Most half-waves of a beam that is not simply supported: their vibrations take two seconds."""
+
+LEAST = 8
+"""Half-waves that are described at least."""
+
+_STATIC = 40  # degree of the polynomials that correct the compliance of a beam that nothing holds
+
+
+@dataclass(frozen=True)
+class Line:
+    """A uniform beam. mass: per length, kg/m. bending: EI, N·m². ends: "simply supported", "clamped" or "free".
+
+    shear: κGA, N, infinite in Euler and Bernoulli's theory. turning: rotary inertia per length, ρI, kg·m.
+    """
+
+    mass: float
+    bending: float
+    length: float
+    ends: tuple[str, str]
+    shear: float = math.inf
+    turning: float = 0.0
+
+    @property
+    def held(self) -> bool:
+        """Whether the supports hold it."""
+        return "clamped" in self.ends or self.ends == ("simply supported", "simply supported")
+
+    @property
+    def rigid(self) -> int:
+        """Number of motions as a rigid body."""
+        return 0 if self.held else self.ends.count("free")
+
+
+def beam_shear_coefficient(poissons_ratio: float) -> float:
+    """κ = 10 (1 + ν)/(12 + 11 ν) of a rectangular section (Cowper 1966, J. Appl. Mech. 33:335); 0.85 for ν = 0.3."""
+    return 10 * (1 + poissons_ratio) / (12 + 11 * poissons_ratio)
+
+
+@lru_cache(maxsize=64)
+def line_modes(beam: Line, position: float, highest: float) -> Modes:
+    """The vibrations of a beam up to the frequency `highest` [rad/s], seen from `position` [m]."""
+    simple = beam.ends == ("simply supported", "simply supported")
+    if math.isinf(beam.shear):
+        waves = math.sqrt(highest * math.sqrt(beam.mass / beam.bending)) * beam.length / math.pi
+    else:
+        waves = _wave_number(beam, highest) * beam.length / math.pi
+    check_count(waves)
+    if simple:
+        return _simple(beam, position, highest, waves)
+    if waves > MOST_WAVES:
+        raise SimulationError(
+            f"the vibrations of this beam need {waves:.0f} half-waves, but at most {MOST_WAVES} are allowed: ask for a "
+            "coarser accuracy, or take simply supported ends"
+        )
+    count = max(LEAST, int(waves) + 2)
+    if math.isinf(beam.shear):
+        shapes = line(beam.ends, count)
+        frequency = np.sqrt(beam.bending / beam.mass * shapes.bent) * (2.0 / beam.length) ** 2
+        share = shapes.at(2.0 * position / beam.length - 1.0) ** 2 * 2.0 / (beam.mass * beam.length)
+        kept = slice(0, shapes.shapes)
+        return sorted_modes(frequency[kept], share[kept], highest)
+    return sorted_modes(*_timoshenko(beam, position, 2 * count + 12), highest)
+
+
+def _wave_number(beam: Line, frequency: float) -> float:
+    """The larger wave number of Timoshenko's bending waves, 1/m."""
+    slow, turn = beam.mass / beam.shear * frequency**2, beam.turning / beam.bending * frequency**2
+    bent = beam.mass / beam.bending * frequency**2
+    return math.sqrt((slow + turn) / 2 + math.sqrt(((slow - turn) / 2) ** 2 + bent))
+
+
+def _simple(beam: Line, position: float, highest: float, waves: float) -> Modes:
+    """Modes of a simply supported beam: w = sin(βx), ψ = Ψ cos(βx), β = nπ/L.
+
+    Timoshenko: (κGA β² − ρA ω²)(EI β² + κGA − ρI ω²) = (κGA β)². Of the two roots, one is thickness shear.
+    """
+    n = np.arange(1.0, waves + 2.0)
+    beta, sines = n * math.pi / beam.length, np.sin(n * math.pi * position / beam.length) ** 2
+    half = beam.mass * beam.length / 2
+    if math.isinf(beam.shear):
+        return sorted_modes(beta**2 * math.sqrt(beam.bending / beam.mass), sines / half, highest)
+    last = beam.shear * beam.bending * beta**4  # ρA ρI ω⁴ − middle ω² + last = 0
+    middle = beam.mass * (beam.bending * beta**2 + beam.shear) + beam.turning * beam.shear * beta**2
+    large = (middle + np.sqrt(middle**2 - 4 * beam.mass * beam.turning * last)) / 2
+    square = np.concatenate([last / large, large / (beam.mass * beam.turning)])
+    both = np.concatenate([beta, beta])
+    turn = (beam.shear * both**2 - beam.mass * square) / (beam.shear * both)
+    share = np.concatenate([sines, sines]) / (half + beam.turning * beam.length / 2 * turn**2)
+    return sorted_modes(np.sqrt(square), share, highest)
+
+
+def _timoshenko(beam: Line, position: float, degree: int) -> tuple[Array, Array]:
+    """Frequencies and shares of all vibrations of a beam in a space of polynomials.
+
+    The curvature and the shear are Legendre series, w and ψ their integrals. The energy is then diagonal, so slender
+    beams are as accurate as thick ones. The supports are conditions on five coefficients.
+    """
+    length, half = beam.length, beam.length / 2
+    k = np.arange(degree + 1.0)
+    bend, shear = (np.sqrt((2 * k + 1) / (beam.length * stiffness)) for stiffness in (beam.bending, beam.shear))
+    one = np.eye(degree + 4)
+    slope = np.zeros((2 * degree + 3, degree + 4))  # ψ: Legendre coefficients of each function, one per row
+    slope[1, 0] = 1.0 / length
+    slope[2 : degree + 3] = half * bend[:, None] * _integrated(one[: degree + 1])
+    sheared = np.zeros_like(slope)
+    sheared[degree + 3 :] = shear[:-1, None] * one[:degree]
+    moved = half * _integrated(slope + sheared)
+    moved[0, 0] = 1.0
+    space = _space(beam.ends, moved, slope)
+    moved, slope = space @ moved, space @ slope
+    unit = length / (2.0 * np.arange(degree + 4.0) + 1.0)
+    mass = beam.mass * (moved * unit) @ moved.T + beam.turning * (slope * unit) @ slope.T
+    bent = space[:, 2:] @ space[:, 2:].T  # each function of the series has the energy ½ J
+    shift = beam.bending / (beam.mass * length**4)
+    root = np.linalg.inv(np.linalg.cholesky(bent + shift * mass))
+    inverse, shapes = np.linalg.eigh(root @ mass @ root.T)
+    kept = inverse > 1e-14 * inverse[-1]
+    inverse, shapes = inverse[kept][::-1], shapes[:, kept][:, ::-1]
+    square = 1.0 / inverse - shift
+    square[: beam.rigid] = 0.0
+    at = np.polynomial.legendre.legvander(np.array([2.0 * position / length - 1.0]), degree + 3)[0]
+    seen = (moved @ at) @ (root.T @ shapes)
+    return np.sqrt(np.maximum(square, 0.0)), seen**2 / inverse
+
+
+def _integrated(series: Array) -> Array:
+    """∫ from −1 of Legendre series, in the same number of coefficients: those of the highest degree must be 0."""
+    found = np.polynomial.legendre.legint(series, lbnd=-1, axis=1)[:, : series.shape[1]]
+    return np.asarray(found, dtype=np.float64)
+
+
+def _space(ends: tuple[str, str], moved: Array, slope: Array) -> Array:
+    """Orthonormal combinations of the functions that satisfy the supports, one per row."""
+    conditions: list[Array] = []
+    for s, end in ((-1.0, ends[0]), (1.0, ends[1])):
+        signs = s ** np.arange(moved.shape[1])
+        conditions += [moved @ signs] if end != "free" else []
+        conditions += [slope @ signs] if end == "clamped" else []
+    if not conditions:
+        return np.eye(len(moved))
+    rows = np.array([row / np.linalg.norm(row) for row in conditions])
+    used = np.flatnonzero(np.abs(rows).max(axis=0) > 1e-15)
+    _, sizes, turned = np.linalg.svd(rows[:, used])
+    free = turned[np.count_nonzero(sizes > 1e-12) :]
+    space = np.zeros((len(moved) - len(conditions), len(moved)))
+    space[: len(free), used] = free
+    others = np.setdiff1d(np.arange(len(moved)), used)
+    space[len(free) :, others] = np.eye(others.size)
+    return space
+
+
+@lru_cache(maxsize=64)
+def line_compliance(beam: Line, position: float) -> float:
+    """Static deflection over force of a beam at `position` [m], m/N, exact.
+
+    Of a beam that nothing holds, the deflection without its motion as a rigid body: the vibrations of polynomials, and
+    the exact deflection of a cantilever less theirs, because both lack the same kink under the force.
+    """
+    if beam.held:
+        return _exact(beam, position)
+    free_end = beam.ends[1] == "free" and (beam.ends[0] != "free" or position >= beam.length / 2)
+    like = Line(
+        beam.mass, beam.bending, beam.length, ("clamped", "free") if free_end else ("free", "clamped"), beam.shear,
+        beam.turning,
+    )  # fmt: skip
+    return _exact(like, position) + _sum(beam, position) - _sum(like, position)
+
+
+def _sum(beam: Line, position: float) -> float:
+    """Compliance of all vibrations in a space of polynomials."""
+    if not math.isinf(beam.shear):
+        frequency, share = _timoshenko(beam, position, _STATIC)
+    else:
+        shapes = polynomials(beam.ends, _STATIC)
+        frequency = np.sqrt(beam.bending / beam.mass * shapes.bent) * (2.0 / beam.length) ** 2
+        share = shapes.at(2.0 * position / beam.length - 1.0) ** 2 * 2.0 / (beam.mass * beam.length)
+    return Modes(frequency, share).compliance
+
+
+def _exact(beam: Line, position: float) -> float:
+    """By two elements that are exact for a force between them (Przemieniecki 1968, section 5.6)."""
+    total, lengths = np.zeros((6, 6)), (position, beam.length - position)
+    held = [k for node, end in ((0, beam.ends[0]), (4, beam.ends[1])) for k in _fixed(node, end)]
+    for k, x in enumerate(lengths):
+        if x == 0.0:  # the force is at an end: its element has no length
+            held += [4 * k, 4 * k + 1]
+            continue
+        ratio = 12 * beam.bending / (beam.shear * x**2)
+        element = np.array(
+            [
+                [12, 6 * x, -12, 6 * x],
+                [6 * x, (4 + ratio) * x**2, -6 * x, (2 - ratio) * x**2],
+                [-12, -6 * x, 12, -6 * x],
+                [6 * x, (2 - ratio) * x**2, -6 * x, (4 + ratio) * x**2],
+            ]
+        )
+        total[2 * k : 2 * k + 4, 2 * k : 2 * k + 4] += beam.bending / (x**3 * (1 + ratio)) * element
+    free = [k for k in range(6) if k not in held]
+    return float(np.linalg.solve(total[np.ix_(free, free)], [float(k == 2) for k in free])[free.index(2)])
+
+
+def _fixed(node: int, end: str) -> list[int]:
+    return {"clamped": [node, node + 1], "simply supported": [node], "free": []}[end]

@@ -1,0 +1,43 @@
+"""Bending stiffnesses of an orthotropic plate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from film_model.base.errors import raise_all
+from film_model.base.fields import Field, fill, measure, mistake
+from film_model.base.units import Value
+
+_STIFFNESS = measure("bending_stiffness", 1e-30, 1e18, required=True)
+
+
+@dataclass(frozen=True, init=False)
+class BendingStiffness:
+    """Bending stiffnesses of an orthotropic plate, N·m."""
+
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "D11": _STIFFNESS,
+        "D12": measure("bending_stiffness", -1e18, 1e18, required=True),
+        "D22": _STIFFNESS,
+        "D66": _STIFFNESS,
+    }
+
+    D11: float
+    D12: float
+    D22: float
+    D66: float
+
+    def __init__(
+        self, D11: Value | None = None, D12: Value | None = None, D22: Value | None = None, D66: Value | None = None
+    ) -> None:
+        raise_all(fill(self, locals()))
+        if self.D12**2 >= self.D11 * self.D22:
+            raise_all(
+                [
+                    mistake(
+                        self, "D12", "must be smaller than √(D11 D22): otherwise the plate has negative bending energy"
+                    )
+                ]
+            )

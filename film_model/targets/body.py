@@ -1,0 +1,51 @@
+"""A free body."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from film_model.base.errors import raise_all
+from film_model.base.fields import Field, fill_ball, measure
+from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
+from film_model.base.units import Value
+from film_model.targets.target import AbstractTarget
+
+
+@dataclass(frozen=True, init=False)
+class Body(AbstractTarget):
+    """A free body: a second ball. velocity: m/s, positive in the impactor's direction; default 0.
+
+    radius: m; or, to the constructor, diameter.
+    """
+
+    kind: ClassVar[str] = "body"
+    free: ClassVar[bool] = True
+    is_ball: ClassVar[bool] = True
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "material": MATERIAL,
+        "radius": measure("length", 1e-10, 1e3, required=True),
+        "mass": MASS,
+        "velocity": measure("velocity", -2e4, 2e4, required=True),
+    }
+
+    material: Material | None
+    radius: float
+    mass: float | None
+    velocity: float
+
+    def __init__(
+        self,
+        material: MaterialLike | None = None,
+        radius: Value | None = None,
+        mass: Value | None = None,
+        velocity: Value = "0 m/s",
+        diameter: Value | None = None,
+    ) -> None:
+        raise_all(fill_ball(self, locals()))
+
+    @property
+    def own_mass(self) -> float | None:
+        """The given mass, or density × sphere volume, kg; None if neither is known."""
+        return sphere_mass(self.mass, self.radius, self.material)

@@ -1,0 +1,54 @@
+"""Half-space: a target so thick and wide that it does not move."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from film_model.base.errors import raise_all
+from film_model.base.fields import Field
+from film_model.base.materials import MATERIAL, Material, MaterialLike
+from film_model.base.units import Value, format_si
+from film_model.targets.plate import plate_impedance, plate_stiffness
+from film_model.targets.target import RADIUS, AbstractTarget, Estimate, Impact, fill_target, missing
+from film_model.targets.waves import HERTZ_SQUARE, radiated_energy
+
+
+@dataclass(frozen=True, init=False)
+class HalfSpace(AbstractTarget):
+    """A target so thick and wide that it does not move. radius: of a curved surface, m."""
+
+    kind: ClassVar[str] = "half-space"
+    FIELDS: ClassVar[Mapping[str, Field]] = {"material": MATERIAL, "radius": RADIUS}
+
+    material: Material | None
+    radius: float
+
+    def __init__(self, material: MaterialLike | None = None, radius: Value | None = None) -> None:
+        raise_all(fill_target(self, locals()))
+
+    def thickness_effect(self, impact: Impact) -> Estimate:
+        """The thickness at which a plate would take up the tolerated fraction of the energy by its motion.
+
+        The energy lost is ∫F² dt/Z with the half-space's F. The thickness is an upper bound: a contact that ends before
+        a wave has crossed the plate and returned is not affected by the thickness.
+        """
+        if self.material is None:
+            return missing("a thickness and target.material")
+        m = self.material
+        unit = plate_impedance(m.density, plate_stiffness(m.youngs_modulus, m.poissons_ratio, 1.0))  # of 1 m
+        lost = HERTZ_SQUARE * impact.force**2 * impact.duration / unit
+        least = math.sqrt(lost / (impact.tolerance * impact.energy))
+        reason = f"a target behaves as a half-space if it is at least {format_si(least, 'length', 3)} thick"
+        return Estimate(reason, least, indicator="sufficient thickness, m")
+
+    def wave_losses(self, impact: Impact) -> Estimate:
+        """Energy of the waves radiated into the half-space (`radiated_energy`), over the impact energy."""
+        if self.material is None:
+            return missing("target.material")
+        size = min(1.0, radiated_energy(self.material, impact) / impact.energy)
+        return Estimate(
+            f"waves in the half-space carry away {100 * size:.2g} % of the impact energy", size, impact.tolerance, size
+        )

@@ -1,0 +1,148 @@
+"""Orthonormal functions on a line for Ritz's method: the shapes of a beam with given ends, made of Legendre
+polynomials.
+
+The polynomials are those that satisfy the supports: combinations of 1, s, s², s³, and ∫∫P_k with k ≥ 2, which vanish
+with their slopes at both ends. Their curvatures are orthogonal, so the equations are well-conditioned at any degree.
+
+A beam's shapes have neither curvature nor shear force at a free end, but the edge of a plate has a curvature there, and
+sums of such shapes converge with the first power of their number. So the polynomials of lowest degree join them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.targets.modes import Array
+
+SIMPLE = "simply supported", "simply supported"
+
+JOINED = 4
+"""Polynomials that join the shapes of a beam: four cubics and quintics give any curvature and shear at both ends."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """Functions f_p(s), −1 ≤ s ≤ 1, orthonormal in ∫f² ds and orthogonal in ∫f″² ds.
+
+    polynomials: Legendre coefficients, one row per function. bent: ∫f_p″² ds, exactly 0 for rigid motions. sloped:
+    ∫f_p′ f_q′ ds. crossed: ∫f_p″ f_q ds. odd: whether f_p is odd; False if the ends differ.
+    """
+
+    shapes: int
+    polynomials: Array
+    bent: Array
+    sloped: Array
+    crossed: Array
+    odd: NDArray[np.bool_]
+
+    def at(self, s: float) -> Array:
+        """f_p(s)."""
+        return self.polynomials @ np.polynomial.legendre.legvander(np.array([s]), self.polynomials.shape[1] - 1)[0]
+
+
+@lru_cache(maxsize=32)
+def line(ends: tuple[str, str], count: int) -> Line:
+    """`count` shapes, and four more functions unless both ends are simply supported.
+
+    ends: "clamped", "simply supported" or "free".
+    """
+    parts = _parts(ends, 2 * count + 12)  # a shape of n half-waves takes polynomials up to degree 2 n
+    lowest = np.sort(np.concatenate([_shapes(part)[0] for part in parts]))[count - 1]
+    more = 0 if ends == SIMPLE else JOINED // len(parts)
+    return _line([_joined(part, lowest, more) for part in parts], more * len(parts))
+
+
+@lru_cache(maxsize=32)
+def polynomials(ends: tuple[str, str], degree: int) -> Line:
+    """All polynomials up to a degree that satisfy the supports."""
+    return _line([_shapes(part)[1] for part in _parts(ends, degree)], 0)
+
+
+def _line(rows: list[Array], more: int) -> Line:
+    """The line with functions of given coefficients: even and odd ones, or all. more: how many are not shapes."""
+    made = np.concatenate(rows)
+    odd = np.repeat([False, True][: len(rows)], [len(part) for part in rows])
+    unit = 2.0 / (2.0 * np.arange(made.shape[1]) + 1.0)
+    slope, curve = (np.polynomial.legendre.legder(made, n, axis=1) for n in (1, 2))
+    bent = np.sum(curve**2 * unit[:-2], axis=1)
+    bent[bent < 1e-9] = 0.0
+    sloped, crossed = (slope * unit[:-1]) @ slope.T, (curve * unit[:-2]) @ made[:, :-2].T
+    order = np.argsort(bent, kind="stable")
+    both = np.ix_(order, order)
+    return Line(len(made) - more, made[order], bent[order], sloped[both], crossed[both], odd[order])
+
+
+def _parts(ends: tuple[str, str], degree: int) -> list[Array]:
+    """The polynomials that satisfy the supports; if the ends are equal, the even and the odd ones."""
+    space = _polynomials(ends, degree)
+    odd = np.abs(space[:, 1::2]).sum(axis=1) > 0.0
+    return [space[~odd], space[odd]] if ends[0] == ends[1] else [space]
+
+
+def _polynomials(ends: tuple[str, str], degree: int) -> Array:
+    """Legendre coefficients of even and odd polynomials, if the ends are equal, that satisfy the supports."""
+    identity = np.eye(degree + 1)
+    conditions: list[Array] = []
+    for s, end in ((-1.0, ends[0]), (1.0, ends[1])):
+        n = np.arange(4.0)
+        if end != "free":
+            conditions.append(s**n)
+        if end == "clamped":
+            conditions.append(s ** (n + 1) * n * (n + 1) / 2)
+    if ends[0] == ends[1] and conditions:  # with the same conditions at both ends, each serves both parities
+        rows = np.array(conditions[: len(conditions) // 2])
+        low = np.concatenate([_unconditional(rows[:, k::2], k, degree) for k in (0, 1)])
+    else:
+        low = _unconditional(np.array(conditions).reshape(-1, 4), None, degree)
+    k = np.arange(2.0, degree - 1.0)[:, None]
+    at = np.arange(2, degree - 1)
+    bubbles = identity[at + 2] / ((2 * k + 1) * (2 * k + 3)) - 2 * identity[at] / ((2 * k - 1) * (2 * k + 3))
+    bubbles += identity[at - 2] / ((2 * k - 1) * (2 * k + 1))  # ∫∫P_k
+    return np.concatenate([low, np.sqrt((2 * k + 1) / 2) * bubbles])
+
+
+def _unconditional(conditions: Array, parity: int | None, degree: int) -> Array:
+    """Combinations of P_0 … P_3, or of the even or odd ones, on which the conditions are 0."""
+    _, sizes, rows = np.linalg.svd(conditions)
+    rows = rows[np.count_nonzero(sizes > 1e-12) :]
+    found = np.zeros((len(rows), degree + 1))
+    found[:, slice(0, 4) if parity is None else slice(parity, 4, 2)] = rows
+    return found
+
+
+def _shapes(space: Array) -> tuple[Array, Array]:
+    """∫f″² and coefficients of the functions of a space that are orthonormal in ∫f² and orthogonal in ∫f″².
+
+    Functions whose ∫f″² is above 1e14 are left out: rounding decides them.
+    """
+    unit = 2.0 / (2.0 * np.arange(space.shape[1]) + 1.0)
+    curve = np.polynomial.legendre.legder(space, 2, axis=1)
+    mass, bent = (space * unit) @ space.T, (curve * unit[:-2]) @ curve.T
+    root = np.linalg.inv(np.linalg.cholesky(bent + mass))
+    inverse, turned = np.linalg.eigh(root @ mass @ root.T)
+    inverse, turned = inverse[inverse > 1e-14][::-1], turned[:, inverse > 1e-14][:, ::-1]
+    return 1.0 / inverse - 1.0, (turned.T @ root) @ space / np.sqrt(inverse)[:, None]
+
+
+def _joined(space: Array, highest: float, more: int) -> Array:
+    """The shapes with ∫f″² up to `highest`, and `more` functions for the lowest polynomials of the space."""
+    unit = 2.0 / (2.0 * np.arange(space.shape[1]) + 1.0)
+    bent, rows = _shapes(space)
+    among = bent <= highest * (1 + 1e-9)
+    taken, rest = rows[among], rows[~among]
+    if more == 0:
+        return taken
+    curved = np.abs(np.polynomial.legendre.legder(space, 2, axis=1)).sum(axis=1) > 0.0
+    parts = (space[curved][:more] * unit) @ rest.T  # what the shapes lack of these polynomials
+    parts /= np.linalg.norm(parts, axis=1)[:, None]
+    extra = np.linalg.qr(parts.T)[0].T @ rest
+    for _ in range(2):  # the highest shapes of a long series are orthogonal to a few digits only
+        extra -= (extra * unit) @ taken.T @ taken
+        extra = np.linalg.solve(np.linalg.cholesky((extra * unit) @ extra.T), extra)
+    curve = np.polynomial.legendre.legder(extra, 2, axis=1)
+    turned = np.linalg.eigh((curve * unit[:-2]) @ curve.T)[1]
+    return np.concatenate([taken, turned.T @ extra])

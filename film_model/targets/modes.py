@@ -1,0 +1,77 @@
+"""Natural vibrations of a structure, as seen from the struck point."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.errors import SimulationError
+
+Array = NDArray[np.float64]
+
+RESOLVED = 10.0
+"""Highest frequency for the response to a half-sine over that of the half-sine; the modes above follow statically."""
+
+MOST_MODES = 10_000_000
+"""Largest number of modes, limited by memory: 240 MB."""
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Natural vibrations of a structure as seen from the struck point, by ascending frequency.
+
+    frequency: ω_n, rad/s; 0 for a motion of the whole structure that nothing holds. share: φ_n²/M_n, 1/kg: mode shape
+    there squared over modal mass. damping_ratio: ζ_n; default 0. The point's displacement is w = Σ w_n with
+    ẅ_n + 2 ζ_n ω_n ẇ_n + ω_n² w_n = (φ_n²/M_n) F.
+    """
+
+    frequency: Array
+    share: Array
+    damping_ratio: Array = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        if self.damping_ratio.size == 0:
+            object.__setattr__(self, "damping_ratio", np.zeros_like(self.frequency))
+
+    @property
+    def compliance(self) -> float:
+        """Σ φ_n²/(M_n ω_n²), m/N: static deflection over force of these modes, without those of frequency 0."""
+        bends = self.frequency > 0.0
+        return float(np.sum(self.share[bends] / self.frequency[bends] ** 2))
+
+
+def pulse_response(modes_up_to: Callable[[float], Modes], compliance: float, duration: float) -> float:
+    """Deflection over force in the middle of a half-sine of a given duration [s], m/N.
+
+    modes_up_to: modes below a frequency [rad/s]. compliance: of all modes together, m/N.
+    """
+    rate = math.pi / duration
+    modes = modes_up_to(RESOLVED * rate)
+    omega = modes.frequency[modes.frequency > 0.0] / rate
+    share = modes.share[modes.frequency > 0.0] / rate**2
+    at = np.abs(omega - 1.0) < 1e-6
+    omega = np.where(at, 1.0 + 1e-6, omega)
+    bent = float(np.sum(share / (omega**2 - 1.0) * (1.0 - np.sin(omega * math.pi / 2) / omega)))
+    moved = float(np.sum(modes.share[modes.frequency == 0.0])) / rate**2 * (math.pi / 2 - 1.0)
+    return bent + moved + max(compliance - modes.compliance, 0.0)
+
+
+def check_count(count: float) -> None:
+    """SimulationError if `count` modes would need too much memory."""
+    if count > MOST_MODES:
+        raise SimulationError(
+            f"about {count:.1e} natural vibrations would be needed: the contact ends long before waves return from the "
+            "edges, so set boundary_reflections = false in [effects]"
+        )
+
+
+def sorted_modes(frequency: Array, share: Array, highest: float) -> Modes:
+    """The modes up to the frequency `highest` [rad/s], except those with a node at the struck point."""
+    order = np.argsort(frequency, axis=None, kind="stable")
+    frequency, share = frequency.ravel()[order], share.ravel()[order]
+    kept = (frequency <= highest) & (share > 1e-20 * share.max())
+    return Modes(frequency[kept], share[kept])

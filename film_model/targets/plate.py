@@ -1,0 +1,389 @@
+"""Plates."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from typing import Any, ClassVar, Literal, cast
+
+from film_model.base.arrays import greater, lesser, root
+from film_model.base.errors import Mistake, raise_all
+from film_model.base.fields import Field, choice, measure, mistake, part, several
+from film_model.base.materials import MATERIAL, Material, MaterialLike
+from film_model.base.units import Value, format_si
+from film_model.targets.bending_stiffness import BendingStiffness
+from film_model.targets.layup import LAYUP, Ply, PlyLike, coupling, laminate
+from film_model.targets.modes import Modes
+from film_model.targets.plate_modes import plate_modes
+from film_model.targets.plate_statics import plate_compliance
+from film_model.targets.plate_waves import (
+    orthotropic_plate_impedance,
+    paper_plate_impedance,
+    plate_impedance,
+    plate_stiffness,
+    shear_around,
+)
+from film_model.targets.ritz import Panel, loose, panel_compliance, panel_modes
+from film_model.targets.stretching import lengthening, mean_square, stretching
+from film_model.targets.supports import DAMPING, EDGE_STIFFNESS, EDGES, FOUNDATION, damped, four, spring_mistakes
+from film_model.targets.target import (
+    COMES_BACK,
+    GIVEN_STIFFNESS,
+    HELD,
+    LENGTH,
+    PLACE,
+    RADIUS,
+    STATIC_STIFFNESS,
+    AbstractTarget,
+    Estimate,
+    Impact,
+    contact_width_over,
+    fill_target,
+    missing,
+    no_effect,
+    place_mistakes,
+)
+from film_model.targets.waves import THIN, pressure_velocity, radiated_energy, shear_velocity
+
+REFLECTION_CHANGE = 0.03, 2.2
+"""c and p of the change c m (1 + e)/(Z e t_c) (t/t_return)^p by waves reflected from the edges of a plate."""
+
+MEAN_FREQUENCY = 0.7737 * math.pi
+"""Mean of ω t_c over |F(ω)|² of a half-sine."""
+
+
+Edge = Literal["simply supported", "clamped", "free"]
+
+
+@dataclass(frozen=True, init=False)
+class Plate(AbstractTarget):
+    """A thin plate: infinite, or rectangular with waves reflected from its edges.
+
+    Isotropic: material and thickness [m]. Of layers: layup, from one face to the other. Otherwise: mass_per_area
+    [kg/m²] and bending_stiffness [N·m]. size: the two sides, m; D11 is the stiffness along the first. edges: "simply
+    supported", "clamped" or "free"; one word, or four for x = 0, x = a, y = 0, y = b. edge_stiffness: of elastic
+    supports of free edges, N/m²; one number or four. foundation_stiffness: of an elastic bed, N/m³. damping_ratio: of
+    the vibrations; one number, or a list for those that move the struck point. position: of the impact, distances from
+    a corner along the two sides, m; default the centre. static_stiffness: force over deflection at that point, N/m;
+    default from plate theory. impedance_formula: "exact", or "paper" to reproduce published results. radius: of a
+    curved surface, m.
+    """
+
+    kind: ClassVar[str] = "plate"
+    structural: ClassVar[bool] = True
+    first_mode_share: ClassVar[float] = 0.25
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "material": MATERIAL,
+        "thickness": measure("length", 1e-10, 1e3),
+        "mass_per_area": measure("mass_per_area", 1e-9, 1e9),
+        "bending_stiffness": part(BendingStiffness),
+        "layup": LAYUP,
+        "size": several(LENGTH, 2),
+        "edges": EDGES,
+        "edge_stiffness": EDGE_STIFFNESS,
+        "foundation_stiffness": FOUNDATION,
+        "damping_ratio": DAMPING,
+        "position": several(PLACE, 2),
+        "static_stiffness": STATIC_STIFFNESS,
+        "impedance_formula": choice("exact", "paper"),
+        "radius": RADIUS,
+    }
+
+    material: Material | None
+    thickness: float | None
+    mass_per_area: float | None
+    bending_stiffness: BendingStiffness | None
+    layup: tuple[Ply, ...] | None
+    size: tuple[float, float] | None
+    edges: Edge | tuple[Edge, Edge, Edge, Edge]
+    edge_stiffness: float | tuple[float, float, float, float] | None
+    foundation_stiffness: float | None
+    damping_ratio: float | tuple[float, ...] | None
+    position: tuple[float, float] | None
+    static_stiffness: float | None
+    impedance_formula: Literal["exact", "paper"]
+    radius: float
+
+    def __init__(
+        self,
+        material: MaterialLike | None = None,
+        thickness: Value | None = None,
+        mass_per_area: Value | None = None,
+        bending_stiffness: BendingStiffness | Mapping[str, Any] | None = None,
+        size: Sequence[Value] | None = None,
+        impedance_formula: Literal["exact", "paper"] = "exact",
+        radius: Value | None = None,
+        edges: Edge | Sequence[Edge] = "simply supported",
+        position: Sequence[Value] | None = None,
+        static_stiffness: Value | None = None,
+        layup: Sequence[PlyLike] | None = None,
+        edge_stiffness: Value | Sequence[Value] | None = None,
+        foundation_stiffness: Value | None = None,
+        damping_ratio: float | Sequence[float] | None = None,
+    ) -> None:
+        mistakes = fill_target(self, locals())
+        if self.edges:
+            mistakes += place_mistakes(self, "size", self.size, self.position, four(self.edges))
+            mistakes += spring_mistakes(self, four(self.edge_stiffness or 0.0), four(self.edges))
+        for name in ("edges", "edge_stiffness", "foundation_stiffness", "damping_ratio"):
+            given = getattr(self, name)
+            if given and given != "simply supported" and size is None and static_stiffness is None:
+                mistakes.append(mistake(self, name, "needs a size: an infinite plate has neither edges nor vibrations"))
+        raise_all(mistakes + self._mistakes_of_kind(thickness, mass_per_area, bending_stiffness, layup))
+
+    def _mistakes_of_kind(self, thickness: object, mass: object, bending: object, layup: object) -> list[Mistake]:
+        """The mistake of describing the plate in none of the three ways, or in two."""
+        either = "give thickness (isotropic), or mass_per_area and bending_stiffness, or layup"
+        pair = {"mass_per_area": mass, "bending_stiffness": bending}
+        given = [name for name, value in pair.items() if value is not None]
+        if layup is not None:
+            others = [*given, *(["thickness"] if thickness is not None else [])]
+            return [mistake(self, name, f"{either}, not two of them") for name in others]
+        if thickness is None and len(given) < 2:
+            missing = "thickness" if not given else next(name for name in pair if name not in given)
+            return [mistake(self, missing, f"missing: {either}")]
+        if thickness is None:
+            return []
+        mistakes = [mistake(self, name, f"{either}, not both") for name in given]
+        if self.material is None:
+            mistakes.append(mistake(self, "material", f"missing: a plate of given thickness needs it; {either}"))
+        return mistakes
+
+    @property
+    def whole_thickness(self) -> float | None:
+        """Thickness, m; None if unknown."""
+        return self.thickness if self.layup is None else sum(ply.thickness for ply in self.layup)
+
+    @property
+    def surface_density(self) -> float:
+        """Mass per area, kg/m²."""
+        if self.mass_per_area is not None:
+            return self.mass_per_area
+        if self.layup is not None:
+            return sum(ply.material.density * ply.thickness for ply in self.layup)
+        return cast("Material", self.material).density * cast("float", self.thickness)
+
+    @property
+    def stiffness(self) -> tuple[float, float, float, float]:
+        """D11, D12, D22 and D66, N·m."""
+        given = self.bending_stiffness
+        if given is not None:
+            return given.D11, given.D12, given.D22, given.D66
+        if self.layup is not None:
+            return laminate(self.layup)[:4]
+        material, thickness = cast("Material", self.material), cast("float", self.thickness)
+        ratio = material.poissons_ratio
+        d = plate_stiffness(material.youngs_modulus, ratio, thickness)
+        return d, ratio * d, d, (1 - ratio) / 2 * d
+
+    @property
+    def impedance(self) -> float:
+        """Wave impedance, N·s/m."""
+        if self.bending_stiffness is None and self.layup is None:
+            return plate_impedance(self.surface_density, self.stiffness[0])
+        exact = self.impedance_formula == "exact"
+        formula = orthotropic_plate_impedance if exact else paper_plate_impedance
+        return formula(self.surface_density, *self.stiffness)
+
+    @property
+    def finite(self) -> bool:
+        """Whether it has edges: a size is given."""
+        return self.size is not None
+
+    @property
+    def whole_mass(self) -> float | None:
+        """Mass of a plate with edges, kg."""
+        return None if self.size is None else self.surface_density * self.size[0] * self.size[1]
+
+    @property
+    def return_time(self) -> float:
+        """Time before waves reflected from an edge matter, s; infinite without edges.
+
+        0.08 d² √(ρ_A/D) for an edge at distance d, D the stiffness towards it. For a Hertz contact of this duration at
+        the centre of a square plate, with Zener's λ up to 1, the infinite plate gives the contact time within 1 % and
+        the peak force within 1e-4. If the rebound is slow (λ above 1.5), a plate with edges always touches again.
+        """
+        if self.size is None:
+            return math.inf
+        d11, _, d22, _ = self.stiffness
+        sides = zip(self._struck, self.size, (d11, d22), strict=True)
+        times = (0.08 * min(x, side - x) ** 2 * root(self.surface_density / d) for x, side, d in sides)
+        return reduce(lesser, times)
+
+    @property
+    def held(self) -> bool:
+        """Whether supports hold it."""
+        return self.stiffness_given or self.size is None or self._simple or not loose(self._panel)
+
+    @property
+    def longest_time(self) -> float | None:
+        """First period L² √(ρ_A/D)/π of a square plate with the shorter side and the larger stiffness, s; or None."""
+        if self.size is None:
+            return None
+        stiff = max(self.stiffness[0], self.stiffness[2])
+        return 1.0 / (math.sqrt(stiff / self.surface_density) / min(self.size) ** 2 * math.pi)
+
+    @property
+    def stiffness_given(self) -> bool:
+        """Whether `static_stiffness` is given."""
+        return self.static_stiffness is not None
+
+    @property
+    def compliance(self) -> float | None:
+        """Static deflection over force at the struck point, m/N; None if unknown."""
+        if self.static_stiffness is not None:
+            return 1 / self.static_stiffness
+        if self.size is None:
+            return None
+        if self._simple and not self.foundation_stiffness:
+            return plate_compliance(self.stiffness, self.size, self._struck)
+        return panel_compliance(self._panel, self._struck)
+
+    @property
+    def modes_missing(self) -> str:
+        """Why the vibrations are unknown: only if the static stiffness is given."""
+        return GIVEN_STIFFNESS if self.stiffness_given else ""
+
+    def modes(self, highest: float) -> Modes:
+        """Natural vibrations up to a frequency [rad/s]: in closed form if simply supported, or by Ritz's method."""
+        assert self.size is not None
+        if self._simple:
+            bed = self.foundation_stiffness or 0.0
+            modes = plate_modes(self.surface_density, self.stiffness, self.size, self._struck, highest, bed)
+        else:
+            modes = panel_modes(self._panel, self._struck, highest)
+        return damped(modes, self.damping_ratio)
+
+    @property
+    def _simple(self) -> bool:
+        """Whether all edges are simply supported, so that the vibrations have a closed form."""
+        return self.edges == "simply supported"
+
+    @property
+    def _panel(self) -> Panel:
+        size, springs = cast("tuple[float, float]", self.size), four(self.edge_stiffness or 0.0)
+        bed = self.foundation_stiffness or 0.0
+        return Panel(self.surface_density, self.stiffness, size, four(self.edges), springs, bed)
+
+    def reflection_change(self, motion: Any, restitution: Any, delay: Any) -> Any:
+        """0.03 (t/t_return)^2.2 m (1 + e)/(Z e t_c), t from the centre of the impulse to the end of contact.
+
+        For a half-sine 2 t is the contact time. Reflected waves move the plate by a fraction of its displacement
+        m (1 + e) V/Z, and the bodies separate at the velocity e V. The constants are fitted to impacts at the centre of
+        simply supported square plates, summed over their modes, for λ from 0.1 to 2. The change oscillates with t; from
+        0.003 to 0.3 the formula agrees within a factor of three.
+        """
+        constant, power = REFLECTION_CHANGE
+        return lesser(constant * motion / greater(restitution, 1e-3) * delay**power, 1.0)
+
+    def reflections(self, impact: Impact) -> Estimate:
+        """Waves reflected from the edges before contact ends.
+
+        The change is 0.03 (t/t_return)^2.2 m (1 + e)/(Z e t_c) (`reflection_change`), with t from the centre of the
+        impulse to the end of contact; fitted for λ from 0.1 to 2, within a factor of three.
+        """
+        if self.size is None:
+            return missing("target.size")
+        if not impact.by_impedance:
+            return Estimate(HELD)
+        if self.return_time == 0.0:
+            return Estimate(
+                "the plate is struck on an edge: the impedance of an infinite plate does not apply", 0.0, None, 1.0
+            )
+        value = impact.back / self.return_time
+        constant, power = REFLECTION_CHANGE
+        share = constant * impact.motion / max(impact.restitution, 1e-3)
+        threshold = (impact.tolerance / share) ** (1.0 / power)
+        back, felt = format_si(impact.back, "time", 3), format_si(self.return_time, "time", 3)
+        reason = f"edge waves matter {felt} after the centre of the impulse, contact ends after {back}"
+        size = self.reflection_change(impact.motion, impact.restitution, value)
+        return Estimate(reason, value, threshold, size)
+
+    def thickness_effect(self, impact: Impact) -> Estimate:
+        """Shear increases the driving-point mobility 1/Z by k² h²/(6 κ (1 − ν)), k² = ω √(ρ_A/D), κ = 5/6.
+
+        This is the pole of Mindlin's plate, to first order (rotary inertia cancels). ω is the mean over the spectrum of
+        a half-sine, 0.77 π/t_c. The energy carried away by bending waves changes in the same proportion. If the plate
+        is bent as a whole: the energy ½ c F² of shear around the load, c = ln(L/h)/(2π κ G h) with the shorter side L,
+        over the impact energy.
+        """
+        thickness, material = self.thickness, self.material
+        if thickness is None or material is None:
+            return missing("target.thickness")
+        if impact.by_compliance or impact.vibrates:
+            return self._shear_of_a_bent_plate(impact, material, thickness)
+        if impact.duration < self._crossing(material):
+            return no_effect("contact ends before a wave returns from the far side: see wave losses")
+        square = MEAN_FREQUENCY / impact.duration * math.sqrt(self.surface_density / self.stiffness[0])
+        shear = square * thickness**2 / (5.0 * (1.0 - material.poissons_ratio))
+        carried = 1.0 - impact.restitution**2 - impact.fraction if impact.by_impedance else 0.0
+        value, size = math.sqrt(square) * thickness, max(0.0, shear * carried)
+        longer = f"{2.0 * math.pi / value:.2g} times as long as the plate is thick"
+        reason = f"the bending waves are {'only ' if size > impact.tolerance else ''}{longer}"
+        return Estimate(reason, value, None, size, remedy="needs a thick plate's impedance")
+
+    def _shear_of_a_bent_plate(self, impact: Impact, material: Material, thickness: float) -> Estimate:
+        if self.size is None:
+            return missing("target.size")
+        shear = 5 / 6 * material.youngs_modulus / (2 * (1 + material.poissons_ratio)) * thickness
+        soft, slender = shear_around(shear, min(self.size), thickness), thickness / min(self.size)
+        size = min(0.5 * soft * impact.force**2 / impact.energy, 1.0)
+        if impact.vibrates and size <= impact.tolerance:
+            return Estimate(COMES_BACK, slender, indicator="h/L")
+        return Estimate("the energy of shear deformation is neglected", slender, None, size, indicator="h/L")
+
+    def wave_losses(self, impact: Impact) -> Estimate:
+        """The difference between the energies radiated into a half-space and carried away by bending waves.
+
+        A contact that ends before a wave has crossed the plate and returned, 2h/c_L, radiates into it as into a
+        half-space. One longer than 10 h/c_T excites bending waves, which the impedance describes. Between these the
+        losses lie between the two, and the difference is a bound.
+        """
+        material = self.material
+        if self.thickness is None or material is None:
+            return missing("target.thickness and target.material")
+        if impact.duration >= THIN * self.thickness / shear_velocity(material):
+            return no_effect("the contact is slow enough for bending waves, which are part of the target's motion")
+        carried = 1.0 - impact.restitution**2 - impact.fraction if impact.by_impedance else 0.0
+        size = min(1.0, abs(radiated_energy(material, impact) / impact.energy - carried))
+        reason = "contact ends before a wave returns from the far side, so that the plate radiates as a half-space"
+        if impact.duration >= self._crossing(material):
+            reason = "the plate is too thick for bending waves and too thin for a half-space; this is an upper bound"
+        return Estimate(reason, size, impact.tolerance, size)
+
+    def _crossing(self, material: Material) -> float:
+        """Time in which a longitudinal wave crosses the plate and returns, s."""
+        return 2.0 * cast("float", self.thickness) / pressure_velocity(material)
+
+    def contact_width(self, impact: Impact) -> Estimate:
+        """Half-space laws need a contact that is narrow compared with the thickness."""
+        return contact_width_over(impact, self.whole_thickness, self.kind)
+
+    def stretching(self, impact: Impact) -> Estimate:
+        """Membrane forces, ½ (12 D/h²) ε² per area with ε the mean of ½ (w_x² + w_y²), between edges that hold."""
+        if self.size is None:
+            return no_effect("an infinite plate has no edges that hold it")
+        ends, thickness = (four(self.edges)[:2], four(self.edges)[2:]), self.whole_thickness
+        lines = list(zip(ends, self.size, self._struck, strict=True))
+        longer, flat = ([rule(*line) for line in lines] for rule in (lengthening, mean_square))
+        strain = longer[0] * flat[1] + longer[1] * flat[0]
+        area, bending = self.size[0] * self.size[1], root(self.stiffness[0] * self.stiffness[2])
+        membrane = 0.0 if thickness is None else 12.0 * bending / thickness**2 * area
+        part = self.first_mode_share * self.surface_density * area
+        return stretching(impact, thickness, self.compliance, part, strain, membrane)
+
+    def cross_bending(self, impact: Impact) -> Estimate:
+        """Twist coupled with bending in a layup, D16 and D26: the change of the impedance of an infinite plate by
+        them."""
+        if self.layup is None:
+            return no_effect("the plate has no layers that couple twist with bending")
+        value, change = coupling(self.layup)
+        reason = "the stiffnesses D16 and D26 of the layup are neglected"
+        return Estimate(reason, value, None, change, indicator="(|D16| + |D26|)/√(D11 D22)")
+
+    @property
+    def _struck(self) -> tuple[float, float]:
+        a, b = cast("tuple[float, float]", self.size)
+        return self.position or (a / 2, b / 2)

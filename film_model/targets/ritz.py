@@ -1,0 +1,228 @@
+"""Natural vibrations and static deflection of rectangular plates with any edges, by Ritz's method.
+
+The deflection is a sum of products f_p(x) g_q(y) of the functions of :mod:`film_model.targets.line_functions`, and the
+energy is ½ ∫∫ D11 w_xx² + 2 D12 w_xx w_yy + D22 w_yy² + 4 D66 w_xy² + k_f w² + edge springs. Functions of different
+symmetry do not interact, and each half-wave along a simply supported direction vibrates alone (Lévy's solution).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from film_model.base.arrays import Array, Index
+from film_model.base.errors import SimulationError
+from film_model.targets.line_functions import SIMPLE, Line, line, polynomials
+from film_model.targets.modes import Modes, sorted_modes
+from film_model.targets.plate_statics import levy_compliance
+
+Block = tuple[Index, Index]
+"""Numbers p and q of some products."""
+
+MOST_FUNCTIONS = 2000
+"""Largest number of products that interact: their vibrations take two seconds and 100 MB."""
+
+SHARPNESS = ((2.0, 300), (1.6, 1000), (1.3, MOST_FUNCTIONS))
+"""Highest frequency of the products over the highest that is asked for, and the number of products that it may take.
+Errors of the highest frequency are then up to 1e-3, 2e-3 and 4e-3; below half of it up to 1e-4, 1e-4 and 2e-4."""
+
+NODE = 1e-9
+"""A function that is smaller at the struck point, in units of 2/√(a b), has a node there."""
+
+LEAST = 8
+"""Shapes along each side at least: ten vibrations then have errors below 1e-5, with corners clamped-free 1e-4."""
+
+_STATIC_DEGREE = 20
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A rectangular plate. mass_per_area: kg/m². stiffness: D11, D12, D22, D66, N·m. size: m.
+
+    edges: at x = 0, x = a, y = 0, y = b: "simply supported", "clamped" or "free". springs: stiffness per length of
+    elastic supports there, N/m². foundation: stiffness per area of an elastic bed, N/m³.
+    """
+
+    mass_per_area: float
+    stiffness: tuple[float, float, float, float]
+    size: tuple[float, float]
+    edges: tuple[str, str, str, str]
+    springs: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    foundation: float = 0.0
+
+    @property
+    def ends(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """The edges that bound x, and those that bound y."""
+        return self.edges[:2], self.edges[2:]
+
+
+@lru_cache(maxsize=16)
+def panel_modes(panel: Panel, position: tuple[float, float], highest: float) -> Modes:
+    """The vibrations of a plate up to the frequency `highest` [rad/s], seen from `position` [m].
+
+    SimulationError beyond MOST_FUNCTIONS.
+    """
+    waves = [_half_waves(panel, along, highest) for along in (0, 1)]
+    alone = SIMPLE in panel.ends
+    least = max(max(waves) / 4, 0.0 if alone else waves[0] * waves[1] * math.pi / 16)
+    if least > MOST_FUNCTIONS:  # even with two axes of symmetry
+        raise SimulationError(_too_many(least))
+    lines, blocks, largest = list[Line](), list[Block](), 0
+    for sharpness, most in SHARPNESS:
+        lines = [_line(panel, along, sharpness * highest) for along in (0, 1)]
+        blocks = _blocks(panel, lines, sharpness * highest, position)
+        largest = max(p.size for p, _ in blocks)
+        if largest <= most:
+            break
+    if largest > MOST_FUNCTIONS:
+        raise SimulationError(_too_many(largest))
+    found = [_vibrations(panel, lines, block, position) for block in blocks]
+    frequency, share = (np.concatenate(columns) for columns in zip(*found, strict=True))
+    return sorted_modes(frequency, share, highest)
+
+
+def _line(panel: Panel, along: int, highest: float) -> Line:
+    """Functions along one side that resolve all waves up to a frequency."""
+    return line(panel.ends[along], max(LEAST, int(_half_waves(panel, along, highest)) + 2))
+
+
+def _half_waves(panel: Panel, along: int, highest: float) -> float:
+    bending = panel.stiffness[2 * along]
+    return (panel.mass_per_area * highest**2 / bending) ** 0.25 * panel.size[along] / math.pi
+
+
+def _too_many(count: float) -> str:
+    return (
+        f"the vibrations of this plate need {count:.0f} functions that interact, but at most {MOST_FUNCTIONS} are "
+        "allowed: ask for a coarser accuracy, take simply supported edges, or set boundary_reflections = false in "
+        "[effects]"
+    )
+
+
+def _energy(panel: Panel, lines: list[Line], p: Index, q: Index) -> Array:
+    """Matrix of the energy of products f_p(x) g_q(y) that are orthonormal in ∫∫w²."""
+    (d11, d12, d22, d66), (x, y) = panel.stiffness, lines
+    a, b = (2.0 / side for side in panel.size)
+    same_p, same_q = (p[:, None] == p).astype(np.float64), (q[:, None] == q).astype(np.float64)
+    rows, columns = np.ix_(p, p), np.ix_(q, q)
+    found = 4 * d66 * (a * b) ** 2 * x.sloped[rows] * y.sloped[columns]
+    found += d12 * (a * b) ** 2 * (x.crossed[rows] * y.crossed[columns].T + x.crossed[rows].T * y.crossed[columns])
+    found += (d11 * a**4 * x.bent[p] + d22 * b**4 * y.bent[q] + panel.foundation) * np.eye(p.size)
+    for k, (held, same, scale) in enumerate(((p, same_q, a), (p, same_q, a), (q, same_p, b), (q, same_p, b))):
+        if panel.springs[k]:
+            edge = lines[k // 2].at(-1.0 if k % 2 == 0 else 1.0)[held]
+            found += panel.springs[k] * scale * np.outer(edge, edge) * same
+    return found
+
+
+def _shape(panel: Panel, lines: list[Line], position: tuple[float, float], p: Index, q: Index) -> Array:
+    """The products at a point, orthonormal in ∫∫w²."""
+    a, b = panel.size
+    x, y = (own.at(2.0 * at / side - 1.0) for own, at, side in zip(lines, position, panel.size, strict=True))
+    return x[p] * y[q] * (2.0 / math.sqrt(a * b))
+
+
+def _blocks(panel: Panel, lines: list[Line], highest: float, position: tuple[float, float]) -> list[Block]:
+    """The products up to a frequency, in groups that do not interact; those that are 0 at a point are left out."""
+    (d11, d12, d22, d66), (x, y) = panel.stiffness, lines
+    a, b = (2.0 / side for side in panel.size)
+    own = d11 * a**4 * x.bent[:, None] + d22 * b**4 * y.bent
+    mixed = 4 * d66 * np.outer(np.diag(x.sloped), np.diag(y.sloped))
+    mixed += 2 * d12 * np.outer(np.diag(x.crossed), np.diag(y.crossed))
+    kept = own + (a * b) ** 2 * mixed <= panel.mass_per_area * highest**2
+    kept[x.shapes :] = kept[:, y.shapes :] = True
+    kept[:LEAST] = kept[:, :LEAST] = True  # the first vibrations are accurate however low the frequency
+    return _split(panel, lines, position, *np.nonzero(kept))
+
+
+def _split(panel: Panel, lines: list[Line], position: tuple[float, float], p: Index, q: Index) -> list[Block]:
+    """Products in groups that do not interact; those that are 0 at a point are left out."""
+    groups = [_groups(panel, lines, along) for along in (0, 1)]
+    key = groups[0][p] * (int(groups[1].max()) + 1) + groups[1][q]
+    blocks = [(p[key == group], q[key == group]) for group in np.unique(key)]
+    return [block for block in blocks if np.abs(_shape(panel, lines, position, *block)).max() > NODE] or blocks[:1]
+
+
+def _groups(panel: Panel, lines: list[Line], along: int) -> Index:
+    """For each function along one side, the number of its group: functions of different groups do not interact."""
+    ends, springs = panel.ends[along], panel.springs[2 * along : 2 * along + 2]
+    if ends == SIMPLE:
+        return np.arange(lines[along].bent.size)
+    if ends[0] == ends[1] and springs[0] == springs[1]:
+        return lines[along].odd.astype(np.intp)
+    return np.zeros(lines[along].bent.size, np.intp)
+
+
+def _vibrations(panel: Panel, lines: list[Line], block: Block, position: tuple[float, float]) -> tuple[Array, Array]:
+    """Frequencies, rad/s, and shares of a group of products."""
+    seen = _shape(panel, lines, position, *block)
+    square, shapes = np.linalg.eigh(_energy(panel, lines, *block))
+    square[: _loose(panel, lines, block).shape[1]] = 0.0
+    frequency = np.sqrt(np.maximum(square, 0.0) / panel.mass_per_area)
+    return frequency, (seen @ shapes) ** 2 / panel.mass_per_area
+
+
+def _loose(panel: Panel, lines: list[Line], block: Block) -> Array:
+    """Orthonormal combinations of the products of a group that move without energy, one per column."""
+    p, q = block
+    tilted = (lines[0].bent[p] == 0.0) & (lines[1].bent[q] == 0.0)
+    rigid = np.flatnonzero(tilted)
+    if rigid.size == 0 or panel.foundation:
+        return np.zeros((p.size, 0))
+    energy = _energy(panel, lines, p[rigid], q[rigid])
+    values, shapes = np.linalg.eigh(energy)
+    a, b = panel.size
+    least = 1e-12 * (max(panel.stiffness) / (a * b) ** 2 + max(panel.springs) / min(a, b))
+    found = np.zeros((p.size, int(np.count_nonzero(values < least))))
+    found[rigid] = shapes[:, : found.shape[1]]
+    return found
+
+
+def loose(panel: Panel) -> bool:
+    """Whether the plate can move without bending: nothing holds it, or it turns about one edge."""
+    lines = [line(ends, LEAST) for ends in panel.ends]
+    every = [indices.ravel() for indices in np.indices([each.bent.size for each in lines])]
+    return _loose(panel, lines, (every[0], every[1])).shape[1] > 0
+
+
+def ritz_compliance(panel: Panel, position: tuple[float, float], degree: int = _STATIC_DEGREE) -> float:
+    """Static deflection over force by Ritz's method alone, m/N: too small, because polynomials smooth the point force.
+
+    Of a plate that nothing holds: the deflection without its motion as a rigid body.
+    """
+    lines = [polynomials(ends, degree) for ends in panel.ends]
+    p, q = (indices.ravel() for indices in np.indices([each.bent.size for each in lines]))
+    total = 0.0
+    for block in _split(panel, lines, position, p, q):
+        seen, energy = _shape(panel, lines, position, *block), _energy(panel, lines, *block)
+        loose = _loose(panel, lines, block)
+        energy += float(np.trace(energy)) / energy.shape[0] * loose @ loose.T
+        seen = seen - loose @ (loose.T @ seen)
+        scale = 1 / np.sqrt(np.diag(energy))
+        total += float(seen * scale @ np.linalg.solve(energy * scale[:, None] * scale, seen * scale))
+    return total
+
+
+@lru_cache(maxsize=64)
+def panel_compliance(panel: Panel, position: tuple[float, float]) -> float:
+    """Static deflection over force of a plate at the point `position` [m], m/N.
+
+    Polynomials cannot represent the singularity under the force. Their error is that of the same plate with two
+    opposite edges simply supported, for which :func:`levy_compliance` is exact, so the difference there corrects it.
+    The edges next to the force stay as they are. The error is below 1e-5 at the centre, 1e-4 next to an edge. Of a
+    plate that nothing holds, this is the deflection without its motion as a rigid body.
+    """
+    (x, y), (a, b), (d11, d12, d22, d66) = position, panel.size, panel.stiffness
+    simple = [ends == SIMPLE and not any(panel.springs) for ends in panel.ends]
+    nearer = min(y, b - y) / d22**0.25 < min(x, a - x) / d11**0.25
+    if (nearer and not simple[1]) or simple[0]:
+        turned = (d22, d12, d11, d66), (b, a), panel.edges[2:] + panel.edges[:2], panel.springs[2:] + panel.springs[:2]
+        panel, position = Panel(panel.mass_per_area, *turned, panel.foundation), (y, x)
+    like = Panel(panel.mass_per_area, panel.stiffness, panel.size, panel.ends[0] + SIMPLE)
+    known = levy_compliance(panel.stiffness, panel.size, panel.ends[0], position)
+    if like == panel:
+        return known
+    return known + ritz_compliance(panel, position) - ritz_compliance(like, position)

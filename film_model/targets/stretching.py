@@ -1,0 +1,72 @@
+"""Membrane forces of a bent plate or beam whose edges cannot move inwards, by Berger's energy in one term."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from film_model.targets.line_functions import line
+from film_model.targets.target import Estimate, Impact, missing, no_effect
+
+NOT_HELD = "no opposite edges are held, so the structure bends without stretching"
+
+BERGER = "the edges are taken as immovable"
+
+
+def lengthening(ends: tuple[str, str], length: float, place: float) -> float:
+    """Mean of ½ w_x² for the first vibration of a line with a deflection of 1 m at `place`, 1/m²; 0 if an end is free.
+
+    The deflection at `place` relative to the largest is at least a tenth: closer to a support, the estimate ends.
+    """
+    if "free" in ends:
+        return 0.0
+    first = line(ends, 8)
+    along = np.linspace(-1.0, 1.0, 65)
+    largest = max(abs(float(first.at(s)[0])) for s in along)
+    at = max(abs(float(first.at(2.0 * place / length - 1.0)[0])), 0.1 * largest)
+    return float(first.sloped[0, 0]) / at**2 / length**2
+
+
+def mean_square(ends: tuple[str, str], length: float, place: float) -> float:
+    """Mean of w² for that vibration; 1 for a line with a free end, along which the deflection is taken as constant."""
+    if "free" in ends:
+        return 1.0
+    first = line(ends, 8)
+    along = np.linspace(-1.0, 1.0, 65)
+    largest = max(abs(float(first.at(s)[0])) for s in along)
+    at = max(abs(float(first.at(2.0 * place / length - 1.0)[0])), 0.1 * largest)
+    return 0.5 / at**2
+
+
+def stretching(
+    impact: Impact, thickness: float | None, compliance: float | None, part: float, strain: float, membrane: float
+) -> Estimate:
+    """The force that membrane stiffness adds.
+
+    thickness: m. compliance: m/N. part: mass that moves with the struck point, kg. strain: of the middle surface for a
+    deflection of 1 m, 1/m². membrane: ∂²U/∂ε² of the energy of uniform stretching, J.
+
+    The energy ½ m V² m/(m + part) bends and stretches: U = u²/(2 c) + ½ B (ε u²)². One term, edges immovable (Berger
+    1955, J. Appl. Mech. 22:465); the force is compared with that of the same energy without stretching.
+    """
+    if strain == 0.0:
+        return no_effect(NOT_HELD)
+    if thickness is None:
+        return missing("target.thickness")
+    if compliance is None:
+        return missing("target.size")
+    energy = impact.energy * impact.mass / (impact.mass + part)
+    quartic = 0.5 * membrane * strain**2
+    linear = math.sqrt(2.0 * energy * compliance)
+    # U(u) = u²/(2c) + quartic u⁴ = energy, a quadratic equation for u²
+    bent = 0.5 / compliance
+    square = 2.0 * energy / (bent + math.sqrt(bent**2 + 4.0 * quartic * energy))
+    deflection = math.sqrt(square)
+    force, without = deflection / compliance + 4.0 * quartic * deflection**3, linear / compliance
+    change = (force - without) / max(without, impact.force)
+    reason = (
+        f"linear theory bends it by {linear / thickness:.2g} thicknesses with {without:.4g} N; with membrane "
+        f"stiffness it would be {deflection / thickness:.2g} thicknesses with about {force:.4g} N ({BERGER})"
+    )
+    return Estimate(reason, linear / thickness, 0.5, change, remedy="needs large deflections")

@@ -1,0 +1,194 @@
+"""Structures known by their natural vibrations, of a finite-element model or of a measurement."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from film_model.base.errors import Mistake, raise_all, shown
+from film_model.base.fields import Field, measure, mistake, words
+from film_model.base.materials import MATERIAL, Material, MaterialLike
+from film_model.base.units import Value, array_to_si, needed
+from film_model.targets.modes import Modes, pulse_response
+from film_model.targets.structure_file import MOST_LISTED, read_structure
+from film_model.targets.supports import DAMPING, damped
+from film_model.targets.target import RADIUS, AbstractTarget, Estimate, Impact, fill_target, no_effect
+
+HERTZ = 2.0 * math.pi
+"""Angular frequency of 1 Hz, rad/s."""
+
+
+def _list_of(dimension: str, low: float, high: float, zero: bool) -> Field:
+    """A list of quantities from `low` to `high`, or 0 if `zero` allows it."""
+    need = f"a list, {needed(dimension)} in each place"
+
+    def read(value: object) -> tuple[float, ...]:
+        if isinstance(value, str) or not hasattr(value, "__len__"):
+            raise ValueError(f"{shown(value)} is not a list: {need}")
+        found = array_to_si(value, dimension)
+        if found.ndim != 1 or not 1 <= found.size <= MOST_LISTED:
+            raise ValueError(f"{shown(value)} has {found.size} values: 1 to {MOST_LISTED} are allowed")
+        for place, number in enumerate(found.tolist(), 1):
+            if not (low <= number <= high or (zero and number == 0.0)):
+                raise ValueError(f"value {place} is {number:g}: from {low:g} to {high:g} is allowed")
+        return tuple(found.tolist())
+
+    return Field(read, need, dimension=dimension)
+
+
+@dataclass(frozen=True, init=False)
+class Structure(AbstractTarget):
+    """A structure known by its natural vibrations.
+
+    file: of the vibrations, CSV or netCDF (`read_structure`); or frequency, Hz, and modal_mass, kg: lists, the mass of
+    each vibration whose shape is 1 at the struck point. A frequency of 0 is a motion of the whole structure.
+    damping_ratio: one number, or a list by ascending frequency; replaces that of the file. static_compliance:
+    deflection over force at the struck point, m/N; default that of the vibrations together. A structure that is not
+    held: without its motion as a whole. radius: of a curved surface, m.
+    """
+
+    kind: ClassVar[str] = "structure"
+    structural: ClassVar[bool] = True
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "material": MATERIAL,
+        "file": Field(words("the path of a file").read, "the path of a file is needed"),
+        "frequency": _list_of("frequency", 1e-9, 1e12, zero=True),
+        "modal_mass": _list_of("mass", 1e-28, 1e60, zero=False),
+        "damping_ratio": DAMPING,
+        "static_compliance": measure("compliance", 1e-18, 1e12),
+        "radius": RADIUS,
+    }
+
+    material: Material | None
+    file: str | None
+    frequency: tuple[float, ...]
+    modal_mass: tuple[float, ...]
+    damping_ratio: float | tuple[float, ...] | None
+    static_compliance: float | None
+    radius: float
+
+    def __init__(
+        self,
+        file: str | None = None,
+        material: MaterialLike | None = None,
+        frequency: Sequence[Value] | Value | None = None,
+        modal_mass: Sequence[Value] | Value | None = None,
+        damping_ratio: float | Sequence[float] | None = None,
+        static_compliance: Value | None = None,
+        radius: Value | None = None,
+    ) -> None:
+        mistakes = fill_target(self, locals())
+        if self.file is not None:
+            mistakes += self._read(frequency is not None or modal_mass is not None)
+        elif frequency is None or modal_mass is None:
+            missing = "file" if frequency is None and modal_mass is None else "modal_mass"
+            missing = "frequency" if frequency is None and modal_mass is not None else missing
+            mistakes.append(mistake(self, missing, "missing: give file, or frequency and modal_mass"))
+        elif self.frequency and self.modal_mass and len(self.frequency) != len(self.modal_mass):
+            wrong = f"{len(self.modal_mass)} values for {len(self.frequency)} frequencies"
+            mistakes.append(mistake(self, "modal_mass", wrong))
+        if not mistakes:
+            self._sort()
+            least = self._all.compliance
+            if self.static_compliance is not None and self.static_compliance < least * (1 - 1e-6):
+                wrong = f"{self.static_compliance:g} m/N is less than that of the vibrations together, {least:.6g} m/N"
+                mistakes.append(mistake(self, "static_compliance", wrong))
+        raise_all(mistakes)
+
+    def _read(self, others: bool) -> list[Mistake]:
+        """Replace the file's name by its vibrations, so that the scene is complete without it."""
+        if others:
+            return [mistake(self, "file", "give file, or frequency and modal_mass, not both")]
+        assert self.file is not None
+        try:
+            listed = read_structure(self.file)
+        except (OSError, ValueError) as error:
+            reason = (
+                f"{shown(self.file)} cannot be read: {error.strerror}" if isinstance(error, OSError) else str(error)
+            )
+            return [mistake(self, "file", reason)]
+        for name in ("frequency", "modal_mass"):
+            object.__setattr__(self, name, getattr(listed, name))
+        for name in ("damping_ratio", "static_compliance"):
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, getattr(listed, name))
+        object.__setattr__(self, "file", None)
+        return []
+
+    def _sort(self) -> None:
+        """Sort both lists by ascending frequency."""
+        order = sorted(range(len(self.frequency)), key=lambda k: self.frequency[k])
+        for name in ("frequency", "modal_mass"):
+            object.__setattr__(self, name, tuple(getattr(self, name)[k] for k in order))
+
+    @property
+    def _all(self) -> Modes:
+        return Modes(np.array(self.frequency) * HERTZ, 1.0 / np.array(self.modal_mass))
+
+    @property
+    def finite(self) -> bool:
+        """Always: no wave leaves it."""
+        return True
+
+    @property
+    def held(self) -> bool:
+        """Whether no frequency is 0."""
+        return self.frequency[0] > 0.0
+
+    @property
+    def whole_mass(self) -> float:
+        """Mass of the first vibration at the struck point, kg."""
+        return next((m for f, m in zip(self.frequency, self.modal_mass, strict=True) if f > 0.0), math.inf)
+
+    @property
+    def compliance(self) -> float:
+        """Static deflection over force, m/N: as given, or that of the vibrations."""
+        return self._all.compliance if self.static_compliance is None else self.static_compliance
+
+    @property
+    def modes_missing(self) -> str:
+        """Never missing."""
+        return ""
+
+    def modes(self, highest: float) -> Modes:
+        """The given vibrations up to the frequency `highest` [rad/s]."""
+        own = self._all
+        kept = own.frequency <= highest
+        return damped(Modes(own.frequency[kept], own.share[kept]), self.damping_ratio)
+
+    @property
+    def return_time(self) -> float:
+        """Always 0 s: there is no time before which it would be infinite."""
+        return 0.0
+
+    def reflections(self, impact: Impact) -> Estimate:
+        """Not assessed: all of the structure is simulated."""
+        return no_effect("the vibrations of the structure are simulated")
+
+    def omitted_modes(self, impact: Impact) -> Estimate:
+        """Vibrations above the highest that is given, Ω.
+
+        If the static compliance is not given, the compliance that they would add is unknown; it is taken as Σ φ²/(M
+        Ω²) of the given ones, as on a plate, whose vibrations have equal distances and shares. If it is given, the
+        part c of it that the given ones lack has an inertia, neglected with an error of c (π/T)²/Ω², T being the
+        contact time on a fixed target. Both over the sum of indentation and deflection in the middle of a half-sine of
+        this duration.
+        """
+        duration, contact = impact.held
+        modes, rate = self._all, math.pi / duration
+        highest = float(modes.frequency[-1])
+        if highest == 0.0:
+            return no_effect("the structure has no vibrations: it moves as a rigid body")
+        if self.static_compliance is None:
+            lacking, reason = float(np.sum(modes.share)) / highest**2, "static_compliance would include them statically"
+        else:
+            lacking = (self.static_compliance - modes.compliance) * (rate / highest) ** 2
+            reason = "they follow the force statically"
+        moved = pulse_response(self.modes, self.compliance, duration)
+        size = min(lacking / (contact + moved), 1.0)
+        said = f"the vibrations end at {highest / HERTZ:.4g} Hz, the contact lasts {duration:.3g} s or more; {reason}"
+        return Estimate(said, highest / rate, None, size, remedy="needs more vibrations, or static_compliance")

@@ -1,0 +1,215 @@
+"""Files of natural vibrations: CSV tables and netCDF."""
+
+from __future__ import annotations
+
+import math
+import os
+import stat
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from film_model.base.errors import did_you_mean, shown
+from film_model.base.tables import HEADING, rows_of
+from film_model.base.units import to_si
+from film_model.targets.modes import Array
+
+MOST_BYTES = 50_000_000
+MOST_LISTED = 100_000
+"""Most vibrations of a file, which are kept in the scene."""
+
+COLUMNS = ("frequency", "modal_mass", "shape", "mass_normalised_shape", "damping_ratio")
+EXAMPLE = '"frequency [Hz], modal_mass [kg], shape" or "frequency [Hz], mass_normalised_shape [1/sqrt(kg)]"'
+
+_FREQUENCIES = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "rad/s": 0.5 / math.pi, "krad/s": 500.0 / math.pi}
+_ROOTS = {"kg": 1.0, "g": 1000.0**0.5, "t": 0.001**0.5, "Mg": 0.001**0.5}
+_NORMALISED = {
+    written: factor
+    for unit, factor in _ROOTS.items()
+    for written in (f"1/sqrt({unit})", f"1/√{unit}", f"{unit}^-0.5", f"{unit}**-0.5", f"{unit}-0.5", f"1/{unit}^0.5")
+}
+
+
+class Listed(NamedTuple):
+    """Vibrations by ascending frequency [Hz]: M/φ² [kg] at the struck point; damping ratios of those above 0 Hz."""
+
+    frequency: tuple[float, ...]
+    modal_mass: tuple[float, ...]
+    damping_ratio: tuple[float, ...] | None
+    static_compliance: float | None
+
+
+def read_structure(path: str) -> Listed:
+    """The vibrations in a file that move the struck point.
+
+    CSV, or netCDF if the file begins as such a file does. Columns or variables: frequency; modal_mass and shape, the
+    deflection at the struck point of the shape that has this mass, or mass_normalised_shape; damping_ratio if known.
+    Units stand in the heading, `frequency [Hz]`, beside each value, or in the attribute `units`. The order of the rows
+    does not matter. Raises OSError, or ValueError with the line of what is wrong.
+    """
+    about = os.stat(path)
+    if not stat.S_ISREG(about.st_mode):
+        raise ValueError(f"{shown(path)} is not a file")
+    if about.st_size > MOST_BYTES:
+        raise ValueError(f"{shown(path)} has {about.st_size} bytes: at most {MOST_BYTES} are allowed")
+    with open(path, "rb") as file:
+        content = file.read()
+    if content.startswith((b"\x89HDF\r\n", b"CDF")):
+        places, columns, static = _netcdf(path)
+    else:
+        try:
+            text = content.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            raise ValueError(f"{shown(path)} is not a text in UTF-8: byte {error.start}") from None
+        places, columns = _csv(path, text)
+        static = None
+    return _listed(path, places, columns, static)
+
+
+def _csv(path: str, text: str) -> tuple[list[str], dict[str, list[float]]]:
+    """Where each row is, and the columns in SI units."""
+    rows = rows_of(path, text)
+    line, heading = next(rows, (1, []))
+    where = dict(_heading(f"{shown(path)}, line {line}", heading))
+    places: list[str] = []
+    columns: dict[str, list[float]] = {name: [] for name in where}
+    for line, cells in rows:
+        places.append(f"{shown(path)}, line {line}")
+        if len(places) > MOST_LISTED:
+            raise ValueError(f"{places[-1]}: more than {MOST_LISTED} vibrations")
+        if any(cell.strip() for cell in cells[len(heading) :]):
+            raise ValueError(f"{places[-1]}: {len(cells)} values for {len(heading)} columns")
+        for name, (k, unit) in where.items():
+            cell = cells[k].strip() if k < len(cells) else ""
+            columns[name].append(_value(places[-1], name, cell, unit))
+    return places, columns
+
+
+def _heading(place: str, cells: list[str]) -> Iterator[tuple[str, tuple[int, str]]]:
+    """Column name → its number and unit."""
+    seen: set[str] = set()
+    for k, cell in enumerate(cells):
+        match = HEADING.fullmatch(cell)
+        name = "" if match is None else match[1].lower()
+        if match is None or name not in COLUMNS:
+            hint = did_you_mean(name, COLUMNS) or f": a heading such as {EXAMPLE} is needed"
+            raise ValueError(f"{place}: unknown column {shown(cell.strip())}{hint}")
+        if name in seen:
+            raise ValueError(f"{place}: there are two columns {name}")
+        seen.add(name)
+        if match[2]:
+            _factor(f"{place}: {name}", name, match[2])
+        yield name, (k, match[2] or "")
+    _check_columns(place, seen)
+
+
+def _check_columns(place: str, seen: set[str]) -> None:
+    """A ValueError unless there are frequencies, and shapes in one of two ways."""
+    if "frequency" not in seen:
+        raise ValueError(f"{place}: no column frequency: a heading such as {EXAMPLE} is needed")
+    if "mass_normalised_shape" in seen and seen & {"modal_mass", "shape"}:
+        raise ValueError(f"{place}: give mass_normalised_shape, or modal_mass and shape, not both")
+    missing = {"modal_mass", "shape"} - seen
+    if "mass_normalised_shape" not in seen and missing:
+        raise ValueError(f"{place}: no column {min(missing)}: a heading such as {EXAMPLE} is needed")
+
+
+def _factor(place: str, name: str, unit: str) -> float:
+    """The SI value of a unit of a column."""
+    unit = unit.strip()
+    if name in ("frequency", "mass_normalised_shape"):
+        known = _FREQUENCIES if name == "frequency" else _NORMALISED
+        if unit.replace(" ", "") in known:
+            return known[unit.replace(" ", "")]
+        need = " or ".join(_FREQUENCIES) if name == "frequency" else "1/sqrt(kg), 1/sqrt(g) or 1/sqrt(t)"
+        raise ValueError(f"{place}: the unit {shown(unit)} is not understood: {need} is needed")
+    if name == "modal_mass":
+        try:
+            return to_si(f"1 {unit}", "mass")
+        except ValueError as error:
+            raise ValueError(f"{place}: {error}") from None
+    if unit not in ("", "1", "-"):
+        raise ValueError(f"{place}: the unit {shown(unit)} is not allowed: {name} is a plain number")
+    return 1.0
+
+
+def _value(place: str, name: str, cell: str, unit: str) -> float:
+    """A cell in SI units; its unit is that of the heading, or beside the number."""
+    number, _, own = cell.partition(" ")
+    if own.strip() and unit:
+        raise ValueError(f"{place}: {name} is {shown(cell)}, but the unit stands in the heading")
+    unit = unit or own
+    if not unit.strip() and name in ("frequency", "modal_mass", "mass_normalised_shape"):
+        example = {"frequency": "Hz", "modal_mass": "kg"}.get(name, "1/sqrt(kg)")
+        raise ValueError(
+            f'{place}: {name} is {shown(cell)}, without a unit: a heading such as "{name} [{example}]" is needed'
+        )
+    try:
+        value = to_si(number, "dimensionless")
+    except ValueError:
+        raise ValueError(f"{place}: {name} is {shown(cell)}, a number is needed") from None
+    return value * _factor(f"{place}: {name}", name, unit)
+
+
+def _netcdf(path: str) -> tuple[list[str], dict[str, list[float]], float | None]:
+    """Where each vibration is, the variables in SI units, and the static compliance if the file has it."""
+    import netCDF4
+
+    try:
+        with netCDF4.Dataset(path, "r") as file:
+            found: dict[str, Any] = {name: _variable(path, file, name) for name in COLUMNS if name in file.variables}
+            static = None
+            if "static_compliance" in file.variables:
+                value = _numbers(path, file.variables["static_compliance"], "static_compliance")
+                unit = str(getattr(file.variables["static_compliance"], "units", ""))
+                static = to_si(f"{float(value.ravel()[0])!r} {unit}", "compliance")
+    except (OSError, RuntimeError) as error:
+        raise ValueError(f"{shown(path)} cannot be read as netCDF: {error}") from None
+    _check_columns(shown(path), set(found))
+    sizes = {name: len(values) for name, values in found.items()}
+    if len(set(sizes.values())) > 1:
+        raise ValueError(f"{shown(path)}: " + ", ".join(f"{size} values of {name}" for name, size in sizes.items()))
+    return [f"{shown(path)}, vibration {k}" for k in range(1, sizes["frequency"] + 1)], found, static
+
+
+def _variable(path: str, file: Any, name: str) -> list[float]:
+    variable = file.variables[name]
+    if len(variable.dimensions) != 1 or variable.size > MOST_LISTED:
+        raise ValueError(f"{shown(path)}: {name} must have one dimension and at most {MOST_LISTED} values")
+    unit = str(getattr(variable, "units", ""))
+    place = f"{shown(path)}: {name}"
+    if not unit and name in ("frequency", "modal_mass", "mass_normalised_shape"):
+        raise ValueError(f"{place}: the attribute units is missing")
+    return (_numbers(path, variable, name) * _factor(place, name, unit)).tolist()
+
+
+def _numbers(path: str, variable: Any, name: str) -> Array:
+    if variable.dtype is str or np.dtype(variable.dtype).kind not in "iuf" or variable.size == 0:
+        raise ValueError(f"{shown(path)}: {name} must be numbers")
+    return np.ma.filled(np.ma.asarray(variable[...], dtype=np.float64), np.nan)
+
+
+def _listed(path: str, places: list[str], columns: dict[str, list[float]], static: float | None) -> Listed:
+    """The vibrations, checked and sorted."""
+    if not places:
+        raise ValueError(f"{shown(path)} has no vibrations")
+    ranges = {"frequency": (0.0, 1e12), "modal_mass": (1e-28, 1e12), "damping_ratio": (0.0, 0.999)}
+    for name, values in columns.items():
+        low, high = ranges.get(name, (-1e15, 1e15))
+        for place, value in zip(places, values, strict=True):
+            if not low <= value <= high:  # or nan
+                raise ValueError(f"{place}: {name} is {value:g}, from {low:g} to {high:g} is allowed")
+    if "mass_normalised_shape" in columns:
+        share = np.array(columns["mass_normalised_shape"]) ** 2
+    else:
+        share = np.array(columns["shape"]) ** 2 / np.array(columns["modal_mass"])
+    frequency = np.array(columns["frequency"])
+    moves = share > 1e-20 * share.max()
+    if not moves.any():
+        raise ValueError(f"{shown(path)}: every shape is 0 at the struck point: no vibration moves it")
+    order = np.argsort(frequency, kind="stable")
+    order = order[moves[order]]
+    bent = order[frequency[order] > 0.0]
+    damping = tuple(columns["damping_ratio"][k] for k in bent.tolist()) if "damping_ratio" in columns else ()
+    return Listed(tuple(frequency[order].tolist()), tuple((1 / share[order]).tolist()), damping or None, static)

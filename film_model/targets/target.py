@@ -1,0 +1,266 @@
+"""The contract of a target: its fields, material and shape, how it moves, and where its model stops being valid.
+
+A target moves in one of four ways, chosen by what its class overrides:
+
+* not at all: nothing is overridden (a half-space);
+* as a free body: `free`, `own_mass` and `velocity`;
+* by a wave impedance: the force that pushes the struck point at unit velocity while no wave has come back. The point
+  moves at F/Z, and the indentation δ obeys δ̈ + Ḟ/Z + F/m = 0 (Zener 1941);
+* as a structure with edges: `structural`, with a static `compliance`, by which it follows a contact that is slow
+  compared with its vibrations, and with `modes`, which a faster contact excites.
+
+All arguments and results are SI floats. A sweep replaces some fields by arrays, so the formulas of `impedance`,
+`own_mass` and `return_time` must accept arrays: :mod:`film_model.base.arrays` has functions that serve both.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, NamedTuple
+
+from film_model.base.arrays import endless
+from film_model.base.errors import Mistake, SimulationError
+from film_model.base.fields import Field, fill, measure, mistake
+from film_model.base.materials import Material
+from film_model.targets.modes import Modes
+
+RADIUS = measure("length", 1e-10, 1e3)
+LENGTH = measure("length", 1e-10, 1e5)
+PLACE = measure("length", 0, 1e5)
+STATIC_STIFFNESS = measure("stiffness", 1e-12, 1e18)
+
+
+GIVEN_STIFFNESS = "a given static stiffness does not determine the vibrations"
+"""Why a structure of given static stiffness has no modes."""
+
+COMES_BACK = "how shear changes the rebound is unknown on a target that vibrates: contact may be lost and come back"
+"""Why shear is not assessed on a target that vibrates."""
+
+HELD = "the target is held fixed, so that its waves are not known"
+"""Why waves in the target are not assessed."""
+
+
+class Impact(NamedTuple):
+    """An impact, as the rules of a target see it that estimate neglected effects. SI numbers.
+
+    mass: of the impactor. force, indentation: maxima. fraction: absorbed part of the impact energy. back: time from
+    the centre of the impulse to the end of contact. motion: the target's displacement over V t_c, m (1 + e)/(Z t_c).
+    by_impedance: the target moves by its impedance. by_compliance: it follows the force statically. vibrates: it moves
+    by its modes; the other numbers are then those of an impact on its impedance or compliance. tolerance: smallest
+    relative change of the summary that matters. held: on a target that does not move, the contact time, s, and the
+    indentation over the force at the maximum, m/N.
+    """
+
+    mass: float
+    force: float
+    indentation: float
+    contact_radius: float
+    duration: float
+    restitution: float
+    energy: float
+    fraction: float
+    back: float
+    motion: float
+    by_impedance: bool
+    by_compliance: bool
+    vibrates: bool
+    tolerance: float
+    held: tuple[float, float]
+
+
+class Estimate(NamedTuple):
+    """An estimate of an effect that is not simulated.
+
+    reason: a sentence. value: of the indicator. threshold: value of the indicator from which the effect matters.
+    change: relative change of the summary if the effect is neglected; None if unknown. applies: False if the target has
+    no such effect. fails: the model is not valid, and the change is unknown. indicator: replaces the rule's own.
+    remedy: what a simulation of the effect would need.
+    """
+
+    reason: str
+    value: float | None = None
+    threshold: float | None = None
+    change: float | None = None
+    applies: bool = True
+    fails: bool = False
+    indicator: str | None = None
+    remedy: str | None = None
+
+
+def no_effect(reason: str) -> Estimate:
+    """The estimate for a target that has no such effect."""
+    return Estimate(reason, applies=False)
+
+
+def missing(what: str) -> Estimate:
+    """The estimate for a scene that lacks the entry `what`."""
+    return Estimate(f"missing: {what}")
+
+
+@dataclass(frozen=True, init=False)
+class AbstractTarget(ABC):
+    """A target. Implementations are frozen dataclasses; their constructors take quantities and store SI floats.
+
+    kind: the name in scene files. FIELDS: the entries of the section [target], in order. free: the target is a free
+    body. structural: it has edges, or may have; reflections and vibrations are then considered. first_mode_share:
+    fraction of a structure's mass that moves in its first vibration, referred to the struck point. extent: the entry
+    that gives it edges.
+
+    material: None if only its other properties are given. radius: of the contacting surface, m, infinite if flat.
+    velocity: when contact begins, m/s, positive in the impactor's direction.
+    """
+
+    kind: ClassVar[str]
+    FIELDS: ClassVar[Mapping[str, Field]]
+    free: ClassVar[bool] = False
+    structural: ClassVar[bool] = False
+    first_mode_share: ClassVar[float] = 1.0
+    extent: ClassVar[str] = "size"
+
+    material: Material | None
+    radius: float
+    velocity: float = field(default=0.0, init=False, repr=False, compare=False)
+
+    @property
+    def own_mass(self) -> float | None:
+        """Mass of a free body, kg, None if unknown; infinite for a target that is not free."""
+        return math.inf
+
+    @property
+    def impedance(self) -> float:
+        """Wave impedance, N·s/m; infinite for a target that has none."""
+        return math.inf
+
+    @property
+    def compliance(self) -> float | None:
+        """Static deflection over force at the struck point, m/N; None if there is none or it is unknown.
+
+        Of a structure that nothing holds: of its vibrations together, without its motion as a whole.
+        """
+        return None
+
+    @property
+    def stiffness_given(self) -> bool:
+        """Whether the scene gives the static stiffness, so that it is not computed from the structure."""
+        return False
+
+    @property
+    def finite(self) -> bool:
+        """Whether a structure has edges."""
+        return False
+
+    @property
+    def held(self) -> bool:
+        """Whether supports hold a structure, so that it has a static stiffness; otherwise it also moves as a whole."""
+        return True
+
+    @property
+    def whole_mass(self) -> float | None:
+        """Mass of a structure with edges, kg; None if unknown."""
+        return None
+
+    @property
+    def return_time(self) -> float:
+        """Time before reflected waves matter at the struck point, s; infinite without edges."""
+        return math.inf
+
+    @property
+    def longest_time(self) -> float | None:
+        """The longest time scale of a target with edges, s: first period, or travel time to the far end and back."""
+        return None
+
+    @property
+    def gives_way(self) -> bool:
+        """Whether a target that is not a free body moves under the force."""
+        return not self.free and (not endless(self.impedance) or self.compliance is not None)
+
+    @property
+    def modes_missing(self) -> str:
+        """Why the natural vibrations of a structure are unknown, as a clause; empty if they are known."""
+        return f"the vibrations of a {self.kind} are not known"
+
+    def modes(self, highest: float) -> Modes:
+        """Natural vibrations up to the frequency `highest`, rad/s."""
+        raise SimulationError(self.modes_missing)
+
+    def reflections(self, impact: Impact) -> Estimate:
+        """The effect of waves reflected from an edge or end before contact ends, if the target has no modes."""
+        what = "a free body" if self.free else f"a {self.kind}"
+        return no_effect(f"the model of {what} has no reflected waves")
+
+    def reflection_change(self, motion: Any, restitution: Any, delay: Any) -> Any:
+        """Relative change of the summary by reflected waves, or a bound on it; floats or arrays.
+
+        motion: the target's displacement over V t_c. delay: time from the centre of the impulse to the end of contact,
+        over `return_time`. The default, infinite, means unknown.
+        """
+        return math.inf * motion
+
+    def thickness_effect(self, impact: Impact) -> Estimate:
+        """The effect of the thickness, which the model assumes infinite, or small compared with the wavelengths."""
+        return no_effect(f"does not apply to a {self.kind}")
+
+    def contact_width(self, impact: Impact) -> Estimate:
+        """The effect of a contact that is wide compared with the thickness, for which half-space laws fail."""
+        return no_effect(f"does not apply to a {self.kind}")
+
+    def wave_losses(self, impact: Impact) -> Estimate:
+        """The effect of waves radiated into the target, if the model neglects them."""
+        return no_effect(f"does not apply to a {self.kind}")
+
+    def stretching(self, impact: Impact) -> Estimate:
+        """The effect of membrane forces in a structure that is bent by more than a fraction of its thickness."""
+        return no_effect(f"does not apply to a {self.kind}")
+
+    def omitted_modes(self, impact: Impact) -> Estimate:
+        """The effect of vibrations above the highest that is known."""
+        return no_effect(f"does not apply to a {self.kind}")
+
+    def cross_bending(self, impact: Impact) -> Estimate:
+        """The effect of bending across the width, or of twist coupled with bending, if the model neglects it."""
+        return no_effect(f"does not apply to a {self.kind}")
+
+
+def fill_target(target: AbstractTarget, values: Mapping[str, object]) -> list[Mistake]:
+    """As :func:`film_model.base.fields.fill`; without a radius the target is flat (infinite radius)."""
+    mistakes = fill(target, values)
+    if values["radius"] is None:
+        object.__setattr__(target, "radius", math.inf)
+    return mistakes
+
+
+def place_mistakes(
+    owner: object,
+    name: str,
+    size: tuple[float, ...] | None,
+    position: tuple[float, ...] | None,
+    ends: tuple[str, ...],
+) -> list[Mistake]:
+    """Mistakes of a point of impact, which must lie between the supports. ends: two for each side; "free" may be
+    hit."""
+    if position is None:
+        return []
+    if size is None:
+        return [mistake(owner, "position", f"needs a {name}, because it is measured from an edge")]
+    for k, (x, side) in enumerate(zip(position, size, strict=True)):
+        first, last = (end == "free" for end in ends[2 * k : 2 * k + 2])
+        if not (0 < x < side or (first and x == 0) or (last and x == side)):
+            allowed = f"{'>=' if first else '>'} 0 m and {'<=' if last else '<'} {side:g} m"
+            allowed += "" if first and last else ": a support does not deflect"
+            return [mistake(owner, "position", f"{x:g} m must be {allowed}")]
+    return []
+
+
+def contact_width_over(impact: Impact, thickness: float | None, kind: str) -> Estimate:
+    """Whether a half-space law is valid on a plate or beam: the contact must be narrow compared with the thickness."""
+    if thickness is None:
+        return missing("target.thickness")
+    value = impact.contact_radius / thickness
+    if value > 1.0:
+        reason = f"half-space laws fail for contacts wider than the thickness of the {kind}"
+        return Estimate(reason, value, 1.0, fails=True)
+    reason = f"how much a contact of {value:.2g} times the thickness of the {kind} is stiffened is not known"
+    return Estimate(reason, value, 1.0)

@@ -1,0 +1,91 @@
+"""Project Chrono, smooth contacts (ChSystemSMC): Hertz or Hooke, by material properties or by coefficients."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from film_model.translate import granular
+from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
+
+SOURCE = "Project Chrono, ChContactSMC.h (ChDefaultContactForceSMC); manual, Collision detection and contact, SMC"
+NOTES = (
+    "Chrono takes the mass of a fixed body for the effective mass: make it large, or the damping is too small",
+    "Chrono takes 0.1 m for the curvature of shapes whose curvature it does not know: set the default to Reff",
+    "the smooth contact is explicit: a time step of at most a hundredth of the contact",
+)
+
+
+def _paste_material(model: str, pair: Pair, values: Values) -> str:
+    extra = f"\nsystem.SetCharacteristicImpactVelocity({pair.velocity:.6g})" if model == "Hooke" else ""
+    return f"""material = chrono.ChContactMaterialSMC()  # of both bodies
+material.SetYoungModulus({values["youngs_modulus"]:.6g})
+material.SetPoissonRatio({pair.poissons_ratio:.6g})
+material.SetRestitution({values["restitution"]:.6g})
+system.UseMaterialProperties(True)
+system.SetContactForceModel(chrono.ChSystemSMC.{model}){extra}
+{_geometry(pair)}"""
+
+
+def _geometry(pair: Pair) -> str:
+    mass = f"\ntarget.SetMass({1e6 * pair.ball_mass:.6g})  # also when it is fixed" if pair.fixed else ""
+    return f"chrono.ChCollisionInfo.SetDefaultEffectiveCurvatureRadius({pair.radius:.6g}){mass}"
+
+
+def _coefficients(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
+    scale = pair.radius * np.sqrt(depth)
+    return scale * (values["kn"] * depth + pair.mass * values["gn"] * rate)
+
+
+def _start_coefficients(pair: Pair, middle: Middle) -> dict[str, float]:
+    stiffness, viscosity = granular.start_with_viscosity(pair, middle)
+    return {"kn": stiffness / pair.radius**0.5, "gn": viscosity / pair.radius**0.5}
+
+
+def _paste_coefficients(pair: Pair, values: Values) -> str:
+    return f"""material = chrono.ChContactMaterialSMC()  # of both bodies
+material.SetKn({values["kn"]:.6g})
+material.SetGn({values["gn"]:.6g})
+system.UseMaterialProperties(False)
+system.SetContactForceModel(chrono.ChSystemSMC.Hertz)
+{_geometry(pair)}"""
+
+
+HERTZ = EngineLaw(
+    name="hertz",
+    formula="F = 4/3 E* √R δ^1.5 + 2 √(5/6) ζ √(S m) δ', S = 2 E* √(Rδ), ζ from the restitution",
+    source=SOURCE,
+    parameters=(granular.modulus("youngs_modulus"), granular.RESTITUTION),
+    force=granular.hertz_by_restitution,
+    start=granular.start_by_restitution,
+    paste=lambda pair, values: _paste_material("Hertz", pair, values),
+    notes=NOTES,
+)
+
+HOOKE = EngineLaw(
+    name="hooke",
+    formula="F = k δ + 2 ζ √(m k) δ', k from E*, R, m and a characteristic velocity, ζ from the restitution",
+    source=SOURCE,
+    parameters=(granular.modulus("youngs_modulus"), granular.RESTITUTION),
+    force=granular.hooke_by_restitution,
+    start=granular.start_hooke,
+    paste=lambda pair, values: _paste_material("Hooke", pair, values),
+    notes=NOTES,
+)
+
+COEFFICIENTS = EngineLaw(
+    name="hertz-coefficients",
+    formula="F = R √δ (kn δ + m gn δ')",
+    source=SOURCE,
+    parameters=(
+        Parameter("kn", "N/m^2.5", "SetKn", 1e-12, logarithmic=True),
+        Parameter("gn", "1/(s m^1.5)", "SetGn"),
+    ),
+    force=_coefficients,
+    start=_start_coefficients,
+    paste=_paste_coefficients,
+    notes=NOTES,
+)
+
+CHRONO = Engine("chrono", "Project Chrono", (HERTZ, HOOKE, COEFFICIENTS))

@@ -1,0 +1,92 @@
+"""LAMMPS, pair_style granular and fix wall/gran granular: Hertz or Hooke with its models of damping."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from film_model.translate import granular
+from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
+
+SOURCE = "LAMMPS documentation, pair_style granular"
+NOTES = ("the damping force may attract at the end of contact: without limit_damping, as here",)
+
+
+def _command(pair: Pair, coefficients: str, damping: str) -> str:
+    model = f"{coefficients} tangential linear_nohistory 0.0 0.0 damping {damping}"
+    if not pair.fixed:
+        return f"pair_style granular\npair_coeff * * {model}"
+    if pair.target_radius < float("inf"):
+        return f"pair_style granular\npair_coeff * * {model}\n# the target: a sphere with fix freeze"
+    return f"fix target all wall/gran granular {model} zplane 0.0 NULL"
+
+
+def _paste_restitution(pair: Pair, values: Values) -> str:
+    e, nu = values["restitution"], pair.poissons_ratio
+    return _command(pair, f"hertz/material {values['youngs_modulus']:.6g} {e:.6g} {nu:.6g}", "coeff_restitution")
+
+
+def _viscoelastic(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
+    stiffness = 4.0 / 3.0 * pair.effective_modulus(values["youngs_modulus"])
+    return granular.hertz_with_viscosity(pair, stiffness, values["eta_n"], depth, rate)
+
+
+def _start_viscoelastic(pair: Pair, middle: Middle) -> dict[str, float]:
+    stiffness, viscosity = granular.start_with_viscosity(pair, middle)
+    return {"youngs_modulus": pair.youngs_modulus(0.75 * stiffness), "eta_n": viscosity}
+
+
+def _paste_viscoelastic(pair: Pair, values: Values) -> str:
+    material = f"{values['youngs_modulus']:.6g} {values['eta_n']:.6g} {pair.poissons_ratio:.6g}"
+    return _command(pair, f"hertz/material {material}", "viscoelastic")
+
+
+def _hooke(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
+    k = values["k_n"]
+    return k * depth + 2.0 * granular.log_decrement(values["restitution"]) * (pair.mass * k) ** 0.5 * rate
+
+
+def _start_hooke(pair: Pair, middle: Middle) -> dict[str, float]:
+    return {"k_n": middle.stiffness(1.0), "restitution": granular.start_by_restitution(pair, middle)["restitution"]}
+
+
+def _paste_hooke(pair: Pair, values: Values) -> str:
+    return _command(pair, f"hooke {values['k_n']:.6g} {values['restitution']:.6g}", "coeff_restitution")
+
+
+HERTZ = EngineLaw(
+    name="hertz",
+    formula="F = 4/3 E* √R δ^1.5 + 2 √(5/6) ζ √(S m) δ', S = 2 E* √(Rδ), ζ from the restitution",
+    source=f"{SOURCE}: hertz/material, damping coeff_restitution",
+    parameters=(granular.modulus("youngs_modulus"), granular.RESTITUTION),
+    force=granular.hertz_by_restitution,
+    start=granular.start_by_restitution,
+    paste=_paste_restitution,
+    pulls=True,
+    notes=NOTES,
+)
+
+VISCOELASTIC = EngineLaw(
+    name="hertz-viscoelastic",
+    formula="F = √(Rδ) (4/3 E* δ + m η δ')",
+    source=f"{SOURCE}: hertz/material, damping viscoelastic",
+    parameters=(granular.modulus("youngs_modulus"), Parameter("eta_n", "1/(m s)", "damping")),
+    force=_viscoelastic,
+    start=_start_viscoelastic,
+    paste=_paste_viscoelastic,
+    pulls=True,
+    notes=NOTES,
+)
+
+HOOKE = EngineLaw(
+    name="hooke",
+    formula="F = k δ + 2 ζ √(m k) δ', ζ from the restitution",
+    source=f"{SOURCE}: hooke, damping coeff_restitution",
+    parameters=(Parameter("k_n", "N/m", "stiffness", 1e-12, logarithmic=True), granular.RESTITUTION),
+    force=_hooke,
+    start=_start_hooke,
+    paste=_paste_hooke,
+    pulls=True,
+    notes=NOTES,
+)
+
+LAMMPS = Engine("lammps", "LAMMPS", (HERTZ, VISCOELASTIC, HOOKE))

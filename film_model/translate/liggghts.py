@@ -1,0 +1,96 @@
+"""LIGGGHTS: the granular models hertz and hooke by material properties, and hertz/stiffness by coefficients."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from film_model.translate import granular
+from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
+
+SOURCE = "LIGGGHTS-PUBLIC documentation, gran model"
+NOTES = ("the damping force may attract at the end of contact: limitForce is off, as by default",)
+
+
+SOFTEST = 1e9
+"""Young's modulus [Pa] above which LIGGGHTS asks for `hard_particles yes`."""
+
+
+def _property(name: str, value: float, kind: str) -> str:
+    return f"fix {name} all property/global {name} {kind} {value:.6g}"
+
+
+def _model(pair: Pair, model: str) -> str:
+    lines = f"pair_style gran model {model}\npair_coeff * *"
+    if pair.fixed and pair.target_radius == float("inf"):
+        lines += f"\nfix target all wall/gran model {model} primitive type 1 zplane 0.0"
+    return lines
+
+
+def _paste_material(model: str, pair: Pair, values: Values) -> str:
+    lines = [
+        _property("youngsModulus", values["youngs_modulus"], "peratomtype"),
+        _property("poissonsRatio", pair.poissons_ratio, "peratomtype"),
+        _property("coefficientRestitution", values["restitution"], "peratomtypepair 1"),
+    ]
+    if values["youngs_modulus"] > SOFTEST:
+        lines.insert(0, "hard_particles yes")
+    if model == "hooke":
+        lines.append(_property("characteristicVelocity", pair.velocity, "scalar"))
+    return "\n".join([*lines, _model(pair, model)])
+
+
+def _coefficients(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
+    return granular.hertz_with_viscosity(pair, values["kn"], values["gamman"], depth, rate)
+
+
+def _start_coefficients(pair: Pair, middle: Middle) -> dict[str, float]:
+    stiffness, viscosity = granular.start_with_viscosity(pair, middle)
+    return {"kn": stiffness, "gamman": viscosity}
+
+
+def _paste_coefficients(pair: Pair, values: Values) -> str:
+    numbers = {"kn": values["kn"], "kt": 0.0, "gamman": values["gamman"], "gammat": 0.0}
+    lines = [_property(name, value, "peratomtypepair 1") for name, value in numbers.items()]
+    return "\n".join([*lines, _model(pair, "hertz/stiffness")])
+
+
+HERTZ = EngineLaw(
+    name="hertz",
+    formula="F = 4/3 E* √R δ^1.5 + 2 √(5/6) ζ √(S m) δ', S = 2 E* √(Rδ), ζ from the restitution",
+    source=f"{SOURCE} hertz; normal_model_hertz.h",
+    parameters=(granular.modulus("youngs_modulus"), granular.RESTITUTION),
+    force=granular.hertz_by_restitution,
+    start=granular.start_by_restitution,
+    paste=lambda pair, values: _paste_material("hertz", pair, values),
+    pulls=True,
+    notes=NOTES,
+)
+
+HOOKE = EngineLaw(
+    name="hooke",
+    formula="F = k δ + 2 ζ √(m k) δ', k from E*, R, m and a characteristic velocity, ζ from the restitution",
+    source=f"{SOURCE} hooke",
+    parameters=(granular.modulus("youngs_modulus"), granular.RESTITUTION),
+    force=granular.hooke_by_restitution,
+    start=granular.start_hooke,
+    paste=lambda pair, values: _paste_material("hooke", pair, values),
+    pulls=True,
+    notes=NOTES,
+)
+
+STIFFNESS = EngineLaw(
+    name="hertz-stiffness",
+    formula="F = √(Rδ) (kn δ + m γ δ')",
+    source=f"{SOURCE} hertz/stiffness",
+    parameters=(
+        Parameter("kn", "Pa", "stiffness", 1e-12, logarithmic=True),
+        Parameter("gamman", "1/(m s)", "damping"),
+    ),
+    force=_coefficients,
+    start=_start_coefficients,
+    paste=_paste_coefficients,
+    pulls=True,
+    notes=NOTES,
+)
+
+LIGGGHTS = Engine("liggghts", "LIGGGHTS", (HERTZ, HOOKE, STIFFNESS))

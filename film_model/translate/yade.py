@@ -1,0 +1,84 @@
+"""Yade: Hertz–Mindlin with a damping ratio, and the linear viscoelastic contact."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from film_model.translate import granular
+from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
+
+
+def _mindlin(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
+    """k δ^1.5 + 2 β √(m kt) δ', with kt = 1.5 k √δ."""
+    k = 4.0 / 3.0 * pair.effective_modulus(values["young"]) * _radius(pair) ** 0.5
+    return k * depth**1.5 + 2.0 * values["betan"] * np.sqrt(1.5 * pair.mass * k * np.sqrt(depth)) * rate
+
+
+def _radius(pair: Pair) -> float:
+    """Yade gives a wall or facet the ball's radius: the effective radius is half of the ball's."""
+    return 0.5 * pair.ball_radius if math.isinf(pair.target_radius) else pair.radius
+
+
+def _start_mindlin(pair: Pair, middle: Middle) -> dict[str, float]:
+    begin = granular.start_by_restitution(replace(pair, radius=_radius(pair)), middle)
+    return {"young": begin["youngs_modulus"], "betan": middle.damping_ratio}
+
+
+def _paste_mindlin(pair: Pair, values: Values) -> str:
+    return f"""O.materials.append(FrictMat(young={values["young"]:.6g}, poisson={pair.poissons_ratio:.6g}, \
+frictionAngle=0, density=1))  # of both bodies; set the ball's mass to {pair.ball_mass:.6g}
+InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
+    [Ip2_FrictMat_FrictMat_MindlinPhys(betan={values["betan"]:.6g}, betas=0)],
+    [Law2_ScGeom_MindlinPhys_Mindlin()])"""
+
+
+def _linear(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
+    return values["kn"] * depth + values["cn"] * rate
+
+
+def _start_linear(pair: Pair, middle: Middle) -> dict[str, float]:
+    k = middle.stiffness(1.0)
+    return {"kn": k, "cn": 2.0 * middle.damping_ratio * (pair.mass * k) ** 0.5}
+
+
+def _paste_linear(pair: Pair, values: Values) -> str:
+    kn, cn = 2.0 * values["kn"], 2.0 * values["cn"]
+    return f"""O.materials.append(ViscElMat(kn={kn:.6g}, cn={cn:.6g}, ks=0, cs=0, frictionAngle=0, density=1))
+# of both bodies: they act in series; set the ball's mass to {pair.ball_mass:.6g}
+InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
+    [Ip2_ViscElMat_ViscElMat_ViscElPhys()],
+    [Law2_ScGeom_ViscElPhys_Basic()])"""
+
+
+MINDLIN = EngineLaw(
+    name="mindlin",
+    formula="F = k δ^1.5 + 2 β √(m kt) δ', k = 4/3 E* √R, kt = 1.5 k √δ; R is half the ball's radius on a wall",
+    source="Yade documentation, Ip2_FrictMat_FrictMat_MindlinPhys and Law2_ScGeom_MindlinPhys_Mindlin",
+    parameters=(granular.modulus("young"), Parameter("betan", "", "damping ratio", 0.0, 1.0)),
+    force=_mindlin,
+    start=_start_mindlin,
+    paste=_paste_mindlin,
+    notes=(
+        "Yade takes the ball's radius for that of a flat target, so young is √2 times Hertz's there",
+        "betan instead of en: Yade's formula for en has changed between versions",
+    ),
+)
+
+LINEAR = EngineLaw(
+    name="viscoelastic",
+    formula="F = kn δ + cn δ'",
+    source="Yade documentation, ViscElMat and Law2_ScGeom_ViscElPhys_Basic",
+    parameters=(
+        Parameter("kn", "N/m", "stiffness of the pair; twice as much for each body", 1e-12, logarithmic=True),
+        Parameter("cn", "N s/m", "damping of the pair; twice as much for each body"),
+    ),
+    force=_linear,
+    start=_start_linear,
+    paste=_paste_linear,
+)
+
+YADE = Engine("yade", "Yade", (MINDLIN, LINEAR))

@@ -1,0 +1,173 @@
+"""The scene that an FMU simulates for every value of its parameters, and where the assumptions of the export hold."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+from film_model.base.arrays import endless
+from film_model.base.errors import SceneError, SimulationError
+from film_model.effects.choose import Choice, choose
+from film_model.effects.edge_effects import edged
+from film_model.effects.effect import NOT_MODELLED
+from film_model.laws.yielding import yield_point, yield_velocity
+from film_model.problem.law_of_scene import YIELDING, can_yield, reaches_yield, yielding_entries
+from film_model.problem.problem import Problem
+from film_model.scene import Scene
+from film_model.scene.columns import scene_of_columns
+from film_model.solve.accuracy import refine
+from fmu_wrapper.variables import Kind
+
+SPEEDS = (0.5, 1.5, 5.0, 20.0, 150.0)
+"""Multiples of the yield velocity on which the mesh of law "auto" is tried: each stage of the law is reached."""
+
+STRIDE, STRIDES, OTHER_STRIDES, HALVINGS = 3.0, 8, 3, 3
+"""The velocity, or another parameter, is changed by this factor so often to find where its range of validity ends; then
+the logarithm of the last factor is bisected."""
+
+_PATHS = {
+    "initial_velocity": "impactor.velocity",
+    "mass": "impactor.mass",
+    "radius": "impactor.radius",
+}
+"""Parameters whose range of validity is determined → entries of the scene."""
+
+
+class Range(NamedTuple):
+    """Values of a parameter, SI, for which the assumptions hold, and what fails below and above."""
+
+    low: float
+    high: float
+    below: str
+    above: str
+
+
+@dataclass(frozen=True)
+class Validity:
+    """Where the assumptions of an export hold.
+
+    ranges: by parameter, the others being as exported; a range ends where an effect that is not simulated begins to
+    matter. elastic: indentation [m] at which the materials yield although the law is elastic. narrow: indentation [m]
+    from which the contact is too wide for the law. Both are infinite if there is no such limit.
+    """
+
+    ranges: dict[str, Range]
+    elastic: float
+    narrow: float
+
+
+def served(scene: Scene, kind: Kind = "impact") -> Scene:
+    """The scene as an FMU simulates it: without the decisions that "auto" makes for the velocity of the scene.
+
+    Law "auto" becomes the law that yields, which is elastic below yield; gravity is simulated, and so is the motion of
+    the target, unless the scene switches them off. A contact contains neither weight nor target.
+    """
+    effects, contact = scene.effects, scene.contact
+    known = reaches_yield(scene) is not None and can_yield(scene)
+    if contact.law == "auto" and effects.plasticity is not False and known:
+        scene = scene.replace(yielding_entries(scene))
+    gravity, motion = effects.gravity, effects.target_motion
+    if kind == "contact":
+        gravity = motion = False
+    else:
+        gravity = True if gravity == "auto" else gravity
+        motion = True if motion == "auto" and scene.target.gives_way and not edged(scene) else motion
+    return replace(scene, effects=_with(effects, gravity=gravity, target_motion=motion))
+
+
+def _with(effects: Any, **changed: Any) -> Any:
+    fields = {name: getattr(effects, name) for name in type(effects).FIELDS}
+    return type(effects)(**(fields | changed))
+
+
+def segments_for_speeds(scene: Scene, problem: Problem, counts: tuple[int, int]) -> tuple[int, int]:
+    """Segment counts of an FMU for law "auto": enough at every velocity, below yield and far above. scene: as given."""
+    if scene.contact.law != "auto" or problem.law.name != YIELDING or scene.solver.segments is not None:
+        return counts
+    strength, modulus = scene.yield_strength, scene.effective_modulus
+    assert strength is not None and modulus is not None
+    limit = yield_velocity(modulus, scene.effective_radius, strength, scene.effective_mass)
+    for factor in SPEEDS:
+        tried = replace(problem, approach=factor * limit / problem.scales.velocity)
+        try:
+            found, _ = refine(tried, scene.solver, [])
+        except SimulationError:  # the velocity is beyond the law, which the FMU reports
+            continue
+        counts = max(counts[0], found[0]), max(counts[1], found[1])
+    return counts
+
+
+def validity_of(scene: Scene) -> Validity:
+    """Where the assumptions of an export hold. scene: as :func:`served`."""
+    choice = choose(scene)
+    elastic = narrow = math.inf
+    if scene.effective_modulus is not None:
+        narrow = 10.0 * scene.effect_tolerance * scene.effective_radius  # (a/R)²/10 is the tolerance, a² = R δ
+    law = choice.problem.law
+    if getattr(type(law), "family", "") == "elastic" and reaches_yield(scene) is not None:
+        assert scene.effective_modulus is not None and scene.yield_strength is not None
+        elastic = yield_point(scene.effective_modulus, scene.effective_radius, scene.yield_strength)[0]
+    return Validity(_ranges(scene), elastic, narrow)
+
+
+@lru_cache(maxsize=64)
+def _ranges(scene: Scene) -> dict[str, Range]:
+    """Ranges of validity; none for an impactor at rest, whose effects are not assessed."""
+    own = _failing(choose(scene))
+    found: dict[str, Range] = {}
+    for name, value in _values(scene).items():
+        ends = [_end(scene, name, value, factor, own) for factor in (1.0 / STRIDE, STRIDE)]
+        (low, below), (high, above) = ends
+        if below or above:
+            found[name] = Range(low, high, below, above)
+    return found
+
+
+def _values(scene: Scene) -> dict[str, float]:
+    """Parameters that can be varied in the scene, with their values."""
+    if scene.approach_velocity <= 0.0 or scene.target.free:
+        return {}
+    values = {"initial_velocity": scene.approach_velocity, "mass": scene.mass}
+    if endless(scene.target.radius):
+        values["radius"] = scene.impactor.radius
+    return values
+
+
+def _end(scene: Scene, name: str, value: float, factor: float, own: frozenset[str]) -> tuple[float, str]:
+    """The value up to which nothing more fails than at the export, and what fails beyond; "" if nothing does."""
+    good, bad, fails = 0.0, 0.0, ""
+    for _ in range(STRIDES if name == "initial_velocity" else OTHER_STRIDES):
+        good, bad = bad, bad + 1.0
+        fails = _new(scene, name, value * factor**bad, own)
+        if fails:
+            break
+    else:
+        return (0.0 if factor < 1.0 else math.inf), ""
+    for _ in range(HALVINGS):
+        middle = 0.5 * (good + bad)
+        found = _new(scene, name, value * factor**middle, own)
+        good, bad, fails = (good, middle, found) if found else (middle, bad, fails)
+    return value * factor**good, fails
+
+
+def _new(scene: Scene, name: str, value: float, own: frozenset[str]) -> str:
+    """What fails at another value of a parameter but not at the export."""
+    changes: dict[str, Any] = {_PATHS[name]: value}
+    if name == "initial_velocity":
+        changes["impactor.drop_height"] = None
+    if name == "radius":
+        changes["impactor.mass"] = scene.mass
+    try:
+        return ", ".join(sorted(_failing(choose(scene_of_columns(scene, changes))) - own))
+    except (SceneError, SimulationError, ValueError, ArithmeticError):
+        return "the library cannot simulate it"
+
+
+def _failing(choice: Choice) -> frozenset[str]:
+    """Effects that matter and are not simulated; and how the target moves, which an FMU cannot change."""
+    missing = {effect.name.replace("_", " ") for effect in choice.effects if effect.state == NOT_MODELLED}
+    if choice.problem.vibrates or choice.problem.compliance > 0.0:
+        missing.add("boundary reflections")
+    return frozenset(missing)

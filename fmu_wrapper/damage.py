@@ -1,0 +1,87 @@
+"""Damaged FMUs: what is wrong with the file, in one sentence, before anything of it is used."""
+
+from __future__ import annotations
+
+import hashlib
+import signal
+import subprocess
+import sys
+import zipfile
+import zlib
+from pathlib import Path, PurePosixPath, PureWindowsPath
+
+from film_model.base.errors import DamagedFile
+from fmu_wrapper import platforms, resource
+
+_LOAD = "import ctypes, sys; ctypes.CDLL(sys.argv[1])"
+_LONGEST_LOAD = 60.0  # s
+
+
+def sound(source: Path) -> tuple[resource.Data, list[str]]:
+    """The data of an FMU, and the platforms of its binaries.
+
+    Raises FileNotFoundError; DamagedFile if the archive is damaged, leads out of its folder, or lacks a resource.
+    """
+    if not source.is_file():
+        raise FileNotFoundError(f"{source}: no such file")
+    try:
+        with zipfile.ZipFile(source) as archive:
+            names = archive.namelist()
+            outside = [name for name in names if _leads_out(name)]
+            if outside:
+                raise DamagedFile(f"{source}: the entry {outside[0]!r} leads out of the FMU")
+            needed = ["modelDescription.xml", *(f"resources/{name}" for name in resource.NAMES)]
+            missing = [name for name in needed if name not in names]
+            if missing:
+                raise DamagedFile(f"{source}: not an FMU of film-model, {missing[0]} is missing")
+            bad = archive.testzip()
+            if bad is not None:
+                raise DamagedFile(f"{source}: damaged, the checksum of {bad} is wrong")
+            content = archive.read(f"resources/{resource.NAME}")
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
+        raise DamagedFile(f"{source}: not an FMU of film-model, the archive is damaged ({first_line(error)})") from None
+    try:
+        data = resource.read(content)
+    except ValueError as error:
+        raise DamagedFile(f"{source}: resources/{error}") from None
+    return data, sorted({name.split("/")[1] for name in names if name.startswith("binaries/")})
+
+
+def _leads_out(name: str) -> bool:
+    paths = PurePosixPath(name), PureWindowsPath(name)
+    return any(path.is_absolute() or ".." in path.parts or path.drive for path in paths)
+
+
+def check_loads(source: Path, folder: Path, identifier: str, platform: str) -> None:
+    """Raise DamagedFile if the binary does not load. It is tried in a process of its own, which it may kill."""
+    suffix = Path(platforms.built_library()).suffix
+    binary = folder / "binaries" / platform / f"{identifier}{suffix}"
+    shown = binary.relative_to(folder).as_posix()
+    if not binary.is_file():
+        raise DamagedFile(f"{source}: {shown} is missing")
+    content = hashlib.sha256(binary.read_bytes()).hexdigest()
+    if content not in _FAILURES:
+        _FAILURES[content] = _failure(binary)
+    why = _FAILURES[content]
+    if why:
+        raise DamagedFile(f"{source}: {shown} cannot be loaded: {why.replace(str(binary) + ': ', '')}")
+
+
+_FAILURES: dict[str, str] = {}
+"""Hashes of binaries that were tried → why they do not load; "" for those that do."""
+
+
+def _failure(binary: Path) -> str:
+    command = [sys.executable, "-I", "-S", "-c", _LOAD, str(binary)]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=_LONGEST_LOAD)
+    except subprocess.TimeoutExpired:
+        return f"it takes longer than {_LONGEST_LOAD:g} s"
+    if done.returncode < 0:
+        return f"it ends the process by {signal.Signals(-done.returncode).name}"
+    return done.stderr.strip().splitlines()[-1].replace("OSError: ", "") if done.returncode else ""
+
+
+def first_line(error: Exception) -> str:
+    """The first line of an error's message, or its class."""
+    return next(iter(str(error).strip().splitlines()), type(error).__name__)

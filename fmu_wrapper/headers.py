@@ -1,0 +1,90 @@
+"""The C headers that are generated: `python -m fmu_wrapper.headers` writes them into `runtime/`."""
+
+from __future__ import annotations
+
+from film_model.base.errors import STATUSES
+from film_model.base.units import scene_unit
+from fmu_wrapper import platforms
+from fmu_wrapper.variables import KINDS, RIGID, VARIABLES, Real, Variable, Whole, settable
+
+_ROLES = {"independent": "OUTPUT", "parameter": "PARAMETER", "input": "INPUT", "output": "OUTPUT", "local": "OUTPUT"}
+_TYPES = {Real: "REAL", Whole: "WHOLE"}
+
+
+def headers() -> dict[str, str]:
+    """Text of each generated header, by file name."""
+    return {"variables.h": _variables(), "failures.h": _failures()}
+
+
+def write() -> None:
+    """Write the headers into the runtime's folder."""
+    for name, text in headers().items():
+        (platforms.ROOT / platforms.RUNTIME / name).write_text(text, encoding="utf-8")
+
+
+def _variables() -> str:
+    """The table of FMU variables."""
+    rows = [
+        "/* The variables, by value reference. Generated from fmu_wrapper/variables.py; do not edit. */",
+        "#ifndef FILM_VARIABLES_H",
+        "#define FILM_VARIABLES_H",
+        "",
+        "enum {",
+        *(f"    {variable.name.upper()}," for variable in VARIABLES),
+        "    VARIABLES,",
+        f"    SETTABLE = {settable()} /* parameters and inputs come before this one */",
+        "};",
+        "",
+        "enum { IMPACT, CONTACT, KINDS };",
+        "enum { ABSENT, PARAMETER, INPUT, OUTPUT };",
+        "enum { REAL, WHOLE, ENUMERATION };",
+        "",
+        f"static const double RIGID = {RIGID!r}; /* N s/m: a target with this impedance or more does not move */",
+        "",
+        "typedef struct {",
+        "    const char *name, *unit;",
+        "    int type, role[KINDS];",
+        "    double low, high;",
+        "} film_variable;",
+        "",
+        "static const film_variable VARIABLE[VARIABLES] = {",
+        *map(_variable, VARIABLES),
+        "};",
+        "",
+        "#endif",
+        "",
+    ]
+    return "\n".join(rows)
+
+
+def _variable(v: Variable) -> str:
+    roles = ", ".join(_ROLES[v.causality[kind]] if kind in v.causality else "ABSENT" for kind in KINDS)
+    low = "-1e300" if v.low is None else repr(float(v.low))
+    high = "1e300" if v.high is None else repr(float(v.high))
+    unit = "" if v.dimension is None else scene_unit(v.dimension)
+    return f'    {{"{v.name}", "{unit}", {_TYPES.get(v.type, "ENUMERATION")}, {{{roles}}}, {low}, {high}}},'
+
+
+def _failures() -> str:
+    """The sentence of each failure that the core reports."""
+    failed = {code: status for code, status in sorted(STATUSES.items(), reverse=True) if -100 < code < 0}
+    rows = [
+        "/* A sentence for each failure of the core. Generated from film_model/base/errors.py; do not edit. */",
+        "#ifndef FILM_FAILURES_H",
+        "#define FILM_FAILURES_H",
+        "",
+        "static inline const char *film_failure(int status) {",
+        "    switch (status) {",
+        *(f'    case {code}: return "{status.sentence}";' for code, status in failed.items()),
+        '    default: return "unknown status";',
+        "    }",
+        "}",
+        "",
+        "#endif",
+        "",
+    ]
+    return "\n".join(rows)
+
+
+if __name__ == "__main__":
+    write()

@@ -1,0 +1,121 @@
+"""A run of an FMU as a dataset of the library's schema."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from film_datasets.provenance import PROGRAM, provenance, text_and_hash
+from film_datasets.schema import HISTORY, TABLE, content_sha256
+from film_model.core import native
+from film_model.solve.history import MOTION, SUMMARY
+from fmu_wrapper import resource
+from fmu_wrapper.instance import Fmu, Row
+from fmu_wrapper.variables import reference
+
+
+def dataset(fmu: Fmu, rows: list[Row], events: list[Row], interface: str, starts: Mapping[str, float]) -> xr.Dataset:
+    """The dataset of a run. interface: of FMI, in words. starts: parameters that were set, SI."""
+    touch = next((event["time"] for event in events if event["kind"] == native.EVENTS.index("contact_begins")), 0.0)
+    peak = max(row["maximum_force"] for row in rows if row["contact_count"] <= 1)
+    summary = _summary(events, touch, peak, bool(fmu.data.curve.stage[0].damped))
+    columns = {
+        **_motion(rows, events, touch),
+        **{name: math.nan if value is None else value for name, value in summary.items()},
+        **_scales(fmu.data),
+        "drift_velocity": 0.0,
+        "impactor_share": 1.0,
+        "target_compliance": 0.0,
+    }
+    meanings = {"stages": tuple(f"stage_{k}" for k in range(fmu.data.curve.stages))}
+    arrays: dict[str, Any] = {}
+    for v in TABLE[HISTORY]:
+        values = np.zeros(0) if "segment" in v.dims else columns[v.name]
+        arrays[v.name] = (v.dims, np.asarray(values, dtype=v.dtype), v.attributes(meanings))
+    ds = xr.Dataset({name: value for name, value in arrays.items() if name != "t"}, coords={"t": arrays["t"]})
+    ds.attrs = _attributes(fmu, interface, starts, max(int(row["validity"]) for row in rows))
+    ds.attrs["content_sha256"] = content_sha256(ds)
+    return ds
+
+
+def _motion(rows: list[Row], events: list[Row], touch: float) -> dict[str, Any]:
+    """Columns of motion and events. Of two rows at one time, before and after an event, the second is used."""
+    last = [row for row, following in itertools.pairwise(rows) if following["time"] != row["time"]] + rows[-1:]
+    columns: dict[str, Any] = {name: np.array([row[name] for row in last]) for name in (*MOTION, "stage")}
+    columns["t"] = np.array([row["time"] for row in last]) - touch
+    columns["event_time"] = np.array([event["time"] - touch for event in events])
+    columns["event_kind"] = [event["kind"] for event in events]
+    return {**columns, **{f"event_{name}": [event[name] for event in events] for name in (*MOTION, "stage")}}
+
+
+def _scales(data: resource.Data) -> dict[str, float]:
+    """Scales of the march as exported."""
+    time = math.sqrt(data.start[reference("mass")] * data.length_scale / data.force_scale)
+    return {
+        "scale_length": data.length_scale,
+        "scale_force": data.force_scale,
+        "scale_time": time,
+        "scale_velocity": data.length_scale / time,
+    }
+
+
+def _summary(events: list[Row], touch: float, peak: float, damped: bool) -> dict[str, float | None]:
+    """Summary of the first contact, from its events and from the output maximum_force."""
+    summary: dict[str, float | None] = dict.fromkeys(SUMMARY)
+    names = [native.EVENTS[int(event["kind"])] for event in events]
+    end = names.index("contact_ends") if "contact_ends" in names else len(names)
+    contact = dict(zip(reversed(names[: end + 1]), reversed(events[: end + 1]), strict=True))
+    turns = [e for e, name in zip(events[: end + 1], names, strict=False) if name == "maximum_indentation"]
+    begins, ends = contact.get("contact_begins"), contact.get("contact_ends")
+    if turns:
+        deepest = max(turns, key=lambda event: event["indentation"])
+        summary["maximum_indentation"] = deepest["indentation"]
+        summary["time_of_maximum_indentation"] = deepest["time"] - touch
+        summary["maximum_force"] = max(peak, *(event["contact_force"] for event in events[: end + 1]))
+    if "impactor_stops" in contact:
+        summary["time_impactor_stops"] = contact["impactor_stops"]["time"] - touch
+    if begins is not None and ends is not None:
+        summary["contact_duration"] = ends["time"] - touch
+        summary["permanent_indentation"] = 0.0 if damped else ends["indentation"]  # a damped law's dent closes later
+        summary["rebound_velocity"] = ends["impactor_velocity"]
+        # impactor velocities: at first touch the contact force may already move the target
+        before, after = (event["impactor_velocity"] - event["support_velocity"] for event in (begins, ends))
+        if before > 0.0:
+            summary["coefficient_of_restitution"] = -after / before
+    return summary
+
+
+def _attributes(fmu: Fmu, interface: str, starts: Mapping[str, float], validity: int) -> dict[str, Any]:
+    resources = Path(fmu.folder, "resources")
+    text = (resources / "scene.toml").read_text("utf-8")
+    notes = json.loads((resources / resource.NOTES).read_text("utf-8"))
+    names = ("loading_segments", "unloading_segments")
+    loading, unloading = (int(starts.get(name, fmu.data.start[reference(name)])) for name in names)
+    return {
+        **provenance(
+            HISTORY,
+            title=fmu.description.description or "Impact",
+            summary=f"Impact simulated by an FMU (FMI {fmu.description.fmiVersion}), {interface}: motion and events.",
+            source=f"{PROGRAM}, FMU under FMPy",
+            command="fmu_wrapper.run",
+            comment="t is the time in seconds from first touch, not a date. An FMU reports no segments and no "
+            "energies. Scene, effects and warnings are those of the export; the attribute start_values has the values "
+            "that were set for this run.",
+        ),
+        **text_and_hash("scene", text),
+        "contact_law": notes["contact_law"],
+        "outcome": "see events",
+        "effects": "\n".join(notes["effects"]),
+        "warnings": "\n".join([*notes["warnings"], *dict.fromkeys(fmu.notices)]) or "none",
+        "validity": np.int32(validity),
+        "estimated_accuracy": math.nan,
+        "segments": np.int32(loading),
+        "unloading_segments": np.int32(unloading),
+    }

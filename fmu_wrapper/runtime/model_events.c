@@ -1,0 +1,56 @@
+/* Record of events: the discrete outputs. See model.h. */
+#include "model_parts.h"
+
+#include <string.h>
+
+static void set_value(model_record *record, unsigned reference, double value) {
+    record->value[reference - SETTABLE] = value;
+}
+
+void model_record_event(const model *m, const film_state *state, double time, double velocity, model_record *record) {
+    const model_memory *now = &m->memory;
+    double indentation = state->xi * now->length, left = state->xi_free * now->length;
+    record->phase = state->phase;
+    record->stage = state->branch;
+    record->events++;
+    record->last_event = state->event;
+    set_value(record, TIME_OF_LAST_EVENT, time);
+    switch (state->event) {
+    case FILM_CONTACT_BEGINS:
+        for (unsigned k = TIME_CONTACT_BEGINS; k <= PERMANENT_INDENTATION; k++) set_value(record, k, 0.0);
+        record->contacts = state->contacts;
+        record->had = 0;
+        set_value(record, TIME_CONTACT_BEGINS, time);
+        break;
+    case FILM_MAXIMUM_INDENTATION:
+        if (!(record->had & HAD_MAXIMUM) || indentation > record->value[MAXIMUM_INDENTATION - SETTABLE]) {
+            set_value(record, TIME_OF_MAXIMUM_INDENTATION, time);
+            set_value(record, MAXIMUM_INDENTATION, indentation);
+        }
+        record->had |= HAD_MAXIMUM;
+        record->validity |= model_validity_at(m, indentation);
+        set_value(record, MAXIMUM_FORCE, state->force_peak * now->force);
+        break;
+    case FILM_IMPACTOR_STOPS:
+        if (!(record->had & HAD_STOP) && state->branch != FILM_FREE) {
+            set_value(record, TIME_IMPACTOR_STOPS, time);
+            record->had |= HAD_STOP;
+        }
+        break;
+    case FILM_CONTACT_ENDS:
+        set_value(record, TIME_CONTACT_ENDS, time);
+        set_value(record, REBOUND_VELOCITY, velocity);
+        set_value(record, PERMANENT_INDENTATION, left);
+        set_value(record, MAXIMUM_FORCE, state->force_peak * now->force);
+        break;
+    default: break;
+    }
+}
+
+int model_has_unreported(const model *m) {
+    return m->memory.actual.events != m->memory.reported.events || m->memory.actual.phase != m->memory.reported.phase;
+}
+
+void model_report(model *m) {
+    memcpy(&m->memory.reported, &m->memory.actual, sizeof m->memory.reported);
+}

@@ -1,0 +1,77 @@
+/* Model Exchange: an importer's integrator owns the states. See model.h. */
+#include "model_parts.h"
+
+#include <math.h>
+
+/* Copy the importer's states and inputs into the core's state. */
+static void load_states(model *m) {
+    model_memory *now = &m->memory;
+    film_state *state = &now->state;
+    if (m->data->kind == CONTACT) {
+        state->xi = now->value[INDENTATION] / now->length;
+        state->nu = now->value[RELATIVE_VELOCITY] / now->velocity;
+        return;
+    }
+    state->time = (now->time - now->start_time) / now->time_scale;
+    state->xi = now->states[0] / now->length;
+    state->nu = (now->states[1] - now->value[SUPPORT_VELOCITY]) / now->velocity;
+    state->shift = now->states[2] / now->length;
+    state->load = load_of(m);
+    state->stop_velocity = -now->value[SUPPORT_VELOCITY] / now->velocity;
+}
+
+static int state_index(unsigned reference) {
+    return reference == INDENTATION ? 0 : reference == IMPACTOR_VELOCITY ? 1 : reference == TARGET_DISPLACEMENT ? 2 : -1;
+}
+
+int model_is_state(const model *m, unsigned reference) {
+    return m->data->kind == IMPACT && state_index(reference) >= 0;
+}
+
+int model_set_state(model *m, unsigned reference, double value) {
+    if (!isfinite(value)) return model_error(m, "%s: %g is not finite", VARIABLE[reference].name, value);
+    m->memory.states[state_index(reference)] = value;
+    return 0;
+}
+
+int model_rates(model *m, double rates[STATES]) {
+    if (model_get(m, RELATIVE_VELOCITY, &rates[0]) < 0 || model_get(m, IMPACTOR_ACCELERATION, &rates[1]) < 0 ||
+        model_get(m, TARGET_VELOCITY, &rates[2]) < 0)
+        return -1;
+    return 0;
+}
+
+int model_indicators(model *m, double indicators[FILM_INDICATORS]) {
+    if (m->memory.importer_integrates) load_states(m);
+    film_indicators(m->curve, &m->memory.state, m->memory.contact_speed, indicators);
+    if (m->data->kind == CONTACT) indicators[3] = indicators[4] = 1.0; /* no impactor that stops, no acceleration */
+    for (int k = 0; k < FILM_INDICATORS; k++)
+        if (!isfinite(indicators[k])) return model_not_finite(m, VARIABLE[EVENT_INDICATOR_1 + k].name);
+    return 0;
+}
+
+void model_accept_states(model *m) {
+    film_state *state = &m->memory.state;
+    if (!damped(m)) return; /* an undamped force has its maximum at the event maximum indentation */
+    load_states(m);
+    state->force_peak = fmax(state->force_peak, film_force(m->curve, state, state->xi, state->nu).force);
+}
+
+int model_apply_events(model *m) {
+    model_memory *now = &m->memory;
+    double indicators[FILM_INDICATORS];
+    if (model_indicators(m, indicators) < 0) return -1;
+    int jumped = m->data->kind == CONTACT && indicators[2] <= 0.0; /* the indentation went back, against its rate */
+    for (int k = 0; k < MAX_SWITCHES; k++, jumped = 0) {
+        load_states(m);
+        if (jumped) now->state.nu = -now->state.direction;
+        int status = film_switch(m->curve, &now->state);
+        if (status < 0) return model_core_error(m, status);
+        now->actual.phase = now->state.phase;
+        now->actual.stage = now->state.branch;
+        if (status != FILM_EVENT) return 0;
+        if (now->state.event == FILM_CONTACT_BEGINS && now->state.nu != 0.0) now->contact_speed = fabs(now->state.nu);
+        model_record_event(m, &now->state, now->time, m->data->kind == CONTACT ? 0.0 : now->states[1], &now->actual);
+    }
+    return model_error(m, "more than %d events at %g s", (int)MAX_SWITCHES, now->time);
+}

@@ -1,0 +1,176 @@
+/* Outputs and their partial derivatives. See model.h. */
+#include "model_parts.h"
+
+#include <math.h>
+
+typedef struct {
+    double indentation, velocity, target; /* m, m/s, m */
+    double force, stiffness, damping;     /* N; its derivatives with respect to indentation and velocity, N/m, N s/m */
+} motion;
+
+/* The motion at the current time. The derivatives are set if with_stiffness is not 0. */
+static int compute_motion(model *m, motion *out, int with_stiffness) {
+    const model_memory *now = &m->memory;
+    const film_state *state = &now->state;
+    film_contact at = {state->force, 0.0, 0.0};
+    if (m->data->kind == CONTACT && !now->importer_integrates) {
+        film_state ahead = *state;
+        if (contact_follow_path(m, &ahead, NULL) < 0) return -1;
+        at = film_force(m->curve, &ahead, ahead.xi, now->rate / now->velocity);
+        if (at.force < 0.0) at.force = at.by_xi = at.by_nu = 0.0; /* the event at zero force comes with the next step */
+        out->indentation = now->indentation;
+        out->velocity = now->value[RELATIVE_VELOCITY];
+    } else if (now->importer_integrates) {
+        int contact = m->data->kind == CONTACT;
+        out->indentation = contact ? now->value[INDENTATION] : now->states[0];
+        out->velocity = contact ? now->value[RELATIVE_VELOCITY] : now->states[1];
+        out->target = now->states[2];
+        double support = contact ? 0.0 : now->value[SUPPORT_VELOCITY];
+        at = film_force(m->curve, state, out->indentation / now->length, (out->velocity - support) / now->velocity);
+    } else {
+        double change = (now->value[SUPPORT_VELOCITY] - now->support) / now->velocity; /* of the support, in the next step */
+        if (with_stiffness || (change != 0.0 && damped(m))) {
+            at = film_force(m->curve, state, state->xi, state->nu - change);
+            if (change != 0.0 && at.force < 0.0) at.force = at.by_xi = at.by_nu = 0.0; /* contact ends there */
+        }
+        out->indentation = state->xi * now->length;
+        out->velocity = state->nu * now->velocity + now->support;
+        out->target = state->shift * now->length + now->support_displacement;
+    }
+    out->force = at.force * now->force;
+    out->stiffness = at.by_xi * now->force / now->length;
+    out->damping = at.by_nu * now->force / now->velocity;
+    return 0;
+}
+
+static double mobility(const model *m) { /* 1/Z, m/(N s) */
+    return m->memory.state.gamma * m->memory.velocity / m->memory.force;
+}
+
+/* Outputs that are constant between events or steps. Returns 0 if the variable is another one. */
+static int get_constant(const model_memory *now, unsigned reference, double *value) {
+    switch (reference) {
+    case TIME: *value = now->time; return 1;
+    case PHASE:
+    case PHASE_CODE: *value = now->reported.phase; return 1;
+    case STAGE: *value = now->reported.stage; return 1;
+    case CONTACT_COUNT: *value = now->reported.contacts; return 1;
+    case EVENT_COUNT: *value = now->reported.events; return 1;
+    case LAST_EVENT:
+    case LAST_EVENT_CODE: *value = now->reported.last_event; return 1;
+    case VALIDITY: *value = now->reported.validity; return 1;
+    case MEAN_CONTACT_FORCE: *value = now->step_force; return 1;
+    case CONTACT_IMPULSE: *value = now->impulse; return 1;
+    case CONTACT_ENERGY: *value = now->state.spent * now->force * now->length; return 1;
+    case TARGET_ENERGY: *value = 0.0 - now->released - now->state.spent * now->force * now->length; return 1;
+    case EXTERNAL_WORK: *value = now->external; return 1;
+    default: break;
+    }
+    if (reference < TIME_OF_LAST_EVENT || reference > PERMANENT_INDENTATION) return 0;
+    *value = now->reported.value[reference - SETTABLE];
+    return 1;
+}
+
+static int get_motion(model *m, unsigned reference, double *value) {
+    const model_memory *now = &m->memory;
+    motion current;
+    if (compute_motion(m, &current, 0) < 0) return -1;
+    double target_velocity = now->value[SUPPORT_VELOCITY] + mobility(m) * current.force, mass = now->value[MASS];
+    switch (reference) {
+    case INDENTATION: *value = current.indentation; break;
+    case RATE_OF_INDENTATION:
+    case RELATIVE_VELOCITY: *value = current.velocity - target_velocity; break;
+    case IMPACTOR_VELOCITY: *value = current.velocity; break;
+    case IMPACTOR_DISPLACEMENT: *value = current.indentation + current.target; break;
+    case TARGET_DISPLACEMENT: *value = current.target; break;
+    case RATE_OF_TARGET_DISPLACEMENT:
+    case TARGET_VELOCITY: *value = target_velocity; break;
+    case RATE_OF_IMPACTOR_VELOCITY:
+    case IMPACTOR_ACCELERATION: *value = now->value[GRAVITY] + (now->value[EXTERNAL_FORCE] - current.force) / mass; break;
+    case KINETIC_ENERGY: *value = 0.5 * mass * current.velocity * current.velocity; break;
+    default: *value = current.force; break;
+    }
+    return 0;
+}
+
+static int get_output(model *m, unsigned reference, double *value) {
+    const model_memory *now = &m->memory;
+    if (reference < SETTABLE && VARIABLE[reference].role[m->data->kind] != OUTPUT) {
+        *value = now->value[reference];
+        return 0;
+    }
+    if (!now->initialized && model_initialize(m, now->start_time) < 0) return -1;
+    if (get_constant(now, reference, value)) return 0;
+    if (reference < EVENT_INDICATOR_1) return get_motion(m, reference, value);
+    double indicators[FILM_INDICATORS];
+    if (model_indicators(m, indicators) < 0) return -1;
+    *value = indicators[reference - EVENT_INDICATOR_1];
+    return 0;
+}
+
+int model_get(model *m, unsigned reference, double *value) {
+    *value = 0.0;
+    if (reference >= VARIABLES || VARIABLE[reference].role[m->data->kind] == ABSENT ||
+        (reference < SETTABLE && !m->data->available[reference]))
+        return model_error(m, "this FMU has no variable with value reference %u", reference);
+    if (get_output(m, reference, value) < 0) return -1;
+    return isfinite(*value) ? 0 : model_not_finite(m, VARIABLE[reference].name);
+}
+
+int model_depends(const model *m, unsigned unknown, unsigned known) {
+    int impact = m->data->kind == IMPACT;
+    int by_rate = impact ? known == IMPACTOR_VELOCITY || known == SUPPORT_VELOCITY : known == RELATIVE_VELOCITY;
+    int by_force = known == INDENTATION || (damped(m) && by_rate);
+    switch (unknown) {
+    case CONTACT_FORCE: return by_force;
+    case INDENTATION: return impact && known == INDENTATION;
+    case KINETIC_ENERGY: return known == IMPACTOR_VELOCITY;
+    case MEAN_CONTACT_FORCE:
+    case CONTACT_IMPULSE:
+    case CONTACT_ENERGY:
+    case TARGET_ENERGY:
+    case EXTERNAL_WORK: return 0;
+    case IMPACTOR_VELOCITY:
+    case TARGET_DISPLACEMENT: return known == unknown;
+    case IMPACTOR_DISPLACEMENT: return known == INDENTATION || known == TARGET_DISPLACEMENT;
+    case RATE_OF_INDENTATION:
+    case RELATIVE_VELOCITY:
+        return impact && (known == INDENTATION || known == IMPACTOR_VELOCITY || known == SUPPORT_VELOCITY);
+    case RATE_OF_TARGET_DISPLACEMENT:
+    case TARGET_VELOCITY: return by_force || known == SUPPORT_VELOCITY;
+    case RATE_OF_IMPACTOR_VELOCITY:
+    case IMPACTOR_ACCELERATION: return by_force || known == EXTERNAL_FORCE;
+    default: return -1;
+    }
+}
+
+int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
+    motion current;
+    *partial = 0.0;
+    if (unknown >= VARIABLES || VARIABLE[unknown].role[m->data->kind] != OUTPUT || model_depends(m, unknown, known) < 0)
+        return model_error(m, "%s is not a continuous output", unknown < VARIABLES ? VARIABLE[unknown].name : "the unknown");
+    int state = known == INDENTATION || known == IMPACTOR_VELOCITY || known == TARGET_DISPLACEMENT;
+    if (known >= VARIABLES || (VARIABLE[known].role[m->data->kind] != INPUT && !(m->data->kind == IMPACT && state)))
+        return model_error(m, "%s is neither an input nor a state", known < VARIABLES ? VARIABLE[known].name : "the known");
+    if (!m->memory.initialized && model_initialize(m, m->memory.start_time) < 0) return -1;
+    if (!model_depends(m, unknown, known)) return 0;
+    if (compute_motion(m, &current, 1) < 0) return -1;
+    double mass = m->memory.value[MASS], force = 0.0;
+    if (known == INDENTATION) force = current.stiffness;
+    if (known == IMPACTOR_VELOCITY || known == RELATIVE_VELOCITY) force = current.damping;
+    if (known == SUPPORT_VELOCITY) force = -current.damping;
+    switch (unknown) {
+    case CONTACT_FORCE: *partial = force; break;
+    case RATE_OF_INDENTATION:
+    case RELATIVE_VELOCITY:
+        *partial = (known == SUPPORT_VELOCITY ? -1.0 : known == IMPACTOR_VELOCITY ? 1.0 : 0.0) - force * mobility(m);
+        break;
+    case RATE_OF_TARGET_DISPLACEMENT:
+    case TARGET_VELOCITY: *partial = (known == SUPPORT_VELOCITY ? 1.0 : 0.0) + force * mobility(m); break;
+    case RATE_OF_IMPACTOR_VELOCITY:
+    case IMPACTOR_ACCELERATION: *partial = ((known == EXTERNAL_FORCE ? 1.0 : 0.0) - force) / mass; break;
+    case KINETIC_ENERGY: *partial = mass * current.velocity; break;
+    default: *partial = 1.0; break;
+    }
+    return isfinite(*partial) ? 0 : model_not_finite(m, VARIABLE[unknown].name);
+}

@@ -1,0 +1,40 @@
+/* Functions that the files of the model share. */
+#ifndef FILM_MODEL_PARTS_H
+#define FILM_MODEL_PARTS_H
+
+#include "model.h"
+
+static const double SLOWEST = 1e-300; /* of the velocity scale: a velocity of which only the direction matters */
+enum { MAX_SWITCHES = 1000 };         /* events at one time; more than this is an endless loop */
+
+/* These three write m->message and return -1. */
+int model_error(model *m, const char *format, ...);
+int model_core_error(model *m, int status);
+int model_not_finite(model *m, const char *name);
+
+/* scale * prod (p/start)^power, p the first `powers` parameters that scale the march. */
+double model_scaled(const model *m, double scale, const double *power, int powers);
+
+/* Validity: of the parameters and of the first contact, predicted; and of an indentation that was reached, m. */
+int model_predict_validity(model *m);
+int model_validity_at(const model *m, double indentation);
+
+static inline int damped(const model *m) { return m->data->curve.stage[0].damped; }
+
+/* Weight and external force on the impactor, over the force scale. */
+static inline double load_of(const model *m) {
+    const double *value = m->memory.value;
+    return (value[MASS] * value[GRAVITY] + value[EXTERNAL_FORCE]) / m->memory.force;
+}
+
+/* Write the event that `state` reports into a record. time: s; velocity: of the impactor, m/s. */
+void model_record_event(const model *m, const film_state *state, double time, double velocity, model_record *record);
+
+/* Contact alone. Move `state` along the indentation from the last accepted point to the current one, with all events on
+ * the way; record may be NULL. */
+int contact_follow_path(model *m, film_state *state, model_record *record);
+/* Make the current indentation the last accepted point. */
+int contact_accept_input(model *m);
+int contact_step(model *m, double end);
+
+#endif

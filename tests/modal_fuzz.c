@@ -1,0 +1,179 @@
+/* The contact on modes under inputs chosen to break it: random structures, curves, starts, steps and loads. Of each it is asked
+ * that the outcome is one that film_core.h names, that no number is NaN, that no step draws on without end, that energy is
+ * kept where the law is reversible, and that a saved state runs on to the same bits.
+ *
+ *     cc -std=c99 -O2 -ffp-contract=off -I film_model/core tests/modal_fuzz.c film_model/core/film_*.c -lm -o modal_fuzz
+ *     ./modal_fuzz 2000
+ */
+#include "film_modal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MODES = 24, LEVELS = 40, CALLS = 60, EVENTS = 4000 };
+
+static const double BALANCE = 1e-6; /* of the impact energy: random steps and loads, a tolerance of 1e-8 of a step */
+
+static uint64_t seed;
+static long runs, events_seen, refused[16];
+
+static double uniform(void) {
+    seed = seed * 6364136223846793005u + 1442695040888963407u;
+    return (double)(seed >> 11) / 9007199254740992.0;
+}
+
+static double spread(double low, double high) { return low * pow(high / low, uniform()); }
+
+static void fail(const char *what) {
+    fprintf(stderr, "modal_fuzz.c: %s in run %ld\n", what, runs);
+    abort();
+}
+
+/* f = xi^q; with unloading along a branch or with damping, at random. */
+static film_curve random_curve(int *reversible, double *damping) {
+    film_curve curve;
+    double pick = uniform();
+    memset(&curve, 0, sizeof curve);
+    curve.stages = curve.pieces = 1;
+    film_stage *stage = &curve.stage[0];
+    film_piece *piece = &curve.piece[0];
+    stage->end = piece->end = uniform() < 0.1 ? spread(0.1, 10.0) : INFINITY;
+    stage->count = 1;
+    piece->force.per_span = piece->recovery.per_span = piece->exponent.per_span = piece->damping.per_span = 1.0;
+    piece->force.exponent = piece->recovery.exponent = piece->exponent.exponent = piece->damping.exponent = 1.0;
+    piece->force.coefficient = 1.0;
+    piece->force.exponent = uniform() < 0.5 ? 1.5 : 1.0 + 1.5 * uniform();
+    if (uniform() < 0.1) piece->force.constant = spread(1e-3, 1.0);
+    *damping = 0.0;
+    *reversible = pick < 0.4;
+    if (pick >= 0.4 && pick < 0.8) {
+        stage->unloading = FILM_RADIUS;
+        piece->recovery.constant = spread(1.0, 20.0);
+        piece->exponent.constant = 1.5;
+        stage->reload_exponent = uniform() < 0.5 ? 1.5 : 0.0;
+    } else if (pick >= 0.8) {
+        stage->damped = 1;
+        piece->damping.constant = uniform() < 0.3 ? 1.0 : 0.0;
+        piece->damping.coefficient = 1.0;
+        piece->damping.exponent = 0.5;
+        *damping = spread(1e-3, 3.0);
+    }
+    return curve;
+}
+
+static double energy_of(const film_structure *structure, const film_curve *curve, const film_modal *s, const double *waves) {
+    double energies[MODES], values[5], sum, force, work = 0.0;
+    film_modal_energies(structure, s, waves, energies);
+    film_modal_motion(structure, curve, s, waves, values);
+    sum = 0.5 * values[3] * values[3] + 0.5 * s->rest * values[2] * values[2];
+    for (int i = 0; i < structure->modes; i++) sum += energies[i];
+    if (values[0] > 0.0) film_law(curve, 0, values[0], &force, &work);
+    return sum + (s->contact.branch == FILM_FREE ? 0.0 : work);
+}
+
+static void check_status(int status) {
+    if (status == FILM_BAD_NUMBER || status == FILM_BAD_CURVE || status == FILM_BAD_MESH || status == FILM_FULL)
+        fail("a status that these inputs cannot have");
+    if (status < 0) refused[-status]++;
+}
+
+/* Random steps and loads; halfway a copy of the state does the same. */
+static void walk(film_structure *structure, const film_curve *curve, const film_modal_start *start, int reversible) {
+    film_modal s, copy;
+    double waves[4 * MODES], waves_copy[4 * MODES], values[5];
+    int loaded = uniform() < 0.4;
+    int status = film_modal_init(structure, curve, &s, waves, start, uniform() < 0.5 ? 0.0 : -spread(1e-3, 10.0));
+    if (status < 0) fail("the start is refused");
+    double before = energy_of(structure, curve, &s, waves);
+    for (int k = 0; k < CALLS && status >= 0; k++) {
+        double dt = start->unit * spread(1e-4, 10.0), left = dt;
+        if (loaded && uniform() < 0.3 && film_modal_input(structure, &s, waves, uniform() - 0.3, 0.1 * (uniform() - 0.5)) < 0)
+            fail("an input is refused");
+        copy = s;
+        memcpy(waves_copy, waves, sizeof waves);
+        double end = s.time + s.tau + dt;
+        for (int i = 0; i < EVENTS; i++) {
+            status = film_modal_step(structure, curve, &s, waves, left);
+            if (status != FILM_EVENT) break;
+            events_seen++;
+            left = fmax(end - (s.time + s.tau), 0.0);
+        }
+        check_status(status);
+        film_modal_motion(structure, curve, &s, waves, values);
+        for (int i = 0; i < 5; i++)
+            if (!isfinite(values[i])) fail("a value is not finite");
+        if (status == FILM_OK && fabs(s.time + s.tau - end) > 1e-9 * end) fail("the time was not reached");
+        left = dt;
+        int again = FILM_OK;
+        for (int i = 0; i < EVENTS; i++) {
+            again = film_modal_step(structure, curve, &copy, waves_copy, left);
+            if (again != FILM_EVENT) break;
+            left = fmax(end - (copy.time + copy.tau), 0.0);
+        }
+        if (again != status || memcmp(&copy.x, &s.x, sizeof s.x) || memcmp(waves, waves_copy, 2 * sizeof(double) * (size_t)structure->modes))
+            fail("a saved state does not run on to the same bits");
+    }
+    if (reversible && !loaded && status >= 0) {
+        double change = fabs(energy_of(structure, curve, &s, waves) - before) / before;
+        if (!(change < BALANCE)) {
+            fprintf(stderr, "energy changed by %g of itself\n", change);
+            fail("energy is not kept");
+        }
+    }
+}
+
+static void run(void) {
+    static double memory[1 << 17];
+    double frequency[MODES], share[MODES], ratio[MODES], waves[4 * MODES], damping, omega = uniform() < 0.2 ? 0.0 : spread(0.01, 10.0);
+    int reversible, modes = (int)(uniform() * (MODES + 1)), damped = uniform() < 0.3;
+    film_curve curve = random_curve(&reversible, &damping);
+    film_structure structure;
+    film_modal s;
+    film_modal_summary summary;
+    for (int i = 0; i < modes; i++) {
+        frequency[i] = omega;
+        share[i] = spread(1e-3, 30.0);
+        ratio[i] = damped ? uniform() : 0.0;
+        omega = (omega == 0.0 && uniform() < 0.5) ? 0.0 : fmax(omega, 0.01) * (1.0 + uniform());
+    }
+    if (film_structure_size(modes, LEVELS) > sizeof memory / sizeof *memory) fail("too little memory");
+    if (film_structure_init(&structure, modes, frequency, share, ratio, 1.0, LEVELS, memory) != FILM_OK) fail("the structure is refused");
+    film_modal_start start = {spread(1e-2, 30.0), uniform() < 0.3 ? uniform() - 0.3 : 0.0, 0.0, 1.0, spread(0.1, 10.0), damping, 1e-8, 200.0};
+    if (!curve.stage[0].damped && uniform() < 0.7 && curve.piece[0].force.constant == 0.0) start.rest = spread(1e-3, 10.0);
+    reversible = reversible && !damped && start.load == 0.0;
+    walk(&structure, &curve, &start, reversible);
+    start.tolerance = 1e-4;
+    int status = film_modal_impact(&structure, &curve, &start, &s, waves, &summary, NULL);
+    check_status(status);
+    if (status >= 0 && !(summary.core.maximum_force >= 0.0 && summary.core.maximum_force < INFINITY)) fail("no largest force");
+    runs++;
+}
+
+/* What must be refused. */
+static void check_refusals(void) {
+    static double memory[4096];
+    double good[2] = {1.0, 2.0}, falls[2] = {2.0, 1.0}, bad[2] = {1.0, NAN}, negative[2] = {1.0, -1.0}, over[2] = {0.1, 1.5};
+    film_structure structure;
+    if (film_structure_init(&structure, 2, falls, good, NULL, 1.0, 4, memory) != FILM_BAD_NUMBER) fail("falling frequencies");
+    if (film_structure_init(&structure, 2, bad, good, NULL, 1.0, 4, memory) != FILM_BAD_NUMBER) fail("a frequency of NaN");
+    if (film_structure_init(&structure, 2, good, negative, NULL, 1.0, 4, memory) != FILM_BAD_NUMBER) fail("a negative share");
+    if (film_structure_init(&structure, 2, good, bad, NULL, 1.0, 4, memory) != FILM_BAD_NUMBER) fail("a share of NaN");
+    if (film_structure_init(&structure, 2, good, good, over, 1.0, 4, memory) != FILM_BAD_NUMBER) fail("a damping ratio above 1");
+    if (film_structure_init(&structure, 2, good, good, NULL, NAN, 4, memory) != FILM_BAD_NUMBER) fail("a step of NaN");
+    if (film_structure_init(&structure, 2, good, good, NULL, 1.0, 0, memory) != FILM_BAD_NUMBER) fail("no levels");
+    if (film_structure_init(&structure, -1, good, good, NULL, 1.0, 4, memory) != FILM_BAD_NUMBER) fail("less than no modes");
+}
+
+int main(int count, char **arguments) {
+    long wanted = count > 1 ? atol(arguments[1]) : 300;
+    check_refusals();
+    for (seed = 1; runs < wanted;) {
+        seed = (uint64_t)runs * 7919u + 12345u;
+        run();
+    }
+    printf("%ld runs, %ld events, refused: beyond the law %ld, too many %ld, bad unloading %ld\n", runs, events_seen, refused[4], refused[5],
+           refused[6]);
+    return 0;
+}

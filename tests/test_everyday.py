@@ -1,0 +1,135 @@
+"""What a prompt, a notebook and a script need of results: one line, a table, a picture, text and datasets."""
+
+import base64
+import json
+import re
+import subprocess
+import sys
+import tomllib
+import warnings
+from xml.etree import ElementTree
+
+import pytest
+
+import film_model as fm
+from film_model.cli.main import main
+from film_model.studies import explain
+
+SCENE = fm.Scene(
+    fm.Sphere("10 mm", "0.25 m/s", material="tungsten carbide"), fm.HalfSpace("mild steel"), fm.Contact("stronge")
+)
+HISTORY = fm.simulate(SCENE)
+
+
+def test_a_history_becomes_a_dict_and_a_text():
+    assert json.loads(HISTORY.to_json()) == json.loads(json.dumps(HISTORY.to_dict()))
+    assert HISTORY.to_dict()["law"] == "stronge"
+
+
+def test_warnings_of_a_history_are_python_warnings():
+    scene = SCENE.replace({"target.material": "soda-lime glass", "contact.law": "hertz", "impactor.velocity": "30 m/s"})
+    with pytest.warns(fm.ImpactWarning) as caught:
+        history = fm.simulate(scene)
+    assert [str(warning.message) for warning in caught] == list(history.warnings)
+    assert {warning.filename for warning in caught} == {__file__}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", fm.ImpactWarning)
+        with pytest.raises(fm.ImpactWarning):
+            fm.simulate(scene)
+        explain.explain(scene, laws=True)  # reports its warnings as data only
+
+
+def test_everything_fits_a_line_at_the_prompt():
+    titled = SCENE.replace({"title": "A ball"})
+    many = fm.simulate_batch(SCENE, velocity=["1 m/s", "2 m/s"])
+    scene = "ball of radius 10 mm, 60.74 g, 0.25 m/s, on mild steel half-space; law stronge)"
+    expected = {
+        f"Scene({scene}": SCENE,
+        f'Scene("A ball": {scene}': titled,
+        "History(stronge: peak 416.6 N, contact 83.24 µs, restitution 0.3453; contact ended)": HISTORY,
+        "BatchResult(2 impacts over velocity, stronge; 0 failed, estimated relative error ≤ 6.4e-06)": many,
+        "ImpactComponent(law stronge, approaching at 0 s)": fm.ImpactComponent(SCENE),
+    }
+    assert [repr(shown) for shown in expected.values()] == list(expected)
+    assert max(map(len, expected)) <= 120
+    assert "\n" not in repr(SCENE.replace({"title": "A" * 500 + "\n"})) and many.varied["velocity"].tolist() == [1, 2]
+
+
+def test_a_scene_explains_itself_as_the_command_does(capsys, tmp_path):
+    (tmp_path / "s.toml").write_text(SCENE.to_toml(), "utf-8")
+    assert main(["explain", str(tmp_path / "s.toml")]) == 0
+    assert capsys.readouterr().out == f"{SCENE.explain()}\n" and repr(SCENE.explain()) == str(SCENE.explain())
+    assert "source: " in SCENE.explain(verbose=True)
+
+
+def test_notebooks_show_tables(monkeypatch):
+    monkeypatch.setattr("film_model.methods.find_spec", lambda name: None)  # as without matplotlib
+    scene = SCENE.replace({"title": "a <b> ball"})
+    shown = fm.simulate(scene)._repr_html_()
+    assert "a &lt;b&gt; ball" in shown and "<th>maximum force</th><td>416.594 N</td>" in shown and "<img" not in shown
+    assert "<li>not modelled: strain rate" in shown
+    assert "<th>impactor.radius</th><td>0.01 m</td>" in scene._repr_html_()
+    assert ElementTree.fromstring(f"<div>{shown}{scene._repr_html_()}</div>") is not None
+
+
+@pytest.mark.slow
+def test_notebooks_show_the_picture(tmp_path):
+    picture = ElementTree.fromstring(f"<div>{HISTORY._repr_html_()}</div>").find("img")
+    kind, _, data = picture.attrib["src"].partition(",")
+    assert kind == "data:image/svg+xml;base64" and b"</svg>" in base64.b64decode(data)
+    HISTORY.plot(tmp_path / "a.svg")
+    assert (tmp_path / "a.svg").stat().st_size > 0
+
+
+def test_a_history_becomes_a_dataset():
+    stored = HISTORY.to_dataset().film.history()
+    assert (stored.summary, stored.events) == (HISTORY.summary, HISTORY.events)
+    assert HISTORY.to_dataset(samples=5).sizes["t"] < 5 + len(HISTORY.events)
+
+
+@pytest.mark.slow
+def test_methods_from_above_import_nothing_until_they_are_called():
+    code = (
+        "import sys, film_model; print({'xarray', 'matplotlib', 'film_datasets', 'film_model.plot'} & {*sys.modules})"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout == "set()\n"
+
+
+@pytest.mark.parametrize("kind", fm.targets.TARGETS)
+def test_new_writes_a_valid_scene_of_every_kind(kind, capsys, tmp_path):
+    path = tmp_path / "scene.toml"
+    assert main(["new", "--kind", kind]) == 0
+    text = capsys.readouterr().out
+    assert fm.Scene.from_text(text).target.kind == kind
+    first, second = (fm.Scene.from_table(_with_comments(text, section)) for section in ("impactor", "target"))
+    assert first.impactor.angle is not None and second.target != fm.Scene.from_text(text).target
+    assert main(["new", "--kind", kind, "--output", str(path)]) == 0 and path.read_text("utf-8") == text
+    assert main(["new", "--output", str(path)]) == 3 and "--force" in capsys.readouterr().err
+
+
+def _with_comments(text, section):
+    """The table of a scene in which the entries that are comments in a section are given."""
+    lines = re.search(rf"^\[{section}\]$(.*?)^\[", text, re.MULTILINE | re.DOTALL)[1].splitlines()
+    table = fm.Scene.from_text(text).to_table()
+    for line in lines:
+        if re.match(r"# \w+ *= ", line):
+            table[section] |= tomllib.loads(line.removeprefix("# "))
+    return table
+
+
+def test_a_missing_library_is_named(capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "mpmath", None)
+    monkeypatch.setitem(sys.modules, "fmpy", None)
+    assert main(["hard-cases", "--match", "Hertz"]) == 3
+    assert capsys.readouterr() == ("", "extended precision needs mpmath: pip install mpmath\n")
+    assert main(["check-fmu", "a.fmu"]) == 3
+    assert capsys.readouterr() == ("", 'running FMUs needs FMPy: pip install "film-model[fmu]"\n')
+
+
+def test_a_ball_is_given_by_its_radius_or_its_diameter():
+    ball = fm.Sphere(diameter="20 mm", velocity="0.25 m/s", material="tungsten carbide")
+    assert ball == SCENE.impactor and fm.Body("brass", diameter="1 in") == fm.Body("brass", radius="0.5 in")
+    assert SCENE.replace({"impactor.diameter": "8 mm"}).impactor.radius == 0.004
+    text = fm.Scene(ball, fm.Body("brass", "30 mm")).to_toml().replace('radius = "0.03 m"', 'diameter = "60 mm"')
+    assert "diameter" in text and fm.Scene.from_text(text).target.radius == 0.03

@@ -1,0 +1,182 @@
+"""The page of the explorer as a file: what it is made of, what it may load, and the formulas recorded for it."""
+
+import base64
+import gzip
+import hashlib
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+import film_model as fm
+from film_model.base.arrays import either, greater, root
+from film_model.cli.main import main
+from film_model.explorer import page as page_module
+from film_model.explorer.content import Content
+from film_model.explorer.page import page, scripts
+from film_model.explorer.trace import Recording
+from film_model.laws import LAWS
+
+FIRST_LOAD = 200_000
+"""Most bytes of the page, compressed with gzip."""
+
+HOSTILE = '</script><script>document.title = "taken"</script><img src=x onerror=alert(1)> & "quoted"'
+BALL = {"radius": "5 mm", "velocity": "1 m/s", "material": "mild steel"}
+SLAB = {"kind": "half-space", "material": "mild steel"}
+
+pytestmark = pytest.mark.skipif(not page_module.WASM.exists(), reason="the core was built without zig")
+
+
+class Elements(HTMLParser):
+    """The elements of a page: tag, attributes, text."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.found, self.inside = [], False
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append([tag, dict(attrs), ""])
+        self.inside = True
+
+    def handle_endtag(self, tag):
+        self.inside = False
+
+    def handle_data(self, data):
+        if self.inside:
+            self.found[-1][2] += data
+
+    def named(self, tag):
+        return [(attributes, text) for name, attributes, text in self.found if name == tag]
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return fm.Scene.from_table({"title": HOSTILE, "impactor": BALL, "target": SLAB})
+
+
+@pytest.fixture(scope="module")
+def text(scene):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(page_module, "EXAMPLES", {})
+        page_module.examples.cache_clear()
+        made = page(scene)
+    page_module.examples.cache_clear()
+    return made
+
+
+def test_the_policy_allows_the_pages_own_script_and_style_only(text):
+    elements = Elements(text)
+    policy = next(a["content"] for a, _ in elements.named("meta") if a.get("http-equiv") == "Content-Security-Policy")
+    rules = dict(rule.split(" ", 1) for rule in policy.split("; "))
+    runs = [body for attributes, body in elements.named("script") if "type" not in attributes]
+    for rule, bodies in (("script-src", runs), ("style-src", [body for _, body in elements.named("style")])):
+        (body,) = bodies
+        own = base64.b64encode(hashlib.sha256(body.encode()).digest()).decode()
+        assert rules[rule].split()[0] == f"'sha256-{own}'"
+    assert rules["default-src"] == rules["base-uri"] == rules["form-action"] == "'none'"
+    assert "unsafe-inline" not in policy and "'unsafe-eval'" not in policy
+
+
+def test_nothing_comes_from_outside(text):
+    elements = Elements(text)
+    assert not [a for _, a, _ in elements.found if a.keys() & {"src", "style"} or any(n.startswith("on") for n in a)]
+    script = next(body for attributes, body in elements.named("script") if "type" not in attributes)
+    assert set(re.findall(r"https?://[^\s\"'`]+", script)) == {"http://www.w3.org/2000/svg"}
+    assert not re.search(
+        r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\b|new Function|fetch\(", script
+    )
+
+
+def test_the_users_text_stays_text(text, scene):
+    elements = Elements(text)
+    data = json.loads(next(body for attributes, body in elements.named("script") if attributes.get("id") == "data"))
+    assert data["scenes"][0]["title"] == scene.title
+    assert elements.named("title") == [({}, HOSTILE)]
+    assert not elements.named("img")
+    assert len(elements.named("script")) == 4
+
+
+def test_names_of_functions_are_used_once():
+    found = re.findall(r"^(?:async )?(?:function|class) (\w+)", "\n".join(scripts().values()), re.MULTILINE)
+    assert len(found) > 50 and sorted(found) == sorted(set(found))
+
+
+def test_a_law_is_offered_with_the_values_that_it_needs():
+    table = {"impactor": BALL, "target": SLAB}
+    content = Content([("a", fm.Scene.from_table(table))]).table()
+    names = [law["name"] for law in content["laws"]]
+    assert names == [n for n, law in LAWS.items() if law.family in ("elastic", "yields") and n != "meyer"]
+    fixed = {law["name"]: law["fixed"] for law in content["laws"]}
+    assert fixed.pop("kogut-etsion") == {"poissons_ratio": 0.3}
+    assert not any(fixed.values())
+    glass = {"impactor": BALL | {"material": "alumina"}, "target": SLAB | {"material": "soda-lime glass"}}
+    assert [law["name"] for law in Content([("a", fm.Scene.from_table(glass))]).table()["laws"]] == ["hertz"]
+
+
+def test_a_target_that_the_page_cannot_simulate_is_shown_as_python_computed_it():
+    plate = {"kind": "plate", "thickness": "2 mm", "material": "mild steel", "static_stiffness": "1e6 N/m"}
+    scene = fm.Scene.from_table({"impactor": BALL, "target": plate})
+    (found,) = Content([("a", scene)]).table()["scenes"]
+    history = fm.simulate(scene)
+    assert found["given"]["summary"] == history.summary
+    assert "static stiffness" in found["given"]["reason"]
+    assert found["given"]["motion"]["contact_force"][0] == 0.0
+
+
+def test_a_scene_without_an_impact_has_no_page():
+    scene = fm.Scene.from_table({"impactor": BALL | {"velocity": "0 m/s"}, "target": SLAB})
+    with pytest.raises(fm.SimulationError, match="no velocity"):
+        Content([("a", scene)])
+
+
+def test_a_recorded_formula_is_the_general_one():
+    recording = Recording()
+    x = recording.symbol("x")
+    found = either(x > 2.0, greater(0.0, x) ** 0.5, root(x)) + np.array([3.0])
+    assert recording.function("f", "x", {"y": found, "z": 1.0, "n": None}).splitlines() == [
+        "function f(x) {",
+        "  const t0 = x;",
+        "  const t1 = t0 > 2.0;",
+        "  const t2 = t0 > 0.0 ? t0 : 0.0;",
+        "  const t3 = Math.pow(t2, 0.5);",
+        "  const t4 = Math.sqrt(t0);",
+        "  const t5 = t1 ? t3 : t4;",
+        "  const t6 = t5 + 3.0;",
+        "  return { y: t6, z: 1.0, n: null };",
+        "}",
+    ]
+
+
+@pytest.mark.parametrize("question", [lambda x: max(x, 1.0), lambda x: 1.0 if x else 0.0, lambda x: x == 2.0 or None])
+def test_a_formula_that_decides_is_refused(question):
+    with pytest.raises(TypeError, match="asks whether"):
+        question(Recording().symbol("x"))
+
+
+def test_export_page_writes_one_file(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(page_module, "page", lambda scene: f"<p>{scene.title}")
+    path, file = tmp_path / "impact.html", tmp_path / "scene.toml"
+    file.write_text(fm.Scene.from_table({"title": "a", "impactor": BALL, "target": SLAB}).to_toml(), encoding="utf-8")
+    command = ["export-page", str(file), "--output", str(path)]
+    assert main(command) == 0
+    assert path.read_text(encoding="utf-8") == "<p>a"
+    assert main(command) == 3 and "--force" in capsys.readouterr().err
+    assert main([*command[:2], "--output", str(tmp_path / "impact.txt")]) == 3
+
+
+def test_explore_writes_a_page_and_opens_it(capsys, monkeypatch, tmp_path):
+    opened = []
+    monkeypatch.setattr(page_module, "page", lambda scene: "<p>")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    monkeypatch.setattr("webbrowser.open", lambda address: opened.append(address) or True)
+    assert main(["explore"]) == 0
+    assert opened[0].startswith("file:///") and opened[0].endswith(capsys.readouterr().out.strip().rsplit("/", 1)[1])
+    assert main(["explore", "--no-browser"]) == 0 and len(opened) == 1
+
+
+@pytest.mark.slow
+def test_the_first_load_is_small():
+    assert len(gzip.compress(page().encode(), 9)) <= FIRST_LOAD

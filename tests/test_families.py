@@ -1,0 +1,108 @@
+"""Laws whose curve depends on one more number: all curves from one fit, alone, in batches and in sweeps."""
+
+import math
+
+import numpy as np
+import pytest
+from cases import SPHERE, scene
+
+import film_datasets as fd
+import film_model as fm
+import fmu_wrapper
+from film_model.core import native
+from film_model.effects.many import problems_of
+from film_model.laws.jackson_green import Plastic
+from film_model.problem.curve import curve_of
+from film_model.problem.families import EDGES, page_of
+from film_model.solve.batch import simulate_many
+
+STRENGTHS = np.geomspace(60e6, 4e9, 40)  # Pa, over three pages
+
+
+def law_of(strain, ratio=0.3):
+    return fm.JacksonGreen(*SPHERE, strain * SPHERE[0], ratio)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.45])
+def test_curves_of_a_family_are_the_law(ratio):
+    """Force, work by the force's integral, and the end, between the nodes of every page."""
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    for strain in (2.3e-6, 3.1e-5, 1.7e-4, 2.2e-3, 8.7e-3, 0.023, 0.06):
+        law = law_of(strain, ratio)
+        curve, plastic = curve_of(law), Plastic(law.shape, law.yield_factor, mended=True)
+        assert curve.page is not None and curve.fit_error < 2e-11
+        last = curve.native.stage[curve.native.stages - 1]
+        assert last.end == pytest.approx(plastic.end, rel=1e-12)
+        for xi in np.geomspace(2.0, last.end, 25).tolist():
+            assert curve.force(xi) == pytest.approx(float(plastic(np.array([xi]))[0]), rel=2e-11)
+        for a in np.geomspace(2.0, 0.5 * last.end, 8).tolist():
+            x = a + 0.25 * a * (nodes + 1.0)
+            integral = float((plastic(x) * weights).sum()) * 0.25 * a
+            assert curve.work(1.5 * a) - curve.work(a) == pytest.approx(integral, rel=1e-10)
+
+
+def test_a_page_is_made_once_and_outside_of_all_pages_a_law_has_its_own_curve():
+    assert page_of(law_of(2e-3)) is page_of(law_of(7e-3)) is not page_of(law_of(2e-2))
+    assert curve_of(law_of(2e-3)) is curve_of(fm.JacksonGreen(100e9, 1.0, 100e9 * 2e-3, 0.3))
+    for strain in (5e-7, 0.15):
+        assert not EDGES[0] <= strain < EDGES[-1]
+        assert page_of(law_of(strain)) is None and curve_of(law_of(strain)).fit_error < 1e-11
+
+
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+def test_a_swept_strength_is_marched_together_and_as_each_alone(target):
+    base = scene("hertz", target).replace({"contact.law": "jackson-green", "contact.yield_strength": "1 GPa"})
+    result = simulate_many(base, {"contact.yield_strength": STRENGTHS, "impactor.velocity": np.full(40, 0.5)})
+    assert len(result.problems) <= 6 and not (result.status < 0).any()
+    for row in (0, 13, 39):
+        own = base.replace({"contact.yield_strength": f"{float(STRENGTHS[row])!r} Pa", "impactor.velocity": "0.5 m/s"})
+        alone = fm.simulate(own, accuracy=1e-8).summary
+        for name in ("coefficient_of_restitution", "maximum_force", "permanent_indentation"):
+            assert result.summary[name][row] == pytest.approx(alone[name], rel=2e-4), name
+    restitution = result.summary["coefficient_of_restitution"]
+    assert (np.diff(restitution[:34]) > 0.0).all() and np.ptp(restitution[36:]) < 1e-4
+
+
+def test_strength_and_modulus_vary_with_one_curve_per_page():
+    base = scene("hertz").replace({"contact.law": "jackson-green", "contact.yield_strength": "1 GPa"})
+    moduli = np.geomspace(50e9, 400e9, 30)
+    columns = {"contact.yield_strength": np.geomspace(2e8, 1e9, 30), "contact.effective_modulus": moduli}
+    base = base.replace({"contact.effective_modulus": "100 GPa"})
+    found = problems_of(base, columns, 30)
+    assert sum(part.impacts.index.size for part in found) == 30 and len(found) <= 4
+
+
+@pytest.mark.slow
+def test_sweeps_of_strength_sample_each_impact_by_its_own_curve():
+    base = scene("hertz").replace({"contact.law": "jackson-green", "contact.yield_strength": "1 GPa"})
+    swept = {"contact.yield_strength": ["0.4 GPa", "0.9 GPa", "1.6 GPa"]}
+    dense = fd.sweep(base, swept, keep="samples=21")
+    for k, strength in enumerate(swept["contact.yield_strength"]):
+        history = fm.simulate(base.replace({"contact.yield_strength": strength}), accuracy=1e-8)
+        force = dense["sampled_contact_force"].isel(contact_yield_strength=k).values
+        times = np.linspace(0.0, 1.0, 21) * history.summary["contact_duration"]
+        expected = history.sample_si(times).contact_force
+        np.testing.assert_allclose(force, expected, atol=1e-4 * history.summary["maximum_force"])
+
+
+def test_the_core_refuses_a_shape_outside_its_page():
+    page = page_of(law_of(2e-3))
+    with pytest.raises(ValueError, match="not between"):
+        page.at(2e-2)
+    curve = page.at(2e-3)
+    assert native.library().film_check_curve(native.c.byref(curve)) == native.OK
+    assert math.isfinite(curve.stage[curve.stages - 1].end)
+
+
+@pytest.mark.slow
+def test_an_fmu_serves_other_strengths_and_refuses_those_beyond_its_family(tmp_path):
+    base = scene("hertz", segments=40).replace({"contact.law": "jackson-green", "contact.yield_strength": "1 GPa"})
+    base = base.replace({"effects.gravity": False})
+    fmu = fmu_wrapper.export(base, tmp_path / "impact.fmu")
+    for strength in ("1 GPa", "0.4 GPa", "2.1 GPa"):
+        found = fmu_wrapper.run(fmu, start_values={"yield_strength": strength}, stop_time="1 ms", step_size="1 ms")
+        expected = fm.simulate(base.replace({"contact.yield_strength": strength})).summary
+        for name in ("maximum_force", "contact_duration", "rebound_velocity"):
+            assert float(found[name]) == pytest.approx(expected[name], rel=1e-10), (strength, name)
+    with pytest.raises(Exception, match="this FMU was exported for shapes from"):
+        fmu_wrapper.run(fmu, start_values={"yield_strength": "8 GPa"}, stop_time="1 ms", step_size="1 ms")

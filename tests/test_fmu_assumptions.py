@@ -1,0 +1,124 @@
+"""An FMU serves every value of its parameters, and says where the assumptions of its export do not hold."""
+
+import html
+import zipfile
+from pathlib import Path
+
+import pytest
+from cases import combinations
+
+import film_datasets as fd
+import film_model as fm
+import fmu_wrapper
+from film_model.problem.law_of_scene import YIELDING
+from fmu_wrapper.instance import opened, started
+
+BALL = Path(__file__).parents[1] / "examples" / "scenes" / "tungsten_carbide_on_steel.toml"
+
+
+def ball(velocity="0.25 m/s", **changes):
+    return fm.Scene.from_toml(BALL).replace({"impactor.velocity": velocity, "contact.law": "auto", **changes})
+
+
+@combinations(exported=["5 mm/s", "0.25 m/s"], velocity=["0.01 m/s", "0.25 m/s", "20 m/s"], version=[2, 3], fast=6)
+def test_the_velocity_of_the_export_does_not_matter(made, exported, velocity, version):
+    ds = fmu_wrapper.run(
+        made(ball(exported), version), start_values={"initial_velocity": velocity}, stop_time="3 ms", step_size="1 ms"
+    )
+    history = fm.simulate(fmu_wrapper.served(ball(velocity)), accuracy=1e-6)
+    for name in ("maximum_force", "maximum_indentation", "rebound_velocity"):
+        assert float(ds[name]) == pytest.approx(history.summary[name], rel=1e-4), name
+    assert ds.attrs["validity"] == (1 if history.warnings else 0) and fd.validate(ds) == []
+
+
+def test_slow_and_fast_impacts_from_one_export(made):
+    """What the library finds for each velocity, up to its tolerance for neglected effects of 1 %."""
+    found = {}
+    for exported, velocity in (("5 mm/s", "0.25 m/s"), ("0.25 m/s", "0.01 m/s")):
+        ds = fmu_wrapper.run(
+            made(ball(exported)), start_values={"initial_velocity": velocity}, stop_time="3 ms", step_size="1 ms"
+        )
+        found[velocity] = float(ds.maximum_force), float(ds.coefficient_of_restitution)
+        library = fm.simulate(ball(velocity)).summary
+        assert found[velocity][0] == pytest.approx(library["maximum_force"], rel=0.005)
+    assert found["0.25 m/s"][1] < 0.95
+    assert found["0.01 m/s"][0] == pytest.approx(12.69, abs=0.01)
+
+
+def test_what_a_scene_switches_off_stays_off():
+    off = ball(**{"effects.gravity": False, "effects.plasticity": False})
+    assert fmu_wrapper.served(off) == off
+    on = fmu_wrapper.served(ball())
+    assert (on.contact.law, on.effects.gravity) == (YIELDING, True) and fmu_wrapper.served(on) == on
+    alone = fmu_wrapper.served(ball(), "contact")
+    assert (alone.contact.law, alone.effects.gravity, alone.effects.target_motion) == (YIELDING, False, False)
+
+
+def test_the_weight_is_a_parameter_with_its_true_value(made):
+    with opened(made(ball())) as fmu, started(fmu, False, {}) as slave:
+        assert slave.get(("gravity",)) == {"gravity": 9.80665}
+
+
+@combinations(version=[2, 3], fast=2)
+def test_an_elastic_law_beyond_yield_is_said(made, version):
+    path = made(ball("0.02 m/s", **{"contact.law": "hertz"}), version)
+    for velocity, validity in (("0.02 m/s", 0), ("0.25 m/s", 2)):
+        for mode in ("steps", "exchange"):
+            ds = fmu_wrapper.run(path, mode=mode, start_values={"initial_velocity": velocity})
+            assert ds.attrs["validity"] == validity, (velocity, mode)
+            told = "where the contact yields, but the law is elastic" in ds.attrs["warnings"]
+            assert told == bool(validity)
+
+
+def test_a_contact_too_wide_for_its_law_is_said(made):
+    path = made(ball(**{"contact.law": "big-alabo"}))
+    ds = fmu_wrapper.run(path, start_values={"initial_velocity": "200 m/s"}, stop_time="1 ms", step_size="0.2 ms")
+    assert ds.attrs["validity"] & 4 and "too wide for the law" in ds.attrs["warnings"]
+    limit = 0.1 * 0.01  # a tenth of the radius, at a tolerance of 1 %
+    assert float(ds.maximum_indentation) > limit
+    slow = fmu_wrapper.run(
+        path, start_values={"initial_velocity": "200 m/s", "radius": "1 m"}, step_size="1 ms", stop_time="9 ms"
+    )
+    assert slow.attrs["validity"] & 4 == 0 and float(slow.maximum_indentation) < 0.1
+
+
+def test_a_contact_reports_the_indentation_that_it_reached(made):
+    path = made(ball(**{"contact.law": "hertz"}), kind="contact")
+    with opened(path) as fmu, started(fmu, False, {"relative_velocity": 1.0}) as slave:
+        for n, depth in enumerate((1e-7, 1e-5, 1e-7, -1e-6)):
+            slave.set("indentation", depth)
+            slave.set("relative_velocity", 1.0 if n < 1 else -1.0)
+            slave.step(n * 1e-5, 1e-5)
+        assert slave.get(("validity",)) == {"validity": 2}
+        assert len(fmu.notices) == 1 and fmu.messages == []
+
+
+@combinations(version=[2, 3], fast=2)
+def test_a_velocity_at_which_a_neglected_effect_matters_is_said(made, version):
+    """Adhesion stops slow impactors; the limit is where the library begins to warn."""
+    sticky = ball("0.3 m/s", **{"contact.work_of_adhesion": "50 J/m^2"})
+    path = made(sticky, version)
+    warned = {}
+    for velocity in (0.3, 0.02):
+        ds = fmu_wrapper.run(path, start_values={"initial_velocity": velocity}, stop_time="1 ms", step_size="1 ms")
+        warned[velocity] = ds.attrs["validity"] & 1
+        library = fm.simulate(fmu_wrapper.served(sticky.replace({"impactor.velocity": f"{velocity} m/s"})))
+        assert bool(warned[velocity]) == any("adhesion" in warning for warning in library.warnings)
+        assert ("adhesion" in ds.attrs["warnings"]) == bool(warned[velocity])
+    assert warned == {0.3: 0, 0.02: 1}
+    gap = fmu_wrapper.run(
+        path, start_values={"initial_velocity": 0.0, "initial_gap": "5 mm"}, stop_time="40 ms", step_size="20 ms"
+    )
+    assert gap.attrs["validity"] == 0  # at first touch 0.31 m/s
+    with zipfile.ZipFile(path) as archive:
+        page = html.unescape(archive.read("documentation/index.html").decode())
+    assert "velocity at first touch" in page and "adhesion" in page
+
+
+def test_segments_serve_slow_and_fast_impacts(made):
+    """An export below yield has as many segments as fast impacts need."""
+    counts = []
+    for velocity in ("5 mm/s", "0.25 m/s", "20 m/s"):
+        with opened(made(ball(velocity))) as fmu, started(fmu, False, {}) as slave:
+            counts.append(slave.get(("loading_segments", "unloading_segments")))
+    assert counts[0]["loading_segments"] >= 12 and counts[0] == counts[1]

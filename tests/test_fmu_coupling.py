@@ -1,0 +1,167 @@
+"""FMUs of kind contact in masters that exchange values at communication points; energies of FMUs of kind impact."""
+
+import math
+
+import pytest
+from cases import combinations, scene
+
+import film_model as fm
+import fmu_wrapper
+from fmu_wrapper.documentation import COUPLING_ERRORS, COUPLINGS
+from fmu_wrapper.instance import opened, started
+from fmu_wrapper.variables import reference
+
+WAYS = {
+    COUPLINGS[0]: ("side by side", 1.5),
+    COUPLINGS[1]: ("side by side", 1.0),
+    COUPLINGS[2]: ("bodies first", 0.5),
+    COUPLINGS[3]: ("read", 1.5),
+    COUPLINGS[4]: ("extended", 1.5),
+}
+
+
+def gradient(slave, unknown, known):
+    return slave.instance.getDirectionalDerivative([reference(unknown)], [reference(known)], [1.0])[0]
+
+
+def coupled(slave, history, steps, way, ahead):
+    """Restitution and largest force of a mass coupled to the contact, `steps` steps a contact; exact for that force."""
+    on = history.scene
+    h, x, v, told, time, largest = history.duration / steps, 0.0, on.approach_velocity, 0.0, 0.0, 0.0
+    mass, velocity = on.mass, on.approach_velocity
+    slave.instance.reset()
+    slave.initialize({"indentation": 0.0, "relative_velocity": velocity, "input_extrapolation": ahead})
+
+    def contact_step(indentation, rate):
+        slave.set("indentation", indentation)
+        slave.set("relative_velocity", rate)
+        before = slave.get(("contact_force",))["contact_force"]
+        slope = gradient(slave, "contact_force", "indentation")
+        slave.step(time, h)
+        return before, slope, slave.get(("contact_force",))["contact_force"]
+
+    for _ in range(3 * steps):
+        if way == "bodies first":
+            x, v = moved(x, v, -told / mass, h)
+            _, _, told = contact_step(x, v)
+        else:
+            force, slope, after = contact_step(x, v)
+            if way == "extended" and x > 0.0:
+                omega, a = math.sqrt(slope / mass), -force / mass
+                x += v / omega * math.sin(omega * h) + a / omega**2 * (1.0 - math.cos(omega * h))
+                v = v * math.cos(omega * h) + a / omega * math.sin(omega * h)
+            else:
+                x, v = moved(x, v, -(told if way == "side by side" else force) / mass, h)
+            told = after if way == "side by side" else force
+        time, largest = time + h, max(largest, told)
+        if x < 0.0 and v < 0.0:
+            break
+    return -v / velocity, largest
+
+
+def moved(x, v, a, h):
+    return x + v * h + 0.5 * a * h * h, v + a * h
+
+
+def test_coupling_errors_are_those_of_the_documentation(made):
+    history = fm.simulate(scene("hertz"), accuracy=1e-8)
+    with opened(made(history.scene, 3, kind="contact")) as fmu, started(fmu, False, {}) as slave:
+        for steps, told in COUPLING_ERRORS.items():
+            for name, error in zip(COUPLINGS, told, strict=True):
+                restitution, _ = coupled(slave, history, steps, *WAYS[name])
+                assert restitution - 1.0 == pytest.approx(error, rel=0.1), (steps, name)
+
+
+@combinations(law=["hertz", "big-alabo", "tsuji", "linear-dashpot"], fast=2)
+def test_a_master_that_steps_side_by_side_has_errors_of_a_percent_at_50_steps(made, law):
+    history = fm.simulate(scene(law), accuracy=1e-8)
+    with opened(made(history.scene, 3, kind="contact")) as fmu, started(fmu, False, {}) as slave:
+        default = slave.get(("input_extrapolation",))["input_extrapolation"]
+        restitution, force = coupled(slave, history, 50, "side by side", default)
+    assert restitution == pytest.approx(history.summary["coefficient_of_restitution"], abs=0.01)
+    assert force == pytest.approx(history.summary["maximum_force"], rel=0.017)
+
+
+def test_a_ball_between_two_walls_under_an_ordinary_master(made):
+    """91 steps a contact, bodies and contacts side by side: force and speed keep to 0.3 % over four contacts."""
+    history = fm.simulate(scene("hertz"), accuracy=1e-8)
+    on, h = history.scene, history.duration / 91
+    width, force = 4.0 * history.summary["maximum_indentation"], history.summary["maximum_force"]
+    with (
+        opened(made(on, 3, kind="contact")) as fmu,
+        started(fmu, False, {"indentation": -0.5 * width}) as left,
+        started(fmu, False, {"indentation": -0.5 * width}) as right,
+    ):
+        x, v, largest, pushes = 0.5 * width, on.approach_velocity, 0.0, [0.0, 0.0]
+        for n in range(1200):
+            state, a = (x, v), (pushes[1] - pushes[0]) / on.mass
+            x, v = moved(x, v, a, h)
+            for k, (wall, sign, at) in enumerate(((right, 1.0, width), (left, -1.0, 0.0))):
+                wall.set("indentation", sign * (state[0] - at))
+                wall.set("relative_velocity", sign * state[1])
+                wall.step(n * h, h)
+                pushes[k] = wall.get(("contact_force",))["contact_force"]
+            largest = max(largest, *pushes)
+        contacts = [slave.get(("contact_count",))["contact_count"] for slave in (right, left)]
+    assert sum(contacts) >= 4
+    assert largest == pytest.approx(force, rel=3e-3)
+    assert abs(v) == pytest.approx(on.approach_velocity, rel=3e-3) or max(pushes) > 0.0
+
+
+@combinations(version=[2, 3], rate=[0.0, -0.1], depth=[0.0, -1e-6])
+def test_a_contact_that_never_touches_counts_none(made, version, rate, depth):
+    with (
+        opened(made(scene("hertz"), version, kind="contact")) as fmu,
+        started(fmu, False, {"indentation": depth, "relative_velocity": rate}) as slave,
+    ):
+        for n in range(5):
+            slave.set("indentation", depth - 1e-6 * n)
+            slave.set("relative_velocity", -1.0)
+            slave.step(n * 1e-6, 1e-6)
+        assert slave.get(("contact_count", "phase")) == {"contact_count": 0, "phase": 0}
+
+
+@combinations(version=[2, 3], fast=2)
+def test_a_contact_that_starts_by_moving_in_counts_one(made, version):
+    with (
+        opened(made(scene("hertz"), version, kind="contact")) as fmu,
+        started(fmu, False, {"relative_velocity": 0.1}) as slave,
+    ):
+        assert slave.get(("contact_count",)) == {"contact_count": 1}
+
+
+@combinations(law=["hertz", "big-alabo", "tsuji"], target=["half-space", "plate"], fast=3)
+def test_energies_and_impulse_of_an_impact_balance(made, law, target):
+    on = fmu_wrapper.served(scene(law, target))
+    names = ("kinetic_energy", "contact_energy", "target_energy", "external_work", "contact_impulse")
+    steps, h = 50, 1.5 * fm.simulate(on).duration / 50
+    with opened(made(on)) as fmu, started(fmu, False, {}) as slave:
+        first, impulse = slave.get(names), 0.0
+        for n in range(steps):
+            slave.set("external_force", 20.0 * (n % 3))
+            slave.set("support_velocity", 0.01 * (n % 2))
+            slave.step(n * h, h)
+            impulse += slave.get(("mean_contact_force",))["mean_contact_force"] * h
+            now = slave.get((*names, "impactor_velocity", "time_contact_ends"))
+            total = now["kinetic_energy"] + now["contact_energy"] + now["target_energy"] - now["external_work"]
+            assert total == pytest.approx(first["kinetic_energy"], rel=1e-13)
+    assert now["time_contact_ends"] > 0.0 and now["contact_energy"] >= -1e-12 * first["kinetic_energy"]
+    assert now["contact_impulse"] == pytest.approx(impulse, rel=1e-12)
+    moving = on.mass * (on.approach_velocity - now["impactor_velocity"])
+    pushed = sum(20.0 * (n % 3) for n in range(steps)) * h + on.mass * 9.80665 * steps * h
+    assert now["contact_impulse"] == pytest.approx(moving + pushed, rel=1e-12)
+
+
+def test_energies_are_those_of_the_history(made):
+    on = fmu_wrapper.served(scene("big-alabo", "plate"))
+    history = fm.simulate(on)
+    with opened(made(on)) as fmu, started(fmu, True, {}) as slave:
+        time = 0.0
+        while slave.get(("time_contact_ends",))["time_contact_ends"] == 0.0:
+            time, event = slave.step(time, 1e-3)
+            if event:
+                slave.instance.enterEventMode()
+                slave.handle()
+        found = slave.get(("contact_energy", "target_energy"))
+    assert found["contact_energy"] == pytest.approx(history.summary["energy_absorbed"], rel=1e-10)
+    assert found["target_energy"] == pytest.approx(history.summary["energy_radiated"], rel=1e-10)

@@ -1,0 +1,289 @@
+"""The core's contact on modes: numbers of independent solutions, order, energy, memory, and what it refuses."""
+
+import math
+import threading
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cases import LAWS, combinations
+
+import film_model as fm
+from film_model.core import modal, native
+from film_model.effects.choose import problem_of
+from film_model.problem.curve import curve_of
+from film_model.solve import vibration
+from film_model.studies import modal_reference
+
+SCENES = Path(__file__).parent.parent / "examples" / "scenes"
+OLSSON = fm.Scene.from_toml(SCENES / "olsson_plate.toml")
+BAR = fm.Material("Timoshenko's steel", "215.7 GPa", 0.3, "7960 kg/m^3")
+STEEL = fm.Material("steel", "210 GPa", 0.3, "7850 kg/m^3")
+ALUMINIUM = fm.Material("aluminium", "70 GPa", 0.33, "2700 kg/m^3")
+QUIET = fm.Effects(gravity=False, boundary_reflections=True, target_inertia=True)
+
+
+def bar(length):
+    """One of Timoshenko's bars, by Euler and Bernoulli's theory."""
+    return fm.Beam(BAR, length, "10 mm", "10 mm", theory="euler-bernoulli")
+
+
+def struck(target, radius, velocity, law="hertz", mass=None, material=STEEL):
+    ball = fm.Sphere(radius, velocity, material=material, mass=mass)
+    return fm.Scene(ball, target, fm.Contact(law), QUIET)
+
+
+# ---------------------------------------------------------------- numbers of an independent modal code
+
+PUBLISHED = [  # scene, maximum force [N], rebound velocity [m/s], contacts
+    (struck(bar("153.5 mm"), "10 mm", "0.01 m/s", material=BAR), 4.97714, -0.00302324, 1),
+    (struck(bar("307 mm"), "20 mm", "0.01 m/s", material=BAR), 10.298, -0.00971258, 3),
+    (
+        struck(fm.Plate(STEEL, "4 mm", size=["150 mm", "200 mm"], position=["40 mm", "130 mm"]), "8 mm", "2 m/s"),
+        1468.22,
+        -0.619125,
+        1,
+    ),
+]
+
+
+@pytest.mark.parametrize(("scene", "force", "velocity", "contacts"), PUBLISHED)
+def test_numbers_of_an_independent_code(scene, force, velocity, contacts):
+    """Timoshenko's beams by Euler and Bernoulli's theory, and a plate struck off its centre."""
+    history = fm.simulate(scene, accuracy=1e-4)
+    assert history.summary["maximum_force"] == pytest.approx(force, rel=2e-4)
+    assert history.summary["rebound_velocity"] == pytest.approx(velocity, rel=2e-5)
+    assert history.vibration.contacts == contacts
+
+
+def test_the_papers_plate_to_six_digits():
+    history = fm.simulate(OLSSON, accuracy=1e-5)
+    summary, events = history.summary, {event.name: event.time for event in reversed(history.events)}
+    assert summary["maximum_force"] == pytest.approx(331.764, abs=1e-3)
+    assert summary["maximum_indentation"] == pytest.approx(46.906e-6, rel=1e-5)
+    assert events["maximum_indentation"] == pytest.approx(34.833e-6, rel=2e-5)
+    assert events["contact_ends"] == pytest.approx(195.265e-6, rel=1e-5)
+
+
+# ---------------------------------------------------------------- one set of modes
+
+FEW = fm.Plate(ALUMINIUM, "4 mm", size=["150 mm", "100 mm"], position=["60 mm", "40 mm"])
+
+
+def on_few(law, tolerance, mass="0.2 kg", velocity="1 m/s", highest=1e5):
+    """The impact on the modes below `highest`, and its problem."""
+    problem = problem_of(struck(FEW, "12 mm", velocity, law, mass))
+    structure = vibration.structure_of(FEW, highest, problem.scales.time)
+    return vibration.run(problem, structure, tolerance, 1.0), problem
+
+
+@combinations(law=[name for name, law in LAWS.items() if not law.damped and "printed" not in name], fast=2)
+def test_against_dop853(law):
+    found, problem = on_few(LAWS[law], 1e-8)
+    structure = vibration.structure_of(FEW, 1e5, problem.scales.time)
+    tables, unit = structure.tables, problem.scales.time
+    rest = structure.omitted * problem.scales.force / problem.scales.length
+    frequency, share = tables.frequency * unit, tables.share * problem.mass
+    other = modal_reference.integrate(problem, frequency, share, rest, 1.0, 1.0 / unit, 1e-9)
+    assert [event.name for event in found.events] == [event.name for event in other.events]
+    for name in ("maximum_force", "maximum_indentation", "contact_duration", "permanent_indentation", "final_velocity"):
+        assert getattr(found.summary, name) == pytest.approx(getattr(other.summary, name), rel=2e-6, abs=1e-9), name
+    assert found.energy == pytest.approx(other.energy, rel=1e-6)
+
+
+@pytest.mark.parametrize(("mass", "velocity"), [("0.02 kg", "3 m/s"), ("2 kg", "0.3 m/s")])
+def test_energy_of_a_reversible_law(mass, velocity):
+    """Impactor and modes keep the energy, to 1e-9, over one contact or several."""
+    found, problem = on_few("hertz", 1e-10, mass, velocity)
+    before, after = 0.5 * problem.approach**2, 0.5 * found.summary.final_velocity**2
+    assert after + found.energy == pytest.approx(before, rel=1e-9)
+    assert abs(found.summary.work) < 1e-9 * before
+    assert found.energies.shape == (found.modes,) and (found.energies >= 0.0).all()
+
+
+@combinations(law=["hunt-crossley", "kuwabara-kono", "tsuji", "linear-dashpot"], fast=1)
+def test_damped_laws(law):
+    """What the impactor loses is absorbed by the damping or in the modes; a history has each mode's energy."""
+    history = fm.simulate(struck(FEW, "12 mm", "1 m/s", LAWS[law], "0.2 kg"), accuracy=1e-2)
+    summary, ahead = history.summary, 0.5 * 0.2
+    left = 0.5 * 0.2 * summary["rebound_velocity"] ** 2
+    assert summary["energy_absorbed"] > 1e-3 * ahead
+    assert left + summary["energy_absorbed"] + summary["energy_radiated"] == pytest.approx(ahead, rel=1e-5)
+    assert history.vibration_energy_by_mode.sum() == pytest.approx(summary["energy_radiated"], rel=1e-9)
+    samples = history.sample_si(np.linspace(0.0, history.duration, 201))
+    assert (samples.contact_force >= 0.0).all()
+    assert samples.contact_force.max() <= summary["maximum_force"] * (1.0 + 1e-2)  # the accuracy asked for
+
+
+def linear_on_one_mode(tolerance):
+    """A linear contact of stiffness 1 on one undamped mode: the impact, its tables and its curve."""
+    tables = modal.Tables(np.array([2.0]), np.array([0.5]), np.zeros(1), 4.0)
+    curve = native.Curve()
+    curve.stages = curve.pieces = 1
+    curve.stage[0].end = curve.piece[0].end = math.inf
+    curve.stage[0].count = 1
+    force = curve.piece[0].force
+    force.per_span = force.exponent = force.slope = 1.0
+    return modal.impact(tables, curve, modal.Start(1.0, 0.0, 0.0, 1.0, 1.0, 0.0, tolerance, 100.0)), tables, curve
+
+
+def two_oscillators(t):
+    """Displacements and velocities of impactor and mode in that contact: x'' = -(x - w), w'' = -4 w + (x - w)/2."""
+    root, shape = np.linalg.eig(np.array([[1.0, -1.0], [-0.5, 4.5]]))
+    turn = np.sqrt(root)
+    weight = np.linalg.solve(shape, np.array([1.0, 0.0]))
+    return shape @ (weight / turn * np.sin(turn * t)), shape @ (weight * np.cos(turn * t))
+
+
+def test_a_linear_law_on_one_mode():
+    found, tables, curve = linear_on_one_mode(1e-12)
+    end = found.summary.core.contact_duration
+    for t in (0.3 * end, end):
+        (x, w), (v, _) = two_oscillators(t)
+        values, _ = modal.sample(tables, curve, found.segments, found.flights, np.array([t]))
+        assert values[0, [0, 3, 4]] == pytest.approx([x - w, v, w], abs=1e-11)
+
+
+def test_order_of_the_steps():
+    """On a law that is smooth from touch to end, the final velocity converges with the fourth order or faster."""
+    errors, steps = [], []
+    for tolerance in (1e-2, 1e-3, 1e-4, 1e-5):
+        found, _, _ = linear_on_one_mode(tolerance)
+        core, last = found.summary.core, found.segments[found.segments["flight"] < 0][-1]
+        _, (exact, _) = two_oscillators(core.contact_duration)
+        steps.append(core.contact_duration / found.segments["h"][:-1].max())
+        errors.append(abs(core.final_velocity - exact) + 1e-15)
+        assert last["h"] > 0.0
+    slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert slope < -4.0 and errors[-1] < 1e-9
+
+
+def test_damping_of_modes():
+    """A damped mode: the response to an impulse decays as e^(-ζωt) cos; a rigid mode moves on evenly."""
+    history = fm.simulate(struck(FEW, "12 mm", "1 m/s"), accuracy=1e-2)
+    tables = history.vibration.tables
+    damped = modal.Tables(tables.frequency, tables.share, np.full(tables.count, 0.1), tables.longest)
+    scales, problem = history.problem.scales, history.problem
+    curve = curve_of(problem.law).native
+    start = modal.Start(problem.approach, 0.0, 0.0, problem.mass, scales.time, 0.0, 1e-8, 1.0)
+    quiet, loud = (modal.impact(each, curve, start) for each in (damped, tables))
+    assert 0.0 < quiet.energies.sum() < 0.9 * loud.energies.sum()
+    free = modal.Tables(np.array([0.0]), np.array([1.0]), np.zeros(1), 1.0)  # two equal masses change their velocities
+    found = modal.impact(free, curve, modal.Start(1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 1e-9, 100.0))
+    assert found.summary.core.final_velocity == pytest.approx(0.0, abs=1e-9)
+    assert found.energies[0] == pytest.approx(0.5, rel=1e-9) and not found.summary.waited
+
+
+def test_events_and_segments():
+    history = fm.simulate(OLSSON, accuracy=1e-3)
+    run = history.vibration
+    assert len(run.flights) == run.contacts == 2
+    assert modal.SEGMENT_DTYPE.itemsize <= 320
+    times = run.segments["time"]
+    assert (np.diff(times) >= 0.0).all()
+    ends = times + np.minimum(run.segments["h"], 1.0)
+    inside = run.segments["flight"][:-1] < 0
+    np.testing.assert_allclose(ends[:-1][inside], times[1:][inside], rtol=1e-12)
+    values, _ = run.sample(np.nextafter(times[1:], 0.0) / run.unit)
+    after, _ = run.sample(times[1:] / run.unit)
+    assert np.abs(values - after).max() < 1e-6  # the polynomials of neighbouring steps meet
+
+
+def test_a_record_in_many_parts(monkeypatch):
+    """A record that is too short is gone on with, to the same bits; one that is too large ends with a status."""
+    whole, problem = on_few(LAWS["walton-braun"], 1e-6, "2 kg")
+    monkeypatch.setattr(modal, "_ROOM", 5)
+    parts, _ = on_few(LAWS["walton-braun"], 1e-6, "2 kg")
+    assert len(whole.segments) > 100 and parts.segments.tobytes() == whole.segments.tobytes()
+    assert np.array_equal(parts.flights, whole.flights) and parts.summary.work == whole.summary.work
+    monkeypatch.setattr(modal, "MOST_MEMORY", 10_000)
+    with pytest.raises(fm.SimulationError, match="needs more segments than are allowed"):
+        on_few(LAWS["walton-braun"], 1e-6, "2 kg")
+    assert problem.vibrates
+
+
+def test_a_record_that_is_full_where_a_contact_ends(monkeypatch):
+    """The step that ends a contact needs two segments: that of the flight must not be written beyond the record."""
+    whole, _ = on_few(LAWS["walton-braun"], 1e-3, "2 kg")
+    assert whole.contacts > 1
+    flight = int(np.argmax(whole.segments["flight"] >= 0))
+    for room in (flight - 1, flight, flight + 1):
+        monkeypatch.setattr(modal, "_ROOM", room)
+        assert on_few(LAWS["walton-braun"], 1e-3, "2 kg")[0].segments.tobytes() == whole.segments.tobytes()
+
+
+def test_threads_share_a_structure():
+    """Kept tables are filled by one thread at a time."""
+    expected = fm.simulate(OLSSON, accuracy=1e-3).summary
+    vibration.forget()
+    found = []
+    threads = [threading.Thread(target=lambda: found.append(fm.simulate(OLSSON, accuracy=1e-3))) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert [history.summary for history in found] == [expected] * 4
+
+
+@pytest.mark.parametrize(
+    ("frequency", "share", "ratio", "message"),
+    [
+        ([1.0, 2.0], [1.0, -1.0], [0.0, 0.0], "mode 2: share -1 must be finite and > 0 1/kg"),
+        ([1.0, math.nan], [1.0, 1.0], [0.0, 0.0], "mode 2: frequency nan must be finite and >= 0 rad/s"),
+        ([2.0, 1.0], [1.0, 1.0], [0.0, 0.0], "mode 2: frequency 1 rad/s must not be below that of mode 1"),
+        ([1.0, 2.0], [1.0, 1.0], [0.0, 1.5], "mode 2: damping ratio 1.5 must be from 0 to 1"),
+        ([1.0, 2.0], [1.0], [0.0, 0.0], "as many shares and damping ratios as frequencies"),
+    ],
+)
+def test_modes_that_are_none_are_refused(frequency, share, ratio, message):
+    with pytest.raises(ValueError, match=message):
+        modal.Tables(np.array(frequency), np.array(share), np.array(ratio), 1.0)
+
+
+# ---------------------------------------------------------------- the error estimate
+
+
+def random_structures(count, seed):
+    """Scenes on plates and beams of random sizes, masses and velocities."""
+    draw = np.random.default_rng(seed)
+    for _ in range(count):
+        a, b = (f"{draw.uniform(60.0, 400.0):.4g} mm" for _ in range(2))
+        thickness = f"{draw.uniform(1.0, 10.0):.3g} mm"
+        material = (STEEL, ALUMINIUM)[draw.integers(2)]
+        x = f"{float(a[:-3]) * draw.uniform(0.2, 0.8):.4g} mm"
+        y = f"{float(b[:-3]) * draw.uniform(0.2, 0.8):.4g} mm"
+        plate = fm.Plate(material, thickness, size=[a, b], position=[x, y])
+        beam = fm.Beam(material, a, "10 mm", thickness, position=x)
+        law = LAWS[draw.choice(["hertz", "stronge", "walton-braun", "big-alabo", "hunt-crossley"])]
+        target = plate if draw.random() < 0.7 else beam
+        mass = f"{10.0 ** draw.uniform(-2.0, 0.5):.4g} kg"
+        yield struck(target, "10 mm", f"{10.0 ** draw.uniform(-1.0, 1.0):.4g} m/s", law, mass)
+
+
+def estimated_and_true(scene, accuracy):
+    """The error estimate, and the largest error against a run of a hundredth of the accuracy."""
+    rough, fine = (fm.simulate(scene, accuracy=value) for value in (accuracy, accuracy / 30.0))
+    changes = vibration.differences(rough.problem, rough.vibration.summary, fine.vibration.summary)
+    return rough.accuracy.estimated, max(changes.values()), fine.accuracy.estimated
+
+
+@pytest.mark.slow
+def test_the_estimate_bounds_the_error():
+    outcomes = []
+    for scene in random_structures(24, 1):
+        with suppress(fm.SimulationError):  # too many contacts: refused
+            outcomes.append(estimated_and_true(scene, 3e-3))
+    judged = [(estimate, true) for estimate, true, doubt in outcomes if doubt < 0.3 * estimate]
+    assert len(judged) > 14
+    assert all(true <= estimate for estimate, true in judged)
+
+
+@pytest.mark.slow
+def test_runs_that_agree_by_chance():
+    """On this beam two sets of modes differ by less than a tenth of the error."""
+    beam = fm.Beam(
+        ALUMINIUM, "277.7 mm", "10 mm", "11.74 mm", ends="free", position="34.3 mm", theory="euler-bernoulli"
+    )
+    estimate, true, _ = estimated_and_true(struck(beam, "10 mm", "2.082 m/s", LAWS["walton-braun"], "2.508 kg"), 1e-4)
+    assert true <= estimate <= 1e-4

@@ -1,0 +1,246 @@
+"""Effects that are neglected: each is judged right, and what the scene lacks is named."""
+
+import math
+
+import numpy as np
+import pytest
+
+import film_datasets
+import film_model as fm
+from film_model.base.materials import catalogue
+from film_model.cli.main import main
+from film_model.effects import elastic_ball
+from film_model.effects.choose import choose
+from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, SIMULATED
+
+STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
+RIGID = {"youngs_modulus": "99 TPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
+GLASS = {"youngs_modulus": "70 GPa", "poissons_ratio": 0.22, "density": "2500 kg/m^3", "tensile_strength": "45 MPa"}
+
+
+def scene(material=STEEL, target=None, velocity="1 m/s", contact=None, **ball):
+    sphere = fm.Sphere(ball.pop("radius", "5 mm"), velocity=velocity, material=material, **ball)
+    return fm.Scene(sphere, target or fm.HalfSpace(STEEL), contact=contact or fm.Contact("hertz"))
+
+
+def effect_of(of, name):
+    return next(effect for effect in choose(of).effects if effect.name == name)
+
+
+def test_the_loss_factor_of_one_body_counts():
+    rubber = {**STEEL, "youngs_modulus": "2 MPa", "loss_factor": 0.1}
+    effect = effect_of(scene(rubber), "material_damping")
+    assert effect.state == NOT_MODELLED
+    assert effect.value == pytest.approx(0.1, rel=1e-4)  # the rubber has nearly all the compliance
+    assert effect.change == pytest.approx(0.1 * math.pi, rel=1e-4)
+    assert "loss factor of the target is not given and taken as 0" in effect.warning
+    lossy = {**STEEL, "loss_factor": 0.01}
+    bare = effect_of(scene({**STEEL, "youngs_modulus": "2 MPa"}, fm.HalfSpace(lossy)), "material_damping")
+    assert bare.state == NOT_JUDGED and bare.reason.startswith("missing: impactor.material.loss_factor")
+    by_modulus = fm.Scene(
+        fm.Sphere("5 mm", velocity="1 m/s", material=rubber),
+        fm.HalfSpace(),
+        fm.Contact("hertz", effective_modulus="1 MPa"),
+    )
+    share = 1e6 * (1 - 0.3**2) / 2e6
+    assert effect_of(by_modulus, "material_damping").value == pytest.approx(0.1 * share)
+
+
+def test_a_plate_thicker_than_the_way_of_its_waves_radiates_as_a_half_space():
+    half_space = effect_of(scene(velocity="5 m/s"), "wave_losses")
+    thick, between, thin = (
+        effect_of(scene(target=fm.Plate(STEEL, thickness=h), velocity="5 m/s"), "wave_losses")
+        for h in ("200 mm", "30 mm", "4 mm")
+    )
+    assert half_space.state == thick.state == NOT_MODELLED
+    assert thick.change == pytest.approx(half_space.change, rel=1e-3)
+    assert "before a wave returns" in thick.reason
+    assert "upper bound" in between.reason and between.change <= half_space.change
+    assert (thin.state, thin.change) == (NOT_NEEDED, 0.0)
+
+
+def whole_ball(ratio, slope, terms=400):
+    """Fraction by which an elastic sphere under Hertz's pressure and inertia approaches less than a half-space.
+
+    Unit radius and modulus. Surface displacements by Legendre series (Lur'e, Three-Dimensional Problems of the Theory
+    of Elasticity): degree 0 is uniform compression, degree 1 is balanced by inertia, relative to the centre of mass.
+    """
+    shear, lame = 1 / (2 * (1 + ratio)), ratio / ((1 + ratio) * (1 - 2 * ratio))
+    n = np.arange(2.0, terms)
+    b = -(n * n + 2 * n - 1 + 2 * ratio) / (n - 1)
+    stress = 2 * shear * ((n + 1) * (n * n - n - 2 - 2 * ratio) + b * n * (n - 1))
+    soft = np.concatenate(
+        [[1 - 2 * ratio, 1.2 / (4 * shear + 6 * lame)], ((n + 1) * (n - 2 + 4 * ratio) + b * n) / stress]
+    )
+
+    def excess(a):
+        """Elastic energy over that of the half-space, over the square of the load."""
+        x, w = np.polynomial.legendre.leggauss(100)
+        s, pressure = a * np.sin((x + 1) * math.pi / 4), np.cos((x + 1) * math.pi / 4)
+        c = np.sqrt(1 - s * s)
+        weight = pressure * s * a * pressure / c * w * math.pi / 4  # pressure on rings, over 2π
+        polynomials = np.polynomial.legendre.legvander(c, terms - 1)
+        degree = np.arange(terms)
+        parts = (2 * degree + 1) / 2 * (weight @ polynomials)
+        energy = 0.5 * (parts**2 * soft * 4 * math.pi / (2 * degree + 1)).sum()
+        load, flat = 2 * math.pi * (weight * c).sum(), 2 * math.pi * a * a / 3
+        return energy / load**2 - 2 * math.pi**2 * (1 - ratio**2) / (8 * a) * (8 / 15) * a**4 / flat**2
+
+    gradient = (excess(slope * 1.05) - excess(slope / 1.05)) / math.log(1.05**2)
+    return -(2 * excess(slope) + gradient / 3) * 4 * slope / (3 * (1 - ratio**2))
+
+
+@pytest.mark.parametrize("ratio", [0.2, 0.3, 0.45])
+def test_the_stiffening_of_a_whole_ball_against_its_series(ratio):
+    for slope in (0.1, 0.2):
+        assert elastic_ball.stiffening(ratio, slope) == pytest.approx(whole_ball(ratio, slope), rel=0.03)
+
+
+@pytest.mark.parametrize(("slope", "change"), [(0.05, 0.022), (0.1, 0.047), (0.2, 0.10)])
+def test_small_slope_of_an_elastic_ball_on_a_rigid_target(slope, change):
+    soft = {**STEEL, "youngs_modulus": "1 GPa"}
+    speed = math.sqrt(16 / 15 * 1e9 / (1 - 0.3**2) * slope**5 / (7850 * 4 / 3 * math.pi))
+    effect = effect_of(scene(soft, fm.HalfSpace(RIGID), f"{speed!r} m/s"), "small_slope")
+    assert effect.value == pytest.approx(slope, rel=0.02)
+    assert effect.change == pytest.approx(change, rel=0.06)
+    assert effect.state == NOT_MODELLED
+    hard = effect_of(scene(RIGID, fm.HalfSpace(soft), "1 m/s"), "small_slope")
+    assert hard.change == pytest.approx(hard.value**2 / 15, rel=0.05)  # Sneddon's rigid sphere
+
+
+def test_two_balls_are_each_compressed_by_their_share():
+    soft = {**STEEL, "youngs_modulus": "1 GPa"}
+    twins = effect_of(scene(soft, fm.Body(soft, radius="5 mm"), "5 m/s"), "small_slope")
+    slope = twins.value / 2  # a/R of each ball; the effective radius is half of theirs
+    assert twins.change == pytest.approx(elastic_ball.stiffening(0.3, slope) + twins.value**2 / 15, rel=1e-2)
+
+
+def test_small_slope_without_the_materials_is_judged_only_if_it_cannot_matter():
+    def of(velocity):
+        ball = fm.Sphere("5 mm", velocity=velocity, mass="4 g")
+        return effect_of(fm.Scene(ball, fm.HalfSpace(), fm.Contact("hertz", effective_modulus="1 GPa")), "small_slope")
+
+    assert of("1 mm/s").state == NOT_NEEDED
+    assert of("1 m/s").state == NOT_JUDGED and "impactor.material" in of("1 m/s").reason
+
+
+def test_no_law_is_valid_deeper_than_the_radius():
+    heavy = scene({**STEEL, "yield_strength": "250 MPa"}, contact=fm.Contact("big-alabo"), mass="4 t")
+    effect = effect_of(heavy, "small_slope")
+    depth = fm.simulate(heavy).summary["maximum_indentation"] / 5e-3
+    assert effect.state == NOT_MODELLED
+    assert f"{depth:.2g}" in effect.warning and depth > 1.0
+    with pytest.raises(fm.SimulationError, match="ends where a = R"):
+        fm.simulate(heavy.replace({"contact.law": "auto"}))
+
+
+@pytest.mark.parametrize("factor", [2000.0, 1 / 2000.0])
+def test_a_mass_far_from_that_of_a_ball_is_remarked(factor):
+    ball = 7850 * 4 / 3 * math.pi * 5e-3**3
+    (remark,) = [w for w in fm.simulate(scene(mass=f"{factor * ball!r} kg")).warnings if w.startswith("impactor.mass")]
+    assert f"{factor:.3g} times density × volume" in remark
+    assert not [w for w in fm.simulate(scene(mass=f"{100 * ball!r} kg")).warnings if w.startswith("impactor.mass")]
+    speeds = {"impactor.velocity": ["1 m/s", "2 m/s"]}
+    swept = film_datasets.sweep(scene(mass=f"{factor * ball!r} kg"), speeds)
+    assert "times density × volume" in swept.attrs["warnings"]
+
+
+def test_the_sentence_about_gravity_agrees_with_its_number():
+    rng, seen = np.random.default_rng(3), set()
+    for _ in range(60):
+        material = {**STEEL, "youngs_modulus": f"{10 ** rng.uniform(7, 11.3)!r} Pa", "yield_strength": "300 MPa"}
+        target = fm.Plate(material, thickness="20 mm") if rng.integers(2) else fm.HalfSpace(material)
+        speed = f"{10 ** rng.uniform(-2.5, 0.5)!r} m/s"
+        for effect in choose(scene(material, target, speed, fm.Contact("auto"), radius="10 mm")).effects:
+            if None in (effect.value, effect.threshold, effect.change) or effect.name == "adhesion":
+                continue
+            if effect.name in ("gravity", "target_motion", "small_slope", "wave_losses", "material_damping"):
+                assert (effect.value > effect.threshold) == (effect.change > 0.01), effect
+            if effect.name == "gravity" and effect.state in (SIMULATED, NOT_NEEDED):
+                seen.add(effect.state)
+                assert effect.simulated == (effect.change > 0.01)
+                assert "not small" not in effect.reason
+    assert seen == {SIMULATED, NOT_NEEDED}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("theory", "state"), [("euler-bernoulli", NOT_JUDGED), ("timoshenko", NOT_NEEDED)])
+def test_shear_is_not_judged_where_contact_comes_back(theory, state):
+    beam = fm.Beam(STEEL, length="300 mm", width="20 mm", thickness="8 mm", theory=theory)
+    history = fm.simulate(scene(target=beam, radius="12 mm"), accuracy=1e-2)
+    effect = next(effect for effect in history.effects if effect.name == "thickness")
+    assert effect.state == state
+    assert ("contact may be lost and come back" in effect.reason) is (state == NOT_JUDGED)
+    (warning,) = [warning for warning in history.warnings if "contacts:" in warning]
+    assert ("shear of the beam" in warning) is (state == NOT_JUDGED)
+
+
+def test_a_catalogue_material_without_a_rate_coefficient_is_a_warning():
+    yielding = scene("stainless steel 304", fm.HalfSpace("stainless steel 304"), contact=fm.Contact("auto"))
+    effect = effect_of(yielding, "strain_rate")
+    assert effect.state == NOT_MODELLED
+    assert f"{effect.value:.3g} 1/s" in effect.warning and "stainless steel 304" in effect.warning
+    own = {**STEEL, "yield_strength": "215 MPa"}  # the scene's own strength may hold at this rate
+    assert effect_of(scene(own, fm.HalfSpace(own), contact=fm.Contact("auto")), "strain_rate").state == NOT_JUDGED
+    mild = effect_of(scene("mild steel", fm.HalfSpace("mild steel"), contact=fm.Contact("auto")), "strain_rate")
+    assert mild.state == NOT_MODELLED and mild.change > 0.01
+
+
+def test_brittle_bodies_beyond_their_strength_may_crack():
+    effect = effect_of(scene(GLASS, fm.HalfSpace(GLASS)), "fracture")
+    summary = fm.simulate(scene(GLASS, fm.HalfSpace(GLASS))).summary
+    peak = 1.5 * summary["maximum_force"] / (math.pi * 5e-3 * summary["maximum_indentation"])
+    assert effect.value == pytest.approx((1 - 2 * 0.22) * peak / 3 / 45e6, rel=1e-3)
+    assert effect.state == NOT_MODELLED
+    assert "Auerbach" in effect.warning and f"{effect.value:.3g} times" in effect.warning
+    assert effect_of(scene(GLASS, fm.HalfSpace(GLASS), "0.5 mm/s"), "fracture").state == NOT_NEEDED
+    assert "tensile_strength" in effect_of(scene(), "fracture").reason
+    assert catalogue()["float glass, toughened"].tensile_strength == 120e6
+
+
+def test_surface_energies_bound_the_adhesion_of_small_balls():
+    ball = scene("PMMA", fm.HalfSpace("PMMA"), "10 mm/s", radius="20 um")
+    work = fm.Contact("hertz", work_of_adhesion="0.082 J/m^2")
+    given = scene("PMMA", fm.HalfSpace("PMMA"), "10 mm/s", work, radius="20 um")
+    found, same = effect_of(ball, "adhesion"), effect_of(given, "adhesion")
+    assert found.value == pytest.approx(same.value, rel=1e-12)
+    assert (found.value < found.threshold) == (found.change > 0.01)
+    assert "surface energies" in found.reason
+
+
+def test_an_oblique_impact_simulates_the_normal_component_and_says_what_it_leaves_out(tmp_path, capsys):
+    oblique = scene(velocity="2 m/s", angle="60 deg")
+    normal = scene(velocity=f"{2 * math.cos(math.radians(60))!r} m/s")
+    history = fm.simulate(oblique)
+    assert history.summary == pytest.approx(fm.simulate(normal).summary, rel=1e-12)
+    effect = effect_of(oblique, "obliqueness")
+    assert (effect.state, effect.value) == (NOT_MODELLED, pytest.approx(60.0))
+    assert "1.732 m/s" in effect.warning and "friction and spin" in effect.warning
+    restitution = history.summary["coefficient_of_restitution"]
+    assert f"µ = {2 * math.tan(math.radians(60)) / (7 * (1 + restitution)):.2g}" in effect.warning
+    assert effect.warning in history.warnings and effect.warning in film_datasets.to_dataset(history).attrs["warnings"]
+    assert (effect_of(normal, "obliqueness").state, effect_of(normal, "obliqueness").change) == (NOT_NEEDED, 0.0)
+    assert fm.Scene.from_text(oblique.to_toml()) == oblique
+    path = tmp_path / "scene.toml"
+    path.write_text(oblique.to_toml(), encoding="utf-8")
+    assert main(["run", str(path)]) == 0
+    assert effect.warning in capsys.readouterr().err
+
+
+def test_angles_of_many_impacts():
+    angles = np.radians([0.0, 30.0, 60.0])
+    swept = film_datasets.sweep(scene(angle="10 deg"), {"impactor.angle": ["0 deg", "30 deg", "60 deg"]})
+    for angle, force in zip(angles, swept.maximum_force.values, strict=True):
+        alone = fm.simulate(scene(velocity=f"{math.cos(angle)!r} m/s")).summary["maximum_force"]
+        assert force == pytest.approx(alone, rel=1e-4)
+    assert "obliqueness" in swept.attrs["warnings"]
+    with pytest.raises(fm.SceneError, match=r"Sphere\.angle: 30 has no unit, an angle is needed"):
+        scene(angle=30)
+    with pytest.raises(fm.SceneError, match=r"from 0 to 1\.5 rad"):
+        scene(angle="90 deg")
+
+
+def test_an_oblique_impact_that_does_not_end_still_says_so():
+    soft = {**STEEL, "youngs_modulus": "1 MPa"}
+    laid = scene(soft, fm.HalfSpace(soft), "0.1 mm/s", fm.Contact("hertz"), angle="45 deg")
+    assert effect_of(laid, "obliqueness").state == NOT_MODELLED

@@ -1,0 +1,225 @@
+"""Vibrations and static deflection of plates with any edges, against tables, closed forms and convergence."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+import film_model as fm
+from film_model.effects.choose import choose
+from film_model.targets import Modes, plate_statics, ritz
+from film_model.targets.line_functions import line
+from film_model.targets.modes import pulse_response
+from film_model.targets.plate_modes import plate_modes
+from film_model.targets.ritz import Panel, panel_compliance, panel_modes
+
+WORDS = {"S": "simply supported", "C": "clamped", "F": "free"}
+ISOTROPIC = (1.0, 0.3, 1.0, 0.35)
+OLSSON = (154.9, 4.76, 91.4, 8.97)
+OFF_CENTRE = (0.4137, 0.3721)
+
+
+def panel(letters, size=(1.0, 1.0), stiffness=ISOTROPIC, **supports):
+    """A plate of unit mass per area; letters: its edges at x = 0, x = a, y = 0, y = b."""
+    return Panel(1.0, stiffness, size, tuple(WORDS[letter] for letter in letters), **supports)
+
+
+LEISSA = {  # A. W. Leissa 1973, J. Sound Vib. 31:257, ω a² √(ρ/D) of square plates, ν = 0.3: exact where x is supported
+    "SSCC": (28.9509, 54.7431, 69.3270),
+    "SSCS": (23.6463, 51.6743, 58.6464),
+    "SSCF": (12.6874, 33.0651, 41.7019),
+    "SSSF": (11.6845, 27.7563, 41.1967),
+    "SSFF": (9.6314, 16.1348, 36.7256),
+}
+RITZ = {  # the same, by a few beam functions: upper bounds
+    "CCCC": (35.992, 73.413, 73.413),
+    "CCCF": (24.020, 40.039, 63.493),
+    "CSCS": (27.056, 60.544, 60.791),
+    "CFCF": (6.942, 24.034, 26.681),
+    "CFFF": (3.4917, 8.5246, 21.429),
+    "SFSF": (3.3687, 17.407, 19.367),
+    "FFFF": (0.0, 0.0, 0.0, 13.489, 19.789, 24.432),
+}
+
+
+@pytest.mark.parametrize("edges", LEISSA)
+def test_frequencies_of_levys_plates(edges):
+    got = panel_modes(panel(edges), OFF_CENTRE, 80.0).frequency
+    assert got[:3] == pytest.approx(LEISSA[edges], abs=1e-4)
+
+
+@pytest.mark.parametrize("edges", RITZ)
+def test_frequencies_of_leissas_table(edges):
+    table = np.array(RITZ[edges])
+    got = panel_modes(panel(edges), OFF_CENTRE, 80.0).frequency[: table.size]
+    assert (got <= table).all() and got == pytest.approx(table, rel=0.011, abs=1e-9)
+
+
+def test_clamped_square_plate():
+    """First frequency 35.985 (Leissa 35.992), deflection 0.00560 F a²/D at the centre (Timoshenko 1959, Table 37)."""
+    clamped = panel("CCCC")
+    assert panel_modes(clamped, (0.5, 0.5), 100.0).frequency[0] == pytest.approx(35.9852, abs=1e-4)
+    assert panel_compliance(clamped, (0.5, 0.5)) == pytest.approx(0.005612, abs=1e-6)
+
+
+def test_plates_that_nothing_holds():
+    """Three motions as a rigid body, and the next frequencies by Gorman and others: 13.468, 19.596, 24.270."""
+    free = panel_modes(panel("FFFF"), OFF_CENTRE, 60.0)
+    assert free.frequency[:3].tolist() == [0.0, 0.0, 0.0]
+    assert free.frequency[3:6] == pytest.approx([13.468, 19.596, 24.270], abs=1e-3)
+    x, y = OFF_CENTRE
+    assert free.share[:3].sum() == pytest.approx(1 + 12 * (x - 0.5) ** 2 + 12 * (y - 0.5) ** 2, rel=1e-9)
+    assert np.isfinite(free.compliance)
+    hinged = panel_modes(panel("SFFF"), (0.7, 0.4), 60.0)
+    assert hinged.frequency[0] == 0.0 and hinged.share[0] == pytest.approx(3 * 0.7**2, rel=1e-9)
+    assert hinged.frequency[1] == pytest.approx(6.644, abs=1e-3)
+
+
+@pytest.mark.parametrize("stiffness", [ISOTROPIC, OLSSON])
+def test_ritz_equals_the_closed_form_of_simple_supports(stiffness):
+    """A bed of no stiffness changes nothing but the path; a bed adds k_f/ρ_A to every ω²."""
+    size, place, highest = (1.0, 1.3), (0.31, 0.57), 40.0 * math.sqrt(stiffness[0])
+    exact = plate_modes(1.0, stiffness, size, place, highest)
+    got = panel_modes(panel("SSSS", size, stiffness), place, highest)
+    assert got.frequency == pytest.approx(exact.frequency, rel=1e-9)
+    assert got.share == pytest.approx(exact.share, rel=1e-6)
+    bed = panel_modes(panel("SSSS", size, stiffness, foundation=3.0), place, highest)
+    assert bed.frequency[:5] ** 2 == pytest.approx(exact.frequency[:5] ** 2 + 3.0, rel=1e-9)
+
+
+def test_stiff_springs_hold_an_edge_and_soft_springs_carry_the_plate():
+    stiff = panel_modes(panel("FFFF", springs=(1e7,) * 4), OFF_CENTRE, 60.0).frequency
+    assert stiff[:3] == pytest.approx([19.739, 49.348, 49.348], rel=1e-4)
+    soft = panel_modes(panel("FFFF", springs=(1e-4,) * 4), OFF_CENTRE, 60.0)
+    assert soft.frequency[0] == pytest.approx(math.sqrt(4e-4), rel=1e-4)  # as a rigid body on four springs
+    assert not ritz.loose(panel("FFFF", springs=(1e-4, 0.0, 1e-4, 0.0)))
+    assert ritz.loose(panel("FFFF", springs=(1e-4, 0.0, 0.0, 0.0))) and ritz.loose(panel("SFFF"))
+    assert not ritz.loose(panel("SFSF")) and not ritz.loose(panel("FFFF", foundation=1e-6))
+
+
+@pytest.mark.parametrize("letters", ["CCCC", "FFFF", "CFFF"])
+def test_frequencies_converge(letters):
+    """The functions that Ritz's method takes for a low limit and for a high one agree."""
+    few = panel_modes(panel(letters), OFF_CENTRE, 100.0).frequency
+    many = panel_modes(panel(letters), OFF_CENTRE, 700.0).frequency[: few.size]
+    assert few == pytest.approx(many, rel=3e-4, abs=1e-6)
+    assert few[:4] == pytest.approx(many[:4], rel=1e-5 if letters != "CFFF" else 1e-4, abs=1e-9)
+
+
+@pytest.mark.parametrize("ends", list(itertools.product(WORDS.values(), repeat=2)))
+def test_functions_on_a_line(ends):
+    functions, unit = line(ends, 24), 2 / (2 * np.arange(61) + 1)
+    gram = (functions.polynomials * unit) @ functions.polynomials.T
+    assert np.abs(gram - np.eye(len(gram))).max() < 1e-9
+    for s, end in zip((-1.0, 1.0), ends, strict=True):
+        assert end == "free" or np.abs(functions.at(s)).max() < 1e-9
+    rigid = {"free": 1, "simply supported": 0, "clamped": -9}
+    assert np.count_nonzero(functions.bent == 0.0) == max(0, rigid[ends[0]] + rigid[ends[1]])
+
+
+# ---------------------------------------------------------------- static deflection
+
+
+@pytest.mark.parametrize("stiffness", [ISOTROPIC, OLSSON, (100.0, 50.0, 20.0, 300.0)])
+@pytest.mark.parametrize("place", [(0.5, 0.5), (0.03, 0.1), (0.3, 0.37)])
+def test_levys_solution_equals_naviers(stiffness, place):
+    levy = plate_statics.levy_compliance(stiffness, (1.0, 1.0), (WORDS["S"],) * 2, place)
+    assert levy == pytest.approx(plate_statics.plate_compliance(stiffness, (1.0, 1.0), place), rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("letters", "place"),
+    [("CCCC", (0.3, 0.37)), ("CFFF", (1.0, 0.5)), ("CFFF", (0.5, 0.5)), ("FFFF", (1.0, 0.9)), ("CFCS", (0.9, 0.2))],
+)
+def test_the_static_deflection_is_that_of_all_vibrations(letters, place):
+    """The sum over the vibrations approaches it as the highest frequency grows, as 1/ω: two sums extrapolate it."""
+    own = panel(letters, stiffness=(1.3, 0.3, 0.8, 0.4))
+    low, high = (panel_modes(own, place, highest).compliance for highest in (500.0, 1000.0))
+    static = panel_compliance(own, place)
+    assert low < high < static
+    assert static == pytest.approx(2 * high - low, rel=5e-3)
+
+
+@pytest.mark.slow
+def test_turned_plates_are_the_same():
+    one = panel("CFSS", (1.0, 0.6), OLSSON, springs=(0.0, 40.0, 0.0, 0.0))
+    other = panel("SSCF", (0.6, 1.0), (OLSSON[2], OLSSON[1], OLSSON[0], OLSSON[3]), springs=(0.0, 0.0, 0.0, 40.0))
+    assert panel_compliance(one, (0.7, 0.2)) == pytest.approx(panel_compliance(other, (0.2, 0.7)), rel=1e-9)
+    a, b = panel_modes(one, (0.7, 0.2), 900.0), panel_modes(other, (0.2, 0.7), 900.0)
+    assert a.frequency == pytest.approx(b.frequency, rel=1e-8) and a.share == pytest.approx(b.share, rel=1e-5)
+
+
+# ---------------------------------------------------------------- as a target
+
+
+def plate(**options):
+    return fm.Plate("mild steel", "4 mm", size=["200 mm", "150 mm"], **options)
+
+
+def test_edges_of_a_scene():
+    cantilever = plate(
+        edges=["clamped", "free", "free", "free"], position=["200 mm", "75 mm"], damping_ratio=[0.1, 0.02]
+    )
+    assert cantilever.held and not plate(edges="free").held
+    modes = cantilever.modes(1e5)
+    assert modes.damping_ratio[:3].tolist() == [0.1, 0.02, 0.02]
+    assert plate(edges=["free"] * 4).edges == "free"
+    scene = fm.Scene(fm.Sphere("5 mm", "1 m/s", material="mild steel"), cantilever, fm.Contact("hertz"))
+    assert fm.Scene.from_text(scene.to_toml()) == scene
+    carried = plate(edges="free", edge_stiffness=["1 MN/m^2", "0 N/m^2", "1 MN/m^2", "0 N/m^2"], damping_ratio=0.01)
+    scene = fm.Scene(scene.impactor, carried, scene.contact)
+    assert fm.Scene.from_text(scene.to_toml()) == scene and carried.held
+
+
+def test_free_edges_may_be_struck():
+    scene = fm.Scene(
+        fm.Sphere("5 mm", "1 m/s", material="mild steel"),
+        plate(edges=["clamped", "free", "free", "free"], position=["200 mm", "75 mm"]),
+        fm.Contact("hertz"),
+    )
+    found = {effect.name: effect for effect in choose(scene).effects}
+    assert (
+        found["boundary_reflections"].state == "simulated"
+        and "struck on an edge" in found["boundary_reflections"].reason
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"edges": ["clamped", "free"]}, "Plate.edges: a list has 2 values: .* or a list of 4"),
+        ({"edges": ["clamped", "free", "free", "hinged"]}, 'Plate.edges: "hinged" is not allowed'),
+        ({"edges": "clampd"}, 'did you mean "clamped"'),
+        ({"edges": "clamped", "position": ["0 mm", "75 mm"]}, "0 m must be > 0 m and < 0.2 m: a support"),
+        (
+            {"edges": ["free", "clamped", "free", "free"], "position": ["200 mm", "0 m"]},
+            ">= 0 m and < 0.2 m: a support",
+        ),
+        ({"edge_stiffness": "1 MN/m^2"}, "the edge x = 0 is simply supported: an elastic support needs a free edge"),
+        ({"edges": "free", "edge_stiffness": "1 MN/m"}, "is a stiffness, a stiffness per length is needed"),
+        ({"foundation_stiffness": "-1 N/m^3"}, "must be >= 0"),
+        ({"damping_ratio": 1.5}, "is out of range: from 0 to 0.999"),
+        ({"damping_ratio": []}, "has 0 values"),
+        ({"damping_ratio": [0.1, -0.1]}, "must be >= 0"),
+    ],
+)
+def test_mistakes_of_supports(options, message):
+    with pytest.raises(fm.SceneError, match=message) as caught:
+        plate(**options)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_too_many_functions_are_refused_with_a_sentence():
+    with pytest.raises(fm.SimulationError, match="functions that interact, but at most 2000 are allowed"):
+        panel_modes(panel("CCCC"), (0.4, 0.3), 2e5)
+    with pytest.raises(fm.SimulationError, match="functions that interact"):
+        panel_modes(panel("CCCC"), (0.4, 0.3), 1e12)
+
+
+def test_response_to_a_half_sine():
+    """One mode, far slower and far faster than the half-sine: ∫∫F/M, and F/k."""
+    for rate, expected in ((1e-3, (math.pi / 2 - 1) / (2.0 * math.pi**2)), (1e5, 1 / (2.0 * 1e10))):
+        mode = Modes(np.array([rate]), np.array([0.5]))
+        got = pulse_response(lambda _, mode=mode: mode, mode.compliance, 1.0)
+        assert got == pytest.approx(expected, rel=2e-4)

@@ -1,4 +1,4 @@
-"""Impacts as FMUs (FMI 2.0 and 3.0): `export` a scene, `run` the FMU, `check` it against the library."""
+"""Impacts as FMUs (FMI 2.0 and 3.0): `export` a scene, `run` and `check` the FMU; `export_ssp` for systems."""
 
 from __future__ import annotations
 
@@ -10,16 +10,19 @@ if TYPE_CHECKING:
     from fmu_wrapper.check import Report, check
     from fmu_wrapper.cosimulation import run
     from fmu_wrapper.export import export
+    from fmu_wrapper.ssp import Package, export_ssp
 
 _HOMES = {
+    "Package": "fmu_wrapper.ssp",
     "Report": "fmu_wrapper.check",
     "check": "fmu_wrapper.check",
     "export": "fmu_wrapper.export",
+    "export_ssp": "fmu_wrapper.ssp",
     "run": "fmu_wrapper.cosimulation",
     "served": "fmu_wrapper.assumptions",
 }
 
-__all__ = ["Report", "check", "export", "run", "served"]
+__all__ = ["Package", "Report", "check", "export", "export_ssp", "run", "served"]
 
 
 def __getattr__(name: str) -> Any:

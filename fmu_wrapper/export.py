@@ -93,7 +93,7 @@ def export(
         suffix = Path(platforms.built_library()).suffix if where is None else where.suffix
         files[f"binaries/{platforms.folder(on, version)}/{names.identifier}{suffix}"] = binary
     with written_whole(target) as beside:
-        beside.write_bytes(_zipped(files))
+        beside.write_bytes(zipped(files))
     return target
 
 
@@ -221,7 +221,8 @@ def _build_description(identifier: str, sources: list[str]) -> bytes:
     ).encode()
 
 
-def _zipped(files: dict[str, bytes]) -> bytes:
+def zipped(files: dict[str, bytes]) -> bytes:
+    """A ZIP file of contents by name; the same contents give the same bytes."""
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
         for name, content in files.items():

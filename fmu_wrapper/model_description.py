@@ -86,6 +86,13 @@ def fmi_unit(dimension: str) -> str:
     return scene_unit(dimension).replace("*", ".").replace("^", "") or "1"
 
 
+def base_unit(dimension: str) -> dict[str, str]:
+    """Exponents of the SI units that make up the unit of a dimension."""
+    size, powers = parse_unit(scene_unit(dimension))
+    assert size == 1.0
+    return {name: str(int(power)) for name, power in zip(("kg", "m", "s"), powers, strict=True) if power}
+
+
 def model_description(
     data: Data,
     version: FmiVersion,
@@ -182,10 +189,7 @@ def _units(root: ET.Element, chosen: list[Variable]) -> None:
     for dimension in dict.fromkeys(v.dimension for v in chosen if v.dimension not in (None, "dimensionless")):
         assert dimension is not None
         unit = ET.SubElement(units, "Unit", name=fmi_unit(dimension))
-        size, powers = parse_unit(scene_unit(dimension))
-        assert size == 1.0
-        names = zip(("kg", "m", "s"), powers, strict=True)
-        ET.SubElement(unit, "BaseUnit", {name: str(int(power)) for name, power in names if power})
+        ET.SubElement(unit, "BaseUnit", base_unit(dimension))
         if dimension in DISPLAY:
             shown, factor = DISPLAY[dimension]
             ET.SubElement(unit, "DisplayUnit", name=shown, factor=repr(factor))

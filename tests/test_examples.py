@@ -267,7 +267,8 @@ def test_reference_pages(tmp_path):
     copy = Path(shutil.copy(kept, tmp_path))
     *pages, picture, readme = example("reference_pages").main(tmp_path, copy)
     for page in pages:
-        assert page.read_text(encoding="utf-8") == (EXAMPLES.parent / "docs" / page.name).read_text(encoding="utf-8")
+        kept_page = EXAMPLES.parent / "docs" / page.relative_to(tmp_path)
+        assert page.read_text(encoding="utf-8") == kept_page.read_text(encoding="utf-8")
     assert readme.read_text(encoding="utf-8") == kept.read_text(encoding="utf-8")
     assert is_png(picture) and (EXAMPLES.parent / "docs" / picture.name).exists()
 

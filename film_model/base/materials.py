@@ -19,12 +19,12 @@ from film_model.base.units import Value
 class Material:
     """An isotropic elastic material. Quantities go in, SI floats are stored.
 
-    youngs_modulus: Pa. poissons_ratio: dimensionless. density: kg/m³. yield_strength: Pa, None for a brittle
-    material or if unknown. source: where the values come from.
+    name: in messages. youngs_modulus: Pa. poissons_ratio: dimensionless. density: kg/m³. yield_strength: Pa; none for a
+    brittle material or if unknown. source: where the values come from.
 
-    Used only to estimate effects that are not simulated: loss_factor, tan δ at the frequency of the contact;
-    strain_rate_coefficient, C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength; tensile_strength
-    of a brittle material, Pa; surface_energy, J/m².
+    The others serve only to estimate effects that are not simulated. loss_factor: tan δ at the frequency of the
+    contact. strain_rate_coefficient: C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength.
+    tensile_strength: of a brittle material, Pa. surface_energy: J/m².
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {

@@ -15,7 +15,10 @@ _STIFFNESS = measure("bending_stiffness", 1e-30, 1e18, required=True)
 
 @dataclass(frozen=True, init=False)
 class BendingStiffness:
-    """Bending stiffnesses of an orthotropic plate, N·m."""
+    """Bending stiffnesses of an orthotropic plate, N·m.
+
+    D11: along the first side. D12: coupling of both curvatures. D22: along the second side. D66: of twist.
+    """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
         "D11": _STIFFNESS,

@@ -15,9 +15,10 @@ from film_model.targets.target import AbstractTarget
 
 @dataclass(frozen=True, init=False)
 class Body(AbstractTarget):
-    """A free body: a second ball. velocity: m/s, positive in the impactor's direction; default 0.
+    """A free body: a second ball.
 
-    radius: m; or, to the constructor, diameter.
+    material: name or table. radius: m; or, to the constructor, diameter. mass: kg; default density × sphere volume.
+    velocity: m/s, positive in the impactor's direction; default 0.
     """
 
     kind: ClassVar[str] = "body"

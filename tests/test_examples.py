@@ -273,6 +273,21 @@ def test_reference_pages(tmp_path):
     assert is_png(picture) and (EXAMPLES.parent / "docs" / picture.name).exists()
 
 
+GUIDES = example("guides")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", GUIDES.PAGES, ids=lambda path: path.stem)
+def test_guides(path, tmp_path):
+    """The commands of each page print what the page says, and draw its pictures."""
+    if path.stem == "couple_the_fmu":
+        pytest.importorskip("casadi"), pytest.importorskip("libcosimpy")
+    text = path.read_text(encoding="utf-8")
+    assert GUIDES.page(text, tmp_path) == text
+    for picture in GUIDES.PICTURE.findall(text):
+        assert is_png(tmp_path / picture) and (path.parent / picture).exists()
+
+
 @pytest.mark.slow
 def test_tune_drop_height():
     pytest.importorskip("casadi")

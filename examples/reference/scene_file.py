@@ -67,7 +67,7 @@ EXAMPLES = {
 
 def meanings(owner: type) -> dict[str, str]:
     """What each field means: the class's docstring has "name: meaning." for each."""
-    text = " ".join(inspect.cleandoc(owner.__doc__ or "").split())
+    text = " ".join(inspect.cleandoc(owner.__doc__ or "").partition("\n>>>")[0].split())
     names = "|".join([*owner.FIELDS, "parameters"])
     found = list(re.finditer(rf"(?:(?<=[.;,] )|(?<=or )|(?<=and )|^)({names}): ", text))
     ends = [match.start() for match in found[1:]] + [len(text)]

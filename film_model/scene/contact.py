@@ -42,6 +42,9 @@ class Contact:
     yield_strength: of the body that yields, Pa; default from the materials. poissons_ratio: of the body that yields;
     default from the materials. unloading: "brake" (Brake's rule) or "retrace", instead of the law's own unloading.
     work_of_adhesion: J/m², used to estimate adhesion. parameters: the law's own, by name, in SI units.
+
+    >>> fm.Contact("tsuji", restitution=0.8).parameters
+    {'restitution': 0.8}
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {

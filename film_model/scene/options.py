@@ -26,6 +26,9 @@ class Effects:
     tolerance: "auto" simulates an effect if neglecting it would change a summary value by more than this relative
     amount. An effect that would, but cannot be simulated, causes a warning. Default: 1 %, or the requested accuracy if
     that is larger. A finer accuracy does not lower it, so that refining a mesh does not change the physics.
+
+    >>> fm.Effects(gravity=True, tolerance=0.05).gravity
+    True
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
@@ -61,6 +64,9 @@ class Solver:
 
     accuracy: relative, of every summary value, default 1e-4; or segments: number per stage. linearisation: of the
     force, "work-preserving", or "chord" as in the paper.
+
+    >>> fm.Solver(segments=5, linearisation="chord").segments
+    5
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {

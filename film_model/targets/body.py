@@ -19,6 +19,9 @@ class Body(AbstractTarget):
 
     material: name or table. radius: m; or, to the constructor, diameter. mass: kg; default density × sphere volume.
     velocity: m/s, positive in the impactor's direction; default 0.
+
+    >>> round(fm.Body("mild steel", diameter="20 mm").own_mass, 5)  # kg
+    0.03288
     """
 
     kind: ClassVar[str] = "body"

@@ -20,6 +20,9 @@ from film_model.targets.waves import HERTZ_SQUARE, radiated_energy
 class HalfSpace(AbstractTarget):
     """A target so thick and wide that it does not move. material: name or table. radius: of a
     curved surface, m; default flat.
+
+    >>> fm.HalfSpace("mild steel").impedance
+    inf
     """
 
     kind: ClassVar[str] = "half-space"

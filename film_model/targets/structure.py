@@ -50,6 +50,9 @@ class Structure(AbstractTarget):
     damping_ratio: one number, or a list by ascending frequency; replaces that of the file. static_compliance:
     deflection over force at the struck point, m/N; default that of the vibrations together. A structure that is not
     held: without its motion as a whole. radius: of a curved surface, m.
+
+    >>> fm.Structure(frequency=["180 Hz", "410 Hz"], modal_mass=["0.9 kg", "1.4 kg"]).frequency
+    (180.0, 410.0)
     """
 
     kind: ClassVar[str] = "structure"

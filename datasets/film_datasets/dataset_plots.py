@@ -48,6 +48,8 @@ def plot(
 
     Raises ValueError for an unknown name, an argument that is not for such a dataset, a run without contact or a suffix
     other than .png, .svg and .pdf; ImportError without matplotlib; OSError if the file cannot be written.
+
+    >>> figure = fd.plot(fd.load("zener"), "restitution.png")
     """
     kind = kind_of(ds)
     given = [name for name, value in (("quantity", quantity), ("over", over), ("at", at)) if value]

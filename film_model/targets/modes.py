@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.errors import SimulationError
+from film_model.base.errors import TooManyModes
 
 Array = NDArray[np.float64]
 
@@ -61,9 +61,9 @@ def pulse_response(modes_up_to: Callable[[float], Modes], compliance: float, dur
 
 
 def check_count(count: float) -> None:
-    """SimulationError if `count` modes would need too much memory."""
+    """TooManyModes if `count` modes would need too much memory."""
     if count > MOST_MODES:
-        raise SimulationError(
+        raise TooManyModes(
             f"about {count:.1e} natural vibrations would be needed: the contact ends long before waves return from the "
             "edges, so set boundary_reflections = false in [effects]"
         )

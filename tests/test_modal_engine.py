@@ -321,3 +321,20 @@ def test_a_contact_that_is_not_resolved_is_refused():
     wide = fm.Plate(STEEL, "1 mm", size=["10 m", "10 m"], edges="clamped")
     with pytest.raises(fm.SimulationError, match="functions that interact, but at most 2000 are allowed: take simply"):
         fm.simulate(struck(wide, "1 mm", "1 m/s"))
+
+
+# ---------------------------------------------------------------- a clearance
+
+
+def test_a_clearance_only_delays_the_impact():
+    """Before the clearance is closed nothing moves but the ball; afterwards the motion is that without clearance."""
+    clear, velocity = 20e-6, 0.5
+    laws = (fm.Meyer(stiffness=1e10, exponent=1.5, initial_indentation=depth) for depth in (0.0, clear))
+    close, wide = (fm.simulate(struck(FEW, "10 mm", f"{velocity} m/s", law, "2 kg"), accuracy=1e-5) for law in laws)
+    for name, more in (("maximum_indentation", clear), ("time_of_maximum_indentation", clear / velocity)):
+        assert wide.summary[name] == pytest.approx(close.summary[name] + more, rel=1e-5), name
+    for name in ("maximum_force", "rebound_velocity", "energy_radiated"):
+        assert wide.summary[name] == pytest.approx(close.summary[name], rel=2e-5), name
+    changes = [event for event in wide.events if event.name == "stage_changes"]
+    assert changes[0].time == pytest.approx(clear / velocity, rel=1e-12)
+    assert wide.sample_si(0.5 * clear / velocity).contact_force == 0.0

@@ -291,7 +291,7 @@ def omitted_compliance(target: AbstractTarget, highest: float, unit: float) -> f
 
 def made(target: AbstractTarget, highest: float, longest: float) -> Structure:
     """The modes up to a frequency, with tables of their own. longest: step, s."""
-    modes = target.modes(highest)
+    modes = target.modes(highest).merged()
     if modes.frequency.size > MOST_MODES:
         raise TooManyModes(
             f"{modes.frequency.size} natural vibrations would be needed, more than {MOST_MODES}: the contact ends long "

@@ -6,10 +6,11 @@ import os
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from film_datasets.quantities import in_numbers
-from film_datasets.schema import HISTORY, kind_of, variables_of
+from film_datasets.schema import HISTORY, holds_text, kind_of, variables_of
 from film_model.base.files import written_whole
 
 SUFFIX, ZARR = ".nc", ".zarr"
@@ -90,7 +91,9 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def _indexed(ds: xr.Dataset) -> xr.Dataset:
-    """The dataset with an index for every coordinate of at most `MOST_INDEXED` values."""
+    """The dataset with an index for every coordinate of at most `MOST_INDEXED` values, and texts of fixed length."""
+    texts = [name for name, array in ds.variables.items() if holds_text(array)]
+    ds = ds.assign({name: ds[name].copy(data=np.array(ds[name].values.tolist(), np.str_)) for name in texts})
     along = [str(name) for name, array in ds.coords.items() if array.dims == (name,) and array.size <= MOST_INDEXED]
     for name in along:
         ds = ds.set_xindex(name)
@@ -123,7 +126,7 @@ def _encoding(ds: xr.Dataset) -> dict[str, Any]:
     deflate = {"zlib": True, "complevel": 1, "shuffle": True}
     return {
         str(name): {
-            **(deflate if array.dims and array.nbytes >= DEFLATE_FROM else {}),
+            **(deflate if array.dims and array.nbytes >= DEFLATE_FROM and not holds_text(array) else {}),
             "_FillValue": float("nan") if name in missing else None,
         }
         for name, array in ds.variables.items()

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_datasets.schema import Variable, swept_name, swept_variable
+from film_datasets.schema import Variable, flag_words, swept_name, swept_variable, swept_words
 from film_datasets.sweeps.designs import Array
 from film_model.base.fields import Field
 from film_model.base.units import si_unit
@@ -57,7 +57,28 @@ class Axis:
     def variable(self, dims: tuple[str, ...]) -> Variable:
         """Its variable in the schema."""
         unit = None if self.dimension == "meyer_stiffness" else si_unit(self.dimension)
+        if self.kind == "choices" and dims == (self.name,):
+            return swept_words(self.path, dims)
         return swept_variable(self.path, dims, unit, self.labels)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The choices in a dataset, each another word."""
+        return flag_words(self.labels)
+
+    @property
+    def meaning(self) -> str:
+        """What its values in a dataset stand for: its path, and of choices what each is."""
+        return "\n".join([self.path, *map(_toml_value, self.choices)])
+
+    def coordinate(self) -> NDArray[Any]:
+        """Its values along a dimension of its own: SI, or words."""
+        values = self.at(np.arange(self.count))
+        return np.array(self.words)[values] if self.kind == "choices" else values
+
+    def probes(self) -> Array:
+        """Different values of an axis of numbers, SI, to see what depends on it."""
+        return np.asarray(self.numbers) if self.kind == "values" else self.quantile(np.array([0.2, 0.5, 0.9]))
 
     def at(self, index: NDArray[np.intp]) -> Array | NDArray[np.int32]:
         """Values at places along the axis: SI, or numbers of choices."""

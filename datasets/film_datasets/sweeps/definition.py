@@ -14,8 +14,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.impacts import scene_with_numbers
+from film_datasets.scene_constants import common_constants, scene_key
 from film_datasets.scene_numbers import number_text
-from film_datasets.schema import Variable, sweep_variables, swept_name
+from film_datasets.schema import CONSTANTS, Variable, sweep_variables, swept_name
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.axis_reading import read_axes, swept_mistakes
 from film_datasets.sweeps.designs import DESIGNS, GRID, MOST_SAMPLES, SAMPLED, ZIP, points
@@ -23,6 +24,7 @@ from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all,
 from film_model.core.native import LINE_DTYPE
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.scene import Scene
+from film_model.scene.columns import scene_of_columns
 from film_model.scene.scene import NO_FILES
 from film_model.scene.toml import toml_table
 from film_model.solve.history import MOTION
@@ -141,7 +143,20 @@ class Sweep:
     def variables(self) -> tuple[Variable, ...]:
         """The schema's variables for this sweep: swept quantities, then what is kept."""
         swept = tuple(axis.variable((axis.name,) if self.design == GRID else ("impact",)) for axis in self.axes)
-        return (*swept, *sweep_variables(self.kept, self.dims))
+        constants = (variable for variable in CONSTANTS if variable.name in self.constants)
+        return (*swept, *sweep_variables(self.kept, self.dims), *constants)
+
+    @cached_property
+    def constants(self) -> dict[str, Any]:
+        """The values of the schema's `CONSTANTS` that are the same for all impacts."""
+        scenes = (self.combination(number) for number in self.combinations_used)
+        probed = (scene_of_columns(self.first, {a.path: a.probes()}) for a in self.axes if a.kind != "choices")
+        return common_constants(itertools.chain(scenes, probed))
+
+    @cached_property
+    def scene_key(self) -> int:
+        """See `film_datasets.scene_constants.scene_key`."""
+        return scene_key(self.scene.archived_text(), (axis.meaning for axis in self.axes))
 
     @property
     def bytes_per_impact(self) -> int:

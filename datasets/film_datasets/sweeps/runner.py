@@ -194,12 +194,16 @@ def _write_coordinates(sweep: Sweep, writer: Writer, blocks: Blocks, content: Co
         values = np.linspace(0.0, 1.0, sweep.dense)
         writer.put("normalised_time", (slice(None),), values)
         content.update("normalised_time", values)
+    for name, value in sweep.constants.items():
+        writer.put(name, (), value)
+        content.update(name, value)
     if sweep.dims == ("impact",):
         return
     for axis, chunk in zip(sweep.axes, blocks.shape, strict=True):
+        coordinate = axis.coordinate()
         step = chunk * max(1, (1 << 20) // chunk)  # whole chunks: part of a chunk would be read and written again
         for first in range(0, axis.count, step):
-            values = axis.at(np.arange(first, min(first + step, axis.count)))
+            values = coordinate[first : first + step]
             writer.put(axis.name, (slice(first, first + len(values)),), values)
             content.update(axis.name, values)
 

@@ -57,6 +57,7 @@ def sweep(
     samples: int | None = None,
     seed: int | None = None,
     keep: str = "summary",
+    correlation: Any = None,
     output: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     scheduler: Any = None,
@@ -68,12 +69,16 @@ def sweep(
     over: path in a scene file such as "impactor.velocity" → its values: a list (["250 MPa", "310 MPa"], a pint
     quantity that holds an array, or names such as those of laws and materials), {"from": "0.1 m/s", "to": "5 m/s",
     "count": 1000, "spacing": "log"}, or for sampled designs a distribution: {"normal": ["310 MPa", "15 MPa"]} or
-    "lognormal", mean and standard deviation, or {"uniform": [least, greatest]}.
+    "lognormal", mean and standard deviation; {"uniform": [least, greatest]}; "truncated-normal", mean, standard
+    deviation, least and greatest; "triangular", least, most likely, greatest; "weibull", shape and scale; "empirical",
+    observed values; or a tolerance, "10 mm ± 0.05 mm", uniform between its limits. Or a pandas DataFrame or xarray
+    Dataset with a row for each impact, whose columns are called "impactor.velocity [m/s]".
 
     design: "grid", every combination, with the swept quantities as dimensions; "zip", lists side by side; "random",
     "sobol" (scrambled; balanced for powers of two) or "latin-hypercube", with `samples` impacts and `seed` (1); these
-    draw from lists with equal probability and from ranges uniformly. keep: "summary"; "segments", the exact histories
-    too; "samples=201", histories at 201 normalised times too.
+    draw from lists with equal probability and from ranges uniformly. correlation: for these, a matrix with a row for
+    each swept quantity: of the normal deviates by whose probabilities they are drawn (Gaussian copula).
+    keep: "summary"; "segments", the exact histories too; "samples=201", histories at 201 normalised times too.
 
     output: FILE.nc or FILE.zarr, complete or not written at all; it is opened lazily. Without it the dataset is in
     memory. workers: threads, as many as there are cores unless given; scheduler: the address of a Dask scheduler, or a
@@ -85,7 +90,7 @@ def sweep(
     too large without an output.
     """
     base = scene if isinstance(scene, Scene) else Scene.from_toml(scene)
-    asked = Sweep.of(base, over, design, samples=samples, seed=seed, keep=keep)
+    asked = Sweep.of(base, over, design, samples=samples, seed=seed, keep=keep, correlation=correlation)
     return run_sweep(
         asked, output, workers=workers, scheduler=scheduler, resume=resume, overwrite=overwrite,
         command="film_datasets.sweep",

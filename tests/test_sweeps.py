@@ -513,7 +513,7 @@ def test_other_wrong_arguments(tmp_path: Path) -> None:
         fd.sweep(BALL, SPEEDS, keep="everything")
     with pytest.raises(ValueError, match="workers: 0"):
         fd.sweep(BALL, SPEEDS, workers=0)
-    with pytest.raises(ValueError, match=r'must end in "\.nc" or "\.zarr"'):
+    with pytest.raises(ValueError, match=r'must end in "\.nc", "\.zarr"'):
         fd.sweep(BALL, SPEEDS, output=tmp_path / "out.csv")
     with pytest.raises(FileNotFoundError, match="no folder"):
         fd.sweep(BALL, SPEEDS, output=tmp_path / "no" / "out.nc")

@@ -11,9 +11,13 @@ import xarray as xr
 
 from film_datasets.quantities import in_numbers
 from film_datasets.schema import HISTORY, holds_text, kind_of, variables_of
+from film_datasets.tables import TABLES, check_parquet, write_table
 from film_model.base.files import written_whole
 
 SUFFIX, ZARR = ".nc", ".zarr"
+
+WRITTEN = (SUFFIX, *TABLES)
+"""Suffixes of the files that `write` writes."""
 
 STORES = ("zarr.json", ".zgroup")
 """A folder that has one of these files is a Zarr store, of format 3 or 2."""
@@ -28,14 +32,15 @@ DEFLATE_FROM = 4096
 
 
 def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False) -> Path:
-    """Write `ds` to the netCDF-4 file `path` and return the path.
+    """Write `ds` to the netCDF-4 file `path`, or as a table (see `to_frame`) to a .csv, .parquet or .mat file.
 
     The file is written under another name in the same folder, flushed to the disk and renamed, so that `path` is never
     incomplete; the same dataset gives the same bytes. Long variables are shuffled and deflated at level 1. Quantities
     (`ds.film.quantify()`) are written as SI numbers.
 
-    Raises ValueError for a suffix other than .nc; FileExistsError if the file exists and `overwrite` is not set;
-    IsADirectoryError, FileNotFoundError, PermissionError or OSError if the file cannot be written.
+    Returns the path. Raises ValueError for another suffix; ImportError for Parquet without pyarrow; FileExistsError if
+    the file exists and `overwrite` is not set; IsADirectoryError, FileNotFoundError, PermissionError or OSError if the
+    file cannot be written.
     """
     if not isinstance(ds, xr.Dataset):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"write takes a dataset, not a {type(ds).__name__}: to_dataset converts a history")
@@ -44,6 +49,9 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     ds = in_numbers(ds)
     try:
         with written_whole(target) as beside:
+            if target.suffix in TABLES:
+                write_table(ds, target, beside)
+                return target
             ds.to_netcdf(beside, mode="w", format="NETCDF4", engine="netcdf4", encoding=_encoding(ds))
     except RuntimeError as error:  # the netCDF library raises it for a full disk
         raise OSError(f"{target}: cannot be written (is the disk full?): {error}") from error
@@ -101,9 +109,11 @@ def _indexed(ds: xr.Dataset) -> xr.Dataset:
 
 
 def check_file(target: Path, overwrite: bool) -> None:
-    """As `check_place`, for a netCDF file."""
-    if target.suffix != SUFFIX:
-        raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}"')
+    """As `check_place`, for a file that `write` writes."""
+    if target.suffix not in WRITTEN:
+        others = ", ".join(f'"{suffix}"' for suffix in TABLES)
+        raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}", that of a table in {others}')
+    check_parquet(target)
     check_place(target, overwrite)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from film_datasets.csv_measurement import split_heading
+from film_datasets.tables import NEEDS_PARQUET
 from film_model.base.errors import Mistake, SceneError, raise_all, shown
 from film_model.scene.toml import read_text
 
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SUFFIXES = (".csv", ".parquet")
-
-NEEDS_PARQUET = 'Parquet files need pyarrow: install film-model[parquet] (pip install "film-model[parquet]")'
 
 
 def is_table(given: object) -> bool:

@@ -274,9 +274,25 @@ def test_reference_pages(tmp_path):
     copy = Path(shutil.copy(kept, tmp_path))
     *pages, picture, readme = example("reference_pages").main(tmp_path, copy)
     for page in pages:
-        assert page.read_text(encoding="utf-8") == (EXAMPLES.parent / "docs" / page.name).read_text(encoding="utf-8")
+        kept_page = EXAMPLES.parent / "docs" / page.relative_to(tmp_path)
+        assert page.read_text(encoding="utf-8") == kept_page.read_text(encoding="utf-8")
     assert readme.read_text(encoding="utf-8") == kept.read_text(encoding="utf-8")
     assert is_png(picture) and (EXAMPLES.parent / "docs" / picture.name).exists()
+
+
+GUIDES = example("guides")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", GUIDES.PAGES, ids=lambda path: path.stem)
+def test_guides(path, tmp_path):
+    """The commands of each page print what the page says, and draw its pictures."""
+    if path.stem == "couple_the_fmu":
+        pytest.importorskip("casadi"), pytest.importorskip("libcosimpy")
+    text = path.read_text(encoding="utf-8")
+    assert GUIDES.page(text, tmp_path) == text
+    for picture in GUIDES.PICTURE.findall(text):
+        assert is_png(tmp_path / picture) and (path.parent / picture).exists()
 
 
 @pytest.mark.slow

@@ -49,6 +49,10 @@ def simulate(
 
     Raises SceneError for a bad option, SimulationError for a contact that the core cannot march, TypeError if `scene`
     is not a Scene.
+
+    >>> history = fm.simulate(scene)
+    >>> print(f"{history.maximum_force.to('kN'):.3f~P}")
+    1.189 kN
     """
     if not isinstance(scene, Scene):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"simulate takes a Scene, not {shown(scene)}: Scene.from_toml reads one from a file")

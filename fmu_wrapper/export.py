@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 import os
 import uuid
-import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -26,13 +24,13 @@ from film_model.solve.component import DEFAULT_SEGMENTS
 from film_model.solve.history import History
 from film_model.solve.simulate import simulate_chosen
 from fmu_wrapper import platforms, resource
+from fmu_wrapper.archive import zipped
 from fmu_wrapper.assumptions import segments_for_speeds, served, validity_of
 from fmu_wrapper.documentation import documentation
 from fmu_wrapper.model_description import Experiment, FmiVersion, Names, model_description, printable
 from fmu_wrapper.variables import KINDS, VARIABLES, Kind, reference
 
 _NAMESPACE = uuid.UUID("6c9a1e0e-53a4-5b0c-8f57-0a1d6b5b3c55")
-_ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # constant, so that the same export gives the same bytes
 
 
 def export(
@@ -219,15 +217,3 @@ def _build_description(identifier: str, sources: list[str]) -> bytes:
         "  </BuildConfiguration>\n"
         "</fmiBuildDescription>\n"
     ).encode()
-
-
-def zipped(files: dict[str, bytes]) -> bytes:
-    """A ZIP file of contents by name; the same contents give the same bytes."""
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-        for name, content in files.items():
-            entry = zipfile.ZipInfo(name, _ZIP_DATE)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
-            archive.writestr(entry, content)
-    return packed.getvalue()

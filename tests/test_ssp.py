@@ -1,6 +1,8 @@
 """SSP packages: schemas of SSP 1.0, parameter sets, and runs in libcosim (pip install "film-model[interop]")."""
 
 import io
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 import zipfile
 from dataclasses import replace
@@ -144,6 +146,12 @@ def test_libcosim_runs_a_package_as_simulate_does(packed, law, target, force, sp
     (after,) = observer.last_real_values(index["impactor"], [reference("impactor_velocity")])
     assert largest == pytest.approx(summary["maximum_force"], rel=force)
     assert after == pytest.approx(summary["rebound_velocity"], abs=speed * on.approach_velocity)
+
+
+@pytest.mark.slow
+def test_functions_are_not_hidden_by_modules_of_their_names():
+    text = "import fmu_wrapper as f; f.export_ssp; assert all(callable(getattr(f, name)) for name in f.__all__)"
+    subprocess.run([sys.executable, "-c", text], check=True)
 
 
 def test_the_command_writes_a_package(tmp_path, monkeypatch, capsys):

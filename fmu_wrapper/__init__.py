@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fmu_wrapper.assumptions import served
-    from fmu_wrapper.check import Report, check
+    from fmu_wrapper.checking import Report, check
     from fmu_wrapper.cosimulation import run
-    from fmu_wrapper.export import export
+    from fmu_wrapper.exporting import export
 
 _HOMES = {
-    "Report": "fmu_wrapper.check",
-    "check": "fmu_wrapper.check",
-    "export": "fmu_wrapper.export",
+    "Report": "fmu_wrapper.checking",
+    "check": "fmu_wrapper.checking",
+    "export": "fmu_wrapper.exporting",
     "run": "fmu_wrapper.cosimulation",
     "served": "fmu_wrapper.assumptions",
 }

@@ -515,7 +515,7 @@ def test_other_wrong_arguments(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="workers: 0"):
         fd.sweep(BALL, SPEEDS, workers=0)
     with pytest.raises(ValueError, match=r'must end in "\.nc", "\.zarr"'):
-        fd.sweep(BALL, SPEEDS, output=tmp_path / "out.csv")
+        fd.sweep(BALL, SPEEDS, output=tmp_path / "out.txt")
     with pytest.raises(FileNotFoundError, match="no folder"):
         fd.sweep(BALL, SPEEDS, output=tmp_path / "no" / "out.nc")
     assert list(tmp_path.iterdir()) == []

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -20,6 +22,17 @@ _HOMES = {
 }
 
 __all__ = ["Report", "check", "export", "run", "served"]
+
+
+class _Face(ModuleType):
+    """This package. Importing a file sets the attribute of its name, where `check` and `export` stay functions."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        named_like_its_file = isinstance(value, ModuleType) and name in _HOMES
+        super().__setattr__(name, getattr(value, name) if named_like_its_file else value)
+
+
+sys.modules[__name__].__class__ = _Face
 
 
 def __getattr__(name: str) -> Any:

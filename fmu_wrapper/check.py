@@ -75,7 +75,7 @@ def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
 
     scene: needed if the law is not in film-model's list, because the FMU contains only its curve.
 
-    >>> fmu_wrapper.check(fmu_wrapper.export(scene, "impact.fmu")).passed
+    >>> fmu_wrapper.check(fmu_wrapper.export(scene, "impact.fmu")).good
     True
     """
     with opened(path) as fmu:

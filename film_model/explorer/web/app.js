@@ -278,6 +278,11 @@ const STUDIES = {
       series: curves.map((curve, colour) => ({ ...curve, colour, marks: true })),
     }, "Largest relative error of the summary against the number of segments");
   },
+  "part-map": (result) => {
+    const { chart, words } = regimeMap(APP.scene, result.n);
+    showChart("chart-map", chart, `Map of regimes: this scene at ${words}`);
+    byId("place").textContent = `This scene: ${words}.`;
+  },
 };
 
 /** Show another scene. @param {Scene} scene */

@@ -5,7 +5,9 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 from browser import CHROMIUM, SUMMARIES, chromium, random_addresses
 
 import film_model as fm
@@ -198,6 +200,25 @@ def test_comparison_studies_and_files(shown, address):
     for button, start in (("copy-scene", "title = "), ("copy-python", "import film_model"), ("copy-link", "file:///")):
         window.click(f"#{button}")
         assert window.input_value("#copied").startswith(start)
+
+
+def test_the_netcdf_file_holds_the_motion_of_the_csv(shown, address, tmp_path):
+    window, saved = shown(f"{address}#scene=ball-on-plate"), {}
+    for button in ("csv", "netcdf"):
+        with window.expect_download() as download:
+            window.click(f"#{button}")
+        saved[button] = tmp_path / download.value.suggested_filename
+        download.value.save_as(saved[button])
+    rows = np.genfromtxt(saved["csv"], delimiter=",", names=True, usecols=range(11), deletechars="")
+    with xr.open_dataset(saved["netcdf"], decode_times=False) as ds:
+        assert ds.t.dims == ("t",) and ds.contact_force.attrs["units"] == "N"
+        assert len(ds.data_vars) == len(rows.dtype.names) - 1
+        for name, column in zip(("t", *ds.data_vars), rows.dtype.names, strict=True):
+            assert ds[name].values.tolist() == rows[column].tolist(), name
+        scene = fm.Scene.from_text(ds.attrs["scene_toml"])
+    assert (
+        scene.target.kind == "plate" and fm.simulate(scene).summary["maximum_force"] >= rows["contact_force_(N)"].max()
+    )
 
 
 def test_the_dot_on_the_map_moves(shown, address):

@@ -182,7 +182,7 @@ def _samples() -> list[Scene]:
 def _dimension(name: str) -> dict[str, Any]:
     unit = si_unit(name)
     powers = (0, 0, 0) if name == "dimensionless" else parse_unit(unit)[1]
-    return {"unit": scene_unit(name), "powers": list(powers), "prefixed": name in PREFIXED}
+    return {"unit": scene_unit(name), "cf": unit, "powers": list(powers), "prefixed": name in PREFIXED}
 
 
 @cache

@@ -340,6 +340,9 @@ function connect() {
   onClick("csv", () => {
     if (APP.result) download(new Blob([csvText(APP.scene, APP.result)], { type: "text/csv" }), "impact.csv");
   });
+  onClick("netcdf", () => {
+    if (APP.result) download(new Blob([netcdfOf(APP.scene, APP.result)], { type: "application/x-netcdf" }), "impact.nc");
+  });
   const picked = () => /** @type {Chart} */ (CHARTS.get(/** @type {HTMLSelectElement} */ (byId("picture")).value));
   onClick("svg", () => download(new Blob([chartFile(picked())], { type: "image/svg+xml" }), "impact.svg"));
   onClick("png", async () => download(await pngOf(picked()), "impact.png"));

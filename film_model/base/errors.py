@@ -68,6 +68,10 @@ class SimulationError(RuntimeError):
     """The scene is valid but cannot be simulated."""
 
 
+class TooManyModes(SimulationError):
+    """The natural vibrations of a target up to some frequency are too many to compute."""
+
+
 class CoreError(SimulationError):
     """The core failed, with a status of `STATUSES`."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from film_model.base.unit_symbols import SYMBOLS, parse_unit
 from film_model.base.units import DIMENSIONS, PREFIXED, scene_unit, si_unit
 from film_model.core import native
 from film_model.effects.choose import Choice, choose
-from film_model.effects.effect import COMPUTED, NOT_MODELLED
+from film_model.effects.effect import COMPUTED, NOT_MODELLED, percent
 from film_model.effects.many import SURE
 from film_model.explorer import formulas
 from film_model.explorer.inputs import inputs_of
@@ -25,10 +26,12 @@ from film_model.problem.families import TERMS, mean_matrix, series_matrix
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.problem.problem import TRIAL_SEGMENTS
 from film_model.problem.summary import SUMMARY
-from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene
+from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
 from film_model.solve.accuracy import FIRST_SEGMENTS, MOST_SEGMENTS, ORDER_FACTOR, REGULAR_FALL
 from film_model.solve.history import MOTION
 from film_model.solve.simulate import DEEPER, GRAZING, simulate_chosen
+from film_model.studies.regimes import limits, regimes
+from film_model.targets import HalfSpace
 from film_model.version import __version__
 
 SAMPLES = 201
@@ -84,6 +87,7 @@ class Content:
             "colours": COLOURS,
             "series": {"points": chebyshev.chebpts1(TERMS).tolist()}
             | {"force": series_matrix(TERMS).tolist(), "mean": mean_matrix().tolist()},
+            "map": regime_map(),
             "layout": layout(),
             "constants": _constants(),
         }
@@ -178,7 +182,18 @@ def _samples() -> list[Scene]:
 def _dimension(name: str) -> dict[str, Any]:
     unit = si_unit(name)
     powers = (0, 0, 0) if name == "dimensionless" else parse_unit(unit)[1]
-    return {"unit": scene_unit(name), "powers": list(powers), "prefixed": name in PREFIXED}
+    return {"unit": scene_unit(name), "cf": unit, "powers": list(powers), "prefixed": name in PREFIXED}
+
+
+@cache
+def regime_map() -> list[dict[str, Any]]:
+    """The boundaries of the map of regimes; its two numbers say everything, so they are the same for all scenes."""
+    found = limits(regimes(Scene(Sphere("1 mm", "1 m/s", material="alumina"), HalfSpace("alumina"))), DEFAULT_TOLERANCE)
+    words = ("yields", "fully plastic", f"target motion changes {percent(DEFAULT_TOLERANCE)}")
+    return [
+        {"name": word, "x": [x for x, _ in line], "y": [y for _, y in line]}
+        for word, line in zip(words, found, strict=True)
+    ]
 
 
 def layout() -> dict[str, Any]:

@@ -338,7 +338,8 @@ def test_failed_impacts_have_a_status_and_nan() -> None:
     ]
     assert np.isnan(ds["maximum_force"].values).tolist() == [[False, True], [False, False]]
     assert "-100 no_velocity: the impactor does not approach the target" in ds.attrs["statuses"].split("\n")
-    assert ds.attrs["warnings"].splitlines()[0] == "1 of 4 impacts failed: see status"
+    failed, sentence = ds.attrs["warnings"].splitlines()[0], "the impactor does not approach the target"
+    assert failed == f"1 of 4 impacts failed: 1 no_velocity ({sentence})"
 
 
 def test_values_drawn_out_of_range_are_named() -> None:

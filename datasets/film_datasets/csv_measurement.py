@@ -39,6 +39,9 @@ def from_csv(path: str | os.PathLike[str], title: str = "") -> xr.Dataset:
     are separated by commas, semicolons or tabs; numbers have a decimal point.
 
     Raises SceneError with all mistakes and their lines.
+
+    >>> fd.from_csv("measured.csv").impactor_velocity.values
+    array([0.2, 0.5, 1. ])
     """
     text, name = read_text(path)
     lines = enumerate(text.splitlines(), 1)

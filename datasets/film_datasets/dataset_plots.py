@@ -51,6 +51,8 @@ def plot(
 
     Raises ValueError for an unknown name, an argument that is not for such a dataset, a run without contact or a suffix
     other than .png, .svg and .pdf; ImportError without matplotlib; OSError if the file cannot be written.
+
+    >>> figure = fd.plot(fd.load("zener"), "restitution.png")
     """
     schema = kind_of(ds)
     options = (("quantity", quantity), ("over", over), ("at", at), ("kind", kind))

@@ -41,6 +41,10 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     Returns the path. Raises ValueError for another suffix; ImportError for Parquet without pyarrow; FileExistsError if
     the file exists and `overwrite` is not set; IsADirectoryError, FileNotFoundError, PermissionError or OSError if the
     file cannot be written.
+
+    >>> path = fd.write(fd.to_dataset(fm.simulate(scene)), "impact.nc")
+    >>> fd.read(path).attrs["outcome"]
+    'contact ended'
     """
     if not isinstance(ds, xr.Dataset):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"write takes a dataset, not a {type(ds).__name__}: to_dataset converts a history")
@@ -71,6 +75,11 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     index, so `sel` does not take it.
 
     Raises OSError if the file does not exist or cannot be read, ValueError for a file of another program.
+
+    >>> path = fd.write(fd.to_dataset(fm.simulate(scene)), "impact.nc")
+    >>> with fd.open(path) as ds:
+    ...     print(ds.attrs["outcome"])
+    contact ended
     """
     source = Path(path)
     if not source.exists():

@@ -92,6 +92,9 @@ def history_of(ds: xr.Dataset) -> History:
 
     A target that vibrates has no segments: its impact is simulated again. Raises ValueError if the contact law was an
     object of Python, if segments are missing, and for the run of an FMU, which has no segments.
+
+    >>> fd.history_of(fd.load("paper_stronge")).problem.law.name
+    'stronge'
     """
     require(ds, (v.name for v in TABLE[HISTORY] if v.name not in SUMMARY))
     choice = choice_of(ds)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from film_datasets.axis_style import (
     thinned,
     values_and_label,
 )
+from film_datasets.provenance import warnings_of
 from film_datasets.schema import dimension_of, has_failed, pieces, require_impacts, swept_name, words_of
 from film_model.base.errors import did_you_mean, shown
 from film_model.base.units import to_si
@@ -44,6 +46,9 @@ MARKED_POINTS = 12
 MOST_INSIDE = 5
 """A legend of at most so many entries lies within the axes, where matplotlib finds room; a longer one beside them."""
 
+SAID_WIDTH = 80
+"""Characters in a line of text that stands instead of a plot."""
+
 LINE_STYLES = ("-", "--", ":", "-.")
 
 COLOUR_MAP = "cividis"
@@ -60,6 +65,8 @@ def draw_sweep(
     if quantity not in known:
         hint = did_you_mean(quantity, known) or f"; there are {', '.join(known)}"
         raise ValueError(f"quantity: {shown(quantity)} is not a summary quantity of this dataset{hint}")
+    if not any(np.isfinite(values).any() for values in pieces(ds[quantity])):
+        return lambda figure: _say_why(figure, ds, quantity)
     swept = [swept_name(path) for path in str(ds.attrs["swept"]).split()]
     scalars = [name for name in swept if ds[name].ndim == 0]  # of a selection
     if scalars:
@@ -72,6 +79,14 @@ def draw_sweep(
         draw(figure, ds, quantity, chosen, dict(at or {}))
 
     return fill
+
+
+def _say_why(figure: Figure, ds: xr.Dataset, quantity: str) -> None:
+    """Instead of empty axes: that no impact has a value of the quantity, and the first warning of the sweep."""
+    said = [f"No impact of this sweep has a value of {quantity.replace('_', ' ')}.", *warnings_of(ds)[:1]]
+    lines = [textwrap.fill(line, SAID_WIDTH).replace("$", r"\$") for line in said]
+    figure.text(0.5, 0.5, "\n\n".join(lines), ha="center", va="center")
+    set_title(figure, ds)
 
 
 def _chosen_axes(ds: xr.Dataset, swept: list[str], over: Sequence[str] | str | None) -> list[str]:

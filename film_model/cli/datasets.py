@@ -9,6 +9,7 @@ from typing import Any
 from film_model.base.units import format_si
 from film_model.cli.output import (
     DONE,
+    FAILED,
     add_force,
     add_json,
     add_plot,
@@ -93,13 +94,15 @@ def sweep(options: argparse.Namespace) -> int:
         print(_sweep_table(report))
         print_written(options.output)
     print_warnings(report["warnings"])
-    return DONE
+    return FAILED if report["failed"] == report["impacts"] else DONE
 
 
 def _sweep_table(report: dict[str, Any]) -> str:
-    """Counts of outcomes, and the range of every summary quantity."""
+    """Counts of outcomes, and the range of every summary quantity that has a value."""
     ended = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in report["statuses"].items())
     lines = [report["title"], f"{report['impacts']} impacts: {ended}", ""]
+    if report["failed"] == report["impacts"]:
+        return "\n".join(lines[:2])
     lines.append(f"  {'':30}{'minimum':>16}{'mean':>16}{'maximum':>16}")
     for name, row in report["summary"].items():
         cells = (row[key] for key in ("least", "mean", "greatest"))

@@ -13,7 +13,11 @@ from film_datasets.schema.variable import FLOAT, TEXT, Variable, flag_meanings, 
 
 
 def validate(ds: xr.Dataset) -> list[str]:
-    """Every difference between `ds` and the schema, one sentence each; an empty list if it matches."""
+    """Every difference between `ds` and the schema, one sentence each; an empty list if it matches.
+
+    >>> fd.validate(fd.load("zener"))
+    []
+    """
     try:
         kind = kind_of(ds)
     except ValueError as error:

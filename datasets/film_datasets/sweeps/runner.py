@@ -91,6 +91,10 @@ def sweep(
     An impact that fails has NaN as its values and a status that gives the reason. Raises SceneError for mistakes in
     scene or sweep, FileExistsError or another OSError if the output cannot be written, MemoryError for a sweep that is
     too large without an output.
+
+    >>> ds = fd.sweep(scene, {"impactor.velocity": ["1 m/s", "2 m/s", "4 m/s"]})
+    >>> ds.maximum_force.dims
+    ('impactor_velocity',)
     """
     base = scene if isinstance(scene, Scene) else Scene.from_toml(scene)
     asked = Sweep.of(base, over, design, samples=samples, seed=seed, keep=keep, correlation=correlation)

@@ -38,6 +38,7 @@ def add_commands(named: Any) -> None:
     )
     parser.add_argument("--over", metavar="NAME[,NAME]", help="one swept quantity for lines, or two for a heat map")
     parser.add_argument("--at", metavar="NAME=VALUE", action="append", help="of another swept quantity, SI or a word")
+    parser.add_argument("--kind", metavar="KIND", help="of a sweep: histogram, ecdf or scatter (over any quantity)")
     add_style(parser)
     add_force(parser, "overwrite an existing picture")
     parser.set_defaults(command=plot)
@@ -55,7 +56,7 @@ def add_commands(named: Any) -> None:
 
 def _add_sweep(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sweep", help="sweep file (TOML)")
-    parser.add_argument("--output", metavar="FILE", required=True, help="FILE.nc or FILE.zarr")
+    parser.add_argument("--output", metavar="FILE", required=True, help="FILE.nc, .zarr, .csv, .parquet or .mat")
     parser.add_argument(
         "--keep",
         metavar="WHAT",
@@ -117,7 +118,7 @@ def plot(options: argparse.Namespace) -> int:
 
     output = options.output or os.path.splitext(options.file.rstrip("/" + os.sep))[0] + ".png"
     over = [_variable(name) for name in listed(options.over)]
-    chosen: dict[str, Any] = {"quantity": options.quantity, "over": over}
+    chosen: dict[str, Any] = {"quantity": options.quantity, "over": over, "kind": options.kind}
     pairs = (pair.partition("=")[::2] for pair in options.at or ())
     with open_dataset(options.file) as dataset:
         check_writable(output, options.force)

@@ -150,8 +150,8 @@ void film_fill_table(const film_structure *structure, const film_table *table, d
         double square = structure->square[i], drag = structure->drag[i], share = structure->share[i];
         for (int at = 0; at < NODES; at++) {
             film_responses(square, drag, NODE_AT[at] * h, y);
-            table->node_cos[NODES * i + at] = y[0] + drag * y[1];
-            table->node_sin[NODES * i + at] = y[1];
+            table->node_cos[at * n + i] = y[0] + drag * y[1];
+            table->node_sin[at * n + i] = y[1];
             for (int k = 1; k < RESPONSES; k++) sums[at][k] += share * y[k];
         }
         film_responses(square, drag, h, y);

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import film_model as fm
+from film_model.effects import rate_hardening
 from film_model.effects.choose import choose
 from film_model.effects.effect import COMPUTED
 from film_model.effects.judged import RULES
@@ -99,6 +100,8 @@ selects each of them except `fully_plastic`, which is part of the contact law.
 | effect | | indicator | decided by |
 |---|---|---|---|
 {computed}
+
+{inspect.cleandoc(rate_hardening.__doc__ or "")}
 
 Boundary reflections. {reflections}
 

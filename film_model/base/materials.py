@@ -22,9 +22,10 @@ class Material:
     youngs_modulus: Pa. poissons_ratio: dimensionless. density: kg/m³. yield_strength: Pa, None for a brittle
     material or if unknown. source: where the values come from.
 
+    strain_rate_coefficient: C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength.
+
     Used only to estimate effects that are not simulated: loss_factor, tan δ at the frequency of the contact;
-    strain_rate_coefficient, C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength; tensile_strength
-    of a brittle material, Pa; surface_energy, J/m².
+    tensile_strength of a brittle material, Pa; surface_energy, J/m².
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {

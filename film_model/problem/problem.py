@@ -113,6 +113,12 @@ class Impacts:
         """λ of the elastic contact (:func:`zener`); 0 on a target without impedance."""
         return either(self.numbers.impedance < math.inf, zener(self.scene, self.numbers.impedance), 0.0)
 
+    @property
+    def yield_strength(self) -> Any:
+        """That of the law, which may be higher than the scene's (rate hardening); else the scene's, Pa, or None."""
+        strength = self.law.strength
+        return self.scene.yield_strength if strength is None else strength
+
     @cached_property
     def one_law(self) -> AbstractLaw:
         """The law of the one impact, or of the first of many."""

@@ -88,7 +88,11 @@ class Contact:
             return True
         if self.law == "auto":
             return name in ("effective_modulus", "radius")
-        return isinstance(self.law, str) and name in self._law.__dataclass_fields__
+        return isinstance(self.law, str) and self.has(name)
+
+    def has(self, name: str) -> bool:
+        """Whether the law has a value of this name. Not defined for law "auto"."""
+        return name in self._law.__dataclass_fields__
 
     @property
     def unloading_name(self) -> str | None:

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from functools import reduce
 from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
+
 from film_model.base.arrays import either, endless, lesser
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.fields import build, key_text, mistake, table_of
@@ -166,6 +168,24 @@ class Scene:
         return reduce(lesser, strengths) if strengths else None
 
     @property
+    def first_to_yield(self) -> Material | None:
+        """The material with the lowest yield strength; the impactor's of two alike. Not for a scene with arrays."""
+        materials = [m for m in (self.impactor.material, self.target.material) if m is not None]
+        known = [m for m in materials if m.yield_strength is not None]
+        return min(known, key=lambda m: cast("float", m.yield_strength), default=None)
+
+    @property
+    def strain_rate_coefficient(self) -> float | None:
+        """C of the body that yields first; None if it is unknown, nan where it is for some of many impacts."""
+        materials = [m for m in (self.impactor.material, self.target.material) if m is not None]
+        known = [m for m in materials if m.yield_strength is not None]
+        if len(known) < 2:
+            return known[0].strain_rate_coefficient if known else None
+        own, other = (math.nan if m.strain_rate_coefficient is None else m.strain_rate_coefficient for m in known)
+        found = either(cast("Any", known[0].yield_strength) <= known[1].yield_strength, own, other)
+        return found if isinstance(found, np.ndarray) or found == found else None
+
+    @property
     def poissons_ratio(self) -> float | None:
         """The value in [contact], or that of the body that yields first; without yield strengths, the target's."""
         if self.contact.poissons_ratio is not None:
@@ -242,6 +262,13 @@ class Scene:
                 found["contact.law"] = f'law "{name}" needs a yield strength: {where}'
             elif self.effects.plasticity is True and name == "auto":
                 found["effects.plasticity"] = f"plasticity needs a yield strength: {where}"
+        if self.effects.rate_hardening is True:
+            if name != "auto" and not contact.has("yield_strength"):
+                found["effects.rate_hardening"] = f'law "{name}" has no yield_strength that could rise'
+            elif self.strain_rate_coefficient is None:
+                found["effects.rate_hardening"] = (
+                    "missing: the material that yields needs a yield strength and a strain_rate_coefficient"
+                )
         return [Mistake(None, None, f"Scene.{key}", message) for key, message in found.items()]
 
 

@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import Any
 
 from film_model.base.arrays import any_of, either
+from film_model.base.errors import SimulationError
 from film_model.effects import gravity, plasticity, rate_hardening, target_motion
 from film_model.effects.edge_effects import edged, support_of
 from film_model.effects.effect import COMPUTED, FREE, NOT_NEEDED, Effect
@@ -93,6 +94,11 @@ def choose(scene: Scene) -> Choice:
     light, moved, yielding, decided = _decide((hard or static).impacts, support, yields)
     problem = yielding if decided[2] else plasticity.elastic(yielding)
     if support.vibrates and decided[1]:
+        if problem.curve.pulls:
+            raise SimulationError(
+                f"law {problem.law.name}: laws that pull are not supported on targets that vibrate; "
+                "target_motion = false in [effects] fixes the target"
+            )
         problem = problem.impacts.problem(math.inf, problem.given[1], vibrates=True)
     return Choice(problem, light, moved, yielding, static, hard, yields, support, edges, decided)
 

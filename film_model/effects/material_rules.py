@@ -9,11 +9,8 @@ from film_model.base.materials import Material
 from film_model.base.units import format_si
 from film_model.effects.case import YIELDS, Case, Rule
 from film_model.effects.effect import Effect
+from film_model.laws.jkr import JKR_LOSS
 from film_model.problem.stresses import contact_radius, edge_tension
-from film_model.scene import Scene
-
-JKR_WORK = 7.0922
-"""Work to separate a sphere from a flat, over (Γ⁵ R⁴/E²)^{1/3}: integral of Johnson, Kendall & Roberts' force."""
 
 STEEL_HEAT = 3.6e6
 """Heat capacity of steel per volume, J/(m³ K): 460 J/(kg K) at 7850 kg/m³."""
@@ -23,32 +20,25 @@ def adhesion(case: Case, rule: Rule) -> Effect:
     """Work to separate the surfaces: e² falls by (V_s/V)², V_s = √(2 · 7.0922 (Γ⁵R⁴/E²)^{1/3}/m) (Thornton & Ning).
 
     Γ is work_of_adhesion in [contact], or 2 √(γ₁ γ₂) from the surface energies of the materials: an upper bound, which
-    clean and smooth surfaces reach.
+    clean and smooth surfaces reach. The laws jkr and dmt compute it, without plastic deformation.
     """
     scene = case.scene
-    modulus, (work, origin) = scene.effective_modulus, _work_of_adhesion(scene)
+    modulus, work = scene.effective_modulus, scene.work_of_adhesion
+    if case.problem.curve.pulls:
+        return rule.absent(f"it is in the law {case.problem.law.name}")
     if work is None or modulus is None:
         return rule.unjudged("missing: contact.work_of_adhesion" if work is None else "missing: an effective modulus")
-    parting = JKR_WORK * (work**5 * scene.effective_radius**4 / modulus**2) ** (1.0 / 3.0)
+    parting = JKR_LOSS * (work**5 * scene.effective_radius**4 / modulus**2) ** (1.0 / 3.0)
     value = scene.approach_velocity / max(math.sqrt(2.0 * parting / scene.effective_mass), 1e-300)
     left = case.restitution**2 - value**-2
     size = 1.0 if left <= 0.0 else case.restitution / math.sqrt(left) - 1.0
     size = max(min(size, 1.0), value**-2)
     what = "the velocity below which the ball sticks" if left > 0.0 else "the sticking velocity: the ball sticks"
+    origin = "the given work of adhesion"
+    if scene.contact.work_of_adhesion is None:
+        origin = f"at most {work:.2g} J/m^2 from the surface energies of both materials"
     why = f"the impact is at {value:.3g} times {what}, with {origin}"
     return rule.sized(case.tolerance, value, value * math.sqrt(size / case.tolerance), size, why, below=True)
-
-
-def _work_of_adhesion(scene: Scene) -> tuple[float | None, str]:
-    """Work of adhesion, J/m², None if unknown; and where it comes from."""
-    given = scene.contact.work_of_adhesion
-    if given is not None:
-        return given, "the given work of adhesion"
-    energies = [m and m.surface_energy for m in (scene.impactor.material, scene.target.material)]
-    if None in energies:
-        return None, ""
-    work = 2.0 * math.sqrt(math.prod(cast("list[float]", energies)))
-    return work, f"at most {work:.2g} J/m^2 from the surface energies of both materials"
 
 
 def material_damping(case: Case, rule: Rule) -> Effect:

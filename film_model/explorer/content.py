@@ -145,8 +145,8 @@ class Content:
 def not_simulated(choice: Choice) -> str:
     """Why the page cannot simulate the scene; empty if it can."""
     target, support, law = choice.scene.target, choice.support, choice.problem.law
-    if law.damped:
-        return f"the law {law.name} is damped"
+    if law.damped or choice.problem.curve.pulls:
+        return f"the law {law.name} {'is damped' if law.damped else 'pulls'}"
     if choice.problem.vibrates or support.compliance > 0.0 or (support.vibrates and choice.decided[1]):
         return f"the {target.kind} {support.how}"
     return ""

@@ -27,7 +27,8 @@ from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
 CONTACT_LIMIT = 100.0
-"""A contact under a load, which may never end, is followed for this many elastic contact times and times m/Z."""
+"""A contact under a load or of a law that pulls, which may never end, is followed for this many elastic contact times
+and times m/Z."""
 
 
 TRIAL_SEGMENTS = 16
@@ -317,8 +318,8 @@ class Problem:
 
     @property
     def limit(self) -> Any:
-        """Time after which a contact under a load is no longer followed."""
-        loaded = self.load > 0.0
+        """Time after which a contact under a load, or of a law that pulls, is no longer followed."""
+        loaded = (self.load > 0.0) | self.curve.pulls
         return either(loaded, contact_limit(self.approach, self.gamma), math.inf) if any_of(loaded) else math.inf
 
     def motion(self, t: Any, values: Any) -> dict[str, Any]:

@@ -56,10 +56,12 @@ def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:
     """Radius, dent, pressures and stresses from a summary, by their names in `SUMMARY`.
 
     They hold at the largest force, which is that at the largest indentation; of damped laws it is not, so that only the
-    radius is known. Stresses are those of the body that yields first (`Scene.poissons_ratio`).
+    radius is known. Nothing is known for laws that pull. Stresses are those of the body that yields first
+    (`Scene.poissons_ratio`).
     """
     scene, force = problem.impacts.scene, summary["maximum_force"]
     radius, elastic = contact_radius(problem.impacts, force, summary["maximum_indentation"])
+    radius = radius * math.nan if problem.curve.pulls else radius
     damped, left = any_of(problem.damping > 0.0), summary["permanent_indentation"]
     dented = left > SHALLOW * summary["maximum_indentation"]
     mean = force * math.nan if damped else force / (math.pi * radius * radius)

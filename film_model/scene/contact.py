@@ -40,8 +40,8 @@ class Contact:
 
     law: "auto", a name, or a law of your own. effective_modulus: Pa. yield_strength: Pa, and poissons_ratio: of the
     body that yields. These three override the materials' values. unloading: "brake" (Brake's rule) or "retrace",
-    instead of the law's own unloading. work_of_adhesion: J/m², used to estimate adhesion. parameters: the law's own,
-    by name, in SI units.
+    instead of the law's own unloading. work_of_adhesion: J/m², of the laws that pull; with other laws it serves to
+    estimate adhesion. parameters: the law's own, by name, in SI units.
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {

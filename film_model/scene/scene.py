@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from film_model.base.arrays import either, endless, lesser
+from film_model.base.arrays import either, endless, lesser, root
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.fields import build, key_text, mistake, table_of
 from film_model.base.materials import Material
@@ -198,6 +198,16 @@ class Scene:
         return either(one <= two, own.poissons_ratio, other.poissons_ratio)
 
     @property
+    def work_of_adhesion(self) -> float | None:
+        """The value in [contact], or 2 √(γ₁ γ₂) from the materials' surface energies, J/m²; None if unknown."""
+        if self.contact.work_of_adhesion is not None:
+            return self.contact.work_of_adhesion
+        energies = [m and m.surface_energy for m in (self.impactor.material, self.target.material)]
+        if None in energies:
+            return None
+        return 2.0 * root(math.prod(cast("list[float]", energies)))
+
+    @property
     def approach_velocity(self) -> float:
         """Velocity of the impactor relative to the target when contact begins, m/s."""
         return self.impactor.speed - self.target.velocity
@@ -256,6 +266,10 @@ class Scene:
             found["contact.effective_modulus"] = f"missing: give {missing}, or effective_modulus"
         if contact.needs("poissons_ratio") and self.poissons_ratio is None:
             found["contact.poissons_ratio"] = f'missing: law "{name}" needs it: give a material, or poissons_ratio'
+        if contact.needs("work_of_adhesion") and not self.work_of_adhesion:
+            found["contact.work_of_adhesion"] = (
+                f'law "{name}" needs a value > 0: give it, or materials with surface_energy'
+            )
         if self.yield_strength is None:
             where = "give yield_strength in [target.material], [impactor.material] or [contact]"
             if contact.needs("yield_strength"):

@@ -69,6 +69,12 @@ class ImpactComponent:
 
     Raises SceneError or SimulationError as `simulate` does; SimulationError for a target that is a free body or
     vibrates.
+
+    >>> component = fm.ImpactComponent(scene, initial_gap="1 mm")
+    >>> [event.name for event in component.step("1.02 ms").events]
+    ['contact_begins', 'stage_changes', 'stage_changes']
+    >>> component.phase
+    'loading'
     """
 
     def __init__(

@@ -12,6 +12,7 @@ from film_model.base.errors import SceneError, SimulationError
 from film_model.effects.choose import Choice, choose
 from film_model.effects.edge_effects import edged
 from film_model.effects.effect import NOT_MODELLED
+from film_model.effects.trial import change
 from film_model.laws.yielding import yield_point, yield_velocity
 from film_model.problem.law_of_scene import YIELDING, can_yield, reaches_yield, yielding_entries
 from film_model.problem.problem import Problem
@@ -77,19 +78,14 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
     else:
         gravity = True if gravity == "auto" else gravity
         motion = True if motion == "auto" and scene.target.gives_way and not edged(scene) else motion
-    return replace(scene, effects=_with(effects, gravity=gravity, target_motion=motion))
-
-
-def _with(effects: Any, **changed: Any) -> Any:
-    fields = {name: getattr(effects, name) for name in type(effects).FIELDS}
-    return type(effects)(**(fields | changed))
+    return replace(scene, effects=effects.changed(gravity=gravity, target_motion=motion))
 
 
 def segments_for_speeds(scene: Scene, problem: Problem, counts: tuple[int, int]) -> tuple[int, int]:
     """Segment counts of an FMU for law "auto": enough at every velocity, below yield and far above. scene: as given."""
     if scene.contact.law != "auto" or problem.law.name != YIELDING or scene.solver.segments is not None:
         return counts
-    strength, modulus = scene.yield_strength, scene.effective_modulus
+    strength, modulus = problem.impacts.yield_strength, scene.effective_modulus
     assert strength is not None and modulus is not None
     limit = yield_velocity(modulus, scene.effective_radius, strength, scene.effective_mass)
     for factor in SPEEDS:
@@ -118,7 +114,7 @@ def validity_of(scene: Scene) -> Validity:
 @lru_cache(maxsize=64)
 def _ranges(scene: Scene) -> dict[str, Range]:
     """Ranges of validity; none for an impactor at rest, whose effects are not assessed."""
-    own = _failing(choose(scene))
+    own = choose(scene)
     found: dict[str, Range] = {}
     for name, value in _values(scene).items():
         ends = [_end(scene, name, value, factor, own) for factor in (1.0 / STRIDE, STRIDE)]
@@ -138,7 +134,7 @@ def _values(scene: Scene) -> dict[str, float]:
     return values
 
 
-def _end(scene: Scene, name: str, value: float, factor: float, own: frozenset[str]) -> tuple[float, str]:
+def _end(scene: Scene, name: str, value: float, factor: float, own: Choice) -> tuple[float, str]:
     """The value up to which nothing more fails than at the export, and what fails beyond; "" if nothing does."""
     good, bad, fails = 0.0, 0.0, ""
     for _ in range(STRIDES if name == "initial_velocity" else OTHER_STRIDES):
@@ -155,7 +151,7 @@ def _end(scene: Scene, name: str, value: float, factor: float, own: frozenset[st
     return value * factor**good, fails
 
 
-def _new(scene: Scene, name: str, value: float, own: frozenset[str]) -> str:
+def _new(scene: Scene, name: str, value: float, own: Choice) -> str:
     """What fails at another value of a parameter but not at the export."""
     changes: dict[str, Any] = {_PATHS[name]: value}
     if name == "initial_velocity":
@@ -163,9 +159,21 @@ def _new(scene: Scene, name: str, value: float, own: frozenset[str]) -> str:
     if name == "radius":
         changes["impactor.mass"] = scene.mass
     try:
-        return ", ".join(sorted(_failing(choose(scene_of_columns(scene, changes))) - own))
+        choice = choose(scene_of_columns(scene, changes))
+        fails = _failing(choice) - _failing(own) | _other_strength(choice.problem, own.problem)
+        return ", ".join(sorted(fails))
     except (SceneError, SimulationError, ValueError, ArithmeticError):
         return "the library cannot simulate it"
+
+
+def _other_strength(problem: Problem, own: Problem) -> frozenset[str]:
+    """Rate hardening, where the strength that an FMU keeps changes a result by more than the tolerance."""
+    strengths = [one.impacts.yield_strength for one in (problem, own)]
+    if strengths[0] == strengths[1] or own.impacts.law.strength is None:
+        return frozenset()
+    kept = problem.impacts.law.strengthened(strengths[1] / strengths[0])
+    off = change(problem, problem.impacts.under(kept).problem(*problem.given))
+    return frozenset() if off <= problem.scene.effect_tolerance else frozenset({"rate hardening"})
 
 
 def _failing(choice: Choice) -> frozenset[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -95,6 +96,9 @@ class Content:
     def _scene(self, name: str, scene: Scene) -> dict[str, Any]:
         """A scene with what was decided for it."""
         choice = choose(scene)
+        if not not_simulated(choice):  # the page computes with the strength of slow loading, and says so
+            scene = replace(scene, effects=scene.effects.changed(rate_hardening=False))
+            choice = choose(scene)
         if not choice.problem.approach > 0.0:
             raise SimulationError("the impactor has no velocity: there is no impact to show on a page")
         inputs = inputs_of(scene)
@@ -145,8 +149,8 @@ class Content:
 def not_simulated(choice: Choice) -> str:
     """Why the page cannot simulate the scene; empty if it can."""
     target, support, law = choice.scene.target, choice.support, choice.problem.law
-    if law.damped:
-        return f"the law {law.name} is damped"
+    if law.damped or choice.problem.curve.pulls:
+        return f"the law {law.name} {'is damped' if law.damped else 'pulls'}"
     if choice.problem.vibrates or support.compliance > 0.0 or (support.vibrates and choice.decided[1]):
         return f"the {target.kind} {support.how}"
     return ""

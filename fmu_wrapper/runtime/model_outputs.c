@@ -17,7 +17,7 @@ static int compute_motion(model *m, motion *out, int with_stiffness) {
         film_state ahead = *state;
         if (contact_follow_path(m, &ahead, NULL) < 0) return -1;
         at = film_force(m->curve, &ahead, ahead.xi, now->rate / now->velocity);
-        if (at.force < 0.0) at.force = at.by_xi = at.by_nu = 0.0; /* the event at zero force comes with the next step */
+        if (at.force < -m->curve->pull) at.force = at.by_xi = at.by_nu = 0.0; /* the event at zero force comes with the next step */
         out->indentation = now->indentation;
         out->velocity = now->value[RELATIVE_VELOCITY];
     } else if (now->importer_integrates) {
@@ -31,7 +31,7 @@ static int compute_motion(model *m, motion *out, int with_stiffness) {
         double change = (now->value[SUPPORT_VELOCITY] - now->support) / now->velocity; /* of the support, in the next step */
         if (with_stiffness || (change != 0.0 && damped(m))) {
             at = film_force(m->curve, state, state->xi, state->nu - change);
-            if (change != 0.0 && at.force < 0.0) at.force = at.by_xi = at.by_nu = 0.0; /* contact ends there */
+            if (change != 0.0 && at.force < -m->curve->pull) at.force = at.by_xi = at.by_nu = 0.0; /* contact ends there */
         }
         out->indentation = state->xi * now->length;
         out->velocity = state->nu * now->velocity + now->support;

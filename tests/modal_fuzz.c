@@ -89,7 +89,8 @@ static void walk(film_structure *structure, const film_curve *curve, const film_
     double before = energy_of(structure, curve, &s, waves);
     for (int k = 0; k < CALLS && status >= 0; k++) {
         double dt = start->unit * spread(1e-4, 10.0), left = dt;
-        if (loaded && uniform() < 0.3 && film_modal_input(structure, &s, waves, uniform() - 0.3, 0.1 * (uniform() - 0.5)) < 0)
+        if (loaded && uniform() < 0.3 &&
+            film_modal_input(structure, curve, &s, waves, uniform() - 0.3, spread(1e-3, 3.0) * (uniform() - 0.5), 0.1 * (uniform() - 0.5)) < 0)
             fail("an input is refused");
         copy = s;
         memcpy(waves_copy, waves, sizeof waves);

@@ -357,8 +357,6 @@ def test_a_beam_without_ends_is_refused():
 
 
 def test_unsupported_operations_on_a_vibrating_target_are_refused(tmp_path):
-    with pytest.raises(fm.SimulationError, match=r"an ImpactComponent is not supported: the target vibrates"):
-        fm.ImpactComponent(OLSSON)
     with pytest.raises(fm.SimulationError, match="an FMU is not supported: the target vibrates"):
         fmu_wrapper.export(OLSSON, tmp_path / "impact.fmu")
     static = OLSSON.replace({"effects.target_inertia": False})

@@ -21,6 +21,7 @@ from film_model.core import modal, native
 from film_model.problem.curve import can_be_in_series, curve_of
 from film_model.problem.problem import Problem
 from film_model.problem.summary import differences, radiated
+from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.solve.accuracy import raise_failure
 from film_model.targets import AbstractTarget, Modes
 
@@ -76,12 +77,13 @@ class Vibration:
     """An impact on a vibrating target, in the units of the march. `summary` as the core's.
 
     segments: steps in contact, and flights; flights: the modes' state at the beginning of each. A step in contact has
-    320 bytes, a flight 16 bytes per mode. energies: of each mode at the end. contacts: how many ended.
+    320 bytes, a flight 16 bytes per mode. start: as given to the core. energies: of each mode at the end. contacts: how
+    many ended.
     """
 
     curve: native.Curve = field(repr=False)
     tables: modal.Tables = field(repr=False)
-    unit: float
+    start: modal.Start = field(repr=False)
     segments: NDArray[Any] = field(repr=False)
     flights: Array = field(repr=False)
     events: tuple[Moment, ...] = field(repr=False)
@@ -90,6 +92,11 @@ class Vibration:
     energies: Array = field(repr=False)
     contacts: int
     waited: bool
+
+    @property
+    def unit(self) -> float:
+        """The march's unit of time, s."""
+        return self.start.unit
 
     @property
     def frequency(self) -> Array:
@@ -144,6 +151,14 @@ class Structure:
     omitted: float
     with_omitted: modal.Tables
     """The same with one more mode of the omitted compliance."""
+
+
+def unused_options(solver: Solver) -> list[str]:
+    """The warning that a solver's options do not concern a vibrating target, if it has such."""
+    if solver.segments is None and solver.linearisation != "chord":
+        return []
+    asked = solver.accuracy or DEFAULT_ACCURACY
+    return [f"segments and linearisation are not used: the vibrating target is followed with accuracy {asked:g}"]
 
 
 def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings: list[str]) -> tuple[Vibration, float]:
@@ -227,7 +242,7 @@ def run(problem: Problem, structure: Structure, tolerance: float, limit: float) 
     return Vibration(
         curve,
         tables,
-        scales.time,
+        start,
         found.segments,
         found.flights,
         events,

@@ -28,6 +28,7 @@ int film_modal_init(const film_structure *structure, const film_curve *curve, fi
     if (status < 0) return status;
     if (!(start->rest >= 0.0 && start->rest < INFINITY) || !(start->mass > 0.0 && start->mass < INFINITY)) return FILM_BAD_NUMBER;
     if (!(start->unit > 0.0 && start->unit < INFINITY) || !(start->tolerance > 0.0)) return FILM_BAD_NUMBER;
+    if (!isfinite(start->stop)) return FILM_BAD_NUMBER;
     if (curve->compliance != 0.0 || (start->rest > 0.0 && curve->stage[0].damped)) return FILM_BAD_CURVE;
     s->contact.stop_velocity = NEVER;
     s->contact.moving_in = 0;
@@ -39,6 +40,7 @@ int film_modal_init(const film_structure *structure, const film_curve *curve, fi
     s->x = s->contact.xi;
     s->v = time_unit_velocity(s, s->contact.nu);
     s->speed = time_unit_velocity(s, fmax(fabs(s->contact.nu), SLOWEST));
+    s->stop = time_unit_velocity(s, start->stop);
     s->moving_in = s->v > s->stop;
     s->flight_level = -1;
     s->event_at = INFINITY;
@@ -283,6 +285,14 @@ void film_modal_motion(const film_structure *structure, const film_curve *curve,
     values_on(curve, &line, s->rest, s->unit, now, values);
     if (s->contact.event == FILM_CONTACT_ENDS && !(s->contact.damper > 0.0)) values[0] = s->contact.xi_free;
     if (s->contact.event == FILM_CONTACT_BEGINS) values[0] = s->contact.xi;
+}
+
+film_contact film_modal_force(const film_curve *curve, const film_modal *s, double xi, double rate) {
+    film_line line = s->contact.line;
+    line.branch = s->contact.branch;
+    film_at at = film_law_on(curve, &line, xi, rate);
+    film_contact found = {at.force, at.by_xi, at.by_nu};
+    return found;
 }
 
 double film_modal_work(const film_modal *s, double force) {

@@ -41,6 +41,7 @@ typedef struct {
     double damping;       /* factor of film_damp */
     double tolerance;     /* of a step: error of its impulse over the momentum at the start */
     double limit;         /* time at which a contact is no longer followed */
+    double stop;          /* velocity in delta_s/t_s at which FILM_IMPACTOR_STOPS is reported */
 } film_modal_start;
 
 /* The state; waves[4 n] beside it holds w_n and w_n' at the beginning of the step, then both at its end. */
@@ -110,7 +111,10 @@ typedef struct {
 FILM_API size_t film_structure_size(int32_t modes, int32_t levels);
 
 /* FILM_OK, or FILM_BAD_NUMBER: frequencies not ascending or below 0, shares not above 0, damping ratios outside 0 .. 1 (NULL:
- * all 0), a number that is not finite, levels outside 1 .. FILM_LEVELS. */
+ * all 0), a number that is not finite. */
+FILM_API int film_check_modes(int32_t modes, const double *frequency, const double *share, const double *ratio);
+
+/* FILM_OK, or FILM_BAD_NUMBER: as film_check_modes; or levels outside 1 .. FILM_LEVELS, a longest step not above 0. */
 FILM_API int film_structure_init(film_structure *structure, int32_t modes, const double *frequency, const double *share,
                                  const double *ratio, double longest, int32_t levels, double *memory);
 
@@ -129,6 +133,9 @@ FILM_API int film_modal_step(film_structure *structure, const film_curve *curve,
 /* The five values of film_motion now: xi, its rate, F, nu, displacement of the struck point; rates in delta_s/t_s. */
 FILM_API void film_modal_motion(const film_structure *structure, const film_curve *curve, const film_modal *state,
                                 const double *waves, double values[5]);
+
+/* Force and derivatives on the current branch at an indentation and its rate, as film_force. */
+FILM_API film_contact film_modal_force(const film_curve *curve, const film_modal *state, double xi, double rate);
 
 /* Work done on the indentation so far; force: F now. */
 FILM_API double film_modal_work(const film_modal *state, double force);

@@ -46,7 +46,7 @@ class Structure(c.Structure):
 class Start(c.Structure):
     """film_modal_start: how an impact on a structure starts."""
 
-    _fields_ = [(name, _D) for name in ("nu", "load", "rest", "mass", "unit", "damping", "tolerance", "limit")]
+    _fields_ = [(name, _D) for name in ("nu", "load", "rest", "mass", "unit", "damping", "tolerance", "limit", "stop")]
 
 
 class Modal(c.Structure):
@@ -270,7 +270,7 @@ class Motion:
             c.byref(tables.native), c.byref(curve), state, self._waves.ctypes.data, c.byref(start), -gap
         )
         if status != native.OK:
-            numbers = ", ".join(f"{name}={getattr(start, name)!r}" for name, _ in Start._fields_)
+            numbers = ", ".join(f"{name}={getattr(start, name)!r}" for name in (field[0] for field in Start._fields_))
             raise ValueError(f"the core refuses the start {numbers}, gap={gap!r}")
 
     def _at(self) -> tuple[Any, ...]:

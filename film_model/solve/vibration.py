@@ -78,11 +78,13 @@ class Vibration:
 
     segments: steps in contact, and flights; flights: the modes' state at the beginning of each. A step in contact has
     320 bytes, a flight 16 bytes per mode. start: as given to the core. energies: of each mode at the end. contacts: how
-    many ended.
+    many ended. highest: frequency up to which
+    there are modes, rad/s.
     """
 
     curve: native.Curve = field(repr=False)
     tables: modal.Tables = field(repr=False)
+    highest: float
     start: modal.Start = field(repr=False)
     segments: NDArray[Any] = field(repr=False)
     flights: Array = field(repr=False)
@@ -145,8 +147,10 @@ class Vibration:
 
 @dataclass(frozen=True)
 class Structure:
-    """A target's modes up to a frequency, with the core's tables, which are kept. omitted: the remaining compliance."""
+    """A target's modes up to the frequency `highest` [rad/s], with the core's tables, which are kept. omitted: the
+    remaining compliance."""
 
+    highest: float
     tables: modal.Tables
     omitted: float
     with_omitted: modal.Tables
@@ -242,6 +246,7 @@ def run(problem: Problem, structure: Structure, tolerance: float, limit: float) 
     return Vibration(
         curve,
         tables,
+        structure.highest,
         start,
         found.segments,
         found.flights,
@@ -277,7 +282,9 @@ def made(target: AbstractTarget, highest: float, longest: float) -> Structure:
     except ValueError as error:
         raise SimulationError(f"the target's natural vibrations cannot be simulated: {error}") from None
     omitted = max((target.compliance or 0.0) - modes.compliance, 0.0)
-    return Structure(tables, omitted, _with_omitted(modes, omitted, highest, longest) if omitted > 0.0 else tables)
+    return Structure(
+        highest, tables, omitted, _with_omitted(modes, omitted, highest, longest) if omitted > 0.0 else tables
+    )
 
 
 _kept = lru_cache(maxsize=16)(made)

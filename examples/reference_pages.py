@@ -1,4 +1,4 @@
-"""Write docs/laws.md, docs/laws.png, docs/effects.md and the README's list of laws from the code."""
+"""Write docs/laws.md, docs/laws.png, docs/effects.md, docs/reference and the README's list of laws from the code."""
 
 import inspect
 import re
@@ -6,6 +6,9 @@ import sys
 from pathlib import Path
 
 import film_model as fm
+from examples.reference.files_and_commands import command_page, csv_page, sweep_page
+from examples.reference.scene_file import scene_page
+from examples.reference.variables import dataset_page, fmu_page
 from film_model.effects.choose import choose
 from film_model.effects.effect import COMPUTED
 from film_model.effects.judged import RULES
@@ -48,7 +51,7 @@ def laws_page() -> str:
     rules = "\n".join(_section(name, law) for name, law in UNLOADINGS.items())
     return f"""# Contact laws
 
-Made from the code by `python examples/reference_pages.py`. The name goes into a scene's `[contact]` as `law = "…"`,
+Made from the code by `python -m examples.reference_pages`. The name goes into a scene's `[contact]` as `law = "…"`,
 with the parameters below; quantities have units. δ: indentation, F: contact force, K = (4/3) E √R: Hertz's stiffness.
 
 ![One impact under every law](laws.png)
@@ -82,7 +85,7 @@ def effects_page() -> str:
     reflections = inspect.cleandoc(RULES["boundary_reflections"][2].__doc__ or "")
     return f"""# Effects
 
-Made from the code by `python examples/reference_pages.py`. Each effect of a scene has an indicator with its value and
+Made from the code by `python -m examples.reference_pages`. Each effect of a scene has an indicator with its value and
 the threshold from which it matters, the error if it is neglected, and a state: simulated, not needed, switched off
 (by the scene), needed but not modelled (a warning in every output), or not judged (the scene lacks data for it).
 `film-model explain` has a line for each, in groups, and a sentence on what the results leave out; with `--verbose` it
@@ -139,15 +142,27 @@ def _parameter(parameter: Parameter) -> str:
     return f"{parameter.help} ({kind}{'' if parameter.required else ', optional'})"
 
 
+PAGES = {
+    "laws.md": laws_page,
+    "effects.md": effects_page,
+    "reference/scene_file.md": scene_page,
+    "reference/sweep_file.md": sweep_page,
+    "reference/csv_files.md": csv_page,
+    "reference/command_line.md": command_page,
+    "reference/fmu_variables.md": fmu_page,
+    "reference/dataset_variables.md": dataset_page,
+}
+
+
 def main(folder: Path = DOCS, readme: Path = README) -> list[Path]:
     """Write the pages, the picture, and the list of laws in the README; returns the paths."""
-    pages = {"laws.md": laws_page(), "effects.md": effects_page()}
-    for name, text in pages.items():
-        (folder / name).write_text(text, encoding="utf-8")
+    for name, page in PAGES.items():
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_text(page(), encoding="utf-8")
     plot_laws(folder / "laws.png", dpi=80.0)
     text = MARKED.sub(lambda match: match[1] + families() + match[2], readme.read_text(encoding="utf-8"))
     readme.write_text(text, encoding="utf-8")
-    return [*(folder / name for name in (*pages, "laws.png")), readme]
+    return [*(folder / name for name in (*PAGES, "laws.png")), readme]
 
 
 if __name__ == "__main__":

@@ -69,6 +69,9 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
 
     Law "auto" becomes the law that yields, which is elastic below yield; gravity is simulated, and so is the motion of
     the target, unless the scene switches them off. A contact contains neither weight nor target.
+
+    >>> fmu_wrapper.served(scene).contact.law_name
+    'jackson-green'
     """
     effects, contact = scene.effects, scene.contact
     known = reaches_yield(scene) is not None and can_yield(scene)

@@ -82,6 +82,9 @@ def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
     """Validate an FMU of this package (FMPy's rules and the FMI schemas) and compare its results with the library's.
 
     scene: needed if the law is not in film-model's list, because the FMU contains only its curve.
+
+    >>> fmu_wrapper.check(fmu_wrapper.export(scene, "impact.fmu")).passed
+    True
     """
     with opened(path) as fmu:
         from fmpy.validation import validate_fmu

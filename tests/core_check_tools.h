@@ -1,9 +1,11 @@
-/* Of core_check.c: checking, hashing, random numbers, curves and meshes. */
+/* Of core_check.c: checking, hashing, curves and meshes. */
 #ifndef CORE_CHECK_TOOLS_H
 #define CORE_CHECK_TOOLS_H
 
 #include "film_core.h"
 #include "film_line.h"
+#include "power_function.h"
+#include "random_numbers.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,7 +21,7 @@ static const double ENERGY = 1e-11;  /* balance of energy over a whole contact: 
 enum { RANDOM_IMPACTS = 3000, RANDOM_SCHEDULES = 1500, SEGMENTS_MOST = 24, LINE_ROOM = 4096, EVENT_ROOM = 256, SAMPLES = 60 };
 enum { CURVES = 10, BATCH_CURVES = 14, PARTS = 6, BATCH = 500 };
 
-/* ---------------------------------------------------------------- checking, hashing, random numbers */
+/* ---------------------------------------------------------------- checking, hashing */
 
 static long checks = 0, contacts = 0, events_seen = 0;
 static uint64_t hash = 14695981039346656037u;
@@ -70,22 +72,6 @@ static void stir_summary(int status, const film_summary *s) {
     stir(flags, sizeof flags);
 }
 
-static uint64_t seed = 20170417;
-
-static double uniform(double low, double high) { /* splitmix64 */
-    seed += 0x9e3779b97f4a7c15u;
-    uint64_t z = (seed ^ (seed >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return low + (high - low) * (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-static int32_t whole(int32_t low, int32_t high) { /* both included */
-    int32_t n = low + (int32_t)uniform(0.0, (double)(high - low + 1));
-    return n > high ? high : n;
-}
-
-static double over_decades(double low, double high) { return low * pow(high / low, uniform(0.0, 1.0)); }
-
 static void *room_for(size_t count, size_t size) {
     void *memory = malloc(count * size + (count == 0));
     if (memory == NULL) {
@@ -96,19 +82,6 @@ static void *room_for(size_t count, size_t size) {
 }
 
 /* ---------------------------------------------------------------- curves */
-
-static film_function power(double origin, double constant, double slope, double coefficient, double exponent) {
-    film_function g;
-    memset(&g, 0, sizeof g);
-    g.form = FILM_POWER;
-    g.origin = origin;
-    g.per_span = 1.0;
-    g.constant = constant;
-    g.slope = slope;
-    g.coefficient = coefficient;
-    g.exponent = exponent;
-    return g;
-}
 
 static film_function series(int32_t form, double begin, double end, int32_t terms, const double *term) {
     film_function g = power(begin, 0.0, 0.0, 0.0, 1.0);

@@ -13,6 +13,7 @@
  *     cc -std=c99 -O2 -ffp-contract=off -I film_model/core tests/core_fuzz.c film_model/core/film_*.c -lm -o core_fuzz
  */
 #include "film_core.h"
+#include "power_function.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -105,19 +106,6 @@ static double beside(double x) {
 }
 
 /* ---------------------------------------------------------------- curves */
-
-static film_function power(double origin, double constant, double slope, double coefficient, double exponent) {
-    film_function g;
-    memset(&g, 0, sizeof g);
-    g.form = FILM_POWER;
-    g.origin = origin;
-    g.per_span = 1.0;
-    g.constant = constant;
-    g.slope = slope;
-    g.coefficient = coefficient;
-    g.exponent = exponent;
-    return g;
-}
 
 static double any_exponent(void) {
     static const double usual[] = {1.5, 1.0, 2.0, 1.0 + 1e-12, 2.5, 0.5, 1.2, 0.3, 50.0};

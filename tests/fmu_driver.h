@@ -1,4 +1,4 @@
-/* Shared by the C checks of the FMU runtime: assertions, random numbers, counted memory, the last message, and one
+/* Shared by the C checks of the FMU runtime: assertions, counted memory, the last message, and one
  * interface to the functions of FMI 2.0 and 3.0. Each program includes it in one source file. */
 #ifndef FMU_DRIVER_H
 #define FMU_DRIVER_H
@@ -7,6 +7,7 @@
 #include "fmi3Functions.h"
 
 #include "instance.h"
+#include "random_numbers.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -14,7 +15,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---------------------------------------------------------------- checking, random numbers */
+/* ---------------------------------------------------------------- checking */
 
 static long checks = 0, messages = 0;
 static int last_status = 0;
@@ -28,22 +29,6 @@ static void hold(int condition, const char *what, const char *file, int line) {
     exit(1);
 }
 #define HOLD(condition) hold((condition), #condition, __FILE__, __LINE__)
-
-static uint64_t seed = 20170417;
-
-static double uniform(double low, double high) { /* splitmix64 */
-    seed += 0x9e3779b97f4a7c15u;
-    uint64_t z = (seed ^ (seed >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return low + (high - low) * (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-static int whole(int low, int high) { /* both included */
-    int n = low + (int)uniform(0.0, (double)(high - low + 1));
-    return n > high ? high : n;
-}
-
-static double over_decades(double low, double high) { return low * pow(high / low, uniform(0.0, 1.0)); }
 
 /* ---------------------------------------------------------------- memory: link with --wrap=malloc,calloc,free */
 

@@ -41,7 +41,7 @@ def test_a_value_is_one_file(tmp_path):
     file = tmp_path / "film_model" / "problem" / "summary.py"
     text = file.read_text(encoding="utf-8")
     changes = re.findall(r"```diff\n(.*?)```", GUIDE, re.DOTALL)
-    assert len(changes) == 2
+    assert len(changes) == 3
     for change in changes:
         lines = change.splitlines(keepends=True)
         before, after = ("".join(line[1:] for line in lines if line[0] in marks) for marks in (" -", " +"))

@@ -235,6 +235,16 @@ def test_a_fixed_target_reports_the_error_of_neglecting_its_motion():
         assert energy == 0.0 and by_name(moving)["target_motion"].simulated
 
 
+def test_a_fixed_beam_is_explained_under_a_damped_law():
+    """Such a law cannot follow the beam's static stiffness: only the vibrations could tell the error."""
+    ball = fm.Sphere("3 mm", velocity="0.4 mm/s", material="tungsten carbide")
+    beam = fm.Beam("aluminium 6061-T6", "400 mm", "7.4 mm", "2.8 mm")
+    contact = fm.Contact("hunt-crossley", restitution=0.6)
+    history = fm.simulate(fm.Scene(ball, beam, contact, fm.Effects(target_motion=False, gravity=False)))
+    motion = {effect.name: effect for effect in history.effects}["target_motion"]
+    assert (motion.state, motion.change) == (SWITCHED_OFF, None)
+
+
 def test_zeners_number_needs_elastic_constants():
     plate = fm.Plate(
         mass_per_area="20 kg/m^2", bending_stiffness=dict.fromkeys(("D11", "D22", "D66"), "90 N*m") | {"D12": "9 N*m"}

@@ -39,6 +39,14 @@ def test_warnings_of_a_history_are_python_warnings():
         explain.explain(scene, laws=True)  # reports its warnings as data only
 
 
+def test_warnings_that_python_ignores_cost_nothing(monkeypatch):
+    monkeypatch.setattr(fm.History, "warnings", property(lambda history: pytest.fail("the warnings are made")))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", fm.ImpactWarning)
+        warnings.filterwarnings("ignore", "of another library")
+        fm.simulate(SCENE)
+
+
 def test_everything_fits_a_line_at_the_prompt():
     titled = SCENE.replace({"title": "A ball"})
     many = fm.simulate_batch(SCENE, velocity=["1 m/s", "2 m/s"])

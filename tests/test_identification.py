@@ -14,6 +14,7 @@ import film_model as fm
 from film_model.cli.main import main
 
 SCENES = Path(__file__).parents[1] / "examples" / "scenes"
+MODULUS = ["contact.effective_modulus"]
 BALL = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml").replace({"contact.law": "big-alabo"})
 AWAY = BALL.replace({"target.material.yield_strength": "1.5 GPa", "impactor.velocity": "0.27 m/s"})
 MEYER = BALL.replace({"contact": {"law": "meyer", "stiffness": "5e9 N/m^1.4", "exponent": 1.4}})
@@ -217,6 +218,23 @@ def covered(trials: int, tmp_path: Path) -> tuple[int, int]:
         (one,) = fd.identify(ratios, AWAY, ["contact.yield_strength"]).parameters
         held[1] += one.low <= 1e9 <= one.high
     return held[0], held[1]
+
+
+@pytest.mark.slow
+def test_a_target_that_vibrates(tmp_path: Path) -> None:
+    beam = fm.Beam("mild steel", "150 mm", "10 mm", "10 mm")
+    ball = fm.Sphere("10 mm", "0.5 m/s", material="mild steel")
+    scene = fm.Scene(ball, beam, fm.Contact("hertz", effective_modulus="115 GPa"), solver=fm.Solver(1e-3))
+    history = fm.simulate(scene)
+    assert history.vibration is not None and history.vibration.contacts > 1
+    times = np.linspace(0.0, history.duration, 40)
+    force = history.sample_si(times).contact_force
+    rows = "\n".join(f"{t!r}, {f!r}" for t, f in zip(times.tolist(), force.tolist(), strict=True))
+    (tmp_path / "force.csv").write_text(f"time [s], force [N]\n{rows}\n", encoding="utf-8")
+    found = fd.identify(
+        fd.from_csv(tmp_path / "force.csv"), scene.replace({"contact.effective_modulus": "100 GPa"}), MODULUS
+    )
+    assert found.parameters[0].value == pytest.approx(115e9, rel=1e-3)
 
 
 @pytest.mark.slow

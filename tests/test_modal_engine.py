@@ -10,11 +10,13 @@ import pytest
 from cases import LAWS, combinations
 
 import film_model as fm
+from film_model.base import units
 from film_model.core import modal, native
 from film_model.effects.choose import problem_of
 from film_model.problem.curve import curve_of
 from film_model.solve import vibration
 from film_model.studies import modal_reference
+from film_model.targets import ritz
 
 SCENES = Path(__file__).parent.parent / "examples" / "scenes"
 OLSSON = fm.Scene.from_toml(SCENES / "olsson_plate.toml")
@@ -287,3 +289,52 @@ def test_runs_that_agree_by_chance():
     )
     estimate, true, _ = estimated_and_true(struck(beam, "10 mm", "2.082 m/s", LAWS["walton-braun"], "2.508 kg"), 1e-4)
     assert true <= estimate <= 1e-4
+
+
+# ---------------------------------------------------------------- more modes than can be computed
+
+CLAMPED = fm.Plate(STEEL, "2 mm", size=["200 mm", "200 mm"], edges="clamped")
+
+
+@pytest.mark.slow
+def test_the_most_modes_that_can_be_computed(monkeypatch):
+    """The result is that with the most modes; a warning names the values above the accuracy, and bounds them."""
+    scene = struck(CLAMPED, "20 mm", "1 m/s")
+    exact = fm.simulate(scene, accuracy=3e-3)
+    monkeypatch.setattr(ritz, "MOST_FUNCTIONS", 150)
+    monkeypatch.setattr(ritz, "SHARPNESS", ((2.0, 50), (1.3, 150)))
+    ritz.panel_modes.cache_clear()
+    vibration.forget()
+    with pytest.warns(fm.ImpactWarning, match=r"accuracy 0.0001 is not reached: with \d+ modes the estimated relative"):
+        found = fm.simulate(scene, accuracy=1e-4)
+    velocity = units.quantity(np.linspace(0.9, 1.1, 34), "velocity")
+    many = fm.simulate_batch(scene, velocity=velocity, accuracy=1e-4)
+    ritz.panel_modes.cache_clear()
+    vibration.forget()
+    changes = vibration.differences(exact.problem, found.vibration.summary, exact.vibration.summary)
+    assert 1e-4 < max(changes.values()) < found.accuracy.estimated
+    assert found.vibration.modes < exact.vibration.modes
+    assert not many.failed.any() and (many.estimated_accuracy > 1e-4).all()
+
+
+def test_a_contact_that_is_not_resolved_is_refused():
+    wide = fm.Plate(STEEL, "1 mm", size=["10 m", "10 m"], edges="clamped")
+    with pytest.raises(fm.SimulationError, match="functions that interact, but at most 2000 are allowed: take simply"):
+        fm.simulate(struck(wide, "1 mm", "1 m/s"))
+
+
+# ---------------------------------------------------------------- a clearance
+
+
+def test_a_clearance_only_delays_the_impact():
+    """Before the clearance is closed nothing moves but the ball; afterwards the motion is that without clearance."""
+    clear, velocity = 20e-6, 0.5
+    laws = (fm.Meyer(stiffness=1e10, exponent=1.5, initial_indentation=depth) for depth in (0.0, clear))
+    close, wide = (fm.simulate(struck(FEW, "10 mm", f"{velocity} m/s", law, "2 kg"), accuracy=1e-5) for law in laws)
+    for name, more in (("maximum_indentation", clear), ("time_of_maximum_indentation", clear / velocity)):
+        assert wide.summary[name] == pytest.approx(close.summary[name] + more, rel=1e-5), name
+    for name in ("maximum_force", "rebound_velocity", "energy_radiated"):
+        assert wide.summary[name] == pytest.approx(close.summary[name], rel=2e-5), name
+    changes = [event for event in wide.events if event.name == "stage_changes"]
+    assert changes[0].time == pytest.approx(clear / velocity, rel=1e-12)
+    assert wide.sample_si(0.5 * clear / velocity).contact_force == 0.0

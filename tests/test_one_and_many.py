@@ -30,6 +30,9 @@ MARGIN = 1.2
 FLOOR = 1e-3
 """Errors of velocities are relative to at least this share of the approach velocity, as in the solver's estimate."""
 
+CREEPING = 1e-12
+"""An over-damped contact ends by rounding, with a restitution below this, or never."""
+
 FACTORS = np.array([1.0, 0.6, 1.9])
 """Velocities of a batch over that of the scene."""
 
@@ -199,6 +202,12 @@ def differing(history, values):
     return found
 
 
+def creeps(history, values):
+    """Whether the one of two results that separates does so at no velocity; the other has no restitution."""
+    found = (result["coefficient_of_restitution"] for result in (history.summary, values))
+    return all(value is None or not abs(value) > CREEPING for value in found)
+
+
 def vibrates(scene):
     """Whether the target vibrates: such impacts are compared in test_modal_engine, at accuracies that modes reach."""
     try:
@@ -263,6 +272,8 @@ def disagreements(scene):
                 found.append(f"{said} alone: {one}; in a batch: {batch}")
             if status in ("separated", "resting", "time_limit"):
                 found.append(f"{said} alone: {one}; in a sweep: {status}")
+            continue
+        if {status, one.outcome.name.lower()} == {"separated", "resting"} and creeps(one, values):
             continue
         if status != one.outcome.name.lower():
             found.append(f"{said} alone: {one.outcome.name.lower()}; in a sweep: {status}")
@@ -362,10 +373,11 @@ def test_one_many_and_steps_agree_on_random_scenes():
         agree(random_scene(seed))
 
 
-@pytest.mark.parametrize("seed", [1390, 1496, 2040, 2991])
+@pytest.mark.parametrize("seed", [1390, 1496, 1625, 2040, 2270, 2385, 2991])
 def test_one_and_many_agree_where_rounding_or_chance_once_parted_them(seed):
     """1390, 2040: the weight's work is 1e5 times the impact's, and the estimates say what rounding leaves. 1496: two
-    meshes agreed by chance. 2991: the ball creeps to the edge of a stage."""
+    meshes agreed by chance; 1625, 2385: two had the same lines. 2270: the ball creeps out of an over-damped contact.
+    2991: it creeps to the edge of a stage."""
     assert not disagreements(random_scene(seed))
 
 

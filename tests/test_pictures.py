@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -116,6 +117,39 @@ def test_heat_map_and_cloud() -> None:
     two = {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}, "impactor.mass": {"uniform": ["1 g", "2 g"]}}
     panel, bar = fd.plot(fd.sweep(BALL, two, "random", samples=50)).axes
     assert bar.get_ylabel() == "coefficient of restitution"
+
+
+WIDE = """
+impactor = { radius = "1 mm", velocity = "1 m/s", material = "mild steel" }
+contact = { law = "hertz" }
+effects = { boundary_reflections = true }
+[target]
+kind = "plate"
+material = "mild steel"
+thickness = "1 mm"
+size = ["10 m", "10 m"]
+edges = "clamped"
+"""
+
+
+@pytest.mark.slow
+def test_a_sweep_that_failed(tmp_path, capsys):
+    """The reasons stand on standard error and, instead of empty axes, in the picture; the exit status is 3."""
+    (tmp_path / "scene.toml").write_text(WIDE, encoding="utf-8")
+    sweep, found = tmp_path / "sweep.toml", str(tmp_path / "sweep.nc")
+    sweep.write_text('scene = "scene.toml"\n[over]\n"impactor.velocity" = ["1 m/s", "2 m/s"]\n', encoding="utf-8")
+    assert main(["sweep", str(sweep), "--output", found]) == 3
+    said = "2 of 2 impacts failed: 2 vibrates (the target vibrates between its edges; use simulate()"
+    printed = capsys.readouterr()
+    assert f"warning: {said}" in printed.err
+    assert printed.out.splitlines()[1:] == ["2 impacts: 2 vibrates"]
+    assert main(["sweep", str(sweep), "--output", found, "--force", "--json"]) == 3
+    assert json.loads(capsys.readouterr().out)["accuracy"]["estimated"] is None
+    with fd.open(found) as ds:
+        figure = fd.plot(ds)
+        assert fd.validate(ds) == []
+    assert figure.axes == []
+    assert said in figure.texts[0].get_text().replace("\n", " ")
 
 
 def test_impacts_that_failed_are_counted() -> None:

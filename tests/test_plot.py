@@ -256,3 +256,25 @@ def test_laws_are_compared_at_one_energy() -> None:
     for loop in loops.values():
         depth, force = loop.curve[:, : loop.turn + 1]
         assert _area(force, depth) == pytest.approx(ENERGY, rel=2e-3)
+
+
+@pytest.mark.parametrize("ends", ["clamped", "free"])
+def test_a_target_that_vibrates(ends: str) -> None:
+    """Displacements of impactor and struck point, the energy of the vibrations, and each at the end."""
+    beam = fm.Beam("mild steel", "150 mm", "10 mm", "4 mm", ends=ends)
+    scene = fm.Scene(fm.Sphere("10 mm", "0.5 m/s", material="mild steel"), beam, fm.Contact("hertz"))
+    history = fm.simulate(scene, accuracy=1e-2)
+    run, figure = history.vibration, plot.plot_history(history)
+    _, _, displacement, loop, energy, spectrum = figure.axes
+    assert displacement.get_ylabel() == "displacement (µm)" and loop.get_xlabel() == "indentation (µm)"
+    whole = "vibrations" if ends == "clamped" else "target"
+    assert [text.get_text() for text in energy.get_legend().get_texts()] == ["impactor", "contact", whole]
+    drawn = energy.lines[2].get_ydata()[-1] * 1e-3
+    assert drawn == pytest.approx(run.energy * history.problem.scales.energy, rel=1e-3)
+    bends = run.frequency > 0.0
+    frequencies, energies = spectrum.lines[0].get_xdata(), spectrum.lines[0].get_ydata()
+    assert (spectrum.get_xlabel(), spectrum.get_xscale()) == ("frequency (kHz)", "log")
+    assert set(np.round(frequencies, 9)) <= set(np.round(run.frequency[bends] / (2e3 * np.pi), 9))
+    unit = {"energy (mJ)": 1e-3, "energy (µJ)": 1e-6}[spectrum.get_ylabel()]
+    assert sum(energies) * unit == pytest.approx(history.vibration_energy_by_mode[bends].sum(), rel=1e-4)
+    assert ("motion as a whole" in spectrum.get_title(loc="right")) == (ends == "free")

@@ -4,6 +4,7 @@ from film_datasets.accessor import Film
 from film_datasets.conversion import to_dataset
 from film_datasets.csv_measurement import from_csv
 from film_datasets.dataset_plots import plot
+from film_datasets.file_conversion import convert
 from film_datasets.files import open_dataset as open
 from film_datasets.files import read, write
 from film_datasets.history_dataset import history_of, lines_of
@@ -11,6 +12,7 @@ from film_datasets.identification import Identification, identify
 from film_datasets.published import load, published
 from film_datasets.schema import TABLE, VERSIONS, Variable, content_sha256, validate
 from film_datasets.sweeps import sweep
+from film_datasets.tables import to_frame
 
 __all__ = [
     "TABLE",
@@ -19,6 +21,7 @@ __all__ = [
     "Identification",
     "Variable",
     "content_sha256",
+    "convert",
     "from_csv",
     "history_of",
     "identify",
@@ -30,6 +33,7 @@ __all__ = [
     "read",
     "sweep",
     "to_dataset",
+    "to_frame",
     "validate",
     "write",
 ]

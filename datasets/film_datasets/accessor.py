@@ -15,8 +15,9 @@ from film_datasets.history_dataset import history_of, lines_of
 from film_datasets.impacts import SEGMENT_UNITS, sample_segments
 from film_datasets.provenance import scene_of
 from film_datasets.quantities import quantified
+from film_datasets.scene_constants import check_scene_key, scene_key
 from film_datasets.scene_numbers import number_text
-from film_datasets.schema import HISTORY, SWEEP, TABLE, dimension_of, flag_meanings, kind_of
+from film_datasets.schema import HISTORY, SWEEP, TABLE, dimension_of, kind_of, words_of
 from film_datasets.sweeps import Sweep, statistics
 from film_model.base import units
 from film_model.base.units import to_si
@@ -55,15 +56,24 @@ class Film:
         if "start_values" in self._ds.attrs:
             given = ", ".join(str(self._ds.attrs["start_values"]).split("\n"))
             raise ValueError(f"this run of an FMU was given {given}, which is not in the scene that was exported")
-        return self._impact_scene(where) if where or self._is_one else scene_of(self._ds)
+        if where or self._is_one:
+            return self._impact_scene(where)
+        if self.kind == SWEEP:
+            check_scene_key(self._ds, _key(self._ds, Sweep.of_dataset(self._ds)))
+        return scene_of(self._ds)
 
     def _impact_scene(self, where: Mapping[str, Any]) -> Scene:
         """The scene of one impact of a sweep."""
         impact = self._ds.isel(self._indices(where))
         changes: dict[str, Any] = {}
-        for axis in Sweep.of_dataset(self._ds).axes:
+        sweep = Sweep.of_dataset(self._ds)
+        check_scene_key(impact, _key(self._ds, sweep))
+        for axis in sweep.axes:
             value = impact[axis.name].item()
-            changes[axis.path] = axis.choices[value] if axis.kind == "choices" else number_text(value, axis.unit)
+            if axis.kind == "choices":
+                changes[axis.path] = axis.choices[axis.words.index(value) if isinstance(value, str) else value]
+            else:
+                changes[axis.path] = number_text(value, axis.unit)
         return scene_of(self._ds).replace(changes)
 
     def history(self, **where: Any) -> History:
@@ -139,10 +149,9 @@ class Film:
                 raise KeyError(f"impact {value}: must be from 0 to {size - 1}")
             return int(value)
         array = self._ds[dim]
-        meanings = flag_meanings(array)
-        if not meanings:
+        present = words_of(array)  # of a selection not all
+        if not present:
             return int(np.abs(array.values - to_si(value, dimension_of(array), bare=True)).argmin())
-        present = [meanings[number] for number in array.values.tolist()]  # of a selection not all
         if str(value) not in present:
             raise KeyError(f"{dim} {value}: there are {', '.join(present)}")
         return present.index(str(value))
@@ -164,6 +173,11 @@ class Film:
             raise ValueError("segments of this impact are missing: the dimension segment must be complete")
         units = {name: float(impact[name]) for name in SEGMENT_UNITS}
         return sample_segments(self._impact_scene(where), lines, units, t)
+
+
+def _key(ds: xr.Dataset, sweep: Sweep) -> int:
+    """The scene key of the impacts that `sweep`, read from the dataset, describes."""
+    return scene_key(str(ds.attrs["scene_toml"]), (axis.meaning for axis in sweep.axes))
 
 
 def _refuse(where: Mapping[str, Any]) -> None:

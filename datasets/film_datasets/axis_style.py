@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from film_datasets.schema import dimension_of, flag_meanings
+from film_datasets.schema import dimension_of, flag_meanings, holds_text, words_of
 from film_model.plot.style import prefixed_unit
 
 if TYPE_CHECKING:
@@ -39,14 +39,10 @@ def thinned(size: int, most: int) -> slice:
     return slice(None, None, max(1, -(-size // most)))
 
 
-def names_present(array: xr.DataArray) -> list[str]:
-    """The names of the values of a swept quantity, of a selection those that it contains; empty if they are numbers."""
-    meanings = flag_meanings(array)
-    return [meanings[number] for number in array.values.tolist()] if meanings else []
-
-
 def values_and_label(array: xr.DataArray) -> tuple[Any, str]:
     """Values in a unit with a suitable prefix, and the label of their axis."""
+    if holds_text(array):
+        return np.arange(array.size), plain(str(array.name))
     if flag_meanings(array):
         return array.values, plain(str(array.name))
     size, unit = prefixed_unit(array.values, dimension_of(array))
@@ -69,7 +65,7 @@ def format_axis(panel: Any, which: str, array: xr.DataArray, scaled: xr.DataArra
     scaled: the values that decide whether the scale is logarithmic, those of `array` unless given.
     """
     axis = getattr(panel, f"{which}axis")
-    meanings = flag_meanings(array)
+    meanings = words_of(array) if holds_text(array) else flag_meanings(array)
     if meanings:
         axis.set_ticks(range(len(meanings)), meanings)
         return

@@ -16,6 +16,10 @@ def to_dataset(result: History | Study, samples: int = 201, command: str = "film
     samples: of a history, the number of evenly spaced times from first touch to the last event, both included; the
     exact times of all events are added to them. command: the function or command that made the dataset, for the
     attribute `history`. Raises ValueError for fewer than 2 samples.
+
+    >>> ds = fd.to_dataset(fm.simulate(scene))
+    >>> ds.maximum_force.units
+    'N'
     """
     if isinstance(result, History):
         return history_dataset(result, samples, command)

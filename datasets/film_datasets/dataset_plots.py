@@ -12,6 +12,7 @@ import xarray as xr
 from film_datasets.axis_style import finite, format_axis, label, set_title
 from film_datasets.cost_dataset import study_of
 from film_datasets.csv_measurement import measured_over
+from film_datasets.distribution_plots import draw_distribution
 from film_datasets.history_dataset import trace_of
 from film_datasets.schema import COST, HISTORY, MEASUREMENT, SWEEP, dimension_of, kind_of
 from film_datasets.sweep_plots import FEW_POINTS, draw_sweep
@@ -33,6 +34,7 @@ def plot(
     quantity: str | None = None,
     over: Sequence[str] | str | None = None,
     at: Mapping[str, Any] | None = None,
+    kind: str | None = None,
     dpi: float = 200.0,
 ) -> Figure:
     """A figure of a dataset, written to `path` if given.
@@ -44,20 +46,28 @@ def plot(
     as "impactor_velocity"; unless given, the first two with many values. One gives lines, a line for each value of
     another swept quantity that has names or few values; two give a heat map. A sampled sweep gives a scatter plot.
     at: values of the other swept quantities ("70 g" or SI, of which the nearest is taken, or a name); their first
-    values unless given. The title states them.
+    values unless given. The title states them. kind: "histogram" or "ecdf" (empirical distribution) of the quantity
+    over all impacts, or "scatter", a point for each impact, over one swept or summary quantity.
 
     Raises ValueError for an unknown name, an argument that is not for such a dataset, a run without contact or a suffix
     other than .png, .svg and .pdf; ImportError without matplotlib; OSError if the file cannot be written.
+
+    >>> figure = fd.plot(fd.load("zener"), "restitution.png")
     """
-    kind = kind_of(ds)
-    given = [name for name, value in (("quantity", quantity), ("over", over), ("at", at)) if value]
-    if kind != SWEEP and given:
-        raise ValueError(f"{given[0]}: is for sweeps, this is an {kind.replace('_', ' ')}")
-    if kind == HISTORY:
+    schema = kind_of(ds)
+    options = (("quantity", quantity), ("over", over), ("at", at), ("kind", kind))
+    given = [name for name, value in options if value]
+    if schema != SWEEP and given:
+        raise ValueError(f"{given[0]}: is for sweeps, this is an {schema.replace('_', ' ')}")
+    if kind:
+        if at:
+            raise ValueError(f"at: is not for a {kind}, which has all impacts")
+        return picture(path, draw_distribution(ds, kind, quantity, over), SIZE, dpi)
+    if schema == HISTORY:
         return plot_history(trace_of(ds), path, dpi)
-    if kind == COST:
+    if schema == COST:
         return plot_study(study_of(ds), path, dpi)
-    if kind == MEASUREMENT:
+    if schema == MEASUREMENT:
         size = SIZE[0], max(SIZE[1], PANEL_HEIGHT * (len(ds.variables) - 1))
         return picture(path, lambda figure: _draw_measurement(figure, ds), size, dpi)
     return picture(path, draw_sweep(ds, quantity, over, at), SIZE, dpi)

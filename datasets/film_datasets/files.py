@@ -6,13 +6,18 @@ import os
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from film_datasets.quantities import in_numbers
-from film_datasets.schema import HISTORY, kind_of, variables_of
+from film_datasets.schema import HISTORY, holds_text, kind_of, variables_of
+from film_datasets.tables import TABLES, check_parquet, write_table
 from film_model.base.files import written_whole
 
 SUFFIX, ZARR = ".nc", ".zarr"
+
+WRITTEN = (SUFFIX, *TABLES)
+"""Suffixes of the files that `write` writes."""
 
 STORES = ("zarr.json", ".zgroup")
 """A folder that has one of these files is a Zarr store, of format 3 or 2."""
@@ -27,14 +32,19 @@ DEFLATE_FROM = 4096
 
 
 def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False) -> Path:
-    """Write `ds` to the netCDF-4 file `path` and return the path.
+    """Write `ds` to the netCDF-4 file `path`, or as a table (see `to_frame`) to a .csv, .parquet or .mat file.
 
     The file is written under another name in the same folder, flushed to the disk and renamed, so that `path` is never
     incomplete; the same dataset gives the same bytes. Long variables are shuffled and deflated at level 1. Quantities
     (`ds.film.quantify()`) are written as SI numbers.
 
-    Raises ValueError for a suffix other than .nc; FileExistsError if the file exists and `overwrite` is not set;
-    IsADirectoryError, FileNotFoundError, PermissionError or OSError if the file cannot be written.
+    Returns the path. Raises ValueError for another suffix; ImportError for Parquet without pyarrow; FileExistsError if
+    the file exists and `overwrite` is not set; IsADirectoryError, FileNotFoundError, PermissionError or OSError if the
+    file cannot be written.
+
+    >>> path = fd.write(fd.to_dataset(fm.simulate(scene)), "impact.nc")
+    >>> fd.read(path).attrs["outcome"]
+    'contact ended'
     """
     if not isinstance(ds, xr.Dataset):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"write takes a dataset, not a {type(ds).__name__}: to_dataset converts a history")
@@ -43,6 +53,9 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     ds = in_numbers(ds)
     try:
         with written_whole(target) as beside:
+            if target.suffix in TABLES:
+                write_table(ds, target, beside)
+                return target
             ds.to_netcdf(beside, mode="w", format="NETCDF4", engine="netcdf4", encoding=_encoding(ds))
     except RuntimeError as error:  # the netCDF library raises it for a full disk
         raise OSError(f"{target}: cannot be written (is the disk full?): {error}") from error
@@ -62,6 +75,11 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     index, so `sel` does not take it.
 
     Raises OSError if the file does not exist or cannot be read, ValueError for a file of another program.
+
+    >>> path = fd.write(fd.to_dataset(fm.simulate(scene)), "impact.nc")
+    >>> with fd.open(path) as ds:
+    ...     print(ds.attrs["outcome"])
+    contact ended
     """
     source = Path(path)
     if not source.exists():
@@ -90,7 +108,9 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def _indexed(ds: xr.Dataset) -> xr.Dataset:
-    """The dataset with an index for every coordinate of at most `MOST_INDEXED` values."""
+    """The dataset with an index for every coordinate of at most `MOST_INDEXED` values, and texts of fixed length."""
+    texts = [name for name, array in ds.variables.items() if holds_text(array)]
+    ds = ds.assign({name: ds[name].copy(data=np.array(ds[name].values.tolist(), np.str_)) for name in texts})
     along = [str(name) for name, array in ds.coords.items() if array.dims == (name,) and array.size <= MOST_INDEXED]
     for name in along:
         ds = ds.set_xindex(name)
@@ -98,9 +118,11 @@ def _indexed(ds: xr.Dataset) -> xr.Dataset:
 
 
 def check_file(target: Path, overwrite: bool) -> None:
-    """As `check_place`, for a netCDF file."""
-    if target.suffix != SUFFIX:
-        raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}"')
+    """As `check_place`, for a file that `write` writes."""
+    if target.suffix not in WRITTEN:
+        others = ", ".join(f'"{suffix}"' for suffix in TABLES)
+        raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}", that of a table in {others}')
+    check_parquet(target)
     check_place(target, overwrite)
 
 
@@ -123,7 +145,7 @@ def _encoding(ds: xr.Dataset) -> dict[str, Any]:
     deflate = {"zlib": True, "complevel": 1, "shuffle": True}
     return {
         str(name): {
-            **(deflate if array.dims and array.nbytes >= DEFLATE_FROM else {}),
+            **(deflate if array.dims and array.nbytes >= DEFLATE_FROM and not holds_text(array) else {}),
             "_FillValue": float("nan") if name in missing else None,
         }
         for name, array in ds.variables.items()

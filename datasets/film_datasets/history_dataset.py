@@ -17,7 +17,17 @@ from film_datasets.provenance import (
     text_and_hash,
     warnings_of,
 )
-from film_datasets.schema import BRANCHES, HISTORY, TABLE, content_sha256, flag_meanings, flag_words
+from film_datasets.scene_constants import constants_of, scene_key
+from film_datasets.schema import (
+    BRANCHES,
+    CONSTANTS,
+    HISTORY,
+    SCENE_KEY,
+    TABLE,
+    content_sha256,
+    flag_meanings,
+    flag_words,
+)
 from film_model.base.errors import Outcome
 from film_model.core.native import BRANCH_NAMES, EVENTS, LINE_DTYPE
 from film_model.plot.history import Trace
@@ -47,10 +57,15 @@ def history_dataset(history: History, samples: int = 201, command: str = "film_d
         **_events(history),
         **{name: np.nan if value is None else value for name, value in history.summary.items()},
         **_segments(history),
+        **constants_of(history.scene),
+        "contact_law_name": history.problem.law.name,
+        "scene_key": scene_key(history.scene.archived_text()),
     }
     meanings = {"stages": flag_words(history.problem.curve.stage_names, tuple(BRANCHES.values()))}
     data: dict[str, Any] = {
-        v.name: (v.dims, np.asarray(columns[v.name], dtype=v.dtype), v.attributes(meanings)) for v in TABLE[HISTORY]
+        v.name: (v.dims, np.asarray(columns[v.name], dtype=v.dtype), v.attributes(meanings))
+        for v in (*TABLE[HISTORY], *CONSTANTS, SCENE_KEY.over(()))
+        if v.name in columns
     }
     ds = xr.Dataset({name: value for name, value in data.items() if name != "t"}, coords={"t": data["t"]})
     ds.attrs = _attributes(history, command)
@@ -63,6 +78,8 @@ def lines_of(ds: xr.Dataset) -> NDArray[Any]:
 
     Empty if the target vibrates or the dataset is the run of an FMU.
     """
+    if ds["segment_time"].dims != ("segment",):
+        raise ValueError("segments of several datasets were joined: use the dataset that the impact came from")
     lines: NDArray[Any] = np.empty(ds.sizes["segment"], LINE_DTYPE)
     for name in LINE_DTYPE.names or ():
         lines[name] = ds[f"segment_{name}"].values
@@ -74,6 +91,9 @@ def history_of(ds: xr.Dataset) -> History:
 
     A target that vibrates has no segments: its impact is simulated again. Raises ValueError if the contact law was an
     object of Python, if segments are missing, and for the run of an FMU, which has no segments.
+
+    >>> fd.history_of(fd.load("paper_stronge")).problem.law.name
+    'stronge'
     """
     choice = choice_of(ds)
     scene, problem = choice.scene, choice.problem

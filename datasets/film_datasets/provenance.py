@@ -9,7 +9,8 @@ from typing import Any
 
 import xarray as xr
 
-from film_datasets.schema import VERSIONS, kind_of
+from film_datasets.scene_constants import check_scene_key, scene_key
+from film_datasets.schema import HISTORY, VERSIONS, kind_of
 from film_model.base.errors import SceneError
 from film_model.effects.choose import Choice, choose
 from film_model.scene import Scene
@@ -79,12 +80,16 @@ def choice_of(ds: xr.Dataset) -> Choice:
 def _stored_scene(ds: xr.Dataset) -> Scene:
     if "scene_toml" not in ds.attrs:
         raise ValueError(f"a dataset of kind {kind_of(ds)} has no scene")
+    text = str(ds.attrs["scene_toml"])
     try:
-        return Scene.from_stored_text(str(ds.attrs["scene_toml"]), "scene_toml")
+        scene = Scene.from_stored_text(text, "scene_toml")
     except SceneError as error:
         if not ds.attrs.get("contact_law") or any(mistake.key == "contact.file" for mistake in error.mistakes):
             raise
         raise _lost_law(str(ds.attrs.get("contact_law", ""))) from None
+    if kind_of(ds) == HISTORY:
+        check_scene_key(ds, scene_key(text))
+    return scene
 
 
 def _lost_law(law: str) -> ValueError:

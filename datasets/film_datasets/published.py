@@ -24,7 +24,13 @@ def published() -> dict[str, str]:
 
 
 def load(name: str) -> xr.Dataset:
-    """A dataset that is installed with the package, e.g. "zener". Raises KeyError for an unknown name."""
+    """A dataset that is installed with the package, e.g. "zener". Raises KeyError for an unknown name.
+
+    >>> sorted(fd.published())[:2]
+    ['measured_impacts', 'paper_big_alabo']
+    >>> fd.load("zener").sizes["target_thickness"]
+    121
+    """
     files = _files()
     if name not in files:
         hint = did_you_mean(name, files) or f"; there are {', '.join(files)}"

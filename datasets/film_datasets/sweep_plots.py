@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -13,13 +14,13 @@ from film_datasets.axis_style import (
     finite,
     format_axis,
     label,
-    names_present,
     plain,
     set_title,
     thinned,
     values_and_label,
 )
-from film_datasets.schema import dimension_of, flag_meanings, has_failed, pieces, swept_name
+from film_datasets.provenance import warnings_of
+from film_datasets.schema import dimension_of, has_failed, pieces, swept_name, words_of
 from film_model.base.errors import did_you_mean, shown
 from film_model.base.units import to_si
 from film_model.plot.style import COLOURS, prefixed_unit
@@ -45,6 +46,9 @@ MARKED_POINTS = 12
 MOST_INSIDE = 5
 """A legend of at most so many entries lies within the axes, where matplotlib finds room; a longer one beside them."""
 
+SAID_WIDTH = 80
+"""Characters in a line of text that stands instead of a plot."""
+
 LINE_STYLES = ("-", "--", ":", "-.")
 
 COLOUR_MAP = "cividis"
@@ -60,6 +64,8 @@ def draw_sweep(
     if quantity not in known:
         hint = did_you_mean(quantity, known) or f"; there are {', '.join(known)}"
         raise ValueError(f"quantity: {shown(quantity)} is not a summary quantity of this dataset{hint}")
+    if not any(np.isfinite(values).any() for values in pieces(ds[quantity])):
+        return lambda figure: _say_why(figure, ds, quantity)
     swept = [swept_name(path) for path in str(ds.attrs["swept"]).split()]
     scalars = [name for name in swept if ds[name].ndim == 0]  # of a selection
     if scalars:
@@ -74,9 +80,17 @@ def draw_sweep(
     return fill
 
 
+def _say_why(figure: Figure, ds: xr.Dataset, quantity: str) -> None:
+    """Instead of empty axes: that no impact has a value of the quantity, and the first warning of the sweep."""
+    said = [f"No impact of this sweep has a value of {quantity.replace('_', ' ')}.", *warnings_of(ds)[:1]]
+    lines = [textwrap.fill(line, SAID_WIDTH).replace("$", r"\$") for line in said]
+    figure.text(0.5, 0.5, "\n\n".join(lines), ha="center", va="center")
+    set_title(figure, ds)
+
+
 def _chosen_axes(ds: xr.Dataset, swept: list[str], over: Sequence[str] | str | None) -> list[str]:
     """The swept quantities along the axes of the plot: `over`, or those with the most to show."""
-    numbers = [name for name in swept if not flag_meanings(ds[name]) and ds[name].size > 1]
+    numbers = [name for name in swept if not words_of(ds[name]) and ds[name].size > 1]
     long = [name for name in numbers if ds[name].size > MOST_LINES]
     chosen = [over] if isinstance(over, str) else list(over or long[:2] or numbers[:1] or swept[:1])
     unknown = [name for name in chosen if name not in swept]
@@ -95,7 +109,7 @@ def _draw_lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], 
     panel = figure.add_subplot()
     (x,) = over
     others = [str(name) for name in ds[quantity].dims if name != x and name not in at]
-    named = [name for name in others if flag_meanings(ds[name])]
+    named = [name for name in others if words_of(ds[name])]
     short = [name for name in others if 1 < ds[name].size <= MOST_LINES]
     family = next(iter([*named, *short]), None)
     free = [x] if family is None else [x, family]
@@ -104,7 +118,7 @@ def _draw_lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], 
     array = array.isel({x: _drawn(array)}).load()
     size, unit = prefixed_unit(finite(array), dimension_of(array))
     x_values, x_label = values_and_label(array[x])
-    separate = bool(flag_meanings(ds[x]))  # there is nothing between two names to draw a line through
+    separate = bool(words_of(ds[x]))  # there is nothing between two names to draw a line through
     marker = "o" if separate or array.sizes[x] <= MARKED_POINTS else None
     for k, text in enumerate([""] if family is None else _legend_texts(ds[family])):
         line = array if family is None else array.isel({family: k})
@@ -200,7 +214,7 @@ def _select(ds: xr.Dataset, quantity: str, free: list[str], at: dict[str, Any]) 
     for name in map(str, ds[quantity].dims):
         if name in free:
             continue
-        names = names_present(ds[name])
+        names = words_of(ds[name])
         value = at.get(name)
         if names:
             if value is not None and str(value) not in names:
@@ -217,8 +231,8 @@ def _select(ds: xr.Dataset, quantity: str, free: list[str], at: dict[str, Any]) 
 
 def _legend_texts(array: xr.DataArray) -> list[str]:
     """The values of a swept quantity as texts."""
-    if flag_meanings(array):
-        return names_present(array)
+    if words_of(array):
+        return words_of(array)
     size, unit = prefixed_unit(array.values, dimension_of(array))
     return [f"{value:.4g} {unit}".rstrip() for value in (array.values / size).tolist()]
 

@@ -29,7 +29,14 @@ class Mistake:
 
 
 class SceneError(ValueError):
-    """All the mistakes of a scene, or of one of its parts; one line each."""
+    """All the mistakes of a scene, or of one of its parts; one line each.
+
+    >>> try:
+    ...     fm.Sphere("10 kg", "1 m/s")
+    ... except fm.SceneError as error:
+    ...     print(error)
+    Sphere.radius: "10 kg" is a mass, a length is needed (e.g. "10 mm")
+    """
 
     def __init__(self, mistakes: Iterable[Mistake]) -> None:
         self.mistakes = tuple(mistakes)
@@ -59,6 +66,10 @@ class ImpactWarning(UserWarning):
 
 class SimulationError(RuntimeError):
     """The scene is valid but cannot be simulated."""
+
+
+class TooManyModes(SimulationError):
+    """The natural vibrations of a target up to some frequency are too many to compute."""
 
 
 class CoreError(SimulationError):

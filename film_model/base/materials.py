@@ -19,12 +19,15 @@ from film_model.base.units import Value
 class Material:
     """An isotropic elastic material. Quantities go in, SI floats are stored.
 
-    youngs_modulus: Pa. poissons_ratio: dimensionless. density: kg/m³. yield_strength: Pa, None for a brittle
-    material or if unknown. source: where the values come from.
+    name: in messages. youngs_modulus: Pa. poissons_ratio: dimensionless. density: kg/m³. yield_strength: Pa; none for a
+    brittle material or if unknown. source: where the values come from.
 
-    Used only to estimate effects that are not simulated: loss_factor, tan δ at the frequency of the contact;
-    strain_rate_coefficient, C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength; tensile_strength
-    of a brittle material, Pa; surface_energy, J/m².
+    The others serve only to estimate effects that are not simulated. loss_factor: tan δ at the frequency of the
+    contact. strain_rate_coefficient: C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength.
+    tensile_strength: of a brittle material, Pa. surface_energy: J/m².
+
+    >>> fm.Material("ours", youngs_modulus="205 GPa", poissons_ratio=0.29, density="7.9 g/cm^3").density  # kg/m³
+    7900.0
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
@@ -102,7 +105,11 @@ def _plain(name: str) -> str:
 
 
 def material(name: str) -> Material:
-    """The material of that name, or of another word for it; case and the American spelling of aluminium are ignored."""
+    """The material of that name, or of another word for it; case and the American spelling of aluminium are ignored.
+
+    >>> fm.material("aluminum 6061-T6").yield_strength  # Pa
+    276000000.0
+    """
     word, names = _plain(name), _names()
     if word in names:
         return catalogue()[names[word]]

@@ -9,6 +9,7 @@ from typing import Any
 from film_model.base.units import format_si
 from film_model.cli.output import (
     DONE,
+    FAILED,
     add_force,
     add_json,
     add_plot,
@@ -37,6 +38,7 @@ def add_commands(named: Any) -> None:
     )
     parser.add_argument("--over", metavar="NAME[,NAME]", help="one swept quantity for lines, or two for a heat map")
     parser.add_argument("--at", metavar="NAME=VALUE", action="append", help="of another swept quantity, SI or a word")
+    parser.add_argument("--kind", metavar="KIND", help="of a sweep: histogram, ecdf or scatter (over any quantity)")
     add_style(parser)
     add_force(parser, "overwrite an existing picture")
     parser.set_defaults(command=plot)
@@ -54,7 +56,7 @@ def add_commands(named: Any) -> None:
 
 def _add_sweep(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("sweep", help="sweep file (TOML)")
-    parser.add_argument("--output", metavar="FILE", required=True, help="FILE.nc or FILE.zarr")
+    parser.add_argument("--output", metavar="FILE", required=True, help="FILE.nc, .zarr, .csv, .parquet or .mat")
     parser.add_argument(
         "--keep",
         metavar="WHAT",
@@ -92,13 +94,15 @@ def sweep(options: argparse.Namespace) -> int:
         print(_sweep_table(report))
         print_written(options.output)
     print_warnings(report["warnings"])
-    return DONE
+    return FAILED if report["failed"] == report["impacts"] else DONE
 
 
 def _sweep_table(report: dict[str, Any]) -> str:
-    """Counts of outcomes, and the range of every summary quantity."""
+    """Counts of outcomes, and the range of every summary quantity that has a value."""
     ended = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in report["statuses"].items())
     lines = [report["title"], f"{report['impacts']} impacts: {ended}", ""]
+    if report["failed"] == report["impacts"]:
+        return "\n".join(lines[:2])
     lines.append(f"  {'':30}{'minimum':>16}{'mean':>16}{'maximum':>16}")
     for name, row in report["summary"].items():
         cells = (row[key] for key in ("least", "mean", "greatest"))
@@ -114,7 +118,7 @@ def plot(options: argparse.Namespace) -> int:
 
     output = options.output or os.path.splitext(options.file.rstrip("/" + os.sep))[0] + ".png"
     over = [_variable(name) for name in listed(options.over)]
-    chosen: dict[str, Any] = {"quantity": options.quantity, "over": over}
+    chosen: dict[str, Any] = {"quantity": options.quantity, "over": over, "kind": options.kind}
     pairs = (pair.partition("=")[::2] for pair in options.at or ())
     with open_dataset(options.file) as dataset:
         check_writable(output, options.force)

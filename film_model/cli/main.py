@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 
 from film_model.base.errors import DamagedFile, SceneError, SimulationError
-from film_model.cli import catalogues, datasets, engines, explore, fmu, new, run, studies, validate
+from film_model.cli import catalogues, datasets, engines, explore, fmu, new, run, studies, tables, validate
 from film_model.cli.output import DONE, FAILED, WRONG
 from film_model.version import __version__
 
@@ -24,7 +24,7 @@ OPTIONS = {"overwrite=True": "--force", "resume=True": "--resume"}
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit status."""
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # "?" for characters that the encoding lacks
 
@@ -60,12 +60,13 @@ def _complain(text: str, status: int) -> int:
     return status
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def parser() -> argparse.ArgumentParser:
+    """The commands and their options."""
+    whole = argparse.ArgumentParser(
         prog="film-model", description="Simulate the impact of a ball: force, indentation, rebound."
     )
-    parser.add_argument("--version", action="version", version=f"film-model {__version__}")
-    named = parser.add_subparsers(required=True, metavar="command")
-    for group in (new, run, studies, validate, explore, fmu, engines, datasets, catalogues):
+    whole.add_argument("--version", action="version", version=f"film-model {__version__}")
+    named = whole.add_subparsers(required=True, metavar="command")
+    for group in (new, run, studies, validate, explore, fmu, engines, datasets, tables, catalogues):
         group.add_commands(named)
-    return parser
+    return whole

@@ -29,7 +29,9 @@ def add_commands(named: Any) -> None:
     """The command and its options."""
     parser: argparse.ArgumentParser = named.add_parser("run", help="simulate the impact of a scene file")
     parser.add_argument("scene", help="scene file (TOML)")
-    parser.add_argument("--output", metavar="FILE.nc", help="write the history as netCDF")
+    parser.add_argument(
+        "--output", metavar="FILE", help="write the history: .nc (complete), .csv, .parquet or .mat (motion)"
+    )
     add_plot(parser, "draw the history")
     how = parser.add_mutually_exclusive_group()
     how.add_argument("--accuracy", type=float, help="relative accuracy of every summary value, e.g. 1e-6")

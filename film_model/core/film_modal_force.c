@@ -142,9 +142,13 @@ static void free_modes(const film_structure *structure, const film_table *table,
     }
 }
 
-/* end = w of_w + u of_u + the push of the forces f. */
+/* end = w of_w + u of_u + the push of the forces f. In flight, where there is none, the push is not read. */
 static void move_modes(int32_t n, const double *restrict w, const double *restrict u, const double *restrict of_w,
-                       const double *restrict of_u, const double *restrict push, const double f[NODES], double *restrict end) {
+                       const double *restrict of_u, const double *restrict push, const double *f, double *restrict end) {
+    if (f == NULL) {
+        for (int32_t i = 0; i < n; i++) end[i] = w[i] * of_w[i] + u[i] * of_u[i];
+        return;
+    }
     double f0 = f[0], f1 = f[1], f2 = f[2], f3 = f[3];
     const double *restrict p1 = push + n, *restrict p2 = push + 2 * (size_t)n, *restrict p3 = push + 3 * (size_t)n;
     for (int32_t i = 0; i < n; i++)
@@ -165,8 +169,9 @@ static void end_modes(const film_structure *structure, const film_table *table, 
     int32_t n = structure->modes;
     double *w = waves, *u = waves + n, *w_end = waves + 2 * (size_t)n, *u_end = w_end + n, force[NODES];
     for (int j = 0; j < NODES; j++) force[j] = s->force[j] * s->mass / (s->unit * s->unit);
-    move_modes(n, w, u, table->end_cos, table->end_sin, table->push, force, w_end);
-    move_modes(n, w, u, table->rate_cos, table->rate_sin, table->push_rate, force, u_end);
+    const double *pushing = s->kind == FILM_STEP_CONTACT ? force : NULL;
+    move_modes(n, w, u, table->end_cos, table->end_sin, table->push, pushing, w_end);
+    move_modes(n, w, u, table->rate_cos, table->rate_sin, table->push_rate, pushing, u_end);
     s->end_shift = sum_of(w_end, n);
     s->end_rate = sum_of(u_end, n);
 }

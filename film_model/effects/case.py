@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 from film_model.base.arrays import either, ratio
@@ -35,7 +37,8 @@ class Pulse(NamedTuple):
         return cls(-core.final_velocity / approach, back, push / approach * gamma / duration)
 
 
-class Case(NamedTuple):
+@dataclass(frozen=True)
+class Case:
     """The input of the rules: SI numbers of an impact on the trial mesh.
 
     fraction: absorbed part of the impact energy. back [s], motion: as in :class:`Pulse`. turn: time of the maximum
@@ -69,7 +72,7 @@ class Case(NamedTuple):
         """Impact energy, J."""
         return self.scene.kinetic_energy
 
-    @property
+    @cached_property
     def seen_by_target(self) -> Impact:
         """The impact in the form that the rules of the target take."""
         problem, fixed = self.problem, self.problem.again(impedance=math.inf, compliance=0.0)

@@ -32,15 +32,25 @@ def judge(problem: Problem, vibrates: bool) -> tuple[Effect, ...]:
 
     vibrates: the target does; `problem` is then the impact on its impedance or static stiffness.
     """
-    return tuple(judged(problem, name, vibrates) for name in RULES)
+    case = _case(problem, vibrates)
+    return tuple(_apply(name, problem, case) for name in RULES)
 
 
-def judged(problem: Problem, name: str, vibrates: bool = False) -> Effect:
+def judged(problem: Problem, name: str) -> Effect:
     """One rule, by name, applied to one impact."""
+    return _apply(name, problem, _case(problem, vibrates=False))
+
+
+def _case(problem: Problem, vibrates: bool) -> Case | None:
+    """What the rules judge; None if the impact does not end."""
+    return case_of(problem, vibrates) if problem.trial.ends and problem.approach > 0.0 else None
+
+
+def _apply(name: str, problem: Problem, case: Case | None) -> Effect:
     indicator, source, judge_case = RULES[name]
     rule = Rule(name, indicator, source)
-    if problem.trial.ends and problem.approach > 0.0:
-        return judge_case(case_of(problem, vibrates), rule)
+    if case is not None:
+        return judge_case(case, rule)
     if judge_case is obliqueness:
         return oblique(problem.scene, rule, None)
     why = "the impactor has no velocity" if problem.approach == 0.0 else "contact did not end"

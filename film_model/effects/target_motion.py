@@ -20,6 +20,7 @@ from film_model.effects.effect import (
     agreeing,
 )
 from film_model.effects.trial import change, matters
+from film_model.problem.curve import can_be_in_series
 from film_model.problem.numbers import zener
 from film_model.problem.problem import Problem
 
@@ -68,6 +69,16 @@ def held(moved: Problem) -> Problem:
     return moved.again(impedance=moved.impacts.column(math.inf), compliance=0.0)
 
 
+def _released(problem: Problem) -> Problem | None:
+    """The problem on a target that moves; None if it only vibrates, or the law cannot follow its static stiffness."""
+    target, scales, impedance = problem.scene.target, problem.scales, problem.scene.target_impedance
+    own = (target.compliance or 0.0) if math.isinf(impedance) else 0.0
+    by_spring = own > 0.0 and can_be_in_series(problem.law, own * scales.force / scales.length)
+    if math.isinf(impedance) and not by_spring:
+        return None
+    return problem.again(impedance=impedance, compliance=own)
+
+
 def describe(problem: Problem, support: Support, moves: bool) -> Effect:
     """The effect on one impact. problem: with target motion, unless the scene switches it off."""
     scene, wanted, tolerance = problem.scene, problem.scene.effects.target_motion, problem.scene.effect_tolerance
@@ -81,11 +92,8 @@ def describe(problem: Problem, support: Support, moves: bool) -> Effect:
         state, reason = SIMULATED, f"the target {support.how}"
     else:
         state, reason = NOT_NEEDED, f"the target {support.how} and moves too little to matter"
-    if target.gives_way and scene.approach_velocity > 0.0:
-        moved = problem
-        if wanted is False:
-            own = (target.compliance or 0.0) if math.isinf(scene.target_impedance) else 0.0
-            moved = problem.again(impedance=scene.target_impedance, compliance=own)
+    moved = _released(problem) if wanted is False else problem
+    if moved and target.gives_way and scene.approach_velocity > 0.0:
         still = problem if wanted is False else held(problem)
         found = change(moved, still)
         size = None if math.isnan(found) or support.only_vibrates else found

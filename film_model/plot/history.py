@@ -1,4 +1,7 @@
-"""The picture of one impact: force, indentation, velocities and energies over time, and the force loop."""
+"""The picture of one impact: force, indentation, velocities and energies over time, and the force loop.
+
+On a target that vibrates: displacements instead of velocities, which are ragged there, and the energy by vibration.
+"""
 
 from __future__ import annotations
 
@@ -44,6 +47,18 @@ STRESSES = {
 """Numbers of the first and of the second line, with their words."""
 
 VELOCITIES = {"impactor_velocity": "-", "target_velocity": "--", "relative_velocity": ":"}
+DISPLACEMENTS = {"impactor_displacement": "-", "target_displacement": "--"}
+LINES = VELOCITIES | DISPLACEMENTS
+"""Line styles of the quantities that share a panel."""
+
+MOST_MARKED = 40
+"""Beyond so many events only those at which contact begins and ends are marked."""
+
+MOST_STEPS = 5000
+"""Up to so many steps in contact each is sampled at its beginning and middle, too."""
+
+WEAKEST = 1e-6
+"""Least energy in the spectrum, over the largest."""
 
 SIZE, LEFT = (9.6, 7.0), 0.075  # inches; left margin as a fraction of the width
 
@@ -52,7 +67,8 @@ SIZE, LEFT = (9.6, 7.0), 0.075  # inches; left margin as a fraction of the width
 class Trace:
     """The data of the picture. stages: of the law, in order. samples: SI, from first touch to `end` [s].
 
-    energies: J at the samples, by name; empty if they are unknown.
+    energies: J at the samples, by name; empty if they are unknown. spectrum: frequency, Hz, and energy at the end, J,
+    of each vibration of the target; None if it does not vibrate, or its vibrations are unknown.
     """
 
     title: str
@@ -63,16 +79,26 @@ class Trace:
     events: tuple[Event, ...]
     summary: Mapping[str, float | None]
     energies: Mapping[str, Any]
+    spectrum: tuple[Any, Any] | None = None
 
     @classmethod
     def of(cls, history: History) -> Trace:
         """The whole contact at evenly spaced times and at all events."""
-        scene, events = history.scene, [event.time for event in history.events]
-        samples = history.sample_si(np.union1d(np.linspace(0.0, history.duration, SAMPLES), events))
+        scene, vibration = history.scene, history.vibration
+        times = [np.linspace(0.0, history.duration, SAMPLES), [event.time for event in history.events]]
+        if vibration is not None and len(vibration.segments) <= MOST_STEPS:
+            begin, step = (vibration.segments[name] for name in ("time", "h"))
+            times += [begin, (begin + 0.5 * step)[step < np.inf]]
+        samples = history.sample_si(np.unique(np.concatenate(times)))
         found = {name: e for name, e in energies(history, samples).items() if e.max() > 1e-6 * scene.kinetic_energy}
         title = scene.title or f"Impact on a {scene.target.kind}"
         law, stages = history.problem.law.name, tuple(history.problem.curve.stage_names)
-        return cls(title, law, stages, samples, history.duration, history.events, history.summary, found)
+        spectrum = None
+        if vibration is not None:
+            spectrum = vibration.frequency / (2.0 * math.pi), history.vibration_energy_by_mode
+            if "target" in found and not vibration.damped and vibration.frequency[0] > 0.0:
+                found["vibrations"] = found.pop("target")
+        return cls(title, law, stages, samples, history.duration, history.events, history.summary, found, spectrum)
 
 
 def plot_history(history: History | Trace, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
@@ -85,18 +111,23 @@ def _draw(figure: Figure, trace: Trace) -> None:
     rows, columns = figure.add_gridspec(
         1, 2, width_ratios=(1.35, 1.0), left=LEFT, right=0.985, bottom=0.135, top=0.83, wspace=0.2
     )
-    grid, beside = rows.subgridspec(3, 1, hspace=0.12), columns.subgridspec(2, 1, hspace=0.34)
+    below = int(bool(trace.energies)) + int(trace.spectrum is not None)
+    grid, beside = (
+        rows.subgridspec(3, 1, hspace=0.12),
+        columns.subgridspec(1 + below, 1, hspace=(0.0, 0.34, 0.62)[below]),
+    )
     samples = trace.samples
     force = figure.add_subplot(grid[0])
     depth = figure.add_subplot(grid[1], sharex=force)
     speed = figure.add_subplot(grid[2], sharex=force)
-    loop = figure.add_subplot(beside[0] if trace.energies else columns)
+    loop = figure.add_subplot(beside[0])
     panels = [force, depth, speed]
     moved = float(np.abs(samples.target_velocity).max()) > 1e-9 * float(np.abs(samples.impactor_velocity).max())
-    velocities = list(VELOCITIES) if moved else ["impactor_velocity"]
+    shown = list(VELOCITIES) if moved else ["impactor_velocity"]
+    shown = shown if trace.spectrum is None else list(DISPLACEMENTS)
     _curves(force, trace, "time", ["contact_force"])
     _curves(depth, trace, "time", ["indentation"])
-    _curves(speed, trace, "time", velocities)
+    _curves(speed, trace, "time", shown)
     _curves(loop, trace, "indentation", ["contact_force"])
     for panel in (force, depth):
         panel.tick_params(labelbottom=False)
@@ -104,14 +135,18 @@ def _draw(figure: Figure, trace: Trace) -> None:
     if trace.energies:
         panels.append(figure.add_subplot(beside[1], sharex=force))
         _energies(panels[3], trace)
+    beneath = panels[3:]
+    if trace.spectrum is not None:
+        beneath = [*beneath, figure.add_subplot(beside[below])]
+        _spectrum(beneath[-1], *trace.spectrum)
     speed.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
     force.set_xlim(0.0, trace.end / _unit(samples.time, "time")[0] * 1.01)
     loop.set(xlim=(0.0, None), ylim=(0.0, None))
     loop.set_title(plain(f"contact law: {trace.law}"), loc="right", fontsize=8)
     _mark_events(panels, trace)
-    _key(figure, trace, velocities)
+    _key(figure, trace, shown)
     figure.align_ylabels(panels[:3])
-    figure.align_ylabels([loop, *panels[3:]])
+    figure.align_ylabels([loop, *beneath])
     title = " ".join(trace.title.split())
     size = min(12.0, 900.0 / len(title))  # letters of 12 points: some 75 fit
     figure.text(LEFT, 0.967, plain(title), fontsize=size, fontweight="bold")
@@ -127,8 +162,8 @@ def _curves(panel: Axes, trace: Trace, across: str, names: list[str]) -> None:
     for name in names:
         for stage, run in _runs(samples.stage):
             x, y = getattr(samples, across)[run] / x_size, getattr(samples, name)[run] / size
-            panel.plot(x, y, VELOCITIES.get(name, "-"), color=_colour(trace, stage), solid_capstyle="round")
-    what = "velocity" if len(names) > 1 else names[0].replace("_", " ")
+            panel.plot(x, y, LINES.get(name, "-"), color=_colour(trace, stage), solid_capstyle="round")
+    what = names[0].rpartition("_")[2] if len(names) > 1 else names[0].replace("_", " ")
     panel.set(xlabel=f"{across} ({x_unit})", ylabel=f"{what} ({unit})")
 
 
@@ -161,6 +196,23 @@ def _energies(panel: Axes, trace: Trace) -> None:
     panel.legend(**above, fontsize=8, frameon=False)
 
 
+def _spectrum(panel: Axes, frequency: Any, energy: Any) -> None:
+    """The energy of each vibration at the end over its frequency; of a motion as a whole, in words."""
+    whole, total = float(energy[frequency == 0.0].sum()), float(energy.sum())
+    bends = (frequency > 0.0) & (energy > WEAKEST * energy.max(initial=0.0))
+    frequency, energy = frequency[bends], energy[bends]
+    size, unit = prefixed_unit(energy, "energy")
+    panel.set(xscale="log", yscale="log", xlabel="frequency (kHz)", ylabel=f"energy ({unit})")
+    if frequency.size:
+        least = 0.5 * float(energy.min()) / size
+        panel.vlines(frequency / 1e3, least, energy / size, color=COLOURS[0], linewidth=0.8)
+        panel.plot(frequency / 1e3, energy / size, ".", color=COLOURS[0], markersize=3.0)
+        panel.set_ylim(least, None)
+    said = f"vibrations at the end: {format_si(total - whole, 'energy')}"
+    said += f"; motion as a whole: {format_si(whole, 'energy')}" if whole else ""
+    panel.set_title(said, loc="right", fontsize=8)
+
+
 def _runs(stages: Any) -> Iterator[tuple[str, slice]]:
     """Each stage with its samples and the first of the next stage, so that the lines join."""
     starts = [0, *(np.flatnonzero(stages[1:] != stages[:-1]) + 1).tolist(), len(stages)]
@@ -176,7 +228,9 @@ def _mark_events(panels: list[Axes], trace: Trace) -> None:
     span, ends = top.get_xlim()[1], [-math.inf] * LABEL_ROWS
     thin: dict[str, Any] = {"color": "0.55", "linewidth": 0.5}
     labels: dict[str, float] = {}  # of the first event of a kind
-    for event in trace.events[1:]:
+    contacts = ("contact_begins", "contact_ends")
+    few = len(trace.events) <= MOST_MARKED
+    for event in (event for event in trace.events[1:] if few or event.name in contacts):
         labels.setdefault(LABELS.get(event.name, event.name).format(stage=event.stage), event.time / size)
         for panel in panels:
             panel.axvline(event.time / size, zorder=0, **thin)
@@ -194,16 +248,16 @@ def _mark_events(panels: list[Axes], trace: Trace) -> None:
             note.set(ha="center", fontsize=8, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5})
 
 
-def _key(figure: Figure, trace: Trace, velocities: list[str]) -> None:
-    """The legend below the panels: colours of the stages, and line styles of the velocities."""
+def _key(figure: Figure, trace: Trace, names: list[str]) -> None:
+    """The legend below the panels: colours of the stages, and line styles of the quantities that share a panel."""
     from matplotlib.lines import Line2D
 
     keys = [
         Line2D([], [], color=_colour(trace, stage), linewidth=3, label=plain(stage or "no contact"))
         for stage in dict.fromkeys(stage for stage, _ in _runs(trace.samples.stage))
     ]
-    for name in velocities if len(velocities) > 1 else []:
-        keys.append(Line2D([], [], ls=VELOCITIES[name], color="0.2", label=name.replace("_", " ")))
+    for name in names if len(names) > 1 else []:
+        keys.append(Line2D([], [], ls=LINES[name], color="0.2", label=name.replace("_", " ")))
     place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (LEFT - 0.012, 0.0), "ncols": min(len(keys), 5)}
     figure.legend(handles=keys, **place, frameon=False, fontsize=8)
 

@@ -38,10 +38,13 @@ def _read_law(value: object) -> str | AbstractLaw:
 class Contact:
     """The contact law and its values.
 
-    law: "auto", a name, or a law of your own. effective_modulus: Pa. yield_strength: Pa, and poissons_ratio: of the
-    body that yields. These three override the materials' values. unloading: "brake" (Brake's rule) or "retrace",
-    instead of the law's own unloading. work_of_adhesion: J/m², used to estimate adhesion. parameters: the law's own,
-    by name, in SI units.
+    law: "auto", a name, or a law of your own. effective_modulus: E of Hertz's theory, Pa; default from both materials.
+    yield_strength: of the body that yields, Pa; default from the materials. poissons_ratio: of the body that yields;
+    default from the materials. unloading: "brake" (Brake's rule) or "retrace", instead of the law's own unloading.
+    work_of_adhesion: J/m², used to estimate adhesion. parameters: the law's own, by name, in SI units.
+
+    >>> fm.Contact("tsuji", restitution=0.8).parameters
+    {'restitution': 0.8}
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {

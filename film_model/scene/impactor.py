@@ -26,9 +26,12 @@ class Sphere:
     """The impactor.
 
     radius: of the contacting surface, m; or, to the constructor, diameter. velocity: towards the target, m/s; or
-    drop_height: of a fall from rest, m. mass: kg; default density × sphere volume. angle: between the velocity and the
-    normal of the surface, rad; default 0. Only the normal component, velocity × cos(angle), is simulated: friction,
-    tangential motion and spin are not.
+    drop_height: of a fall from rest, m. mass: kg; default density × sphere volume. material: name or table. angle:
+    between the velocity and the normal of the surface, rad; default 0. Only the normal component, velocity ×
+    cos(angle), is simulated: friction, tangential motion and spin are not.
+
+    >>> fm.Sphere(diameter="20 mm", drop_height="0.5 m", material="bearing steel").speed  # m/s
+    3.1315...
     """
 
     is_ball: ClassVar[bool] = True

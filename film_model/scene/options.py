@@ -19,11 +19,16 @@ Switch: TypeAlias = Literal["auto"] | bool
 class Effects:
     """Which effects are simulated: each "auto", True or False.
 
-    boundary_reflections: waves reflected from the edges of a plate; False makes the plate infinite. target_inertia: of
-    a plate or beam with edges; False makes it follow the force by its static stiffness alone.
+    plasticity: whether law "auto" yields. target_motion: of a target that is not a half-space; false holds it fixed.
+    gravity: the weight of the impactor, towards the target. boundary_reflections: waves reflected from the edges of a
+    plate; false makes the plate infinite. target_inertia: of a plate or beam with edges; false makes it follow the
+    force by its static stiffness alone.
     tolerance: "auto" simulates an effect if neglecting it would change a summary value by more than this relative
     amount. An effect that would, but cannot be simulated, causes a warning. Default: 1 %, or the requested accuracy if
     that is larger. A finer accuracy does not lower it, so that refining a mesh does not change the physics.
+
+    >>> fm.Effects(gravity=True, tolerance=0.05).gravity
+    True
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
@@ -59,6 +64,9 @@ class Solver:
 
     accuracy: relative, of every summary value, default 1e-4; or segments: number per stage. linearisation: of the
     force, "work-preserving", or "chord" as in the paper.
+
+    >>> fm.Solver(segments=5, linearisation="chord").segments
+    5
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {

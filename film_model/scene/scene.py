@@ -27,7 +27,11 @@ NO_FILES = "a scene that is stored with results has its tables inside, and no ot
 
 @dataclass(frozen=True)
 class Scene:
-    """One impact. The derived properties are SI floats."""
+    """One impact. The derived properties are SI floats.
+
+    >>> fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), fm.HalfSpace("mild steel"))
+    Scene(ball of radius 10 mm, 32.71 g, 1 m/s, on mild steel half-space; law auto)
+    """
 
     impactor: Sphere
     target: AbstractTarget
@@ -123,6 +127,9 @@ class Scene:
         """The scene with some entries changed, e.g. {"impactor.velocity": "1 m/s"}; None removes an entry.
 
         solver.segments replaces solver.accuracy, and vice versa.
+
+        >>> scene.replace({"impactor.velocity": "2 m/s", "contact.law": "stronge"})
+        Scene(ball of radius 10 mm, 32.71 g, 2 m/s, on mild steel half-space; law stronge)
         """
         return Scene.from_table(change_table(self.to_table(), changes))
 

@@ -96,6 +96,10 @@ def simulate_batch(
 
     Raises ValueError for a velocity or mass that is not > 0 or outside the range of scenes, a velocity that is not
     above a free target's, or empty arrays; SceneError for a bad option.
+
+    >>> many = fm.simulate_batch(scene, velocity=["0.1 m/s", "1 m/s"])
+    >>> many.summary["coefficient_of_restitution"].round(3)
+    array([0.729, 0.433])
     """
     speeds = units.array_to_si(velocity, "velocity")
     masses = None if mass is None else units.array_to_si(mass, "mass")

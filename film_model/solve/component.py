@@ -70,6 +70,12 @@ class ImpactComponent:
     What `simulate` would warn about the accuracy is issued as an ImpactWarning.
 
     Raises SceneError or SimulationError as `simulate` does; SimulationError for a target that is a free body.
+
+    >>> component = fm.ImpactComponent(scene, initial_gap="1 mm")
+    >>> [event.name for event in component.step("1.02 ms").events]
+    ['contact_begins', 'stage_changes', 'stage_changes']
+    >>> component.phase
+    'loading'
     """
 
     def __init__(

@@ -40,7 +40,11 @@ target's displacement, ∫F dt/Z."""
 
 @dataclass(frozen=True)
 class Event:
-    """An event and the motion at its time, SI floats. stage: of the law, or "unloading", or "" (no contact)."""
+    """An event and the motion at its time, SI floats. stage: of the law, or "unloading", or "" (no contact).
+
+    >>> fm.simulate(scene).events[0].name
+    'contact_begins'
+    """
 
     name: str
     time: float
@@ -122,6 +126,12 @@ class History:
     is then in `vibration`. On such a target several contacts may follow each other: contact_duration is that of the
     first; permanent indentation, rebound and energies are those after the last. remarks: warnings of this run.
     Histories are equal if scene, events, summary and remarks are equal to the last bit.
+
+    >>> history = fm.simulate(scene, accuracy=1e-6)
+    >>> [event.name for event in history.events][-2:]
+    ['impactor_stops', 'contact_ends']
+    >>> print(f"{history.sample('20 us').contact_force.to('N'):.1f~P}")
+    675.6 N
     """
 
     scene: Scene

@@ -102,7 +102,7 @@ def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, a
         return None
     try:
         runs = [vibrate(problem, scene.target, accuracy, []) for problem in problems]
-    except CoreError:
+    except SimulationError:
         return None
     pressed = np.empty(rows.size, np.bool_)
     for k in range(places.size - 1):
@@ -118,6 +118,7 @@ def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, a
     impacts = Impacts.several(scene, SceneLaw.of(varied, law), rows, own)
     whole = impacts.problem(impacts.column(math.inf), np.where(pressed, impacts.numbers.weight, 0.0), vibrates=True)
     highest = _MARGIN * max(float(run.frequency[-1]) for run, _ in runs)
+    highest = vibration.computable(scene.target, highest, float(np.max(whole.scales.time)))
     limit = max(vibration.time_limit(problem, scene.target) for problem in problems)
     tolerance = vibration.step_tolerance(accuracy) / vibration.REFINED**2
     before, change, (status, core) = _followed_thrice(whole, highest, tolerance, limit)

@@ -49,6 +49,10 @@ def simulate(
 
     Raises SceneError for a bad option, SimulationError for a contact that the core cannot march, TypeError if `scene`
     is not a Scene.
+
+    >>> history = fm.simulate(scene)
+    >>> print(f"{history.maximum_force.to('kN'):.3f~P}")
+    1.189 kN
     """
     if not isinstance(scene, Scene):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"simulate takes a Scene, not {shown(scene)}: Scene.from_toml reads one from a file")
@@ -61,8 +65,9 @@ def simulate(
 def _warnings_are_shown() -> bool:
     """Whether Python may show an ImpactWarning: if not, the effects that only cause warnings need not be estimated."""
     for action, message, category, module, line in python_warnings.filters:
-        if issubclass(ImpactWarning, category):
-            return action != "ignore" or message is not None or module is not None or line != 0
+        everywhere = message is None and module is None and line == 0
+        if issubclass(ImpactWarning, category) and (everywhere or action != "ignore"):
+            return action != "ignore"
     return True
 
 

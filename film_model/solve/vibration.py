@@ -9,6 +9,7 @@ jumps, gets the remaining compliance as one more mode above the others.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.errors import Outcome, SimulationError
+from film_model.base.errors import Outcome, SimulationError, TooManyModes
 from film_model.core import modal, native
 from film_model.problem.curve import can_be_in_series, curve_of
 from film_model.problem.problem import Problem
@@ -57,6 +58,9 @@ TIGHTEST = 1e-13
 
 REFINED = 4.0
 """Tolerance of a step over that of the run with twice the highest frequency."""
+
+UNRESOLVED = 0.25
+"""Highest frequency over that of the first run, below which the contact is not resolved and the scene is refused."""
 
 _FIRST_PHASE = 24.0  # highest frequency of the first run times the time from touch to the deepest point
 _ABOVE = 1.5  # frequency of the mode that stands for the omitted ones, over the highest
@@ -157,6 +161,10 @@ class Structure:
     """The same with one more mode of the omitted compliance."""
 
 
+Follow = Callable[[float, float], Vibration]
+"""The impact with the modes up to a frequency [rad/s], and a tolerance of the steps."""
+
+
 def unused_options(solver: Solver) -> list[str]:
     """The warning that a solver's options do not concern a vibrating target, if it has such."""
     if solver.segments is None and solver.linearisation != "chord":
@@ -168,23 +176,39 @@ def unused_options(solver: Solver) -> list[str]:
 def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings: list[str]) -> tuple[Vibration, float]:
     """The impact with as many modes as the accuracy needs, and the error estimate.
 
-    The highest frequency is doubled, with a smaller tolerance of the steps, until three runs agree.
+    The highest frequency is doubled, with a smaller tolerance of the steps, until three runs agree. If that needs more
+    modes than can be computed, the result is that with the most modes, and a warning gives the accuracy reached.
     """
     unit = problem.scales.time
     still, lowest, limit = _on_a_fixed_target(problem), lowest_frequency(target), time_limit(problem, target)
-    highest = _rounded(max(_FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
+    first = _rounded(max(_FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
+
+    def follow(highest: float, tolerance: float) -> Vibration:
+        return run(problem, structure_of(target, highest, unit), tolerance, limit)
+
+    try:
+        return _refined(problem, follow, first, math.inf, accuracy, warnings)
+    except TooManyModes:
+        most = computable(target, 64.0 * first, unit, UNRESOLVED * first)
+        return _refined(problem, follow, most / 4.0, most, accuracy, warnings)
+
+
+def _refined(
+    problem: Problem, follow: Follow, highest: float, most: float, accuracy: float, warnings: list[str]
+) -> tuple[Vibration, float]:
+    """`vibrate` from one highest frequency on, at most up to `most`."""
     tolerance = step_tolerance(accuracy)
-    coarse = run(problem, structure_of(target, highest, unit), REFINED * tolerance, limit)
+    coarse = follow(highest, REFINED * tolerance)
     before = dict.fromkeys(differences(problem, coarse.summary, coarse.summary), 1.0)  # as if nothing had agreed
     while True:
         highest *= 2.0
-        fine = run(problem, structure_of(target, highest, unit), tolerance, limit)
+        fine = follow(highest, tolerance)
         changes = differences(problem, coarse.summary, fine.summary)
         errors = {name: float(error_of(before[name], change)) for name, change in changes.items()}
         estimated = max(errors.values()) + tolerance
         if estimated <= accuracy:
             return fine, estimated
-        if 4 * fine.work > MOST_WORK or 4 * fine.modes > MOST_MODES:
+        if highest >= most or 4 * fine.work > MOST_WORK or 4 * fine.modes > MOST_MODES:
             poor = [f"{name} {value:.1e}" for name, value in errors.items() if value > accuracy]
             warnings.append(
                 f"accuracy {accuracy:g} is not reached: with {fine.modes} modes the estimated relative errors are "
@@ -192,6 +216,22 @@ def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings:
             )
             return fine, estimated
         coarse, before, tolerance = fine, changes, max(tolerance / REFINED, TIGHTEST)
+
+
+def computable(target: AbstractTarget, highest: float, unit: float, least: float = 0.0) -> float:
+    """The frequency, `highest` or less by powers of 2^(1/4), up to which the modes can be computed.
+
+    TooManyModes if it is below `least`.
+    """
+    while True:
+        try:
+            structure_of(target, highest, unit)
+        except TooManyModes:
+            highest /= 2.0**0.25
+            if highest < least:
+                raise
+        else:
+            return highest
 
 
 def error_of(before: Any, change: Any) -> Any:
@@ -271,9 +311,9 @@ def omitted_compliance(target: AbstractTarget, highest: float, unit: float) -> f
 
 def made(target: AbstractTarget, highest: float, longest: float) -> Structure:
     """The modes up to a frequency, with tables of their own. longest: step, s."""
-    modes = target.modes(highest)
+    modes = target.modes(highest).merged()
     if modes.frequency.size > MOST_MODES:
-        raise SimulationError(
+        raise TooManyModes(
             f"{modes.frequency.size} natural vibrations would be needed, more than {MOST_MODES}: the contact ends long "
             "before waves return from the edges, so set boundary_reflections = false in [effects]"
         )

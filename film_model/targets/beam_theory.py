@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from film_model.base.errors import SimulationError
+from film_model.base.errors import TooManyModes
 from film_model.targets.line_functions import line, polynomials
 from film_model.targets.modes import Array, Modes, check_count, sorted_modes
 
@@ -67,9 +67,9 @@ def line_modes(beam: Line, position: float, highest: float) -> Modes:
     if simple:
         return _simple(beam, position, highest, waves)
     if waves > MOST_WAVES:
-        raise SimulationError(
-            f"the vibrations of this beam need {waves:.0f} half-waves, but at most {MOST_WAVES} are allowed: ask for a "
-            "coarser accuracy, or take simply supported ends"
+        raise TooManyModes(
+            f"the vibrations of this beam need {waves:.0f} half-waves, but at most {MOST_WAVES} are allowed: take "
+            "simply supported ends"
         )
     count = max(LEAST, int(waves) + 2)
     if math.isinf(beam.shear):

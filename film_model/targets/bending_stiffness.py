@@ -15,7 +15,13 @@ _STIFFNESS = measure("bending_stiffness", 1e-30, 1e18, required=True)
 
 @dataclass(frozen=True, init=False)
 class BendingStiffness:
-    """Bending stiffnesses of an orthotropic plate, N·m."""
+    """Bending stiffnesses of an orthotropic plate, N·m.
+
+    D11: along the first side. D12: coupling of both curvatures. D22: along the second side. D66: of twist.
+
+    >>> fm.BendingStiffness(D11="155 N*m", D12="45 N*m", D22="155 N*m", D66="55 N*m").D11
+    155.0
+    """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
         "D11": _STIFFNESS,

@@ -15,9 +15,13 @@ from film_model.targets.target import AbstractTarget
 
 @dataclass(frozen=True, init=False)
 class Body(AbstractTarget):
-    """A free body: a second ball. velocity: m/s, positive in the impactor's direction; default 0.
+    """A free body: a second ball.
 
-    radius: m; or, to the constructor, diameter.
+    material: name or table. radius: m; or, to the constructor, diameter. mass: kg; default density × sphere volume.
+    velocity: m/s, positive in the impactor's direction; default 0.
+
+    >>> round(fm.Body("mild steel", diameter="20 mm").own_mass, 5)  # kg
+    0.03288
     """
 
     kind: ClassVar[str] = "body"

@@ -18,7 +18,12 @@ from film_model.targets.waves import HERTZ_SQUARE, radiated_energy
 
 @dataclass(frozen=True, init=False)
 class HalfSpace(AbstractTarget):
-    """A target so thick and wide that it does not move. radius: of a curved surface, m."""
+    """A target so thick and wide that it does not move. material: name or table. radius: of a
+    curved surface, m; default flat.
+
+    >>> fm.HalfSpace("mild steel").impedance
+    inf
+    """
 
     kind: ClassVar[str] = "half-space"
     FIELDS: ClassVar[Mapping[str, Field]] = {"material": MATERIAL, "radius": RADIUS}

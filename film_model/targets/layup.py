@@ -25,8 +25,8 @@ ALIKE = 1e-9
 class PlyMaterial:
     """An orthotropic ply, in its axes: 1 along the fibres, 2 across.
 
-    E1, E2, G12: moduli, Pa. nu12: strain across over strain along, under stress along. density: kg/m³. source: where
-    the values come from.
+    name: in messages. E1: modulus along the fibres, Pa. E2: modulus across, Pa. G12: shear modulus, Pa. nu12: strain
+    across over strain along, under stress along. density: kg/m³. source: where the values come from.
     """
 
     FIELDS: ClassVar[Mapping[str, Field]] = {

@@ -9,12 +9,15 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.errors import SimulationError
+from film_model.base.errors import TooManyModes
 
 Array = NDArray[np.float64]
 
 RESOLVED = 10.0
 """Highest frequency for the response to a half-sine over that of the half-sine; the modes above follow statically."""
+
+EQUAL = 1e-13
+"""Relative difference of frequencies that is rounding: square plates have vibrations in pairs."""
 
 MOST_MODES = 10_000_000
 """Largest number of modes, limited by memory: 240 MB."""
@@ -36,6 +39,14 @@ class Modes:
     def __post_init__(self) -> None:
         if self.damping_ratio.size == 0:
             object.__setattr__(self, "damping_ratio", np.zeros_like(self.frequency))
+
+    def merged(self) -> Modes:
+        """The same motion of the struck point, with modes of equal frequency and damping as one."""
+        if not self.frequency.size:
+            return self
+        apart = np.diff(self.frequency) > EQUAL * self.frequency[1:]
+        first = np.flatnonzero(np.concatenate([[True], apart | (np.diff(self.damping_ratio) != 0.0)]))
+        return Modes(self.frequency[first], np.add.reduceat(self.share, first), self.damping_ratio[first])
 
     @property
     def compliance(self) -> float:
@@ -61,9 +72,9 @@ def pulse_response(modes_up_to: Callable[[float], Modes], compliance: float, dur
 
 
 def check_count(count: float) -> None:
-    """SimulationError if `count` modes would need too much memory."""
+    """TooManyModes if `count` modes would need too much memory."""
     if count > MOST_MODES:
-        raise SimulationError(
+        raise TooManyModes(
             f"about {count:.1e} natural vibrations would be needed: the contact ends long before waves return from the "
             "edges, so set boundary_reflections = false in [effects]"
         )

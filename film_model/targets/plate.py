@@ -61,14 +61,19 @@ Edge = Literal["simply supported", "clamped", "free"]
 class Plate(AbstractTarget):
     """A thin plate: infinite, or rectangular with waves reflected from its edges.
 
-    Isotropic: material and thickness [m]. Of layers: layup, from one face to the other. Otherwise: mass_per_area
-    [kg/m²] and bending_stiffness [N·m]. size: the two sides, m; D11 is the stiffness along the first. edges: "simply
-    supported", "clamped" or "free"; one word, or four for x = 0, x = a, y = 0, y = b. edge_stiffness: of elastic
-    supports of free edges, N/m²; one number or four. foundation_stiffness: of an elastic bed, N/m³. damping_ratio: of
-    the vibrations; one number, or a list for those that move the struck point. position: of the impact, distances from
-    a corner along the two sides, m; default the centre. static_stiffness: force over deflection at that point, N/m;
-    default from plate theory. impedance_formula: "exact", or "paper" to reproduce published results. radius: of a
-    curved surface, m.
+    Isotropic: give material and thickness; of layers: layup; otherwise: mass_per_area and bending_stiffness.
+
+    material: name or table; of layers, that of the face. thickness: m. mass_per_area: kg/m². bending_stiffness: of an
+    orthotropic plate, N·m. layup: layers from one face to the other. size: the two sides, m; D11 is the stiffness along
+    the first; without it the plate is infinite. edges: "simply supported", "clamped" or "free"; one word, or four for x
+    = 0, x = a, y = 0, y = b. edge_stiffness: of elastic supports of free edges, N/m²; one number or four.
+    foundation_stiffness: of an elastic bed, N/m³. damping_ratio: of the vibrations; one number, or a list for those
+    that move the struck point. position: of the impact, distances from a corner along the two sides, m; default the
+    centre. static_stiffness: force over deflection at that point, N/m; default from plate theory. impedance_formula:
+    "exact", or "paper" to reproduce published results. radius: of a curved surface, m.
+
+    >>> round(fm.Plate("mild steel", "4 mm", size=["150 mm", "100 mm"]).impedance, 1)  # N·s/m
+    1572.7
     """
 
     kind: ClassVar[str] = "plate"

@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 
 from film_model.base.arrays import Array, Index
-from film_model.base.errors import SimulationError
+from film_model.base.errors import TooManyModes
 from film_model.targets.line_functions import SIMPLE, Line, line, polynomials
 from film_model.targets.modes import Modes, sorted_modes
 from film_model.targets.plate_statics import levy_compliance
@@ -63,13 +63,13 @@ class Panel:
 def panel_modes(panel: Panel, position: tuple[float, float], highest: float) -> Modes:
     """The vibrations of a plate up to the frequency `highest` [rad/s], seen from `position` [m].
 
-    SimulationError beyond MOST_FUNCTIONS.
+    TooManyModes beyond MOST_FUNCTIONS.
     """
     waves = [_half_waves(panel, along, highest) for along in (0, 1)]
     alone = SIMPLE in panel.ends
     least = max(max(waves) / 4, 0.0 if alone else waves[0] * waves[1] * math.pi / 16)
     if least > MOST_FUNCTIONS:  # even with two axes of symmetry
-        raise SimulationError(_too_many(least))
+        raise TooManyModes(_too_many(least))
     lines, blocks, largest = list[Line](), list[Block](), 0
     for sharpness, most in SHARPNESS:
         lines = [_line(panel, along, sharpness * highest) for along in (0, 1)]
@@ -78,7 +78,7 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float) -> 
         if largest <= most:
             break
     if largest > MOST_FUNCTIONS:
-        raise SimulationError(_too_many(largest))
+        raise TooManyModes(_too_many(largest))
     found = [_vibrations(panel, lines, block, position) for block in blocks]
     frequency, share = (np.concatenate(columns) for columns in zip(*found, strict=True))
     return sorted_modes(frequency, share, highest)
@@ -97,8 +97,7 @@ def _half_waves(panel: Panel, along: int, highest: float) -> float:
 def _too_many(count: float) -> str:
     return (
         f"the vibrations of this plate need {count:.0f} functions that interact, but at most {MOST_FUNCTIONS} are "
-        "allowed: ask for a coarser accuracy, take simply supported edges, or set boundary_reflections = false in "
-        "[effects]"
+        "allowed: take simply supported edges, or set boundary_reflections = false in [effects]"
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -14,29 +15,28 @@ NOT_HELD = "no opposite edges are held, so the structure bends without stretchin
 BERGER = "the edges are taken as immovable"
 
 
-def lengthening(ends: tuple[str, str], length: float, place: float) -> float:
-    """Mean of ½ w_x² for the first vibration of a line with a deflection of 1 m at `place`, 1/m²; 0 if an end is free.
+LEAST = 0.1
+"""Least deflection at the struck point over the largest: closer to a support, the estimate ends."""
 
-    The deflection at `place` relative to the largest is at least a tenth: closer to a support, the estimate ends.
-    """
+
+def lengthening(ends: tuple[str, str], length: float, place: float) -> float:
+    """Mean of ½ w_x² for the first vibration of a line that deflects by 1 m at `place`, 1/m²; 0 if an end is free."""
     if "free" in ends:
         return 0.0
-    first = line(ends, 8)
-    along = np.linspace(-1.0, 1.0, 65)
-    largest = max(abs(float(first.at(s)[0])) for s in along)
-    at = max(abs(float(first.at(2.0 * place / length - 1.0)[0])), 0.1 * largest)
-    return float(first.sloped[0, 0]) / at**2 / length**2
+    return float(line(ends, 8).sloped[0, 0]) / _deflection(ends, place / length) ** 2 / length**2
 
 
 def mean_square(ends: tuple[str, str], length: float, place: float) -> float:
     """Mean of w² for that vibration; 1 for a line with a free end, along which the deflection is taken as constant."""
-    if "free" in ends:
-        return 1.0
-    first = line(ends, 8)
-    along = np.linspace(-1.0, 1.0, 65)
-    largest = max(abs(float(first.at(s)[0])) for s in along)
-    at = max(abs(float(first.at(2.0 * place / length - 1.0)[0])), 0.1 * largest)
-    return 0.5 / at**2
+    return 1.0 if "free" in ends else 0.5 / _deflection(ends, place / length) ** 2
+
+
+@lru_cache(maxsize=256)
+def _deflection(ends: tuple[str, str], place: float) -> float:
+    """The first vibration at `place`, over the length, or `LEAST` of its largest deflection."""
+    first = line(ends, 8).polynomials[0]
+    largest = np.abs(np.polynomial.legendre.legval(np.linspace(-1.0, 1.0, 65), first)).max()
+    return max(abs(float(np.polynomial.legendre.legval(2.0 * place - 1.0, first))), LEAST * float(largest))
 
 
 def stretching(

@@ -44,11 +44,15 @@ def _list_of(dimension: str, low: float, high: float, zero: bool) -> Field:
 class Structure(AbstractTarget):
     """A structure known by its natural vibrations.
 
-    file: of the vibrations, CSV or netCDF (`read_structure`); or frequency, Hz, and modal_mass, kg: lists, the mass of
-    each vibration whose shape is 1 at the struck point. A frequency of 0 is a motion of the whole structure.
+    material: of the surface that is struck, name or table. file: of the vibrations, CSV or netCDF (`read_structure`);
+    or frequency: of each vibration, Hz; 0 is a motion of the whole structure; and modal_mass: of each vibration, kg, if
+    its shape is 1 at the struck point.
     damping_ratio: one number, or a list by ascending frequency; replaces that of the file. static_compliance:
     deflection over force at the struck point, m/N; default that of the vibrations together. A structure that is not
     held: without its motion as a whole. radius: of a curved surface, m.
+
+    >>> fm.Structure(frequency=["180 Hz", "410 Hz"], modal_mass=["0.9 kg", "1.4 kg"]).frequency
+    (180.0, 410.0)
     """
 
     kind: ClassVar[str] = "structure"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -52,27 +53,9 @@ system.SetContactForceModel(chrono.ChSystemSMC.Hertz)
 {_geometry(pair)}"""
 
 
-HERTZ = EngineLaw(
-    name="hertz",
-    formula="F = 4/3 E* √R δ^1.5 + 2 √(5/6) ζ √(S m) δ', S = 2 E* √(Rδ), ζ from the restitution",
-    source=SOURCE,
-    parameters=(granular.modulus("youngs_modulus"), granular.RESTITUTION),
-    force=granular.hertz_by_restitution,
-    start=granular.start_by_restitution,
-    paste=lambda pair, values: _paste_material("Hertz", pair, values),
-    notes=NOTES,
-)
+HERTZ = granular.hertz_law(SOURCE, partial(_paste_material, "Hertz"), False, NOTES)
 
-HOOKE = EngineLaw(
-    name="hooke",
-    formula="F = k δ + 2 ζ √(m k) δ', k from E*, R, m and a characteristic velocity, ζ from the restitution",
-    source=SOURCE,
-    parameters=(granular.modulus("youngs_modulus"), granular.RESTITUTION),
-    force=granular.hooke_by_restitution,
-    start=granular.start_hooke,
-    paste=lambda pair, values: _paste_material("Hooke", pair, values),
-    notes=NOTES,
-)
+HOOKE = granular.hooke_law(SOURCE, partial(_paste_material, "Hooke"), False, NOTES)
 
 COEFFICIENTS = EngineLaw(
     name="hertz-coefficients",

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from film_model.translate.law import Middle, Pair, Parameter, Values
+from film_model.translate.law import EngineLaw, Middle, Pair, Parameter, Values
 
 RESTITUTION = Parameter("restitution", "", "coefficient of restitution", 0.01, 1.0)
 
@@ -73,3 +74,33 @@ def start_with_viscosity(pair: Pair, middle: Middle) -> tuple[float, float]:
     stiffness = middle.stiffness(1.5) / math.sqrt(pair.radius)
     viscosity = 2.0 * middle.damping_ratio * math.sqrt(stiffness * 0.5 * middle.depth / pair.mass)
     return stiffness, viscosity / (0.5 * pair.radius * middle.depth) ** 0.25
+
+
+def hertz_law(source: str, paste: Callable[[Pair, Values], str], pulls: bool, notes: tuple[str, ...]) -> EngineLaw:
+    """`hertz_by_restitution` in an engine's words."""
+    return EngineLaw(
+        name="hertz",
+        formula="F = 4/3 E* √R δ^1.5 + 2 √(5/6) ζ √(S m) δ', S = 2 E* √(Rδ), ζ from the restitution",
+        source=source,
+        parameters=(modulus("youngs_modulus"), RESTITUTION),
+        force=hertz_by_restitution,
+        start=start_by_restitution,
+        paste=paste,
+        pulls=pulls,
+        notes=notes,
+    )
+
+
+def hooke_law(source: str, paste: Callable[[Pair, Values], str], pulls: bool, notes: tuple[str, ...]) -> EngineLaw:
+    """`hooke_by_restitution` in an engine's words."""
+    return EngineLaw(
+        name="hooke",
+        formula="F = k δ + 2 ζ √(m k) δ', k from E*, R, m and a characteristic velocity, ζ from the restitution",
+        source=source,
+        parameters=(modulus("youngs_modulus"), RESTITUTION),
+        force=hooke_by_restitution,
+        start=start_hooke,
+        paste=paste,
+        pulls=pulls,
+        notes=notes,
+    )

@@ -53,17 +53,7 @@ def _paste_hooke(pair: Pair, values: Values) -> str:
     return _command(pair, f"hooke {values['k_n']:.6g} {values['restitution']:.6g}", "coeff_restitution")
 
 
-HERTZ = EngineLaw(
-    name="hertz",
-    formula="F = 4/3 E* √R δ^1.5 + 2 √(5/6) ζ √(S m) δ', S = 2 E* √(Rδ), ζ from the restitution",
-    source=f"{SOURCE}: hertz/material, damping coeff_restitution",
-    parameters=(granular.modulus("youngs_modulus"), granular.RESTITUTION),
-    force=granular.hertz_by_restitution,
-    start=granular.start_by_restitution,
-    paste=_paste_restitution,
-    pulls=True,
-    notes=NOTES,
-)
+HERTZ = granular.hertz_law(f"{SOURCE}: hertz/material, damping coeff_restitution", _paste_restitution, True, NOTES)
 
 VISCOELASTIC = EngineLaw(
     name="hertz-viscoelastic",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from film_model.translate import granular
@@ -54,29 +55,9 @@ def _paste_coefficients(pair: Pair, values: Values) -> str:
     return "\n".join([*lines, _model(pair, "hertz/stiffness")])
 
 
-HERTZ = EngineLaw(
-    name="hertz",
-    formula="F = 4/3 E* √R δ^1.5 + 2 √(5/6) ζ √(S m) δ', S = 2 E* √(Rδ), ζ from the restitution",
-    source=f"{SOURCE} hertz; normal_model_hertz.h",
-    parameters=(granular.modulus("youngs_modulus"), granular.RESTITUTION),
-    force=granular.hertz_by_restitution,
-    start=granular.start_by_restitution,
-    paste=lambda pair, values: _paste_material("hertz", pair, values),
-    pulls=True,
-    notes=NOTES,
-)
+HERTZ = granular.hertz_law(f"{SOURCE} hertz; normal_model_hertz.h", partial(_paste_material, "hertz"), True, NOTES)
 
-HOOKE = EngineLaw(
-    name="hooke",
-    formula="F = k δ + 2 ζ √(m k) δ', k from E*, R, m and a characteristic velocity, ζ from the restitution",
-    source=f"{SOURCE} hooke",
-    parameters=(granular.modulus("youngs_modulus"), granular.RESTITUTION),
-    force=granular.hooke_by_restitution,
-    start=granular.start_hooke,
-    paste=lambda pair, values: _paste_material("hooke", pair, values),
-    pulls=True,
-    notes=NOTES,
-)
+HOOKE = granular.hooke_law(f"{SOURCE} hooke", partial(_paste_material, "hooke"), True, NOTES)
 
 STIFFNESS = EngineLaw(
     name="hertz-stiffness",

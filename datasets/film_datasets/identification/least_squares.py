@@ -64,6 +64,10 @@ def identify(measured: xr.Dataset, scene: Scene, fit: Sequence[str], confidence:
 
     Raises SceneError for parameters that cannot be fitted, SimulationError if the scene's own values give no impact,
     ValueError for other mistakes.
+
+    >>> found = fd.identify(fd.from_csv("measured.csv"), scene, ["contact.yield_strength"])
+    >>> found.scene.contact.yield_strength > 200e6
+    True
     """
     if kind_of(measured) != MEASUREMENT:
         raise ValueError("a measurement is needed: see film_datasets.from_csv")

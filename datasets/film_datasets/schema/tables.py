@@ -20,10 +20,13 @@ from film_datasets.schema.variable import (
     IMPACTS,
     INTEGER,
     LONG,
+    TEXT,
     Variable,
     flag_meanings,
+    holds_text,
     swept_name,
     swept_variable,
+    swept_words,
 )
 from film_model.base.errors import STATUSES
 from film_model.base.units import si_unit
@@ -39,8 +42,8 @@ _STRESSES = (
 )
 
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
-    HISTORY: {"1.1": (), "1.2": _STRESSES},
-    SWEEP: {"1.0": (), "1.1": ("estimated_accuracy", *_STRESSES)},
+    HISTORY: {"1.1": (), "1.2": _STRESSES, "1.3": ()},
+    SWEEP: {"1.0": (), "1.1": ("estimated_accuracy", *_STRESSES), "1.2": ("scene_key",)},
     MEASUREMENT: {"1.0": ()},
     COST: {"1.0": ()},
 }
@@ -149,6 +152,22 @@ _HISTORY = (
     *_SEGMENTS,
 )
 
+CONSTANTS = (
+    _number("mass", (), "mass", "mass of the impactor"),
+    _number("radius", (), "length", "radius of the impactor"),
+    _number("approach_velocity", (), "velocity", "velocity towards the target when contact begins"),
+    _number("effective_modulus", (), "pressure", "effective contact modulus"),
+    _number("yield_strength", (), "pressure", "yield strength"),
+    _number("impact_energy", (), "energy", "kinetic energy of the approach"),
+    Variable("contact_law_name", (), TEXT, None, "contact law"),
+)
+"""Values of the scene that a dataset has if they are known and, in a sweep, the same for all impacts."""
+
+SCENE_KEY = Variable(
+    *("scene_key", (IMPACTS,), INTEGER, None, "number of the scene, and of what is swept in words"),
+    comment="31 bits of a hash: rows with another one belong to another scene than that in scene_toml",
+)
+
 _SWEEP = (
     *_summary_variables((IMPACTS,)),
     Variable(
@@ -169,6 +188,7 @@ _SWEEP = (
         comment="bound on the relative error of every summary value of the impact; NaN if it failed",
         optional=True,
     ),
+    SCENE_KEY,
 )
 
 _SWEEP_SEGMENTS = (
@@ -304,12 +324,15 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
         table = TABLE[f"{kind} {ds.attrs.get('measured', 'history')}"]
         return tuple(v for v in table if not v.optional or v.name in ds.variables)
     later = _added_later(kind, ds)
+    constants = tuple(v for v in CONSTANTS if v.name in ds.variables)
+    if kind == HISTORY:
+        constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
     if kind in (HISTORY, COST):
-        return tuple(v for v in TABLE[kind] if v.name not in later)
+        return (*(v for v in TABLE[kind] if v.name not in later), *constants)
     swept = _swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
     dims = tuple(v.dims[0] for v in swept) if "impact" not in ds.sizes else ("impact",)
     kept = sweep_variables(str(ds.attrs.get("kept", "")).split(), dims)
-    return (*swept, *(v for v in kept if v.name not in later))
+    return (*swept, *(v for v in kept if v.name not in later), *constants)
 
 
 def _added_later(kind: str, ds: xr.Dataset) -> set[str]:
@@ -337,7 +360,9 @@ def _swept_variables(paths: list[str], ds: xr.Dataset) -> tuple[Variable, ...]:
     for path in paths:
         name = swept_name(path)
         dims = ("impact",) if "impact" in ds.sizes else (name,)
-        if name in ds.variables:
+        if name in ds.variables and holds_text(ds[name]):
+            found.append(swept_words(path, dims))
+        elif name in ds.variables:
             found.append(swept_variable(path, dims, ds[name].attrs.get("units"), flag_meanings(ds[name])))
         else:
             found.append(swept_variable(path, dims, None))

@@ -9,11 +9,15 @@ import xarray as xr
 
 from film_datasets.schema.content_hash import content_sha256, pieces
 from film_datasets.schema.tables import ADDED, ATTRIBUTES, MEASUREMENT, TABLE, VERSIONS, kind_of, variables_of
-from film_datasets.schema.variable import FLOAT, Variable, flag_meanings
+from film_datasets.schema.variable import FLOAT, TEXT, Variable, flag_meanings, holds_text
 
 
 def validate(ds: xr.Dataset) -> list[str]:
-    """Every difference between `ds` and the schema, one sentence each; an empty list if it matches."""
+    """Every difference between `ds` and the schema, one sentence each; an empty list if it matches.
+
+    >>> fd.validate(fd.load("zener"))
+    []
+    """
     try:
         kind = kind_of(ds)
     except ValueError as error:
@@ -41,7 +45,7 @@ def _differences(variable: Variable, array: xr.DataArray) -> list[str]:
         f"{what} {got!r}, not {want!r}"
         for what, got, want in (
             ("dimensions", array.dims, variable.dims),
-            ("type", array.dtype.name, variable.dtype.name),
+            ("type", "text" if holds_text(array) else array.dtype.name, _type_name(variable)),
             *((key, array.attrs.get(key), variable.attributes().get(key)) for key in ("units", "long_name", "comment")),
         )
         if got != want
@@ -57,6 +61,10 @@ def _differences(variable: Variable, array: xr.DataArray) -> list[str]:
     if array.dtype == FLOAT and not variable.optional and not all(np.isfinite(p).all() for p in pieces(array)):
         found.append("values that are not finite")
     return found
+
+
+def _type_name(variable: Variable) -> str:
+    return "text" if variable.dtype == TEXT else variable.dtype.name
 
 
 def _inconsistencies(ds: xr.Dataset) -> list[str]:

@@ -11,7 +11,7 @@ import xarray as xr
 
 from film_model.base.units import DIMENSIONS
 
-FLOAT, BYTE, INTEGER, LONG = (np.dtype(kind) for kind in (np.float64, np.int8, np.int32, np.int64))
+FLOAT, BYTE, INTEGER, LONG, TEXT = (np.dtype(kind) for kind in (np.float64, np.int8, np.int32, np.int64, np.str_))
 
 IMPACTS = "impacts"
 """Placeholder for the dimensions of a sweep: its swept quantities, or `impact`."""
@@ -79,6 +79,11 @@ def swept_variable(path: str, dims: tuple[str, ...], unit: str | None, labels: S
     return Variable(swept_name(path), dims, FLOAT, unit, long_name, "swept; see attribute sweep_toml")
 
 
+def swept_words(path: str, dims: tuple[str, ...]) -> Variable:
+    """The variable of a swept quantity that holds words."""
+    return replace(swept_variable(path, dims, None), dtype=TEXT)
+
+
 def flag_words(names: Sequence[str], taken: Sequence[str] = ()) -> tuple[str, ...]:
     """Names as CF flag meanings: one word each, distinct from each other and from those `taken`."""
     words = list(taken)
@@ -91,3 +96,16 @@ def flag_words(names: Sequence[str], taken: Sequence[str] = ()) -> tuple[str, ..
 def flag_meanings(array: xr.DataArray) -> list[str]:
     """The flag meanings of a variable in the order of their values; empty if it has no flags."""
     return str(array.attrs.get("flag_meanings", "")).split()
+
+
+def holds_text(array: xr.DataArray | xr.Variable) -> bool:
+    """Whether the values are texts: fixed in length, Python objects, or of variable length (from Zarr)."""
+    return array.dtype.kind in "UOT"
+
+
+def words_of(array: xr.DataArray) -> list[str]:
+    """The word for each value of a swept quantity; empty if its values are numbers."""
+    if holds_text(array):
+        return [str(word) for word in np.ravel(array.values)]
+    meanings = flag_meanings(array)
+    return [meanings[number] for number in np.ravel(array.values).tolist()] if meanings else []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,6 +15,7 @@ from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, 
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import SAMPLED
 from film_datasets.sweeps.effect_warnings import effect_warnings, sweep_law_warnings
+from film_model.base.errors import Status
 from film_model.core.native import MAX_STAGES
 from film_model.laws import AbstractLaw
 
@@ -28,12 +30,12 @@ COMMENT = (
 class Totals:
     """What the attributes need of all blocks. estimated: largest error for each of `Sweep.accuracies`; missed: impacts
     that miss each. energy_gains: impacts of each of `Sweep.laws` that return more energy than their loading stored.
-    failed: impacts that failed."""
+    failed: impacts that failed, by status."""
 
     estimated: NDArray[np.float64]
     missed: NDArray[np.int64]
     energy_gains: NDArray[np.int64]
-    failed: int = field(default=0)
+    failed: Counter[int] = field(default_factory=Counter)
 
     @classmethod
     def of(cls, sweep: Sweep) -> Totals:
@@ -46,7 +48,7 @@ class Totals:
         self.estimated = np.maximum(self.estimated, columns[ESTIMATED])
         self.missed += columns[MISSED]
         self.energy_gains += columns[ENERGY_GAINS]
-        self.failed += int(np.count_nonzero(has_failed(columns["status"])))
+        self.failed.update(columns["status"][has_failed(columns["status"])].tolist())
 
 
 def variable_attributes(sweep: Sweep) -> list[tuple[Variable, dict[str, Any]]]:
@@ -87,7 +89,7 @@ def global_attributes(sweep: Sweep, command: str, totals: Totals) -> dict[str, A
         "swept": " ".join(paths),
         "kept": " ".join(sweep.kept),
         "design": sweep.design,
-        "statuses": "\n".join(_statuses(sweep)),
+        "statuses": "\n".join(f"{code} {status.word}: {status.sentence}" for code, status in _statuses(sweep).items()),
         "warnings": "\n".join([*_warnings(sweep, totals), *effect_warnings(sweep), *sweep_law_warnings(sweep)])
         or "none",
         **requested,
@@ -95,19 +97,23 @@ def global_attributes(sweep: Sweep, command: str, totals: Totals) -> dict[str, A
     }
 
 
-def _statuses(sweep: Sweep) -> list[str]:
-    """A line for each value of `status`: its number, word and sentence."""
-    statuses = [f"{code} {status.word}: {status.sentence}" for code, status in IMPACT_STATUSES.items()]
+def _statuses(sweep: Sweep) -> dict[int, Status]:
+    """The values of `status`."""
+    statuses = dict(IMPACT_STATUSES)
     for place, axis in enumerate(sweep.axes):
         if axis.field is not None:
             allowed = f"{axis.field.low:g} to {axis.field.high:g} {axis.unit}".rstrip()
             sentence = f"the value drawn is out of range: {allowed} is allowed"
-            statuses.append(f"{OUT_OF_RANGE + place} {axis.name}_out_of_range: {sentence}")
+            statuses[OUT_OF_RANGE + place] = Status(f"{axis.name}_out_of_range", sentence)
     return statuses
 
 
 def _warnings(sweep: Sweep, totals: Totals) -> list[str]:
-    warnings = [f"{totals.failed} of {sweep.size} impacts failed: see status"] if totals.failed else []
+    statuses = _statuses(sweep)
+    reasons = [
+        f"{count} {statuses[code].word} ({statuses[code].sentence})" for code, count in totals.failed.most_common()
+    ]
+    warnings = [f"{totals.failed.total()} of {sweep.size} impacts failed: {', '.join(reasons)}"] if reasons else []
     for law, count in zip(sweep.laws, totals.energy_gains.tolist(), strict=True):
         if count:
             warnings.append(f"law {law}: in {count} impacts its unloading returns more energy than its loading stored")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -12,13 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_datasets.schema import Variable, swept_name, swept_variable
+from film_datasets.schema import Variable, flag_words, swept_name, swept_variable, swept_words
 from film_datasets.sweeps.designs import Array
+from film_datasets.sweeps.distributions import DISTRIBUTIONS, EMPIRICAL, quantiles
 from film_model.base.fields import Field
 from film_model.base.units import si_unit
-
-SMALLEST_PROBABILITY = 2.0**-53
-"""Smaller probabilities are raised to it, so that every drawn value is finite: it is 8.1 standard deviations."""
 
 LISTED = 1000
 """Longer lists of values are not repeated in sweep_toml: it has their number and hash, the coordinate the values."""
@@ -57,7 +54,28 @@ class Axis:
     def variable(self, dims: tuple[str, ...]) -> Variable:
         """Its variable in the schema."""
         unit = None if self.dimension == "meyer_stiffness" else si_unit(self.dimension)
+        if self.kind == "choices" and dims == (self.name,):
+            return swept_words(self.path, dims)
         return swept_variable(self.path, dims, unit, self.labels)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The choices in a dataset, each another word."""
+        return flag_words(self.labels)
+
+    @property
+    def meaning(self) -> str:
+        """What its values in a dataset stand for: its path, and of choices what each is."""
+        return "\n".join([self.path, *map(_toml_value, self.choices)])
+
+    def coordinate(self) -> NDArray[Any]:
+        """Its values along a dimension of its own: SI, or words."""
+        values = self.at(np.arange(self.count))
+        return np.array(self.words)[values] if self.kind == "choices" else values
+
+    def probes(self) -> Array:
+        """Different values of an axis of numbers, SI, to see what depends on it."""
+        return np.asarray(self.numbers) if self.kind == "values" else self.quantile(np.array([0.2, 0.5, 0.9]))
 
     def at(self, index: NDArray[np.intp]) -> Array | NDArray[np.int32]:
         """Values at places along the axis: SI, or numbers of choices."""
@@ -72,16 +90,18 @@ class Axis:
         """Values at probabilities: SI, or numbers of choices."""
         if self.kind in ("choices", "values"):
             return self.at(np.minimum((u * self.count).astype(np.intp), self.count - 1))
-        low, high = self.numbers
-        if self.kind in ("range", "uniform"):
-            return self._between(u, low, high)
-        from scipy.special import ndtri  # lazy: only distributions need SciPy
+        if self.kind == "range":
+            return self._between(u, *self.numbers)
+        return quantiles(self.kind, u, self.numbers)
 
-        deviation = ndtri(np.maximum(u, SMALLEST_PROBABILITY))
-        if self.kind == "normal":
-            return low + high * deviation
-        variance = math.log1p((high / low) ** 2)  # of the logarithm
-        return low * np.exp(math.sqrt(variance) * deviation - 0.5 * variance)
+    @property
+    def typical(self) -> tuple[float, ...]:
+        """Values that a scene should allow: both ends of a range, the mean or median of a distribution."""
+        if self.kind in ("values", "range", "uniform"):
+            return self.numbers[0], self.numbers[-1]
+        if self.kind in ("normal", "lognormal"):
+            return self.numbers[:1]
+        return tuple(self.quantile(np.array([0.5])).tolist())
 
     def _between(self, fraction: Array, low: float, high: float) -> Array:
         """From low to high, both exact."""
@@ -106,12 +126,16 @@ class Axis:
                 return "[" + ", ".join(map(self._number_text, self.numbers)) + "]"
             digest = hashlib.sha256(np.asarray(self.numbers, "<f8").tobytes()).hexdigest()
             return f'{{ listed = {self.count}, sha256 = "{digest}" }}'
-        first, second = map(self._number_text, self.numbers)
         if self.kind == "range":
+            first, second = map(self._number_text, self.numbers)
             count = f", count = {self.count}" if self.count else ""
             spacing = ', spacing = "log"' if self.log else ""
             return f"{{ from = {first}, to = {second}{count}{spacing} }}"
-        return f"{{ {self.kind} = [{first}, {second}] }}"
+        roles = DISTRIBUTIONS[self.kind].roles if self.kind != EMPIRICAL else ("value",) * len(self.numbers)
+        texts = (
+            repr(n) if role == "number" else self._number_text(n) for role, n in zip(roles, self.numbers, strict=True)
+        )
+        return f"{{ {self.kind} = [{', '.join(texts)}] }}"
 
     def _number_text(self, number: float) -> str:
         return json.dumps(f"{number!r} {self.unit}") if self.unit else repr(number)

@@ -13,6 +13,7 @@ import numpy as np
 from film_datasets.scene_numbers import field_at, unit_of
 from film_datasets.sweeps.axis import Axis, label
 from film_datasets.sweeps.designs import GRID, SAMPLED, ZIP
+from film_datasets.sweeps.distributions import DISTRIBUTIONS, EMPIRICAL, read_distribution
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.fields import Field, written
 from film_model.base.units import array_to_si, to_si
@@ -20,12 +21,9 @@ from film_model.scene import Scene
 from film_model.scene.contact import contact_table
 
 SPACINGS = ("linear", "log")
-DISTRIBUTIONS = {
-    "normal": "mean and standard deviation",
-    "lognormal": "mean and standard deviation",
-    "uniform": "least and greatest value",
-}
 RANGE = ("from", "to", "count", "spacing")
+FORMS = (*RANGE, *DISTRIBUTIONS, EMPIRICAL)
+"""Keys of a table that describes a swept number."""
 
 SECTIONS = {
     "contact.law": '"contact" = [{ law = "hertz" }, { law = "hunt-crossley", restitution = 0.7 }]',
@@ -101,6 +99,8 @@ def _axis(scene: Scene, path: str, given: Any, design: str) -> Axis:
         if field is None:
             raise ValueError("is not a number: a list of values is needed")
         return _range_or_distribution(path, field, given, design, unit_of(scene, field))
+    if isinstance(given, str) and "±" in given and field is not None:
+        return _tolerance(path, field, given, design, unit_of(scene, field))
     if isinstance(given, str) or (not hasattr(given, "__len__") and not hasattr(given, "magnitude")):
         raise ValueError(f"{shown(given)} is one value: a list of values or a table with from and to is needed")
     if field is None:
@@ -148,17 +148,18 @@ def _choices(scene: Scene, path: str, given: Iterable[Any], design: str) -> Axis
 
 
 def _range_or_distribution(path: str, field: Field, given: Mapping[str, Any], design: str, unit: str) -> Axis:
-    unknown = [key for key in given if key not in (*RANGE, *DISTRIBUTIONS)]
+    unknown = [key for key in given if key not in FORMS]
     if unknown:
-        raise ValueError(f"unknown key {shown(unknown[0])}{did_you_mean(unknown[0], (*RANGE, *DISTRIBUTIONS))}")
-    chosen = [key for key in given if key in DISTRIBUTIONS]
+        raise ValueError(f"unknown key {shown(unknown[0])}{did_you_mean(unknown[0], FORMS)}")
+    chosen = [key for key in given if key not in RANGE]
     if not chosen:
         return _range(path, field, given, design, unit)
     if len(given) > 1:
         raise ValueError(f"give {chosen[0]} alone")
     if design not in SAMPLED:
         raise ValueError(f'a distribution needs design {_or(SAMPLED)}, not "{design}"')
-    return _distribution(path, field, chosen[0], given[chosen[0]], unit)
+    numbers = read_distribution(chosen[0], given[chosen[0]], field)
+    return Axis(path, chosen[0], numbers, dimension=field.dimension, unit=unit, field=field)
 
 
 def _range(path: str, field: Field, given: Mapping[str, Any], design: str, unit: str) -> Axis:
@@ -182,21 +183,24 @@ def _range(path: str, field: Field, given: Mapping[str, Any], design: str, unit:
     return Axis(path, "range", (low, high), count=count, log=log, dimension=field.dimension, unit=unit, field=field)
 
 
-def _distribution(path: str, field: Field, kind: str, given: Any, unit: str) -> Axis:
-    if isinstance(given, str) or not isinstance(given, Sequence) or len(given) != 2:
-        raise ValueError(f"{kind} needs a list of two values: {DISTRIBUTIONS[kind]}")
-    low = field.read(given[0])
-    if kind == "uniform":
-        high = field.read(given[1])
-        if not low < high:
-            raise ValueError("uniform needs the least value first, and a greater one")
-    else:
-        high = to_si(given[1], field.dimension)
-        if not high > 0.0:
-            raise ValueError(f"the standard deviation {shown(given[1])} must be > 0")
-        if kind == "lognormal" and not low > 0.0:
-            raise ValueError(f"the mean {shown(given[0])} of a lognormal distribution must be > 0")
-    return Axis(path, kind, (low, high), dimension=field.dimension, unit=unit, field=field)
+def _tolerance(path: str, field: Field, text: str, design: str, unit: str) -> Axis:
+    """A value with a tolerance, "10 mm ± 0.05 mm" or "10 mm ± 1 %": uniform between its limits."""
+    if design not in SAMPLED:
+        raise ValueError(f'a tolerance needs design {_or(SAMPLED)}, not "{design}"')
+    value, _, width = (part.strip() for part in text.partition("±"))
+    middle = field.read(value)
+    try:
+        half = (
+            abs(middle) * to_si(width[:-1], "dimensionless") / 100
+            if width.endswith("%")
+            else to_si(width, field.dimension)
+        )
+    except ValueError as error:
+        raise ValueError(f"the tolerance {error}") from None
+    if not half > 0.0:
+        raise ValueError(f"the tolerance {shown(width)} must be > 0")
+    numbers = tuple(field.read(written(end, field.dimension)) for end in (middle - half, middle + half))
+    return Axis(path, "uniform", numbers, dimension=field.dimension, unit=unit, field=field)
 
 
 def _is_choice(value: Any) -> bool:

@@ -65,6 +65,7 @@ def _empty_columns(sweep: Sweep, count: int) -> Columns:
             columns[variable.name] = np.full(shape, np.nan if variable.optional else 0, variable.dtype)
     columns["status"][:] = NO_VELOCITY
     columns["law"][:] = -1
+    columns["scene_key"][:] = sweep.scene_key
     return columns
 
 

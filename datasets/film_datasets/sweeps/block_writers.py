@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from film_datasets.files import NEEDS_ZARR, ZARR
-from film_datasets.schema import Variable
+from film_datasets.schema import TEXT, Variable
 from film_model.base.files import flush
 
 Region = tuple[slice, ...]
@@ -86,7 +86,8 @@ class MemoryWriter:
             if GROWING in variable.dims:
                 self._pieces[variable.name] = [np.empty(0, variable.dtype)]
             else:
-                self._arrays[variable.name] = np.empty([sizes[dim] for dim in variable.dims], variable.dtype)
+                dtype = object if variable.dtype == TEXT else variable.dtype
+                self._arrays[variable.name] = np.empty([sizes[dim] for dim in variable.dims], dtype)
 
     def put(self, name: str, region: Region, values: Any) -> None:
         self._arrays[name][region] = values
@@ -103,7 +104,8 @@ class MemoryWriter:
         data: dict[bool, dict[str, Any]] = {True: {}, False: {}}
         for name, (variable, attrs) in self._variables.items():
             attrs.pop("coordinates", None)
-            data[name in coordinates][name] = xr.Variable(variable.dims, arrays[name], attrs)
+            values = arrays[name].astype(str) if variable.dtype == TEXT else arrays[name]
+            data[name in coordinates][name] = xr.Variable(variable.dims, values, attrs)
         self.dataset = xr.Dataset(data[False], data[True], dict(attributes))
 
 
@@ -133,11 +135,11 @@ class NetCDFWriter:
             growing = GROWING in variable.dims
             created = self._file.createVariable(
                 variable.name,
-                variable.dtype,
+                str if variable.dtype == TEXT else variable.dtype,
                 variable.dims,
                 chunksizes=(GROWING_CHUNK,) if growing else None,
                 fill_value=np.nan if variable.optional else False,
-                contiguous=not growing,
+                contiguous=not growing and variable.dtype != TEXT,
             )
             created.set_auto_maskandscale(False)
             created.setncatts(attributes)
@@ -188,9 +190,9 @@ class ZarrWriter:
                 variable.name,
                 shape=tuple(sizes.get(dim, 0) for dim in variable.dims),
                 chunks=tuple(chunks.get(dim, GROWING_CHUNK) for dim in variable.dims),
-                dtype=variable.dtype,
+                dtype=str if variable.dtype == TEXT else variable.dtype,
                 dimension_names=variable.dims,
-                fill_value=np.nan if variable.optional else 0,
+                fill_value=np.nan if variable.optional else "" if variable.dtype == TEXT else 0,
                 attributes={key: _plain(value) for key, value in attributes.items()},
             )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -14,15 +15,19 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.impacts import scene_with_numbers
+from film_datasets.scene_constants import common_constants, scene_key
 from film_datasets.scene_numbers import number_text
-from film_datasets.schema import Variable, sweep_variables, swept_name
+from film_datasets.schema import CONSTANTS, Variable, sweep_variables, swept_name
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.axis_reading import read_axes, swept_mistakes
+from film_datasets.sweeps.design_table import is_table, over_of_table
 from film_datasets.sweeps.designs import DESIGNS, GRID, MOST_SAMPLES, SAMPLED, ZIP, points
+from film_datasets.sweeps.distributions import correlated, correlation_factor
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.core.native import LINE_DTYPE
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.scene import Scene
+from film_model.scene.columns import scene_of_columns
 from film_model.scene.scene import NO_FILES
 from film_model.scene.toml import toml_table
 from film_model.solve.history import MOTION
@@ -43,7 +48,8 @@ class Sweep:
 
     design: "grid" (every combination), "zip" (lists side by side), or "random", "sobol", "latin-hypercube" with
     `samples` impacts drawn with `seed`. keep: "summary", "segments" (exact histories too) or "samples" (histories at
-    `dense` normalised times too). first: the scene with the first choice of each axis that has choices.
+    `dense` normalised times too). first: the scene with the first choice of each axis that has choices. correlation:
+    matrix of a Gaussian copula over the axes, or empty.
     """
 
     scene: Scene
@@ -54,6 +60,7 @@ class Sweep:
     keep: str
     dense: int
     first: Scene = field(repr=False)
+    correlation: tuple[tuple[float, ...], ...] = ()
 
     @classmethod
     def of(
@@ -65,8 +72,11 @@ class Sweep:
         samples: int | None = None,
         seed: int | None = None,
         keep: str = "summary",
+        correlation: Any = None,
     ) -> Sweep:
         """A sweep; see `film_datasets.sweep`. Raises SceneError with all mistakes."""
+        if is_table(over):
+            over, design = over_of_table(over), ZIP if design == GRID else design
         mistakes = option_mistakes(design, samples, seed)
         kept, dense = _read_keep(keep)
         axes: tuple[Axis, ...] = ()
@@ -76,7 +86,8 @@ class Sweep:
         except SceneError as error:
             mistakes += error.mistakes
         raise_all(mistakes)
-        sweep = cls(scene, axes, design, samples or 0, 1 if seed is None else seed, kept, dense, first)
+        matrix = () if correlation is None else _read_correlation(correlation, axes, design)
+        sweep = cls(scene, axes, design, samples or 0, 1 if seed is None else seed, kept, dense, first, matrix)
         count = sweep.combinations if design != ZIP else len(sweep.combinations_used)
         if count > MOST_COMBINATIONS:
             paths = " and ".join(axis.path for axis in sweep.choice_axes)
@@ -98,7 +109,7 @@ class Sweep:
             if isinstance(given, Mapping) and "listed" in given:  # too many values for sweep_toml
                 array = ds[swept_name(path)]
                 over[path] = [f"{value!r} {array.attrs.get('units', '')}" for value in array.values.tolist()]
-        options = {key: table[key] for key in ("samples", "seed") if key in table}
+        options = {key: table[key] for key in ("samples", "seed", "correlation") if key in table}
         return cls.of(base, over, table["design"], **options, keep=keep)
 
     @cached_property
@@ -141,7 +152,20 @@ class Sweep:
     def variables(self) -> tuple[Variable, ...]:
         """The schema's variables for this sweep: swept quantities, then what is kept."""
         swept = tuple(axis.variable((axis.name,) if self.design == GRID else ("impact",)) for axis in self.axes)
-        return (*swept, *sweep_variables(self.kept, self.dims))
+        constants = (variable for variable in CONSTANTS if variable.name in self.constants)
+        return (*swept, *sweep_variables(self.kept, self.dims), *constants)
+
+    @cached_property
+    def constants(self) -> dict[str, Any]:
+        """The values of the schema's `CONSTANTS` that are the same for all impacts."""
+        scenes = (self.combination(number) for number in self.combinations_used)
+        probed = (scene_of_columns(self.first, {a.path: a.probes()}) for a in self.axes if a.kind != "choices")
+        return common_constants(itertools.chain(scenes, probed))
+
+    @cached_property
+    def scene_key(self) -> int:
+        """See `film_datasets.scene_constants.scene_key`."""
+        return scene_key(self.scene.archived_text(), (axis.meaning for axis in self.axes))
 
     @property
     def bytes_per_impact(self) -> int:
@@ -155,16 +179,24 @@ class Sweep:
         head = [f'design = "{self.design}"']
         if self.design in SAMPLED:
             head += [f"samples = {self.samples}", f"seed = {self.seed}"]
+        if self.correlation:
+            head.append(f"correlation = {json.dumps(self.correlation)}")
         return "\n".join([*head, "", "[over]", *(f'"{axis.path}" = {axis.text()}' for axis in self.axes), ""])
 
     def values(self, first: int, count: int) -> list[NDArray[Any]]:
         """For each axis, the values of impacts first … first + count - 1 in C order: SI, or numbers of choices."""
         if self.design in SAMPLED:
             u = points(self.design, len(self.axes), self.samples, self.seed)(first, count)
+            if self.correlation:
+                u = correlated(u, self._factor)
             return [axis.quantile(u[:, k]) for k, axis in enumerate(self.axes)]
         flat = np.arange(first, first + count)
         places = np.unravel_index(flat, self.shape) if self.design == GRID else [flat] * len(self.axes)
         return [axis.at(place) for axis, place in zip(self.axes, places, strict=True)]
+
+    @cached_property
+    def _factor(self) -> NDArray[np.float64]:
+        return correlation_factor(self.correlation, [axis.path for axis in self.axes])
 
     # ---------------------------------------------------------------- combinations of choices: a scene for each
 
@@ -223,7 +255,7 @@ class Sweep:
     def _check_numbers(self) -> None:
         """Raise SceneError if no corner of the design makes a valid scene; single impacts may fail, with a status."""
         axes = [axis for axis in self.axes if axis.kind != "choices"]
-        ends = [a.numbers[:1] if a.kind in ("normal", "lognormal") else (a.numbers[0], a.numbers[-1]) for a in axes]
+        ends = [axis.typical for axis in axes]
         for number in self.combinations_used:
             first = None
             for corner in itertools.islice(itertools.product(*ends), MOST_CORNERS):
@@ -257,6 +289,17 @@ def option_mistakes(design: object, samples: object, seed: object) -> list[Mista
         if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**64):
             found["seed"] = f"{shown(seed)} is not allowed: a whole number from 0 to 2^64 - 1 is needed"
     return [Mistake(None, None, key, message) for key, message in found.items()]
+
+
+def _read_correlation(given: Any, axes: Sequence[Axis], design: str) -> tuple[tuple[float, ...], ...]:
+    """The correlation matrix of the swept quantities. Raises SceneError."""
+    try:
+        if design not in SAMPLED:
+            raise ValueError(f'is not for design "{design}"')
+        correlation_factor(given, [axis.path for axis in axes])
+    except ValueError as error:
+        raise SceneError([Mistake(None, None, "correlation", str(error))]) from None
+    return tuple(tuple(map(float, row)) for row in given)
 
 
 def _refuse_files(over: Mapping[str, Any]) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from film_datasets.files import SUFFIX, ZARR, check_place, open_dataset
+from film_datasets.files import SUFFIX, ZARR, check_file, check_place, open_dataset, write
 from film_datasets.schema import SWEEP, VERSIONS, ContentHash
 from film_datasets.sweeps.attributes import Totals, global_attributes, variable_attributes
 from film_datasets.sweeps.block_columns import Columns, compute_block
@@ -23,6 +23,7 @@ from film_datasets.sweeps.checkpoint import Checkpoint
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.executor import Workers, workers_of
 from film_datasets.sweeps.progress_bar import Progress
+from film_datasets.tables import TABLES
 from film_model.base.errors import SimulationError
 from film_model.scene import Scene
 from film_model.version import __version__
@@ -57,6 +58,7 @@ def sweep(
     samples: int | None = None,
     seed: int | None = None,
     keep: str = "summary",
+    correlation: Any = None,
     output: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     scheduler: Any = None,
@@ -68,24 +70,33 @@ def sweep(
     over: path in a scene file such as "impactor.velocity" → its values: a list (["250 MPa", "310 MPa"], a pint
     quantity that holds an array, or names such as those of laws and materials), {"from": "0.1 m/s", "to": "5 m/s",
     "count": 1000, "spacing": "log"}, or for sampled designs a distribution: {"normal": ["310 MPa", "15 MPa"]} or
-    "lognormal", mean and standard deviation, or {"uniform": [least, greatest]}.
+    "lognormal", mean and standard deviation; {"uniform": [least, greatest]}; "truncated-normal", mean, standard
+    deviation, least and greatest; "triangular", least, most likely, greatest; "weibull", shape and scale; "empirical",
+    observed values; or a tolerance, "10 mm ± 0.05 mm", uniform between its limits. Or a pandas DataFrame or xarray
+    Dataset with a row for each impact, whose columns are called "impactor.velocity [m/s]".
 
     design: "grid", every combination, with the swept quantities as dimensions; "zip", lists side by side; "random",
     "sobol" (scrambled; balanced for powers of two) or "latin-hypercube", with `samples` impacts and `seed` (1); these
-    draw from lists with equal probability and from ranges uniformly. keep: "summary"; "segments", the exact histories
-    too; "samples=201", histories at 201 normalised times too.
+    draw from lists with equal probability and from ranges uniformly. correlation: for these, a matrix with a row for
+    each swept quantity: of the normal deviates by whose probabilities they are drawn (Gaussian copula).
+    keep: "summary"; "segments", the exact histories too; "samples=201", histories at 201 normalised times too.
 
-    output: FILE.nc or FILE.zarr, complete or not written at all; it is opened lazily. Without it the dataset is in
-    memory. workers: threads, as many as there are cores unless given; scheduler: the address of a Dask scheduler, or a
-    distributed.Client, whose workers compute the blocks instead. The data do not depend on either. resume: continue an
-    interrupted run with this output. overwrite: replace an existing output or interrupted run.
+    output: FILE.nc or FILE.zarr, complete or not written at all, opened lazily; or a table in FILE.csv, .parquet or
+    .mat. Without it the dataset is in memory. workers: threads, as many as there are cores unless given; scheduler: the
+    address of a Dask scheduler, or a distributed.Client, whose workers compute the blocks instead. The data do not
+    depend on either. resume: continue an interrupted run with this output. overwrite: replace an existing output or
+    interrupted run.
 
     An impact that fails has NaN as its values and a status that gives the reason. Raises SceneError for mistakes in
     scene or sweep, FileExistsError or another OSError if the output cannot be written, MemoryError for a sweep that is
     too large without an output.
+
+    >>> ds = fd.sweep(scene, {"impactor.velocity": ["1 m/s", "2 m/s", "4 m/s"]})
+    >>> ds.maximum_force.dims
+    ('impactor_velocity',)
     """
     base = scene if isinstance(scene, Scene) else Scene.from_toml(scene)
-    asked = Sweep.of(base, over, design, samples=samples, seed=seed, keep=keep)
+    asked = Sweep.of(base, over, design, samples=samples, seed=seed, keep=keep, correlation=correlation)
     return run_sweep(
         asked, output, workers=workers, scheduler=scheduler, resume=resume, overwrite=overwrite,
         command="film_datasets.sweep",
@@ -111,16 +122,10 @@ def run_sweep(
         raise ValueError(f"workers: {workers!r} is not allowed: a whole number from 1 to 4096 is needed")
     run = _Run(sweep, Blocks(sweep), command, progress)
     if output is None:
-        if (need := sweep.size * sweep.bytes_per_impact) > MOST_IN_MEMORY:
-            raise MemoryError(
-                f"{sweep.size} impacts take about {_bytes(need)}, at most {_bytes(MOST_IN_MEMORY)} go into memory: "
-                "give an output, FILE.nc or FILE.zarr"
-            )
-        writer = MemoryWriter()
-        with workers_of(workers, scheduler) as pool:
-            _write_blocks(run, writer, _computed_blocks(run, pool))
-        return writer.dataset
+        return _in_memory(run, workers, scheduler)
     target = Path(output)
+    if target.suffix in TABLES:
+        return _write_table(run, target, workers, scheduler, resume, overwrite)
     checkpoint = Checkpoint(target, sweep, run.blocks)
     if resume and target.exists() and not overwrite:
         if (difference := _not_the_output_of(target, sweep)) is not None:
@@ -130,7 +135,8 @@ def run_sweep(
     if target.is_symlink():
         raise FileExistsError(f"{target}: is a link, which writing would replace; give the file it points to")
     if target.suffix not in (SUFFIX, ZARR):
-        raise ValueError(f'{target}: the name of a sweep\'s output must end in "{SUFFIX}" or "{ZARR}"')
+        words = ", ".join(f'"{suffix}"' for suffix in TABLES)
+        raise ValueError(f'{target}: the name of a sweep\'s output must end in "{SUFFIX}", "{ZARR}", {words}')
     check_place(target, overwrite)
     _check_free_space(target, sweep)
     with checkpoint.locked(resume, overwrite):
@@ -145,6 +151,33 @@ def run_sweep(
             raise OSError(f"{target}: cannot be written: {reason}; {checkpoint.summary()}") from error
     checkpoint.remove()
     return open_dataset(target)
+
+
+def _in_memory(run: _Run, workers: int | None, scheduler: Any) -> xr.Dataset:
+    """The dataset of a sweep without an output."""
+    if (need := run.sweep.size * run.sweep.bytes_per_impact) > MOST_IN_MEMORY:
+        raise MemoryError(
+            f"{run.sweep.size} impacts take about {_bytes(need)}, at most {_bytes(MOST_IN_MEMORY)} go into memory: "
+            "give an output, FILE.nc or FILE.zarr"
+        )
+    writer = MemoryWriter()
+    with workers_of(workers, scheduler) as pool:
+        _write_blocks(run, writer, _computed_blocks(run, pool))
+    return writer.dataset
+
+
+def _write_table(
+    run: _Run, target: Path, workers: int | None, scheduler: Any, resume: bool, overwrite: bool
+) -> xr.Dataset:
+    """Compute the sweep in memory and write it as a table."""
+    if run.sweep.keep != "summary":
+        raise ValueError(f"{target}: {run.sweep.keep} do not fit a table: use FILE{SUFFIX} or FILE{ZARR}")
+    if resume:
+        raise ValueError(f"{target}: a table is not computed in blocks that could be resumed; use FILE{SUFFIX}")
+    check_file(target, overwrite)
+    ds = _in_memory(run, workers, scheduler)
+    write(ds, target, overwrite)
+    return ds
 
 
 def _write_file(run: _Run, target: Path, checkpoint: Checkpoint, workers: int | None, scheduler: Any) -> None:
@@ -194,12 +227,16 @@ def _write_coordinates(sweep: Sweep, writer: Writer, blocks: Blocks, content: Co
         values = np.linspace(0.0, 1.0, sweep.dense)
         writer.put("normalised_time", (slice(None),), values)
         content.update("normalised_time", values)
+    for name, value in sweep.constants.items():
+        writer.put(name, (), value)
+        content.update(name, value)
     if sweep.dims == ("impact",):
         return
     for axis, chunk in zip(sweep.axes, blocks.shape, strict=True):
+        coordinate = axis.coordinate()
         step = chunk * max(1, (1 << 20) // chunk)  # whole chunks: part of a chunk would be read and written again
         for first in range(0, axis.count, step):
-            values = axis.at(np.arange(first, min(first + step, axis.count)))
+            values = coordinate[first : first + step]
             writer.put(axis.name, (slice(first, first + len(values)),), values)
             content.update(axis.name, values)
 

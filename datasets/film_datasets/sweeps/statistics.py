@@ -9,15 +9,15 @@ import numpy as np
 import xarray as xr
 
 from film_datasets.provenance import warnings_of
-from film_datasets.schema import flag_meanings, pieces
+from film_datasets.schema import flag_meanings, has_failed, pieces
 from film_model.base.units import si_unit
 from film_model.solve.history import SUMMARY
 
 
 def sweep_report(ds: xr.Dataset) -> dict[str, Any]:
-    """Plain values for JSON, SI: number of impacts by status, and the statistics of every summary quantity.
+    """Plain values for JSON, SI: numbers of impacts, failed and by status, and the statistics of the summary.
 
-    Statistics are None if no impact has a value. The dataset is read in pieces.
+    Statistics, and the estimated accuracy, are None if no impact has a value. The dataset is read in pieces.
     """
     status = ds["status"]
     words = dict(zip(np.atleast_1d(status.attrs["flag_values"]).tolist(), flag_meanings(status), strict=True))
@@ -25,16 +25,18 @@ def sweep_report(ds: xr.Dataset) -> dict[str, Any]:
     for piece in pieces(status):
         for code, count in zip(*np.unique(piece, return_counts=True), strict=True):
             counts[int(code)] = counts.get(int(code), 0) + int(count)
+    failed = sum(count for code, count in counts.items() if has_failed(np.array(code)))
     return {
         "title": str(ds.attrs["title"]),
         "impacts": int(status.size),
+        "failed": failed,
         "statuses": {words[code]: counts[code] for code in sorted(counts, key=lambda code: -counts[code])},
         "summary": {
             name: {**statistics(ds[name]), "units": si_unit(SUMMARY[name][0])} for name in SUMMARY if name in ds
         },
         "accuracy": {
             "requested": _float(ds.attrs.get("requested_accuracy")),
-            "estimated": float(ds.attrs["estimated_accuracy"]),
+            "estimated": float(ds.attrs["estimated_accuracy"]) if failed < status.size else None,
         },
         "warnings": list(warnings_of(ds)),
     }

@@ -9,14 +9,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from film_datasets.sweeps.axis_reading import DISTRIBUTIONS, RANGE
+from film_datasets.sweeps.axis_reading import FORMS
 from film_datasets.sweeps.definition import Sweep, option_mistakes
-from film_datasets.sweeps.designs import GRID
+from film_datasets.sweeps.design_table import over_of_file
+from film_datasets.sweeps.designs import GRID, ZIP
 from film_model.base.errors import Mistake, SceneError, did_you_mean, shown
 from film_model.scene import Scene
 from film_model.scene.toml import line_of, lines_of_keys, read_text, toml_table
 
-KEYS = ("scene", "design", "samples", "seed", "over")
+KEYS = ("scene", "design", "samples", "seed", "correlation", "over")
 
 
 def read_sweep(path: str | os.PathLike[str], keep: str = "summary") -> Sweep:
@@ -32,6 +33,8 @@ def sweep_from_text(
     """A sweep from the text of a sweep file called `name`; folder: where the files of tabulated laws are."""
     given = toml_table(text, name)
     table = {_closest_key(key): value for key, value in given.items()} | given
+    if isinstance(table.get("design"), Mapping):
+        table |= _own_table(table, folder)
     mistakes = _key_mistakes(given, table)
     has_over = isinstance(table.get("over"), Mapping)
     over = _flat(table["over"]) if has_over else {}
@@ -39,7 +42,7 @@ def sweep_from_text(
     for section in sections if isinstance(sections, list) else ():
         if isinstance(section, dict) and isinstance(section.get("file"), str):
             section["file"] = str(folder / section["file"])
-    options = {key: table[key] for key in ("samples", "seed") if key in table}
+    options = {key: table[key] for key in ("samples", "seed", "correlation") if key in table}
     design, scene, sweep = table.get("design", GRID), None, None
     try:
         scene = read_scene(table["scene"]) if isinstance(table.get("scene"), str) else None
@@ -71,11 +74,23 @@ def _key_mistakes(given: Mapping[str, Any], table: Mapping[str, Any]) -> list[Mi
     return mistakes
 
 
+def _own_table(table: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """The keys `design` and `over` for `design = { file = "runs.csv" }`."""
+    design = table["design"]
+    if list(design) != ["file"] or not isinstance(design["file"], str):
+        raise SceneError([Mistake(None, None, "design", 'a word or { file = "runs.csv" } is needed')])
+    if "over" in table:
+        raise SceneError(
+            [Mistake(None, None, "over", "the table of the design has what is swept: give one of the two")]
+        )
+    return {"design": ZIP, "over": over_of_file(folder / design["file"])}
+
+
 def _flat(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     """Nested tables, which unquoted keys with dots make, by their paths."""
     flat: dict[str, Any] = {}
     for key, value in table.items():
-        plain = not isinstance(value, Mapping) or "." in key or any(k in (*RANGE, *DISTRIBUTIONS) for k in value)
+        plain = not isinstance(value, Mapping) or "." in key or any(k in FORMS for k in value)
         flat |= {prefix + key: value} if plain else _flat(value, f"{prefix}{key}.")
     return flat
 

@@ -1,0 +1,117 @@
+"""Datasets as tables: a row for each impact or time, in CSV, Parquet and MATLAB files, and as pandas DataFrames."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from film_datasets.schema import (
+    COST,
+    HISTORY,
+    SWEEP,
+    TABLE,
+    TEXT,
+    Variable,
+    dimension_of_unit,
+    flag_meanings,
+    kind_of,
+    variables_of,
+)
+from film_model.base.units import scene_unit
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+TABLES = (".csv", ".parquet", ".mat")
+"""Suffixes of the files that hold a table."""
+
+NEEDS_PARQUET = 'Parquet files need pyarrow: install film-model[parquet] (pip install "film-model[parquet]")'
+
+NO_COLUMNS = frozenset(v.name for v in TABLE[f"{SWEEP} segments"]) | {"scene_key"}
+
+MAT_HEADER = 116
+"""Bytes of text at the beginning of a MATLAB file, in which SciPy writes the time."""
+
+
+def to_frame(ds: xr.Dataset) -> pd.DataFrame:
+    """The values of a dataset as a table with units in the headings: `contact_force [N]`, SI; flags as words.
+
+    A row is an impact of a sweep, a time of a history, a measured value or a run of a cost study. Of a sweep the
+    constants are columns too; segments and histories of its impacts are left out.
+    """
+    import pandas as pd  # lazy: it takes 0.5 s
+
+    return pd.DataFrame({_heading(v): values for v, values in _columns(ds)})
+
+
+def write_table(ds: xr.Dataset, target: Path, beside: Path) -> None:
+    """Write a dataset to the file `beside`, in the format that the suffix of `target` says."""
+    if target.suffix == ".csv":
+        to_frame(ds).to_csv(beside, index=False, lineterminator="\n", encoding="utf-8")
+    elif target.suffix == ".mat":
+        beside.write_bytes(_mat(ds))
+    else:
+        check_parquet(target)
+        to_frame(ds).to_parquet(beside, index=False, engine="pyarrow")
+
+
+def check_parquet(target: Path) -> None:
+    """Raise ImportError if a Parquet file is asked for and pyarrow is not installed."""
+    if target.suffix == ".parquet":
+        try:
+            import pyarrow  # lazy: an optional dependency  # noqa: F401
+        except ImportError as error:
+            raise ImportError(f"{target}: {NEEDS_PARQUET}") from error
+
+
+def left_out(ds: xr.Dataset) -> list[str]:
+    """What a table of the dataset does not hold, in words."""
+    kept = str(ds.attrs.get("kept", "")).split()
+    return [what for what in ("segments", "samples") if what in kept] + ["segments"] * (kind_of(ds) == HISTORY)
+
+
+def _columns(ds: xr.Dataset) -> list[tuple[Variable, Any]]:
+    """Variables and values of the columns, one value per row."""
+    kind = kind_of(ds)
+    variables = [v for v in variables_of(ds) if v.name in ds.variables and v.name not in NO_COLUMNS]
+    along = {HISTORY: "t", SWEEP: "status", COST: "method"}.get(kind, variables[0].name)
+    rows = ds[along].dims
+    sizes = {str(dim): ds.sizes[dim] for dim in rows}
+    found: list[tuple[Variable, Any]] = []
+    for v in variables:
+        array = ds[v.name]
+        if not set(array.dims) <= set(rows) or (not array.dims and kind != SWEEP):
+            continue
+        words = flag_meanings(array)
+        if words:
+            numbers = np.atleast_1d(array.attrs["flag_values"])
+            array = array.copy(data=np.array(words, object)[np.searchsorted(numbers, array.values)])
+        found.append((v, array.broadcast_like(ds[along]).transpose(*sizes).values.ravel()))
+    return found
+
+
+def _heading(variable: Variable) -> str:
+    """The name of a column with its unit as scene files write it."""
+    if variable.unit in (None, "1"):
+        return variable.name
+    return f"{variable.name} [{scene_unit(dimension_of_unit(variable.unit)) or variable.unit}]"
+
+
+def _mat(ds: xr.Dataset) -> bytes:
+    """The content of a MATLAB 5 file: a vector for each column, texts as cells, and the struct `units`."""
+    from scipy.io import savemat  # lazy: it takes 0.2 s
+
+    columns = _columns(ds)
+    content: dict[str, Any] = {
+        v.name: values.astype(object) if v.dtype == TEXT or values.dtype == object else values for v, values in columns
+    }
+    content["units"] = {v.name: v.unit or "" for v, _ in columns}
+    content |= {name: ds.attrs[name] for name in ("title", "scene_toml", "film_model_version") if name in ds.attrs}
+    file = io.BytesIO()
+    savemat(file, content, oned_as="column", long_field_names=True, do_compression=True)
+    text = f"MATLAB 5.0 MAT-file, film-model {ds.attrs.get('film_model_version', '')}"
+    return text.ljust(MAT_HEADER).encode() + file.getvalue()[MAT_HEADER:]

@@ -1,0 +1,197 @@
+"""The pages docs/reference/{sweep_file,csv_files,command_line}.md: what is written in files and on the command line."""
+
+import argparse
+from collections.abc import Mapping
+
+from examples.reference.markdown import MADE, table, unit, words
+from film_datasets.csv_measurement import NAMES
+from film_datasets.sweeps.axis_reading import DISTRIBUTIONS, SPACINGS
+from film_datasets.sweeps.definition import DESIGNS
+from film_datasets.sweeps.designs import MOST_SAMPLES
+from film_model.cli.main import parser
+from film_model.solve.history import MOTION, SUMMARY
+
+COMMANDS = {
+    "new": "film-model new --kind plate --output scene.toml",
+    "run": "film-model run scene.toml --accuracy 1e-8 --output impact.nc --plot impact.png",
+    "cost": "film-model cost scene.toml --plot cost.png",
+    "hard-cases": 'film-model hard-cases --match "turns at"',
+    "validate": "film-model validate --law all --plot errors.png",
+    "explore": "film-model explore scene.toml",
+    "export-page": "film-model export-page scene.toml --output impact.html",
+    "export-fmu": "film-model export-fmu scene.toml --fmi 3 --output impact.fmu",
+    "check-fmu": "film-model check-fmu impact.fmu",
+    "contact-for": "film-model contact-for mujoco scene.toml --velocity 0.1..2",
+    "sweep": "film-model sweep sweep.toml --output sweep.nc",
+    "plot": "film-model plot sweep.nc --quantity maximum_force",
+    "identify": "film-model identify measured.csv scene.toml --fit contact.yield_strength",
+    "explain": "film-model explain scene.toml --law all",
+    "laws": "film-model laws --plot laws.png",
+    "materials": "film-model materials --search glass",
+}
+"""An example of each command."""
+
+
+def sweep_page() -> str:
+    """The keys of a sweep file."""
+    samples = ", ".join(f"{most:,} for `{design}`" for design, most in MOST_SAMPLES.items())
+    spread = "\n".join(f"- `{{ {name} = [a, b] }}`: {what}" for name, what in DISTRIBUTIONS.items())
+    return f"""# Sweep file
+
+{MADE}`film-model sweep sweep.toml --output sweep.nc` runs it.
+
+{
+        table(
+            ("key", "meaning", "value", "default"),
+            [
+                ("`scene`", "scene file, in the same folder", "a path", "required"),
+                ("`design`", "how the impacts are placed", words(DESIGNS), '`"grid"`'),
+                ("`samples`", f"number of impacts; at most {samples}", "a whole number", "required if sampled"),
+                ("`seed`", "of the random numbers", "a whole number from 0", "`0`"),
+                ("`[over]`", "the swept keys of the scene, `section.key` in quotes", "see below", "required"),
+            ],
+        )
+    }
+- `"grid"`: every value with every other. `"zip"`: first values together, then second values, and so on.
+- `"random"`, `"sobol"`, `"latin-hypercube"`: `samples` points in the ranges and distributions; Sobol's points
+  cover them most evenly.
+
+## `[over]`
+
+A value of `"impactor.velocity"`, or of any other key that is a number:
+
+- a list: `["1 m/s", "2 m/s"]`; in a grid it increases or decreases
+- `{{ from = "1 m/s", to = "9 m/s", count = 50, spacing = "log" }}`; spacing is {words(SPACINGS)},
+  and sampled designs take no `count`
+{spread}
+
+The last three need a sampled design. Keys that are words take lists:
+`"contact.law" = ["hertz", "stronge"]`. Where a choice needs other keys too, list whole sections:
+`"contact" = [{{ law = "hertz" }}, {{ law = "tsuji", restitution = 0.7 }}]`.
+
+## Example
+
+```toml
+scene = "scene.toml"
+design = "sobol"
+samples = 4096
+seed = 1
+
+[over]
+"impactor.velocity" = {{ from = "1 m/s", to = "10 m/s", spacing = "log" }}
+"target.material.yield_strength" = {{ normal = ["250 MPa", "10 MPa"] }}
+```
+"""
+
+
+def csv_page() -> str:
+    """The CSV files that are read."""
+    short: dict[str, list[str]] = {}
+    for word, name in NAMES.items():
+        short.setdefault(name, []).append(word)
+
+    def rows(quantities: Mapping[str, tuple[str, str]]) -> str:
+        return table(
+            ("column", "short names", "unit, e.g.", "meaning"),
+            (
+                (f"`{name}`", ", ".join(f"`{word}`" for word in short.get(name, ())), unit(dimension), what)
+                for name, (dimension, what) in quantities.items()
+            ),
+        )
+
+    return f"""# CSV files
+
+{MADE}All are UTF-8 text. The first line names the columns, each with its unit in brackets:
+`time [us], force [kN]`. Columns are separated by commas, semicolons or tabs, numbers have a decimal point, and lines
+that begin with `#` are comments. Mistakes are reported with their line.
+
+## A measured history
+
+For `film-model identify` and `film_datasets.from_csv`. Times increase and count from first touch.
+
+{rows({"t": ("time", "time since first touch; required"), **MOTION})}
+```text
+time [us], force [N]
+0, 0
+10, 61
+20, 188
+```
+
+## Measured impacts
+
+For the same commands: one row for each impact. Cells may be empty, except velocities.
+
+{rows({"impactor_velocity": ("velocity", "at first touch, normal to the surface; required"), **SUMMARY})}
+```text
+velocity [m/s], restitution
+0.2, 0.61
+0.5, 0.50
+```
+
+## A contact law as a table
+
+`law = "tabulated"` with `file = "…"` in `[contact]`: columns `indentation` and `force`. The indentation begins
+with 0 and increases, the force does not decrease.
+
+```text
+indentation [um], force [N]
+0, 0
+5, 180
+10, 520
+```
+
+## Vibrations of a structure
+
+`kind = "structure"` with `file = "…"` in `[target]`: one row for each vibration, in any order.
+
+{
+        table(
+            ("column", "unit, e.g.", "meaning"),
+            [
+                ("`frequency`", "`Hz`", "0: a motion of the whole structure; required"),
+                ("`modal_mass`", "`kg`", "of the shape in the next column"),
+                ("`shape`", "", "deflection of that shape at the struck point, along the impact"),
+                ("`mass_normalised_shape`", "`1/sqrt(kg)`", "replaces both: the shape whose modal mass is 1"),
+                ("`damping_ratio`", "", "optional"),
+            ],
+        )
+    }
+```text
+frequency [Hz], modal_mass [kg], shape
+182, 0.91, 1
+417, 1.40, 0.6
+```
+"""
+
+
+def command_page() -> str:
+    """Every command with its options and an example."""
+    commands = next(action for action in parser()._actions if isinstance(action, argparse._SubParsersAction))
+    about = {action.dest: action.help or "" for action in commands._choices_actions}
+    sections = "\n".join(
+        f"## {name}\n\n{_sentence(about[name])}.\n\n```sh\n{COMMANDS[name]}\n```\n\n{_options(command)}"
+        for name, command in commands.choices.items()
+    )
+    return f"""# Command line
+
+{MADE}Results go to standard output, progress and warnings to standard error. Exit status 0: done; 2: the scene, the FMU
+or the command line is wrong; 3: the work failed, a file cannot be read or written, or a check failed; 130: interrupted.
+With `--json` a command prints one JSON object, in SI units, and nothing else.
+
+{sections}"""
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def _options(command: argparse.ArgumentParser) -> str:
+    rows: list[tuple[str, str, str]] = []
+    for action in command._actions:
+        if isinstance(action, argparse._HelpAction):
+            continue
+        value = action.metavar or ("" if action.choices or action.nargs == 0 else action.dest.upper())
+        words = " or ".join(f"`{choice}`" for choice in action.choices or ())
+        name = " ".join((*action.option_strings[:1], str(value))).strip() if action.option_strings else action.dest
+        rows.append((f"`{name}`", words, (action.help or "").replace("%%", "%")))
+    return table(("argument", "choices", "meaning"), rows)

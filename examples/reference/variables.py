@@ -1,0 +1,65 @@
+"""The pages docs/reference/{fmu_variables,dataset_variables}.md, from the tables of variables."""
+
+from examples.reference.markdown import MADE, table, unit
+from film_datasets.schema import ATTRIBUTES, TABLE, VERSIONS, Variable
+from fmu_wrapper.variables import EVENT_KINDS, KINDS, PHASES, VARIABLES
+
+
+def fmu_page() -> str:
+    """The variables of an FMU."""
+    rows = (
+        (
+            f"`{v.name}`",
+            *(v.causality.get(kind, "–") for kind in KINDS),
+            unit(v.dimension) if v.dimension else f"{'whole number' if v.type == 'Whole' else v.type}",
+            v.description,
+            "" if v.low is None else f"{v.low:g} to {v.high:g}",
+        )
+        for v in VARIABLES
+    )
+    phases = ((f"`{name}`", str(code), what) for code, (name, what) in enumerate(PHASES.items()))
+    events = ((f"`{name}`", str(code), what) for code, (name, what) in enumerate(EVENT_KINDS.items()))
+    return f"""# FMU variables
+
+{MADE}Names are the same in FMI 2.0 and 3.0. The two kinds are `--kind impact` and `--kind contact`; – means that the
+kind does not have the variable. A parameter exists if the scene's law or target has it. Values are SI; directions are
+positive into the target. [FMUs](../fmus.md) says what an FMU simulates.
+
+{table(("variable", *KINDS, "unit", "meaning", "range"), rows)}
+## Phases
+
+{table(("`phase`", "code", "meaning"), phases)}
+## Events
+
+{table(("`last_event`", "code", "meaning"), events)}"""
+
+
+def dataset_page() -> str:
+    """The variables and attributes of datasets."""
+    kinds = "\n".join(
+        f"## {name}\n\n{table(('variable', 'dimensions', 'unit', 'meaning'), map(_row, variables))}"
+        for name, variables in TABLE.items()
+    )
+    attributes = table(
+        ("kind", "version", "attributes"),
+        ((f"`{kind}`", VERSIONS[kind], ", ".join(f"`{name}`" for name in names)) for kind, names in ATTRIBUTES.items()),
+    )
+    return f"""# Dataset variables
+
+{MADE}Datasets are netCDF or Zarr, follow CF-1.11 and are in SI units; any reader of netCDF opens them. The attribute
+`film_model_schema` names the kind of a dataset. In a sweep the dimension `impacts` stands for the swept quantities of a
+grid, `impactor_velocity` for example, or for `impact`. A history is stored as its segments too, so that it is exact at
+any time.
+
+## Global attributes
+
+{attributes}
+## Variables
+
+{kinds}"""
+
+
+def _row(variable: Variable) -> tuple[str, ...]:
+    what = ": ".join(filter(None, (variable.long_name, variable.comment)))
+    unit = "flag" if variable.unit is None else "" if variable.unit == "1" else f"`{variable.unit}`"
+    return f"`{variable.name}`", ", ".join(f"`{dim}`" for dim in variable.dims), unit, what

@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fmu_wrapper.assumptions import served
-    from fmu_wrapper.check import Report, check
+    from fmu_wrapper.checking import Report, check
     from fmu_wrapper.cosimulation import run
-    from fmu_wrapper.export import export
+    from fmu_wrapper.exporting import export
     from fmu_wrapper.ssp import Package, export_ssp
 
 _HOMES = {
     "Package": "fmu_wrapper.ssp",
-    "Report": "fmu_wrapper.check",
-    "check": "fmu_wrapper.check",
-    "export": "fmu_wrapper.export",
+    "Report": "fmu_wrapper.checking",
+    "check": "fmu_wrapper.checking",
+    "export": "fmu_wrapper.exporting",
     "export_ssp": "fmu_wrapper.ssp",
     "run": "fmu_wrapper.cosimulation",
     "served": "fmu_wrapper.assumptions",

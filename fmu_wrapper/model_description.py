@@ -118,7 +118,7 @@ def model_description(
             "variableNamingConvention": "flat",
         },
     )
-    if version == 2:
+    if version == 2 and has_exchange(data):
         root.set("numberOfEventIndicators", str(_indicators()))
     _interfaces(root, data, version, names.identifier, list(sources))
     _units(root, chosen)
@@ -143,6 +143,11 @@ def model_description(
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
 
+def has_exchange(data: Data) -> bool:
+    """Whether the FMU is for Model Exchange too: a vibrating target would have thousands of states."""
+    return data.modes.count == 0
+
+
 def _is_indicator(v: Variable) -> bool:
     return v.name.startswith("event_indicator")
 
@@ -164,9 +169,9 @@ def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: s
             "providesDirectionalDerivative": "true",
         }
         without = {} if needs_completed_step else {"completedIntegratorStepNotNeeded": "true"}
-        exchange = ET.SubElement(root, "ModelExchange", {**able, **without})
+        parents = [ET.SubElement(root, "ModelExchange", {**able, **without})] if has_exchange(data) else []
         steps = ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true"})
-        for parent in (exchange, steps):
+        for parent in (*parents, steps):
             if sources:
                 files = ET.SubElement(parent, "SourceFiles")
                 for name in sources:
@@ -179,7 +184,9 @@ def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: s
         "providesDirectionalDerivatives": "true",
         "providesAdjointDerivatives": "true",
     }
-    ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": str(needs_completed_step).lower()})
+    if has_exchange(data):
+        needs = str(needs_completed_step).lower()
+        ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": needs})
     events = {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"} if kind == "impact" else {}
     ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true", **events})
 
@@ -266,10 +273,11 @@ def _index(chosen: list[Variable], name: str | None) -> int:
 
 
 def _structure(root: ET.Element, data: Data, chosen: list[Variable], version: FmiVersion) -> None:
-    kind = KINDS[data.kind]
+    kind, exchange = KINDS[data.kind], has_exchange(data)
     structure = ET.SubElement(root, "ModelStructure")
     outputs = [v for v in chosen if v.causality[kind] == "output"]
-    rates = [next(v for v in chosen if v.rate_of == state) for state in STATES] if kind == "impact" else []
+    states = STATES if kind == "impact" and exchange else ()
+    rates = [next(v for v in chosen if v.rate_of == state) for state in states]
     initial = [v for v in chosen if v in outputs or v in rates]
 
     def place(v: Variable | str) -> str:
@@ -286,7 +294,8 @@ def _structure(root: ET.Element, data: Data, chosen: list[Variable], version: Fm
 
     def unknown(v: Variable) -> dict[str, str]:
         damped = v.depends_damped.get(kind, ()) if data.curve.stage[0].damped else ()
-        return row(v, (*v.depends.get(kind, ()), *damped))
+        names = (*v.depends.get(kind, ()), *damped)
+        return row(v, (name for name in names if exchange or name not in STATES))
 
     def initially(v: Variable) -> dict[str, str]:
         """All that is given at the start: the states at the start are functions of the parameters."""

@@ -24,10 +24,18 @@ NUMBERS = ("Real", "Integer", "Float64", "Int32")
 UNLIMITED = {
     *("external_force", "support_velocity", "indentation", "relative_velocity"),
     *("impactor_velocity", "impactor_displacement", "target_displacement", "target_velocity", "impactor_acceleration"),
-    *("mean_contact_force", "contact_impulse", "contact_energy", "target_energy", "external_work"),
+    *(
+        "contact_force",
+        "permanent_indentation",
+        "mean_contact_force",
+        "contact_impulse",
+        "contact_energy",
+        "target_energy",
+        "external_work",
+    ),
     *("rebound_velocity", "rate_of_indentation", "rate_of_impactor_velocity", "rate_of_target_displacement"),
 }
-"""Of either sign, or sums whose rounding may pass zero. So are times: an importer may begin before zero."""
+"""Of either sign (a contact may adhere), or sums whose rounding may pass zero. So are times, by an importer's choice."""
 
 
 def described(path):

@@ -35,7 +35,7 @@ UNLIMITED = {
     ),
     *("rebound_velocity", "rate_of_indentation", "rate_of_impactor_velocity", "rate_of_target_displacement"),
 }
-"""Of either sign (a contact may adhere), or sums whose rounding may pass zero. So are times, by an importer's choice."""
+"""Of either sign (a contact may adhere), or sums whose rounding may pass zero. So are times."""
 
 
 def described(path):

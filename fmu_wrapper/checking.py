@@ -19,13 +19,11 @@ from film_model.solve.accuracy import mesh_for
 from film_model.solve.component import DEFAULT_SEGMENTS, ImpactComponent, Outputs
 from film_model.solve.history import MOTION, Event
 from fmu_wrapper.assumptions import served
+from fmu_wrapper.checking_contact import compared_contact
 from fmu_wrapper.cosimulation import EXCHANGE_SOLVER, run
-from fmu_wrapper.instance import Fmu, opened, started
-from fmu_wrapper.loading_curve import loading_force
+from fmu_wrapper.findings import STEPS_TOLERANCE, Finding
+from fmu_wrapper.instance import opened
 from fmu_wrapper.variables import KINDS, reference
-
-STEPS_TOLERANCE = 1e-12
-"""Allowed difference between Co-Simulation and the library, relative to the largest value of a variable."""
 
 MODES_TOLERANCE = 1e-10
 """The same on a vibrating target, where later contacts amplify rounding errors."""
@@ -44,21 +42,6 @@ JUMP = 1e-6
 _JUMP = ("contact_force", "relative_velocity", "target_velocity")
 
 _SEGMENTS = ("loading_segments", "unloading_segments")
-
-
-@dataclass(frozen=True)
-class Finding:
-    """One comparison: its name, the largest difference, the allowed difference, and the place."""
-
-    what: str
-    difference: float
-    allowed: float
-    where: str = ""
-
-    @property
-    def good(self) -> bool:
-        """Whether the difference is allowed."""
-        return self.difference <= self.allowed
 
 
 @dataclass(frozen=True)
@@ -96,7 +79,7 @@ def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
 
         problems = tuple(str(problem) for problem in validate_fmu(str(path)))
         if KINDS[fmu.data.kind] == "contact":
-            return Report(str(path), problems, tuple(_compared_contact(fmu)))
+            return Report(str(path), problems, tuple(compared_contact(fmu)))
         scene = fmu.scene() if scene is None else scene
         stop, version = float(fmu.description.defaultExperiment.stopTime), fmu.version
         start = {name: fmu.data.start[reference(name)] for name in ("initial_gap", *_SEGMENTS)}
@@ -188,20 +171,3 @@ def _reproducible(events: list[Event], component: ImpactComponent) -> int:
         if event.name in ("contact_ends", "reloading_begins") and left <= EXCHANGE_TOLERANCE * pull * deepest:
             return k
     return len(events)
-
-
-def _compared_contact(fmu: Fmu) -> list[Finding]:
-    """Finding from the force element on a path of increasing indentation, and the law's curve."""
-    data = fmu.data
-    deepest, count, rate = data.nominal[0], 200, data.speed
-    path = deepest * np.sin(np.linspace(0.0, 0.5 * np.pi, count))
-    largest, worst, where = loading_force(data, deepest, rate), 0.0, ""
-    with started(fmu, False, {"indentation": 0.0, "relative_velocity": rate}) as slave:
-        for n, depth in enumerate(path.tolist()):
-            slave.set("indentation", depth)
-            force = slave.get(("contact_force",))["contact_force"]
-            off = abs(force - loading_force(data, depth, rate)) / max(largest, 1e-300)
-            if off > worst:
-                worst, where = off, f"indentation = {depth:.6g} m"
-            slave.step(float(n), 1.0)
-    return [Finding("contact: force in loading", worst, STEPS_TOLERANCE, where)]

@@ -99,7 +99,7 @@ def _square() -> bytes:
     """PNG of a filled green square: a mechanical flange."""
     from matplotlib.figure import Figure
 
-    return _png(Figure(figsize=(0.2, 0.2), dpi=100, facecolor=tuple(part / 255 for part in _GREEN)))
+    return _png(Figure(figsize=(0.2, 0.2), dpi=100, facecolor="#007f00"))
 
 
 def _png(figure: object) -> bytes:

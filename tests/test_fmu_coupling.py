@@ -1,7 +1,9 @@
 """FMUs of kind contact in masters that exchange values at communication points; energies of FMUs of kind impact."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from cases import combinations, scene
 
@@ -165,3 +167,27 @@ def test_energies_are_those_of_the_history(made):
         found = slave.get(("contact_energy", "target_energy"))
     assert found["contact_energy"] == pytest.approx(history.summary["energy_absorbed"], rel=1e-10)
     assert found["target_energy"] == pytest.approx(history.summary["energy_radiated"], rel=1e-10)
+
+
+@combinations(law=["hertz", "big-alabo", "stronge", "tsuji"], version=[2, 3], fast=2)
+def test_a_contact_follows_the_force_of_an_impact_and_the_check_covers_its_memory(made, law, version):
+    """Loading and unloading as in the library's impact; the check adds a second contact in the dent."""
+    history = fm.simulate(replace(scene(law), effects=fm.Effects(gravity=False, target_motion=False)), accuracy=1e-9)
+    path = made(history.scene, version, kind="contact")
+    times = np.linspace(0.0, history.duration, 201)
+    motion = history.sample_si(times)
+    force = []
+    with opened(path) as fmu, started(fmu, False, {"relative_velocity": history.scene.approach_velocity}) as slave:
+        for time, x, v in zip(
+            times.tolist(), motion.indentation.tolist(), motion.relative_velocity.tolist(), strict=True
+        ):
+            slave.set("indentation", x)
+            slave.set("relative_velocity", v)
+            force.append(slave.get(("contact_force",))["contact_force"])
+            slave.step(time, float(times[1]))
+    off = np.abs(np.array(force) - motion.contact_force).max() / motion.contact_force.max()
+    assert off < 1e-6
+    report = fmu_wrapper.check(path, history.scene)
+    names = [finding.what for finding in report.findings]
+    assert report.good and len(names) == 5
+    assert "contact: force in reloading in the dent" in names and "contact: number of contacts" in names

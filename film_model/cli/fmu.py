@@ -102,9 +102,10 @@ def check_fmu(options: argparse.Namespace) -> int:
     else:
         for problem in report.problems:
             print(f"error      {problem}")
+        print(f"{'result':10} {'comparison with the library':48} {'error':>8}  allowed")
         for finding in report.findings:
             word = "agrees" if finding.good else "differs"
             where = "" if finding.good else f"  at {finding.where}"
-            print(f"{word:10} {finding.what:48} {finding.difference:8.1e}, allowed {finding.allowed:.0e}{where}")
+            print(f"{word:10} {finding.what:48} {finding.difference:8.1e}  {finding.allowed:7.0e}{where}")
         print(f"{report.path}: {'passed' if report.good else 'failed'}")
     return DONE if report.good else FAILED

@@ -142,9 +142,7 @@ def _values(scene: Scene) -> dict[str, float]:
     return values
 
 
-def _end(
-    scene: Scene, name: str, value: float, factor: float, own: Choice, highest: float | None
-) -> tuple[float, str]:
+def _end(scene: Scene, name: str, value: float, factor: float, own: Choice, highest: float | None) -> tuple[float, str]:
     """The value up to which nothing more fails than at the export, and what fails beyond; "" if nothing does."""
     good, bad, fails = 0.0, 0.0, ""
     for _ in range(STRIDES if name == "initial_velocity" else OTHER_STRIDES):

@@ -178,6 +178,7 @@ def test_too_many_vibrations_are_refused(made, monkeypatch):
         fmu_wrapper.export(FAST, "never.fmu")
 
 
+@pytest.mark.slow
 def test_check_fmu_on_the_command_line(made, capsys):
     assert main(["check-fmu", str(made(FAST)), "--json"]) == 0
     assert '"vibrations"' in capsys.readouterr().out

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.polynomial.chebyshev import chebval
 from numpy.typing import NDArray
 
 from film_model.base.units import format_si
@@ -19,10 +18,10 @@ from film_model.scene import Scene
 from film_model.solve.accuracy import mesh_for
 from film_model.solve.component import DEFAULT_SEGMENTS, ImpactComponent, Outputs
 from film_model.solve.history import MOTION, Event
-from fmu_wrapper import resource
 from fmu_wrapper.assumptions import served
 from fmu_wrapper.cosimulation import EXCHANGE_SOLVER, run
 from fmu_wrapper.instance import Fmu, opened, started
+from fmu_wrapper.loading_curve import loading_force
 from fmu_wrapper.variables import KINDS, reference
 
 STEPS_TOLERANCE = 1e-12
@@ -197,31 +196,13 @@ def _compared_contact(fmu: Fmu) -> list[Finding]:
     data = fmu.data
     deepest, count, rate = data.nominal[0], 200, data.speed
     path = deepest * np.sin(np.linspace(0.0, 0.5 * np.pi, count))
-    largest, worst, where = _law_force(data, deepest, rate), 0.0, ""
+    largest, worst, where = loading_force(data, deepest, rate), 0.0, ""
     with started(fmu, False, {"indentation": 0.0, "relative_velocity": rate}) as slave:
         for n, depth in enumerate(path.tolist()):
             slave.set("indentation", depth)
             force = slave.get(("contact_force",))["contact_force"]
-            off = abs(force - _law_force(data, depth, rate)) / max(largest, 1e-300)
+            off = abs(force - loading_force(data, depth, rate)) / max(largest, 1e-300)
             if off > worst:
                 worst, where = off, f"indentation = {depth:.6g} m"
             slave.step(float(n), 1.0)
     return [Finding("contact: force in loading", worst, STEPS_TOLERANCE, where)]
-
-
-def _law_force(data: resource.Data, indentation: float, rate: float) -> float:
-    """Force of the loading curve with damping, N, at an indentation ≥ 0 m."""
-    xi, curve = indentation / data.length_scale, data.curve
-    stage = sum(curve.stage[k].end < xi for k in range(curve.stages - 1))
-    force = native.stage_law(curve, stage, xi)[0] * data.force_scale
-    return force + data.damping * _damping(curve, xi) * rate if curve.stage[0].damped else force
-
-
-def _damping(curve: native.Curve, xi: float) -> float:
-    """The damping coefficient of a damped law, divided by its factor."""
-    piece = next(piece for piece in curve.piece if xi <= piece.end)
-    c: native.Function = piece.damping
-    x = (xi - c.origin) * c.per_span
-    if c.form == native.POWER:
-        return float(c.constant + c.slope * x + c.coefficient * x**c.exponent)
-    return float(chebval(2.0 * (math.sqrt(x) if c.form == native.ROOT_SERIES else x) - 1.0, c.series[: c.terms]))

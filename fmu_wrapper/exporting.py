@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 import os
 import uuid
-import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -28,13 +26,13 @@ from film_model.solve.motions import modes_for
 from film_model.solve.simulate import simulate_chosen
 from film_model.solve.vibration import Vibration
 from fmu_wrapper import platforms, resource
+from fmu_wrapper.archive import zipped
 from fmu_wrapper.assumptions import segments_for_speeds, served, validity_of
 from fmu_wrapper.documentation import documentation
 from fmu_wrapper.model_description import Experiment, FmiVersion, Names, model_description, printable
 from fmu_wrapper.variables import KINDS, VARIABLES, Kind, reference
 
 _NAMESPACE = uuid.UUID("6c9a1e0e-53a4-5b0c-8f57-0a1d6b5b3c55")
-_ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # constant, so that the same export gives the same bytes
 
 
 def export(
@@ -95,7 +93,7 @@ def export(
         suffix = Path(platforms.built_library()).suffix if where is None else where.suffix
         files[f"binaries/{platforms.folder(on, version)}/{names.identifier}{suffix}"] = binary
     with written_whole(target) as beside:
-        beside.write_bytes(_zipped(files))
+        beside.write_bytes(zipped(files))
     return target
 
 
@@ -231,14 +229,3 @@ def _build_description(identifier: str, sources: list[str]) -> bytes:
         "  </BuildConfiguration>\n"
         "</fmiBuildDescription>\n"
     ).encode()
-
-
-def _zipped(files: dict[str, bytes]) -> bytes:
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-        for name, content in files.items():
-            entry = zipfile.ZipInfo(name, _ZIP_DATE)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
-            archive.writestr(entry, content)
-    return packed.getvalue()

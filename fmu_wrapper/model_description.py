@@ -13,6 +13,7 @@ from film_model.base.unit_symbols import parse_unit
 from film_model.base.units import scene_unit
 from film_model.scene import Scene
 from film_model.version import __version__
+from fmu_wrapper.nominals import nominals
 from fmu_wrapper.resource import Data, has
 from fmu_wrapper.variables import (
     EVENT_KINDS,
@@ -85,6 +86,13 @@ def fmi_unit(dimension: str) -> str:
     return scene_unit(dimension).replace("*", ".").replace("^", "") or "1"
 
 
+def base_unit(dimension: str) -> dict[str, str]:
+    """Exponents of the SI units that make up the unit of a dimension."""
+    size, powers = parse_unit(scene_unit(dimension))
+    assert size == 1.0
+    return {name: str(int(power)) for name, power in zip(("kg", "m", "s"), powers, strict=True) if power}
+
+
 def model_description(
     data: Data,
     version: FmiVersion,
@@ -127,8 +135,9 @@ def model_description(
         stepSize=repr(experiment.step_size),
     )
     variables = ET.SubElement(root, "ModelVariables")
+    sizes = nominals(data, experiment.stop_time)
     for v in chosen:
-        (_variable_2 if version == 2 else _variable_3)(variables, v, data, chosen)
+        (_variable_2 if version == 2 else _variable_3)(variables, v, data, chosen, sizes)
     _structure(root, data, chosen, version)
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
@@ -187,10 +196,7 @@ def _units(root: ET.Element, chosen: list[Variable]) -> None:
     for dimension in dict.fromkeys(v.dimension for v in chosen if v.dimension not in (None, "dimensionless")):
         assert dimension is not None
         unit = ET.SubElement(units, "Unit", name=fmi_unit(dimension))
-        size, powers = parse_unit(scene_unit(dimension))
-        assert size == 1.0
-        names = zip(("kg", "m", "s"), powers, strict=True)
-        ET.SubElement(unit, "BaseUnit", {name: str(int(power)) for name, power in names if power})
+        ET.SubElement(unit, "BaseUnit", base_unit(dimension))
         if dimension in DISPLAY:
             shown, factor = DISPLAY[dimension]
             ET.SubElement(unit, "DisplayUnit", name=shown, factor=repr(factor))
@@ -209,8 +215,8 @@ def _types(root: ET.Element, chosen: list[Variable], version: FmiVersion) -> Non
             ET.SubElement(parent, "Item", name=item, value=str(value), description=what)
 
 
-def _number(v: Variable, data: Data, values: dict[str, str]) -> dict[str, str]:
-    """Attributes of a variable's value: unit, range, start, nominal."""
+def _number(v: Variable, data: Data, values: dict[str, str], sizes: dict[str, float]) -> dict[str, str]:
+    """Attributes of a variable's value: unit, range, start, nominal. sizes: nominal values."""
     k, kind = reference(v.name), KINDS[data.kind]
     text = (lambda x: str(int(x))) if v.type == Whole else repr
     if v.dimension is not None and v.dimension != "dimensionless":
@@ -220,8 +226,8 @@ def _number(v: Variable, data: Data, values: dict[str, str]) -> dict[str, str]:
     for name, limit in (("min", v.low), ("max", v.high)):
         if limit is not None:
             values[name] = text(limit)
-    if v.name in STATES:
-        values["nominal"] = repr(data.nominal[STATES.index(v.name)])
+    if v.name in sizes:
+        values["nominal"] = repr(sizes[v.name])
     if v.causality[kind] in ("parameter", "input"):
         assert k < settable()
         values["start"] = text(data.start[k])
@@ -243,23 +249,23 @@ def _head(v: Variable, kind: Kind) -> dict[str, str]:
     return head
 
 
-def _variable_2(parent: ET.Element, v: Variable, data: Data, chosen: list[Variable]) -> None:
+def _variable_2(parent: ET.Element, v: Variable, data: Data, chosen: list[Variable], sizes: dict[str, float]) -> None:
     element = ET.SubElement(parent, "ScalarVariable", _head(v, KINDS[data.kind]))
     if v.type in ITEMS:
         ET.SubElement(element, "Enumeration", declaredType=v.type)
         return
     rate = {"derivative": str(_index(chosen, v.rate_of))} if v.rate_of in STATES and data.kind == 0 else {}
-    ET.SubElement(element, "Real" if v.type == Real else "Integer", _number(v, data, rate))
+    ET.SubElement(element, "Real" if v.type == Real else "Integer", _number(v, data, rate, sizes))
 
 
-def _variable_3(parent: ET.Element, v: Variable, data: Data, chosen: list[Variable]) -> None:
+def _variable_3(parent: ET.Element, v: Variable, data: Data, chosen: list[Variable], sizes: dict[str, float]) -> None:
     head = _head(v, KINDS[data.kind])
     if v.type in ITEMS:
         ET.SubElement(parent, "Enumeration", {**head, "declaredType": v.type})
         return
     if v.rate_of is not None and data.kind == 0:
         head["derivative"] = str(reference(v.rate_of))
-    ET.SubElement(parent, "Float64" if v.type == Real else "Int32", _number(v, data, head))
+    ET.SubElement(parent, "Float64" if v.type == Real else "Int32", _number(v, data, head, sizes))
 
 
 def _index(chosen: list[Variable], name: str | None) -> int:

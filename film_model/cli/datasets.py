@@ -47,6 +47,12 @@ def add_commands(named: Any) -> None:
     parser.add_argument("measured", help="CSV file: time and force, or velocity and restitution, with units")
     parser.add_argument("scene", help="scene file (TOML), with initial values")
     parser.add_argument("--fit", required=True, metavar="NAME[,NAME]", help="e.g. contact.yield_strength,time_offset")
+    parser.add_argument(
+        "--columns",
+        metavar="NAME=HEADING",
+        nargs="+",
+        help='headings of the file, e.g. time="t [us]" force="CH1 [kN]"; lines before them are ignored',
+    )
     parser.add_argument("--confidence", type=float, default=0.99, help="level of the intervals (default: 0.99)")
     add_plot(parser, "draw measurement and fit")
     add_force(parser, "overwrite an existing picture")
@@ -138,7 +144,8 @@ def identify(options: argparse.Namespace) -> int:
 
     check_picture(options.plot, options.force)
     scene = Scene.from_toml(options.scene)
-    measured = film_datasets.from_csv(options.measured)
+    columns = dict(pair.partition("=")[::2] for pair in options.columns or ())
+    measured = film_datasets.from_csv(options.measured, columns=columns)
     found = film_datasets.identify(measured, scene, listed(options.fit), options.confidence)
     if options.plot:
         found.plot(options.plot)

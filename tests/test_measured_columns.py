@@ -8,6 +8,7 @@ import pytest
 
 import film_datasets as fd
 import film_model as fm
+from film_datasets.identification import comparison_table
 from film_model.cli.main import main
 
 SCENE = Path(__file__).parent.parent / "examples" / "scenes" / "tungsten_carbide_on_steel_stronge.toml"
@@ -67,3 +68,22 @@ def test_identify_takes_columns(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert main(["identify", str(path), str(start), *given]) == 0
     found = json.loads(capsys.readouterr().out)["parameters"]["contact.yield_strength"]["value"]
     assert found == pytest.approx(scene.yield_strength, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_the_law_of_a_measurement_is_the_best_of_several(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "scope.csv"
+    path.write_text(SCOPE.format(rows=rows()), "utf-8")
+    given = ["--fit", "contact.yield_strength", "--law", "hertz,meyer,stronge,big-alabo", "--columns"]
+    columns = [f"{k}={v}" for k, v in COLUMNS.items()]
+    assert main(["identify", str(path), str(SCENE), *given, *columns, "--json"]) == 0
+    best, second, third, last = json.loads(capsys.readouterr().out)["laws"]
+    assert best["law"] == "stronge" and best["residual"] < 1e-5 < second["residual"]
+    assert best["criterion"] < second["criterion"] - 10 and third["fit"] is not None
+    assert last["law"] == "meyer" and last["fit"] is None and "stiffness" in last["reason"]
+    # by hand, of the second: n ln(S/n) + 2 k + 2 k (k + 1)/(n - k - 1), k = 2
+    n, k = 41, 2
+    expected = n * np.log(second["residual"] ** 2) + 2 * k + 2 * k * (k + 1) / (n - k - 1)
+    assert second["criterion"] == pytest.approx(expected, rel=1e-12)
+    table = comparison_table([fd.identification.LawFit("x", None, reason="why")])
+    assert "why" in table

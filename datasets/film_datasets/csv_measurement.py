@@ -63,8 +63,8 @@ def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str
     names = [NAMES.get(_name(heading), _name(heading)) for heading in headings]
     kind = "history" if "t" in names else "impacts"
     known = {variable.name: variable for variable in TABLE[f"{MEASUREMENT} {kind}"]}
-    columns = _columns(name, head, headings, names, known)
-    values = _values(name, body, names, columns)
+    units = _columns(name, head, headings, names, known)
+    values = _values(name, body, names, units)
     along = next(iter(known))
     if kind == "history" and not (np.diff(values[along]) > 0).all():
         late = int(np.flatnonzero(~(np.diff(values[along]) > 0))[0]) + 1

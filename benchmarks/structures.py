@@ -1,4 +1,4 @@
-"""Impacts on structures: the core's contact on modes, DOP853 and Newmark's method on the same modes, in one process.
+"""Impacts on structures: the core's contact on modes, and integrators on the same modes, in one process.
 
     python -m benchmarks.structures [--slow]
 
@@ -11,12 +11,14 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import film_model as fm
+from benchmarks.modal_integrators import dormand_prince, newmark
 from film_model.base import units
 from film_model.effects.choose import problem_of
 from film_model.solve import vibration
@@ -38,27 +40,6 @@ def timed(run: Callable[[], Any], repeats: int) -> tuple[float, Any]:
         found = run()
         best = min(best, time.process_time() - begin)
     return 1e3 * best, found
-
-
-def newmark(problem: Any, frequency: Any, share: Any, rest: float, end: float, steps: int) -> tuple[float, float]:
-    """Maximum force and end of the first contact: average acceleration, Hertz's law, fixed steps."""
-    h, (w, u, a) = end / steps, (np.zeros_like(frequency) for _ in range(3))
-    x, v, force, most, stiff = 0.0, problem.approach, 0.0, 0.0, 1.0 / (1.0 + 0.25 * h**2 * frequency**2)
-    soft = 0.25 * h * h * (1.0 + float(np.sum(share * stiff))) + rest
-    for k in range(steps):
-        guess = w + h * u + 0.25 * h * h * a
-        ahead = x + h * v - 0.25 * h * h * force - float(np.sum(guess * stiff))
-        depth = max(ahead, 0.0)
-        for _ in range(20 if ahead > 0.0 else 0):
-            depth = max(depth - (depth + soft * depth**1.5 - ahead) / (1.0 + 1.5 * soft * depth**0.5), 0.25 * depth)
-        new = depth**1.5
-        w = (guess + 0.25 * h * h * share * new) * stiff
-        next_a = share * new - frequency**2 * w
-        u, a = u + 0.5 * h * (a + next_a), next_a
-        x, v, force, most = x + h * v - 0.25 * h * h * (force + new), v - 0.5 * h * (force + new), new, max(most, new)
-        if new == 0.0 and k > 10:
-            return most, (k + 1) * h
-    return most, end
 
 
 def papers_plate() -> None:
@@ -87,8 +68,17 @@ def papers_plate() -> None:
         tell(f"DOP853, tolerance {tolerance:g}", spent, run.summary.maximum_force, run.summary.contact_duration)
     for steps in (2000, 8000):
         end = 1.5 * exact.contact_duration
-        spent, found = timed(lambda n=steps, end=end: newmark(problem, frequency, share, rest, end, n), 1)
+        spent, found = timed(lambda n=steps, end=end: newmark(problem.approach, frequency, share, rest, end, n), 1)
         tell(f"Newmark, {steps} steps, one contact", spent, *found)
+    if find_spec("numba"):
+        dormand_prince(problem.approach, frequency, share, rest, 1e-2)  # compiles
+    for tolerance in (1e-4, 1e-6) if find_spec("numba") else ():
+
+        def compiled(tolerance: float = tolerance) -> Any:
+            return dormand_prince(problem.approach, frequency, share, rest, tolerance)
+
+        spent, found = timed(compiled, 3)
+        tell(f"numba, {tolerance:g}, one contact", spent, *found)
 
 
 def whole(name: str, scene: fm.Scene, accuracy: float) -> None:

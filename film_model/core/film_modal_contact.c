@@ -6,8 +6,8 @@
 /* The error of a step of twice the duration over that of this one: a longer step is tried if it can be expected to serve. */
 static const double GROWTH = 40.0;
 
-/* The end of a step at an event is sought to this fraction of the march's unit of time. */
-static const double CUT_TOLERANCE = 1e-10;
+/* The end of a step at an event is sought to this fraction of the march's unit of time, or to CUT_SHARE of the tolerance. */
+static const double CUT_TOLERANCE = 1e-10, CUT_SHARE = 1e-3;
 
 /* An event this close to the beginning of a step, as a fraction of it, happens there. */
 static const double AT_ONCE = 1e-13;
@@ -69,7 +69,7 @@ void film_next_event(const film_curve *curve, film_modal *s, double from) {
     }
     if (!s->moving_in) return;
     force_powers(s, powers);
-    speed[0] = s->v;
+    speed[0] = s->v - s->stop;
     for (int k = 0; k < NODES; k++) speed[k + 1] = -per * powers[k] / (k + 1);
     speed[1] += per * s->load;
     from_powers(speed, NODES, bernstein);
@@ -93,7 +93,8 @@ int film_soft_event(const film_curve *curve, film_modal *s) {
         s->contact.xi = film_indentation(curve, &s->contact.line, s->rest, depth);
         s->contact.nu = 0.0;
         status = film_end_run(curve, &s->contact, ENDS_TURN);
-        s->peak = fmax(s->peak, s->contact.elastic);
+        s->contact.force_peak = fmax(s->contact.force_peak, s->contact.elastic);
+        s->peak = fmax(s->peak, s->contact.force_peak);
     }
     film_next_event(curve, s, theta);
     return status;
@@ -179,7 +180,7 @@ static int cut(const film_structure *structure, const film_curve *curve, film_mo
         if (status == FILM_OK) status = film_take_step(structure, s, waves, &table, &e);
         if (status < 0) return status;
         double more = correction(curve, s, ends, direction);
-        if (!(fabs(more) > CUT_TOLERANCE * s->unit) || !(fabs(more) < INFINITY)) break;
+        if (!(fabs(more) > fmax(CUT_TOLERANCE, CUT_SHARE * s->tolerance) * s->unit) || !(fabs(more) < INFINITY)) break;
         h = fmin(fmax(h + more, 0.25 * h), fmin(2.0 * h, full));
     }
     return FILM_OK;

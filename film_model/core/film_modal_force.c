@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { NEWTON_STEPS = 40, INDENTATION_STEPS = 100 };
+enum { NEWTON_STEPS = 40, INDENTATION_STEPS = 100, LANES = 2 };
 
 /* Newton's method has converged when its last step is below this fraction of the largest force: it converges quadratically. */
 static const double SETTLED = 1e-10;
@@ -115,29 +115,29 @@ void film_depth_polynomial(const film_modal *s, double bernstein[DEGREE + 1]) {
 
 /* ---------------------------------------------------------------- the step */
 
-/* Sums of w_n and w_n' at the nodes without a force. Even and odd modes are summed apart, so that the sums need not wait for
- * each other. */
+/* Sums of w_n and w_n' at the nodes without a force. Each is summed in LANES parts, so that two modes are added at once. */
 static void free_modes(const film_structure *structure, const film_table *table, const double *waves, int rates,
                        double moved[NODES], double rate[NODES]) {
-    int32_t n = structure->modes;
-    const double *w = waves, *u = waves + n, *c = table->node_cos, *s = table->node_sin;
-    double even[NODES] = {0.0}, odd[NODES] = {0.0}, even_u[NODES] = {0.0}, odd_u[NODES] = {0.0};
-    for (int32_t i = 0; i + 1 < n; i += 2) {
-        for (int at = 0; at < NODES; at++) even[at] += w[i] * c[NODES * i + at];
-        for (int at = 0; at < NODES; at++) even_u[at] += u[i] * s[NODES * i + at];
-        for (int at = 0; at < NODES; at++) odd[at] += w[i + 1] * c[NODES * i + NODES + at];
-        for (int at = 0; at < NODES; at++) odd_u[at] += u[i + 1] * s[NODES * i + NODES + at];
+    int32_t n = structure->modes, whole = n - n % LANES;
+    const double *w = waves, *u = waves + n, *c[NODES], *s[NODES];
+    double by_w[NODES][LANES] = {{0.0}}, by_u[NODES][LANES] = {{0.0}};
+    for (int at = 0; at < NODES; at++) {
+        c[at] = table->node_cos + (size_t)at * (size_t)n;
+        s[at] = table->node_sin + (size_t)at * (size_t)n;
+    }
+    for (int32_t i = 0; i < whole; i += LANES) {
+        for (int at = 0; at < NODES; at++) {
+            for (int k = 0; k < LANES; k++) by_w[at][k] += w[i + k] * c[at][i + k];
+            for (int k = 0; k < LANES; k++) by_u[at][k] += u[i + k] * s[at][i + k];
+        }
     }
     for (int at = 0; at < NODES; at++) {
-        if (n % 2) even[at] += w[n - 1] * c[NODES * (n - 1) + at] + u[n - 1] * s[NODES * (n - 1) + at];
-        moved[at] = (even[at] + even_u[at]) + (odd[at] + odd_u[at]);
+        moved[at] = (by_w[at][0] + by_u[at][0]) + (by_w[at][1] + by_u[at][1]);
+        for (int32_t i = whole; i < n; i++) moved[at] += w[i] * c[at][i] + u[i] * s[at][i];
         rate[at] = 0.0;
-    }
-    for (int32_t i = 0; i < n && rates; i++) {
-        double square = structure->square[i], drag = structure->drag[i];
-        for (int at = 0; at < NODES; at++) {
-            double turned = s[NODES * i + at];
-            rate[at] += u[i] * (c[NODES * i + at] - drag * turned) - square * w[i] * turned;
+        for (int32_t i = 0; i < n && rates; i++) {
+            double turned = s[at][i];
+            rate[at] += u[i] * (c[at][i] - structure->drag[i] * turned) - structure->square[i] * w[i] * turned;
         }
     }
 }

@@ -25,7 +25,7 @@ static const double LAGRANGE[NODES][NODES] = {
 
 /* One table: how a step of one size moves every mode, per unit of share k for forces. */
 typedef struct {
-    double *node_cos, *node_sin;  /* [n][NODES]: of w and of w' at the beginning, on w at the nodes */
+    double *node_cos, *node_sin;  /* [NODES][n]: of w and of w' at the beginning, on w at the nodes */
     double *end_cos, *end_sin;    /* [n]: on w at the end */
     double *rate_cos, *rate_sin;  /* [n]: on w' at the end */
     double *push, *push_rate;     /* [NODES][n]: share x response of w and w' at the end to a force's value at a node */

@@ -121,8 +121,8 @@ def csv_page() -> str:
 that begin with `#` are comments. Mistakes are reported with their line.
 
 Measurements in files with other headings, or with lines of an oscilloscope before them, are read by
-`film-model identify … --columns time="TIME [s]" force="CH1 [kN]"`: the heading of each quantity in the file, with the unit
-that its numbers have. Other columns are ignored.
+`film-model identify … --columns time="TIME [s]" force="CH1 [kN]"`: the heading of each quantity in the file, with the
+unit that its numbers have. Other columns are ignored.
 
 ## A measured history
 

@@ -176,4 +176,5 @@ def _compare(options: argparse.Namespace, measured: Any, scene: Scene) -> int:
     else:
         print(comparison_table(found))
         print_written(options.plot if best is not None else None)
+    print_warnings(() if best is None else best.warnings)
     return FAILED if best is None else DONE

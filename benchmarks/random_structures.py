@@ -145,10 +145,12 @@ def main() -> None:
 def _tell(found: list[Judged], refused: dict[str, int], count: int, spent: float) -> None:
     clear = [one for one in found if one.finer < DOUBT * one.estimate]
     bound = sum(one.error <= one.estimate for one in clear)
+    ratio = [one.error / one.estimate for one in clear] or [0.0]
+    middle, most = np.quantile(ratio, [0.5, 0.99])
     reached = sum(one.estimate <= 3e-3 for one in found)
     print(
         f"{count} impacts: {sum(refused.values())} refused, {reached} reach the accuracy, {len(clear)} judged, "
-        f"{bound} bounded; {spent:.0f} s",
+        f"{bound} bounded; error over estimate: median {middle:.2f}, 99 % {most:.2f}; {spent:.0f} s",
         flush=True,
     )
 

@@ -42,8 +42,8 @@ MODES_FACTOR = 3.0
 Random plates, beams and rods, 1 g to 5 kg, 0.01 to 10 m/s, against a run at a thirtieth of the accuracy: at 3e-3 the
 estimate bounds every error of 79 impacts. With a factor of 2 it bounds 22 of 24; the others have 70 and 132 contacts.
 The last difference alone bounds 96, 94 and 89 % of 149, 135 and 105 impacts at 1e-2, 1e-3 and 1e-4.
-benchmarks/random_structures.py adds mixed edges, orthotropic, damped and sprung plates, free ends and rods: at 3e-3, 330
-of 331 impacts are bounded. The other has a damped law.
+benchmarks/random_structures.py adds mixed edges, orthotropic, damped and sprung plates, free ends and rods: at 3e-3,
+330 of 331 impacts are bounded. The other has a damped law.
 """
 
 DAMPED_FACTOR = 5.0

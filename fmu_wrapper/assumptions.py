@@ -12,12 +12,16 @@ from film_model.base.errors import SceneError, SimulationError
 from film_model.effects.choose import Choice, choose
 from film_model.effects.edge_effects import edged
 from film_model.effects.effect import NOT_MODELLED
+from film_model.effects.trial import change
 from film_model.laws.yielding import yield_point, yield_velocity
 from film_model.problem.law_of_scene import YIELDING, can_yield, reaches_yield, yielding_entries
 from film_model.problem.problem import Problem
-from film_model.scene import Scene
+from film_model.problem.summary import differences
+from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.scene.columns import scene_of_columns
+from film_model.solve import vibration
 from film_model.solve.accuracy import refine
+from film_model.solve.motions import modes_for
 from fmu_wrapper.variables import Kind
 
 SPEEDS = (0.5, 1.5, 5.0, 20.0, 150.0)
@@ -26,6 +30,9 @@ SPEEDS = (0.5, 1.5, 5.0, 20.0, 150.0)
 STRIDE, STRIDES, OTHER_STRIDES, HALVINGS = 3.0, 8, 3, 3
 """The velocity, or another parameter, is changed by this factor so often to find where its range of validity ends; then
 the logarithm of the last factor is bisected."""
+
+FEW = "vibrations above those of the export"
+"""What fails if the maximum force or indentation needs more natural vibrations than the FMU contains."""
 
 _PATHS = {
     "initial_velocity": "impactor.velocity",
@@ -77,19 +84,14 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
     else:
         gravity = True if gravity == "auto" else gravity
         motion = True if motion == "auto" and scene.target.gives_way and not edged(scene) else motion
-    return replace(scene, effects=_with(effects, gravity=gravity, target_motion=motion))
-
-
-def _with(effects: Any, **changed: Any) -> Any:
-    fields = {name: getattr(effects, name) for name in type(effects).FIELDS}
-    return type(effects)(**(fields | changed))
+    return replace(scene, effects=effects.changed(gravity=gravity, target_motion=motion))
 
 
 def segments_for_speeds(scene: Scene, problem: Problem, counts: tuple[int, int]) -> tuple[int, int]:
     """Segment counts of an FMU for law "auto": enough at every velocity, below yield and far above. scene: as given."""
     if scene.contact.law != "auto" or problem.law.name != YIELDING or scene.solver.segments is not None:
         return counts
-    strength, modulus = scene.yield_strength, scene.effective_modulus
+    strength, modulus = problem.impacts.yield_strength, scene.effective_modulus
     assert strength is not None and modulus is not None
     limit = yield_velocity(modulus, scene.effective_radius, strength, scene.effective_mass)
     for factor in SPEEDS:
@@ -118,10 +120,12 @@ def validity_of(scene: Scene) -> Validity:
 @lru_cache(maxsize=64)
 def _ranges(scene: Scene) -> dict[str, Range]:
     """Ranges of validity; none for an impactor at rest, whose effects are not assessed."""
-    own = _failing(choose(scene))
+    own, highest = choose(scene), None
+    if own.problem.vibrates and own.problem.approach > 0.0:
+        highest = modes_for(own.problem, scene.solver.accuracy or DEFAULT_ACCURACY, []).highest
     found: dict[str, Range] = {}
     for name, value in _values(scene).items():
-        ends = [_end(scene, name, value, factor, own) for factor in (1.0 / STRIDE, STRIDE)]
+        ends = [_end(scene, name, value, factor, own, highest) for factor in (1.0 / STRIDE, STRIDE)]
         (low, below), (high, above) = ends
         if below or above:
             found[name] = Range(low, high, below, above)
@@ -138,24 +142,24 @@ def _values(scene: Scene) -> dict[str, float]:
     return values
 
 
-def _end(scene: Scene, name: str, value: float, factor: float, own: frozenset[str]) -> tuple[float, str]:
+def _end(scene: Scene, name: str, value: float, factor: float, own: Choice, highest: float | None) -> tuple[float, str]:
     """The value up to which nothing more fails than at the export, and what fails beyond; "" if nothing does."""
     good, bad, fails = 0.0, 0.0, ""
     for _ in range(STRIDES if name == "initial_velocity" else OTHER_STRIDES):
         good, bad = bad, bad + 1.0
-        fails = _new(scene, name, value * factor**bad, own)
+        fails = _new(scene, name, value * factor**bad, own, highest)
         if fails:
             break
     else:
         return (0.0 if factor < 1.0 else math.inf), ""
     for _ in range(HALVINGS):
         middle = 0.5 * (good + bad)
-        found = _new(scene, name, value * factor**middle, own)
+        found = _new(scene, name, value * factor**middle, own, highest)
         good, bad, fails = (good, middle, found) if found else (middle, bad, fails)
     return value * factor**good, fails
 
 
-def _new(scene: Scene, name: str, value: float, own: frozenset[str]) -> str:
+def _new(scene: Scene, name: str, value: float, own: Choice, highest: float | None) -> str:
     """What fails at another value of a parameter but not at the export."""
     changes: dict[str, Any] = {_PATHS[name]: value}
     if name == "initial_velocity":
@@ -163,14 +167,48 @@ def _new(scene: Scene, name: str, value: float, own: frozenset[str]) -> str:
     if name == "radius":
         changes["impactor.mass"] = scene.mass
     try:
-        return ", ".join(sorted(_failing(choose(scene_of_columns(scene, changes))) - own))
+        choice = choose(scene_of_columns(scene, changes))
+        fails = _failing(choice, highest) - _failing(own, highest) | _other_strength(choice.problem, own.problem)
+        return ", ".join(sorted(fails))
     except (SceneError, SimulationError, ValueError, ArithmeticError):
         return "the library cannot simulate it"
 
 
-def _failing(choice: Choice) -> frozenset[str]:
-    """Effects that matter and are not simulated; and how the target moves, which an FMU cannot change."""
+def _other_strength(problem: Problem, own: Problem) -> frozenset[str]:
+    """Rate hardening, where the strength that an FMU keeps changes a result by more than the tolerance."""
+    strengths = [one.impacts.yield_strength for one in (problem, own)]
+    if strengths[0] == strengths[1] or own.impacts.law.strength is None:
+        return frozenset()
+    kept = problem.impacts.law.strengthened(strengths[1] / strengths[0])
+    off = change(problem, problem.impacts.under(kept).problem(*problem.given))
+    return frozenset() if off <= problem.scene.effect_tolerance else frozenset({"rate hardening"})
+
+
+def _failing(choice: Choice, highest: float | None) -> frozenset[str]:
+    """Effects that matter and are not simulated; and how the target moves, which an FMU cannot change.
+
+    highest: frequency up to which the FMU contains vibrations, rad/s; None if it contains none.
+    """
     missing = {effect.name.replace("_", " ") for effect in choice.effects if effect.state == NOT_MODELLED}
     if choice.problem.vibrates or choice.problem.compliance > 0.0:
         missing.add("boundary reflections")
+    if highest is not None:
+        missing.discard("boundary reflections")
+        if _needs_more(choice, highest):
+            missing.add(FEW)
     return frozenset(missing)
+
+
+def _needs_more(choice: Choice, highest: float) -> bool:
+    """Whether vibrations above `highest` change the maximum force or indentation by more than the scene's tolerance."""
+    scene, target = choice.scene, choice.scene.target
+    problem = choice.problem.again(impedance=math.inf, compliance=0.0, vibrates=True)
+    tolerance = vibration.step_tolerance(scene.solver.accuracy or DEFAULT_ACCURACY)
+    limit = vibration.time_limit(problem, target)
+    half, whole = (
+        vibration.run(problem, vibration.structure_of(target, part * highest, problem.scales.time), tolerance, limit)
+        for part in (0.5, 1.0)
+    )
+    found = differences(problem, half.summary, whole.summary)
+    change = max(float(found[name]) for name in ("maximum_force", "maximum_indentation"))
+    return vibration.MODES_FACTOR * change > scene.effect_tolerance

@@ -1,5 +1,6 @@
 """Designs from tables of the user, distributions, tolerances and correlations."""
 
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import xarray as xr
 import film_datasets as fd
 import film_model as fm
 from film_datasets.sweeps import Sweep, read_sweep, run_sweep
+from film_datasets.sweeps.designs import points
 from film_datasets.sweeps.distributions import DISTRIBUTIONS, quantiles
 
 SCENE = Path(__file__).parent.parent / "examples" / "scenes" / "tungsten_carbide_on_steel.toml"
@@ -148,3 +150,20 @@ def test_correlated_quantities_keep_their_distributions() -> None:
     ):  # fmt: skip
         with pytest.raises(fm.SceneError, match=complaint):
             Sweep.of(BALL, over, "sobol", samples=8, correlation=wrong)
+
+
+@pytest.mark.slow
+def test_a_latin_hypercube_is_scipys_in_a_fraction_of_the_memory() -> None:
+    from scipy.stats import qmc
+
+    for dimensions, samples, seed in ((1, 7, 1), (3, 1001, 7)):
+        expected = qmc.LatinHypercube(dimensions, rng=seed).random(samples)
+        drawn = points("latin-hypercube", dimensions, samples, seed)
+        assert (drawn(0, samples) == expected).all()
+        assert (drawn(3, 4) == expected[3:7]).all()
+    points.cache_clear()
+    tracemalloc.start()
+    points("latin-hypercube", 3, 10**6, 1)(999_000, 1000)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 20e6  # 12 MB for three permutations and 4 MB for a step of them: 200 MB for 10^7 impacts

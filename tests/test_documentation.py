@@ -3,6 +3,8 @@
 import doctest
 import inspect
 import re
+import subprocess
+import sys
 import warnings
 from pathlib import Path
 
@@ -51,6 +53,14 @@ def test_public_functions_have_examples():
     functions = [f"{face.__name__}.{n}" for face in FACES for n in face.__all__ if inspect.isfunction(getattr(face, n))]
     without = {name.rpartition(".")[2] for name in functions} - {name.rpartition(".")[2] for name in named}
     assert without == {"export", "lines_of", "open", "published", "read"}  # shown with run, history_of, load and write
+
+
+@pytest.mark.slow
+def test_functions_are_not_hidden_by_the_files_of_their_name():
+    """A new process: importing fmu_wrapper/check.py for `Report` would set `fmu_wrapper.check` to the file."""
+    code = "import fmu_wrapper; fmu_wrapper.Report; print(callable(fmu_wrapper.check), callable(fmu_wrapper.export))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["True", "True"]
 
 
 def anchors(page):

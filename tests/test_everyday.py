@@ -16,7 +16,10 @@ from film_model.cli.main import main
 from film_model.studies import explain
 
 SCENE = fm.Scene(
-    fm.Sphere("10 mm", "0.25 m/s", material="tungsten carbide"), fm.HalfSpace("mild steel"), fm.Contact("stronge")
+    fm.Sphere("10 mm", "0.25 m/s", material="tungsten carbide"),
+    fm.HalfSpace("mild steel"),
+    fm.Contact("stronge"),
+    fm.Effects(rate_hardening=False),
 )
 HISTORY = fm.simulate(SCENE)
 
@@ -75,7 +78,7 @@ def test_notebooks_show_tables(monkeypatch):
     scene = SCENE.replace({"title": "a <b> ball"})
     shown = fm.simulate(scene)._repr_html_()
     assert "a &lt;b&gt; ball" in shown and "<th>maximum force</th><td>416.594 N</td>" in shown and "<img" not in shown
-    assert "<li>not modelled: strain rate" in shown
+    assert "<li>not modelled: rate hardening" in shown
     assert "<th>impactor.radius</th><td>0.01 m</td>" in scene._repr_html_()
     assert ElementTree.fromstring(f"<div>{shown}{scene._repr_html_()}</div>") is not None
 

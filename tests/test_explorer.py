@@ -4,6 +4,7 @@ import base64
 import gzip
 import hashlib
 import json
+import math
 import re
 from html.parser import HTMLParser
 
@@ -14,7 +15,7 @@ import film_model as fm
 from film_model.base.arrays import either, greater, root
 from film_model.cli.main import main
 from film_model.explorer import page as page_module
-from film_model.explorer.content import Content
+from film_model.explorer.content import Content, regime_map
 from film_model.explorer.page import page, scripts
 from film_model.explorer.trace import Recording
 from film_model.laws import LAWS
@@ -180,3 +181,15 @@ def test_explore_writes_a_page_and_opens_it(capsys, monkeypatch, tmp_path):
 @pytest.mark.slow
 def test_the_first_load_is_small():
     assert len(gzip.compress(page().encode(), 9)) <= FIRST_LOAD
+
+
+def test_the_map_of_regimes():
+    """A fixed target: the work up to a depth is the impact energy. Elastic, light: 1 − e² = 3.46 λ."""
+    yields, plastic, moves = ([*zip(line["x"], line["y"], strict=True)] for line in regime_map())
+    work = []
+    for stage in fm.BigAlabo(1.0, 1.0, 1.0).stages()[:3]:
+        force, x = stage.force, stage.end - stage.begin
+        work.append(force.constant * x + force.slope * x**2 / 2 + force.coefficient * x**2.5 / 2.5)
+    assert yields[0][1] == pytest.approx(1.0, rel=2e-3)
+    assert plastic[0][1] == pytest.approx(math.sqrt(sum(work) / work[0]), rel=2e-3)
+    assert moves[0][0] == pytest.approx(0.01 / 3.46, rel=0.01)

@@ -5,12 +5,15 @@ import math
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
+import xarray as xr
 from browser import CHROMIUM, SUMMARIES, chromium, random_addresses
 
 import film_model as fm
 from film_model.base.errors import SceneError
 from film_model.explorer.page import WASM, page, write_page
+from film_model.studies.regimes import regimes
 
 pytestmark = [
     pytest.mark.slow,
@@ -181,9 +184,9 @@ def test_comparison_studies_and_files(shown, address):
     assert "compare=" in window.evaluate("location.hash")
     window.click("#forget")
     assert window.locator("#summary thead th").count() == 1
-    for part, figure in (("laws", "laws"), ("restitution", "restitution"), ("accuracy", "accuracy")):
+    for part in ("laws", "restitution", "accuracy", "map"):
         window.click(f"#part-{part} > summary")
-        window.wait_for_selector(f"#chart-{figure} path")
+        window.wait_for_selector(f"#chart-{part} path")
     assert window.locator("#laws tbody tr").count() == 8
     before = window.inner_text("#readout")
     moved(window, "#cursor", 100)
@@ -197,6 +200,40 @@ def test_comparison_studies_and_files(shown, address):
     for button, start in (("copy-scene", "title = "), ("copy-python", "import film_model"), ("copy-link", "file:///")):
         window.click(f"#{button}")
         assert window.input_value("#copied").startswith(start)
+
+
+def test_the_netcdf_file_holds_the_motion_of_the_csv(shown, address, tmp_path):
+    window, saved = shown(f"{address}#scene=ball-on-plate"), {}
+    for button in ("csv", "netcdf"):
+        with window.expect_download() as download:
+            window.click(f"#{button}")
+        saved[button] = tmp_path / download.value.suggested_filename
+        download.value.save_as(saved[button])
+    rows = np.genfromtxt(saved["csv"], delimiter=",", names=True, usecols=range(11), deletechars="")
+    with xr.open_dataset(saved["netcdf"], decode_times=False) as ds:
+        assert ds.t.dims == ("t",) and ds.contact_force.attrs["units"] == "N"
+        assert len(ds.data_vars) == len(rows.dtype.names) - 1
+        for name, column in zip(("t", *ds.data_vars), rows.dtype.names, strict=True):
+            assert ds[name].values.tolist() == rows[column].tolist(), name
+        scene = fm.Scene.from_text(ds.attrs["scene_toml"])
+    assert (
+        scene.target.kind == "plate" and fm.simulate(scene).summary["maximum_force"] >= rows["contact_force_(N)"].max()
+    )
+
+
+def test_the_dot_on_the_map_moves(shown, address):
+    window = shown(f"{address}#scene=ball-on-plate")
+    window.click("#part-map > summary")
+    places = []
+    for velocity in ("0.2 m/s", "20 m/s"):
+        window.fill("#entry-impactor-velocity", velocity)
+        window.keyboard.press("Tab")
+        window.wait_for_timeout(350)
+        found = regimes(fm.Scene.from_text(window.evaluate("filmModel.sceneFile(location.hash.slice(1))")))
+        said = [float(text) for text in re.findall(r"= ([0-9.e+-]+[0-9])", window.inner_text("#place"))]
+        assert said == pytest.approx([found.value, found.ratio], rel=5e-3)
+        places.append([float(window.get_attribute("#chart-map circle", at)) for at in ("cx", "cy")])
+    assert places[1][0] > places[0][0] and places[1][1] < places[0][1]  # both numbers grow; y points down
 
 
 def test_an_address_is_read_as_it_was_written(shown, address):
@@ -246,7 +283,7 @@ def test_a_title_never_becomes_html(shown, tmp_path, address):
 def test_accessible_at_every_width(shown, address, width, scheme):
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")
     window = shown(f"{address}#scene=shot-peening", viewport={"width": width, "height": 740}, color_scheme=scheme)
-    for part in ("laws", "restitution", "accuracy"):
+    for part in ("laws", "restitution", "accuracy", "map"):
         window.click(f"#part-{part} > summary")
     window.wait_for_timeout(500)
     assert window.evaluate("document.documentElement.scrollWidth") <= width

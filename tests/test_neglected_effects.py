@@ -177,13 +177,13 @@ def test_shear_is_not_judged_where_contact_comes_back(theory, state):
 
 def test_a_catalogue_material_without_a_rate_coefficient_is_a_warning():
     yielding = scene("stainless steel 304", fm.HalfSpace("stainless steel 304"), contact=fm.Contact("auto"))
-    effect = effect_of(yielding, "strain_rate")
+    effect = effect_of(yielding, "rate_hardening")
     assert effect.state == NOT_MODELLED
     assert f"{effect.value:.3g} 1/s" in effect.warning and "stainless steel 304" in effect.warning
     own = {**STEEL, "yield_strength": "215 MPa"}  # the scene's own strength may hold at this rate
-    assert effect_of(scene(own, fm.HalfSpace(own), contact=fm.Contact("auto")), "strain_rate").state == NOT_JUDGED
-    mild = effect_of(scene("mild steel", fm.HalfSpace("mild steel"), contact=fm.Contact("auto")), "strain_rate")
-    assert mild.state == NOT_MODELLED and mild.change > 0.01
+    assert effect_of(scene(own, fm.HalfSpace(own), contact=fm.Contact("auto")), "rate_hardening").state == NOT_JUDGED
+    mild = effect_of(scene("mild steel", fm.HalfSpace("mild steel"), contact=fm.Contact("auto")), "rate_hardening")
+    assert mild.state == SIMULATED and mild.change > 0.01
 
 
 def test_brittle_bodies_beyond_their_strength_may_crack():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import film_model as fm
+from film_model.effects.choose import choose
 from film_model.laws.jackson_green import Plastic
 from film_model.problem.stresses import contact_radius, edge_tension, shear_below
 
@@ -79,7 +80,7 @@ def test_a_contact_beyond_yield(law):
 def test_the_rigid_plastic_radius_is_the_largest():
     deep = scene("auto", "50 m/s")
     depth = 1e-3
-    radius, elastic = contact_radius(deep, 1e4, depth)
+    radius, elastic = contact_radius(choose(deep).problem.impacts, 1e4, depth)
     assert not elastic
     assert radius == pytest.approx(math.sqrt(2 * 5e-3 * depth), rel=1e-12)
 

@@ -17,7 +17,7 @@ from film_datasets.provenance import scene_of
 from film_datasets.quantities import quantified
 from film_datasets.scene_constants import check_scene_key, scene_key
 from film_datasets.scene_numbers import number_text
-from film_datasets.schema import HISTORY, SWEEP, TABLE, dimension_of, kind_of, words_of
+from film_datasets.schema import HISTORY, SWEEP, TABLE, dimension_of, kind_of, require_impacts, words_of
 from film_datasets.sweeps import Sweep, statistics
 from film_model.base import units
 from film_model.base.units import to_si
@@ -128,12 +128,16 @@ class Film:
     @property
     def _is_one(self) -> bool:
         """Whether this is one impact of a sweep: every swept quantity is a scalar."""
-        return self.kind == SWEEP and not self._ds["status"].dims
+        if self.kind != SWEEP:
+            return False
+        require_impacts(self._ds)
+        return not self._ds["status"].dims
 
     def _indices(self, where: Mapping[str, Any]) -> dict[str, int]:
         """The index of one impact of a sweep along each dimension."""
         if self.kind != SWEEP:
             raise ValueError(f"a dataset of kind {self.kind} has no impacts to select")
+        require_impacts(self._ds)
         sizes = {str(dim): self._ds["status"].sizes[dim] for dim in self._ds["status"].dims}
         wrong = [f"{name} is not one of these" for name in where if name not in sizes]
         wrong += [f"{dim} is missing" for dim, size in sizes.items() if dim not in where and size > 1]

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from film_datasets.axis_style import MOST_POINTS, format_axis, set_title, thinned, values_and_label
-from film_datasets.schema import dimension_of, has_failed, swept_name
+from film_datasets.schema import dimension_of, has_failed, require_impacts, swept_name
 from film_model.base.errors import did_you_mean, shown
 from film_model.base.units import format_si
 from film_model.plot.style import COLOURS
@@ -36,6 +36,7 @@ def draw_distribution(
     """A function that draws a kind of `KINDS` into a figure. over: for a scatter plot, the quantity along x."""
     if kind not in KINDS:
         raise ValueError(f"kind: {shown(kind)} is not allowed: {', '.join(KINDS)}{did_you_mean(kind, KINDS)}")
+    require_impacts(ds)
     swept = [swept_name(path) for path in str(ds.attrs["swept"]).split()]
     numbers = [name for name in (*swept, *SUMMARY) if name in ds and ds[name].dtype.kind == "f"]
     y = _known(quantity or DEFAULT_QUANTITY, numbers)

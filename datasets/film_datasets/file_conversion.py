@@ -16,6 +16,10 @@ def convert(source: str | os.PathLike[str], target: str | os.PathLike[str], over
     """Write the dataset in a netCDF file or Zarr folder, or the measurement in a CSV file, in the format of `target`.
 
     target: FILE.nc, .zarr, .csv, .parquet or .mat. Returns what the new file lacks. Raises what `write` raises.
+
+    >>> ds = fd.sweep(scene, {"impactor.velocity": ["1 m/s", "2 m/s"]}, output="two.nc")
+    >>> fd.convert("two.nc", "two.csv")
+    []
     """
     given, wanted = Path(source), Path(target)
     if wanted.suffix not in (*WRITTEN, ZARR):

@@ -27,6 +27,7 @@ from film_datasets.schema import (
     content_sha256,
     flag_meanings,
     flag_words,
+    require,
 )
 from film_model.base.errors import Outcome
 from film_model.core.native import BRANCH_NAMES, EVENTS, LINE_DTYPE
@@ -95,6 +96,7 @@ def history_of(ds: xr.Dataset) -> History:
     >>> fd.history_of(fd.load("paper_stronge")).problem.law.name
     'stronge'
     """
+    require(ds, (v.name for v in TABLE[HISTORY] if v.name not in SUMMARY))
     choice = choice_of(ds)
     scene, problem = choice.scene, choice.problem
     if problem.vibrates:
@@ -135,6 +137,7 @@ def trace_of(ds: xr.Dataset) -> Trace:
         return Trace.of(history_of(ds))
     except ValueError:  # the run of an FMU, or a law that was an object of Python
         pass
+    require(ds, (v.name for v in TABLE[HISTORY] if v.name not in SUMMARY))
     flags = flag_meanings(ds["stage"])[len(BRANCHES) :]
     law, stages = str(ds.attrs["contact_law"]).partition("(")[0], [word.replace("_", " ") for word in flags]
     with contextlib.suppress(ValueError):

@@ -20,7 +20,7 @@ from film_datasets.axis_style import (
     values_and_label,
 )
 from film_datasets.provenance import warnings_of
-from film_datasets.schema import dimension_of, has_failed, pieces, swept_name, words_of
+from film_datasets.schema import dimension_of, has_failed, pieces, require_impacts, swept_name, words_of
 from film_model.base.errors import did_you_mean, shown
 from film_model.base.units import to_si
 from film_model.plot.style import COLOURS, prefixed_unit
@@ -59,6 +59,7 @@ def draw_sweep(
     ds: xr.Dataset, quantity: str | None, over: Sequence[str] | str | None, at: Mapping[str, Any] | None
 ) -> Callable[[Figure], None]:
     """A function that draws a sweep into a figure; for the arguments see `film_datasets.plot`."""
+    require_impacts(ds)
     quantity = quantity or DEFAULT_QUANTITY
     known = [name for name in (*SUMMARY, "zener_number") if name in ds]
     if quantity not in known:

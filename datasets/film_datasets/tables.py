@@ -19,9 +19,11 @@ from film_datasets.schema import (
     dimension_of_unit,
     flag_meanings,
     kind_of,
+    require,
     variables_of,
 )
 from film_model.base.units import scene_unit
+from film_model.solve.history import SUMMARY
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,6 +44,9 @@ def to_frame(ds: xr.Dataset) -> pd.DataFrame:
 
     A row is an impact of a sweep, a time of a history, a measured value or a run of a cost study. Of a sweep the
     constants are columns too; segments and histories of its impacts are left out.
+
+    >>> list(fd.to_frame(fd.from_csv("measured.csv")))
+    ['impactor_velocity [m/s]', 'coefficient_of_restitution']
     """
     import pandas as pd  # lazy: it takes 0.5 s
 
@@ -77,12 +82,15 @@ def left_out(ds: xr.Dataset) -> list[str]:
 def _columns(ds: xr.Dataset) -> list[tuple[Variable, Any]]:
     """Variables and values of the columns, one value per row."""
     kind = kind_of(ds)
-    variables = [v for v in variables_of(ds) if v.name in ds.variables and v.name not in NO_COLUMNS]
+    variables = [v for v in variables_of(ds) if v.name not in NO_COLUMNS]
+    require(ds, (v.name for v in variables if v.name not in SUMMARY))
     along = {HISTORY: "t", SWEEP: "status", COST: "method"}.get(kind, variables[0].name)
     rows = ds[along].dims
     sizes = {str(dim): ds.sizes[dim] for dim in rows}
     found: list[tuple[Variable, Any]] = []
     for v in variables:
+        if v.name not in ds.variables:
+            continue
         array = ds[v.name]
         if not set(array.dims) <= set(rows) or (not array.dims and kind != SWEEP):
             continue

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 
 from examples.reference.markdown import MADE, table, unit, words
 from film_datasets.csv_measurement import NAMES
-from film_datasets.sweeps.axis_reading import DISTRIBUTIONS, SPACINGS
+from film_datasets.sweeps.axis_reading import SPACINGS
 from film_datasets.sweeps.definition import DESIGNS
 from film_datasets.sweeps.designs import MOST_SAMPLES
+from film_datasets.sweeps.distributions import DISTRIBUTIONS, EMPIRICAL
 from film_model.cli.main import parser
 from film_model.solve.history import MOTION, SUMMARY
 
@@ -24,6 +25,9 @@ COMMANDS = {
     "contact-for": "film-model contact-for mujoco scene.toml --velocity 0.1..2",
     "sweep": "film-model sweep sweep.toml --output sweep.nc",
     "plot": "film-model plot sweep.nc --quantity maximum_force",
+    "convert": "film-model convert sweep.nc sweep.csv",
+    "summarise": "film-model summarise sweep.nc --quantity maximum_force",
+    "table": 'film-model table scene.toml --from "0.01 m/s" --to "10 m/s" --output restitution.csv',
     "identify": "film-model identify measured.csv scene.toml --fit contact.yield_strength",
     "explain": "film-model explain scene.toml --law all",
     "laws": "film-model laws --plot laws.png",
@@ -35,7 +39,9 @@ COMMANDS = {
 def sweep_page() -> str:
     """The keys of a sweep file."""
     samples = ", ".join(f"{most:,} for `{design}`" for design, most in MOST_SAMPLES.items())
-    spread = "\n".join(f"- `{{ {name} = [a, b] }}`: {what}" for name, what in DISTRIBUTIONS.items())
+    spread = "\n".join(
+        f"- `{{ {name} = [{', '.join('abcd'[: len(one.roles)])}] }}`: {one.what}" for name, one in DISTRIBUTIONS.items()
+    )
     return f"""# Sweep file
 
 {MADE}`film-model sweep sweep.toml --output sweep.nc` runs it.
@@ -45,16 +51,23 @@ def sweep_page() -> str:
             ("key", "meaning", "value", "default"),
             [
                 ("`scene`", "scene file, in the same folder", "a path", "required"),
-                ("`design`", "how the impacts are placed", words(DESIGNS), '`"grid"`'),
+                (
+                    "`design`",
+                    "how the impacts are placed",
+                    f'{words(DESIGNS)} or `{{ file = "runs.csv" }}`',
+                    '`"grid"`',
+                ),
                 ("`samples`", f"number of impacts; at most {samples}", "a whole number", "required if sampled"),
-                ("`seed`", "of the random numbers", "a whole number from 0", "`0`"),
+                ("`seed`", "of the random numbers", "a whole number from 0", "`1`"),
+                ("`correlation`", "of the swept quantities", "a matrix, by rows", "none"),
                 ("`[over]`", "the swept keys of the scene, `section.key` in quotes", "see below", "required"),
             ],
         )
     }
 - `"grid"`: every value with every other. `"zip"`: first values together, then second values, and so on.
 - `"random"`, `"sobol"`, `"latin-hypercube"`: `samples` points in the ranges and distributions; Sobol's points
-  cover them most evenly.
+  cover them most evenly. `correlation` is that of the normal deviates by whose probabilities they are drawn.
+- `{{ file = "runs.csv" }}`, or `.parquet`: the rows of your table, in place of `[over]`; see [Sweeps](../sweeps.md).
 
 ## `[over]`
 
@@ -64,8 +77,10 @@ A value of `"impactor.velocity"`, or of any other key that is a number:
 - `{{ from = "1 m/s", to = "9 m/s", count = 50, spacing = "log" }}`; spacing is {words(SPACINGS)},
   and sampled designs take no `count`
 {spread}
+- `{{ {EMPIRICAL} = ["1 m/s", "1.2 m/s", …] }}`: observed values, interpolated linearly
+- `"10 mm ± 0.05 mm"` or `"10 mm ± 0.5 %"`: uniform between the limits
 
-The last three need a sampled design. Keys that are words take lists:
+The distributions need a sampled design. Keys that are words take lists:
 `"contact.law" = ["hertz", "stronge"]`. Where a choice needs other keys too, list whole sections:
 `"contact" = [{{ law = "hertz" }}, {{ law = "tsuji", restitution = 0.7 }}]`.
 

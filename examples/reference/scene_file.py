@@ -41,6 +41,7 @@ EXAMPLES = {
     "gravity": "true",
     "boundary_reflections": "false",
     "target_inertia": "false",
+    "rate_hardening": "false",
     "tolerance": "0.05",
     "accuracy": "1e-6",
     "segments": "5",

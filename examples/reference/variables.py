@@ -1,7 +1,7 @@
 """The pages docs/reference/{fmu_variables,dataset_variables}.md, from the tables of variables."""
 
 from examples.reference.markdown import MADE, table, unit
-from film_datasets.schema import ATTRIBUTES, TABLE, VERSIONS, Variable
+from film_datasets.schema import ATTRIBUTES, CONSTANTS, TABLE, TEXT, VERSIONS, Variable
 from fmu_wrapper.variables import EVENT_KINDS, KINDS, PHASES, VARIABLES
 
 
@@ -38,7 +38,7 @@ def dataset_page() -> str:
     """The variables and attributes of datasets."""
     kinds = "\n".join(
         f"## {name}\n\n{table(('variable', 'dimensions', 'unit', 'meaning'), map(_row, variables))}"
-        for name, variables in TABLE.items()
+        for name, variables in {**TABLE, "scalars of histories and sweeps, where known": CONSTANTS}.items()
     )
     attributes = table(
         ("kind", "version", "attributes"),
@@ -61,5 +61,13 @@ any time.
 
 def _row(variable: Variable) -> tuple[str, ...]:
     what = ": ".join(filter(None, (variable.long_name, variable.comment)))
-    unit = "flag" if variable.unit is None else "" if variable.unit == "1" else f"`{variable.unit}`"
+    unit = (
+        "text"
+        if variable.dtype == TEXT
+        else "flag"
+        if variable.unit is None
+        else ""
+        if variable.unit == "1"
+        else f"`{variable.unit}`"
+    )
     return f"`{variable.name}`", ", ".join(f"`{dim}`" for dim in variable.dims), unit, what

@@ -32,6 +32,11 @@ def exponential(x: Any) -> Any:
     return x.exp() if hasattr(x, "exp") else math.exp(x)
 
 
+def logarithm(x: Any) -> Any:
+    """ln x."""
+    return np.log(x) if isinstance(x, np.ndarray) else math.log(x)
+
+
 def lesser(a: Any, b: Any) -> Any:
     """The smaller of two."""
     return np.minimum(a, b) if isinstance(a, np.ndarray) or isinstance(b, np.ndarray) else min(a, b)

@@ -22,9 +22,9 @@ class Material:
     name: in messages. youngs_modulus: Pa. poissons_ratio: dimensionless. density: kg/m³. yield_strength: Pa; none for a
     brittle material or if unknown. source: where the values come from.
 
-    The others serve only to estimate effects that are not simulated. loss_factor: tan δ at the frequency of the
-    contact. strain_rate_coefficient: C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength.
-    tensile_strength: of a brittle material, Pa. surface_energy: J/m².
+    strain_rate_coefficient: C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength. surface_energy: of
+    one surface, J/m²; those of both bodies give the work of adhesion. loss_factor: tan δ at the frequency of the
+    contact, only to estimate damping. tensile_strength: of a brittle material, Pa, only to estimate whether it cracks.
 
     >>> fm.Material("ours", youngs_modulus="205 GPa", poissons_ratio=0.29, density="7.9 g/cm^3").density  # kg/m³
     7900.0

@@ -205,6 +205,6 @@ static int aim_by_trial(const film_curve *curve, const film_mesh *mesh, film_sta
 int film_aim_leg(const film_curve *curve, const film_mesh *mesh, film_state *s) {
     s->leg_to = run_limit(curve, s);
     s->leg_ends = ENDS_EDGE;
-    if (leaves_freely(s)) return FILM_OK;
+    if (leaves_freely(curve, s)) return FILM_OK;
     return s->gamma == 0.0 && !is_damped(curve, s) ? aim_by_energy(curve, s) : aim_by_trial(curve, mesh, s);
 }

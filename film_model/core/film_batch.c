@@ -114,7 +114,7 @@ static int prepare_job(batch_job *j) {
     int32_t n = j->mesh->loading, m = j->mesh->unloading, back = 0, powers = 0, branches = 0;
     double power[FILM_MAX_STAGES], branch[FILM_MAX_STAGES];
     j->table_count = j->row_count = 0;
-    if (curve->compliance != 0.0 || j->mesh->linearisation != FILM_WORK_PRESERVING || n > ROWS || m > ROWS) return 0;
+    if (curve->compliance != 0.0 || curve->pull != 0.0 || j->mesh->linearisation != FILM_WORK_PRESERVING || n > ROWS || m > ROWS) return 0;
     for (int32_t k = 0; k < curve->stages; k++) {
         if (!prepare_stage(j, k)) return 0;
         if (curve->stage[k].unloading == FILM_RETRACE && k > 0) back = k;

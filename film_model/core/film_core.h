@@ -58,7 +58,7 @@ enum {
 typedef struct {
     double end;             /* indentation up to which this piece of its stage is used */
     double work_at_begin;   /* subtracted from the work since x = 0, so that the work of a stage starts at 0 */
-    film_function force;    /* f >= 0 */
+    film_function force;    /* f >= -pull of the curve */
     film_function mean;     /* of a series: its mean since x = 0, so that a small work keeps its digits; of a power: unused */
     film_function recovery; /* of xi_m */
     film_function damping;  /* c over the factor of film_damp, where the stage is damped */
@@ -74,7 +74,8 @@ typedef struct {
     double reload_exponent; /* r > 0: reloading follows ((xi - xi_f)/(xi_m - xi_f))^r; 0: the unloading branch */
 } film_stage;
 
-/* A law. With a compliance c the contact is in series with a spring: the march's xi is then the sum of the indentation and
+/* A law. The first stage begins at 0, or below if the law pulls: contact then begins at 0, in the stage that holds it, and
+ * ends where the first stage begins. docs/method.md, section 6. With a compliance c the contact is in series with a spring: the march's xi is then the sum of the indentation and
  * the spring's deflection c f. Beginnings and ends of stages and pieces are values of that sum, functions take the
  * indentation. docs/method.md, section 8. */
 typedef struct {
@@ -82,6 +83,7 @@ typedef struct {
     film_stage stage[FILM_MAX_STAGES];
     film_piece piece[FILM_MAX_PIECES];
     double compliance;
+    double pull; /* the largest -f of a law that pulls, which is reversible and has no compliance; 0 for all others */
 } film_curve;
 
 /* The curves of a law whose stages depend on one more number, its shape (S_y/E, say), for shapes from low to high. They
@@ -241,7 +243,7 @@ typedef struct {
 typedef struct {
     double maximum_force, maximum_indentation, time_of_maximum_indentation;
     double time_impactor_stops;
-    double contact_duration, permanent_indentation, final_velocity; /* at the end; a damped law's dent closes afterwards */
+    double contact_duration, permanent_indentation, final_velocity; /* at the end; the dent of a law that is damped or pulls is no dent */
     double shift; /* of the target, at the end */
     double work;  /* done on the indentation, less what it gave back */
     int32_t stage, lines;

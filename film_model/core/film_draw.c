@@ -123,7 +123,7 @@ static int pass_to_limit(const film_curve *curve, film_state *s) {
 /* The motion turns here. On a free way out only rounding can turn it, and film_finish lets it start again from rest; where
  * the leg itself began here, that was tried, and the run ends. */
 static int turn_here(const film_curve *curve, film_state *s) {
-    if (leaves_freely(s) && s->xi == s->leg_from) return pass_to_limit(curve, s);
+    if (leaves_freely(curve, s) && s->xi == s->leg_from) return pass_to_limit(curve, s);
     film_end_here(s, ENDS_TURN);
     return FILM_OK;
 }
@@ -175,7 +175,7 @@ static int shorten_line(const film_curve *curve, const film_mesh *mesh, film_sta
                         double *y) {
     int at_rest = s->from_turn && s->leg_node == 0;
     for (int k = 0; moved != REACHED && k < HALVINGS; k++) {
-        if (leaves_freely(s)) {
+        if (leaves_freely(curve, s)) {
             double free = s->branch >= 0 ? 0.0 : s->xi_free;
             if (!too_steep_outwards(curve, mesh, s, *length)) break;
             if (s->xi - free < CREPT * (s->xi_max - free)) return NEVER_REACHED;
@@ -184,7 +184,7 @@ static int shorten_line(const film_curve *curve, const film_mesh *mesh, film_sta
         }
         *length *= 0.5;
         s->line_ends = ENDS_PART;
-        if (leaves_freely(s) && s->xi + s->direction * *length == s->xi) return AT_LIMIT;
+        if (leaves_freely(curve, s) && s->xi + s->direction * *length == s->xi) return AT_LIMIT;
         *m = film_make_line(curve, mesh, s, *length);
         moved = move_to(m, *length, &s->tau_end, y);
     }
@@ -202,7 +202,7 @@ static int end_at_own_turn(const film_curve *curve, film_state *s, const motion 
     film_set_line_end(s, x, 0.0);
     law_at(curve, &s->line, s->xi_end, &s->force_end, &s->work_end);
     s->nu_end = s->gamma * s->force_end;
-    if (leaves_freely(s) && s->xi_end == s->leg_from) return pass_to_limit(curve, s);
+    if (leaves_freely(curve, s) && s->xi_end == s->leg_from) return pass_to_limit(curve, s);
     return FILM_OK;
 }
 
@@ -211,7 +211,7 @@ enum { TURN_AHEAD = 1 }; /* line_to_node, beside FILM_OK: the motion turns befor
 /* The line to the next node, *length ahead at `to`. own_turn: a turn before the node is the line's own.
  * docs/method.md, sections 2 and 5. */
 static int line_to_node(const film_curve *curve, const film_mesh *mesh, film_state *s, double to, double *length, int own_turn) {
-    int at_rest = s->from_turn && s->leg_node == 0, freely = leaves_freely(s);
+    int at_rest = s->from_turn && s->leg_node == 0, freely = leaves_freely(curve, s);
     double y;
     if (!(*length > 0.0)) {
         film_end_here(s, s->line_ends);

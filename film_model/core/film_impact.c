@@ -118,7 +118,7 @@ int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start
     film_state s;
     clear_summary(summary);
     if (!(start->nu > 0.0 || (start->nu == 0.0 && start->load > 0.0)) || start->nu == INFINITY) return FILM_BAD_NUMBER;
-    if (start->gamma == 0.0 && is_undisturbed(start) && mesh->linearisation == FILM_WORK_PRESERVING) {
+    if (start->gamma == 0.0 && is_undisturbed(start) && mesh->linearisation == FILM_WORK_PRESERVING && curve->pull == 0.0) {
         int status = impact_by_energy(curve, mesh, start->nu, summary);
         if (status < 0 || summary->contact_duration < INFINITY) return status;
         clear_summary(summary); /* the energy is lost in the rounding of the law's work: march instead */

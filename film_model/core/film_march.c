@@ -208,6 +208,7 @@ static int touch(const film_curve *curve, film_state *s) {
     s->event = FILM_CONTACT_BEGINS;
     s->direction = 1;
     s->branch = s->stage_max >= 0 && curve->stage[s->stage_max].unloading != FILM_RETRACE ? FILM_BRANCH : 0;
+    while (curve->pull > 0.0 && curve->stage[s->branch].end <= s->xi) s->branch++; /* ends at 0 or below */
     s->phase = run_phase(s);
     s->loop = s->branch == FILM_BRANCH && film_reload_exponent(curve, s) > 0.0 ? LOOP_RELOAD : LOOP_NONE;
     s->xi_in = s->xi_free;

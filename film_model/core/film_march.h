@@ -85,14 +85,16 @@ static inline int32_t run_phase(const film_state *s) {
     return s->direction < 0 ? FILM_UNLOADING : s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
 }
 
-/* Whether nothing pushes the impactor back in: without a load its way out has no turn, and a line that shows one is wrong. */
-static inline int leaves_freely(const film_state *s) { return s->direction < 0 && s->load <= 0.0; }
+/* Whether nothing pushes or pulls the impactor back in: its way out then has no turn, and a line that shows one is wrong. */
+static inline int leaves_freely(const film_curve *curve, const film_state *s) {
+    return s->direction < 0 && s->load <= 0.0 && curve->pull == 0.0;
+}
 
 /* F at the current point. */
 static inline double contact_force(const film_curve *curve, const film_state *s) {
     if (s->branch == FILM_FREE) return 0.0;
     double force = total_force(&s->line, damping_at(curve, &s->line, s->xi), s->elastic, s->nu);
-    return force > 0.0 ? force : 0.0;
+    return force > 0.0 || curve->pull > 0.0 ? force : 0.0;
 }
 
 /* film_march.c */

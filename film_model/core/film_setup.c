@@ -50,9 +50,18 @@ static int bad_stage(const film_curve *curve, const film_stage *stage, int32_t p
     return 0;
 }
 
+static int bad_beginning(const film_curve *curve) {
+    double begin = curve->stage[0].begin;
+    if (!(curve->pull > 0.0)) return curve->pull != 0.0 || begin != 0.0;
+    if (!(curve->pull < INFINITY && begin <= 0.0 && begin > -INFINITY) || curve->compliance > 0.0) return 1;
+    for (int32_t k = 0; k < curve->stages; k++)
+        if (curve->stage[k].damped || curve->stage[k].unloading != FILM_RETRACE) return 1;
+    return !(curve->stage[curve->stages - 1].end > 0.0);
+}
+
 int film_check_curve(const film_curve *curve) {
     int32_t pieces = 0;
-    if (curve->stages < 1 || curve->stages > FILM_MAX_STAGES || curve->stage[0].begin != 0.0) return FILM_BAD_CURVE;
+    if (curve->stages < 1 || curve->stages > FILM_MAX_STAGES || bad_beginning(curve)) return FILM_BAD_CURVE;
     if (!(curve->compliance >= 0.0 && curve->compliance < INFINITY)) return FILM_BAD_CURVE;
     if (curve->compliance > 0.0 && curve->stage[0].damped) return FILM_BAD_CURVE;
     for (int32_t k = 0; k < curve->stages; k++) {

@@ -80,7 +80,7 @@ class Curve(c.Structure):
         ("pieces", _I),
         ("stage", Stage * MAX_STAGES),
         ("piece", Piece * MAX_PIECES),
-        ("compliance", _D),
+        *((name, _D) for name in ("compliance", "pull")),
     ]
 
 

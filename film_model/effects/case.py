@@ -16,6 +16,9 @@ from film_model.targets import Impact
 ABSENT = "not supported"
 """Cost of an effect that this package cannot simulate."""
 
+YIELDS = 1e-9
+"""Absorbed fraction of the impact energy above which something has yielded."""
+
 
 class Pulse(NamedTuple):
     """The impulse of one impact or of many, dimensionless.
@@ -132,6 +135,11 @@ class Rule(NamedTuple):
         return Effect(self.name, self.indicator, value, limit, size, state, why, self.source, cost)
 
 
+def absorbed(problem: Problem) -> float:
+    """Fraction of the impact energy that the contact absorbs."""
+    return max(0.0, problem.trial.summary.work / (0.5 * problem.approach**2))
+
+
 def case_of(problem: Problem, vibrates: bool) -> Case:
     """The impact of a problem whose trial march ends. vibrates: its target does, though not in this problem."""
     s, core = problem.scales, problem.trial.summary
@@ -144,7 +152,7 @@ def case_of(problem: Problem, vibrates: bool) -> Case:
         duration=core.contact_duration * s.time,
         turn=core.time_of_maximum_indentation * s.time,
         restitution=pulse.restitution,
-        fraction=max(0.0, core.work / (0.5 * problem.approach**2)),
+        fraction=absorbed(problem),
         back=pulse.back * s.time,
         motion=pulse.motion,
         vibrates=vibrates,

@@ -13,7 +13,8 @@ from functools import cached_property
 from typing import Any
 
 from film_model.base.arrays import any_of, either
-from film_model.effects import gravity, plasticity, target_motion
+from film_model.base.errors import SimulationError
+from film_model.effects import gravity, plasticity, rate_hardening, target_motion
 from film_model.effects.edge_effects import edged, support_of
 from film_model.effects.effect import COMPUTED, FREE, NOT_NEEDED, Effect
 from film_model.effects.judged import judge
@@ -32,8 +33,9 @@ class Choice:
     """The decisions for one scene: what is simulated, and the numbers that decided.
 
     problem: what is simulated: law, target motion and load. light: without the weight. moved: with target motion,
-    unless the scene switches it off. yielding: before Hertz's law may replace the law. yields: whether the impact
-    reaches the yield point, None if unknown. support, edges: how the target moves, and the effects of its edges.
+    unless the scene switches it off. yielding: before Hertz's law may replace the law. static, hard: without weight,
+    with the strength of slow loading, and with that at the rate of the impact if this is simulated. yields: whether the
+    impact reaches the yield point, None if unknown. support, edges: how the target moves, and the effects of its edges.
     decided: whether gravity and target motion are simulated, and whether the law stays.
     """
 
@@ -41,6 +43,8 @@ class Choice:
     light: Problem
     moved: Problem
     yielding: Problem
+    static: Problem
+    hard: Problem | None
     yields: bool | None
     support: Support
     edges: tuple[Effect, ...]
@@ -60,6 +64,7 @@ class Choice:
         heavy, moves, keeps_law = self.decided
         found = [gravity.describe(self.light, heavy), target_motion.describe(self.moved, self.support, moves)]
         found += plasticity.describe(self.yielding, self.yields, keeps_law)
+        found.append(rate_hardening.describe(self.static, self.hard, keeps_law))
         held = self.scene.target.gives_way and self.scene.effects.target_motion is not False and not moves
         why = "the target moves too little to matter"
         found += [effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in self.edges]
@@ -84,11 +89,18 @@ def choose(scene: Scene) -> Choice:
     support, edges = Support(impacts.numbers.impedance), ()
     if edged(scene):
         support, edges = support_of(impacts)
-    light, moved, yielding, decided = _decide(impacts, support, yields)
+    static = impacts.problem(support.impedance, 0.0, support.compliance)
+    hard = rate_hardening.applied(static)
+    light, moved, yielding, decided = _decide((hard or static).impacts, support, yields)
     problem = yielding if decided[2] else plasticity.elastic(yielding)
     if support.vibrates and decided[1]:
+        if problem.curve.pulls:
+            raise SimulationError(
+                f"law {problem.law.name}: laws that pull are not supported on targets that vibrate; "
+                "target_motion = false in [effects] fixes the target"
+            )
         problem = problem.impacts.problem(math.inf, problem.given[1], vibrates=True)
-    return Choice(problem, light, moved, yielding, yields, support, edges, decided)
+    return Choice(problem, light, moved, yielding, static, hard, yields, support, edges, decided)
 
 
 def problem_of(scene: Scene) -> Problem:

@@ -23,7 +23,7 @@ from film_model.effects.geometry_rules import (
     thickness,
     wave_losses,
 )
-from film_model.effects.material_rules import adhesion, fracture, heating, material_damping, strain_rate
+from film_model.effects.material_rules import adhesion, fracture, heating, material_damping
 from film_model.problem.problem import Problem
 
 
@@ -76,7 +76,6 @@ RULES: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "adhesion": ("V/V_s", "Thornton & Ning 1998; work of separation by Johnson, Kendall & Roberts", adhesion),
     "material_damping": ("tan δ", "half a cycle of linear hysteresis", material_damping),
     "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", wave_losses),
-    "strain_rate": ("strain rate, 1/s", "Tabor 1951; Johnson & Cook 1983", strain_rate),
     "heating": ("plastic work/volume, J/m³", "balance of energy", heating),
     "fracture": ("tensile stress/strength", "Hertz 1881; Auerbach 1891; Johnson 1985, section 4.2", fracture),
     "obliqueness": ("angle from the normal, °", "impulse and angular momentum of a solid ball", obliqueness),

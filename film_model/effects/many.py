@@ -5,7 +5,7 @@ Impacts that share a law and a curve form one problem with arrays; its effects a
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, cast
 
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from film_model.base.arrays import Array, Index, Mask
 from film_model.base.errors import VIBRATES, SimulationError
 from film_model.core import native
+from film_model.effects import rate_hardening
 from film_model.effects.case import Pulse
 from film_model.effects.choose import chosen, problem_of
 from film_model.effects.edge_effects import edged, infinite_unless_judged
@@ -139,11 +140,20 @@ def _gathered(members: list[tuple[int, Problem]], scene: Scene, columns: Mapping
     names = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
     return replace(
         first,
-        impacts=Impacts.several(scene, first.impacts.law, index, _picked(columns, index)),
+        impacts=Impacts.several(scene, _law_of_all(problems), index, _picked(columns, index)),
         scales=type(first.scales)(**scales),
         given=(impedance, load, first.given[2]),
         **{name: column(name) for name in names},
     )
+
+
+def _law_of_all(problems: list[Problem]) -> SceneLaw:
+    """The law of problems that share a curve, with the strength of each."""
+    laws = [problem.impacts.law for problem in problems]
+    strengths = [law.values.get("yield_strength") for law in laws]
+    if None in strengths:
+        return laws[0]
+    return replace(laws[0], values={**laws[0].values, "yield_strength": np.array(strengths)})
 
 
 def _part(scene: Scene, columns: Mapping[str, Array], index: Index) -> Scene:
@@ -161,9 +171,35 @@ def _groups(scene: Scene, columns: Mapping[str, Array], index: Index) -> Iterato
     """
     for law, yields, own in _laws(_part(scene, columns, index), index):
         made = SceneLaw.of(_part(scene, columns, own), law)
-        impacts = Impacts.several(scene, made, own, _picked(columns, own))
-        for places in _shared_curves(made, own.size):
-            yield impacts if places.size == own.size else impacts.part(np.sort(places)), yields
+        impacts = _hardened(Impacts.several(scene, made, own, _picked(columns, own)))
+        for places in _shared_curves((impacts.law,), own.size):
+            yield impacts if places.size == own.size else impacts.part(places), yields
+
+
+def _hardened(impacts: Impacts) -> Impacts:
+    """The impacts, those that call for it with the yield strength at their own strain rate."""
+    static, count = impacts.law, impacts.numbers.mass.size
+    coefficient, wanted = impacts.scene.strain_rate_coefficient, impacts.base.effects.rate_hardening
+    if wanted is False or coefficient is None or static.strength is None:
+        return impacts
+
+    def problem(law: SceneLaw, places: Index) -> Problem:
+        part = impacts.under(law).part(places)
+        return part.problem(part.numbers.impedance, part.column(0.0))
+
+    def rates(factor: Array) -> Array:
+        law, found = static.strengthened(factor), np.empty(count)
+        for places in _shared_curves((law,), count):
+            found[places] = rate_hardening.strain_rate(problem(law, places))
+        return found
+
+    factor = rate_hardening.settled(rates, coefficient, np.ones(count))
+    known = factor == factor
+    hard, used = static.strengthened(np.where(known, factor, 1.0)), np.zeros(count, np.bool_)
+    for places in _shared_curves((static, hard), count):
+        used[places] = rate_hardening.needed(problem(hard, places), problem(static, places))
+    used &= known
+    return impacts.under(static.strengthened(np.where(used, factor, 1.0))) if used.any() else impacts
 
 
 def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], bool | None, Index]]:
@@ -182,9 +218,9 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
             yield LAWS[name], name == YIELDING, index[mask]
 
 
-def _shared_curves(law: SceneLaw, count: int) -> Iterator[Index]:
-    """The impacts of each curve. Most laws have stages that do not depend on the varied values, hence one curve."""
-    shapes = _shapes(law)
+def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Index]:
+    """The impacts of each curve under the laws. Most laws have stages that do not depend on the varied values."""
+    shapes = [shape for law in laws for shape in _shapes(law)]
     if not shapes:
         yield np.arange(count)
         return
@@ -193,7 +229,8 @@ def _shared_curves(law: SceneLaw, count: int) -> Iterator[Index]:
     )
     if first.size > max(count // FEW, 1):
         raise ValueError("nearly every impact has a curve of its own")
-    yield from np.split(np.argsort(group.ravel(), kind="stable"), np.cumsum(sizes)[:-1])
+    for places in np.split(np.argsort(group.ravel(), kind="stable"), np.cumsum(sizes)[:-1]):
+        yield np.sort(places)
 
 
 def _shapes(law: SceneLaw) -> list[Array]:

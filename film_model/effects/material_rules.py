@@ -1,64 +1,44 @@
-"""Effects of the materials: adhesion, damping, strain rate, heating and fracture."""
+"""Effects of the materials: adhesion, damping, heating and fracture."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import Any, cast
+from typing import cast
 
-from film_model.base.materials import Material, catalogue
+from film_model.base.materials import Material
 from film_model.base.units import format_si
-from film_model.effects.case import ABSENT, Case, Rule
+from film_model.effects.case import YIELDS, Case, Rule
 from film_model.effects.effect import Effect
-from film_model.effects.trial import change
-from film_model.laws import BigAlabo
-from film_model.laws.law import law_fields
+from film_model.laws.jkr import JKR_LOSS
 from film_model.problem.stresses import contact_radius, edge_tension
-from film_model.scene import Scene
-
-JKR_WORK = 7.0922
-"""Work to separate a sphere from a flat, over (Γ⁵ R⁴/E²)^{1/3}: integral of Johnson, Kendall & Roberts' force."""
-
-RATE_SENSITIVE = 100.0
-"""Strain rate, 1/s, from which a yield strength measured in slow loading may be too low by more than a few per cent."""
 
 STEEL_HEAT = 3.6e6
 """Heat capacity of steel per volume, J/(m³ K): 460 J/(kg K) at 7850 kg/m³."""
-
-YIELDS = 1e-9
-"""Absorbed fraction of the impact energy above which something has yielded."""
 
 
 def adhesion(case: Case, rule: Rule) -> Effect:
     """Work to separate the surfaces: e² falls by (V_s/V)², V_s = √(2 · 7.0922 (Γ⁵R⁴/E²)^{1/3}/m) (Thornton & Ning).
 
     Γ is work_of_adhesion in [contact], or 2 √(γ₁ γ₂) from the surface energies of the materials: an upper bound, which
-    clean and smooth surfaces reach.
+    clean and smooth surfaces reach. The laws jkr and dmt compute it, without plastic deformation.
     """
     scene = case.scene
-    modulus, (work, origin) = scene.effective_modulus, _work_of_adhesion(scene)
+    modulus, work = scene.effective_modulus, scene.work_of_adhesion
+    if case.problem.curve.pulls:
+        return rule.absent(f"it is in the law {case.problem.law.name}")
     if work is None or modulus is None:
         return rule.unjudged("missing: contact.work_of_adhesion" if work is None else "missing: an effective modulus")
-    parting = JKR_WORK * (work**5 * scene.effective_radius**4 / modulus**2) ** (1.0 / 3.0)
+    parting = JKR_LOSS * (work**5 * scene.effective_radius**4 / modulus**2) ** (1.0 / 3.0)
     value = scene.approach_velocity / max(math.sqrt(2.0 * parting / scene.effective_mass), 1e-300)
     left = case.restitution**2 - value**-2
     size = 1.0 if left <= 0.0 else case.restitution / math.sqrt(left) - 1.0
     size = max(min(size, 1.0), value**-2)
     what = "the velocity below which the ball sticks" if left > 0.0 else "the sticking velocity: the ball sticks"
+    origin = "the given work of adhesion"
+    if scene.contact.work_of_adhesion is None:
+        origin = f"at most {work:.2g} J/m^2 from the surface energies of both materials"
     why = f"the impact is at {value:.3g} times {what}, with {origin}"
     return rule.sized(case.tolerance, value, value * math.sqrt(size / case.tolerance), size, why, below=True)
-
-
-def _work_of_adhesion(scene: Scene) -> tuple[float | None, str]:
-    """Work of adhesion, J/m², None if unknown; and where it comes from."""
-    given = scene.contact.work_of_adhesion
-    if given is not None:
-        return given, "the given work of adhesion"
-    energies = [m and m.surface_energy for m in (scene.impactor.material, scene.target.material)]
-    if None in energies:
-        return None, ""
-    work = 2.0 * math.sqrt(math.prod(cast("list[float]", energies)))
-    return work, f"at most {work:.2g} J/m^2 from the surface energies of both materials"
 
 
 def material_damping(case: Case, rule: Rule) -> Effect:
@@ -85,46 +65,6 @@ def material_damping(case: Case, rule: Rule) -> Effect:
             return rule.unjudged(f"missing: {missing[0]}.material.loss_factor; without it, {why}", value)
         why += f"; the loss factor of the {missing[0]} is not given and taken as 0"
     return rule.sized(case.tolerance, value, case.tolerance / math.pi, size, why)
-
-
-def strain_rate(case: Case, rule: Rule) -> Effect:
-    """A yield strength that increases with the strain rate: 0.2 a/R (Tabor 1951) over the time to maximum indentation.
-
-    The change is the difference of two marches, with S_y (1 + C ln ε̇) and with S_y, of the scene's law, or of
-    Big-Alabo's if that has no S_y. For a material of the catalogue without C, whose strength is that of slow loading,
-    the effect counts as important from 100 1/s.
-    """
-    scene = case.scene
-    strength, modulus = scene.yield_strength, scene.effective_modulus
-    if strength is None or modulus is None:
-        return rule.unjudged("missing: a yield strength")
-    if case.fraction <= YIELDS:
-        return rule.absent("nothing yields")
-    rate = 0.2 * case.contact_radius / scene.effective_radius / case.turn
-    materials = [m for m in (scene.impactor.material, scene.target.material) if m is not None]
-    known = [m for m in materials if m.yield_strength is not None]
-    soft = min(known, key=lambda m: cast("float", m.yield_strength), default=None)
-    factor = None if soft is None else soft.strain_rate_coefficient
-    if factor is None:
-        if soft is None or rate < RATE_SENSITIVE or catalogue().get(soft.name) != soft:
-            return rule.unjudged("missing: strain_rate_coefficient of the material that yields", rate)
-        why = (
-            f"at {rate:.3g} 1/s {soft.name} is stronger than in slow loading, and the catalogue has no coefficient for "
-            "it: 10 % more strength changes the restitution by about 6 %"
-        )
-        return rule.failing(why, rate, RATE_SENSITIVE)
-    hard = strength * (1.0 + factor * max(0.0, math.log(rate)))
-    own: Any = case.problem.law
-    if "yield_strength" not in law_fields(type(own)):
-        own = BigAlabo(modulus, scene.effective_radius, strength)
-    try:
-        size = change(*(case.problem.again(law=replace(own, yield_strength=s)) for s in (hard, strength)))
-    except ValueError:  # the higher strength is beyond the law's range
-        size = math.nan
-    if math.isnan(size):
-        return rule.unjudged("the impact with the higher yield strength cannot be marched", rate)
-    why = f"at {rate:.3g} 1/s the yield strength is {100 * (hard / strength - 1.0):.2g} % higher than in slow loading"
-    return rule.sized(case.tolerance, rate, None, min(size, 1.0), why, f"{ABSENT}: needs a rate-dependent strength")
 
 
 def heating(case: Case, rule: Rule) -> Effect:
@@ -155,7 +95,7 @@ def fracture(case: Case, rule: Rule) -> Effect:
         if unknown:
             return rule.unjudged("missing: tensile_strength of " + " and ".join(unknown))
         return rule.absent("no body is brittle: none has a tensile_strength")
-    radius, _ = contact_radius(scene, case.force, case.indentation)
+    radius, _ = contact_radius(case.problem.impacts, case.force, case.indentation)
     radius = case.contact_radius if math.isnan(radius) else float(radius)
     peak = 1.5 * case.force / (math.pi * radius**2)
 

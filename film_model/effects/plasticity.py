@@ -68,7 +68,7 @@ def describe(problem: Problem, yields: bool | None, kept: bool) -> tuple[Effect,
     """
     scene, law = problem.scene, problem.law
     wanted, tolerance, auto = scene.effects.plasticity, scene.effect_tolerance, scene.contact.law == "auto"
-    modulus, strength, yielding = scene.effective_modulus, scene.yield_strength, dissipates(problem)
+    modulus, strength, yielding = scene.effective_modulus, problem.impacts.yield_strength, dissipates(problem)
     size, ratio, limit, cost = 0.0 if yields is False else None, None, 0.0, FREE
     able = can_yield(scene)
     if modulus is not None and able and (yields or (yielding and yields is not False)):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterable
+from dataclasses import replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -15,7 +17,7 @@ from film_model.base.unit_symbols import SYMBOLS, parse_unit
 from film_model.base.units import DIMENSIONS, PREFIXED, scene_unit, si_unit
 from film_model.core import native
 from film_model.effects.choose import Choice, choose
-from film_model.effects.effect import COMPUTED, NOT_MODELLED
+from film_model.effects.effect import COMPUTED, NOT_MODELLED, percent
 from film_model.effects.many import SURE
 from film_model.explorer import formulas
 from film_model.explorer.inputs import inputs_of
@@ -25,10 +27,12 @@ from film_model.problem.families import TERMS, mean_matrix, series_matrix
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.problem.problem import TRIAL_SEGMENTS
 from film_model.problem.summary import SUMMARY
-from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene
+from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
 from film_model.solve.accuracy import FIRST_SEGMENTS, MOST_SEGMENTS, ORDER_FACTOR, REGULAR_FALL
 from film_model.solve.history import MOTION
 from film_model.solve.simulate import DEEPER, GRAZING, simulate_chosen
+from film_model.studies.regimes import limits, regimes
+from film_model.targets import HalfSpace
 from film_model.version import __version__
 
 SAMPLES = 201
@@ -84,6 +88,7 @@ class Content:
             "colours": COLOURS,
             "series": {"points": chebyshev.chebpts1(TERMS).tolist()}
             | {"force": series_matrix(TERMS).tolist(), "mean": mean_matrix().tolist()},
+            "map": regime_map(),
             "layout": layout(),
             "constants": _constants(),
         }
@@ -91,6 +96,9 @@ class Content:
     def _scene(self, name: str, scene: Scene) -> dict[str, Any]:
         """A scene with what was decided for it."""
         choice = choose(scene)
+        if not not_simulated(choice):  # the page computes with the strength of slow loading, and says so
+            scene = replace(scene, effects=scene.effects.changed(rate_hardening=False))
+            choice = choose(scene)
         if not choice.problem.approach > 0.0:
             raise SimulationError("the impactor has no velocity: there is no impact to show on a page")
         inputs = inputs_of(scene)
@@ -141,8 +149,8 @@ class Content:
 def not_simulated(choice: Choice) -> str:
     """Why the page cannot simulate the scene; empty if it can."""
     target, support, law = choice.scene.target, choice.support, choice.problem.law
-    if law.damped:
-        return f"the law {law.name} is damped"
+    if law.damped or choice.problem.curve.pulls:
+        return f"the law {law.name} {'is damped' if law.damped else 'pulls'}"
     if choice.problem.vibrates or support.compliance > 0.0 or (support.vibrates and choice.decided[1]):
         return f"the {target.kind} {support.how}"
     return ""
@@ -178,7 +186,18 @@ def _samples() -> list[Scene]:
 def _dimension(name: str) -> dict[str, Any]:
     unit = si_unit(name)
     powers = (0, 0, 0) if name == "dimensionless" else parse_unit(unit)[1]
-    return {"unit": scene_unit(name), "powers": list(powers), "prefixed": name in PREFIXED}
+    return {"unit": scene_unit(name), "cf": unit, "powers": list(powers), "prefixed": name in PREFIXED}
+
+
+@cache
+def regime_map() -> list[dict[str, Any]]:
+    """The boundaries of the map of regimes; its two numbers say everything, so they are the same for all scenes."""
+    found = limits(regimes(Scene(Sphere("1 mm", "1 m/s", material="alumina"), HalfSpace("alumina"))), DEFAULT_TOLERANCE)
+    words = ("yields", "fully plastic", f"target motion changes {percent(DEFAULT_TOLERANCE)}")
+    return [
+        {"name": word, "x": [x for x, _ in line], "y": [y for _, y in line]}
+        for word, line in zip(words, found, strict=True)
+    ]
 
 
 def layout() -> dict[str, Any]:

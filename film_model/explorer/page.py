@@ -18,7 +18,19 @@ from film_model.scene import Scene
 
 FOLDER = Path(__file__).parent / "web"
 WASM = Path(__file__).parent / "_film_core.wasm"
-SCRIPTS: tuple[str, ...] = ("core", "data", "units", "solve", "state", "studies", "draw", "export", "controls", "app")
+SCRIPTS: tuple[str, ...] = (
+    "core",
+    "data",
+    "units",
+    "solve",
+    "state",
+    "studies",
+    "draw",
+    "netcdf",
+    "export",
+    "controls",
+    "app",
+)
 """The files of the page's script, in the order in which they run."""
 
 

@@ -6,9 +6,11 @@ To add a law (docs/adding_a_law.md): its file, its import here, and its name in 
 from __future__ import annotations
 
 from film_model.laws.big_alabo import BigAlabo
+from film_model.laws.dmt import Dmt
 from film_model.laws.hertz import Hertz
 from film_model.laws.hunt_crossley import HuntCrossley
 from film_model.laws.jackson_green import JacksonGreen
+from film_model.laws.jkr import Jkr
 from film_model.laws.kogut_etsion import KogutEtsion
 from film_model.laws.kuwabara_kono import KuwabaraKono
 from film_model.laws.law import AbstractLaw, Parameter, Power, Stage, Unloading
@@ -30,7 +32,7 @@ LAWS: dict[str, type[AbstractLaw]] = {
     for law in (
         *(Hertz, Meyer, BigAlabo, Stronge, Thornton, KogutEtsion, JacksonGreen, YigitChristoforou),
         *(RigidPlastic, WaltonBraun, Luding, TanSun, Tabulated),
-        *(LinearDashpot, Tsuji, HuntCrossley, KuwabaraKono),
+        *(LinearDashpot, Tsuji, HuntCrossley, KuwabaraKono, Jkr, Dmt),
     )
 }
 """Every named law, in the order of lists, pictures and pages. All of these, and the tests, are made from it."""
@@ -40,9 +42,11 @@ __all__ = [
     "AbstractLaw",
     "BigAlabo",
     "BrakeUnloading",
+    "Dmt",
     "Hertz",
     "HuntCrossley",
     "JacksonGreen",
+    "Jkr",
     "KogutEtsion",
     "KuwabaraKono",
     "LinearDashpot",

@@ -21,13 +21,14 @@ from film_model.base.errors import shown
 
 Array = NDArray[np.float64]
 
-Family = Literal["elastic", "yields", "spring", "measured", "damped"]
+Family = Literal["elastic", "yields", "spring", "measured", "damped", "adhesive"]
 FAMILIES: dict[Family, str] = {
     "elastic": "elastic",
     "yields": "spheres that yield",
     "spring": "springs",
     "measured": "laminates and tables",
     "damped": "damped",
+    "adhesive": "adhesive",
 }
 """Families of laws with the headings under which pictures and pages show them, in their order."""
 
@@ -101,6 +102,8 @@ class Stage:
     root: the force is smooth in √(ξ − begin) rather than in ξ (used only for functions that are fitted). knots: points
     inside the stage where a derivative of the force jumps; the fit is made piecewise between them.
     damping: c(ξ) divided by the law's `damping_factor`, for F = f + c ξ̇; only for a law of one reversible stage.
+    pulls: the force may be negative; only for a law whose stages are all reversible. Its first stage may begin below 0:
+    contact then begins at 0 and ends where that stage begins.
     """
 
     name: str
@@ -112,6 +115,7 @@ class Stage:
     root: bool = False
     knots: tuple[float, ...] = ()
     damping: Function | None = None
+    pulls: bool = False
 
 
 def origin_of(power: Power, stage: Stage) -> float:

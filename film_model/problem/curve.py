@@ -68,6 +68,11 @@ class Curve:
         """Where the restitution on a fixed target rises with velocity."""
         return rises(self.native, self.unloading_ratio)
 
+    @property
+    def pulls(self) -> bool:
+        """Whether the force may be negative."""
+        return self.native.pull > 0.0
+
     def force(self, xi: float) -> float:
         """f(ξ) in loading, as evaluated by the core."""
         return native.stage_law(self.native, self._stage_at(xi), xi)[0]
@@ -149,6 +154,8 @@ def _check_series(law: str, stages: list[Stage], compliance: float) -> list[Arra
     """The forces over each stage; SimulationError if the law cannot be in series with a spring."""
     if any(stage.damping is not None for stage in stages):
         raise SimulationError(f"{law}: damped laws are not supported on targets with a static stiffness")
+    if any(stage.pulls for stage in stages):
+        raise SimulationError(f"{law}: laws that pull are not supported on targets with a static stiffness")
     forces, before = list[Array](), 0.0
     for stage in stages:
         reach = stage.end if math.isfinite(stage.end) else 10.0 * (stage.begin + 1.0)

@@ -22,6 +22,9 @@ from film_model.problem.series import coefficients, mean_series
 FIT_TOLERANCE = 1e-13
 """Largest difference between a fitted function and the law, relative to the function's largest value in the stage."""
 
+PULL_TOLERANCE = 1e-11
+"""The same where a stage that pulls begins like a root below 0: the rounding of ξ limits the root of ξ − ξ_b."""
+
 FIT_ROUNDING = 4e-16
 """Trailing terms of a series are dropped if smaller than this, relative to the function's largest value."""
 
@@ -73,6 +76,10 @@ def assemble(law: str, stages: list[Stage], split: Split | None = None) -> tuple
         entry.unloading = native.RETRACE if stage.unloading is None else _KINDS[stage.unloading.rule[0]]
         entry.damped = stage.damping is not None
         entry.reload_exponent = 0.0 if stage.unloading is None else stage.unloading.reload_exponent or 0.0
+        if stage.pulls:
+            made.pull = max(
+                made.pull, -float(values_of(stage.force, np.linspace(stage.begin, stage.end, CHECKS), stage).min())
+            )
         work = 0.0
         for span in spans:
             work = _fill(made.piece[pieces], stage, functions, span, work)
@@ -89,7 +96,10 @@ def checked(law: str, given: tuple[Stage, ...]) -> list[Stage]:
         raise ValueError(f"{law}: {len(stages)} stages{cut}; 1 to {native.MAX_STAGES} are allowed")
     if any(stage.damping is not None and (len(stages) > 1 or stage.unloading is not None) for stage in stages):
         raise ValueError(f"{law}: a damped law must have one stage, and no unloading")
-    begin = 0.0
+    pulls = any(stage.pulls for stage in stages)
+    if pulls and any(stage.damping is not None or stage.unloading is not None for stage in stages):
+        raise ValueError(f"{law}: a law that pulls must be reversible, without damping")
+    begin = min(stages[0].begin, 0.0) if pulls else 0.0
     for stage in stages:
         if stage.begin != begin or not stage.end > stage.begin:
             raise ValueError(
@@ -106,7 +116,7 @@ def checked(law: str, given: tuple[Stage, ...]) -> list[Stage]:
         xi = np.linspace(stage.begin, end, CHECKS)
         force = values_of(stage.force, xi, stage)
         finite = np.isfinite(force)
-        wrong = force[~(finite & (force >= -1e-12 * np.abs(force[finite]).max(initial=0.0)))]
+        wrong = force[~(finite & (stage.pulls | (force >= -1e-12 * np.abs(force[finite]).max(initial=0.0))))]
         if wrong.size:
             raise ValueError(f"{law}: stage {stage.name!r} has a force of {wrong[0]:g}; it must be finite and >= 0")
         for name, function in functions_of(stage).items():
@@ -178,7 +188,7 @@ def halved(stage: Stage, functions: Mapping[str, Function], room: int) -> tuple[
     while fitted and len(pieces) < room:
         worst = max(range(len(pieces)), key=lambda k: pieces[k][4])
         begin, end, root, _, error = pieces[worst]
-        if error <= FIT_TOLERANCE:
+        if error <= (PULL_TOLERANCE if root and stage.pulls else FIT_TOLERANCE):
             break
         # a root stage is split near its singular point, so that the function is smooth on the rest
         middle = begin + (0.25 if root else 0.5) * (end - begin)

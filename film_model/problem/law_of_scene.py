@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, fields
+from typing import Any, cast
 
 import numpy as np
 
@@ -27,6 +27,7 @@ _FROM_SCENE = {
     "radius": "effective_radius",
     "yield_strength": "yield_strength",
     "poissons_ratio": "poissons_ratio",
+    "work_of_adhesion": "work_of_adhesion",
 }
 """Fields of laws that are taken from the scene → properties of the scene."""
 
@@ -63,6 +64,19 @@ class SceneLaw:
         if self.rule is None:
             return law
         return Retrace(law) if self.rule == "retrace" else BrakeUnloading(law, **_picked(self.sphere, places))
+
+    @property
+    def strength(self) -> Any:
+        """The law's yield strength, Pa; None if it has none."""
+        return self.values.get("yield_strength", getattr(self.law, "yield_strength", None))
+
+    def strengthened(self, factor: Any) -> SceneLaw:
+        """The law with `factor` times its yield strength; an array of factors gives one law per impact."""
+        values = self.values
+        if isinstance(self.law, AbstractLaw):
+            values = {one.name: getattr(self.law, one.name) for one in fields(cast("Any", self.law))}
+        kind = type(self.law) if isinstance(self.law, AbstractLaw) else self.law
+        return SceneLaw(kind, {**values, "yield_strength": self.strength * factor}, self.rule, self.sphere)
 
     def part(self, places: Any) -> SceneLaw:
         """The law of some of the impacts."""

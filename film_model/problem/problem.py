@@ -27,7 +27,8 @@ from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
 CONTACT_LIMIT = 100.0
-"""A contact under a load, which may never end, is followed for this many elastic contact times and times m/Z."""
+"""A contact under a load or of a law that pulls, which may never end, is followed for this many elastic contact times
+and times m/Z."""
 
 
 TRIAL_SEGMENTS = 16
@@ -112,6 +113,12 @@ class Impacts:
     def zener(self) -> Any:
         """λ of the elastic contact (:func:`zener`); 0 on a target without impedance."""
         return either(self.numbers.impedance < math.inf, zener(self.scene, self.numbers.impedance), 0.0)
+
+    @property
+    def yield_strength(self) -> Any:
+        """That of the law, which may be higher than the scene's (rate hardening); else the scene's, Pa, or None."""
+        strength = self.law.strength
+        return self.scene.yield_strength if strength is None else strength
 
     @cached_property
     def one_law(self) -> AbstractLaw:
@@ -311,8 +318,8 @@ class Problem:
 
     @property
     def limit(self) -> Any:
-        """Time after which a contact under a load is no longer followed."""
-        loaded = self.load > 0.0
+        """Time after which a contact under a load, or of a law that pulls, is no longer followed."""
+        loaded = (self.load > 0.0) | self.curve.pulls
         return either(loaded, contact_limit(self.approach, self.gamma), math.inf) if any_of(loaded) else math.inf
 
     def motion(self, t: Any, values: Any) -> dict[str, Any]:

@@ -31,7 +31,7 @@ class Rise(NamedTuple):
 def rises(curve: native.Curve, ratio: int) -> tuple[Rise, ...]:
     """Where the restitution of a curve rises with velocity. ratio: unloading segments per loading segment."""
     last = curve.stage[curve.stages - 1]
-    if curve.stage[0].damped or curve.compliance > 0.0 or curve.stages == 1:
+    if curve.stage[0].damped or curve.compliance > 0.0 or curve.pull > 0.0 or curve.stages == 1:
         return ()
     depths = np.geomspace(curve.stage[0].end, min(last.end, _DEEPEST * curve.stage[0].end), _DEPTHS)
     start: NDArray[Any] = np.zeros(_DEPTHS, native.START_DTYPE)

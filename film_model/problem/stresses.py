@@ -13,8 +13,7 @@ import numpy as np
 
 from film_model.base.arrays import Number, any_of, either, exponential, greater, lesser, ratio, root
 from film_model.laws.hertz import hertz_stiffness
-from film_model.problem.problem import Problem
-from film_model.scene import Scene
+from film_model.problem.problem import Impacts, Problem
 
 HERTZIAN = 1e-3
 """Relative difference of a force from Hertz's at the same indentation, up to which the contact is elastic."""
@@ -26,13 +25,14 @@ ELASTIC_LIMIT = 1.9
 """Indentation over that at first yield up to which Hertz's contact radius holds (Jackson & Green 2005)."""
 
 
-def contact_radius(scene: Scene, force: Number, indentation: Number) -> tuple[Number, Any]:
+def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tuple[Number, Any]:
     """Contact radius at the largest force [N] and indentation [m], m (nan if unknown); and whether contact is Hertz's.
 
     √(R δ) while the force is Hertz's. Beyond, the finite-element fit of Jackson & Green 2005:
     a² = R δ (w/1.9)^B, B = 0.14 e^{23 S_y/E}, w = δ/ω_c > 1.9, ω_c = (π C S_y/2E)² R, C = 1.295 e^{0.736 ν};
     at most 2 R δ, the rigid-plastic sphere's. It needs a yield strength and Poisson's ratio.
     """
+    scene = impacts.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius
     unknown = force * math.nan
     if modulus is None:
@@ -40,7 +40,7 @@ def contact_radius(scene: Scene, force: Number, indentation: Number) -> tuple[Nu
     hertz = hertz_stiffness(modulus, radius) * indentation * root(indentation)
     off = ratio(abs(force - hertz), hertz)
     elastic = off <= HERTZIAN
-    square, strength, poisson = radius * indentation, scene.yield_strength, scene.poissons_ratio
+    square, strength, poisson = radius * indentation, impacts.yield_strength, scene.poissons_ratio
     if not any_of(off > HERTZIAN):
         return root(square), elastic
     if strength is None or poisson is None:
@@ -56,10 +56,12 @@ def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:
     """Radius, dent, pressures and stresses from a summary, by their names in `SUMMARY`.
 
     They hold at the largest force, which is that at the largest indentation; of damped laws it is not, so that only the
-    radius is known. Stresses are those of the body that yields first (`Scene.poissons_ratio`).
+    radius is known. Nothing is known for laws that pull. Stresses are those of the body that yields first
+    (`Scene.poissons_ratio`).
     """
     scene, force = problem.impacts.scene, summary["maximum_force"]
-    radius, elastic = contact_radius(scene, force, summary["maximum_indentation"])
+    radius, elastic = contact_radius(problem.impacts, force, summary["maximum_indentation"])
+    radius = radius * math.nan if problem.curve.pulls else radius
     damped, left = any_of(problem.damping > 0.0), summary["permanent_indentation"]
     dented = left > SHALLOW * summary["maximum_indentation"]
     mean = force * math.nan if damped else force / (math.pi * radius * radius)

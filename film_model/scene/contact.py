@@ -41,7 +41,8 @@ class Contact:
     law: "auto", a name, or a law of your own. effective_modulus: E of Hertz's theory, Pa; default from both materials.
     yield_strength: of the body that yields, Pa; default from the materials. poissons_ratio: of the body that yields;
     default from the materials. unloading: "brake" (Brake's rule) or "retrace", instead of the law's own unloading.
-    work_of_adhesion: J/m², used to estimate adhesion. parameters: the law's own, by name, in SI units.
+    work_of_adhesion: J/m², of the laws that pull, and to estimate adhesion under others; default from the materials.
+    parameters: the law's own, by name, in SI units.
 
     >>> fm.Contact("tsuji", restitution=0.8).parameters
     {'restitution': 0.8}
@@ -91,7 +92,11 @@ class Contact:
             return True
         if self.law == "auto":
             return name in ("effective_modulus", "radius")
-        return isinstance(self.law, str) and name in self._law.__dataclass_fields__
+        return isinstance(self.law, str) and self.has(name)
+
+    def has(self, name: str) -> bool:
+        """Whether the law has a value of this name. Not defined for law "auto"."""
+        return name in self._law.__dataclass_fields__
 
     @property
     def unloading_name(self) -> str | None:

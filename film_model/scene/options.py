@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Literal, TypeAlias
+from typing import Any, ClassVar, Literal, TypeAlias
 
 from film_model.base.errors import Mistake, raise_all
 from film_model.base.fields import Field, choice, fill, measure, whole
@@ -22,7 +22,7 @@ class Effects:
     plasticity: whether law "auto" yields. target_motion: of a target that is not a half-space; false holds it fixed.
     gravity: the weight of the impactor, towards the target. boundary_reflections: waves reflected from the edges of a
     plate; false makes the plate infinite. target_inertia: of a plate or beam with edges; false makes it follow the
-    force by its static stiffness alone.
+    force by its static stiffness alone. rate_hardening: the yield strength at the strain rate of the impact.
     tolerance: "auto" simulates an effect if neglecting it would change a summary value by more than this relative
     amount. An effect that would, but cannot be simulated, causes a warning. Default: 1 %, or the requested accuracy if
     that is larger. A finer accuracy does not lower it, so that refining a mesh does not change the physics.
@@ -34,7 +34,10 @@ class Effects:
     FIELDS: ClassVar[Mapping[str, Field]] = {
         **{
             name: choice("auto", True, False)
-            for name in ("plasticity", "target_motion", "gravity", "boundary_reflections", "target_inertia")
+            for name in (
+                *("plasticity", "target_motion", "gravity", "boundary_reflections", "target_inertia"),
+                "rate_hardening",
+            )
         },
         "tolerance": measure("dimensionless", 1e-12, 1),
     }
@@ -44,6 +47,7 @@ class Effects:
     gravity: Switch
     boundary_reflections: Switch
     target_inertia: Switch
+    rate_hardening: Switch
     tolerance: float | None
 
     def __init__(
@@ -54,8 +58,13 @@ class Effects:
         tolerance: float | None = None,
         boundary_reflections: Switch = "auto",
         target_inertia: Switch = "auto",
+        rate_hardening: Switch = "auto",
     ) -> None:
         raise_all(fill(self, locals()))
+
+    def changed(self, **changes: Any) -> Effects:
+        """The effects with some entries changed."""
+        return Effects(**{name: getattr(self, name) for name in self.FIELDS} | changes)
 
 
 @dataclass(frozen=True, init=False)

@@ -9,7 +9,9 @@ from dataclasses import dataclass, field
 from functools import reduce
 from typing import TYPE_CHECKING, Any, cast
 
-from film_model.base.arrays import either, endless, lesser
+import numpy as np
+
+from film_model.base.arrays import either, endless, lesser, root
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.fields import build, key_text, mistake, table_of
 from film_model.base.materials import Material
@@ -173,6 +175,24 @@ class Scene:
         return reduce(lesser, strengths) if strengths else None
 
     @property
+    def first_to_yield(self) -> Material | None:
+        """The material with the lowest yield strength; the impactor's of two alike. Not for a scene with arrays."""
+        materials = [m for m in (self.impactor.material, self.target.material) if m is not None]
+        known = [m for m in materials if m.yield_strength is not None]
+        return min(known, key=lambda m: cast("float", m.yield_strength), default=None)
+
+    @property
+    def strain_rate_coefficient(self) -> float | None:
+        """C of the body that yields first; None if it is unknown, nan where it is for some of many impacts."""
+        materials = [m for m in (self.impactor.material, self.target.material) if m is not None]
+        known = [m for m in materials if m.yield_strength is not None]
+        if len(known) < 2:
+            return known[0].strain_rate_coefficient if known else None
+        own, other = (math.nan if m.strain_rate_coefficient is None else m.strain_rate_coefficient for m in known)
+        found = either(cast("Any", known[0].yield_strength) <= known[1].yield_strength, own, other)
+        return found if isinstance(found, np.ndarray) or found == found else None
+
+    @property
     def poissons_ratio(self) -> float | None:
         """The value in [contact], or that of the body that yields first; without yield strengths, the target's."""
         if self.contact.poissons_ratio is not None:
@@ -183,6 +203,16 @@ class Scene:
             return None if only is None else only.poissons_ratio
         one, two = (math.inf if m.yield_strength is None else m.yield_strength for m in (own, other))
         return either(one <= two, own.poissons_ratio, other.poissons_ratio)
+
+    @property
+    def work_of_adhesion(self) -> float | None:
+        """The value in [contact], or 2 √(γ₁ γ₂) from the materials' surface energies, J/m²; None if unknown."""
+        if self.contact.work_of_adhesion is not None:
+            return self.contact.work_of_adhesion
+        energies = [m and m.surface_energy for m in (self.impactor.material, self.target.material)]
+        if None in energies:
+            return None
+        return 2.0 * root(math.prod(cast("list[float]", energies)))
 
     @property
     def approach_velocity(self) -> float:
@@ -243,12 +273,23 @@ class Scene:
             found["contact.effective_modulus"] = f"missing: give {missing}, or effective_modulus"
         if contact.needs("poissons_ratio") and self.poissons_ratio is None:
             found["contact.poissons_ratio"] = f'missing: law "{name}" needs it: give a material, or poissons_ratio'
+        if contact.needs("work_of_adhesion") and not self.work_of_adhesion:
+            found["contact.work_of_adhesion"] = (
+                f'law "{name}" needs a value > 0: give it, or materials with surface_energy'
+            )
         if self.yield_strength is None:
             where = "give yield_strength in [target.material], [impactor.material] or [contact]"
             if contact.needs("yield_strength"):
                 found["contact.law"] = f'law "{name}" needs a yield strength: {where}'
             elif self.effects.plasticity is True and name == "auto":
                 found["effects.plasticity"] = f"plasticity needs a yield strength: {where}"
+        if self.effects.rate_hardening is True:
+            if name != "auto" and not contact.has("yield_strength"):
+                found["effects.rate_hardening"] = f'law "{name}" has no yield_strength that could rise'
+            elif self.strain_rate_coefficient is None:
+                found["effects.rate_hardening"] = (
+                    "missing: the material that yields needs a yield strength and a strain_rate_coefficient"
+                )
         return [Mistake(None, None, f"Scene.{key}", message) for key, message in found.items()]
 
 

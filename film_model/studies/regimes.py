@@ -7,6 +7,7 @@ the target gives way, V/V_Y how far the contact yields. In the core's units (K =
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from film_model.base.errors import SimulationError
 from film_model.core import native
 from film_model.effects.case import Pulse
 from film_model.laws import BigAlabo
+from film_model.laws.big_alabo import FULLY_PLASTIC
 from film_model.laws.yielding import yield_velocity
 from film_model.problem.curve import curve_of
 from film_model.problem.numbers import zener
@@ -86,6 +88,35 @@ def regimes(scene: Scene) -> Regimes:
         value,
         ratio,
     )
+
+
+class Limits(NamedTuple):
+    """Points (λ, V/V_Y) at which the contact yields, becomes fully plastic, and target motion begins to matter."""
+
+    yields: list[tuple[float, float]]
+    plastic: list[tuple[float, float]]
+    moves: list[tuple[float, float]]
+
+
+def limits(found: Regimes, tolerance: float) -> Limits:
+    """The boundaries of a map, by interpolation between its points; what lies beyond the map is left out.
+
+    Depth grows with the velocity, and the change by target motion with λ.
+    """
+
+    def crossings(level: float, lines: Array, along: Array) -> Iterator[tuple[int, float]]:
+        for k, line in enumerate(lines):
+            if line[0] < level < line[-1]:
+                at = np.interp(math.log(level), np.log(np.maximum(line, 1e-300)), np.log(along))
+                yield k, float(f"{math.exp(at):.5g}")
+
+    def above(level: float) -> list[tuple[float, float]]:
+        found_at = crossings(level, found.depth.T, found.ratios)
+        return [(float(f"{found.lambdas[k]:.5g}"), ratio) for k, ratio in found_at]
+
+    beside = crossings(tolerance, found.motion, found.lambdas)
+    moves = [(value, float(f"{found.ratios[k]:.5g}")) for k, value in beside]
+    return Limits(above(1.0), above(FULLY_PLASTIC), moves)
 
 
 def _place(scene: Scene) -> tuple[float | None, float | None]:

@@ -16,6 +16,8 @@ from film_datasets.schema.tables import (
     VERSIONS,
     has_failed,
     kind_of,
+    require,
+    require_impacts,
     sweep_variables,
     variables_of,
 )
@@ -59,6 +61,8 @@ __all__ = [
     "holds_text",
     "kind_of",
     "pieces",
+    "require",
+    "require_impacts",
     "sweep_variables",
     "swept_name",
     "swept_variable",

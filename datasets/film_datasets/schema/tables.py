@@ -335,6 +335,19 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     return (*swept, *(v for v in kept if v.name not in later), *constants)
 
 
+def require(ds: xr.Dataset, names: Iterable[str]) -> None:
+    """Raise ValueError if variables are missing in a dataset."""
+    missing = [name for name in names if name not in ds.variables]
+    if missing:
+        more = f" and {len(missing) - 1} more" if len(missing) > 1 else ""
+        raise ValueError(f"variable {missing[0]}{more} missing: dropped or renamed, or the file is damaged")
+
+
+def require_impacts(ds: xr.Dataset) -> None:
+    """Raise ValueError if the variables that identify the impacts of a sweep are missing."""
+    require(ds, ["status", *(swept_name(path) for path in str(ds.attrs.get("swept", "")).split())])
+
+
 def _added_later(kind: str, ds: xr.Dataset) -> set[str]:
     """Names of the variables that versions after that of the dataset have added."""
     versions = list(ADDED[kind])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import shutil
 import warnings
@@ -12,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 import xarray as xr
 
-from film_datasets.files import NEEDS_ZARR, ZARR
+from film_datasets.files import DEFLATE_FROM, NEEDS_ZARR, ZARR
 from film_datasets.schema import TEXT, Variable
 from film_model.base.files import flush
 
@@ -21,8 +22,12 @@ Region = tuple[slice, ...]
 GROWING = "segment"
 """The dimension whose length is not known before the last block."""
 
-GROWING_CHUNK = 1 << 16
-"""Segments of a chunk of the file."""
+SHARD_BLOCKS = 8
+"""Blocks that a file of a Zarr folder holds: 8 MB for each number of an impact are held in memory meanwhile."""
+
+
+CACHED_CHUNKS = 2
+"""Chunks of a variable that the netCDF library holds: the one that is written and, where segments grow, the next."""
 
 
 class Writer(Protocol):
@@ -31,7 +36,8 @@ class Writer(Protocol):
     def create(
         self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
     ) -> None:
-        """Create variables with their attributes. sizes: of the dimensions; chunks: sizes of a block."""
+        """Create variables with their attributes. sizes: of the dimensions. chunks: sizes of a block, and of
+        `GROWING`."""
 
     def put(self, name: str, region: Region, values: Any) -> None:
         """Write a region of a variable."""
@@ -110,7 +116,7 @@ class MemoryWriter:
 
 
 class NetCDFWriter:
-    """Writes a netCDF-4 file. Nothing is compressed: that would take longer than the simulation."""
+    """Writes a netCDF-4 file with a chunk for each block. Long variables are shuffled and deflated at level 1."""
 
     def __init__(self, path: Path) -> None:
         import netCDF4  # lazy: a sweep in memory does not need it
@@ -132,15 +138,21 @@ class NetCDFWriter:
         if any(GROWING in variable.dims for variable, _ in variables):
             self._file.createDimension(GROWING, None)
         for variable, attributes in variables:
-            growing = GROWING in variable.dims
+            values = math.prod(sizes.get(dim, chunks[GROWING]) for dim in variable.dims)
+            long = variable.dtype != TEXT and values * variable.dtype.itemsize >= DEFLATE_FROM
+            chunked = long or GROWING in variable.dims
+            chunk_bytes = math.prod(chunks[dim] for dim in variable.dims) * variable.dtype.itemsize
             created = self._file.createVariable(
                 variable.name,
                 str if variable.dtype == TEXT else variable.dtype,
                 variable.dims,
-                chunksizes=(GROWING_CHUNK,) if growing else None,
+                chunksizes=[chunks[dim] for dim in variable.dims] if chunked else None,
                 fill_value=np.nan if variable.optional else False,
-                contiguous=not growing and variable.dtype != TEXT,
+                contiguous=not chunked and variable.dtype != TEXT,
+                **({"compression": "zlib", "complevel": 1, "shuffle": True} if long else {}),
             )
+            if chunked:  # the library's own cache is 16 MB for each variable
+                created.set_var_chunk_cache(size=CACHED_CHUNKS * chunk_bytes)
             created.set_auto_maskandscale(False)
             created.setncatts(attributes)
             self._variables[variable.name] = created
@@ -169,7 +181,8 @@ class NetCDFWriter:
 
 
 class ZarrWriter:
-    """Writes a Zarr folder (format 3) with a chunk for each block, compressed with zarr's default."""
+    """Writes a Zarr folder (format 3) with a chunk for each block, `SHARD_BLOCKS` of them in a file, compressed by
+    Blosc (LZ4, shuffled)."""
 
     def __init__(self, path: Path) -> None:
         try:
@@ -181,31 +194,68 @@ class ZarrWriter:
         self.path = path
         self._group: Any = zarr.open_group(path, mode="w", zarr_format=3)
         self._arrays: dict[str, Any] = {}
+        self._pending: dict[str, list[tuple[Region, Any]]] = {}
 
     def create(
         self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
     ) -> None:
+        from zarr.codecs import BloscCodec  # lazy: an optional dependency
+
         for variable, attributes in variables:
+            own = tuple(min(chunks[dim], sizes.get(dim, chunks[dim])) for dim in variable.dims)
+            cut = self._cut(own, [sizes.get(dim, own[k] + 1) for k, dim in enumerate(variable.dims)])
+            shards = tuple(size * SHARD_BLOCKS if k == cut else size for k, size in enumerate(own))
+            packed: dict[str, Any] = {}
+            if variable.dtype != TEXT and variable.dims:
+                size = variable.dtype.itemsize
+                packed["compressors"] = BloscCodec(typesize=size, cname="lz4", clevel=5, shuffle="shuffle")
+                packed["shards"] = shards if cut is not None else None
             self._arrays[variable.name] = self._group.create_array(
                 variable.name,
                 shape=tuple(sizes.get(dim, 0) for dim in variable.dims),
-                chunks=tuple(chunks.get(dim, GROWING_CHUNK) for dim in variable.dims),
+                chunks=own,
                 dtype=str if variable.dtype == TEXT else variable.dtype,
                 dimension_names=variable.dims,
                 fill_value=np.nan if variable.optional else "" if variable.dtype == TEXT else 0,
                 attributes={key: _plain(value) for key, value in attributes.items()},
+                **packed,
             )
 
+    @staticmethod
+    def _cut(chunks: Sequence[int], sizes: Sequence[int]) -> int | None:
+        """The dimension that is divided into blocks, of which several go into a file; None if there is one block."""
+        divided = [k for k, (chunk, size) in enumerate(zip(chunks, sizes, strict=True)) if chunk < size]
+        return divided[-1] if divided else None
+
     def put(self, name: str, region: Region, values: Any) -> None:
-        self._arrays[name][region] = values
+        array = self._arrays[name]
+        cut = self._cut(array.chunks, array.shape)
+        if array.shards is None or cut is None:
+            array[region] = values
+            return
+        pending = self._pending.setdefault(name, [])
+        pending.append((region, values))
+        stop = region[cut].stop
+        if stop % array.shards[cut] == 0 or stop == array.shape[cut]:  # whole files: a part would be written again
+            whole = (*region[:cut], slice(pending[0][0][cut].start, stop), *region[cut + 1 :])
+            array[whole] = np.concatenate([part for _, part in pending], axis=cut)
+            pending.clear()
 
     def grow(self, name: str, values: Any) -> None:
-        if len(values):
-            self._arrays[name].append(values)
+        pending, length = self._pending.setdefault(name, []), self._arrays[name].shards[0]
+        pending.append(((), values))
+        if (count := sum(len(part) for _, part in pending)) >= length:
+            together = np.concatenate([part for _, part in pending])
+            whole = count - count % length
+            self._arrays[name].append(together[:whole])
+            pending[:] = [((), together[whole:])]
 
     def close(self, attributes: Mapping[str, Any]) -> None:
         import zarr  # lazy: an optional dependency
 
+        for name, pending in self._pending.items():
+            if sum(len(part) for _, part in pending):
+                self._arrays[name].append(np.concatenate([part for _, part in pending]))
         self._group.attrs.update({key: _plain(value) for key, value in attributes.items()})
         with warnings.catch_warnings():
             warnings.simplefilter(

@@ -8,11 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from film_datasets.impacts import one_curve_per_impact
-from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.definition import TYPICAL_SEGMENTS, Sweep
 
 BLOCK_BYTES, BLOCK_IMPACTS = 6_000_000, 65_536
 """A block has about so many bytes of data and at most so many impacts; both depend on the sweep alone, so that the
 results do not depend on the workers."""
+
+LEAST_GROWING, MOST_GROWING = 256, 1 << 16
+"""Segments of a chunk of the file, by the number that are expected."""
 
 OWN_CURVES = 1024
 """Impacts of a block if each may need a curve of its own (91 kB): on beams and static stiffnesses."""
@@ -53,6 +56,11 @@ class Blocks:
     def shape(self) -> tuple[int, ...]:
         """Of a block; the last one along the divided axis may be shorter."""
         return (*(1,) * self._cut, self._length, *self._shape[self._cut + 1 :])
+
+    @property
+    def growing_chunk(self) -> int:
+        """Segments of a chunk of the file."""
+        return min(max(LEAST_GROWING, math.prod(self._shape) * TYPICAL_SEGMENTS), MOST_GROWING)
 
     def __getitem__(self, number: int) -> Block:
         cut, shape = self._cut, self._shape

@@ -37,6 +37,9 @@ class Checkpoint:
         """Create or reuse the folder and lock it against other processes."""
         manifest = self.folder / "sweep.json"
         if self.folder.exists() and not resume and not overwrite:
+            if (self.folder / "lock").is_file():
+                with open(self.folder / "lock") as lock:
+                    _lock(lock, self._target)
             raise FileExistsError(
                 f"{self._target}: an interrupted run left {self.summary()}; or use overwrite=True to start again"
             )

@@ -15,7 +15,8 @@ SAMPLED = ("random", "sobol", "latin-hypercube")
 DESIGNS = (GRID, ZIP, *SAMPLED)
 
 MOST_SAMPLES = {"random": 2**53, "sobol": 2**30, "latin-hypercube": 20_000_000}
-"""Largest number of impacts of a sampled design; a Latin hypercube is a permutation held in memory."""
+"""Largest number of impacts of a sampled design; a Latin hypercube is a permutation of 4 bytes an
+impact and dimension held in memory."""
 
 
 class Points:
@@ -34,7 +35,7 @@ class Points:
             return self._random(first, count)
         if self._design == "sobol":
             return self._sobol(first, count)
-        return _latin_hypercube(self._dimensions, self._samples, self._seed)[first : first + count]
+        return self._latin_hypercube(first, count)
 
     def _random(self, first: int, count: int) -> Array:
         words, per_step = first * self._dimensions, 4  # Philox makes four numbers in a step of its counter
@@ -42,6 +43,13 @@ class Points:
         generator.advance(words // per_step)
         numbers = np.random.Generator(generator).random(words % per_step + count * self._dimensions)
         return numbers[words % per_step :].reshape(count, self._dimensions)
+
+    def _latin_hypercube(self, first: int, count: int) -> Array:
+        """Bit for bit SciPy's `qmc.LatinHypercube`, which needs 16 times the memory: of its numbers only the
+        permutations are kept, and the offsets within the cells are drawn again where they are asked for."""
+        cells = _cells(self._dimensions, self._samples, self._seed)[:, first : first + count]
+        generator = _offsets(self._seed).advance(first * self._dimensions)
+        return (cells.T - np.random.Generator(generator).random((count, self._dimensions))) / self._samples
 
     def _sobol(self, first: int, count: int) -> Array:
         """Sobol's sequence, scrambled (Owen). SciPy's engine only goes forward: a range behind it needs a new one."""
@@ -59,10 +67,19 @@ class Points:
 
 
 @lru_cache(maxsize=1)
-def _latin_hypercube(dimensions: int, samples: int, seed: int) -> Array:
-    from scipy.stats import qmc  # lazy: importing scipy.stats takes 1 s
+def _cells(dimensions: int, samples: int, seed: int) -> NDArray[np.int32]:
+    """The cells of a Latin hypercube, 1 … samples, along each dimension."""
+    generator = np.random.Generator(_offsets(seed).advance(samples * dimensions))  # after the offsets
+    cells = np.empty((dimensions, samples), np.int32)
+    for row in cells:
+        row[:] = np.arange(1, samples + 1, dtype=np.int32)
+        generator.shuffle(row)
+    return cells
 
-    return qmc.LatinHypercube(dimensions, rng=seed).random(samples)
+
+def _offsets(seed: int) -> np.random.PCG64:
+    """The generator of SciPy's engines for a seed."""
+    return np.random.PCG64(np.random.SeedSequence(seed).spawn(1)[0])
 
 
 @lru_cache(maxsize=4)

@@ -21,6 +21,7 @@ from film_datasets.sweeps.block_writers import GROWING, MemoryWriter, Writer, pu
 from film_datasets.sweeps.blocks import Block, Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint
 from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.disk_space import disk_space
 from film_datasets.sweeps.executor import Workers, workers_of
 from film_datasets.sweeps.progress_bar import Progress
 from film_datasets.tables import TABLES
@@ -199,6 +200,7 @@ def _write_blocks(run: _Run, writer: Writer, computed: Iterator[tuple[Block, Col
     sweep, blocks = run.sweep, run.blocks
     sizes = dict(zip(sweep.dims, sweep.shape, strict=True)) | ({"normalised_time": sweep.dense} if sweep.dense else {})
     chunks = dict(zip(sweep.dims, blocks.shape, strict=True)) | {"normalised_time": sweep.dense or 1}
+    chunks[GROWING] = blocks.growing_chunk
     writer.create(sizes, chunks, variable_attributes(sweep))
     content, totals, segments = ContentHash(sweep.variables), Totals.of(sweep), 0
     _write_coordinates(sweep, writer, blocks, content)
@@ -307,14 +309,14 @@ def _reason(error: Exception, target: Path) -> str:
 
 def _check_free_space(target: Path, sweep: Sweep) -> None:
     """Raise OSError if the disk cannot hold the output and, until it is finished, the saved blocks."""
-    need = 2 * sweep.size * sweep.bytes_per_impact
+    output, blocks = disk_space(sweep)
     free = shutil.disk_usage(target.absolute().parent).free
-    if need > free:
+    if output + blocks > free:
         raise OSError(
-            f"{target}: {sweep.size} impacts need about {_bytes(need)} of disk while they are computed, half of it in "
-            f"the end; {_bytes(free)} are free"
+            f"{target}: {sweep.size} impacts need about {_bytes(output + blocks)} of disk while they are computed, "
+            f"{_bytes(output)} in the end; {_bytes(free)} are free"
         )
 
 
-def _bytes(count: int) -> str:
+def _bytes(count: float) -> str:
     return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{max(count / 1e6, 0.1):.3g} MB"

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from film_datasets.provenance import warnings_of
-from film_datasets.schema import flag_meanings, has_failed, pieces
+from film_datasets.schema import flag_meanings, has_failed, pieces, require_impacts
 from film_model.base.units import si_unit
 from film_model.solve.history import SUMMARY
 
@@ -19,6 +19,7 @@ def sweep_report(ds: xr.Dataset) -> dict[str, Any]:
 
     Statistics, and the estimated accuracy, are None if no impact has a value. The dataset is read in pieces.
     """
+    require_impacts(ds)
     status = ds["status"]
     words = dict(zip(np.atleast_1d(status.attrs["flag_values"]).tolist(), flag_meanings(status), strict=True))
     counts: dict[int, int] = {}

@@ -278,6 +278,11 @@ const STUDIES = {
       series: curves.map((curve, colour) => ({ ...curve, colour, marks: true })),
     }, "Largest relative error of the summary against the number of segments");
   },
+  "part-map": (result) => {
+    const { chart, words } = regimeMap(APP.scene, result.n);
+    showChart("chart-map", chart, `Map of regimes: this scene at ${words}`);
+    byId("place").textContent = `This scene: ${words}.`;
+  },
 };
 
 /** Show another scene. @param {Scene} scene */
@@ -334,6 +339,9 @@ function connect() {
   onClick("copy-python", () => copyText(pythonScript(APP.scene), "Python script"));
   onClick("csv", () => {
     if (APP.result) download(new Blob([csvText(APP.scene, APP.result)], { type: "text/csv" }), "impact.csv");
+  });
+  onClick("netcdf", () => {
+    if (APP.result) download(new Blob([netcdfOf(APP.scene, APP.result)], { type: "application/x-netcdf" }), "impact.nc");
   });
   const picked = () => /** @type {Chart} */ (CHARTS.get(/** @type {HTMLSelectElement} */ (byId("picture")).value));
   onClick("svg", () => download(new Blob([chartFile(picked())], { type: "image/svg+xml" }), "impact.svg"));

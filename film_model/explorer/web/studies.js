@@ -1,4 +1,4 @@
-// Studies of a scene: every law, restitution against velocity, what accuracy costs.
+// Studies of a scene: every law, restitution against velocity, what accuracy costs, the map of regimes.
 
 /** The scene's impact under every law, with the load and target motion of the scene. @param {Scene} scene @param {any} n @param {Problem} problem */
 function everyLaw(scene, n, problem) {
@@ -82,4 +82,28 @@ function energiesOf(scene, result) {
   const kinetic = (m, v) => v.map((x) => 0.5 * m * x * x);
   const target = scene.base.free ? kinetic(other, motion.target_velocity) : work(motion.target_displacement);
   return { impactor: kinetic(mass, motion.impactor_velocity), contact: work(motion.indentation), target };
+}
+
+/**
+ * The map of regimes with the scene on it, and its place in words. A place beyond the map is drawn at its edge.
+ * @param {Scene} scene @param {any} n @returns {{chart: Chart, words: string}}
+ */
+function regimeMap(scene, n) {
+  const value = scene.base.free || !(n.zener > 0) ? 0 : n.zener;
+  const ratio = n.yield_velocity > 0 ? n.approach / n.yield_velocity : 0;
+  const series = DATA.map.map((/** @type {Series} */ line, /** @type {number} */ colour) => ({ ...line, colour }));
+  const [left, right] = extent(series.map((/** @type {Series} */ line) => line.x), true);
+  const [low, high] = extent(series.map((/** @type {Series} */ line) => line.y), true);
+  const point = /** @type {[number, number]} */ ([Math.min(Math.max(value, left), right), Math.min(Math.max(ratio, low), high)]);
+  const beyond = point[0] === value && point[1] === ratio ? "" : "; drawn at the edge of the map";
+  return {
+    chart: {
+      title: "Map of regimes",
+      x: { label: "λ", dimension: "dimensionless", log: true },
+      y: { label: "V/V_Y", dimension: "dimensionless", log: true },
+      series,
+      point,
+    },
+    words: `λ = ${shortNumber(value, 3)}, V/V_Y = ${ratio > 0 ? shortNumber(ratio, 3) : "0: no yield strength is known"}${beyond}`,
+  };
 }

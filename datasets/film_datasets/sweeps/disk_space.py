@@ -1,0 +1,35 @@
+"""How much of the disk a sweep takes, from a sample of its impacts."""
+
+from __future__ import annotations
+
+import zlib
+
+import numpy as np
+
+from film_datasets.impacts import one_curve_per_impact
+from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, compute_block
+from film_datasets.sweeps.blocks import Block
+from film_datasets.sweeps.definition import Sweep
+
+SAMPLE = 256
+"""Impacts that are simulated to see how many bytes they take; of sweeps of fewer than 64 times as many none are."""
+
+COMPRESSED = 0.6
+"""Fraction that remains of an impact's bytes, where no sample is taken."""
+
+
+def disk_space(sweep: Sweep) -> tuple[float, float]:
+    """Bytes of the finished output, and of the blocks that are saved until then, about."""
+    scenes = (sweep.combination(number) for number in sweep.combinations_used)
+    if sweep.size < 64 * SAMPLE or any(map(one_curve_per_impact, scenes)):
+        blocks = float(sweep.size * sweep.bytes_per_impact)
+        return COMPRESSED * blocks, blocks
+    columns = compute_block(sweep, Block((), sweep.size // 2, SAMPLE))
+    arrays = [column for name, column in columns.items() if name not in (ESTIMATED, MISSED, ENERGY_GAINS)]
+    packed = sum(
+        len(zlib.compress(np.ascontiguousarray(array).view(np.uint8).reshape(array.size, -1).T.tobytes(), 1))
+        for array in arrays
+        if array.size
+    )
+    each = sweep.size / SAMPLE
+    return packed * each, sum(array.nbytes for array in arrays) * each

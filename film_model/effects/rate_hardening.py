@@ -1,0 +1,146 @@
+"""Rate hardening: the yield strength at the strain rate of the impact itself.
+
+S = S_y (1 + C ln ε̇), ε̇ in 1/s and at least 1 (Johnson & Cook 1983), with C = strain_rate_coefficient of the body that
+yields first. ε̇ = 0.2 (a/R)/t_m is Tabor's mean strain 0.2 a/R (1951) over the time to the maximum indentation,
+a² = R δ_m. δ_m and t_m are those of the impact with S, on the target's impedance or static stiffness, without weight:
+S is iterated until it changes by less than 1e-9. It replaces S_y in a law that has a yield_strength; for other laws the
+effect is judged by Big-Alabo's. For a material of the catalogue without C it counts as important from 100 1/s.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from film_model.base.arrays import either, greater, logarithm, root
+from film_model.base.errors import SimulationError
+from film_model.base.materials import catalogue
+from film_model.base.units import format_si
+from film_model.effects.case import ABSENT, YIELDS, Rule, absorbed
+from film_model.effects.effect import FREE, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
+from film_model.effects.trial import change
+from film_model.laws import BigAlabo
+from film_model.problem.problem import Problem
+
+RATE_SENSITIVE = 100.0
+"""Strain rate, 1/s, from which a yield strength measured in slow loading may be too low by more than a few per cent."""
+
+SETTLED, MOST_ROUNDS = 1e-9, 60
+"""Relative change of the strength at which the iteration ends. A round divides the change by 4 or more: the rate varies
+as S^{1/4} at most, the strength as C ln ε̇, C ≤ 1."""
+
+RULE = Rule("rate_hardening", "strain rate, 1/s", "Tabor 1951; Johnson & Cook 1983; marched with S and with S_y")
+
+
+def strain_rate(problem: Problem) -> Any:
+    """0.2 (a/R)/t_m of one impact or of many, 1/s; nan where the march failed."""
+    (status, core), scales = problem.trial, problem.scales
+    depth, turn = core.maximum_indentation * scales.length, core.time_of_maximum_indentation * scales.time
+    known = (status >= 0) & (turn > 0.0)
+    return either(known, 0.2 * root(depth / problem.impacts.numbers.radius) / either(known, turn, 1.0), math.nan)
+
+
+def settled(rate_of: Callable[[Any], Any], coefficient: Any, factor: Any = 1.0) -> Any:
+    """S/S_y from the strain rate as a function of it; nan if unknown. Each of many impacts settles by itself."""
+    open_ = factor == factor
+    for _ in range(MOST_ROUNDS):
+        found = 1.0 + coefficient * logarithm(greater(rate_of(factor), 1.0))
+        moved = abs(found - factor) > SETTLED * factor
+        factor = either(open_, found, factor)
+        open_ = open_ & moved
+        if not np.any(open_):
+            return factor
+    return either(open_, math.nan, factor)
+
+
+def strengthened(static: Problem, factor: Any) -> Problem:
+    """The problem with `factor` times the yield strength."""
+    impacts = static.impacts
+    return impacts.under(impacts.law.strengthened(factor)).problem(*static.given)
+
+
+def hardened(static: Problem) -> Problem | None:
+    """One impact with the strength at its own rate. None if C is unknown, the law has no yield strength, the impactor
+    has no velocity, or the impact cannot be marched. static: without weight."""
+    coefficient = static.scene.strain_rate_coefficient
+    if coefficient is None or static.impacts.law.strength is None or not static.approach > 0.0:
+        return None
+    try:
+        factor = settled(lambda factor: strain_rate(strengthened(static, factor)), coefficient)
+        return None if math.isnan(factor) else strengthened(static, factor)
+    except ValueError:  # the higher strength is beyond the law's range
+        return None
+
+
+def needed(hard: Problem, static: Problem) -> Any:
+    """Whether an impact, or each of many, is simulated with its own strength."""
+    if hard.scene.effects.rate_hardening is True:
+        return hard.impacts.column(True)
+    return change(hard, static) > hard.scene.effect_tolerance
+
+
+def applied(static: Problem) -> Problem | None:
+    """One impact with the strength at its own rate if this is simulated, else None."""
+    wanted, able = static.scene.effects.rate_hardening, static.impacts.law.strength is not None
+    hard = None if wanted is False else hardened(static)
+    if hard is None and wanted is True and able and static.approach > 0.0:
+        raise SimulationError(
+            "effects.rate_hardening is true, but the impact with the higher strength cannot be marched"
+        )
+    return hard if hard is not None and needed(hard, static) else None
+
+
+def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:
+    """The effect on one impact. used: what is simulated in place of `static`. yields: whether its law may yield."""
+    scene = static.scene
+    if scene.yield_strength is None or scene.effective_modulus is None:
+        return RULE.unjudged("missing: a yield strength")
+    if not static.approach > 0.0:
+        return RULE.unjudged("the impactor has no velocity")
+    if not static.trial.ends:
+        return RULE.unjudged("contact did not end")
+    if not yields or absorbed(static) <= YIELDS:
+        return RULE.absent("nothing yields")
+    if scene.strain_rate_coefficient is None:
+        return _without_coefficient(static)
+    own = static.impacts.law.strength is not None
+    slow = static if own else static.again(law=_substitute(static))
+    hard = used or hardened(slow)
+    size = math.nan if hard is None else change(hard, slow)
+    if hard is None or math.isnan(size):
+        return RULE.unjudged("the impact with the higher yield strength cannot be marched", strain_rate(slow))
+    rate = strain_rate(hard)
+    raised = scene.strain_rate_coefficient * math.log(max(rate, 1.0))
+    why = (
+        f"at {rate:.3g} 1/s the yield strength is {format_si(hard.impacts.yield_strength, 'pressure', 3)}, "
+        f"{100.0 * raised:.2g} % higher than in slow loading"
+    )
+    matters, cost = size > static.scene.effect_tolerance, FREE
+    state = SIMULATED if used is not None else NOT_NEEDED
+    if used is None and scene.effects.rate_hardening is False:
+        state, why = NOT_MODELLED if matters else SWITCHED_OFF, f"the scene has rate_hardening = false; {why}"
+    elif used is None and matters:
+        state, cost = NOT_MODELLED, ABSENT
+        why += f"; the law {static.law.name} has no yield_strength: raise its own parameters"
+    return Effect(RULE.name, RULE.indicator, rate, None, min(size, 1.0), state, why, RULE.source, cost)
+
+
+def _substitute(static: Problem) -> BigAlabo:
+    """The law with which rate hardening is judged for a law without a yield strength."""
+    scene: Any = static.scene
+    return BigAlabo(scene.effective_modulus, scene.effective_radius, scene.yield_strength)
+
+
+def _without_coefficient(static: Problem) -> Effect:
+    """The effect for a material without C: important if its strength is the catalogue's, that of slow loading."""
+    rate, soft = strain_rate(static), static.scene.first_to_yield
+    if soft is None or rate < RATE_SENSITIVE or catalogue().get(soft.name) != soft:
+        return RULE.unjudged("missing: strain_rate_coefficient of the material that yields", rate)
+    why = (
+        f"at {rate:.3g} 1/s {soft.name} is stronger than in slow loading, and the catalogue has no coefficient for "
+        "it: 10 % more strength changes the restitution by about 6 %"
+    )
+    return RULE.failing(why, rate, RATE_SENSITIVE)

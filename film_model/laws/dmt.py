@@ -1,0 +1,52 @@
+"""DMT: an elastic sphere under the attraction of its surroundings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from film_model.laws.hertz import hertz_stiffness
+from film_model.laws.jkr import EXAMPLE_WORK, wrong_work
+from film_model.laws.law import AbstractLaw, ExampleBall, Family, Power, Stage
+
+
+@dataclass(frozen=True)
+class Dmt(AbstractLaw):
+    """Derjaguin, Muller & Toporov 1975, J. Colloid Interface Sci. 53:314: F = K δ^{3/2} − 2π w R, K = (4/3) E √R.
+
+    Contact begins and ends at δ = 0 under the tension 2π w R. Reversible: nothing is lost, the ball leaves with the
+    velocity of the impact.
+
+    work_of_adhesion: w, J/m², of both surfaces together. For hard and small bodies: (R w²/(E² z³))^{1/3} below about
+    0.1, with the range z ≈ 0.3 nm of the attraction; above 5 take jkr. Without plastic deformation.
+    """
+
+    name: ClassVar[str] = "dmt"
+    family: ClassVar[Family] = "adhesive"
+    summary: ClassVar[str] = "elastic sphere under a constant attraction, F = K δ^1.5 − 2 π w R; reversible"
+    source: ClassVar[str] = "Derjaguin, Muller & Toporov 1975, J. Colloid Interface Sci. 53:314"
+    validity: ClassVar[str] = (
+        "a/R below about 0.2, no yield; hard and small: (R w²/(E² z³))^{1/3} below about 0.1, z ≈ 0.3 nm"
+    )
+
+    effective_modulus: float
+    radius: float
+    work_of_adhesion: float
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {"work_of_adhesion": EXAMPLE_WORK}
+
+    @classmethod
+    def settle(cls, values: dict[str, Any]) -> dict[str, str]:
+        return wrong_work(values)
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        tension = 2.0 * math.pi * self.work_of_adhesion * self.radius
+        return (tension / hertz_stiffness(self.effective_modulus, self.radius)) ** (2.0 / 3.0), tension
+
+    def stages(self) -> tuple[Stage, ...]:
+        force = Power(constant=-1.0, coefficient=1.0, exponent=1.5, origin=0.0)
+        return (Stage("pulling", 0.0, 1.0, force, pulls=True), Stage("pushing", 1.0, float("inf"), force))

@@ -1,0 +1,103 @@
+"""JKR: an elastic sphere with adhesion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from film_model.laws.law import AbstractLaw, Array, ExampleBall, Family, Stage
+
+JKR_LOSS = (
+    0.5
+    * math.pi
+    * (9.0 * math.pi / 8.0) ** (2.0 / 3.0)
+    * (1.2 * (4.0 / 3.0) ** (4.0 / 3.0) + 0.8 * 3.0 ** (-4.0 / 3.0))
+)
+"""Energy that a JKR contact loses between δ = 0 and the end of contact, over (w⁵R⁴/E²)^{1/3}: 7.0922."""
+
+EXAMPLE_WORK = 0.05
+"""Work of adhesion of the gallery, J/m²: of oxidised metals in air, about."""
+
+PARTING = -(3.0 ** (2.0 / 3.0))  # δ/δ_s where a contact of given indentation lets go
+UNLOADED = 2.0 ** (4.0 / 3.0)  # ... without a force
+DEEPEST = UNLOADED * 2.0**20
+
+_NEWTON = 40
+
+
+def wrong_work(values: Mapping[str, Any]) -> dict[str, str]:
+    """Message, by name, about a work of adhesion that is not above 0."""
+    work = values.get("work_of_adhesion")
+    if isinstance(work, float | int) and not 0.0 < work < math.inf:
+        return {"work_of_adhesion": f"{work:g} must be > 0: without adhesion take law hertz"}
+    return {}
+
+
+def _root_of_radius(indentation: Array) -> Array:
+    """u = √(a/a_c) from 3 u⁴ − 4 u = δ/δ_s, on the stable branch u³ ≥ 1/3.
+
+    With u = u₀ + v, u₀³ = 1/3: v √(18 u₀² + 12 u₀ v + 3 v²) = √((δ − δ_min)/δ_s), a root without cancellation near the
+    end of the branch, by Newton's method.
+    """
+    least = 3.0 ** (-1.0 / 3.0)
+    right = np.sqrt(np.maximum(indentation - PARTING, 0.0))
+    v = right / (math.sqrt(18.0) * least + 3.0**0.25 * np.sqrt(right))
+    for _ in range(_NEWTON):
+        inner = np.sqrt(18.0 * least**2 + 12.0 * least * v + 3.0 * v * v)
+        v = np.maximum(v - (v * inner - right) / (inner + v * (6.0 * least + 3.0 * v) / inner), 0.0)
+    return least + v
+
+
+def _jkr(indentation: Array) -> Array:
+    """F/F_c = α³ − 2 α^{3/2}, α = a/a_c."""
+    cube = _root_of_radius(indentation) ** 3
+    return cube * (cube - 2.0)
+
+
+@dataclass(frozen=True)
+class Jkr(AbstractLaw):
+    """Johnson, Kendall & Roberts 1971, Proc. R. Soc. A 324:301: F = 4 E a³/(3R) − √(8π w E a³), δ = a²/R − √(2π w a/E).
+
+    The largest tension, F_c = 1.5 π w R, does not depend on E. Contact begins at δ = 0, where the force jumps to
+    −(8/9) F_c, and ends at δ = −3^{2/3} δ_s, δ_s = a_c²/(3R), a_c³ = 9π w R²/(8E), under the tension (5/9) F_c. Between
+    the two the contact loses 7.09 (w⁵R⁴/E²)^{1/3}: e² = 1 − (V_s/V)², and below V_s the ball sticks, and swings without
+    end unless the target moves (Thornton & Ning 1998).
+
+    work_of_adhesion: w, J/m², of both surfaces together. For soft and large bodies: (R w²/(E² z³))^{1/3} above about
+    5, with the range z ≈ 0.3 nm of the attraction; below 0.1 take dmt. Without plastic deformation.
+    """
+
+    name: ClassVar[str] = "jkr"
+    family: ClassVar[Family] = "adhesive"
+    summary: ClassVar[str] = "elastic sphere that sticks: tension up to 1.5 π w R, energy lost at parting"
+    source: ClassVar[str] = "Johnson, Kendall & Roberts 1971, Proc. R. Soc. A 324:301"
+    validity: ClassVar[str] = (
+        "a/R below about 0.2, no yield; soft or large: (R w²/(E² z³))^{1/3} above about 5, z ≈ 0.3 nm"
+    )
+
+    effective_modulus: float
+    radius: float
+    work_of_adhesion: float
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {"work_of_adhesion": EXAMPLE_WORK}
+
+    @classmethod
+    def settle(cls, values: dict[str, Any]) -> dict[str, str]:
+        return wrong_work(values)
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        cube = 9.0 * math.pi * self.work_of_adhesion * self.radius**2 / (8.0 * self.effective_modulus)
+        return cube ** (2.0 / 3.0) / (3.0 * self.radius), 1.5 * math.pi * self.work_of_adhesion * self.radius
+
+    def stages(self) -> tuple[Stage, ...]:
+        return (
+            Stage("parting", PARTING, -1.0, _jkr, root=True, pulls=True),
+            Stage("pulling", -1.0, UNLOADED, _jkr, pulls=True),
+            Stage("pushing", UNLOADED, DEEPEST, _jkr, knots=tuple(UNLOADED * 2.0**k for k in range(1, 20))),
+        )

@@ -1,0 +1,143 @@
+"""The yield strength at the strain rate of the impact: iteration, decision, one and many, components and FMUs."""
+
+import math
+
+import numpy as np
+import pytest
+
+import film_model as fm
+from film_model.effects.choose import choose
+from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF
+from film_model.effects.rate_hardening import settled
+from fmu_wrapper.assumptions import served, validity_of
+
+SOFT = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3", "yield_strength": "250 MPa"}
+STEEL = {**SOFT, "strain_rate_coefficient": 0.022}
+LAWS = ("auto", "big-alabo", "stronge", "yigit-christoforou")
+
+
+def scene(law="auto", velocity="1 m/s", target=None, material=STEEL, **effects):
+    ball = fm.Sphere("5 mm", velocity=velocity, material="tungsten carbide")
+    target = target or fm.HalfSpace(material)
+    return fm.Scene(ball, target, fm.Contact(law), fm.Effects(**{"gravity": False, **effects}))
+
+
+def effect_of(case):
+    return {effect.name: effect for effect in choose(case).effects}["rate_hardening"]
+
+
+def rate_of(summary, radius=5e-3):
+    """Tabor's 0.2 a/R over the time to the maximum indentation."""
+    depth, turn = summary["maximum_indentation"], summary["time_of_maximum_indentation"]
+    return 0.2 * math.sqrt(depth / radius) / turn
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_strength_belongs_to_the_impact_s_own_rate(law):
+    history = fm.simulate(scene(law), accuracy=1e-8)
+    effect = effect_of(scene(law))
+    strength = choose(scene(law)).problem.law.yield_strength
+    assert effect.state == SIMULATED and effect.change > 0.01
+    assert strength == pytest.approx(250e6 * (1 + 0.022 * math.log(rate_of(history.summary))), rel=1e-6)
+    assert strength == pytest.approx(250e6 * (1 + 0.022 * math.log(effect.value)), rel=1e-8)
+    slow = scene(law, material={**SOFT, "yield_strength": f"{strength!r} Pa"})
+    assert history.summary == fm.simulate(slow, accuracy=1e-8).summary  # also the dent's radius and the pressures
+
+
+@pytest.mark.parametrize("coefficient", [1e-3, 0.1, 1.0])
+@pytest.mark.parametrize("velocity", [0.05, 1.0, 20.0])
+def test_the_iteration_converges(coefficient, velocity):
+    choice = choose(scene("big-alabo", f"{velocity} m/s", material={**STEEL, "strain_rate_coefficient": coefficient}))
+    effect = effect_of(choice.scene)
+    strength = 250e6 * (1 + coefficient * max(0.0, math.log(effect.value)))
+    assert choice.hard is None or choice.hard.law.yield_strength == pytest.approx(strength, rel=2e-9)
+
+
+def test_an_iteration_that_does_not_settle_is_unknown():
+    assert math.isnan(settled(lambda factor: math.e**3 if factor < 2.0 else 1.0, 1.0))
+
+
+def test_a_rise_below_the_tolerance_is_neglected_and_true_computes_it():
+    weak = {**STEEL, "strain_rate_coefficient": 1e-4}
+    assert effect_of(scene(material=weak)).state == NOT_NEEDED
+    assert fm.simulate(scene(material=weak)).summary == fm.simulate(scene(material=SOFT)).summary
+    asked = scene(material=weak, rate_hardening=True)
+    assert effect_of(asked).state == SIMULATED
+    assert choose(asked).problem.law.yield_strength > 250e6
+
+
+def test_switched_off_it_warns_with_the_number():
+    off = scene(rate_hardening=False)
+    effect = effect_of(off)
+    assert effect.state == NOT_MODELLED and effect.change == effect_of(scene()).change
+    assert "rate_hardening = false" in effect.warning and f"{100 * effect.change:.2g} %" in effect.warning
+    assert fm.simulate(off).summary == fm.simulate(scene(material=SOFT)).summary
+    weak = {**STEEL, "strain_rate_coefficient": 1e-4}
+    assert effect_of(scene(material=weak, rate_hardening=False)).state == SWITCHED_OFF
+
+
+def test_where_it_cannot_be_computed():
+    thornton = scene().replace({"contact.law": "thornton", "contact.yield_pressure": "400 MPa"})
+    assert effect_of(thornton).state == NOT_MODELLED and "no yield_strength" in effect_of(thornton).warning
+    assert effect_of(scene(material=SOFT)).state == NOT_JUDGED
+    assert effect_of(scene(velocity="1 um/s")).state == NOT_NEEDED
+    refused = {
+        "no yield_strength": {"contact.law": "hertz"},
+        "strain_rate_coefficient": {"target.material": SOFT},
+        "yield strength": {"target.material": {k: v for k, v in STEEL.items() if k != "yield_strength"}},
+    }
+    for said, changes in refused.items():
+        with pytest.raises(fm.SceneError, match=f"effects.rate_hardening: .*{said}"):
+            scene(rate_hardening=True).replace(changes)
+    strong = {**STEEL, "youngs_modulus": "1 GPa", "yield_strength": "150 MPa", "strain_rate_coefficient": 1.0}
+    assert effect_of(scene(velocity="20 m/s", material=strong)).state == NOT_JUDGED
+    with pytest.raises(fm.SimulationError, match="cannot be marched"):
+        fm.simulate(scene(velocity="20 m/s", material=strong, rate_hardening=True))
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+def test_many_impacts_settle_as_one_does(law, target):
+    place = fm.Plate(STEEL, thickness="5 mm") if target == "plate" else None
+    case = scene(law, target=place)
+    speeds = np.geomspace(2e-3, 10.0, 40).tolist()
+    batch = fm.simulate_batch(case, velocity=[f"{speed!r} m/s" for speed in speeds], accuracy=1e-6)
+    for k in (0, 13, 27, 39):
+        alone = fm.simulate(case.replace({"impactor.velocity": f"{speeds[k]!r} m/s"}), accuracy=1e-6).summary
+        for name in ("maximum_force", "contact_duration", "coefficient_of_restitution", "contact_radius"):
+            assert batch.summary[name][k] == pytest.approx(alone[name], rel=2e-6), (name, speeds[k])
+
+
+def test_each_row_of_a_sweep_has_its_own_strength():
+    from film_model.solve.batch import simulate_many
+
+    columns = {
+        "target.material.yield_strength": np.array([150e6, 250e6, 400e6] * 4),
+        "target.material.strain_rate_coefficient": np.repeat([0.01, 0.02, 0.05], 4),
+    }
+    for law in ("auto", "stronge"):
+        result = simulate_many(scene(law), columns)
+        for k in (0, 4, 11):
+            own = {path: float(values[k]) for path, values in columns.items()}
+            own["target.material.yield_strength"] = f"{own['target.material.yield_strength']!r} Pa"
+            alone = fm.simulate(scene(law).replace(own)).summary
+            assert result.summary["maximum_force"][k] == pytest.approx(alone["maximum_force"], rel=1e-4)
+            assert result.summary["mean_pressure"][k] == pytest.approx(alone["mean_pressure"], rel=1e-4)
+
+
+def test_a_component_has_the_strength_of_its_scene_s_impact():
+    component = fm.ImpactComponent(scene())
+    assert component.problem.law == choose(scene()).problem.law
+    assert component.problem.law.yield_strength > 1.1 * 250e6
+
+
+def test_an_fmu_serves_the_strength_of_the_export_and_says_for_which_velocities():
+    on = served(scene(velocity="1 m/s"))
+    law = choose(on).problem.law
+    found = validity_of(on).ranges["initial_velocity"]
+    assert law.yield_strength == pytest.approx(choose(scene()).problem.law.yield_strength, rel=1e-4)
+    assert "rate hardening" in found.above and 1.0 < found.high < 30.0
+    from film_model.effects.trial import change
+
+    faster = choose(served(scene(velocity=f"{found.high!r} m/s"))).problem
+    assert change(faster, faster.again(law=law)) <= 0.01

@@ -217,7 +217,7 @@ def test_the_netcdf_file_holds_the_motion_of_the_csv(shown, address, tmp_path):
             assert ds[name].values.tolist() == rows[column].tolist(), name
         scene = fm.Scene.from_text(ds.attrs["scene_toml"])
     assert (
-        scene.target.kind == "plate" and fm.simulate(scene).summary["maximum_force"] >= rows["contact_force_(N)"].max()
+        scene.target.kind == "plate" and fm.simulate(scene).summary["maximum_force"] > 0.999 * rows["contact_force_(N)"].max()
     )
 
 

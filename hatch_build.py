@@ -22,12 +22,11 @@ sys.path.insert(0, str(Path(__file__).parent))
 from fmu_wrapper import platforms
 
 CORE = platforms.CORE
-MODAL_PARTS = ("", "_table", "_root", "_force", "_contact", "_flight", "_impact")
-MODAL = tuple(f"{CORE}/film_modal{part}.c" for part in MODAL_PARTS)
 SOURCES = (
     *platforms.MARCH,
     *(f"{CORE}/film_{name}.c" for name in ("impact", "batch", "compare", "lanes", "avx2", "avx512")),
-    *MODAL,
+    *platforms.MODES,
+    f"{CORE}/film_modal_impact.c",
 )
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 FLAGS = platforms.FLAGS

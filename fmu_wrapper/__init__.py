@@ -1,4 +1,4 @@
-"""Impacts as FMUs (FMI 2.0 and 3.0): `export` a scene, `run` the FMU, `check` it against the library."""
+"""Impacts as FMUs (FMI 2.0 and 3.0): `export` a scene, `run` and `check` the FMU; `export_ssp` for systems."""
 
 from __future__ import annotations
 
@@ -10,21 +10,25 @@ if TYPE_CHECKING:
     from fmu_wrapper.checking import Report, check
     from fmu_wrapper.cosimulation import run
     from fmu_wrapper.exporting import export
+    from fmu_wrapper.ssp import Package, export_ssp
 
 _HOMES = {
+    "Package": "fmu_wrapper.ssp",
     "Report": "fmu_wrapper.checking",
     "check": "fmu_wrapper.checking",
     "export": "fmu_wrapper.exporting",
+    "export_ssp": "fmu_wrapper.ssp",
     "run": "fmu_wrapper.cosimulation",
     "served": "fmu_wrapper.assumptions",
 }
 
-__all__ = ["Report", "check", "export", "run", "served"]
+__all__ = ["Package", "Report", "check", "export", "export_ssp", "run", "served"]
 
 
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(_HOMES[name]), name)
-    globals()[name] = value
-    return value
+    home = import_module(_HOMES[name])
+    # all names of a module at once: the import has set the attribute `check` to the module of that name
+    globals().update({other: getattr(home, other) for other, where in _HOMES.items() if where == home.__name__})
+    return globals()[name]

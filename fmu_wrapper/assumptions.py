@@ -16,9 +16,12 @@ from film_model.effects.trial import change
 from film_model.laws.yielding import yield_point, yield_velocity
 from film_model.problem.law_of_scene import YIELDING, can_yield, reaches_yield, yielding_entries
 from film_model.problem.problem import Problem
-from film_model.scene import Scene
+from film_model.problem.summary import differences
+from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.scene.columns import scene_of_columns
+from film_model.solve import vibration
 from film_model.solve.accuracy import refine
+from film_model.solve.motions import modes_for
 from fmu_wrapper.variables import Kind
 
 SPEEDS = (0.5, 1.5, 5.0, 20.0, 150.0)
@@ -27,6 +30,9 @@ SPEEDS = (0.5, 1.5, 5.0, 20.0, 150.0)
 STRIDE, STRIDES, OTHER_STRIDES, HALVINGS = 3.0, 8, 3, 3
 """The velocity, or another parameter, is changed by this factor so often to find where its range of validity ends; then
 the logarithm of the last factor is bisected."""
+
+FEW = "vibrations above those of the export"
+"""What fails if the maximum force or indentation needs more natural vibrations than the FMU contains."""
 
 _PATHS = {
     "initial_velocity": "impactor.velocity",
@@ -114,10 +120,12 @@ def validity_of(scene: Scene) -> Validity:
 @lru_cache(maxsize=64)
 def _ranges(scene: Scene) -> dict[str, Range]:
     """Ranges of validity; none for an impactor at rest, whose effects are not assessed."""
-    own = choose(scene)
+    own, highest = choose(scene), None
+    if own.problem.vibrates and own.problem.approach > 0.0:
+        highest = modes_for(own.problem, scene.solver.accuracy or DEFAULT_ACCURACY, []).highest
     found: dict[str, Range] = {}
     for name, value in _values(scene).items():
-        ends = [_end(scene, name, value, factor, own) for factor in (1.0 / STRIDE, STRIDE)]
+        ends = [_end(scene, name, value, factor, own, highest) for factor in (1.0 / STRIDE, STRIDE)]
         (low, below), (high, above) = ends
         if below or above:
             found[name] = Range(low, high, below, above)
@@ -134,24 +142,24 @@ def _values(scene: Scene) -> dict[str, float]:
     return values
 
 
-def _end(scene: Scene, name: str, value: float, factor: float, own: Choice) -> tuple[float, str]:
+def _end(scene: Scene, name: str, value: float, factor: float, own: Choice, highest: float | None) -> tuple[float, str]:
     """The value up to which nothing more fails than at the export, and what fails beyond; "" if nothing does."""
     good, bad, fails = 0.0, 0.0, ""
     for _ in range(STRIDES if name == "initial_velocity" else OTHER_STRIDES):
         good, bad = bad, bad + 1.0
-        fails = _new(scene, name, value * factor**bad, own)
+        fails = _new(scene, name, value * factor**bad, own, highest)
         if fails:
             break
     else:
         return (0.0 if factor < 1.0 else math.inf), ""
     for _ in range(HALVINGS):
         middle = 0.5 * (good + bad)
-        found = _new(scene, name, value * factor**middle, own)
+        found = _new(scene, name, value * factor**middle, own, highest)
         good, bad, fails = (good, middle, found) if found else (middle, bad, fails)
     return value * factor**good, fails
 
 
-def _new(scene: Scene, name: str, value: float, own: Choice) -> str:
+def _new(scene: Scene, name: str, value: float, own: Choice, highest: float | None) -> str:
     """What fails at another value of a parameter but not at the export."""
     changes: dict[str, Any] = {_PATHS[name]: value}
     if name == "initial_velocity":
@@ -160,7 +168,7 @@ def _new(scene: Scene, name: str, value: float, own: Choice) -> str:
         changes["impactor.mass"] = scene.mass
     try:
         choice = choose(scene_of_columns(scene, changes))
-        fails = _failing(choice) - _failing(own) | _other_strength(choice.problem, own.problem)
+        fails = _failing(choice, highest) - _failing(own, highest) | _other_strength(choice.problem, own.problem)
         return ", ".join(sorted(fails))
     except (SceneError, SimulationError, ValueError, ArithmeticError):
         return "the library cannot simulate it"
@@ -176,9 +184,31 @@ def _other_strength(problem: Problem, own: Problem) -> frozenset[str]:
     return frozenset() if off <= problem.scene.effect_tolerance else frozenset({"rate hardening"})
 
 
-def _failing(choice: Choice) -> frozenset[str]:
-    """Effects that matter and are not simulated; and how the target moves, which an FMU cannot change."""
+def _failing(choice: Choice, highest: float | None) -> frozenset[str]:
+    """Effects that matter and are not simulated; and how the target moves, which an FMU cannot change.
+
+    highest: frequency up to which the FMU contains vibrations, rad/s; None if it contains none.
+    """
     missing = {effect.name.replace("_", " ") for effect in choice.effects if effect.state == NOT_MODELLED}
     if choice.problem.vibrates or choice.problem.compliance > 0.0:
         missing.add("boundary reflections")
+    if highest is not None:
+        missing.discard("boundary reflections")
+        if _needs_more(choice, highest):
+            missing.add(FEW)
     return frozenset(missing)
+
+
+def _needs_more(choice: Choice, highest: float) -> bool:
+    """Whether vibrations above `highest` change the maximum force or indentation by more than the scene's tolerance."""
+    scene, target = choice.scene, choice.scene.target
+    problem = choice.problem.again(impedance=math.inf, compliance=0.0, vibrates=True)
+    tolerance = vibration.step_tolerance(scene.solver.accuracy or DEFAULT_ACCURACY)
+    limit = vibration.time_limit(problem, target)
+    half, whole = (
+        vibration.run(problem, vibration.structure_of(target, part * highest, problem.scales.time), tolerance, limit)
+        for part in (0.5, 1.0)
+    )
+    found = differences(problem, half.summary, whole.summary)
+    change = max(float(found[name]) for name in ("maximum_force", "maximum_indentation"))
+    return vibration.MODES_FACTOR * change > scene.effect_tolerance

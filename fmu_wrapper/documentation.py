@@ -19,7 +19,7 @@ from film_model.scene import Scene
 from film_model.solve.history import SUMMARY, History
 from film_model.version import __version__
 from fmu_wrapper.model_description import Experiment
-from fmu_wrapper.resource import DAMPING, Data, damping_power, has
+from fmu_wrapper.resource import DAMPING, Data, damping_power, has, mode_frequencies
 from fmu_wrapper.variables import KINDS, VARIABLES, reference, settable
 
 COUPLINGS = (
@@ -58,10 +58,21 @@ impactor's mass, with sixteen steps per contact, the velocity errors were up to 
 body received the force at the end of each step, and 0.2 % if it received the mean force, which is the momentum that the
 impactor lost divided by the step; the first error is proportional to the step, the second to its square.</p>
 <p>In FMI 3.0 with event mode, each event ends the step at its exact time. Otherwise the kind, exact time and values of
-events are outputs. In Model Exchange the importer integrates the true law to its own tolerance (default: {tolerance:g},
-relative), and events are state events.</p>
+events are outputs.</p>"""
+
+_MESH = """\
+<p>In Model Exchange the importer integrates the true law to its own tolerance (default: {tolerance:g}, relative), and
+events are state events.</p>
 <p><code>loading_segments</code> ({loading}) and <code>unloading_segments</code> ({unloading}) set the accuracy; the
 error is proportional to their number to the power of −4.</p>"""
+
+_MODES_STEPS = """\
+<p>The target is followed by {modes} natural vibrations, from {lowest} to {highest} Hz, as many as the accuracy of this
+scene needs; those above follow the force statically. They belong to the export: they are no parameters, and a much
+smaller radius or mass, or a much larger velocity, needs more of them. The structure rings on between contacts. A
+support_velocity moves it as a whole and does not make it vibrate.</p>
+<p>This FMU is for Co-Simulation: in Model Exchange the vibrations would be {states} states of an integrator,
+whose steps could not be longer than the shortest period, {shortest}.</p>"""
 
 _CONTACT_STEPS = """\
 <p>Any force element whose force is exchanged only at communication points adds or removes energy. Error of the
@@ -198,12 +209,23 @@ def _steps(kind: str, data: Data, history: History | None, experiment: Experimen
         if history is not None:
             lasts = format_si(history.duration, "time", 4)
             whole = f"The contact lasts {lasts} and has {history.accuracy.lines} linear force segments."
+            whole = whole if history.vibration is None else f"The first contact and those that follow it last {lasts}."
+        steps = [_IMPACT_STEPS.format(whole=whole)]
+        if data.modes.count > 0:
+            return [*steps, _modes(data)]
         loading, unloading = (int(data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
-        numbers = {"loading": loading, "unloading": unloading, "tolerance": experiment.tolerance}
-        return [_IMPACT_STEPS.format(whole=whole, **numbers)]
+        return [*steps, _MESH.format(loading=loading, unloading=unloading, tolerance=experiment.tolerance)]
     rows = [(str(n), *(f"{100.0 * error:+.3g} %" for error in errors)) for n, errors in COUPLING_ERRORS.items()]
     heads = ("steps per contact", *COUPLINGS)
     return [_CONTACT_STEPS.format(table=_table(heads, rows))]
+
+
+def _modes(data: Data) -> str:
+    """What an FMU contains of a vibrating target."""
+    frequency = mode_frequencies(data) / (2.0 * math.pi)
+    shortest = format_si(1.0 / float(frequency[-1]), "time", 2) if frequency[-1] > 0.0 else "infinite"
+    ends = {"lowest": f"{frequency[0]:.4g}", "highest": f"{frequency[-1]:.4g}", "shortest": shortest}
+    return _MODES_STEPS.format(modes=data.modes.count, states=2 * data.modes.count, **ends)
 
 
 def _table(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import io
 import json
 import math
 import os
 import uuid
-import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,20 +17,22 @@ from film_model.base import units
 from film_model.base.errors import Outcome, SimulationError
 from film_model.base.files import written_whole
 from film_model.effects.choose import Choice, choose
-from film_model.problem.problem import Problem, refuse_vibrations
-from film_model.scene import Scene
+from film_model.problem.problem import Problem
+from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import mesh_for
 from film_model.solve.component import DEFAULT_SEGMENTS
 from film_model.solve.history import History
+from film_model.solve.motions import modes_for
 from film_model.solve.simulate import simulate_chosen
+from film_model.solve.vibration import Vibration
 from fmu_wrapper import platforms, resource
+from fmu_wrapper.archive import zipped
 from fmu_wrapper.assumptions import segments_for_speeds, served, validity_of
 from fmu_wrapper.documentation import documentation
 from fmu_wrapper.model_description import Experiment, FmiVersion, Names, model_description, printable
 from fmu_wrapper.variables import KINDS, VARIABLES, Kind, reference
 
 _NAMESPACE = uuid.UUID("6c9a1e0e-53a4-5b0c-8f57-0a1d6b5b3c55")
-_ZIP_DATE = (1980, 1, 1, 0, 0, 0)  # constant, so that the same export gives the same bytes
 
 
 def export(
@@ -50,7 +50,7 @@ def export(
     """Write a scene as an FMU, which runs without Python. Returns the path of the file.
 
     kind: "impact" contains the impactor with its mass; "contact" is the force element alone. Both are for
-    Co-Simulation and Model Exchange. initial_gap: distance to first touch at the start of an impact ("5 mm", or m).
+    Co-Simulation and, except on vibrating targets, Model Exchange. initial_gap: of the impact at the start ("5 mm").
     platform: names from `fmu_wrapper.platforms.PLATFORMS`, or "all", which need ziglang; the default is this machine,
     which needs no compiler. with_sources: includes the C sources, for importers that compile; their names begin with
     the model identifier, so that several FMUs can be linked into one program. name: of the model, from which the
@@ -93,7 +93,7 @@ def export(
         suffix = Path(platforms.built_library()).suffix if where is None else where.suffix
         files[f"binaries/{platforms.folder(on, version)}/{names.identifier}{suffix}"] = binary
     with written_whole(target) as beside:
-        beside.write_bytes(_zipped(files))
+        beside.write_bytes(zipped(files))
     return target
 
 
@@ -122,8 +122,10 @@ def _contents(
     on = served(scene, kind)
     choice, segments, history = _simulated(on)
     problem = choice.problem
-    segments = segments_for_speeds(scene, problem, segments)
-    data = resource.model_data(problem, kind, gap, segments, _nominals(problem, history), validity_of(on))
+    vibration = _vibration(problem, history)
+    if vibration is None:
+        segments = segments_for_speeds(scene, problem, segments)
+    data = resource.model_data(problem, kind, gap, segments, _nominals(problem, history), validity_of(on), vibration)
     experiment = _experiment(problem, history, gap)
     title = scene.title or f"Impact on a {scene.target.kind}"
     description = title if kind == "impact" else f"Contact force. {title}"
@@ -158,15 +160,23 @@ def _simulated(scene: Scene) -> tuple[Choice, tuple[int, int], History | None]:
     """The choice of effects, segments for loading and unloading, and the history, or None if nothing moves."""
     choice = choose(scene)
     problem = choice.problem
-    refuse_vibrations(problem, "an FMU")
     if problem.compliance > 0.0:
         raise SimulationError("an FMU is not supported for a target with a static stiffness; use simulate()")
     history = simulate_chosen(choice, scene.solver) if problem.approach > 0.0 or problem.load > 0.0 else None
-    if history is None or problem.approach == 0.0:
+    if problem.vibrates:
+        segments = (0, 0)
+    elif history is None or problem.approach == 0.0:
         segments, _ = mesh_for(scene, problem, None, None, None, fallback=DEFAULT_SEGMENTS)
     else:
         segments = (history.accuracy.segments, history.accuracy.unloading_segments)
     return choice, segments, history
+
+
+def _vibration(problem: Problem, history: History | None) -> Vibration | None:
+    """The impact with the natural vibrations that the FMU contains; None if the target does not vibrate."""
+    if history is not None or not problem.vibrates:
+        return None if history is None else history.vibration
+    return modes_for(problem, problem.scene.solver.accuracy or DEFAULT_ACCURACY, [])
 
 
 def _notes(choice: Choice, history: History | None) -> bytes:
@@ -219,14 +229,3 @@ def _build_description(identifier: str, sources: list[str]) -> bytes:
         "  </BuildConfiguration>\n"
         "</fmiBuildDescription>\n"
     ).encode()
-
-
-def _zipped(files: dict[str, bytes]) -> bytes:
-    packed = io.BytesIO()
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-        for name, content in files.items():
-            entry = zipfile.ZipInfo(name, _ZIP_DATE)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
-            archive.writestr(entry, content)
-    return packed.getvalue()

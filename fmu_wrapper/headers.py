@@ -59,8 +59,9 @@ def _variables() -> str:
 
 def _variable(v: Variable) -> str:
     roles = ", ".join(_ROLES[v.causality[kind]] if kind in v.causality else "ABSENT" for kind in KINDS)
-    low = "-1e300" if v.low is None else repr(float(v.low))
-    high = "1e300" if v.high is None else repr(float(v.high))
+    checked = v in VARIABLES[: settable()]  # the runtime checks what an importer sets, not its own outputs
+    low = repr(float(v.low)) if checked and v.low is not None else "-1e300"
+    high = repr(float(v.high)) if checked and v.high is not None else "1e300"
     unit = "" if v.dimension is None else scene_unit(v.dimension)
     return f'    {{"{v.name}", "{unit}", {_TYPES.get(v.type, "ENUMERATION")}, {{{roles}}}, {low}, {high}}},'
 

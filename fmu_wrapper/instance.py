@@ -71,7 +71,8 @@ def opened(path: str | os.PathLike[str]) -> Generator[Fmu]:
             description: Any = read_model_description(folder, validate=False)
         except Exception as error:  # of lxml or FMPy: there is no common class
             raise DamagedFile(f"{source}: modelDescription.xml cannot be read: {first_line(error)}") from error
-        for name in ("coSimulation", "modelExchange", "defaultExperiment"):
+        exchange = ("modelExchange",) if data.modes.count == 0 else ()
+        for name in ("coSimulation", *exchange, "defaultExperiment"):
             if getattr(description, name) is None:
                 raise DamagedFile(f"{source}: modelDescription.xml has no {name[0].upper()}{name[1:]}")
         fmu = Fmu(source, folder, description, data)

@@ -13,6 +13,7 @@ from film_model.base.unit_symbols import parse_unit
 from film_model.base.units import scene_unit
 from film_model.scene import Scene
 from film_model.version import __version__
+from fmu_wrapper.nominals import nominals
 from fmu_wrapper.resource import Data, has
 from fmu_wrapper.variables import (
     EVENT_KINDS,
@@ -85,6 +86,13 @@ def fmi_unit(dimension: str) -> str:
     return scene_unit(dimension).replace("*", ".").replace("^", "") or "1"
 
 
+def base_unit(dimension: str) -> dict[str, str]:
+    """Exponents of the SI units that make up the unit of a dimension."""
+    size, powers = parse_unit(scene_unit(dimension))
+    assert size == 1.0
+    return {name: str(int(power)) for name, power in zip(("kg", "m", "s"), powers, strict=True) if power}
+
+
 def model_description(
     data: Data,
     version: FmiVersion,
@@ -110,7 +118,7 @@ def model_description(
             "variableNamingConvention": "flat",
         },
     )
-    if version == 2:
+    if version == 2 and has_exchange(data):
         root.set("numberOfEventIndicators", str(_indicators()))
     _interfaces(root, data, version, names.identifier, list(sources))
     _units(root, chosen)
@@ -127,11 +135,17 @@ def model_description(
         stepSize=repr(experiment.step_size),
     )
     variables = ET.SubElement(root, "ModelVariables")
+    sizes = nominals(data, experiment.stop_time)
     for v in chosen:
-        (_variable_2 if version == 2 else _variable_3)(variables, v, data, chosen)
+        (_variable_2 if version == 2 else _variable_3)(variables, v, data, chosen, sizes)
     _structure(root, data, chosen, version)
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
+
+
+def has_exchange(data: Data) -> bool:
+    """Whether the FMU is for Model Exchange too: a vibrating target would have thousands of states."""
+    return data.modes.count == 0
 
 
 def _is_indicator(v: Variable) -> bool:
@@ -155,9 +169,9 @@ def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: s
             "providesDirectionalDerivative": "true",
         }
         without = {} if needs_completed_step else {"completedIntegratorStepNotNeeded": "true"}
-        exchange = ET.SubElement(root, "ModelExchange", {**able, **without})
+        parents = [ET.SubElement(root, "ModelExchange", {**able, **without})] if has_exchange(data) else []
         steps = ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true"})
-        for parent in (exchange, steps):
+        for parent in (*parents, steps):
             if sources:
                 files = ET.SubElement(parent, "SourceFiles")
                 for name in sources:
@@ -170,7 +184,9 @@ def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: s
         "providesDirectionalDerivatives": "true",
         "providesAdjointDerivatives": "true",
     }
-    ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": str(needs_completed_step).lower()})
+    if has_exchange(data):
+        needs = str(needs_completed_step).lower()
+        ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": needs})
     events = {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"} if kind == "impact" else {}
     ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true", **events})
 
@@ -180,10 +196,7 @@ def _units(root: ET.Element, chosen: list[Variable]) -> None:
     for dimension in dict.fromkeys(v.dimension for v in chosen if v.dimension not in (None, "dimensionless")):
         assert dimension is not None
         unit = ET.SubElement(units, "Unit", name=fmi_unit(dimension))
-        size, powers = parse_unit(scene_unit(dimension))
-        assert size == 1.0
-        names = zip(("kg", "m", "s"), powers, strict=True)
-        ET.SubElement(unit, "BaseUnit", {name: str(int(power)) for name, power in names if power})
+        ET.SubElement(unit, "BaseUnit", base_unit(dimension))
         if dimension in DISPLAY:
             shown, factor = DISPLAY[dimension]
             ET.SubElement(unit, "DisplayUnit", name=shown, factor=repr(factor))
@@ -202,8 +215,8 @@ def _types(root: ET.Element, chosen: list[Variable], version: FmiVersion) -> Non
             ET.SubElement(parent, "Item", name=item, value=str(value), description=what)
 
 
-def _number(v: Variable, data: Data, values: dict[str, str]) -> dict[str, str]:
-    """Attributes of a variable's value: unit, range, start, nominal."""
+def _number(v: Variable, data: Data, values: dict[str, str], sizes: dict[str, float]) -> dict[str, str]:
+    """Attributes of a variable's value: unit, range, start, nominal. sizes: nominal values."""
     k, kind = reference(v.name), KINDS[data.kind]
     text = (lambda x: str(int(x))) if v.type == Whole else repr
     if v.dimension is not None and v.dimension != "dimensionless":
@@ -213,8 +226,8 @@ def _number(v: Variable, data: Data, values: dict[str, str]) -> dict[str, str]:
     for name, limit in (("min", v.low), ("max", v.high)):
         if limit is not None:
             values[name] = text(limit)
-    if v.name in STATES:
-        values["nominal"] = repr(data.nominal[STATES.index(v.name)])
+    if v.name in sizes:
+        values["nominal"] = repr(sizes[v.name])
     if v.causality[kind] in ("parameter", "input"):
         assert k < settable()
         values["start"] = text(data.start[k])
@@ -236,23 +249,23 @@ def _head(v: Variable, kind: Kind) -> dict[str, str]:
     return head
 
 
-def _variable_2(parent: ET.Element, v: Variable, data: Data, chosen: list[Variable]) -> None:
+def _variable_2(parent: ET.Element, v: Variable, data: Data, chosen: list[Variable], sizes: dict[str, float]) -> None:
     element = ET.SubElement(parent, "ScalarVariable", _head(v, KINDS[data.kind]))
     if v.type in ITEMS:
         ET.SubElement(element, "Enumeration", declaredType=v.type)
         return
     rate = {"derivative": str(_index(chosen, v.rate_of))} if v.rate_of in STATES and data.kind == 0 else {}
-    ET.SubElement(element, "Real" if v.type == Real else "Integer", _number(v, data, rate))
+    ET.SubElement(element, "Real" if v.type == Real else "Integer", _number(v, data, rate, sizes))
 
 
-def _variable_3(parent: ET.Element, v: Variable, data: Data, chosen: list[Variable]) -> None:
+def _variable_3(parent: ET.Element, v: Variable, data: Data, chosen: list[Variable], sizes: dict[str, float]) -> None:
     head = _head(v, KINDS[data.kind])
     if v.type in ITEMS:
         ET.SubElement(parent, "Enumeration", {**head, "declaredType": v.type})
         return
     if v.rate_of is not None and data.kind == 0:
         head["derivative"] = str(reference(v.rate_of))
-    ET.SubElement(parent, "Float64" if v.type == Real else "Int32", _number(v, data, head))
+    ET.SubElement(parent, "Float64" if v.type == Real else "Int32", _number(v, data, head, sizes))
 
 
 def _index(chosen: list[Variable], name: str | None) -> int:
@@ -260,10 +273,11 @@ def _index(chosen: list[Variable], name: str | None) -> int:
 
 
 def _structure(root: ET.Element, data: Data, chosen: list[Variable], version: FmiVersion) -> None:
-    kind = KINDS[data.kind]
+    kind, exchange = KINDS[data.kind], has_exchange(data)
     structure = ET.SubElement(root, "ModelStructure")
     outputs = [v for v in chosen if v.causality[kind] == "output"]
-    rates = [next(v for v in chosen if v.rate_of == state) for state in STATES] if kind == "impact" else []
+    states = STATES if kind == "impact" and exchange else ()
+    rates = [next(v for v in chosen if v.rate_of == state) for state in states]
     initial = [v for v in chosen if v in outputs or v in rates]
 
     def place(v: Variable | str) -> str:
@@ -280,7 +294,8 @@ def _structure(root: ET.Element, data: Data, chosen: list[Variable], version: Fm
 
     def unknown(v: Variable) -> dict[str, str]:
         damped = v.depends_damped.get(kind, ()) if data.curve.stage[0].damped else ()
-        return row(v, (*v.depends.get(kind, ()), *damped))
+        names = (*v.depends.get(kind, ()), *damped)
+        return row(v, (name for name in names if exchange or name not in STATES))
 
     def initially(v: Variable) -> dict[str, str]:
         """All that is given at the start: the states at the start are functions of the parameters."""

@@ -25,20 +25,22 @@ CORE, RUNTIME = "film_model/core", "fmu_wrapper/runtime"
 MARCH = tuple(
     f"{CORE}/film_{name}.c" for name in ("march", "aim", "draw", "damping", "branch", "integrator", "setup")
 )  # one impact; the core's batches are not in FMUs
+MODES = tuple(f"{CORE}/film_modal{part}.c" for part in ("", "_table", "_root", "_force", "_contact", "_flight"))
 SOURCES = (
     *MARCH,
+    *MODES,
     *(
         f"{RUNTIME}/model{part}.c"
-        for part in ("", "_events", "_contact", "_curve", "_outputs", "_validity", "_exchange")
+        for part in ("", "_events", "_contact", "_curve", "_outputs", "_validity", "_exchange", "_modes")
     ),
     *(f"{RUNTIME}/{name}.c" for name in ("resource", "instance", "fmi2", "fmi3")),
 )
 HEADERS = (
-    *(f"{CORE}/{name}.h" for name in ("film_core", "film_law", "film_line", "film_march")),
+    *(f"{CORE}/film_{name}.h" for name in ("core", "law", "line", "march", "modal", "modal_parts")),
     *(f"{RUNTIME}/{name}.h" for name in ("model", "model_parts", "instance", "variables", "failures")),
 )
 INCLUDES = (CORE, RUNTIME)
-_OWN = b"film|model|instance|contact"  # how the names of all functions begin that are not static
+_OWN = b"film|model|instance|contact|modes"  # how the names of all functions begin that are not static
 DEFINITIONS = {"FILM_API": ""}  # not exported: one process may load FMUs of several versions
 
 # No fused multiply-adds, so that every compiler gives the same bits; the last two flags allow loops to vectorise.

@@ -7,19 +7,25 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.errors import SimulationError
 from film_model.base.units import scene_unit
 from film_model.core import native
+from film_model.core.modal import LEVELS
 from film_model.laws.law import AbstractLaw, law_fields
 from film_model.problem.curve import curve_of
 from film_model.problem.families import EDGES, Page, page_between
 from film_model.problem.problem import Problem
 from film_model.scene import STANDARD_GRAVITY
+from film_model.solve.vibration import Vibration
 from fmu_wrapper.assumptions import Validity
 from fmu_wrapper.variables import KINDS, RIGID, STATES, VARIABLES, Kind, Variable, reference, settable
 
 NAME, NOTES, SCENE = "model.film", "notes.json", "scene.toml"
 NAMES = (NAME, NOTES, SCENE)
-MAGIC = b"FILMFMU1"
+MAGIC = b"FILMFMU2"
 SCALING = (
     *("radius", "effective_modulus", "yield_strength", "yield_pressure", "hardness", "stiffness", "power_stiffness"),
 )
@@ -42,6 +48,11 @@ WORST_FIT = 1e-9
 """Largest relative error of the force for which it does."""
 SMALLER = 0.5
 
+MOST_MODES = 20_000
+"""Largest number of natural vibrations of an FMU, limited by memory: 6 kB of address space each in every instance."""
+OF_HALF_SPACES = ("target_impedance", "loading_segments", "unloading_segments")
+"""Parameters that an FMU on a vibrating target does not have."""
+
 _SETTABLE = settable()
 _D, _I = c.c_double, c.c_int32
 _PROBES = (2.0, 5.0)
@@ -59,6 +70,12 @@ class Family(c.Structure):
         ("nodes", _I),
         ("varying", _I),
     )
+
+
+class Modes(c.Structure):
+    """model_modes of runtime/model.h."""
+
+    _fields_ = (("longest", _D), ("rest", _D), ("tolerance", _D), ("count", _I), ("levels", _I))
 
 
 class Data(c.Structure):
@@ -88,6 +105,7 @@ class Data(c.Structure):
         ("limit_power", (_D * len(SCALING)) * LIMITS),
         ("curve", native.Curve),
         ("family", Family),
+        ("modes", Modes),
     )
     tail = b""
 
@@ -99,10 +117,13 @@ def model_data(
     segments: tuple[int, int],
     nominal: tuple[float, float, float],
     validity: Validity,
+    vibration: Vibration | None = None,
 ) -> Data:
-    """The data of an export, without its token. gap: at the start, m. nominal: of the states, SI.
+    """The data of an export, without its token. gap: at the start, m. nominal: of the states, SI. vibration: on a
+    vibrating target, with the modes to follow.
 
-    Raises ValueError for a start value outside the range of its variable.
+    Raises SimulationError for more than `MOST_MODES` modes,
+    ValueError for a start value outside the range of its variable.
     """
     scene, law = problem.scene, problem.law
     data = Data()
@@ -124,7 +145,7 @@ def model_data(
     damping = {name: damping_power(law, name, problem) for name in DAMPING}
     for k, variable in enumerate(VARIABLES[:_SETTABLE]):
         name = variable.name
-        exists = kind in variable.causality
+        exists = kind in variable.causality and not (vibration and name in OF_HALF_SPACES)
         if name in powers:
             exists = exists and powers[name] is not None
             data.start[k] = getattr(law, field_of(law, name)) if exists else variable.low
@@ -146,7 +167,23 @@ def model_data(
     data.nominal[:] = nominal
     data.curve = problem.curve.native
     _put_family(data, problem)
+    if vibration is not None:
+        _put_modes(data, problem, vibration)
     return data
+
+
+def _put_modes(data: Data, problem: Problem, vibration: Vibration) -> None:
+    """The modes of a vibrating target; `rest` is the compliance of the others."""
+    tables, start, count = vibration.tables, vibration.start, vibration.modes
+    if count > MOST_MODES:
+        raise SimulationError(
+            f"the target has {count} natural vibrations at this accuracy, and an FMU at most {MOST_MODES}: ask for a "
+            "coarser accuracy"
+        )
+    rest = start.rest * problem.scales.length / problem.scales.force
+    data.modes = Modes(tables.longest, rest, start.tolerance, count, LEVELS)
+    data.tail += np.concatenate([tables.frequency, tables.share, tables.ratio]).tobytes()
+    data.size = c.sizeof(Data) + len(data.tail)
 
 
 def _put_validity(data: Data, validity: Validity) -> None:
@@ -185,6 +222,11 @@ def own_page(problem: Problem) -> Page | None:
     low, high = max(law.shape / AROUND, float(EDGES[0])), min(law.shape * AROUND, float(EDGES[-1]))
     page = page_between(law.of_shape(1e-3), low, high)
     return page if page.fit_error < WORST_FIT else None
+
+
+def mode_frequencies(data: Data) -> NDArray[np.float64]:
+    """The natural frequencies of a vibrating target, rad/s."""
+    return np.frombuffer(data.tail)[-3 * data.modes.count :][: data.modes.count]
 
 
 def check_range(variable: Variable, value: float) -> None:
@@ -296,6 +338,8 @@ def start_values(data: Data) -> dict[str, float]:
 def has(data: Data, name: str) -> bool:
     """Whether this FMU has the variable."""
     k = reference(name)
+    if data.modes.count > 0 and k >= reference("rate_of_indentation"):  # of Model Exchange
+        return False
     return KINDS[data.kind] in VARIABLES[k].causality and (k >= _SETTABLE or bool(data.available[k]))
 
 

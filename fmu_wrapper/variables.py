@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from film_model.core.native import MAX_STAGES
 from film_model.solve.history import SUMMARY
 
 Kind = Literal["impact", "contact"]
@@ -43,9 +44,10 @@ class Variable:
     """One variable. Its index in `VARIABLES` is its value reference.
 
     type: one of the four. dimension: of `film_model.base.units`, None for whole numbers and enumerations. causality: by
-    kind of FMU; kinds that do not have the variable are left out. low, high: range of values that may be set. rate_of:
-    the state whose time derivative it is. event: the event whose time it is. depends: states and inputs that it depends
-    on directly; depends_damped: further ones if the law is damped.
+    kind of FMU; kinds that do not have the variable are left out. low, high: range of values that may be set, or that
+    an output can have (none for energies that are differences, since rounding may pass it, and for times, which the
+    importer may begin below zero). rate_of: the state whose time derivative it is. event: the event whose time it is.
+    depends: states and inputs that it depends on directly; depends_damped: further ones if the law is damped.
     """
 
     name: str
@@ -84,8 +86,17 @@ def _of_steps(name: str, dimension: str, description: str) -> Variable:
     return Variable(name, Real, dimension, {"impact": "output"}, "discrete", text)
 
 
-def _discrete(name: str, of: str, dimension: str | None, description: str, *kinds: Kind) -> Variable:
-    return Variable(name, of, dimension, dict.fromkeys(kinds or ("impact",), "output"), "discrete", description)
+def _discrete(
+    name: str,
+    of: str,
+    dimension: str | None,
+    description: str,
+    *kinds: Kind,
+    low: float | None = None,
+    high: float | None = None,
+) -> Variable:
+    role = dict.fromkeys(kinds or ("impact",), "output")
+    return Variable(name, of, dimension, role, "discrete", description, low, high)
 
 
 def _time_of(event: str, name: str, description: str) -> Variable:
@@ -94,10 +105,10 @@ def _time_of(event: str, name: str, description: str) -> Variable:
     return Variable(name, Real, "time", role, "discrete", text, event=event)
 
 
-def _summary(name: str, *kinds: Kind) -> Variable:
+def _summary(name: str, *kinds: Kind, low: float | None = None) -> Variable:
     """An output that is a summary value of the latest contact."""
     dimension, description = SUMMARY[name]
-    return _discrete(name, Real, dimension, f"{description}; latest contact, 0 before it is known", *kinds)
+    return _discrete(name, Real, dimension, f"{description}; latest contact, 0 before it is known", *kinds, low=low)
 
 
 def _rate(state: str, dimension: str, depends: tuple[str, ...], damped: tuple[str, ...]) -> Variable:
@@ -207,36 +218,43 @@ VARIABLES: tuple[Variable, ...] = (
         dict.fromkeys(KINDS, "output"),
         "continuous",
         "force of the contact law; it pushes the bodies apart",
+        low=0.0,
         depends=dict.fromkeys(KINDS, ("indentation",)),
         depends_damped={"impact": ("impactor_velocity", "support_velocity"), "contact": ("relative_velocity",)},
     ),
-    _motion("kinetic_energy", "energy", "kinetic energy of the impactor", "impactor_velocity"),
+    replace(_motion("kinetic_energy", "energy", "kinetic energy of the impactor", "impactor_velocity"), low=0.0),
     _of_steps("mean_contact_force", "force", "mean of contact_force over the last communication step"),
     _of_steps("contact_impulse", "impulse", "integral of contact_force over time"),
     _of_steps("contact_energy", "energy", "work done on the indentation: stored and absorbed by the contact"),
     _of_steps("target_energy", "energy", "work done by contact_force on the target and its support"),
     _of_steps("external_work", "energy", "work done by gravity and external_force on the impactor"),
     _discrete("phase", Phase, None, "phase of the motion", *_BOTH),
-    _discrete("stage", Whole, None, "stage of the contact law from 0; -1 unloading, -2 no contact", *_BOTH),
-    _discrete("contact_count", Whole, None, "number of contacts so far", *_BOTH),
-    _discrete("event_count", Whole, None, "number of events so far"),
+    _discrete(
+        *("stage", Whole, None, "stage of the contact law from 0; -1 unloading, -2 no contact", *_BOTH),
+        low=-2,
+        high=MAX_STAGES - 1,
+    ),
+    _discrete("contact_count", Whole, None, "number of contacts so far", *_BOTH, low=0),
+    _discrete("event_count", Whole, None, "number of events so far", low=0),
     _discrete("last_event", EventKind, None, "the latest event"),
     _discrete("time_of_last_event", Real, "time", "time of the latest event; 0 before the first"),
     _time_of("contact_begins", "time_contact_begins", "time of first touch"),
     _time_of("maximum_indentation", "time_of_maximum_indentation", "time of maximum indentation"),
-    _summary("maximum_indentation", *_BOTH),
-    _summary("maximum_force", *_BOTH),
+    _summary("maximum_indentation", *_BOTH, low=0.0),
+    _summary("maximum_force", *_BOTH, low=0.0),
     _time_of("impactor_stops", "time_impactor_stops", "time at which the impactor's velocity is zero"),
     _time_of("contact_ends", "time_contact_ends", "time at which contact ends"),
     _summary("rebound_velocity"),
-    _summary("permanent_indentation", *_BOTH),
-    _discrete("phase_code", Whole, None, "phase as a whole number", *_BOTH),
-    _discrete("last_event_code", Whole, None, "last_event as a whole number"),
+    _summary("permanent_indentation", *_BOTH, low=0.0),
+    _discrete("phase_code", Whole, None, "phase as a whole number", *_BOTH, low=0, high=len(PHASES) - 1),
+    _discrete("last_event_code", Whole, None, "last_event as a whole number", low=0, high=len(EVENT_KINDS) - 1),
     _discrete(
         *("validity", Whole, None),
         "0: the assumptions of the export hold; otherwise the sum of 1: a parameter is outside its range of validity, "
         "2: the contact yields but the law is elastic, 4: the contact is too wide for the law",
         *_BOTH,
+        low=0,
+        high=7,
     ),
     *(
         _rate(state, dimension, depends, damped)

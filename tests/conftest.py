@@ -1,6 +1,7 @@
 """Fixtures that several test files share, and settings of the test run."""
 
 import gc
+from contextlib import contextmanager
 from unittest.mock import patch
 
 import pytest
@@ -27,20 +28,22 @@ def pytest_unconfigure():
 BLANK = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
 
 
+@contextmanager
+def without_pictures():
+    """FMUs are exported without the pictures of the documentation, which take nine tenths of the time."""
+    with patch.multiple(
+        "fmu_wrapper.documentation",
+        plot_history=lambda history: None,
+        svg=lambda figure: BLANK,
+        _law_picture=lambda problem, history: BLANK,
+    ):
+        yield
+
+
 @pytest.fixture(scope="session")
 def export_undrawn():
-    """fmu_wrapper.export without the pictures of the documentation, which take nine tenths of its time."""
-
-    def export(*arguments, **options):
-        with patch.multiple(
-            "fmu_wrapper.documentation",
-            plot_history=lambda history: None,
-            svg=lambda figure: BLANK,
-            _law_picture=lambda problem, history: BLANK,
-        ):
-            return fmu_wrapper.export(*arguments, **options)
-
-    return export
+    """fmu_wrapper.export without pictures."""
+    return without_pictures()(fmu_wrapper.export)
 
 
 @pytest.fixture(scope="session")
@@ -55,3 +58,16 @@ def made(tmp_path_factory, export_undrawn):
         return known[key]
 
     return make
+
+
+@pytest.fixture(scope="session")
+def packed(tmp_path_factory):
+    """SSP packages without pictures, each exported once: packed(scene) is what export_ssp returns."""
+    folder, known = tmp_path_factory.mktemp("packages"), {}
+
+    def pack(on):
+        if on not in known:
+            known[on] = without_pictures()(fmu_wrapper.export_ssp)(on, folder / f"{len(known)}.ssp")
+        return known[on]
+
+    return pack

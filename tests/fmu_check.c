@@ -142,8 +142,12 @@ int main(int count, char **path) {
         int impact = r[k].data.kind == IMPACT;
         for (int version = 2; version <= 3; version++) {
             for (int interface = COSIMULATION; interface < INTERFACES; interface++) {
+                int modes = on_modes(&r[k]);
                 if ((version == 2 || !impact) && (interface == WITH_EVENTS || interface == EARLY_RETURN)) continue;
-                if (impact && interface != EXCHANGE)
+                if (modes && interface == EXCHANGE) continue;
+                if (modes)
+                    for (int i = 0; i < 10; i++) CHECK(modes_at_any_step, &r[k], version, interface);
+                else if (impact && interface != EXCHANGE)
                     for (int i = 0; i < 3; i++) CHECK(at_any_step, &r[k], version, interface);
                 if (!impact)
                     for (int i = 0; i < 10; i++) CHECK(contact_at_any_step, &r[k], version, interface);
@@ -154,10 +158,11 @@ int main(int count, char **path) {
             place_is("parameters", &r[k], version, COSIMULATION);
             parameters(&r[k], version);
             place_is("Model Exchange", &r[k], version, EXCHANGE);
-            if (impact) exchange(&r[k], version);
-            if (impact) derivatives(&r[k], version);
+            int marched = impact && !on_modes(&r[k]);
+            if (marched) exchange(&r[k], version);
+            if (marched) derivatives(&r[k], version);
             place_is("scaling", &r[k], version, COSIMULATION);
-            for (int i = 0; impact && i < 10; i++) scaling(&r[k], version, i % 2 ? 2.0 : uniform(0.2, 5.0), i % 2 ? 2.0 : uniform(0.5, 4.0));
+            for (int i = 0; marched && i < 10; i++) scaling(&r[k], version, i % 2 ? 2.0 : uniform(0.2, 5.0), i % 2 ? 2.0 : uniform(0.5, 4.0));
             place_is("contact_peak", &r[k], version, COSIMULATION);
             if (!impact) contact_peak(&r[k], version);
         }
@@ -171,7 +176,7 @@ int main(int count, char **path) {
     }
     free(met);
     free(lines);
-    free(r);
+    close_resources(r, count);
     printf("fmu_check: %d folders, %ld checks, %ld early returns\n", count - 1, checks, early_returns);
     return blocks == 0 ? 0 : 1;
 }

@@ -94,6 +94,7 @@ static void cycles(const resources *r) {
     for (int k = 0; k < CYCLES; k++) {
         int version = 2 + k % 2, interface = version == 3 ? k / 2 % INTERFACES : k / 2 % 2 ? EXCHANGE : COSIMULATION;
         if (r->data.kind == CONTACT && interface != EXCHANGE) interface = COSIMULATION;
+        if (on_modes(r) && interface == EXCHANGE) interface = COSIMULATION;
         unit made = started(version, interface, r, NULL, 0.0), *u = &made;
         double values[VARIABLES];
         void *saved = NULL;
@@ -125,7 +126,7 @@ static void cycles(const resources *r) {
         if (all) break;
         HOLD(strstr(last_message, "no memory") != NULL);
     }
-    if (r->data.kind == CONTACT) return;
+    if (r->data.kind == CONTACT || on_modes(r)) return;
     settings s = random_settings(r);
     s.value[LOADING_SEGMENTS] = s.value[UNLOADING_SEGMENTS] = 100.0;
     unit fine = started(3, COSIMULATION, r, &s, 0.0), coarse = started(3, COSIMULATION, r, NULL, 0.0);

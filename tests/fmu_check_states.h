@@ -46,6 +46,11 @@ static void random_step(unit *u, double typical, double values[VARIABLES]) {
 static double typical_time(const resources *r) {
     if (r->data.kind == CONTACT) return 1e-4;
     unit u = started(3, COSIMULATION, r, NULL, 0.0);
+    if (on_modes(r)) {
+        double several = 4.0 * inside(&u)->memory.time_scale;
+        dispose(&u);
+        return several;
+    }
     march m = core_march(&u);
     dispose(&u);
     return (m.end - m.touch) / 1.3;
@@ -57,7 +62,7 @@ static void rollback(const resources *r, int version, int interface) {
     settings s = random_settings(r);
     double typical = typical_time(r), first[REDONE][VARIABLES], again[REDONE][VARIABLES], flight;
     unit made = started(version, interface, r, &s, 0.0), *u = &made;
-    flight = r->data.kind == IMPACT && interface != EXCHANGE ? core_march(u).touch : 0.0;
+    flight = r->data.kind == IMPACT && interface != EXCHANGE && !on_modes(r) ? core_march(u).touch : 0.0;
     void *saved = NULL;
     for (int k = 0; k < ROLLBACKS; k++) {
         if (k % 25 == 0) { /* a new start, because the motion ends some time */
@@ -144,9 +149,9 @@ static void foreign_states(const resources *r, const resources *another) {
     HOLD(save(&donor, &saved) == GOOD && saved_size(&donor, saved, &size) == GOOD);
     unsigned char *bytes = malloc(size);
     HOLD(bytes && serialize(&donor, saved, bytes, size) == GOOD);
-    unit other[] = {make(3, EXCHANGE, r), make(3, WITH_EVENTS, r), make(3, EXCHANGE, another), make(2, COSIMULATION, r)};
+    unit other[] = {make(3, EXCHANGE, r), make(3, WITH_EVENTS, r), make(3, COSIMULATION, another), make(2, COSIMULATION, r)};
     for (int k = 0; k < 4; k++) {
-        if (!other[k].c) continue; /* the contact has no event mode */
+        if (!other[k].c) continue; /* the contact has no event mode, a vibrating target no Model Exchange */
         HOLD(deserialize(&other[k], bytes, size, &taken) == (k == 2 ? ERROR : GOOD));
         HOLD((taken == NULL) == (k == 2));
         HOLD(restore(&other[k], saved) == (k == 3 ? GOOD : ERROR));

@@ -7,6 +7,7 @@
 static const double EXACT = 1e-12;        /* of the largest value of its kind: rounding */
 static const double TRUE_LAW = 1e-6;      /* many segments against the true law, integrated by Runge-Kutta */
 static const double TRUE_CHORDS = 1e-5;   /* the same with chords, which are of second order */
+static const double ON_MODES = 1e-9;      /* on a vibrating target, whose later contacts amplify rounding */
 static const double DIFFERENCES = 2e-6;   /* finite differences */
 static const double SINGULAR = 1e-3;      /* of the scale: near a law's root its slope changes too fast for finite differences */
 
@@ -229,6 +230,27 @@ static void at_any_step(const resources *r, int version, int interface) {
         HOLD(get(u, CONTACT_COUNT) == 1);
         dispose(u);
     }
+}
+
+/* On a vibrating target: the same after steps of any size as after one, to rounding, with as many events; the energies add up. */
+static void modes_at_any_step(const resources *r, int version, int interface) {
+    settings s = random_settings(r);
+    unit whole_ = started(version, interface, r, &s, 0.0), made = started(version, interface, r, &s, 0.0), *u = &made;
+    double end = 12.0 * inside(u)->memory.time_scale, pull = s.value[GRAVITY] * s.value[MASS], largest = r->data.force_scale;
+    double energy = get(u, KINETIC_ENERGY);
+    forward(&whole_, end, NULL);
+    while (end - u->now > 1e-9 * end) forward(u, fmin(end * over_decades(1e-4, 1.0), end - u->now), NULL);
+    forward(u, fmax(end - u->now, 0.0), NULL);
+    HOLD(get(u, EVENT_COUNT) == get(&whole_, EVENT_COUNT) && get(u, CONTACT_COUNT) >= 1.0);
+    NEAR(get(u, TIME_OF_LAST_EVENT), get(&whole_, TIME_OF_LAST_EVENT), end, ON_MODES);
+    NEAR(get(u, CONTACT_FORCE), get(&whole_, CONTACT_FORCE), largest, ON_MODES);
+    NEAR(get(u, IMPACTOR_VELOCITY), get(&whole_, IMPACTOR_VELOCITY), inside(u)->memory.velocity, ON_MODES);
+    NEAR(get(u, IMPACTOR_DISPLACEMENT), get(&whole_, IMPACTOR_DISPLACEMENT), inside(u)->memory.length, ON_MODES);
+    double sum = get(u, KINETIC_ENERGY) + get(u, CONTACT_ENERGY) + get(u, TARGET_ENERGY) - get(u, EXTERNAL_WORK);
+    NEAR(sum, energy, energy + fabs(pull * end), ON_MODES);
+    HOLD(make(version, EXCHANGE, r).c == NULL && strstr(last_message, "Co-Simulation"));
+    dispose(&whole_);
+    dispose(u);
 }
 
 #endif

@@ -99,6 +99,7 @@ static const fmi2CallbackFunctions CALLBACKS = {logger_2, NULL, NULL, NULL, NULL
 typedef struct {
     char path[1024], uri[3200];
     model_data data;
+    model_data *file; /* with all that follows it */
 } resources;
 
 static void open_resources(resources *r, const char *path) {
@@ -109,7 +110,7 @@ static void open_resources(resources *r, const char *path) {
         exit(2);
     }
     memcpy(&r->data, data, sizeof r->data);
-    free(data);
+    r->file = data;
     snprintf(r->path, sizeof r->path, "%s", path);
     size_t used = (size_t)snprintf(r->uri, sizeof r->uri, "file://");
     for (const char *c = path; *c; c++) { /* escape all characters that may be escaped */
@@ -117,6 +118,13 @@ static void open_resources(resources *r, const char *path) {
         used += (size_t)snprintf(r->uri + used, sizeof r->uri - used, plain ? "%c" : "%%%02X", plain ? *c : (unsigned char)*c);
     }
 }
+
+static void close_resources(resources *r, int count) {
+    for (int k = 0; k < count; k++) free(r[k].file);
+    free(r);
+}
+
+static inline int on_modes(const resources *r) { return r->data.modes.count > 0; }
 
 /* ---------------------------------------------------------------- one interface to both versions */
 
@@ -182,6 +190,7 @@ static inline double get(unit *u, unsigned reference) {
 }
 
 static inline int has(const resources *r, unsigned reference) {
+    if (on_modes(r) && reference >= RATE_OF_INDENTATION) return 0;
     return VARIABLE[reference].role[r->data.kind] != ABSENT && (reference >= SETTABLE || r->data.available[reference]);
 }
 

@@ -100,25 +100,30 @@ static void write_damaged(const char *scratch, const model_data *data, size_t si
 
 /* A file that is cut, or has wrong bytes, with or without a matching checksum: an error, or an instance that never crashes. */
 static void damaged_file(const char *scratch, const resources *r, int kind) {
-    static model_data data; /* static: large */
-    static resources other;
-    memcpy(&data, &r->data, sizeof data);
-    size_t size = sizeof data, head = offsetof(model_data, token), used = offsetof(model_data, curve) + offsetof(film_curve, piece) +
-                  (size_t)r->data.curve.pieces * sizeof(film_piece);
+    static resources other; /* static: large */
+    size_t size = (size_t)r->data.size, head = offsetof(model_data, token), tail = sizeof(model_data);
+    size_t used = offsetof(model_data, curve) + offsetof(film_curve, piece) + (size_t)r->data.curve.pieces * sizeof(film_piece);
+    model_data *data = malloc(size);
+    HOLD(data != NULL);
+    memcpy(data, r->file, size);
     if (kind == 0) size = (size_t)whole(0, (int)size - 1);
     else
         for (int flips = whole(1, 3); flips > 0; flips--) {
-            size_t at = kind == 1 ? (size_t)whole(0, (int)size - 1) : (size_t)whole((int)head + 64, (int)used - 1);
-            ((unsigned char *)&data)[at] ^= (unsigned char)(1 << whole(0, 7));
+            size_t at = (size_t)whole((int)head + 64, (int)used - 1);
+            if (kind == 1) at = (size_t)whole(0, (int)size - 1);
+            else if (likely(40) && on_modes(r)) at = (size_t)whole((int)offsetof(model_data, family), (int)size - 1);
+            else if (likely(20) && size > tail) at = (size_t)whole((int)tail, (int)size - 1);
+            ((unsigned char *)data)[at] ^= (unsigned char)(1 << whole(0, 7));
         }
-    if (kind == 2) data.checksum = model_checksum((const unsigned char *)&data + head, sizeof data - head);
-    write_damaged(scratch, &data, size);
+    if (kind == 2) data->checksum = model_checksum((const unsigned char *)data + head, size - head);
+    write_damaged(scratch, data, size);
     damaged++;
     memcpy(&other, r, sizeof other);
-    memcpy(&other.data, &data, sizeof data);
+    memcpy(&other.data, data, sizeof other.data);
+    free(data);
     snprintf(other.path, sizeof other.path, "%s", scratch);
     snprintf(other.uri, sizeof other.uri, "file://%s", scratch);
-    unit made = make(whole(2, 3), whole(0, 1) ? COSIMULATION : EXCHANGE, &other);
+    unit made = make(whole(2, 3), whole(0, 1) || on_modes(r) ? COSIMULATION : EXCHANGE, &other);
     snprintf(where, sizeof where, "a damaged file, kind %d, of %.200s", kind, r->path);
     if (!made.c) {
         HOLD(strstr(last_message, "model.film") && strncmp(last_message, "fmi", 3) == 0);
@@ -159,7 +164,7 @@ int main(int count, char **argument) {
         free(bytes[k]);
     }
     for (int k = 0; k < UNITS; k++) dispose(&players[k].u);
-    free(folder);
+    close_resources(folder, folders);
     snprintf(where, sizeof where, "the end");
     detail[0] = 0;
     HOLD(blocks == 0);

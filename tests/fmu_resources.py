@@ -12,10 +12,19 @@ import zipfile
 from dataclasses import replace
 from pathlib import Path
 
-from cases import scene
+from cases import STEEL, scene
 
 import film_model as fm
 from fmu_wrapper import export
+
+
+def on_structure(law: str, **options: float | str) -> fm.Scene:
+    """The ball on a structure of three vibrations, of which the first is a motion as a whole if they are not damped."""
+    frequency = ["300 Hz" if options else "0 Hz", "1.7 kHz", "9 kHz"]
+    mass = ["0.3 kg", "0.2 kg", "0.4 kg"]
+    target = fm.Structure(frequency=frequency, modal_mass=mass, material=STEEL, **options)
+    return replace(scene(law), target=target)
+
 
 CASES = {
     "hertz": ("impact", scene("hertz"), 0.0),
@@ -30,6 +39,13 @@ CASES = {
     "tsuji on a plate": ("impact", scene("tsuji", "plate"), 0.0),
     "hunt-crossley on a rod": ("impact", scene("hunt-crossley", "rod"), "2 um"),
     "kuwabara-kono, dropped": ("impact", replace(scene("kuwabara-kono"), effects=fm.Effects(gravity=True)), "0.05 mm"),
+    "vibrations": ("impact", on_structure("hertz", static_compliance="3e-6 m/N"), "1 um"),
+    "vibrations that fade, big-alabo, dropped": (
+        "impact",
+        replace(on_structure("big-alabo", damping_ratio=0.05), effects=fm.Effects(gravity=True)),
+        "2 um",
+    ),
+    "vibrations, hunt-crossley": ("impact", on_structure("hunt-crossley"), 0.0),
     "contact, spring and dashpot": ("contact", scene("linear-dashpot"), 0.0),
     "contact, kuwabara-kono": ("contact", scene("kuwabara-kono"), 0.0),
     "contact, hertz": ("contact", scene("hertz"), 0.0),

@@ -89,7 +89,8 @@ static void walk(film_structure *structure, const film_curve *curve, const film_
     double before = energy_of(structure, curve, &s, waves);
     for (int k = 0; k < CALLS && status >= 0; k++) {
         double dt = start->unit * spread(1e-4, 10.0), left = dt;
-        if (loaded && uniform() < 0.3 && film_modal_input(structure, &s, waves, uniform() - 0.3, 0.1 * (uniform() - 0.5)) < 0)
+        if (loaded && uniform() < 0.3 &&
+            film_modal_input(structure, curve, &s, waves, uniform() - 0.3, spread(1e-3, 3.0) * (uniform() - 0.5), 0.1 * (uniform() - 0.5)) < 0)
             fail("an input is refused");
         copy = s;
         memcpy(waves_copy, waves, sizeof waves);
@@ -140,7 +141,7 @@ static void run(void) {
     }
     if (film_structure_size(modes, LEVELS) > sizeof memory / sizeof *memory) fail("too little memory");
     if (film_structure_init(&structure, modes, frequency, share, ratio, 1.0, LEVELS, memory) != FILM_OK) fail("the structure is refused");
-    film_modal_start start = {spread(1e-2, 30.0), uniform() < 0.3 ? uniform() - 0.3 : 0.0, 0.0, 1.0, spread(0.1, 10.0), damping, 1e-8, 200.0};
+    film_modal_start start = {spread(1e-2, 30.0), uniform() < 0.3 ? uniform() - 0.3 : 0.0, 0.0, 1.0, spread(0.1, 10.0), damping, 1e-8, 200.0, 0.0};
     if (!curve.stage[0].damped && uniform() < 0.7 && curve.piece[0].force.constant == 0.0) start.rest = spread(1e-3, 10.0);
     reversible = reversible && !damped && start.load == 0.0;
     walk(&structure, &curve, &start, reversible);

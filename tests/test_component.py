@@ -313,6 +313,8 @@ def test_initialize_begins_at_another_time_and_velocity():
     assert component.time == pytest.approx(2.0 + 2e-4, rel=1e-15)
     with pytest.raises(ValueError, match="initial_gap"):
         component.initialize(initial_gap="-1 mm")
+    component.reset()
+    assert component.outputs.impactor_velocity == pytest.approx(0.25, rel=1e-15)  # again that of the scene
 
 
 def test_a_ball_at_rest_on_a_thin_plate_creeps_in_until_the_time_limit():

@@ -120,7 +120,7 @@ def test_no_sequence_of_loads_gains_energy(law):
         saved = component.save()
         while component.phase not in ("separated", "approaching"):
             component.step(period, external_force=-3000.0, stop_at_events=True)
-        released = component._state.spent
+        released = component._motion.contact.spent
         component.restore(saved)
         assert released >= lost - 1e-12 * component.problem.approach**2
         lost = max(lost, released)

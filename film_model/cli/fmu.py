@@ -1,4 +1,4 @@
-"""film-model export-fmu, check-fmu."""
+"""film-model export-fmu, export-ssp, check-fmu."""
 
 from __future__ import annotations
 
@@ -34,6 +34,13 @@ def add_commands(named: Any) -> None:
     add_force(parser, "overwrite an existing file")
     parser.set_defaults(command=export_fmu)
 
+    parser = named.add_parser("export-ssp", help="write contact and bodies of a scene file as an SSP package")
+    parser.add_argument("scene", help="scene file (TOML)")
+    parser.add_argument("--platform", action="append", metavar="NAME", help="as for export-fmu")
+    parser.add_argument("--output", metavar="FILE.ssp", default="impact.ssp", help="file to write (impact.ssp)")
+    add_force(parser, "overwrite an existing file")
+    parser.set_defaults(command=export_ssp)
+
     parser = named.add_parser("check-fmu", help="validate an FMU and compare its runs with the library's")
     parser.add_argument("fmu", help="FMU written by export-fmu")
     add_json(parser)
@@ -67,6 +74,22 @@ def export_fmu(options: argparse.Namespace) -> int:
         print(
             f"its binary is for {platforms.this_platform()} only: --platform all is for five systems", file=sys.stderr
         )
+    return DONE
+
+
+def export_ssp(options: argparse.Namespace) -> int:
+    import fmu_wrapper
+
+    check_writable(options.output, options.force)
+    scene = Scene.from_toml(options.scene)
+    package = fmu_wrapper.export_ssp(scene, options.output, platform=options.platform, overwrite=options.force)
+    print_written(options.output)
+    print(f"components: {', '.join(package.components)}; parameter sets: {len(package.materials)}", file=sys.stderr)
+    by_reason: dict[str, list[str]] = {}
+    for name, reason in package.left_out.items():
+        by_reason.setdefault(reason, []).append(name)
+    for reason, names in by_reason.items():
+        print(f"no parameter set for {', '.join(names)}: {reason}", file=sys.stderr)
     return DONE
 
 

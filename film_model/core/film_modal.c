@@ -28,6 +28,7 @@ int film_modal_init(const film_structure *structure, const film_curve *curve, fi
     if (status < 0) return status;
     if (!(start->rest >= 0.0 && start->rest < INFINITY) || !(start->mass > 0.0 && start->mass < INFINITY)) return FILM_BAD_NUMBER;
     if (!(start->unit > 0.0 && start->unit < INFINITY) || !(start->tolerance > 0.0)) return FILM_BAD_NUMBER;
+    if (!isfinite(start->stop)) return FILM_BAD_NUMBER;
     if (curve->compliance != 0.0 || (start->rest > 0.0 && curve->stage[0].damped)) return FILM_BAD_CURVE;
     s->contact.stop_velocity = NEVER;
     s->contact.moving_in = 0;
@@ -39,7 +40,8 @@ int film_modal_init(const film_structure *structure, const film_curve *curve, fi
     s->x = s->contact.xi;
     s->v = time_unit_velocity(s, s->contact.nu);
     s->speed = time_unit_velocity(s, fmax(fabs(s->contact.nu), SLOWEST));
-    s->moving_in = s->v > 0.0;
+    s->stop = time_unit_velocity(s, start->stop);
+    s->moving_in = s->v > s->stop;
     s->flight_level = -1;
     s->event_at = INFINITY;
     memset(waves, 0, 4 * sizeof(double) * (size_t)structure->modes);
@@ -54,11 +56,62 @@ static int32_t level_of(const film_structure *structure, double size) {
     return level;
 }
 
+/* sum += x, with *low the part that rounding drops. */
+static void add_time(double *sum, double *low, double x) {
+    double t = *sum + (x + *low);
+    *low = (*sum - t) + (x + *low);
+    *sum = t;
+}
+
+/* The work on indentation and rest compliance over the part `theta` of the step, by Gauss's rule of five points, which is
+ * exact for these polynomials. */
+static double work_of_step(const film_modal *s, double theta) {
+    double depth[DEGREE + 1], rate[DEGREE + 1], work = 0.0;
+    film_depth_polynomial(s, depth);
+    for (int k = 0; k < DEGREE; k++) rate[k] = DEGREE * (depth[k + 1] - depth[k]);
+    for (int k = 0; k < GAUSS; k++) {
+        double at = theta * GAUSS_AT[k];
+        work += GAUSS_WEIGHT[k] * film_force_at(s, at) * film_bernstein(rate, DEGREE - 1, at);
+    }
+    return theta * work;
+}
+
+/* The largest force of the step up to theta at its nodes, which for an undamped law is below that at a turn. */
+static void raise_peak(const film_curve *curve, film_modal *s, double theta) {
+    double depth[DEGREE + 1], rate[DEGREE + 1], *peak = &s->contact.force_peak;
+    int best = -1, damped = is_damped(curve, &s->contact);
+    for (int j = 0; j < NODES && NODE_AT[j] <= theta; j++)
+        if (best < 0 || s->force[j] > s->force[best]) best = j;
+    if (damped && theta < 1.0) *peak = fmax(*peak, film_force_at(s, theta));
+    if (best >= 0 && s->force[best] > *peak) {
+        *peak = s->force[best];
+        film_depth_polynomial(s, depth);
+        for (int k = 0; k < DEGREE; k++) rate[k] = DEGREE * (depth[k + 1] - depth[k]);
+        double low = best > 0 ? NODE_AT[best - 1] : 0.0, high = fmin(best < NODES - 1 ? NODE_AT[best + 1] : 1.0, theta);
+        for (int k = 0; k < 40 && damped; k++) { /* ternary search on the law's own force */
+            double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0, f[2];
+            for (int i = 0; i < 2; i++) {
+                double at = i == 0 ? a : b, nu = film_bernstein(rate, DEGREE - 1, at) * s->unit / s->h;
+                f[i] = film_law_on(curve, &s->contact.line, film_bernstein(depth, DEGREE, at), nu).force;
+            }
+            if (f[0] < f[1]) low = a; else high = b;
+            *peak = fmax(*peak, fmax(f[0], f[1]));
+        }
+    }
+    s->peak = fmax(s->peak, *peak);
+}
+
 /* The step ends here, tau after it began, under the same force as planned. */
-static void stop_step(const film_structure *structure, film_modal *s, double *waves) {
+static void stop_step(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves) {
     int32_t n = structure->modes;
     double x, v, t = s->tau;
     if (!s->has_step || t == 0.0) return;
+    s->last_force = s->last_slope = 0.0;
+    if (s->kind == FILM_STEP_CONTACT) {
+        s->spent += work_of_step(s, t / s->h);
+        raise_peak(curve, s, t / s->h);
+        s->last_force = fmax(film_force_at(s, t / s->h), 0.0);
+    }
     film_ball_at(s, t, &x, &v);
     s->shift = s->rate = 0.0;
     for (int32_t i = 0; i < n; i++) {
@@ -69,74 +122,35 @@ static void stop_step(const film_structure *structure, film_modal *s, double *wa
         s->shift += w;
         s->rate += u;
     }
-    s->last_force = s->kind == FILM_STEP_CONTACT ? fmax(film_force_at(s, t / s->h), 0.0) : 0.0;
-    s->last_slope = 0.0;
     s->x = x;
     s->v = v;
-}
-
-/* sum += x, with *low the part that rounding drops. */
-static void add_time(double *sum, double *low, double x) {
-    double t = *sum + (x + *low);
-    *low = (*sum - t) + (x + *low);
-    *sum = t;
-}
-
-int film_modal_input(const film_structure *structure, film_modal *s, double *waves, double load, double nu_change) {
-    if (!isfinite(load) || !isfinite(nu_change)) return FILM_BAD_NUMBER;
-    if (load == s->load && nu_change == 0.0) return FILM_OK;
-    stop_step(structure, s, waves);
-    add_time(&s->time, &s->time_low, s->tau);
+    add_time(&s->time, &s->time_low, t);
     s->tau = 0.0;
+}
+
+int film_modal_input(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves, double load,
+                     double nu_change, double stop_velocity) {
+    if (!isfinite(load) || !isfinite(nu_change) || !isfinite(stop_velocity)) return FILM_BAD_NUMBER;
+    double stop = time_unit_velocity(s, stop_velocity);
+    if (load == s->load && nu_change == 0.0 && stop == s->stop) return FILM_OK;
+    stop_step(structure, curve, s, waves);
     s->has_step = 0;
     s->event_at = INFINITY;
     s->flight_level = -1;
     s->load = s->contact.load = load;
     s->v += time_unit_velocity(s, nu_change);
-    if (s->v > 0.0) s->moving_in = 1;
+    s->stop = stop;
+    if (s->v > s->stop) s->moving_in = 1;
     return FILM_OK;
 }
 
 /* ---------------------------------------------------------------- steps */
 
-/* The work on indentation and rest compliance over the step, by Gauss's rule of five points, exact for these polynomials. */
-static double work_of_step(const film_modal *s) {
-    double depth[DEGREE + 1], rate[DEGREE + 1], work = 0.0;
-    film_depth_polynomial(s, depth);
-    for (int k = 0; k < DEGREE; k++) rate[k] = DEGREE * (depth[k + 1] - depth[k]);
-    for (int k = 0; k < GAUSS; k++)
-        work += GAUSS_WEIGHT[k] * film_force_at(s, GAUSS_AT[k]) * film_bernstein(rate, DEGREE - 1, GAUSS_AT[k]);
-    return work;
-}
-
-/* The largest force of the step at its nodes, which for an undamped law is below that at a turn. */
-static void raise_peak(const film_curve *curve, film_modal *s) {
-    double depth[DEGREE + 1], rate[DEGREE + 1];
-    int best = 0;
-    for (int j = 1; j < NODES; j++)
-        if (s->force[j] > s->force[best]) best = j;
-    if (!(s->force[best] > s->peak)) return;
-    s->peak = s->force[best];
-    if (!is_damped(curve, &s->contact)) return;
-    film_depth_polynomial(s, depth);
-    for (int k = 0; k < DEGREE; k++) rate[k] = DEGREE * (depth[k + 1] - depth[k]);
-    double low = best > 0 ? NODE_AT[best - 1] : 0.0, high = best < NODES - 1 ? NODE_AT[best + 1] : 1.0;
-    for (int k = 0; k < 40; k++) { /* ternary search on the law's own force */
-        double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0, f[2];
-        for (int i = 0; i < 2; i++) {
-            double at = i == 0 ? a : b, nu = film_bernstein(rate, DEGREE - 1, at) * s->unit / s->h;
-            f[i] = film_law_on(curve, &s->contact.line, film_bernstein(depth, DEGREE, at), nu).force;
-        }
-        if (f[0] < f[1]) low = a; else high = b;
-        s->peak = fmax(s->peak, fmax(f[0], f[1]));
-    }
-}
-
 /* To the end of the step. */
 static void finish_step(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves) {
     if (s->kind == FILM_STEP_CONTACT && s->h > 0.0) {
-        s->spent += work_of_step(s);
-        raise_peak(curve, s);
+        s->spent += work_of_step(s, 1.0);
+        raise_peak(curve, s, 1.0);
         s->last_force = film_force_at(s, 1.0);
         s->last_slope = 2.0 * (s->last_force - film_force_at(s, 0.5)) / s->h;
     }
@@ -148,7 +162,7 @@ static void finish_step(const film_structure *structure, const film_curve *curve
     s->v = s->end_v;
     s->shift = s->end_shift;
     s->rate = s->end_rate;
-    if (s->v > 0.0) s->moving_in = 1;
+    if (s->v > s->stop) s->moving_in = 1;
     memcpy(waves, waves + 2 * (size_t)structure->modes, 2 * sizeof(double) * (size_t)structure->modes);
 }
 
@@ -203,13 +217,17 @@ int film_advance(const film_structure *structure, const film_curve *curve, film_
     if (to == INFINITY) return FILM_ENDLESS;
     *dt = fmax(*dt - (to - s->tau), 0.0);
     s->tau = to;
-    if (s->event_at <= s->h) return film_soft_event(curve, s);
+    if (s->event_at <= s->h) {
+        if (is_damped(curve, &s->contact)) raise_peak(curve, s, to / s->h);
+        return film_soft_event(curve, s);
+    }
     finish_step(structure, curve, s, waves);
     return s->ends == ENDS_NODE ? FILM_OK : end_run(structure, curve, s);
 }
 
 int film_modal_step(film_structure *structure, const film_curve *curve, film_modal *s, double *waves, double dt) {
     if (!(dt >= 0.0)) return FILM_BAD_NUMBER;
+    s->steps = 0;
     for (int32_t k = 0; k < FILM_MAX_STEP_LINES; k++) {
         int status = s->has_step ? FILM_OK : film_plan_step(structure, curve, s, waves);
         if (status == FILM_OK) status = film_advance(structure, curve, s, waves, &dt);
@@ -265,6 +283,21 @@ void film_modal_motion(const film_structure *structure, const film_curve *curve,
     current(structure, s, waves, now);
     line.branch = s->contact.branch;
     values_on(curve, &line, s->rest, s->unit, now, values);
+    if (s->contact.event == FILM_CONTACT_ENDS && !(s->contact.damper > 0.0)) values[0] = s->contact.xi_free;
+    if (s->contact.event == FILM_CONTACT_BEGINS) values[0] = s->contact.xi;
+}
+
+film_contact film_modal_force(const film_curve *curve, const film_modal *s, double xi, double rate) {
+    film_line line = s->contact.line;
+    line.branch = s->contact.branch;
+    film_at at = film_law_on(curve, &line, xi, rate);
+    film_contact found = {at.force, at.by_xi, at.by_nu};
+    return found;
+}
+
+double film_modal_work(const film_modal *s, double force) {
+    int within = s->has_step && s->kind == FILM_STEP_CONTACT && s->tau > 0.0;
+    return s->spent + (within ? work_of_step(s, s->tau / s->h) : 0.0) - 0.5 * s->rest * force * force;
 }
 
 void film_modal_energies(const film_structure *structure, const film_modal *s, const double *waves, double *energies) {

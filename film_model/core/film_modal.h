@@ -41,6 +41,7 @@ typedef struct {
     double damping;       /* factor of film_damp */
     double tolerance;     /* of a step: error of its impulse over the momentum at the start */
     double limit;         /* time at which a contact is no longer followed */
+    double stop;          /* velocity in delta_s/t_s at which FILM_IMPACTOR_STOPS is reported */
 } film_modal_start;
 
 /* The state; waves[4 n] beside it holds w_n and w_n' at the beginning of the step, then both at its end. */
@@ -50,6 +51,7 @@ typedef struct {
     double x, v;                      /* of the impactor, when the step began */
     double shift, rate;               /* sums of w_n and w_n' then */
     double load, rest, mass, unit;    /* as in film_modal_start */
+    double stop;                      /* velocity of the impactor at which FILM_IMPACTOR_STOPS is reported */
     double speed, tolerance;          /* reference velocity for errors, in delta_s per unit of time; of a step */
     double last_force, last_slope;    /* of the force's cubic where the last step in contact ended */
     double spent, peak;               /* work done on the indentation and the rest compliance; largest F */
@@ -64,7 +66,7 @@ typedef struct {
     int32_t end_direction, reserved;  /* in which the contact then moves */
     int32_t level, flight_level;      /* of the next step; of the shortest steps in flight, -1 before they are known */
     int32_t kind, has_step;           /* FILM_STEP_... */
-    int32_t short_steps, steps;       /* steps of duration 0 in sequence; steps in all */
+    int32_t short_steps, steps;       /* steps of duration 0 in sequence; steps of this call or impact */
     int32_t moving_in, flight_size;   /* 1: the impactor's stop is still to be reported; k of the next step in flight */
 } film_modal;
 
@@ -109,7 +111,10 @@ typedef struct {
 FILM_API size_t film_structure_size(int32_t modes, int32_t levels);
 
 /* FILM_OK, or FILM_BAD_NUMBER: frequencies not ascending or below 0, shares not above 0, damping ratios outside 0 .. 1 (NULL:
- * all 0), a number that is not finite, levels outside 1 .. FILM_LEVELS. */
+ * all 0), a number that is not finite. */
+FILM_API int film_check_modes(int32_t modes, const double *frequency, const double *share, const double *ratio);
+
+/* FILM_OK, or FILM_BAD_NUMBER: as film_check_modes; or levels outside 1 .. FILM_LEVELS, a longest step not above 0. */
 FILM_API int film_structure_init(film_structure *structure, int32_t modes, const double *frequency, const double *share,
                                  const double *ratio, double longest, int32_t levels, double *memory);
 
@@ -117,8 +122,9 @@ FILM_API int film_structure_init(film_structure *structure, int32_t modes, const
 FILM_API int film_modal_init(const film_structure *structure, const film_curve *curve, film_modal *state, double *waves,
                              const film_modal_start *start, double xi);
 
-/* A new load, and a velocity change of the impactor, from now on. */
-FILM_API int film_modal_input(const film_structure *structure, film_modal *state, double *waves, double load, double nu_change);
+/* A new load, a velocity change of the impactor and the velocity at which its stop is reported, as film_input, from now on. */
+FILM_API int film_modal_input(const film_structure *structure, const film_curve *curve, film_modal *state, double *waves,
+                              double load, double nu_change, double stop_velocity);
 
 /* Forward by dt >= 0 (INFINITY allowed) or to the next event, whichever is first: FILM_OK, FILM_EVENT
  * (state->contact.event), FILM_ENDLESS (it flies away), or a failure. The state is at time + tau either way. */
@@ -127,6 +133,12 @@ FILM_API int film_modal_step(film_structure *structure, const film_curve *curve,
 /* The five values of film_motion now: xi, its rate, F, nu, displacement of the struck point; rates in delta_s/t_s. */
 FILM_API void film_modal_motion(const film_structure *structure, const film_curve *curve, const film_modal *state,
                                 const double *waves, double values[5]);
+
+/* Force and derivatives on the current branch at an indentation and its rate, as film_force. */
+FILM_API film_contact film_modal_force(const film_curve *curve, const film_modal *state, double xi, double rate);
+
+/* Work done on the indentation so far; force: F now. */
+FILM_API double film_modal_work(const film_modal *state, double force);
 
 /* Energy of each mode now, over F_s delta_s. */
 FILM_API void film_modal_energies(const film_structure *structure, const film_modal *state, const double *waves, double *energies);

@@ -69,7 +69,7 @@ void film_next_event(const film_curve *curve, film_modal *s, double from) {
     }
     if (!s->moving_in) return;
     force_powers(s, powers);
-    speed[0] = s->v;
+    speed[0] = s->v - s->stop;
     for (int k = 0; k < NODES; k++) speed[k + 1] = -per * powers[k] / (k + 1);
     speed[1] += per * s->load;
     from_powers(speed, NODES, bernstein);
@@ -93,7 +93,8 @@ int film_soft_event(const film_curve *curve, film_modal *s) {
         s->contact.xi = film_indentation(curve, &s->contact.line, s->rest, depth);
         s->contact.nu = 0.0;
         status = film_end_run(curve, &s->contact, ENDS_TURN);
-        s->peak = fmax(s->peak, s->contact.elastic);
+        s->contact.force_peak = fmax(s->contact.force_peak, s->contact.elastic);
+        s->peak = fmax(s->peak, s->contact.force_peak);
     }
     film_next_event(curve, s, theta);
     return status;

@@ -55,8 +55,8 @@ static double earliest(const film_structure *structure, const film_modal *s, con
         x -= waves[i];
         v -= waves[structure->modes + i];
     }
-    double gap = s->contact.xi_free - x - s->reach, root = v * v + 2.0 * a * gap;
-    if (gap <= 0.0) return 0.0;
+    double gap = fmax(s->contact.xi_free - x - s->reach, 0.0), root = v * v + 2.0 * a * gap;
+    if (gap == 0.0 && s->reach > 0.0) return 0.0; /* a structure at rest may be touched without ever being pressed */
     if (a == 0.0) return v > 0.0 ? gap / v : INFINITY;
     if (root < 0.0) return INFINITY;
     if (v > 0.0) return 2.0 * gap / (v + sqrt(root));

@@ -53,8 +53,6 @@ static void note_event(const film_structure *structure, const film_curve *curve,
     event.time = now_of(s);
     event.event = s->contact.event;
     event.branch = s->contact.branch;
-    if (event.event == FILM_CONTACT_ENDS && !(s->contact.damper > 0.0)) event.values[0] = s->contact.xi_free;
-    if (event.event == FILM_CONTACT_BEGINS) event.values[0] = s->contact.xi;
     if (record != NULL) record->events[record->event_count++] = event;
     core->maximum_force = fmax(core->maximum_force, fmax(s->peak, event.values[2]));
     if (event.event == FILM_MAXIMUM_INDENTATION && event.values[0] > DEEPER * core->maximum_indentation) {

@@ -8,6 +8,9 @@
  * the recursion downwards; above it from cosine and sine, and the recursion upwards. Both are accurate at the border. */
 static const double SERIES_PHASE = 6.0;
 
+/* A frequency below this is no vibration, and its square underflows. */
+static const double LEAST_FREQUENCY = 1e-100;
+
 enum { SERIES_TERMS = 60, EVEN_TERMS = 17, PER_MODE = 2 * NODES + 4 + 2 * NODES, PER_TABLE = 2 * NODES * NODES };
 
 static const double FACTORIAL[NODES] = {1.0, 1.0, 2.0, 6.0};
@@ -190,10 +193,21 @@ film_table film_level_table(film_structure *structure, int32_t level) {
 
 /* ---------------------------------------------------------------- structures */
 
+int film_check_modes(int32_t modes, const double *frequency, const double *share, const double *ratio) {
+    if (modes < 0 || modes > FILM_MOST_MODES) return FILM_BAD_NUMBER;
+    for (int32_t i = 0; i < modes; i++) {
+        double zeta = ratio == NULL ? 0.0 : ratio[i];
+        if (!(frequency[i] >= (i > 0 ? frequency[i - 1] : 0.0) && frequency[i] < 1e100)) return FILM_BAD_NUMBER;
+        if (frequency[i] > 0.0 && frequency[i] < LEAST_FREQUENCY) return FILM_BAD_NUMBER;
+        if (!(share[i] > 0.0 && share[i] < INFINITY) || !(zeta >= 0.0 && zeta <= 1.0)) return FILM_BAD_NUMBER;
+    }
+    return FILM_OK;
+}
+
 int film_structure_init(film_structure *structure, int32_t modes, const double *frequency, const double *share,
                         const double *ratio, double longest, int32_t levels, double *memory) {
     memset(structure, 0, sizeof *structure);
-    if (modes < 0 || modes > FILM_MOST_MODES || levels < 1 || levels > FILM_LEVELS) return FILM_BAD_NUMBER;
+    if (film_check_modes(modes, frequency, share, ratio) < 0 || levels < 1 || levels > FILM_LEVELS) return FILM_BAD_NUMBER;
     if (!(longest > 0.0 && longest < INFINITY)) return FILM_BAD_NUMBER;
     structure->modes = modes;
     structure->levels = levels;
@@ -204,11 +218,9 @@ int film_structure_init(film_structure *structure, int32_t modes, const double *
     structure->drag = memory + modes;
     structure->tables = memory + 2 * (size_t)modes;
     for (int32_t i = 0; i < modes; i++) {
-        double omega = frequency[i], zeta = ratio == NULL ? 0.0 : ratio[i];
-        if (!(omega >= (i > 0 ? frequency[i - 1] : 0.0) && omega < 1e100)) return FILM_BAD_NUMBER;
-        if (!(share[i] > 0.0 && share[i] < INFINITY) || !(zeta >= 0.0 && zeta <= 1.0)) return FILM_BAD_NUMBER;
+        double omega = frequency[i];
         structure->square[i] = omega * omega;
-        structure->drag[i] = 2.0 * zeta * omega;
+        structure->drag[i] = ratio == NULL ? 0.0 : 2.0 * ratio[i] * omega;
         if (omega == 0.0) structure->rigid = i + 1;
     }
     return FILM_OK;

@@ -46,7 +46,7 @@ class Structure(c.Structure):
 class Start(c.Structure):
     """film_modal_start: how an impact on a structure starts."""
 
-    _fields_ = [(name, _D) for name in ("nu", "load", "rest", "mass", "unit", "damping", "tolerance", "limit")]
+    _fields_ = [(name, _D) for name in ("nu", "load", "rest", "mass", "unit", "damping", "tolerance", "limit", "stop")]
 
 
 class Modal(c.Structure):
@@ -54,7 +54,10 @@ class Modal(c.Structure):
 
     _fields_ = (
         [("contact", State)]
-        + [(name, _D) for name in ("time", "time_low", "x", "v", "shift", "rate", "load", "rest", "mass", "unit")]
+        + [
+            (name, _D)
+            for name in ("time", "time_low", "x", "v", "shift", "rate", "load", "rest", "mass", "unit", "stop")
+        ]
         + [(name, _D) for name in ("speed", "tolerance", "last_force", "last_slope", "spent", "peak", "h", "tau")]
         + [("force", _D * _NODES), ("bend", _D * _BENDS)]
         + [(name, _D) for name in ("end_x", "end_v", "end_shift", "end_rate", "event_at", "reach")]
@@ -109,9 +112,10 @@ def _library() -> Any:
         "film_structure_size": ([_I, _I], c.c_size_t),
         "film_structure_init": ([pointer, _I, pointer, pointer, pointer, _D, _I, pointer], c.c_int),
         "film_modal_init": ([pointer, pointer, pointer, pointer, pointer, _D], c.c_int),
-        "film_modal_input": ([pointer, pointer, pointer, _D, _D], c.c_int),
+        "film_modal_input": ([pointer] * 4 + [_D] * 3, c.c_int),
         "film_modal_step": ([pointer, pointer, pointer, pointer, _D], c.c_int),
         "film_modal_motion": ([pointer] * 5, None),
+        "film_modal_work": ([pointer, _D], _D),
         "film_modal_energies": ([pointer] * 4, None),
         "film_modal_impact": ([pointer] * 7, c.c_int),
         "film_modal_go_on": ([pointer, pointer, _D, *[pointer] * 4], c.c_int),
@@ -252,6 +256,48 @@ def _impact(tables: Tables, curve: Curve, start: Start) -> Impact:
     energies = np.empty(tables.count)
     lib.film_modal_energies(at[0], c.byref(state), waves.ctypes.data, energies.ctypes.data)
     return Impact(status, summary, segments, events, flights, energies)
+
+
+class Motion:
+    """A contact on a structure that is advanced in steps; times in the structure's unit. Raises ValueError for a start
+    that the core refuses. `tables` may be shared with other motions."""
+
+    def __init__(self, tables: Tables, curve: Curve, start: Start, gap: float = 0.0) -> None:
+        self.tables, self.curve, self.state = tables, curve, Modal()
+        self._waves, self._values = np.zeros(4 * tables.count), np.empty(5)
+        state = c.byref(self.state)
+        status = _library().film_modal_init(
+            c.byref(tables.native), c.byref(curve), state, self._waves.ctypes.data, c.byref(start), -gap
+        )
+        if status != native.OK:
+            numbers = ", ".join(f"{name}={getattr(start, name)!r}" for name in (field[0] for field in Start._fields_))
+            raise ValueError(f"the core refuses the start {numbers}, gap={gap!r}")
+
+    def _at(self) -> tuple[Any, ...]:
+        return c.byref(self.tables.native), c.byref(self.curve), c.byref(self.state), self._waves.ctypes.data
+
+    def set_input(self, load: float, nu_change: float, stop_velocity: float) -> int:
+        """As `native.set_input`; the core's status."""
+        return _library().film_modal_input(*self._at(), load, nu_change, stop_velocity)
+
+    def step(self, dt: float) -> int:
+        """Forward by dt or to the next event; the core's status."""
+        with self.tables.lock:
+            return _library().film_modal_step(*self._at(), dt)
+
+    def values(self) -> Array:
+        """ξ, ξ', f, ν and displacement of the struck point now."""
+        _library().film_modal_motion(*self._at(), self._values.ctypes.data)
+        return self._values
+
+    def save(self) -> bytes:
+        """The whole state."""
+        return bytes(self.state) + self._waves.tobytes()
+
+    def restore(self, saved: bytes) -> None:
+        """Return to a saved state."""
+        size = c.sizeof(Modal)
+        self.state, self._waves = Modal.from_buffer_copy(saved), np.frombuffer(saved[size:]).copy()
 
 
 def batch(tables: Tables, curve: Curve, start: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[Any]]:

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import struct
+import warnings as python_warnings
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from film_model.base import units
-from film_model.base.errors import SimulationError
+from film_model.base.errors import ImpactWarning, SimulationError
 from film_model.core import native
 from film_model.effects.choose import Choice, choose
-from film_model.problem.problem import refuse_vibrations
-from film_model.scene import Scene
+from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import Linearisation, mesh_for, mesh_of, raise_failure, solver_for
 from film_model.solve.history import Event, stage_names
+from film_model.solve.motions import OnLines, OnModes, modes_for
+from film_model.solve.vibration import unused_options
 
-_NOW = struct.Struct("9d")  # the first fields of film_state: time … force_peak
-_REPORT = struct.Struct("4i")
-_REPORT_AT = native.State.phase.offset
 DEFAULT_SEGMENTS = (24, 48)  # used if the impactor starts at rest: there is no impact on which to try meshes
 
 MOST_EVENTS = 1_000_000
@@ -67,8 +65,11 @@ class ImpactComponent:
     the march. Later contacts begin on the permanent indentation of earlier ones. Arguments may be quantities, texts
     with units, or SI floats. The scene's gravity, if simulated, is added to the external force.
 
-    Raises SceneError or SimulationError as `simulate` does; SimulationError for a target that is a free body or
-    vibrates.
+    A target whose vibrations matter is followed by its natural vibrations, as many as `simulate` needs for the scene;
+    it rings on between contacts, and the support moves it as a whole. `modes` is their number, and `segments` are 0.
+    What `simulate` would warn about the accuracy is issued as an ImpactWarning.
+
+    Raises SceneError or SimulationError as `simulate` does; SimulationError for a target that is a free body.
 
     >>> component = fm.ImpactComponent(scene, initial_gap="1 mm")
     >>> [event.name for event in component.step("1.02 ms").events]
@@ -91,30 +92,51 @@ class ImpactComponent:
         self.scene = scene
         self.choice: Choice = choose(scene)
         self.problem = self.choice.problem
-        refuse_vibrations(self.problem, "an ImpactComponent")
         self._gap = _gap(initial_gap)
+        self.modes = 0
+        if self.problem.vibrates:
+            self.segments = (0, 0)
+            self._motion: OnLines | OnModes = self._on_modes(accuracy, segments, linearisation)
+        else:
+            self._motion = OnLines(self.problem, self._mesh(accuracy, segments, linearisation))
+        self.reset()
+
+    def _mesh(
+        self, accuracy: float | None, segments: int | tuple[int, int] | None, linearisation: Linearisation | None
+    ) -> native.Mesh:
         if isinstance(segments, tuple):
             self.segments = segments
-            self._mesh = mesh_of(solver_for(scene.solver, accuracy, max(segments), linearisation), segments)
-        else:
-            self.segments, self._mesh = mesh_for(
-                scene, self.problem, accuracy, segments, linearisation, fallback=DEFAULT_SEGMENTS
-            )
-        self._curve = self.problem.curve.native
-        self.reset()
+            return mesh_of(solver_for(self.scene.solver, accuracy, max(segments), linearisation), segments)
+        self.segments, mesh = mesh_for(
+            self.scene, self.problem, accuracy, segments, linearisation, fallback=DEFAULT_SEGMENTS
+        )
+        return mesh
+
+    def _on_modes(
+        self, accuracy: float | None, segments: int | tuple[int, int] | None, linearisation: Linearisation | None
+    ) -> OnModes:
+        most = max(segments) if isinstance(segments, tuple) else segments
+        solver = solver_for(self.scene.solver, accuracy, most, linearisation)
+        asked, warnings = solver.accuracy or DEFAULT_ACCURACY, unused_options(solver)
+        found = modes_for(self.problem, asked, warnings)
+        for sentence in warnings:
+            python_warnings.warn(sentence, ImpactWarning, stacklevel=4)
+        self.modes = found.modes
+        return OnModes(self.problem, found)
 
     def __repr__(self) -> str:
         return f"ImpactComponent(law {self.problem.law.name}, {self.phase} at {self.time:g} s)"
 
     def initialize(self, *, time: Any = 0.0, initial_gap: Any = None, velocity: Any = None) -> None:
         """Start at `time` [s], target undeformed; gap [m] and velocity [m/s] default to those of the constructor."""
-        start = self.problem.start
+        scales, speed = self.problem.scales, self.problem.approach
         if velocity is not None:
-            start.nu = units.to_si(velocity, "velocity", bare=True) / self.problem.scales.velocity
+            speed = units.to_si(velocity, "velocity", bare=True) / scales.velocity
         gap = self._gap if initial_gap is None else _gap(initial_gap)
-        state = native.initial_state(self._curve, start, gap / self.problem.scales.length)
         begin = units.to_si(time, "time", bare=True)
-        self.restore(SavedState(bytes(state), begin, 0.0, 0.0, self.problem.load))
+        self._motion.begin(speed, gap / scales.length)
+        self._start_time, self._load = begin, self.problem.load
+        self._support_velocity = self._support_displacement = 0.0
 
     def reset(self) -> None:
         """Return to the initial state: undeformed target, no contact."""
@@ -123,11 +145,11 @@ class ImpactComponent:
     def save(self) -> SavedState:
         """A copy of the state, for `restore`."""
         support = self._support_velocity, self._support_displacement
-        return SavedState(bytes(self._state), self._start_time, *support, self._load)
+        return SavedState(self._motion.save(), self._start_time, *support, self._load)
 
     def restore(self, saved: SavedState) -> None:
         """Return to a saved state; the same steps then give the same results to the last bit."""
-        self._state = native.State.from_buffer_copy(saved.core)
+        self._motion.restore(saved.core)
         self._start_time = saved.start_time
         self._support_velocity, self._support_displacement = saved.support_velocity, saved.support_displacement
         self._load = saved.load
@@ -135,30 +157,25 @@ class ImpactComponent:
     @property
     def time(self) -> float:
         """Time, s; starts at 0 unless `initialize` sets another start."""
-        return self._start_time + self._state.time * self.problem.scales.time
+        return self._start_time + self._motion.time * self._motion.clock
 
     @property
     def phase(self) -> str:
         """Phase of the motion: "approaching", "loading", "unloading", "reloading", "resting", "separated"."""
-        return native.PHASES[self._state.phase]
+        return native.PHASES[self._motion.contact.phase]
 
     @property
     def outputs(self) -> Outputs:
         """Motion now, SI."""
-        time, _, xi, nu, shift, force, _, _, _ = _NOW.unpack_from(self._state)
-        phase, _, contacts, _ = _REPORT.unpack_from(self._state, _REPORT_AT)
+        time, xi, nu, recoil, shift, force, phase, contacts = self._motion.now()
         s, support = self.problem.scales, self._support_velocity
-        target = self.problem.gamma * force * s.velocity
-        if self._curve.compliance > 0.0:
-            xi, rate, force, _, shift = native.motion(self._curve, self._state).tolist()
-            target = (nu - rate) * s.velocity
-        velocity = nu * s.velocity
+        indentation, velocity, target = xi * s.length, nu * s.velocity, recoil * s.velocity
         moved = shift * s.length + self._support_displacement
         return Outputs(
-            self._start_time + time * s.time,
-            xi * s.length,
+            self._start_time + time * self._motion.clock,
+            indentation,
             velocity - target,
-            moved + xi * s.length,
+            moved + indentation,
             velocity + support,
             moved,
             target + support,
@@ -181,36 +198,36 @@ class ImpactComponent:
         if dt < 0.0:
             raise ValueError(f"dt: {dt:g} s must be >= 0 s")
         support = _si(support_velocity, "velocity")
-        scales, state = self.problem.scales, self._state
+        scales, motion = self.problem.scales, self._motion
         load = self.problem.load + force / scales.force
         if load != self._load or support != self._support_velocity:
             change = (support - self._support_velocity) / scales.velocity
-            native.set_input(state, load, -change, -support / scales.velocity)
+            motion.set_input(load, -change, -support / scales.velocity)
             self._load, self._support_velocity = load, support
         events: list[Event] = []
-        end, before = state.time + dt / scales.time, state.time
-        remaining = dt / scales.time
+        remaining, before = dt / motion.clock, motion.time
+        end = before + remaining
         while True:
-            status = native.step(self._curve, self._mesh, state, remaining)
-            self._support_displacement += support * (state.time - before) * scales.time
-            before = state.time
+            status = motion.step(remaining)
+            self._support_displacement += support * (motion.time - before) * motion.clock
+            before = motion.time
             if status != native.EVENT:
                 raise_failure(status, self.problem)
                 break
             events.append(self._event())
             if len(events) > MOST_EVENTS:
                 raise SimulationError(f"more than {MOST_EVENTS} events in one step: ask for a shorter one")
-            remaining = max(end - state.time, 0.0)
+            remaining = max(end - before, 0.0)
             if stop_at_events:
                 break
         outputs = self.outputs
         return StepResult(outputs.time, outputs, tuple(events))
 
     def _event(self) -> Event:
-        o = self.outputs
-        stage = stage_names(self.problem)[self._state.branch]
+        o, contact = self.outputs, self._motion.contact
+        stage = stage_names(self.problem)[contact.branch]
         motion = (o.indentation, o.relative_velocity, o.contact_force, o.impactor_displacement, o.impactor_velocity)
-        return Event(native.EVENTS[self._state.event], o.time, stage, *motion, o.target_displacement, o.target_velocity)
+        return Event(native.EVENTS[contact.event], o.time, stage, *motion, o.target_displacement, o.target_velocity)
 
 
 def _gap(value: Any) -> float:

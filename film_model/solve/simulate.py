@@ -19,7 +19,7 @@ from film_model.problem.summary import energy_warning, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.solve.accuracy import Linearisation, estimate, mesh_of, raise_failure, refine, solver_for
 from film_model.solve.history import Accuracy, Event, History, stage_names
-from film_model.solve.vibration import Moment, vibrate
+from film_model.solve.vibration import Moment, unused_options, vibrate
 
 GRAZING = 1e-12
 """Kinetic energy over the work of the load that is rounding, if both the impact and the end of contact have less."""
@@ -202,10 +202,7 @@ def _on_modes(scene: Scene, choice: Choice, warnings: list[str]) -> History:
     """The history of an impact on a vibrating target."""
     target, solver, problem = scene.target, scene.solver, choice.problem
     asked = solver.accuracy or DEFAULT_ACCURACY
-    if solver.segments is not None or solver.linearisation == "chord":
-        warnings.append(
-            f"segments and linearisation are not used: the vibrating target is followed with accuracy {asked:g}"
-        )
+    warnings.extend(unused_options(solver))
     vibration, estimated = vibrate(problem, target, asked, warnings)
     separated = vibration.outcome is Outcome.SEPARATED
     values = summary_of(problem, native.EVENT if separated else native.OK, vibration.summary)

@@ -22,6 +22,7 @@ from film_model.core import modal, native
 from film_model.problem.curve import can_be_in_series, curve_of
 from film_model.problem.problem import Problem
 from film_model.problem.summary import differences, radiated
+from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.solve.accuracy import raise_failure
 from film_model.targets import AbstractTarget, Modes
 
@@ -80,12 +81,15 @@ class Vibration:
     """An impact on a vibrating target, in the units of the march. `summary` as the core's.
 
     segments: steps in contact, and flights; flights: the modes' state at the beginning of each. A step in contact has
-    320 bytes, a flight 16 bytes per mode. energies: of each mode at the end. contacts: how many ended.
+    320 bytes, a flight 16 bytes per mode. start: as given to the core. energies: of each mode at the end. contacts: how
+    many ended. highest: frequency up to which
+    there are modes, rad/s.
     """
 
     curve: native.Curve = field(repr=False)
     tables: modal.Tables = field(repr=False)
-    unit: float
+    highest: float
+    start: modal.Start = field(repr=False)
     segments: NDArray[Any] = field(repr=False)
     flights: Array = field(repr=False)
     events: tuple[Moment, ...] = field(repr=False)
@@ -94,6 +98,11 @@ class Vibration:
     energies: Array = field(repr=False)
     contacts: int
     waited: bool
+
+    @property
+    def unit(self) -> float:
+        """The march's unit of time, s."""
+        return self.start.unit
 
     @property
     def frequency(self) -> Array:
@@ -142,8 +151,10 @@ class Vibration:
 
 @dataclass(frozen=True)
 class Structure:
-    """A target's modes up to a frequency, with the core's tables, which are kept. omitted: the remaining compliance."""
+    """A target's modes up to the frequency `highest` [rad/s], with the core's tables, which are kept. omitted: the
+    remaining compliance."""
 
+    highest: float
     tables: modal.Tables
     omitted: float
     with_omitted: modal.Tables
@@ -152,6 +163,14 @@ class Structure:
 
 Follow = Callable[[float, float], Vibration]
 """The impact with the modes up to a frequency [rad/s], and a tolerance of the steps."""
+
+
+def unused_options(solver: Solver) -> list[str]:
+    """The warning that a solver's options do not concern a vibrating target, if it has such."""
+    if solver.segments is None and solver.linearisation != "chord":
+        return []
+    asked = solver.accuracy or DEFAULT_ACCURACY
+    return [f"segments and linearisation are not used: the vibrating target is followed with accuracy {asked:g}"]
 
 
 def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings: list[str]) -> tuple[Vibration, float]:
@@ -267,7 +286,8 @@ def run(problem: Problem, structure: Structure, tolerance: float, limit: float) 
     return Vibration(
         curve,
         tables,
-        scales.time,
+        structure.highest,
+        start,
         found.segments,
         found.flights,
         events,
@@ -302,7 +322,9 @@ def made(target: AbstractTarget, highest: float, longest: float) -> Structure:
     except ValueError as error:
         raise SimulationError(f"the target's natural vibrations cannot be simulated: {error}") from None
     omitted = max((target.compliance or 0.0) - modes.compliance, 0.0)
-    return Structure(tables, omitted, _with_omitted(modes, omitted, highest, longest) if omitted > 0.0 else tables)
+    return Structure(
+        highest, tables, omitted, _with_omitted(modes, omitted, highest, longest) if omitted > 0.0 else tables
+    )
 
 
 _kept = lru_cache(maxsize=16)(made)

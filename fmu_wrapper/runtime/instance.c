@@ -86,6 +86,11 @@ instance *instance_new(const char *function, const instance_options *options, co
                  options->token ? options->token : "", i->data->token);
         error = message;
     }
+    if (!error && options->model_exchange && i->data->modes.count > 0) {
+        snprintf(message, sizeof message, "this FMU is for Co-Simulation: in Model Exchange its %d natural vibrations would be "
+                 "states of the importer's integrator", (int)i->data->modes.count);
+        error = message;
+    }
     if (error) {
         instance_error(&none, function, "%s", error);
         instance_free(i);
@@ -202,25 +207,32 @@ int instance_derivatives(instance *i, const char *function, const unsigned *unkn
 
 typedef struct {
     uint64_t checksum; /* FNV-1a of what follows */
+    uint64_t size;     /* bytes, with the state of a vibrating target that follows this structure */
     char token[64];    /* of the FMU that saved it */
     int32_t model_exchange, event_mode; /* of the instance */
     instance_state state;
 } saved_state;
 
+static size_t saved_size(const instance *i) { return sizeof(saved_state) + model_modal_size(i->data); }
+
 static uint64_t checksum_of(const saved_state *saved) {
-    return model_checksum((const unsigned char *)saved + sizeof saved->checksum, sizeof *saved - sizeof saved->checksum);
+    return model_checksum((const unsigned char *)saved + sizeof saved->checksum, (size_t)saved->size - sizeof saved->checksum);
 }
 
 int instance_save(instance *i, const char *function, void **saved) {
     ALLOW(ANY_MODE);
     if (!saved) return instance_error(i, function, "argument FMUState is NULL");
-    saved_state *state = *saved ? *saved : calloc(1, sizeof *state);
+    saved_state *state = *saved;
+    if (state && state->size != saved_size(i)) free(state), *saved = state = NULL; /* of another FMU */
+    if (!state) state = calloc(1, saved_size(i));
     if (!state) return instance_error(i, function, "no memory for a state");
+    state->size = saved_size(i);
     memcpy(state->token, i->data->token, sizeof state->token);
     state->model_exchange = i->model_exchange;
     state->event_mode = i->event_mode;
     memcpy(&state->state, &i->state, sizeof state->state);
     memcpy(&state->state.memory, &i->model.memory, sizeof state->state.memory);
+    if (i->model.modal) memcpy(state + 1, i->model.modal, model_modal_size(i->data));
     *saved = state;
     return GOOD;
 }
@@ -236,7 +248,10 @@ int instance_restore(instance *i, const char *function, const void *saved) {
                               state->model_exchange ? "Model Exchange" : "Co-Simulation", state->event_mode ? " with event mode" : "");
     memcpy(&i->state, &state->state, sizeof i->state);
     memcpy(&i->model.memory, &state->state.memory, sizeof i->model.memory);
-    if (model_update_mesh(&i->model) == 0 && model_update_curve(&i->model) == 0) return GOOD;
+    if (model_update_mesh(&i->model) == 0 && model_update_curve(&i->model) == 0 && model_update_modes(&i->model) == 0) {
+        if (i->model.modal) memcpy(i->model.modal, state + 1, model_modal_size(i->data));
+        return GOOD;
+    }
     i->state.mode = FAILED; /* the mesh does not belong to the restored memory */
     return report_model_error(i, function);
 }
@@ -244,17 +259,18 @@ int instance_restore(instance *i, const char *function, const void *saved) {
 int instance_size(instance *i, const char *function, const void *saved, size_t *size) {
     ALLOW(ANY_MODE);
     if (!saved || !size) return instance_error(i, function, "argument %s is NULL", saved ? "size" : "FMUState");
-    *size = sizeof(saved_state);
+    *size = (size_t)((const saved_state *)saved)->size;
     return GOOD;
 }
 
 int instance_serialize(instance *i, const char *function, const void *saved, unsigned char *bytes, size_t size) {
     ALLOW(ANY_MODE);
     if (!saved || !bytes) return instance_error(i, function, "argument %s is NULL", saved ? "serializedState" : "FMUState");
-    if (size < sizeof(saved_state))
-        return instance_error(i, function, "%u bytes are too few; a state has %u", (unsigned)size, (unsigned)sizeof(saved_state));
-    uint64_t checksum = checksum_of(saved);
-    memcpy(bytes, saved, sizeof(saved_state));
+    const saved_state *state = saved;
+    if (size < state->size)
+        return instance_error(i, function, "%u bytes are too few; a state has %u", (unsigned)size, (unsigned)state->size);
+    uint64_t checksum = checksum_of(state);
+    memcpy(bytes, state, (size_t)state->size);
     memcpy(bytes, &checksum, sizeof checksum);
     return GOOD;
 }
@@ -263,13 +279,13 @@ int instance_deserialize(instance *i, const char *function, const unsigned char 
     ALLOW(ANY_MODE);
     if (!saved || !bytes) return instance_error(i, function, "argument %s is NULL", saved ? "serializedState" : "FMUState");
     *saved = NULL;
-    if (size != sizeof(saved_state))
-        return instance_error(i, function, "a state of this FMU has %u bytes, not %u", (unsigned)sizeof(saved_state), (unsigned)size);
-    saved_state *state = malloc(sizeof *state);
+    if (size != saved_size(i))
+        return instance_error(i, function, "a state of this FMU has %u bytes, not %u", (unsigned)saved_size(i), (unsigned)size);
+    saved_state *state = malloc(size);
     if (!state) return instance_error(i, function, "no memory for a state");
-    memcpy(state, bytes, sizeof *state);
+    memcpy(state, bytes, size);
     int other = memcmp(state->token, i->data->token, sizeof state->token) != 0;
-    if (other || state->checksum != checksum_of(state)) {
+    if (other || state->size != size || state->checksum != checksum_of(state)) {
         free(state);
         return instance_error(i, function, other ? "the state was saved in another FMU" : "the state is damaged");
     }

@@ -39,8 +39,11 @@ void model_init(model *m, const model_data *data) {
 void model_free(model *m) {
     free(m->nodes);
     free(m->own);
-    m->nodes = NULL;
+    free(m->tables);
+    free(m->modal);
+    m->nodes = m->tables = NULL;
     m->own = NULL;
+    m->modal = NULL;
 }
 
 /* ---------------------------------------------------------------- parameters and inputs */
@@ -77,7 +80,7 @@ double model_scaled(const model *m, double scale, const double *power, int power
 
 int model_update_mesh(model *m) {
     int32_t loading = (int32_t)m->memory.value[LOADING_SEGMENTS], unloading = (int32_t)m->memory.value[UNLOADING_SEGMENTS];
-    if (m->data->kind == CONTACT || (m->nodes && m->mesh.loading == loading && m->mesh.unloading == unloading)) return 0;
+    if (m->data->kind == CONTACT || vibrates(m) || (m->nodes && m->mesh.loading == loading && m->mesh.unloading == unloading)) return 0;
     double *nodes = malloc(film_mesh_size(loading, unloading) * sizeof *nodes);
     if (!nodes) return model_error(m, "no memory for %d and %d segments", (int)loading, (int)unloading);
     free(m->nodes);
@@ -98,7 +101,7 @@ int model_initialize(model *m, double time) {
           now->velocity < INFINITY && isfinite(time)))
         return model_error(m, "the parameters give invalid scales: length %g m, force %g N, time %g s", now->length,
                            now->force, now->time_scale);
-    if (model_update_mesh(m) < 0 || model_update_curve(m) < 0) return -1;
+    if (model_update_mesh(m) < 0 || model_update_curve(m) < 0 || model_update_modes(m) < 0) return -1;
     double rigid = value[TARGET_IMPEDANCE] >= RIGID, gap = contact ? 0.0 : value[INITIAL_GAP];
     double gamma = contact || rigid ? 0.0 : now->force / (value[TARGET_IMPEDANCE] * now->velocity);
     now->support = contact ? 0.0 : value[SUPPORT_VELOCITY];
@@ -112,6 +115,14 @@ int model_initialize(model *m, double time) {
     if (film_damp(&now->state, damping * now->velocity / now->force) < 0)
         return model_error(m, "the parameters give an invalid damping of %g N*s/m; initial_velocity must be > 0 m/s if the law's "
                               "damping depends on it", damping);
+    now->recoil = 0.0;
+    if (vibrates(m)) {
+        const model_modes *modes = &m->data->modes;
+        film_modal_start begin = {start, now->load, modes->rest * now->force / now->length, value[MASS], now->time_scale,
+                                  now->state.damper, modes->tolerance, INFINITY, -now->support / now->velocity};
+        status = modes_begin(m, &begin, -gap / now->length);
+        if (status < 0) return model_core_error(m, status);
+    }
     now->start_time = now->time = time;
     memset(&now->actual, 0, sizeof now->actual);
     now->actual.stage = FILM_FREE;
@@ -138,8 +149,9 @@ static int apply_inputs(model *m) {
     model_memory *now = &m->memory;
     double support = now->value[SUPPORT_VELOCITY], load = load_of(m);
     if (load == now->load && support == now->support) return 0;
+    double change = (now->support - support) / now->velocity, stop = -support / now->velocity;
     if (now->state.branch != FILM_FREE) now->state.force_peak = fmax(now->state.force_peak, now->state.force);
-    int status = film_input(&now->state, load, (now->support - support) / now->velocity, -support / now->velocity);
+    int status = vibrates(m) ? modes_input(m, load, change, stop) : film_input(&now->state, load, change, stop);
     if (status < 0) return model_core_error(m, status);
     now->load = load;
     now->support = support;
@@ -149,13 +161,14 @@ static int apply_inputs(model *m) {
 static int impact_step(model *m, double end, int stop_at_events, int *stopped) {
     model_memory *now = &m->memory;
     film_state *state = &now->state;
+    double clock = clock_of(m);
     *stopped = 0;
     if (apply_inputs(m) < 0) return -1;
-    if (!isfinite((end - now->start_time) / now->time_scale)) return model_error(m, "a step to %g s is too long", end);
+    if (!isfinite((end - now->start_time) / clock)) return model_error(m, "a step to %g s is too long", end);
     for (int events = 0;;) {
-        double before = state->time, left = (end - now->start_time) / now->time_scale - before;
-        int status = film_step(m->curve, &m->mesh, state, left > 0.0 ? left : 0.0);
-        now->support_displacement += now->support * (state->time - before) * now->time_scale;
+        double before = state->time, left = fmax((end - now->start_time) / clock - before, 0.0);
+        int status = vibrates(m) ? modes_step(m, left) : film_step(m->curve, &m->mesh, state, left);
+        now->support_displacement += now->support * (state->time - before) * clock;
         if (status < 0) return model_core_error(m, status);
         now->actual.phase = state->phase;
         now->actual.stage = state->branch;
@@ -164,7 +177,7 @@ static int impact_step(model *m, double end, int stop_at_events, int *stopped) {
             if (isfinite(state->xi) && isfinite(state->nu) && isfinite(state->shift) && isfinite(now->support_displacement)) return 0;
             return model_error(m, "the motion is not finite at %g s", end);
         }
-        double time = now->start_time + state->time * now->time_scale;
+        double time = now->start_time + state->time * clock;
         time = fmin(fmax(time, now->time), end);
         model_record_event(m, state, time, state->nu * now->velocity + now->support, &now->actual);
         if (stop_at_events) {

@@ -1,10 +1,10 @@
 /* The impact, and the contact alone, as components in SI units; the FMI functions only call these functions.
- * Independent of FMI. No global variables; the only memory allocated is that of the mesh's nodes. Positive directions
- * point into the target. */
+ * Independent of FMI. No global variables; the only memory allocated is that of the mesh's nodes, of a curve and of a
+ * vibrating target. Positive directions point into the target. */
 #ifndef FILM_MODEL_H
 #define FILM_MODEL_H
 
-#include "film_core.h"
+#include "film_modal.h"
 #include "variables.h"
 
 enum { STATES = 3 };                   /* indentation, impactor velocity, target displacement */
@@ -19,6 +19,13 @@ typedef struct {
     double shape, power[SHAPE_POWERS], low, high;
     int32_t nodes, varying;
 } model_family;
+
+/* A target that vibrates: count > 0, and 3 count numbers follow model_data (after those of the family): natural frequencies
+ * [rad/s], ascending, shares [1/kg] and damping ratios. rest: compliance of the omitted modes, m/N. */
+typedef struct {
+    double longest, rest, tolerance; /* of film_structure [s], film_modal_start */
+    int32_t count, levels;
+} model_modes;
 
 /* The data of an export: resources/model.film, written by fmu_wrapper/resource.py; little endian, as all platforms are.
  * The scales of the march depend on the parameters p of the law (SCALES_BY in model.c):
@@ -44,6 +51,7 @@ typedef struct {
     double limit[LIMITS], limit_power[LIMITS][SCALINGS]; /* m: of an elastic law, of a narrow contact */
     film_curve curve;
     model_family family;
+    model_modes modes;
 } model_data;
 
 enum { HAD_MAXIMUM = 1, HAD_STOP = 2 };         /* events in the current contact */
@@ -70,7 +78,8 @@ typedef struct {
                                                     gravity and external force, J */
     double committed_time, committed_indentation, committed_rate; /* contact: last accepted point of the path, SI */
     double indentation, rate;                    /* contact: at the current time, set or extrapolated, m and m/s */
-    film_state state;
+    double recoil;                               /* velocity of a vibrating target's struck point, over the velocity scale */
+    film_state state;                            /* on a vibrating target: as its film_modal, with the motion now; time in s */
     model_record actual, reported; /* after the latest event; as outputs show it, until the next model_report */
     int32_t initialized;           /* the parameters are in use */
     int32_t importer_integrates;   /* Model Exchange */
@@ -83,6 +92,9 @@ typedef struct {
     film_curve *own;
     film_mesh mesh;
     double *nodes;
+    film_structure structure; /* of a vibrating target, with its memory */
+    double *tables;
+    film_modal *modal;        /* its state, followed by the modes: model_modal_size bytes; saved beside model_memory */
     char message[240]; /* of the last error */
     model_memory memory;
 } model;
@@ -121,6 +133,10 @@ int model_has_unreported(const model *m);
 void model_report(model *m);
 /* Build the mesh for the number of segments in the memory, unless it exists already. */
 int model_update_mesh(model *m);
+
+/* Size of the state of a vibrating target, 0 for others, and where it is; allocates it. */
+size_t model_modal_size(const model_data *data);
+int model_update_modes(model *m);
 
 /* The next message about an assumption that does not hold and has not been announced yet: 1, or 0 if there is none. */
 int model_announce(model *m, char *text, size_t room);

@@ -30,7 +30,8 @@ static int compute_motion(model *m, motion *out, int with_stiffness) {
     } else {
         double change = (now->value[SUPPORT_VELOCITY] - now->support) / now->velocity; /* of the support, in the next step */
         if (with_stiffness || (change != 0.0 && damped(m))) {
-            at = film_force(m->curve, state, state->xi, state->nu - change);
+            double rate = state->nu - now->recoil - change;
+            at = vibrates(m) ? film_modal_force(m->curve, m->modal, state->xi, rate) : film_force(m->curve, state, state->xi, rate);
             if (change != 0.0 && at.force < -m->curve->pull) at.force = at.by_xi = at.by_nu = 0.0; /* contact ends there */
         }
         out->indentation = state->xi * now->length;
@@ -75,7 +76,8 @@ static int get_motion(model *m, unsigned reference, double *value) {
     const model_memory *now = &m->memory;
     motion current;
     if (compute_motion(m, &current, 0) < 0) return -1;
-    double target_velocity = now->value[SUPPORT_VELOCITY] + mobility(m) * current.force, mass = now->value[MASS];
+    double recoil = mobility(m) * current.force + now->recoil * now->velocity, mass = now->value[MASS];
+    double target_velocity = now->value[SUPPORT_VELOCITY] + recoil;
     switch (reference) {
     case INDENTATION: *value = current.indentation; break;
     case RATE_OF_INDENTATION:
@@ -108,16 +110,25 @@ static int get_output(model *m, unsigned reference, double *value) {
     return 0;
 }
 
+/* Variables of Model Exchange only. */
+static int is_exchanged(unsigned reference) { return reference >= RATE_OF_INDENTATION; }
+
 int model_get(model *m, unsigned reference, double *value) {
     *value = 0.0;
     if (reference >= VARIABLES || VARIABLE[reference].role[m->data->kind] == ABSENT ||
-        (reference < SETTABLE && !m->data->available[reference]))
+        (reference < SETTABLE && !m->data->available[reference]) || (vibrates(m) && is_exchanged(reference)))
         return model_error(m, "this FMU has no variable with value reference %u", reference);
     if (get_output(m, reference, value) < 0) return -1;
     return isfinite(*value) ? 0 : model_not_finite(m, VARIABLE[reference].name);
 }
 
+static int is_state(unsigned reference) {
+    return reference == INDENTATION || reference == IMPACTOR_VELOCITY || reference == TARGET_DISPLACEMENT;
+}
+
 int model_depends(const model *m, unsigned unknown, unsigned known) {
+    if (vibrates(m) && is_exchanged(unknown)) return -1;
+    if (vibrates(m) && is_state(known)) return model_depends(m, unknown, TIME); /* they are no states there */
     int impact = m->data->kind == IMPACT;
     int by_rate = impact ? known == IMPACTOR_VELOCITY || known == SUPPORT_VELOCITY : known == RELATIVE_VELOCITY;
     int by_force = known == INDENTATION || (damped(m) && by_rate);
@@ -149,7 +160,7 @@ int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
     *partial = 0.0;
     if (unknown >= VARIABLES || VARIABLE[unknown].role[m->data->kind] != OUTPUT || model_depends(m, unknown, known) < 0)
         return model_error(m, "%s is not a continuous output", unknown < VARIABLES ? VARIABLE[unknown].name : "the unknown");
-    int state = known == INDENTATION || known == IMPACTOR_VELOCITY || known == TARGET_DISPLACEMENT;
+    int state = is_state(known) && !vibrates(m);
     if (known >= VARIABLES || (VARIABLE[known].role[m->data->kind] != INPUT && !(m->data->kind == IMPACT && state)))
         return model_error(m, "%s is neither an input nor a state", known < VARIABLES ? VARIABLE[known].name : "the known");
     if (!m->memory.initialized && model_initialize(m, m->memory.start_time) < 0) return -1;

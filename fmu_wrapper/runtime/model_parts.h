@@ -19,6 +19,16 @@ double model_scaled(const model *m, double scale, const double *power, int power
 int model_predict_validity(model *m);
 int model_validity_at(const model *m, double indentation);
 
+/* A vibrating target: its start, new inputs, and a step as film_step; the last two return the core's status. */
+int modes_begin(model *m, const film_modal_start *start, double xi);
+int modes_input(model *m, double load, double nu_change, double stop_velocity);
+int modes_step(model *m, double dt);
+
+static inline int vibrates(const model *m) { return m->data->kind == IMPACT && m->data->modes.count > 0; }
+
+/* The unit of state.time, s. */
+static inline double clock_of(const model *m) { return vibrates(m) ? 1.0 : m->memory.time_scale; }
+
 static inline int damped(const model *m) { return m->data->curve.stage[0].damped; }
 
 /* Weight and external force on the impactor, over the force scale. */

@@ -1,6 +1,7 @@
 /* Read the data of an export. See model.h. */
 #include "model.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,9 +13,11 @@
 #include <windows.h>
 #endif
 
-static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '1'};
+static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '2'};
 static const char NAME[] = "model.film";
-enum { LONGEST_PATH = 4096, LARGEST_FILE = 1 << 24, MOST_VARYING = 1 << 13 };
+enum { LONGEST_PATH = 4096, LARGEST_FILE = 1 << 24, MOST_VARYING = 1 << 13, MOST_MODES = 20000 };
+
+static const double LEAST_TOLERANCE = 1e-14; /* of a step; for less, rounding makes its steps too short */
 
 static FILE *open_file(const char *path) {
 #if defined(_WIN32)
@@ -42,6 +45,19 @@ static model_data *fault(model_data *data, FILE *file, char *message, size_t roo
     return NULL;
 }
 
+static int bad_modes(const model_data *data) {
+    const model_modes *modes = &data->modes;
+    size_t count = (size_t)modes->count;
+    if (count == 0) return 0;
+    const double *numbers = (const double *)((const unsigned char *)data + data->size) - 3 * count;
+    double time = sqrt(data->start[MASS] * data->length_scale / data->force_scale);
+    return data->kind != IMPACT || !(modes->longest >= time && modes->longest < 2.0 * time) ||
+           !(modes->tolerance >= LEAST_TOLERANCE && modes->tolerance <= 1.0) ||
+           !(modes->rest >= 0.0 && modes->rest < INFINITY) || (modes->rest > 0.0 && data->curve.stage[0].damped) ||
+           modes->levels < 1 || modes->levels > FILM_LEVELS ||
+           film_check_modes(modes->count, numbers, numbers + count, numbers + 2 * count) < 0;
+}
+
 static int bad_numbers(const model_data *data) {
     int bad = data->kind < 0 || data->kind >= KINDS || !(data->length_scale > 0.0) || !(data->force_scale > 0.0) ||
               !(data->damping >= 0.0);
@@ -51,14 +67,19 @@ static int bad_numbers(const model_data *data) {
     if (family->nodes != 0)
         bad |= family->nodes < 2 || family->nodes > FILM_MAX_NODES || !(family->low > 0.0 && family->low < family->high) ||
                !(family->shape >= family->low && family->shape <= family->high) || family->varying < 1;
-    return bad || film_check_curve(&data->curve) < 0;
+    return bad || film_check_curve(&data->curve) < 0 || bad_modes(data);
 }
 
-/* Bytes that follow the data. */
+/* Bytes of the family that follow the data. */
 static size_t family_size(const model_data *data) {
     size_t nodes = (size_t)data->family.nodes, varying = (size_t)data->family.varying;
     if (data->family.nodes <= 0 || data->family.nodes > FILM_MAX_NODES || varying > MOST_VARYING) return 0;
     return sizeof(film_curve) + (nodes + varying + nodes * varying) * sizeof(double);
+}
+
+/* Bytes of the modes that follow those. */
+static size_t modes_size(const model_data *data) {
+    return data->modes.count > 0 && data->modes.count <= MOST_MODES ? 3 * sizeof(double) * (size_t)data->modes.count : 0;
 }
 
 model_data *model_read_data(const char *folder, char *message, size_t room) {
@@ -81,7 +102,8 @@ model_data *model_read_data(const char *folder, char *message, size_t room) {
     if (fread(data, 1, size, file) < size) return fault(data, file, message, room, "%s cannot be read", path);
     if (memcmp(data->magic, MAGIC, sizeof MAGIC) != 0)
         return fault(data, file, message, room, "%s was not written by this version of film-model", path);
-    if (data->size != size || size != sizeof *data + family_size(data))
+    if (data->size != size || size != sizeof *data + family_size(data) + modes_size(data) ||
+        data->modes.count < 0 || data->modes.count > MOST_MODES)
         return fault(data, file, message, room, "%s is damaged: it must have %u bytes", path, (unsigned)data->size);
     size_t head = offsetof(model_data, token);
     if (data->checksum != model_checksum((const unsigned char *)data + head, size - head) ||

@@ -88,11 +88,11 @@ def _reloads() -> Finding:
         count += sum(event.name == "reloading_begins" for event in events)
         if count >= 1000:
             break
-    permanent = component._state.xi_free * start.length  # pyright: ignore[reportPrivateUsage]
+    permanent = component._motion.contact.xi_free * start.length  # pyright: ignore[reportPrivateUsage]
     again = ImpactComponent(component.scene, accuracy=1e-8)
     again.step(60e-6)
-    expected = again._state.xi_free * start.length  # pyright: ignore[reportPrivateUsage]
-    deeper = component._state.xi_max > again._state.xi_max * (1.0 + 1e-12)  # pyright: ignore[reportPrivateUsage]
+    expected = again._motion.contact.xi_free * start.length  # pyright: ignore[reportPrivateUsage]
+    deeper = component._motion.contact.xi_max > again._motion.contact.xi_max * (1.0 + 1e-12)  # pyright: ignore[reportPrivateUsage]
     error = 0.0 if deeper else abs(permanent - expected) / expected
     return Finding(f"{count} reloadings", error if count >= 1000 else math.inf)
 

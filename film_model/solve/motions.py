@@ -1,0 +1,129 @@
+"""The motions that a component advances: on the lines of the core's march, and on a target's natural vibrations."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import replace
+from typing import TypeAlias
+
+from film_model.core import modal, native
+from film_model.problem.problem import Problem
+from film_model.solve.vibration import Vibration, vibrate
+
+_NOW = struct.Struct("9d")  # the first fields of film_state: time … force_peak
+_REPORT = struct.Struct("4i")
+_REPORT_AT = native.State.phase.offset
+
+FALLBACK_VELOCITY = 1.0
+"""Of the impact that determines the vibrations of a component without one, over the velocity scale."""
+
+
+Now: TypeAlias = tuple[float, float, float, float, float, float, int, int]
+"""The motion at one time: time, ξ, ν, velocity and displacement of the struck point, f, phase, number of contacts."""
+
+
+class OnLines:
+    """The core's march on a mesh, in steps. clock: the unit of its times, s."""
+
+    def __init__(self, problem: Problem, mesh: native.Mesh) -> None:
+        self.clock = problem.scales.time
+        self._problem, self._mesh, self._curve = problem, mesh, problem.curve.native
+
+    def begin(self, nu: float, gap: float) -> None:
+        """Start with a velocity at a distance to the target."""
+        start = native.Start.from_buffer_copy(self._problem.start)
+        start.nu = nu
+        self._state = native.initial_state(self._curve, start, gap)
+
+    def step(self, dt: float) -> int:
+        """Forward by dt or to the next event; the core's status."""
+        return native.step(self._curve, self._mesh, self._state, dt)
+
+    def set_input(self, load: float, nu_change: float, stop_velocity: float) -> int:
+        """Change load, velocity (by a step of the support) and stop velocity; the core's status."""
+        return native.set_input(self._state, load, nu_change, stop_velocity)
+
+    @property
+    def time(self) -> float:
+        """Time since the start."""
+        return self._state.time
+
+    @property
+    def contact(self) -> native.State:
+        """The contact's state: the latest event, the law's branch after it, the phase."""
+        return self._state
+
+    def now(self) -> Now:
+        """The motion now."""
+        time, _, xi, nu, shift, force, _, _, _ = _NOW.unpack_from(self._state)
+        phase, _, contacts, _ = _REPORT.unpack_from(self._state, _REPORT_AT)
+        recoil = self._problem.gamma * force
+        if self._curve.compliance > 0.0:
+            xi, rate, force, _, shift = native.motion(self._curve, self._state).tolist()
+            recoil = nu - rate
+        return time, xi, nu, recoil, shift, force, phase, contacts
+
+    def save(self) -> bytes:
+        """The whole state."""
+        return bytes(self._state)
+
+    def restore(self, saved: bytes) -> None:
+        """Return to a saved state."""
+        self._state = native.State.from_buffer_copy(saved)
+
+
+class OnModes:
+    """A contact on a target's natural vibrations: as many, and in steps as short, as the impact `found` needs."""
+
+    clock = 1.0
+
+    def __init__(self, problem: Problem, found: Vibration) -> None:
+        self._start = modal.Start.from_buffer_copy(found.start)
+        self._start.load = problem.load
+        self._tables, self._curve = found.tables, found.curve
+
+    def begin(self, nu: float, gap: float) -> None:
+        """Start with a velocity at a distance to the target, which is at rest."""
+        start = modal.Start.from_buffer_copy(self._start)
+        start.nu = nu
+        self._motion = modal.Motion(self._tables, self._curve, start, gap)
+
+    def step(self, dt: float) -> int:
+        """Forward by dt or to the next event; the core's status."""
+        return self._motion.step(dt)
+
+    def set_input(self, load: float, nu_change: float, stop_velocity: float) -> int:
+        """Change load, velocity (by a step of the support) and stop velocity; the core's status."""
+        return self._motion.set_input(load, nu_change, stop_velocity)
+
+    @property
+    def time(self) -> float:
+        """Time since the start, s."""
+        return self._motion.state.time + self._motion.state.tau
+
+    @property
+    def contact(self) -> native.State:
+        """The contact's state: the latest event, the law's branch after it, the phase."""
+        return self._motion.state.contact
+
+    def now(self) -> Now:
+        """The motion now."""
+        xi, rate, force, nu, shift = self._motion.values().tolist()
+        contact = self.contact
+        return self.time, xi, nu, nu - rate, shift, force, contact.phase, contact.contacts
+
+    def save(self) -> bytes:
+        """The whole state."""
+        return self._motion.save()
+
+    def restore(self, saved: bytes) -> None:
+        """Return to a saved state."""
+        self._motion.restore(saved)
+
+
+def modes_for(problem: Problem, accuracy: float, warnings: list[str]) -> Vibration:
+    """The impact with the vibrations that the accuracy needs: that of the scene, or where nothing moves that with the
+    `FALLBACK_VELOCITY`."""
+    moves = problem.approach > 0.0 or problem.load > 0.0
+    problem = problem if moves else replace(problem, approach=FALLBACK_VELOCITY)
+    return vibrate(problem, problem.scene.target, accuracy, warnings)[0]

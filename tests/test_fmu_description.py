@@ -1,0 +1,68 @@
+"""Units, ranges and nominal values of every variable in modelDescription.xml."""
+
+import math
+import xml.etree.ElementTree as ET
+import zipfile
+
+import pytest
+from cases import combinations, scene
+
+import film_model as fm
+import fmu_wrapper
+from fmu_wrapper.instance import opened, started
+from fmu_wrapper.variables import VARIABLES, settable
+
+NUMBERS = ("Real", "Integer", "Float64", "Int32")
+UNLIMITED = {
+    *("external_force", "support_velocity", "indentation", "relative_velocity"),
+    *("impactor_velocity", "impactor_displacement", "target_displacement", "target_velocity", "impactor_acceleration"),
+    *("mean_contact_force", "contact_impulse", "contact_energy", "target_energy", "external_work"),
+    *("rebound_velocity", "rate_of_indentation", "rate_of_impactor_velocity", "rate_of_target_displacement"),
+}
+"""Of either sign, or sums whose rounding may pass zero. So are times: an importer may begin before zero."""
+
+
+def described(path):
+    """Name → attributes of each number."""
+    with zipfile.ZipFile(path) as archive:
+        root = ET.fromstring(archive.read("modelDescription.xml"))
+    found = {}
+    for element in root.find("ModelVariables"):
+        inner = element[0] if element.tag == "ScalarVariable" else element
+        if inner.tag in NUMBERS:
+            found[element.get("name")] = inner.attrib
+    return found
+
+
+@combinations(version=[2, 3], kind=["impact", "contact"], law=["hertz", "big-alabo", "tsuji"], fast=4)
+def test_every_variable_has_its_range_and_nominal_value(made, version, kind, law):
+    table = {v.name: v for v in VARIABLES}
+    for name, given in described(made(scene(law), version, kind=kind)).items():
+        if name.startswith("event_indicator"):
+            continue
+        if table[name].dimension is not None:
+            assert 0.0 < float(given["nominal"]) < math.inf, name
+            assert table[name].dimension == "dimensionless" or given["unit"], name
+        if name not in UNLIMITED and table[name].dimension != "time":
+            assert "min" in given, name
+        if table[name] in VARIABLES[: settable()] and table[name].causality.get(kind) == "parameter":
+            assert float(given["min"]) <= float(given["start"]) <= float(given["max"]), name
+
+
+@combinations(law=["hertz", "big-alabo", "tsuji"], target=["half-space", "plate"], fast=2)
+def test_outputs_keep_to_their_range_and_reach_their_nominal_value(made, law, target):
+    on = fmu_wrapper.served(scene(law, target))
+    path = made(on)
+    given, h = described(path), 1.3 * fm.simulate(on).duration / 100
+    reached = dict.fromkeys(given, 0.0)
+    with opened(path) as fmu, started(fmu, False, {}) as slave:
+        for n in range(100):
+            slave.step(n * h, h)
+            for name, value in slave.get(given).items():
+                low, high = (
+                    float(given[name].get(end, infinite)) for end, infinite in (("min", "-inf"), ("max", "inf"))
+                )
+                assert low <= value <= high, name
+                reached[name] = max(reached[name], abs(value))
+    for name in ("indentation", "contact_force", "impactor_velocity", "kinetic_energy", "impactor_acceleration"):
+        assert reached[name] == pytest.approx(float(given[name]["nominal"]), rel=0.6), name

@@ -1,0 +1,183 @@
+"""FMUs on vibrating targets: the library's motion, exact events, saved states, parameters, and what they refuse."""
+
+import ctypes
+import zipfile
+
+import numpy as np
+import pytest
+from test_component import values
+from test_modal_component import RINGING, SCENES, on
+from test_modal_engine import OLSSON
+
+import film_model as fm
+import fmu_wrapper
+from film_model.cli.main import main
+from film_model.solve.history import MOTION
+from fmu_wrapper import resource
+from fmu_wrapper.assumptions import FEW
+from fmu_wrapper.instance import opened, started
+from fmu_wrapper.variables import reference
+
+VERSIONS = pytest.mark.parametrize("version", [2, 3])
+FAST = on(RINGING, **{"effects.gravity": True, "solver.accuracy": 1e-4})
+"""Gravity and the structure's motion bring the ball back again and again."""
+
+
+def data_of(path):
+    with zipfile.ZipFile(path) as archive:
+        return resource.read(archive.read("resources/model.film"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("place", "case"), list(enumerate(SCENES.values())), ids=SCENES)
+def test_an_fmu_is_valid_and_has_the_motion_of_the_library(made, place, case):
+    version = 3 - place % 2
+    report = fmu_wrapper.check(made(case, version, initial_gap="2 um"), case)
+    assert report.good, [finding for finding in report.findings if not finding.good]
+    assert report.problems == () and report.findings[0].what == "vibrations"
+
+
+@pytest.mark.slow
+@VERSIONS
+def test_dropped_again_and_again_in_steps_of_any_size(made, version):
+    component = fm.ImpactComponent(fmu_wrapper.served(FAST), initial_gap=2e-6)
+    expected = component.step(3e-3, external_force=100.0).outputs
+    assert expected.contact_count >= 4
+    with opened(made(FAST, version, initial_gap="2 um")) as fmu:
+        for parts in (1, 7, 1000):
+            with started(fmu, False, {"external_force": 100.0}) as slave:
+                for k in range(parts):
+                    slave.step(3e-3 * k / parts, 3e-3 / parts)
+                found = slave.get((*MOTION, "contact_count", "kinetic_energy", "contact_energy", "target_energy"))
+                work = slave.get(("external_work",))["external_work"]
+            for name in MOTION:
+                largest = float(np.abs(values(expected)).max()) if name == "contact_force" else 1.0
+                assert found[name] == pytest.approx(getattr(expected, name), rel=1e-8, abs=1e-10 * largest)
+            assert found["contact_count"] == expected.contact_count
+            balance = found["kinetic_energy"] + found["contact_energy"] + found["target_energy"] - work
+            assert balance == pytest.approx(0.5 * FAST.mass * FAST.approach_velocity**2, rel=1e-9)
+
+
+def test_each_event_ends_a_step_in_event_mode(made):
+    events = fm.ImpactComponent(fmu_wrapper.served(FAST)).step(2e-3, external_force=100.0).events
+    with opened(made(FAST)) as fmu, started(fmu, True, {"external_force": 100.0}) as slave:
+        time, found = 0.0, [(0.0, 1.0)]  # first touch is handled at the start
+        while time < 2e-3:
+            time, event = slave.step(time, 2e-3 - time)
+            if event:
+                slave.instance.enterEventMode()
+                slave.handle()
+                found.append((time, slave.get(("last_event",))["last_event"]))
+    names = [fm.core.native.EVENTS[int(kind)] for _, kind in found]
+    assert names == [event.name for event in events]
+    assert [at for at, _ in found] == pytest.approx([event.time for event in events], rel=1e-11)
+
+
+@VERSIONS
+def test_a_state_is_restored_and_serialised(made, version):
+    with opened(made(FAST, version)) as fmu, started(fmu, False, {}) as slave:
+        slave.step(0.0, 1e-4)
+        saved, middle = slave.save(), slave.get(tuple(MOTION))
+
+        def go_on():
+            slave.set("external_force", 30.0)
+            slave.step(1e-4, 5e-4)
+            return slave.get((*MOTION, "time_of_last_event", "maximum_force", "event_count"))
+
+        first = go_on()
+        instance = slave.instance
+        if version == 2:
+            size = ctypes.c_size_t()
+            instance.fmi2SerializedFMUstateSize(instance.component, saved, ctypes.byref(size))
+            content = instance.serializeFMUstate(saved)
+            taken = instance.deSerializeFMUstate(content)
+        else:
+            content = instance.serializeFMUState(saved)
+            taken = instance.deserializeFMUState(content)
+        assert len(content) > 4 * 8 * fmu.data.modes.count
+        for state in (taken, saved):  # freed when restored
+            slave.restore(state)
+            assert slave.get(tuple(MOTION)) == middle
+            assert go_on() == first
+
+
+@pytest.mark.slow
+def test_validity_says_when_more_vibrations_are_needed(made):
+    """A light ball needs vibrations above those of the export, and its FMU says so."""
+    heavy = SCENES["stages"]
+    found = data_of(made(heavy))
+    k = reference("mass")
+    assert found.reason[k][1].value == FEW.encode() or found.reason[k][0].value == FEW.encode()
+    outside = 2.0 * found.valid[k][1] if found.reason[k][1].value == FEW.encode() else 0.5 * found.valid[k][0]
+    for mass, expected in ((found.start[k], 0.0), (outside, 1.0)):
+        with opened(made(heavy)) as fmu, started(fmu, False, {"mass": mass}) as slave:
+            assert slave.get(("validity",))["validity"] == expected
+            assert any(FEW in notice for notice in fmu.notices) == bool(expected)
+
+
+@pytest.mark.slow
+def test_parameters_change_the_impact_as_the_scene_does(made):
+    """Mass, radius, modulus and velocity are parameters; the vibrations of the export serve the changed impact."""
+    start = {"mass": 0.2, "radius": 0.02, "initial_velocity": 0.2}
+    changed = FAST.replace({"impactor.mass": "0.2 kg", "impactor.radius": "20 mm", "impactor.velocity": "0.2 m/s"})
+    expected = fm.simulate(fmu_wrapper.served(changed))
+    ds = fmu_wrapper.run(made(FAST), start_values=start, stop_time=expected.duration)
+    first = next(event for event in expected.events if event.name == "maximum_indentation")
+    assert float(ds.contact_force.max()) >= first.contact_force * (1.0 - 1e-4)
+    turns = ds.event_time.values[ds.event_kind.values == fm.core.native.EVENTS.index("maximum_indentation")]
+    assert turns[0] == pytest.approx(first.time, rel=1e-3)
+    names = resource.start_values(data_of(made(FAST)))
+    assert {"mass", "initial_velocity", "initial_gap", "radius", "effective_modulus", "gravity"} <= set(names)
+    assert not {"target_impedance", "loading_segments", "unloading_segments"} & set(names)
+
+
+@VERSIONS
+def test_there_is_no_model_exchange_and_the_documentation_says_why(made, version):
+    path = made(FAST, version)
+    with zipfile.ZipFile(path) as archive:
+        assert b"ModelExchange" not in archive.read("modelDescription.xml")
+        page = archive.read("documentation/index.html").decode()
+    assert "followed by 3 natural vibrations, from 300 to 4000 Hz" in page
+    assert "would be 6 states" in page
+    with pytest.raises(ValueError, match="on a vibrating target there is no mode 'exchange', only Co-Simulation"):
+        fmu_wrapper.run(path, mode="exchange")
+    from fmpy.fmi2 import FMU2Model
+    from fmpy.fmi3 import FMU3Model
+
+    with opened(path) as fmu:
+        identifier = fmu.description.coSimulation.modelIdentifier
+        kind = FMU2Model if version == 2 else FMU3Model
+        model = kind(guid=fmu.description.guid, unzipDirectory=fmu.folder, modelIdentifier=identifier)
+        with pytest.raises(Exception, match="nstantiate"):
+            model.instantiate()
+        model.freeLibrary()
+
+
+def test_a_resource_with_wrong_vibrations_is_refused(made):
+    content = resource.finished(data := data_of(made(FAST)), data_of(made(FAST)).token.decode())
+    assert resource.read(content).modes.count == 3
+    tail = bytearray(data.tail)
+    tail[0:8], tail[8:16] = data.tail[8:16], data.tail[0:8]  # frequencies that fall
+    with opened(made(FAST)) as fmu:
+        data.tail = bytes(tail)
+        place = f"{fmu.folder}/resources/model.film"
+        with open(place, "wb") as file:
+            file.write(resource.finished(data, data.token.decode()))
+        with pytest.raises(fm.SimulationError, match="its checksum or its numbers are wrong"), started(fmu, False, {}):
+            pass
+
+
+@pytest.mark.slow
+def test_a_contact_alone_has_no_vibrations(made):
+    assert data_of(made(OLSSON, kind="contact")).modes.count == 0
+
+
+def test_too_many_vibrations_are_refused(made, monkeypatch):
+    monkeypatch.setattr(resource, "MOST_MODES", 2)
+    with pytest.raises(fm.SimulationError, match="the target has 3 natural vibrations at this accuracy, and an FMU at"):
+        fmu_wrapper.export(FAST, "never.fmu")
+
+
+def test_check_fmu_on_the_command_line(made, capsys):
+    assert main(["check-fmu", str(made(FAST)), "--json"]) == 0
+    assert '"vibrations"' in capsys.readouterr().out

@@ -21,6 +21,7 @@ COMMANDS = {
     "explore": "film-model explore scene.toml",
     "export-page": "film-model export-page scene.toml --output impact.html",
     "export-fmu": "film-model export-fmu scene.toml --fmi 3 --output impact.fmu",
+    "export-ssp": "film-model export-ssp scene.toml --output impact.ssp",
     "check-fmu": "film-model check-fmu impact.fmu",
     "contact-for": "film-model contact-for mujoco scene.toml --velocity 0.1..2",
     "sweep": "film-model sweep sweep.toml --output sweep.nc",

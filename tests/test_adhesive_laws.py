@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 import film_model as fm
 from film_model.problem.curve import curve_of
 from film_model.solve.batch import simulate_many
+from film_model.studies.cost import study as cost_study
 
 MODULUS, RADIUS, WORK, DENSITY = 2e9, 50e-6, 0.05, 1050.0
 MASS = DENSITY * 4 / 3 * math.pi * RADIUS**3
@@ -180,6 +181,8 @@ def test_what_it_needs_and_where_it_is_refused():
     stiff = fm.Plate(PLATE, thickness="30 um", static_stiffness="100 N/m")
     with pytest.raises(fm.SimulationError, match="pull"):
         fm.simulate(scene(target=stiff))
+    with pytest.raises(fm.SimulationError, match="which pulls"):
+        cost_study(scene())
     beam = fm.Beam(PLATE, length="3 mm", width="0.2 mm", thickness="0.1 mm")
     with pytest.raises(fm.SimulationError, match="pull"):
         fm.simulate(scene(target=beam))
@@ -200,6 +203,12 @@ def test_an_fmu_is_the_same_motion(law, target, version, tmp_path):
             assert float(found[name]) == pytest.approx(history.summary[name], rel=tolerance), (how, name)
         assert float(found["contact_force"].min()) < -0.5 * math.pi * WORK * RADIUS
     assert fmu_wrapper.check(path).good
+
+
+def test_what_parting_takes_is_no_plastic_work():
+    soft = {**PLATE, "yield_strength": "1 MPa", "strain_rate_coefficient": 0.1}
+    effects = {effect.name: effect for effect in fm.simulate(scene(times=1.2, target=fm.HalfSpace(soft))).effects}
+    assert {effects[name].reason for name in ("rate_hardening", "heating")} == {"nothing yields"}
 
 
 def test_adhesion_is_not_judged_where_the_law_has_it():

@@ -136,7 +136,9 @@ class Rule(NamedTuple):
 
 
 def absorbed(problem: Problem) -> float:
-    """Fraction of the impact energy that the contact absorbs."""
+    """Fraction of the impact energy that plastic deformation absorbs; of a law that pulls, parting absorbs all."""
+    if problem.curve.pulls:
+        return 0.0
     return max(0.0, problem.trial.summary.work / (0.5 * problem.approach**2))
 
 

@@ -141,10 +141,12 @@ def study(
     law allows it and mpmath is installed, else quadrature (half-space without load) or DOP853 near rounding; none of
     them uses the core, and `reference` states the error of each. The rebound velocity is relative to a free body. The
     scene's own accuracy is ignored. Raises SimulationError if there is no reference: for a load that prevents the end
-    of contact, damping that is not made of powers, a static stiffness, or a target whose edges matter.
+    of contact, damping that is not made of powers, a static stiffness, edges that matter, or a law that pulls.
     """
     problem = problem_of(scene)
     refuse_vibrations(problem, "a study")
+    if problem.curve.pulls:
+        raise SimulationError(f"a study is not supported for the law {problem.law.name}, which pulls")
     if problem.approach <= 0.0:
         raise SimulationError("a study needs an impact: the approach velocity is 0")
     if problem.compliance > 0.0:

@@ -95,9 +95,10 @@ def _plate(draw: np.random.Generator) -> fm.Plate:
 
 
 def _beam(draw: np.random.Generator) -> fm.Beam:
-    length, ends = f"{draw.uniform(60.0, 400.0):.4g} mm", [str(end) for end in draw.choice(EDGES, 2)]
+    ends: Any = [str(end) for end in draw.choice(EDGES, 2)]
+    length = f"{draw.uniform(60.0, 400.0):.4g} mm"
     place = f"{float(length[:-3]) * draw.uniform(0.1, 0.9):.6g} mm"
-    theory = str(draw.choice(["timoshenko", "timoshenko", "euler-bernoulli", "plate"]))
+    theory: Any = str(draw.choice(["timoshenko", "timoshenko", "euler-bernoulli", "plate"]))
     width = "40 mm" if theory == "plate" else "10 mm"
     thick = f"{draw.uniform(1.0, 10.0):.3g} mm"
     return fm.Beam(
@@ -145,10 +146,12 @@ def main() -> None:
 def _tell(found: list[Judged], refused: dict[str, int], count: int, spent: float) -> None:
     clear = [one for one in found if one.finer < DOUBT * one.estimate]
     bound = sum(one.error <= one.estimate for one in clear)
+    ratio = [one.error / one.estimate for one in clear] or [0.0]
+    middle, most = np.quantile(ratio, [0.5, 0.99])
     reached = sum(one.estimate <= 3e-3 for one in found)
     print(
         f"{count} impacts: {sum(refused.values())} refused, {reached} reach the accuracy, {len(clear)} judged, "
-        f"{bound} bounded; {spent:.0f} s",
+        f"{bound} bounded; error over estimate: median {middle:.2f}, 99 % {most:.2f}; {spent:.0f} s",
         flush=True,
     )
 

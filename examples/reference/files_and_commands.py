@@ -121,6 +121,10 @@ def csv_page() -> str:
 `time [us], force [kN]`. Columns are separated by commas, semicolons or tabs, numbers have a decimal point, and lines
 that begin with `#` are comments. Mistakes are reported with their line.
 
+Measurements in files with other headings, or with lines of an oscilloscope before them, are read by
+`film-model identify … --columns time="TIME [s]" force="CH1 [kN]"`: the heading of each quantity in the file, with the
+unit that its numbers have. Other columns are ignored.
+
 ## A measured history
 
 For `film-model identify` and `film_datasets.from_csv`. Times increase and count from first touch.

@@ -122,7 +122,7 @@ def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, a
     limit = max(vibration.time_limit(problem, scene.target) for problem in problems)
     tolerance = vibration.step_tolerance(accuracy) / vibration.REFINED**2
     before, change, (status, core) = _followed_thrice(whole, highest, tolerance, limit)
-    estimated = vibration.error_of(before, change) + tolerance
+    estimated = vibration.error_of(whole, before, change) + tolerance
     values = summary_of(whole, status, Columns(core))
     energy = radiated(whole, Columns(core)) * whole.scales.energy
     values["energy_radiated"] = np.where(status == native.EVENT, energy, np.nan)

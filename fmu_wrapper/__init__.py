@@ -28,7 +28,6 @@ __all__ = ["Package", "Report", "check", "export", "export_ssp", "run", "served"
 def __getattr__(name: str) -> Any:
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    home = import_module(_HOMES[name])
-    # all names of a module at once: the import has set the attribute `check` to the module of that name
-    globals().update({other: getattr(home, other) for other, where in _HOMES.items() if where == home.__name__})
-    return globals()[name]
+    value = getattr(import_module(_HOMES[name]), name)
+    globals()[name] = value
+    return value

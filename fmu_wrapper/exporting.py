@@ -30,6 +30,7 @@ from fmu_wrapper.archive import zipped
 from fmu_wrapper.assumptions import segments_for_speeds, served, validity_of
 from fmu_wrapper.documentation import documentation
 from fmu_wrapper.model_description import Experiment, FmiVersion, Names, model_description, printable
+from fmu_wrapper.terminals import terminals_and_icons
 from fmu_wrapper.variables import KINDS, VARIABLES, Kind, reference
 
 _NAMESPACE = uuid.UUID("6c9a1e0e-53a4-5b0c-8f57-0a1d6b5b3c55")
@@ -148,6 +149,7 @@ def _contents(
             for name, page in documentation(title, scene, choice, data, history, experiment).items()
         },
         "documentation/licenses/license.txt": platforms.license_text(),
+        **terminals_and_icons(data, version, history),
     }
     if with_sources:
         files |= {f"sources/{one}": text for one, text in code.items()}

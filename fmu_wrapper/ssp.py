@@ -18,9 +18,10 @@ from film_model.effects.choose import Choice, choose
 from film_model.problem.problem import refuse_vibrations
 from film_model.scene import STANDARD_GRAVITY, Scene
 from film_model.solve.simulate import simulate_chosen
-from fmu_wrapper import export, resource
+from fmu_wrapper import resource
 from fmu_wrapper.archive import zipped
 from fmu_wrapper.assumptions import served
+from fmu_wrapper.exporting import export
 from fmu_wrapper.resource import Data, has
 from fmu_wrapper.ssp_files import Connection, Element, parameter_set, system_structure
 from fmu_wrapper.variables import reference

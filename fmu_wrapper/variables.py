@@ -45,9 +45,10 @@ class Variable:
 
     type: one of the four. dimension: of `film_model.base.units`, None for whole numbers and enumerations. causality: by
     kind of FMU; kinds that do not have the variable are left out. low, high: range of values that may be set, or that
-    an output can have (none for energies that are differences, since rounding may pass it, and for times, which the
-    importer may begin below zero). rate_of: the state whose time derivative it is. event: the event whose time it is.
-    depends: states and inputs that it depends on directly; depends_damped: further ones if the law is damped.
+    an output can have (none for energies that are differences, since rounding may pass it, for forces and ends of
+    contacts that adhere, and for times, which the importer may begin below zero). rate_of: the state whose time
+    derivative it is. event: the event whose time it is. depends: states and inputs that it depends on directly;
+    depends_damped: further ones if the law is damped.
     """
 
     name: str
@@ -218,7 +219,6 @@ VARIABLES: tuple[Variable, ...] = (
         dict.fromkeys(KINDS, "output"),
         "continuous",
         "force of the contact law; it pushes the bodies apart",
-        low=0.0,
         depends=dict.fromkeys(KINDS, ("indentation",)),
         depends_damped={"impact": ("impactor_velocity", "support_velocity"), "contact": ("relative_velocity",)},
     ),
@@ -245,7 +245,7 @@ VARIABLES: tuple[Variable, ...] = (
     _time_of("impactor_stops", "time_impactor_stops", "time at which the impactor's velocity is zero"),
     _time_of("contact_ends", "time_contact_ends", "time at which contact ends"),
     _summary("rebound_velocity"),
-    _summary("permanent_indentation", *_BOTH, low=0.0),
+    _summary("permanent_indentation", *_BOTH),
     _discrete("phase_code", Whole, None, "phase as a whole number", *_BOTH, low=0, high=len(PHASES) - 1),
     _discrete("last_event_code", Whole, None, "last_event as a whole number", low=0, high=len(EVENT_KINDS) - 1),
     _discrete(

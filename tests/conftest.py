@@ -31,11 +31,14 @@ BLANK = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
 @contextmanager
 def without_pictures():
     """FMUs are exported without the pictures of the documentation, which take nine tenths of the time."""
-    with patch.multiple(
-        "fmu_wrapper.documentation",
-        plot_history=lambda history: None,
-        svg=lambda figure: BLANK,
-        _law_picture=lambda problem, history: BLANK,
+    with (
+        patch.multiple(
+            "fmu_wrapper.documentation",
+            plot_history=lambda history: None,
+            svg=lambda figure: BLANK,
+            _law_picture=lambda problem, history: BLANK,
+        ),
+        patch("fmu_wrapper.terminals._png", lambda figure: b""),
     ):
         yield
 

@@ -216,9 +216,8 @@ def test_the_netcdf_file_holds_the_motion_of_the_csv(shown, address, tmp_path):
         for name, column in zip(("t", *ds.data_vars), rows.dtype.names, strict=True):
             assert ds[name].values.tolist() == rows[column].tolist(), name
         scene = fm.Scene.from_text(ds.attrs["scene_toml"])
-    assert (
-        scene.target.kind == "plate" and fm.simulate(scene).summary["maximum_force"] >= rows["contact_force_(N)"].max()
-    )
+    assert scene.target.kind == "plate"
+    assert fm.simulate(scene).summary["maximum_force"] > 0.999 * rows["contact_force_(N)"].max()
 
 
 def test_the_dot_on_the_map_moves(shown, address):

@@ -1,25 +1,41 @@
-"""Units, ranges and nominal values of every variable in modelDescription.xml."""
+"""Units, ranges and nominal values of every variable in modelDescription.xml; terminals and icons."""
 
+import io
 import math
 import xml.etree.ElementTree as ET
 import zipfile
+from pathlib import Path
 
+import fmpy
+import numpy as np
 import pytest
 from cases import combinations, scene
+from fmpy.validation import validate_fmu
+from lxml import etree
+from matplotlib.image import imread
 
 import film_model as fm
 import fmu_wrapper
 from fmu_wrapper.instance import opened, started
 from fmu_wrapper.variables import VARIABLES, settable
 
+VERSIONS = pytest.mark.parametrize("version", [2, 3])
 NUMBERS = ("Real", "Integer", "Float64", "Int32")
 UNLIMITED = {
     *("external_force", "support_velocity", "indentation", "relative_velocity"),
     *("impactor_velocity", "impactor_displacement", "target_displacement", "target_velocity", "impactor_acceleration"),
-    *("mean_contact_force", "contact_impulse", "contact_energy", "target_energy", "external_work"),
+    *(
+        "contact_force",
+        "permanent_indentation",
+        "mean_contact_force",
+        "contact_impulse",
+        "contact_energy",
+        "target_energy",
+        "external_work",
+    ),
     *("rebound_velocity", "rate_of_indentation", "rate_of_impactor_velocity", "rate_of_target_displacement"),
 }
-"""Of either sign, or sums whose rounding may pass zero. So are times: an importer may begin before zero."""
+"""Of either sign (a contact may adhere), or sums whose rounding may pass zero. So are times."""
 
 
 def described(path):
@@ -66,3 +82,33 @@ def test_outputs_keep_to_their_range_and_reach_their_nominal_value(made, law, ta
                 reached[name] = max(reached[name], abs(value))
     for name in ("indentation", "contact_force", "impactor_velocity", "kinetic_energy", "impactor_acceleration"):
         assert reached[name] == pytest.approx(float(given[name]["nominal"]), rel=0.6), name
+
+
+@pytest.mark.slow
+@VERSIONS
+@pytest.mark.parametrize("kind", ["impact", "contact"])
+def test_terminals_and_icons_obey_the_standard(tmp_path, version, kind):
+    """The files stand where FMI 3.0 and FMI 2.0.4 put them, obey the schema, and name inputs and outputs."""
+    path = fmu_wrapper.export(scene("big-alabo"), tmp_path / "a.fmu", version, kind=kind)
+    again = fmu_wrapper.export(scene("big-alabo"), tmp_path / "b.fmu", version, kind=kind)
+    assert path.read_bytes() == again.read_bytes()
+    with zipfile.ZipFile(path) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    text = files["terminalsAndIcons/terminalsAndIcons.xml"]
+    schema = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
+    etree.XMLSchema(etree.parse(str(schema))).assertValid(etree.fromstring(text))
+    root = ET.fromstring(text)
+    of_terminals = {
+        one.get("name"): [member.attrib for member in one.iter("TerminalMemberVariable")] for one in root[1]
+    }
+    assert set(of_terminals) == ({"impactor", "support"} if kind == "impact" else {"flange"})
+    table = {v.name: v for v in VARIABLES}
+    for members in of_terminals.values():
+        assert {"v", "f"} <= {member["memberName"] for member in members}
+        assert all(table[member["variableName"]].causality[kind] in ("input", "output") for member in members)
+    icon = files["terminalsAndIcons/icon.png"]
+    picture = imread(io.BytesIO(icon))
+    assert picture.shape[:2] == (200, 200) and np.ptp(picture[..., 0]) > 0.5
+    assert files["terminalsAndIcons/flange.png"].startswith(b"\x89PNG")
+    assert files.get("model.png") == (icon if version == 2 else None)
+    assert validate_fmu(str(path)) == []

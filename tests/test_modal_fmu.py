@@ -58,6 +58,7 @@ def test_dropped_again_and_again_in_steps_of_any_size(made, version):
             assert balance == pytest.approx(0.5 * FAST.mass * FAST.approach_velocity**2, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_each_event_ends_a_step_in_event_mode(made):
     events = fm.ImpactComponent(fmu_wrapper.served(FAST)).step(2e-3, external_force=100.0).events
     with opened(made(FAST)) as fmu, started(fmu, True, {"external_force": 100.0}) as slave:
@@ -178,6 +179,7 @@ def test_too_many_vibrations_are_refused(made, monkeypatch):
         fmu_wrapper.export(FAST, "never.fmu")
 
 
+@pytest.mark.slow
 def test_check_fmu_on_the_command_line(made, capsys):
     assert main(["check-fmu", str(made(FAST)), "--json"]) == 0
     assert '"vibrations"' in capsys.readouterr().out

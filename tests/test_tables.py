@@ -1,8 +1,8 @@
 """Datasets as CSV, Parquet and MATLAB files, and sweeps in few numbers and pictures."""
 
-import builtins
 import io
 import json
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -110,14 +110,7 @@ def test_a_sweep_writes_a_table(tmp_path: Path, swept: xr.Dataset) -> None:
 def test_parquet_without_pyarrow_is_refused_before_the_work(
     swept: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real = builtins.__import__
-
-    def absent(name: str, *rest: object) -> object:
-        if name == "pyarrow":
-            raise ImportError(name)
-        return real(name, *rest)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(builtins, "__import__", absent)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(ImportError, match=r'pip install "film-model\[parquet\]"'):
         fd.sweep(BALL, OVER, output=tmp_path / "x.parquet")
     assert list(tmp_path.iterdir()) == []

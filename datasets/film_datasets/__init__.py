@@ -8,7 +8,7 @@ from film_datasets.file_conversion import convert
 from film_datasets.files import open_dataset as open
 from film_datasets.files import read, write
 from film_datasets.history_dataset import history_of, lines_of
-from film_datasets.identification import Identification, identify
+from film_datasets.identification import Identification, compare_laws, identify
 from film_datasets.published import load, published
 from film_datasets.schema import TABLE, VERSIONS, Variable, content_sha256, validate
 from film_datasets.sweeps import sweep
@@ -20,6 +20,7 @@ __all__ = [
     "Film",
     "Identification",
     "Variable",
+    "compare_laws",
     "content_sha256",
     "convert",
     "from_csv",

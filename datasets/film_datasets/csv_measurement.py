@@ -7,6 +7,7 @@ import hashlib
 import math
 import os
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -30,13 +31,17 @@ MOST_MISTAKES = 20
 _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?\s*")
 
 
-def from_csv(path: str | os.PathLike[str], title: str = "") -> xr.Dataset:
+def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str, str] | None = None) -> xr.Dataset:
     """A measured history, or measured impacts at several velocities, as a dataset of kind impact_measurement, SI.
 
     The first line that is not a comment (#) has the names of the columns, each with its unit: `time [us], force [kN]`
     and any other quantity of a history; or `velocity [m/s], restitution` and any other summary quantity. Times count
     from first touch (an offset can be fitted, see `identify`). Cells may be empty, except times and velocities. Columns
     are separated by commas, semicolons or tabs; numbers have a decimal point.
+
+    columns: headings of the file for the quantities that are to be read, {"time": "t [us]", "force": "CH1 [kN]"}; a
+    unit there replaces that in the file. Other columns, and lines before the heading, such as those of an
+    oscilloscope, are then ignored.
 
     Raises SceneError with all mistakes and their lines.
 
@@ -46,6 +51,8 @@ def from_csv(path: str | os.PathLike[str], title: str = "") -> xr.Dataset:
     text, name = read_text(path)
     lines = enumerate(text.splitlines(), 1)
     numbered = [(number, line) for number, line in lines if line.strip() and line.lstrip()[0] != "#"]
+    if columns:
+        numbered = _chosen_columns(name, numbered, columns)
     if len(numbered) < 3:
         raise SceneError([Mistake(name, None, "", "a heading and at least two rows of numbers are needed")])
     separator = max(",;\t", key=numbered[0][1].count)
@@ -56,8 +63,8 @@ def from_csv(path: str | os.PathLike[str], title: str = "") -> xr.Dataset:
     names = [NAMES.get(_name(heading), _name(heading)) for heading in headings]
     kind = "history" if "t" in names else "impacts"
     known = {variable.name: variable for variable in TABLE[f"{MEASUREMENT} {kind}"]}
-    columns = _columns(name, head, headings, names, known)
-    values = _values(name, body, names, columns)
+    units = _columns(name, head, headings, names, known)
+    values = _values(name, body, names, units)
     along = next(iter(known))
     if kind == "history" and not (np.diff(values[along]) > 0).all():
         late = int(np.flatnonzero(~(np.diff(values[along]) > 0))[0]) + 1
@@ -82,6 +89,42 @@ def split_heading(heading: str) -> tuple[str, str]:
 
 def _name(heading: str) -> str:
     return split_heading(heading)[0].lower().replace(" ", "_")
+
+
+def _chosen_columns(file: str, numbered: list[tuple[int, str]], columns: Mapping[str, str]) -> list[tuple[int, str]]:
+    """The lines from the heading on, with the chosen columns only and under their quantities' names.
+
+    The heading is the first line that has all these columns; rows of units, without a number, may follow it.
+    """
+    wanted = {quantity: split_heading(heading) for quantity, heading in columns.items()}
+    for place, (number, line) in enumerate(numbered):
+        separator = max(",;\t", key=line.count)
+        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=separator))]
+        names = [split_heading(cell)[0] for cell in cells]
+        if not all(name in names or name in cells for name, _ in wanted.values()):
+            continue
+        places = [(cells if name in cells else names).index(name) for name, _ in wanted.values()]
+        units = [unit or split_heading(cells[k])[1] for k, (_, unit) in zip(places, wanted.values(), strict=True)]
+        heading = [f"{name} [{unit}]" for name, unit in zip(wanted, units, strict=True)]
+        body = numbered[place + 1 :]
+        rows = [(n, next(csv.reader([text], delimiter=separator))) for n, text in body]
+        first = next((k for k, (_, row) in enumerate(rows) if any(map(_is_number, row))), len(rows))
+        picked = [(n, [row[k].strip() if k < len(row) else "" for k in places]) for n, row in rows[first:]]
+        return [(number, ",".join(heading)), *((n, ",".join(map(_quoted, row))) for n, row in picked)]
+    missing = ", ".join(shown(heading) for heading in columns.values())
+    raise SceneError([Mistake(file, None, "", f"no line has the columns {missing}")])
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _quoted(cell: str) -> str:
+    return f'"{cell}"' if set(cell) & set(",;\t") else cell
 
 
 def _columns(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import io
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -68,7 +69,7 @@ def check_parquet(target: Path) -> None:
     """Raise ImportError if a Parquet file is asked for and pyarrow is not installed."""
     if target.suffix == ".parquet":
         try:
-            import pyarrow  # lazy: an optional dependency  # noqa: F401
+            importlib.import_module("pyarrow")  # an optional dependency
         except ImportError as error:
             raise ImportError(f"{target}: {NEEDS_PARQUET}") from error
 

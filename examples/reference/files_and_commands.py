@@ -21,6 +21,7 @@ COMMANDS = {
     "explore": "film-model explore scene.toml",
     "export-page": "film-model export-page scene.toml --output impact.html",
     "export-fmu": "film-model export-fmu scene.toml --fmi 3 --output impact.fmu",
+    "export-ssp": "film-model export-ssp scene.toml --output impact.ssp",
     "check-fmu": "film-model check-fmu impact.fmu",
     "contact-for": "film-model contact-for mujoco scene.toml --velocity 0.1..2",
     "sweep": "film-model sweep sweep.toml --output sweep.nc",
@@ -119,6 +120,10 @@ def csv_page() -> str:
 {MADE}All are UTF-8 text. The first line names the columns, each with its unit in brackets:
 `time [us], force [kN]`. Columns are separated by commas, semicolons or tabs, numbers have a decimal point, and lines
 that begin with `#` are comments. Mistakes are reported with their line.
+
+Measurements in files with other headings, or with lines of an oscilloscope before them, are read by
+`film-model identify … --columns time="TIME [s]" force="CH1 [kN]"`: the heading of each quantity in the file, with the
+unit that its numbers have. Other columns are ignored.
 
 ## A measured history
 

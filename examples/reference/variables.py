@@ -13,7 +13,7 @@ def fmu_page() -> str:
             *(v.causality.get(kind, "–") for kind in KINDS),
             unit(v.dimension) if v.dimension else f"{'whole number' if v.type == 'Whole' else v.type}",
             v.description,
-            "" if v.low is None else f"{v.low:g} to {v.high:g}",
+            _range(v.low, v.high),
         )
         for v in VARIABLES
     )
@@ -32,6 +32,12 @@ positive into the target. [FMUs](../fmus.md) says what an FMU simulates.
 ## Events
 
 {table(("`last_event`", "code", "meaning"), events)}"""
+
+
+def _range(low: float | None, high: float | None) -> str:
+    if low is None or high is None:
+        return "" if low is None else f"at least {low:g}"
+    return f"{low:g} to {high:g}"
 
 
 def dataset_page() -> str:

@@ -47,6 +47,13 @@ def add_commands(named: Any) -> None:
     parser.add_argument("measured", help="CSV file: time and force, or velocity and restitution, with units")
     parser.add_argument("scene", help="scene file (TOML), with initial values")
     parser.add_argument("--fit", required=True, metavar="NAME[,NAME]", help="e.g. contact.yield_strength,time_offset")
+    parser.add_argument(
+        "--columns",
+        metavar="NAME=HEADING",
+        nargs="+",
+        help='headings of the file, e.g. time="t [us]" force="CH1 [kN]"; lines before them are ignored',
+    )
+    parser.add_argument("--law", metavar="NAME[,NAME]", help="compare these laws, or all, instead of the scene's")
     parser.add_argument("--confidence", type=float, default=0.99, help="level of the intervals (default: 0.99)")
     add_plot(parser, "draw measurement and fit")
     add_force(parser, "overwrite an existing picture")
@@ -138,7 +145,10 @@ def identify(options: argparse.Namespace) -> int:
 
     check_picture(options.plot, options.force)
     scene = Scene.from_toml(options.scene)
-    measured = film_datasets.from_csv(options.measured)
+    columns = dict(pair.partition("=")[::2] for pair in options.columns or ())
+    measured = film_datasets.from_csv(options.measured, columns=columns)
+    if options.law:
+        return _compare(options, measured, scene)
     found = film_datasets.identify(measured, scene, listed(options.fit), options.confidence)
     if options.plot:
         found.plot(options.plot)
@@ -149,3 +159,22 @@ def identify(options: argparse.Namespace) -> int:
         print_written(options.plot)
     print_warnings(found.warnings)
     return DONE
+
+
+def _compare(options: argparse.Namespace, measured: Any, scene: Scene) -> int:
+    """Fit with several laws; the picture is that of the best."""
+    from film_datasets.identification import compare_laws, comparison_table
+    from film_model.laws import LAWS
+
+    laws = list(LAWS) if options.law == "all" else listed(options.law)
+    found = compare_laws(measured, scene, listed(options.fit), laws, options.confidence)
+    best = found[0].fit
+    if options.plot and best is not None:
+        best.plot(options.plot)
+    if options.json:
+        print_json({"laws": [one.to_dict() for one in found]})
+    else:
+        print(comparison_table(found))
+        print_written(options.plot if best is not None else None)
+    print_warnings(() if best is None else best.warnings)
+    return FAILED if best is None else DONE

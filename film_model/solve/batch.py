@@ -99,7 +99,7 @@ def simulate_batch(
 
     >>> many = fm.simulate_batch(scene, velocity=["0.1 m/s", "1 m/s"])
     >>> many.summary["coefficient_of_restitution"].round(3)
-    array([0.729, 0.433])
+    array([0.758, 0.467])
     """
     speeds = units.array_to_si(velocity, "velocity")
     masses = None if mass is None else units.array_to_si(mass, "mass")

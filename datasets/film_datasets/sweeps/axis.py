@@ -70,12 +70,15 @@ class Axis:
 
     def coordinate(self) -> NDArray[Any]:
         """Its values along a dimension of its own: SI, or words."""
-        values = self.at(np.arange(self.count))
-        return np.array(self.words)[values] if self.kind == "choices" else values
+        if self.kind == "choices":
+            return np.array(self.words)[np.array(self.indices, np.intp)]
+        return self.at(np.arange(self.count))
 
     def probes(self) -> Array:
         """Different values of an axis of numbers, SI, to see what depends on it."""
-        return np.asarray(self.numbers) if self.kind == "values" else self.quantile(np.array([0.2, 0.5, 0.9]))
+        if self.kind == "values":
+            return np.array(self.numbers)
+        return np.asarray(self.quantile(np.array([0.2, 0.5, 0.9])), np.float64)
 
     def at(self, index: NDArray[np.intp]) -> Array | NDArray[np.int32]:
         """Values at places along the axis: SI, or numbers of choices."""

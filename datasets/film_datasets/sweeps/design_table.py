@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 import xarray as xr
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 SUFFIXES = (".csv", ".parquet")
 
 
-def is_table(given: object) -> bool:
+def is_table(given: object) -> TypeGuard[pd.DataFrame | xr.Dataset]:
     """Whether this is a DataFrame or a Dataset."""
     return isinstance(given, xr.Dataset) or type(given).__name__ == "DataFrame"
 
@@ -102,4 +102,4 @@ def _read(path: Path) -> pd.DataFrame:
         )
     except (pd.errors.ParserError, ValueError) as error:
         raise SceneError([Mistake(name, None, "", f"is not a table: {error}")]) from None
-    return table[1:].set_axis(table.iloc[0].astype(str), axis=1)
+    return pd.DataFrame(table.to_numpy()[1:], columns=[str(heading) for heading in table.iloc[0].tolist()])

@@ -143,7 +143,7 @@ def correlation_factor(given: Any, names: Sequence[str]) -> Array:
     if not (np.isfinite(matrix).all() and (matrix == matrix.T).all() and (np.diag(matrix) == 1.0).all()):
         raise ValueError("a correlation matrix is symmetric, with 1 on its diagonal")
     try:
-        return np.linalg.cholesky(matrix)
+        return np.asarray(np.linalg.cholesky(matrix), np.float64)
     except np.linalg.LinAlgError:
         least = float(np.linalg.eigvalsh(matrix)[0])
         raise ValueError(f"no correlations can be like this: the least eigenvalue is {least:.3g}, not > 0") from None

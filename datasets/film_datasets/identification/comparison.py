@@ -1,0 +1,81 @@
+"""compare_laws: the same measurement fitted with several contact laws."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from film_datasets.identification.least_squares import identify
+from film_datasets.identification.result import Identification
+from film_model.base.errors import SceneError, SimulationError
+from film_model.scene import Scene
+
+
+@dataclass(frozen=True)
+class LawFit:
+    """One law. fit: None if it cannot be fitted, for the reason in `reason`. residual: root mean square over the
+    largest value of each quantity. criterion: Akaike's information criterion, corrected for few points; the least is
+    best."""
+
+    law: str
+    fit: Identification | None
+    residual: float = math.inf
+    criterion: float = math.inf
+    reason: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values; None for what is not known."""
+        numbers = {"residual": self.residual, "criterion": self.criterion}
+        plain = {name: value if math.isfinite(value) else None for name, value in numbers.items()}
+        fit = None if self.fit is None else self.fit.to_dict()
+        return {"law": self.law, **plain, "reason": self.reason, "fit": fit}
+
+
+def compare_laws(
+    measured: xr.Dataset, scene: Scene, fit: Sequence[str], laws: Sequence[str], confidence: float = 0.99
+) -> list[LawFit]:
+    """Fit the parameters `fit` with each of the laws (see `identify`); the best law first, those that cannot last.
+
+    A law's own parameters that are not fitted are those of the scene. AICc = n ln(S/n) + 2 k + 2 k (k + 1)/(n - k - 1)
+    for n points, the sum of squares S and k parameters, the variance among them (Hurvich and Tsai 1989); differences
+    below about 2 decide nothing. S is at least the rounding error of the model.
+    """
+    return sorted((_fit(measured, scene, fit, law, confidence) for law in laws), key=lambda one: one.criterion)
+
+
+ROUNDING = 1e-7
+"""Residual below which two fits are equal: the accuracy of the impacts that are compared."""
+
+
+def _fit(measured: xr.Dataset, scene: Scene, fit: Sequence[str], law: str, confidence: float) -> LawFit:
+    try:
+        found = identify(measured, scene.replace({"contact.law": law}), fit, confidence)
+    except (SceneError, SimulationError, ValueError) as error:
+        return LawFit(law, None, reason=" ".join(str(error).split("\n")))
+    square = 0.0
+    for name, rms in found.residual.items():
+        values = measured[name].values[np.isfinite(measured[name].values)]
+        square += values.size * (rms / (float(np.abs(values).max(initial=0.0)) or 1.0)) ** 2
+    n, k = found.points, len(fit) + 1
+    residual = math.sqrt(square / n)
+    correction = 2.0 * k * (k + 1) / (n - k - 1) if n > k + 1 else math.inf
+    criterion = 2.0 * n * math.log(max(residual, ROUNDING)) + 2.0 * k + correction
+    return LawFit(law, found, residual, criterion)
+
+
+def comparison_table(found: Sequence[LawFit]) -> str:
+    """The laws as text: residual, and how much worse the criterion is than that of the best."""
+    lines = [f"  {'law':22}{'RMS residual':>14}{'AICc above best':>18}"]
+    for one in found:
+        if one.fit is None:
+            lines.append(f"  {one.law:22}{'-':>14}{'-':>18}   {one.reason}")
+            continue
+        texts = [f"{p.path} {p.text(p.value)}" for p in one.fit.parameters]
+        above = one.criterion - found[0].criterion
+        lines.append(f"  {one.law:22}{100 * one.residual:>12.3g} %{above:>18.1f}   {', '.join(texts)}")
+    return "\n".join(lines)

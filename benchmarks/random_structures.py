@@ -95,8 +95,8 @@ def _plate(draw: np.random.Generator) -> fm.Plate:
 
 
 def _beam(draw: np.random.Generator) -> fm.Beam:
-    ends: Any = [str(end) for end in draw.choice(EDGES, 2)]
     length = f"{draw.uniform(60.0, 400.0):.4g} mm"
+    ends: Any = [str(end) for end in draw.choice(EDGES, 2)]
     place = f"{float(length[:-3]) * draw.uniform(0.1, 0.9):.6g} mm"
     theory: Any = str(draw.choice(["timoshenko", "timoshenko", "euler-bernoulli", "plate"]))
     width = "40 mm" if theory == "plate" else "10 mm"

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from unittest.mock import patch
 
 import pytest
+import sweep_cases
 from hypothesis import settings
 
 import fmu_wrapper
@@ -74,3 +75,11 @@ def packed(tmp_path_factory):
         return known[on]
 
     return pack
+
+
+@pytest.fixture
+def sweep_file(tmp_path):
+    """A sweep of 60 impacts as a TOML file."""
+    path = tmp_path / "sweep.toml"
+    path.write_text(sweep_cases.FILE, encoding="utf-8")
+    return path

@@ -1,120 +1,175 @@
-"""The files of sweeps: compression, chunks, number of files, disk space, the same bytes from any number of workers."""
+"""Sweeps: files, damage to them, and commands."""
 
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
-import netCDF4
 import pytest
+import xarray as xr
+from sweep_cases import BALL, FILE, SPEEDS, STRENGTHS, cli
 
 import film_datasets as fd
-import film_model as fm
-from film_datasets.sweeps import Sweep, run_sweep
-from film_datasets.sweeps.blocks import Blocks
-from film_datasets.sweeps.checkpoint import Checkpoint
-from film_datasets.sweeps.disk_space import disk_space
+from film_datasets.sweeps import read_sweep
 from film_model.cli.main import main
+from film_model.solve.history import SUMMARY
 
-SCENE = Path(__file__).parent.parent / "examples" / "scenes" / "tungsten_carbide_on_steel.toml"
-BALL = fm.Scene.from_toml(SCENE).replace({"contact.law": "hertz"})
-OVER = {"impactor.velocity": {"uniform": ["0.1 m/s", "5 m/s"]}, "impactor.mass": {"uniform": ["20 g", "80 g"]}}
+
+def test_command_writes_and_reports(capsys: pytest.CaptureFixture[str], sweep_file: Path) -> None:
+    output = sweep_file.with_name("out.nc")
+    status, out, err = cli(capsys, "sweep", sweep_file, "--output", output, "--json")
+    assert status == 0
+    table = json.loads(out)
+    assert table["impacts"] == 60
+    assert table["statuses"] == {"separated": 60}
+    assert list(table["summary"]) == list(SUMMARY)
+    assert "60 of 60 impacts, 100 %" in err
+    ds = fd.read(output)
+    assert fd.validate(ds) == []
+    force = table["summary"]["maximum_force"]
+    assert force["greatest"] == ds["maximum_force"].values.max()
+    assert force["mean"] == pytest.approx(ds["maximum_force"].values.mean())
+    assert force["standard_deviation"] == pytest.approx(ds["maximum_force"].values.std(ddof=1))
+    assert ds.film.summary()["maximum_force"] == {k: v for k, v in force.items() if k != "units"}
+    assert f"film-model sweep {sweep_file}" in ds.attrs["history"]
+    status, out, err = cli(capsys, "sweep", sweep_file, "--output", output)
+    assert (status, out) == (3, "")
+    assert "--force" in err
+    assert cli(capsys, "sweep", sweep_file, "--output", output, "--resume")[0] == 0
+    assert (
+        cli(capsys, "sweep", sweep_file, "--output", output, "--force", "--keep", "samples=11", "--workers", 1)[0] == 0
+    )
+    assert fd.read(output)["sampled_contact_force"].shape == (30, 2, 11)
+
+
+def test_dotted_keys_need_no_quotes(sweep_file: Path) -> None:
+    quoted = read_sweep(sweep_file)
+    sweep_file.write_text(FILE.replace('"impactor.velocity"', "impactor.velocity"), encoding="utf-8")
+    assert read_sweep(sweep_file).text() == quoted.text()
+
+
+def test_same_input_gives_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
+    contents = set()
+    for workers in (1, 2):
+        fd.sweep(BALL, SPEEDS, output=tmp_path / f"{workers}.nc", workers=workers).close()
+        contents.add((tmp_path / f"{workers}.nc").read_bytes())
+    assert len(contents) == 1
+
+
+@pytest.mark.parametrize("spoil", ["status", "content", "segments", "unit"])
+def test_validate_finds_defects_of_a_sweep(spoil: str) -> None:
+    ds = fd.sweep(BALL, SPEEDS, keep="segments")
+    if spoil == "status":
+        ds["status"].values[3] = 99
+    elif spoil == "content":
+        ds["maximum_force"].values[3] *= 1.0 + 1e-15
+    elif spoil == "segments":
+        ds["segment_count"].values[3] += 1
+    else:
+        ds["impactor_velocity"].attrs["long_name"] = "speed"
+    assert len(fd.validate(ds)) >= 1
+
+
+@pytest.mark.parametrize("content", [b"", b"rubbish", b"\x89HDF\r\n\x1a\n" + bytes(200)])
+def test_a_damaged_file_gives_one_message(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "x.nc"
+    path.write_bytes(content)
+    with pytest.raises(OSError, match=r"x\.nc: is not a netCDF file, or is damaged"):
+        fd.open(path)
+    with pytest.raises(FileNotFoundError, match="there is no such file"):
+        fd.open(tmp_path / "y.nc")
+
+
+def test_a_foreign_file_gives_one_message(tmp_path: Path) -> None:
+    path = tmp_path / "x.nc"
+    xr.Dataset({"a": ("x", [1.0])}).to_netcdf(path)
+    with pytest.raises(ValueError, match=r"x\.nc: not a dataset of film-model"):
+        fd.open(path)
+    assert fd.validate(xr.open_dataset(path)) == [
+        "not a dataset of film-model: the attribute film_model_schema does not name a kind"
+    ]
+
+
+@pytest.mark.parametrize("name", ["grid", "samples", "segments", "dense"])
+def test_cf_checker_finds_nothing_in_sweeps(name: str, tmp_path: Path) -> None:
+    pytest.importorskip("compliance_checker")
+    over = {**SPEEDS, "contact.law": ["hertz", "big-alabo"]}
+    drawn = {
+        **STRENGTHS,
+        "impactor.material": ["mild steel", "tungsten carbide"],
+        "impactor.radius": {"normal": ["10 mm", "8 mm"]},
+    }
+    options = {
+        "grid": {"over": over},
+        "samples": {"over": drawn, "design": "sobol", "samples": 32},
+        "segments": {"over": over, "keep": "segments"},
+        "dense": {"over": drawn, "design": "random", "samples": 32, "keep": "samples=9"},
+    }[name]
+    fd.sweep(BALL, output=tmp_path / "x.nc", **options).close()
+    checker = Path(sys.executable).with_name("compliance-checker")
+    found = subprocess.run(
+        [checker, "--test=cf:1.11", "--criteria=strict", tmp_path / "x.nc"], capture_output=True, text=True, check=False
+    )
+    assert "All tests passed!" in found.stdout, found.stdout + found.stderr
+
+
+def test_ncdump_reads_them(tmp_path: Path) -> None:
+    if shutil.which("ncdump") is None:
+        pytest.skip("ncdump is not there")
+    fd.sweep(BALL, SPEEDS, output=tmp_path / "x.nc").close()
+    found = subprocess.run(["ncdump", "-h", tmp_path / "x.nc"], capture_output=True, text=True, check=True)
+    assert 'maximum_force:units = "N"' in found.stdout
 
 
 @pytest.mark.slow
-def test_a_netcdf_file_is_compressed_in_chunks_that_fit(tmp_path: Path) -> None:
-    with fd.sweep(BALL, OVER, "sobol", samples=1024, keep="segments", output=tmp_path / "s.nc") as ds:
-        assert fd.validate(ds) == []
-        segments = ds.sizes["segment"]
-    with netCDF4.Dataset(tmp_path / "s.nc") as file:
-        filters = file["maximum_force"].filters()
-        assert filters["zlib"] and filters["shuffle"] and filters["complevel"] == 1
-        assert file["maximum_force"].chunking() == [1024] and file["radius"].chunking() == "contiguous"
-        assert file["segment_xi"].chunking() == [32768] and segments < 2 * 32768
-    fd.sweep(BALL, OVER, "sobol", samples=120, keep="segments", output=tmp_path / "small.nc").close()
-    assert (tmp_path / "small.nc").stat().st_size < 0.6e6  # chunks of 65536 segments: 10 MB
+def test_a_zarr_folder_is_drawn_and_takes_the_place_of_a_file(tmp_path: Path, sweep_file: Path) -> None:
+    pytest.importorskip("matplotlib")
+    pytest.importorskip("zarr")
+    (tmp_path / "out.zarr").write_text("an old file", encoding="utf-8")
+    assert main(["sweep", str(sweep_file), "--output", str(tmp_path / "out.zarr"), "--force"]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.zarr", "sweep.toml"]
+    over = "impactor_velocity, target_material_yield_strength"
+    assert main(["plot", f"{tmp_path / 'out.zarr'}/", "--over", over]) == 0
+    assert (tmp_path / "out.png").is_file()
+    assert main(["plot", str(tmp_path / "out.zarr"), "--force", "--over", "impactor_velocity,impactor_velocity"]) == 3
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("keep", ["segments", "samples=7"])
-def test_a_zarr_folder_has_few_files_and_the_data_in_memory(
-    keep: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_folder_that_is_no_store_is_not_replaced(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, sweep_file: Path
 ) -> None:
     pytest.importorskip("zarr")
-    monkeypatch.setattr("film_datasets.sweeps.blocks.BLOCK_IMPACTS", 8)
-    monkeypatch.setattr("film_datasets.sweeps.blocks.MOST_GROWING", 64)
-    grid = {"contact.law": ["hertz", "stronge"], "impactor.velocity": {"from": "0.1 m/s", "to": "5 m/s", "count": 50}}
-    for over, design in ((grid, {}), (OVER, {"design": "sobol", "samples": 100})):
-        memory = fd.sweep(BALL, over, **design, keep=keep)
-        with fd.sweep(BALL, over, **design, keep=keep, output=tmp_path / "s.zarr", overwrite=True) as ds:
-            assert ds.attrs["content_sha256"] == memory.attrs["content_sha256"]
-            assert fd.validate(ds) == []
-        files = [path for path in (tmp_path / "s.zarr" / "maximum_force").rglob("*") if path.is_file()]
-        assert len(files) <= 1 + 4  # the metadata, and a file for 8 of the 13 or 14 blocks
+    output = tmp_path / "out.zarr"
+    output.mkdir()
+    (output / "thesis.tex").write_text("precious", encoding="utf-8")
+    for force in ([], ["--force"]):
+        status, _, err = cli(capsys, "sweep", sweep_file, "--output", output, *force)
+        assert status == 3 and "is a folder but not a Zarr store, and is not replaced" in err
+    assert [path.name for path in output.iterdir()] == ["thesis.tex"]
+    (output / "thesis.tex").unlink()
+    output.rmdir()
+    assert cli(capsys, "sweep", sweep_file, "--output", output)[0] == 0
+    assert cli(capsys, "sweep", sweep_file, "--output", output)[2] == f"{output}: exists; use --force to replace it\n"
+    assert cli(capsys, "sweep", sweep_file, "--output", output, "--force")[0] == 0
+    with pytest.raises(FileExistsError, match=r"exists; use overwrite=True to replace it$"):
+        fd.sweep(BALL, SPEEDS, output=output)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("suffix", ["nc", "zarr"])
-def test_any_number_of_workers_writes_the_same_bytes(
-    suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    if suffix == "zarr":
-        pytest.importorskip("zarr")
-    monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
-    monkeypatch.setattr("film_datasets.sweeps.blocks.BLOCK_IMPACTS", 32)
-    found: list[dict[str, bytes]] = []
-    for workers in (1, 3):
-        path = tmp_path / f"{workers}.{suffix}"
-        over = {**OVER, "contact.law": ["hertz", "stronge"]}
-        fd.sweep(BALL, over, "random", samples=500, keep="segments", output=path, workers=workers).close()
-        files = [path] if path.is_file() else sorted(p for p in path.rglob("*") if p.is_file())
-        found.append({str(file.relative_to(path)): file.read_bytes() for file in files})
-    assert found[0] == found[1]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("keep", ["summary", "segments"])
-def test_the_disk_space_is_known_within_a_factor_of_1_3(
-    keep: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("film_datasets.sweeps.blocks.BLOCK_IMPACTS", 4096)
-    sweep, saved = Sweep.of(BALL, OVER, "sobol", samples=2**14, keep=keep), list[int]()
-    remove = Checkpoint.remove
-
-    def measured(checkpoint: Checkpoint) -> None:
-        saved.append(sum(path.stat().st_size for path in checkpoint.folder.glob("*.npz")))
-        remove(checkpoint)
-
-    monkeypatch.setattr(Checkpoint, "remove", measured)
-    run_sweep(sweep, tmp_path / "s.nc", command="test").close()
-    actual = (tmp_path / "s.nc").stat().st_size, max(saved)
-    for expected, real in zip(disk_space(sweep), actual, strict=True):
-        assert 1 / 1.3 < expected / real < 1.3
-
-
-def test_a_second_process_is_told_of_the_first(tmp_path: Path) -> None:
-    sweep = Sweep.of(BALL, OVER, "sobol", samples=4)
-    first = Checkpoint(tmp_path / "s.nc", sweep, Blocks(sweep))
-    with first.locked(resume=False, overwrite=False):
-        for options in ({}, {"resume": True}, {"overwrite": True}):
-            with pytest.raises(FileExistsError, match=r"s\.nc: another process is computing it$"):
-                run_sweep(sweep, tmp_path / "s.nc", command="test", **options)
-
-
-@pytest.mark.parametrize("lacking", ["status", "impactor_velocity", "segment_xi", "event_time"])
-def test_a_file_that_lacks_a_variable_gets_one_sentence(
-    lacking: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    swept = lacking in ("status", "impactor_velocity")
-    whole = fd.sweep(BALL, {"impactor.velocity": ["1 m/s"]}) if swept else fd.to_dataset(fm.simulate(BALL))
-    path = tmp_path / "part.nc"
-    whole.drop_vars(lacking).to_netcdf(path)
-    ds = fd.read(path)
-    assert fd.validate(ds) == [f"variable {lacking} is missing"]
-    calls = [ds.film.scene, ds.film.history] if swept else [ds.film.history, lambda: ds.film.sample([0.0])]
-    if "segment" not in lacking:  # which a table does not hold
-        calls.append(lambda: fd.to_frame(ds))
-    for call in calls:
-        with pytest.raises(ValueError, match=f"variable {lacking} missing: dropped or renamed"):
-            call()
-    for command in ("plot", "summarise") if swept else ("plot",):
-        assert main([command, str(path)]) == 3
-        said = capsys.readouterr().err
-        assert f"variable {lacking} missing" in said and len(said.splitlines()) == 1
+def test_a_finished_output_of_another_sweep_is_not_reused(tmp_path: Path) -> None:
+    target = tmp_path / "s.nc"
+    fd.sweep(BALL, SPEEDS, keep="samples=11", output=target).close()
+    with pytest.raises(FileExistsError, match="is not the finished output of this sweep"):
+        fd.sweep(BALL, SPEEDS, keep="samples=21", output=target, resume=True)
+    with fd.sweep(BALL, SPEEDS, keep="samples=11", output=target, resume=True) as ds:
+        assert ds.sizes["normalised_time"] == 11
+        for place in (1.5, -1, 40):
+            with pytest.raises(KeyError, match="impactor_velocity is missing"):
+                ds.film.scene(impact=place)
+    drawn = fd.sweep(BALL, {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}}, "random", samples=4)
+    for place in (1.5, -1, 4, "1"):
+        with pytest.raises(KeyError, match="must be from 0 to 3"):
+            drawn.film.scene(impact=place)

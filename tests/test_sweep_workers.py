@@ -1,0 +1,206 @@
+"""Sweeps: workers, interruption and progress."""
+
+from __future__ import annotations
+
+import io
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from sweep_cases import BALL, FILE, PLATE, SCENES, SPEEDS, STRENGTHS, same
+
+import film_datasets as fd
+from film_datasets.sweeps import Interrupted, ProgressBar, Sweep, run_sweep
+from film_datasets.sweeps.block_columns import Columns, compute_block
+from film_datasets.sweeps.blocks import Block
+
+SMALL_BLOCKS = ("film_datasets.sweeps.blocks.BLOCK_IMPACTS", 7)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("design", ["grid", "sobol"])
+def test_any_number_of_workers_gives_the_same_data(
+    monkeypatch: pytest.MonkeyPatch, design: str, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(*SMALL_BLOCKS)
+    over = {**SPEEDS, "impactor.mass": ["30 g", "60 g"]} if design == "grid" else {**STRENGTHS}
+    options = {} if design == "grid" else {"design": design, "samples": 80}
+    found = [fd.sweep(BALL, over, workers=n, keep="segments", **options) for n in (1, 2, 5)]
+    for ds in found[1:]:
+        same(ds, found[0])
+    with fd.sweep(BALL, over, keep="segments", output=tmp_path / "x.nc", **options) as ds:
+        same(ds, found[0])
+
+
+class _StopAfter:
+    def __init__(self, rows: int, error: type[BaseException]) -> None:
+        self.rows, self.error = rows, error
+
+    def __call__(self, done: int, size: int) -> None:
+        if done >= self.rows:
+            raise self.error
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", ["nc", "zarr"])
+def test_an_interrupted_sweep_is_resumed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, suffix: str) -> None:
+    monkeypatch.setattr(*SMALL_BLOCKS)
+    made, path = Sweep.of(BALL, SPEEDS), tmp_path / f"out.{suffix}"
+    with pytest.raises(Interrupted, match=r"interrupted: \d+ of 6 blocks in .*use resume=True to continue$"):
+        run_sweep(made, path, command="test", workers=1, progress=_StopAfter(20, KeyboardInterrupt))
+    blocks = tmp_path / f".out.{suffix}.blocks"
+    assert [p.name for p in tmp_path.iterdir()] == [blocks.name]
+    kept = sorted(blocks.glob("*.npz"))
+    assert len(kept) >= 3
+    with pytest.raises(FileExistsError, match="an interrupted run left"):
+        run_sweep(made, path, command="test")
+    with pytest.raises(FileExistsError, match="of another sweep"):
+        run_sweep(Sweep.of(PLATE, SPEEDS), path, command="test", resume=True)
+    kept[0].write_bytes(kept[0].read_bytes()[:-100])  # a damaged block is computed again
+    computed: list[int] = []
+
+    def counted(sweep: Sweep, block: Block) -> Columns:
+        computed.append(block.first)
+        return compute_block(sweep, block)
+
+    monkeypatch.setattr("film_datasets.sweeps.runner.compute_block", counted)
+    with run_sweep(made, path, command="test", resume=True) as ds:
+        same(ds, run_sweep(made, command="test"))
+    assert len(computed) == 6 + (6 - len(kept)) + 1
+    assert [p.name for p in tmp_path.iterdir()] == [path.name]
+    computed.clear()
+    run_sweep(made, path, command="test", resume=True).close()  # the output is complete
+    assert computed == []
+    with pytest.raises(FileExistsError, match="exists"):
+        run_sweep(made, path, command="test")
+
+
+def test_one_process_at_a_time_writes_an_output(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    pytest.importorskip("fcntl")
+    monkeypatch.setattr(*SMALL_BLOCKS)
+    made, path = Sweep.of(BALL, SPEEDS), tmp_path / "out.nc"
+
+    def again(done: int, size: int) -> None:
+        with pytest.raises(FileExistsError, match="another process"):
+            run_sweep(made, path, command="test", resume=True)
+
+    run_sweep(made, path, command="test", progress=again).close()
+
+
+SCRIPT = """
+import sys, signal, resource, film_model as fm, film_datasets as fd
+import film_datasets.sweeps.blocks
+film_datasets.sweeps.blocks.BLOCK_IMPACTS = 2000
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+limit = int(sys.argv[3])
+if limit:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+scene = fm.Scene.from_toml(sys.argv[1])
+over = {"impactor.velocity": {"uniform": ["0.1 m/s", "5 m/s"]}, "impactor.mass": {"normal": ["60 g", "5 g"]}}
+try:
+    fd.sweep(scene, over, "sobol", samples=int(sys.argv[4]), output=sys.argv[2], resume=True)
+except OSError as error:
+    sys.exit(str(error))
+"""
+
+
+def script(output: Path, limit: int = 0, samples: int = 60_000) -> list[str]:
+    scene = SCENES / "tungsten_carbide_on_steel.toml"
+    return [sys.executable, "-c", SCRIPT, str(scene), str(output), str(limit), str(samples)]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(signal, "SIGXFSZ"), reason="needs a limit on the size of files")
+@pytest.mark.parametrize("limit", [50_000, 1_000_000])
+def test_a_full_disk_gives_one_message_and_loses_no_block(tmp_path: Path, limit: int) -> None:
+    """A small limit on the file size fails the blocks, a larger one the output."""
+    path = tmp_path / "out.nc"
+    stopped = subprocess.run(script(path, limit), capture_output=True, text=True, check=False)
+    assert stopped.returncode == 1
+    assert "out.nc: cannot be written: " in stopped.stderr
+    assert len(stopped.stderr.strip().splitlines()) == 1
+    blocks = list((tmp_path / ".out.nc.blocks").glob("*.npz"))
+    assert not path.exists() and not (tmp_path / ".out.nc.part").exists()
+    assert bool(blocks) == (limit > 100_000)
+    subprocess.run(script(path), check=True)
+    assert fd.validate(fd.read(path)) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", ["nc", "zarr"])
+def test_killed_at_any_moment_and_resumed(tmp_path: Path, suffix: str) -> None:
+    begin = time.monotonic()
+    subprocess.run(script(tmp_path / f"whole.{suffix}", samples=200_000), check=True)
+    duration = time.monotonic() - begin
+    whole = fd.read(tmp_path / f"whole.{suffix}")
+    rng = random.Random(4)
+    for number in range(20):
+        path = tmp_path / f"out{number}.{suffix}"
+        process = subprocess.Popen(script(path, samples=200_000))
+        time.sleep(rng.uniform(0.3, 1.0) * duration)
+        process.kill()
+        process.wait()
+        subprocess.run(script(path, samples=200_000), check=True)
+        same(fd.read(path), whole)
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(
+        [f"whole.{suffix}", *(f"out{number}.{suffix}" for number in range(20))]
+    )
+
+
+@pytest.mark.slow
+def test_a_dask_cluster_gives_the_same_data(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(*SMALL_BLOCKS)
+    options = {"design": "sobol", "samples": 60, "keep": "segments"}
+    whole = fd.sweep(BALL, STRENGTHS, **options)
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        same(fd.sweep(BALL, STRENGTHS, scheduler=client, **options), whole)
+        with fd.sweep(BALL, STRENGTHS, scheduler=cluster.scheduler_address, output=tmp_path / "x.nc", **options) as ds:
+            same(ds, whole)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_an_interrupt_from_the_keyboard(tmp_path: Path) -> None:
+    file, output = tmp_path / "sweep.toml", tmp_path / "out.nc"
+    file.write_text(FILE.replace("count = 30", "count = 1000000"), encoding="utf-8")
+    code = "import sys; from film_model.cli.main import main; sys.exit(main(sys.argv[1:]))"
+    command = [sys.executable, "-c", code, "sweep", str(file), "--output", str(output)]
+    process = subprocess.Popen(
+        command, stderr=subprocess.PIPE, text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
+    )  # fmt: skip  # the tests themselves may run where the keyboard is ignored
+    while process.poll() is None and not list(tmp_path.glob(".out.nc.blocks/*.npz")):
+        time.sleep(0.02)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate()
+    assert process.returncode == 130
+    assert len(err.splitlines()) == 1
+    assert "blocks in" in err and err.endswith("use --resume to continue\n")
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".out.nc.blocks", "sweep.toml"]
+
+
+def test_progress_is_shown() -> None:
+    stream = io.StringIO()
+    bar = ProgressBar(stream)
+    bar(500, 1000)
+    assert stream.getvalue() == ""  # not a terminal: no output for the first ten seconds
+    bar(1000, 1000)
+    assert stream.getvalue().startswith("1000 of 1000 impacts, 100 %, ")
+
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    stream = Terminal()
+    bar = ProgressBar(stream)
+    bar(500, 1000)
+    assert "[##########..........] 500 of 1000 impacts, 50 %" in stream.getvalue()
+    assert " s left" in stream.getvalue()

@@ -175,6 +175,9 @@ def test_mistakes_of_scene_and_sweep_are_reported_together(
     [
         ({}, {}, "at least one swept quantity"),
         ({"impactor.drop_height": ["1 m", "2 m"]}, {}, "not both"),
+        ({"impactor.diameter": ["1 m", "2 m"]}, {}, "give impactor.radius, half of it"),
+        ({"impactor.speed": ["1 m/s", "2 m/s"]}, {}, 'did you mean "impactor.velocity"?'),
+        ({"impactor.density": ["1 kg/m^3"]}, {}, 'did you mean "impactor.material.density"?'),
         ({"impactor.velocity": ["1 m/s"], "impactor": [BALL.to_table()["impactor"]]}, {}, "swept too"),
         ({"contact.law": ["hertz", "hertz"]}, {}, "given 2 times"),
         ({"contact.law": ["hertz", "hurtz"]}, {}, 'did you mean "hertz"?'),

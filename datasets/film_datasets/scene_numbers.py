@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from film_model.base.errors import did_you_mean
-from film_model.base.fields import Field
+from film_model.base.fields import SYNONYMS, Field
 from film_model.base.units import scene_unit
 from film_model.scene import Scene
 from film_model.scene.contact import Contact, parameter_fields, stiffness_unit
@@ -33,9 +33,18 @@ def field_at(scene: Scene, path: str) -> Field | None:
     if name == "exponent" and any(field.dimension == "meyer_stiffness" for field in fields.values()):
         raise ValueError("is in the unit of the stiffness: list [contact] sections that give both")
     if name not in fields:
-        hint = did_you_mean(name, fields) or did_you_mean(path, _paths(scene))
-        raise ValueError(f"unknown key{hint}")
+        raise ValueError(f"unknown key{_meant(path, fields) or did_you_mean(path, _paths(scene))}")
     return None if fields[name].low is None or head == "solver" else fields[name]
+
+
+def _meant(path: str, fields: dict[str, Field]) -> str:
+    """The path of a number that an unknown path may have meant, as the end of a message."""
+    section, _, name = path.rpartition(".")
+    if name == "diameter" and "radius" in fields:
+        return f": give {section}.radius, half of it"
+    inside = [f"{part}.{name}" for part, field in fields.items() if name in field.inside]
+    known = [SYNONYMS[name]] if SYNONYMS.get(name) in fields else inside
+    return f'; did you mean "{section}.{known[0]}"?' if known else did_you_mean(name, fields)
 
 
 def unit_of(scene: Scene, field: Field) -> str:

@@ -245,6 +245,16 @@ def test_a_fixed_beam_is_explained_under_a_damped_law():
     assert (motion.state, motion.change) == (SWITCHED_OFF, None)
 
 
+def test_a_ball_that_its_small_weight_keeps_on_an_infinite_plate_is_judged_without_it():
+    pane = fm.Plate("float glass, annealed", thickness="6 mm", size=["300 mm", "300 mm"])
+    scene = fm.Scene(fm.Sphere(diameter="38 mm", drop_height="0.5 m", material="bearing steel"), pane)
+    heavy, light = (choose(scene.replace({"effects.gravity": gravity})) for gravity in ("auto", False))
+    assert heavy.problem.load > 0.0 and not heavy.yielding.trial.ends
+    sizes = [{effect.name: effect.change for effect in choice.effects} for choice in (heavy, light)]
+    assert sizes[0]["thickness"] == sizes[1]["thickness"] > 0.0
+    assert "fracture" in " ".join(heavy.warnings)
+
+
 def test_zeners_number_needs_elastic_constants():
     plate = fm.Plate(
         mass_per_area="20 kg/m^2", bending_stiffness=dict.fromkeys(("D11", "D22", "D66"), "90 N*m") | {"D12": "9 N*m"}

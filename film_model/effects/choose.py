@@ -25,6 +25,9 @@ from film_model.problem.law_of_scene import law_of_scene
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
 
+SMALL_WEIGHT = 0.1
+"""Weight over the largest force, below which an impactor that stays on the target has made an impact first."""
+
 _ORDER = {name: k for k, name in enumerate(COMPUTED)}
 
 
@@ -69,9 +72,16 @@ class Choice:
         why = "the target moves too little to matter"
         found += [effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in self.edges]
         known = {effect.name for effect in self.edges}
-        tried = self.yielding if keeps_law else plasticity.elastic(self.yielding)
-        found += [effect for effect in judge(tried, self.problem.vibrates) if effect.name not in known]
+        found += [effect for effect in judge(self._ending, self.problem.vibrates) if effect.name not in known]
         return tuple(sorted(found, key=lambda effect: _ORDER.get(effect.name, len(_ORDER))))
+
+    @property
+    def _ending(self) -> Problem:
+        """The impact without vibrations; without its weight, if that is small and keeps the impactor on the target."""
+        tried = self.yielding if self.decided[2] else plasticity.elastic(self.yielding)
+        if tried.trial.ends or not 0.0 < tried.load < SMALL_WEIGHT * tried.trial.summary.maximum_force:
+            return tried
+        return tried.again(load=0.0)
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -489,6 +489,9 @@ def test_a_batch_on_one_structure():
     scene = fm.Scene(_ball(), beam, fm.Contact("hertz"))
     result = fm.simulate_batch(scene, velocity=[f"{speed!r} m/s" for speed in speeds.tolist()], accuracy=1e-3)
     assert not result.failed.any() and 0.0 < result.estimated <= 1e-3
+    few = fm.simulate_batch(scene, velocity=["0.5 m/s", "1 m/s"], accuracy=1e-3)
+    for many in (result, few):
+        assert (many.summary["energy_absorbed"] == 0.0).all()
     for row in (0, 17, 39):
         one = fm.simulate(scene.replace({"impactor.velocity": f"{float(speeds[row])!r} m/s"}), accuracy=1e-5).summary
         for name, value in one.items():

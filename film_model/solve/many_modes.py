@@ -80,10 +80,9 @@ def _one_by_one(scene: Scene, columns: Mapping[str, Array], rows: Index, accurac
             continue
         status[place] = native.EVENT if found.separated else native.OK
         errors[place] = estimated + problem.curve.fit_error
-        for name, value in summary_of(problem, int(status[place]), found.summary).items():
+        summary = summary_of(problem, int(status[place]), found.summary) | found.energies_in_si(problem)
+        for name, value in summary.items():
             values[name][place] = value
-        if found.separated:
-            values["energy_radiated"][place] = found.transferred(problem) * problem.scales.energy
     return Vibrating(values, status, laws, errors)
 
 

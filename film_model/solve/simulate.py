@@ -204,13 +204,9 @@ def _on_modes(scene: Scene, choice: Choice, warnings: list[str]) -> History:
     asked = solver.accuracy or DEFAULT_ACCURACY
     warnings.extend(unused_options(solver))
     vibration, estimated = vibrate(problem, target, asked, warnings)
-    separated = vibration.outcome is Outcome.SEPARATED
-    values = summary_of(problem, native.EVENT if separated else native.OK, vibration.summary)
+    values = summary_of(problem, native.EVENT if vibration.separated else native.OK, vibration.summary)
+    values |= vibration.energies_in_si(problem)
     summary = {name: None if math.isnan(value) else value for name, value in values.items()}
-    if separated and vibration.reversible:
-        summary["energy_absorbed"] = 0.0
-    if separated:
-        summary["energy_radiated"] = vibration.transferred(problem) * problem.scales.energy
     events = _events(problem, vibration.events)
     lost = [event.time for event in events if event.name == "contact_ends"]
     if len(lost) > 1:

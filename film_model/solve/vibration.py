@@ -86,8 +86,7 @@ class Vibration:
 
     segments: steps in contact, and flights; flights: the modes' state at the beginning of each. A step in contact has
     320 bytes, a flight 16 bytes per mode. start: as given to the core. energies: of each mode at the end. contacts: how
-    many ended. highest: frequency up to which
-    there are modes, rad/s.
+    many ended. highest: frequency up to which there are modes, rad/s.
     """
 
     curve: native.Curve = field(repr=False)
@@ -137,6 +136,11 @@ class Vibration:
     def transferred(self, problem: Problem) -> float:
         """Energy that went into the target: that of the modes or, if these are damped, the remainder in the balance."""
         return float(radiated(problem, self.summary)) if self.damped else self.energy
+
+    def energies_in_si(self, problem: Problem) -> dict[str, float]:
+        """The summary's energies, J, from those of the modes; none if the last contact has not ended."""
+        given = {"energy_radiated": self.transferred(problem) * problem.scales.energy}
+        return (given | ({"energy_absorbed": 0.0} if self.reversible else {})) if self.separated else {}
 
     @property
     def damped(self) -> bool:

@@ -21,7 +21,7 @@ import film_model as fm
 from benchmarks.modal_integrators import dormand_prince, newmark
 from film_model.base import units
 from film_model.effects.choose import problem_of
-from film_model.solve import vibration
+from film_model.solve import structures, vibration
 from film_model.studies import modal_reference
 
 OLSSON = fm.Scene.from_toml(Path(__file__).parent.parent / "examples" / "scenes" / "olsson_plate.toml")
@@ -45,7 +45,7 @@ def timed(run: Callable[[], Any], repeats: int) -> tuple[float, Any]:
 def papers_plate() -> None:
     """The paper's plate, 200 mm by 200 mm."""
     problem = problem_of(OLSSON)
-    structure = vibration.structure_of(OLSSON.target, HIGHEST, problem.scales.time)
+    structure = structures.structure_of(OLSSON.target, HIGHEST, problem.scales.time)
     scales, tables = problem.scales, structure.tables
     exact = vibration.run(problem, structure, 1e-11, 1.0).summary
     rest, frequency = structure.omitted * scales.force / scales.length, tables.frequency * scales.time

@@ -19,7 +19,7 @@ from film_model.problem.problem import Problem
 from film_model.problem.summary import differences
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.scene.columns import scene_of_columns
-from film_model.solve import vibration
+from film_model.solve import structures, vibration
 from film_model.solve.accuracy import refine
 from film_model.solve.motions import modes_for
 from fmu_wrapper.variables import Kind
@@ -206,7 +206,7 @@ def _needs_more(choice: Choice, highest: float) -> bool:
     tolerance = vibration.step_tolerance(scene.solver.accuracy or DEFAULT_ACCURACY)
     limit = vibration.time_limit(problem, target)
     half, whole = (
-        vibration.run(problem, vibration.structure_of(target, part * highest, problem.scales.time), tolerance, limit)
+        vibration.run(problem, structures.structure_of(target, part * highest, problem.scales.time), tolerance, limit)
         for part in (0.5, 1.0)
     )
     found = differences(problem, half.summary, whole.summary)

@@ -17,7 +17,7 @@ import fmu_wrapper
 from film_model.cli.main import main
 from film_model.effects.choose import choose, problem_of
 from film_model.effects.many import problems_of
-from film_model.solve import vibration
+from film_model.solve import structures, vibration
 from film_model.solve.batch import STATUSES, simulate_many
 from film_model.studies import quadrature
 from film_model.targets.plate import plate_modes
@@ -98,7 +98,7 @@ def test_more_modes_converge():
     """Twice the highest frequency, twice the modes: the peak force's error falls with their square or faster."""
     problem, plate, errors = problem_of(OLSSON), OLSSON.target, []
     for highest in (3e5, 1.2e6):
-        structure = vibration.structure_of(plate, highest, problem.scales.time)
+        structure = structures.structure_of(plate, highest, problem.scales.time)
         run = vibration.run(problem, structure, 1e-6, 300e-6)
         errors.append(abs(run.summary.maximum_force * problem.scales.force / CONVERGED["maximum_force"] - 1))
         bare = vibration.run(problem, replace(structure, omitted=0.0), 1e-6, 300e-6)
@@ -160,7 +160,7 @@ def test_against_an_exact_propagation_of_the_modes(target, highest):
     problem = problem_of(scene)
     end = 600e-6
     limit = end / problem.scales.time
-    run = vibration.run(problem, vibration.structure_of(target, highest, problem.scales.time), 1e-9, end)
+    run = vibration.run(problem, structures.structure_of(target, highest, problem.scales.time), 1e-9, end)
     coarse, fine = (_propagate(scene, highest, end, steps) for steps in (6000, 12000))
     times = np.linspace(0.0, limit, 6001)
     values, _ = run.sample(times)

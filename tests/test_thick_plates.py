@@ -8,7 +8,7 @@ import pytest
 import film_model as fm
 from film_model.core import modal
 from film_model.effects.choose import choose
-from film_model.solve import vibration
+from film_model.solve import structures, vibration
 
 YOUNG, RATIO, DENSITY = 210e9, 0.3, 7850.0
 STEEL = fm.Material("steel", f"{YOUNG} Pa", RATIO, f"{DENSITY} kg/m^3")
@@ -70,7 +70,7 @@ def change_by_shear(thickness, mass, cut):
     frequency, share = mindlins_modes(thickness, cut / thickness)
     tables = modal.Tables(frequency, share, np.zeros(frequency.size), thin.vibration.tables.longest)
     limit = vibration.time_limit(thin.problem, plate)
-    thick = vibration.run(thin.problem, vibration.Structure(frequency[-1], tables, 0.0, tables), 1e-6, limit)
+    thick = vibration.run(thin.problem, structures.Structure(frequency[-1], tables, 0.0, tables), 1e-6, limit)
     assert thin.vibration.contacts == thick.contacts == 1
     changes = vibration.differences(thin.problem, thin.vibration.summary, thick.summary)
     return max(changes.values()), next(e for e in choose(scene).effects if e.name == "thickness").change

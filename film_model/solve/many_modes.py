@@ -25,7 +25,7 @@ from film_model.problem.problem import Columns, Impacts, Problem
 from film_model.problem.summary import SUMMARY, difference, radiated, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.columns import scene_of_columns
-from film_model.solve import vibration
+from film_model.solve import structures, vibration
 from film_model.solve.vibration import vibrate
 
 Table = Any  # a structured array of the core
@@ -117,7 +117,7 @@ def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, a
     impacts = Impacts.several(scene, SceneLaw.of(varied, law), rows, own)
     whole = impacts.problem(impacts.column(math.inf), np.where(pressed, impacts.numbers.weight, 0.0), vibrates=True)
     highest = _MARGIN * max(float(run.frequency[-1]) for run, _ in runs)
-    highest = vibration.computable(scene.target, highest, float(np.max(whole.scales.time)))
+    highest = structures.computable(scene.target, highest, float(np.max(whole.scales.time)))
     limit = max(vibration.time_limit(problem, scene.target) for problem in problems)
     tolerance = vibration.step_tolerance(accuracy) / vibration.REFINED**2
     before, change, (status, core) = _followed_thrice(whole, highest, tolerance, limit)
@@ -157,14 +157,14 @@ def _follow(whole: Problem, highest: float, tolerance: float, limit: float) -> t
     """Statuses and the core's summaries; each processor has tables of its own."""
     scales, target, count = whole.scales, whole.scene.target, np.size(whole.approach)
     longest = float(np.max(scales.time))
-    rest = vibration.omitted_compliance(target, highest, longest) * scales.force / scales.length
+    rest = structures.omitted_compliance(target, highest, longest) * scales.force / scales.length
     start = cast("Table", np.zeros(count, modal.START_DTYPE))
     start["nu"], start["load"], start["rest"], start["damping"] = whole.approach, whole.load, rest, whole.damping
     start["mass"], start["unit"], start["tolerance"], start["limit"] = whole.mass, scales.time, tolerance, limit
 
     def part(places: Index) -> tuple[NDArray[np.int32], Table]:
-        made = vibration.made(target, highest, longest)
-        tables, used = vibration.tables_of(whole, made, float(np.max(rest)))
+        made = structures.made(target, highest, longest)
+        tables, used = structures.tables_of(whole, made, float(np.max(rest)))
         own = start[places]
         own["rest"] *= used > 0.0
         return modal.batch(tables, whole.curve.native, own)

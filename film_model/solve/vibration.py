@@ -1,38 +1,29 @@
-"""Impacts on vibrating targets: the core's contact on modes, with as many modes as the accuracy needs.
-
-The omitted high modes follow the force statically, with the remaining part c f of the static deflection; the
-indentation is x − Σ w_n − c f. Errors then decrease with the square of the number of modes or faster, without that
-compliance only in proportion to it. A law that cannot be in series with a spring, because it is damped or its force
-jumps, gets the remaining compliance as one more mode above the others.
-"""
+"""Impacts on vibrating targets: the core's contact on modes, with as many modes as the accuracy needs."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.errors import Outcome, SimulationError, TooManyModes
+from film_model.base.errors import CoreError, Outcome, TooManyModes
 from film_model.core import modal, native
-from film_model.problem.curve import can_be_in_series, curve_of
+from film_model.problem.curve import curve_of
 from film_model.problem.problem import Problem
 from film_model.problem.summary import differences, radiated
 from film_model.scene import DEFAULT_ACCURACY, Solver
+from film_model.solve import structures
 from film_model.solve.accuracy import raise_failure
-from film_model.targets import AbstractTarget, Modes
+from film_model.targets import AbstractTarget
 
 Array = NDArray[np.float64]
 
 MOST_WORK = 300_000_000
 """Limit of a run, some seconds: the steps of the last run times (number of modes + 100)."""
-
-MOST_MODES = 100_000
-"""Largest number of modes of a run, limited by the memory of the tables: 144 bytes per mode and step size in use."""
 
 LONGEST = 3.0
 """Time limit over the sum of contact times on a fixed target and on the static stiffness, and the longest period."""
@@ -67,7 +58,6 @@ UNRESOLVED = 0.25
 """Highest frequency over that of the first run, below which the contact is not resolved and the scene is refused."""
 
 _FIRST_PHASE = 24.0  # highest frequency of the first run times the time from touch to the deepest point
-_ABOVE = 1.5  # frequency of the mode that stands for the omitted ones, over the highest
 
 
 @dataclass(frozen=True)
@@ -157,18 +147,6 @@ class Vibration:
         return modal.sample(self.tables, self.curve, self.segments, self.flights, times * self.unit)
 
 
-@dataclass(frozen=True)
-class Structure:
-    """A target's modes up to the frequency `highest` [rad/s], with the core's tables, which are kept. omitted: the
-    remaining compliance."""
-
-    highest: float
-    tables: modal.Tables
-    omitted: float
-    with_omitted: modal.Tables
-    """The same with one more mode of the omitted compliance."""
-
-
 Follow = Callable[[float, float], Vibration]
 """The impact with the modes up to a frequency [rad/s], and a tolerance of the steps."""
 
@@ -188,16 +166,16 @@ def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings:
     modes than can be computed, the result is that with the most modes, and a warning gives the accuracy reached.
     """
     unit = problem.scales.time
-    still, lowest, limit = _on_a_fixed_target(problem), lowest_frequency(target), time_limit(problem, target)
-    first = _rounded(max(_FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
+    still, lowest, limit = _on_a_fixed_target(problem), structures.lowest_frequency(target), time_limit(problem, target)
+    first = structures.rounded(max(_FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
 
     def follow(highest: float, tolerance: float) -> Vibration:
-        return run(problem, structure_of(target, highest, unit), tolerance, limit)
+        return run(problem, structures.structure_of(target, highest, unit), tolerance, limit)
 
     try:
         return _refined(problem, follow, first, math.inf, accuracy, warnings)
     except TooManyModes:
-        most = computable(target, 64.0 * first, unit, UNRESOLVED * first)
+        most = structures.computable(target, 64.0 * first, unit, UNRESOLVED * first)
         return _refined(problem, follow, most / 4.0, most, accuracy, warnings)
 
 
@@ -208,38 +186,32 @@ def _refined(
     tolerance = step_tolerance(accuracy)
     coarse = follow(highest, REFINED * tolerance)
     before = dict.fromkeys(differences(problem, coarse.summary, coarse.summary), 1.0)  # as if nothing had agreed
+    errors: dict[str, float] = {}
     while True:
         highest *= 2.0
-        fine = follow(highest, tolerance)
+        try:
+            fine = follow(highest, tolerance)
+        except CoreError as error:  # a stiff omitted mode rattles between the impactor and the others
+            if error.status != native.TOO_MANY or not errors:
+                raise
+            return coarse, _unreached(coarse, errors, accuracy, warnings)
         changes = differences(problem, coarse.summary, fine.summary)
-        errors = {name: float(error_of(problem, before[name], change)) for name, change in changes.items()}
-        estimated = max(errors.values()) + tolerance
+        errors = {name: float(error_of(problem, before[name], change)) + tolerance for name, change in changes.items()}
+        estimated = max(errors.values())
         if estimated <= accuracy:
             return fine, estimated
-        if highest >= most or 4 * fine.work > MOST_WORK or 4 * fine.modes > MOST_MODES:
-            poor = [f"{name} {value:.1e}" for name, value in errors.items() if value > accuracy]
-            warnings.append(
-                f"accuracy {accuracy:g} is not reached: with {fine.modes} modes the estimated relative errors are "
-                + (", ".join(poor) or f"{estimated:.1e}")
-            )
-            return fine, estimated
+        if highest >= most or 4 * fine.work > MOST_WORK or 4 * fine.modes > structures.MOST_MODES:
+            return fine, _unreached(fine, errors, accuracy, warnings)
         coarse, before, tolerance = fine, changes, max(tolerance / REFINED, TIGHTEST)
 
 
-def computable(target: AbstractTarget, highest: float, unit: float, least: float = 0.0) -> float:
-    """The frequency, `highest` or less by powers of 2^(1/4), up to which the modes can be computed.
-
-    TooManyModes if it is below `least`.
-    """
-    while True:
-        try:
-            structure_of(target, highest, unit)
-        except TooManyModes:
-            highest /= 2.0**0.25
-            if highest < least:
-                raise
-        else:
-            return highest
+def _unreached(found: Vibration, errors: dict[str, float], accuracy: float, warnings: list[str]) -> float:
+    """The estimate of a run, with the warning that it is above the accuracy."""
+    poor = ", ".join(f"{name} {value:.1e}" for name, value in errors.items() if value > accuracy)
+    warnings.append(
+        f"accuracy {accuracy:g} is not reached: with {found.modes} modes the estimated relative errors are {poor}"
+    )
+    return max(errors.values())
 
 
 def error_of(problem: Problem, before: Any, change: Any) -> Any:
@@ -256,23 +228,16 @@ def step_tolerance(accuracy: float) -> float:
 
 def time_limit(problem: Problem, target: AbstractTarget) -> float:
     """Time at which a contact is no longer followed, s."""
-    lowest = lowest_frequency(target)
+    lowest = structures.lowest_frequency(target)
     slow = math.pi * math.sqrt(problem.mass * (target.compliance or 0.0))
     fast = _on_a_fixed_target(problem).contact_duration * problem.scales.time
     return LONGEST * (fast + slow + (2.0 * math.pi / lowest if lowest else 0.0))
 
 
-def tables_of(problem: Problem, structure: Structure, rest: float) -> tuple[modal.Tables, float]:
-    """The tables for the law, and its compliance: 0 if the compliance `rest` has to be a mode."""
-    if rest > 0.0 and not can_be_in_series(problem.law, rest):
-        return structure.with_omitted, 0.0
-    return structure.tables, rest
-
-
-def run(problem: Problem, structure: Structure, tolerance: float, limit: float) -> Vibration:
+def run(problem: Problem, structure: structures.Structure, tolerance: float, limit: float) -> Vibration:
     """The impact on these modes. tolerance: of a step. limit: time at which contact is no longer followed, s."""
     scales = problem.scales
-    tables, rest = tables_of(problem, structure, structure.omitted * scales.force / scales.length)
+    tables, rest = structures.tables_of(problem, structure, structure.omitted * scales.force / scales.length)
     curve = curve_of(problem.law).native
     start = modal.Start(
         problem.approach, problem.load, rest, problem.mass, scales.time, problem.damping, tolerance, limit
@@ -308,58 +273,6 @@ def run(problem: Problem, structure: Structure, tolerance: float, limit: float) 
     )
 
 
-def structure_of(target: AbstractTarget, highest: float, unit: float) -> Structure:
-    """The modes up to the frequency `highest` [rad/s]; unit: of time in the march, s. Kept for the latest targets."""
-    return _by_target(_kept, made, target, highest, _rounded(unit))
-
-
-def omitted_compliance(target: AbstractTarget, highest: float, unit: float) -> float:
-    """The part of the static compliance that modes above `highest` have, m/N."""
-    return structure_of(target, highest, unit).omitted
-
-
-def made(target: AbstractTarget, highest: float, longest: float) -> Structure:
-    """The modes up to a frequency, with tables of their own. longest: step, s."""
-    modes = target.modes(highest).merged()
-    if modes.frequency.size > MOST_MODES:
-        raise TooManyModes(
-            f"{modes.frequency.size} natural vibrations would be needed, more than {MOST_MODES}: the contact ends long "
-            "before waves return from the edges, so set boundary_reflections = false in [effects]"
-        )
-    try:
-        tables = modal.Tables(modes.frequency, modes.share, modes.damping_ratio, longest)
-    except ValueError as error:
-        raise SimulationError(f"the target's natural vibrations cannot be simulated: {error}") from None
-    omitted = max((target.compliance or 0.0) - modes.compliance, 0.0)
-    return Structure(
-        highest, tables, omitted, _with_omitted(modes, omitted, highest, longest) if omitted > 0.0 else tables
-    )
-
-
-_kept = lru_cache(maxsize=16)(made)
-
-
-def forget() -> None:
-    """Discard the kept structures."""
-    _kept.cache_clear()
-    _kept_lowest.cache_clear()
-
-
-def _with_omitted(modes: Modes, omitted: float, highest: float, longest: float) -> modal.Tables:
-    frequency = _ABOVE * highest
-    return modal.Tables(
-        np.append(modes.frequency, frequency),
-        np.append(modes.share, omitted * frequency**2),
-        np.append(modes.damping_ratio, 0.0),
-        longest,
-    )
-
-
-def _rounded(value: float) -> float:
-    """The power of 2^(1/4) that is not below `value`, so that similar impacts on a target share its tables."""
-    return 2.0 ** (math.ceil(4.0 * math.log2(value)) / 4.0)
-
-
 def _on_a_fixed_target(problem: Problem) -> native.Summary:
     """The impact on a fixed target; where the law ends before the maximum indentation, the march's unit of time."""
     start = native.Start(max(problem.approach, 1e-3), 0.0, 0.0, 0.0, math.inf)
@@ -367,34 +280,3 @@ def _on_a_fixed_target(problem: Problem) -> native.Summary:
     if status != native.EVENT:
         summary.time_of_maximum_indentation, summary.contact_duration = 1.0, 3.0
     return summary
-
-
-def lowest_frequency(target: AbstractTarget) -> float:
-    """The lowest frequency > 0 with motion of the struck point, rad/s; 0 if the target only moves as a rigid body."""
-    return _by_target(_kept_lowest, _lowest, target)
-
-
-def _lowest(target: AbstractTarget) -> float:
-    highest, rigid = 2.0**-20, False
-    for _ in range(120):
-        found = target.modes(highest).frequency
-        rigid = rigid or bool(found.size)
-        if (bends := found[found > 0.0]).size:
-            return float(bends[0])
-        highest *= 2.0
-    if rigid:
-        return 0.0
-    raise SimulationError("the target has no natural vibration that an impact could excite")
-
-
-_kept_lowest = lru_cache(maxsize=64)(_lowest)
-
-
-def _by_target(kept: Any, made: Any, *arguments: Any) -> Any:
-    """The kept result for a target, or one made again for a target that has no hash."""
-    try:
-        return kept(*arguments)
-    except TypeError as error:
-        if "unhashable" not in str(error):
-            raise
-        return made(*arguments)

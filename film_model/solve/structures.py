@@ -1,0 +1,146 @@
+"""Vibrating targets for the core: the modes up to a frequency with the core's tables, kept for the latest targets.
+
+The omitted high modes follow the force statically, with the remaining part c f of the static deflection; the
+indentation is x − Σ w_n − c f. Errors then decrease with the square of the number of modes or faster, without that
+compliance only in proportion to it. A law that cannot be in series with a spring, because it is damped or its force
+jumps, gets the remaining compliance as one more mode above the others.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from film_model.base.errors import SimulationError, TooManyModes
+from film_model.core import modal
+from film_model.problem.curve import can_be_in_series
+from film_model.problem.problem import Problem
+from film_model.targets import AbstractTarget, Modes
+
+MOST_MODES = 100_000
+"""Largest number of modes of a run, limited by the memory of the tables: 144 bytes per mode and step size in use."""
+
+ABOVE = 1.5
+"""Frequency of the mode that stands for the omitted ones, over the highest."""
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A target's modes up to the frequency `highest` [rad/s], with the core's tables, which are kept. omitted: the
+    remaining compliance."""
+
+    highest: float
+    tables: modal.Tables
+    omitted: float
+    with_omitted: modal.Tables
+    """The same with one more mode of the omitted compliance."""
+
+
+def structure_of(target: AbstractTarget, highest: float, unit: float) -> Structure:
+    """The modes up to the frequency `highest` [rad/s]; unit: of time in the march, s. Kept for the latest targets."""
+    return _by_target(_kept, made, target, highest, rounded(unit))
+
+
+def omitted_compliance(target: AbstractTarget, highest: float, unit: float) -> float:
+    """The part of the static compliance that modes above `highest` have, m/N."""
+    return structure_of(target, highest, unit).omitted
+
+
+def made(target: AbstractTarget, highest: float, longest: float) -> Structure:
+    """The modes up to a frequency, with tables of their own. longest: step, s."""
+    modes = target.modes(highest).merged()
+    if modes.frequency.size > MOST_MODES:
+        raise TooManyModes(
+            f"{modes.frequency.size} natural vibrations would be needed, more than {MOST_MODES}: the contact ends long "
+            "before waves return from the edges, so set boundary_reflections = false in [effects]"
+        )
+    try:
+        tables = modal.Tables(modes.frequency, modes.share, modes.damping_ratio, longest)
+    except ValueError as error:
+        raise SimulationError(f"the target's natural vibrations cannot be simulated: {error}") from None
+    omitted = max((target.compliance or 0.0) - modes.compliance, 0.0)
+    return Structure(
+        highest, tables, omitted, _with_omitted(modes, omitted, highest, longest) if omitted > 0.0 else tables
+    )
+
+
+_kept = lru_cache(maxsize=16)(made)
+
+
+def forget() -> None:
+    """Discard the kept structures."""
+    _kept.cache_clear()
+    _kept_lowest.cache_clear()
+
+
+def _with_omitted(modes: Modes, omitted: float, highest: float, longest: float) -> modal.Tables:
+    frequency = ABOVE * highest
+    return modal.Tables(
+        np.append(modes.frequency, frequency),
+        np.append(modes.share, omitted * frequency**2),
+        np.append(modes.damping_ratio, 0.0),
+        longest,
+    )
+
+
+def computable(target: AbstractTarget, highest: float, unit: float, least: float = 0.0) -> float:
+    """The frequency, `highest` or less by powers of 2^(1/4), up to which the modes can be computed.
+
+    TooManyModes if it is below `least`.
+    """
+    while True:
+        try:
+            structure_of(target, highest, unit)
+        except TooManyModes:
+            highest /= 2.0**0.25
+            if highest < least:
+                raise
+        else:
+            return highest
+
+
+def tables_of(problem: Problem, structure: Structure, rest: float) -> tuple[modal.Tables, float]:
+    """The tables for the law, and its compliance: 0 if the compliance `rest` has to be a mode."""
+    if rest > 0.0 and not can_be_in_series(problem.law, rest):
+        return structure.with_omitted, 0.0
+    return structure.tables, rest
+
+
+def lowest_frequency(target: AbstractTarget) -> float:
+    """The lowest frequency > 0 with motion of the struck point, rad/s; 0 if the target only moves as a rigid body."""
+    return _by_target(_kept_lowest, _lowest, target)
+
+
+def _lowest(target: AbstractTarget) -> float:
+    highest, rigid = 2.0**-20, False
+    for _ in range(120):
+        found = target.modes(highest).frequency
+        rigid = rigid or bool(found.size)
+        if (bends := found[found > 0.0]).size:
+            return float(bends[0])
+        highest *= 2.0
+    if rigid:
+        return 0.0
+    raise SimulationError("the target has no natural vibration that an impact could excite")
+
+
+_kept_lowest = lru_cache(maxsize=64)(_lowest)
+
+
+def _by_target(kept: Any, made: Any, *arguments: Any) -> Any:
+    """The kept result for a target, or one made again for a target that has no hash."""
+    try:
+        return kept(*arguments)
+    except TypeError as error:
+        if "unhashable" not in str(error):
+            raise
+        return made(*arguments)
+
+
+def rounded(value: float) -> float:
+    """The power of 2^(1/4) that is not below `value`, so that similar impacts on a target share its tables."""
+    return 2.0 ** (math.ceil(4.0 * math.log2(value)) / 4.0)

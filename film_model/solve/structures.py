@@ -110,6 +110,12 @@ def tables_of(problem: Problem, structure: Structure, rest: float) -> tuple[moda
     return structure.tables, rest
 
 
+def omitted_as_mode(problem: Problem, target: AbstractTarget, highest: float) -> bool:
+    """Whether the compliance that modes above `highest` have is one more mode, because of the law."""
+    rest = omitted_compliance(target, highest, problem.scales.time) * problem.scales.force / problem.scales.length
+    return rest > 0.0 and not can_be_in_series(problem.law, rest)
+
+
 def lowest_frequency(target: AbstractTarget) -> float:
     """The lowest frequency > 0 with motion of the struck point, rad/s; 0 if the target only moves as a rigid body."""
     return _by_target(_kept_lowest, _lowest, target)

@@ -57,6 +57,10 @@ REFINED = 4.0
 UNRESOLVED = 0.25
 """Highest frequency over that of the first run, below which the contact is not resolved and the scene is refused."""
 
+HIGHEST = 64.0
+"""Highest frequency over that of the first run, where more modes cannot be computed, or where the omitted compliance is
+a mode: a stiffer one rattles between the impactor and the others, thousands of times, and changes no result."""
+
 _FIRST_PHASE = 24.0  # highest frequency of the first run times the time from touch to the deepest point
 
 
@@ -173,9 +177,10 @@ def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings:
         return run(problem, structures.structure_of(target, highest, unit), tolerance, limit)
 
     try:
-        return _refined(problem, follow, first, math.inf, accuracy, warnings)
+        rattles = structures.omitted_as_mode(problem, target, first)
+        return _refined(problem, follow, first, HIGHEST * first if rattles else math.inf, accuracy, warnings)
     except TooManyModes:
-        most = structures.computable(target, 64.0 * first, unit, UNRESOLVED * first)
+        most = structures.computable(target, HIGHEST * first, unit, UNRESOLVED * first)
         return _refined(problem, follow, most / 4.0, most, accuracy, warnings)
 
 

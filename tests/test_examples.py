@@ -132,13 +132,16 @@ def test_published_datasets(tmp_path):
         assert fd.validate(kept) == []
         assert set(kept.variables) <= set(again.variables), name  # a later version may have added some
         for variable in kept.variables:
-            scale = float(np.nanmax(np.abs(kept[variable].values.astype(float)), initial=1e-300))
+            found, expected = again[variable].values, kept[variable].values
+            if expected.dtype.kind in "UOT":  # words
+                assert found.tolist() == expected.tolist()
+                continue
             # other compilers and libraries may round differently, and an estimate contains what they may round
+            scale = float(np.max(np.abs(np.nan_to_num(expected.astype(float))), initial=0.0))
             least = 1e-12 if variable == "estimated_accuracy" else 1e-9 * scale
             np.testing.assert_allclose(
-                again[variable].values.astype(float), kept[variable].values.astype(float),
-                rtol=1e-9, atol=least, err_msg=f"{name} {variable}",
-            )  # fmt: skip
+                found.astype(float), expected.astype(float), rtol=1e-9, atol=least, err_msg=f"{name} {variable}"
+            )
             assert again[variable].attrs.keys() == kept[variable].attrs.keys()
         for key in ("scene_toml", "sweep_toml"):
             assert again.attrs.get(key) == kept.attrs.get(key)

@@ -148,3 +148,13 @@ def combinations(fast=None, **parameters):
         for places in itertools.product(*(range(len(values)) for values in lists))
     ]
     return pytest.mark.parametrize(names, marked)
+
+
+CREEPING = 1e-12
+"""An over-damped contact ends by rounding, with a restitution below this, or never."""
+
+
+def creeps(*restitutions):
+    """Whether one of two results ends, with no velocity, and the other, whose restitution is None or nan, does not."""
+    ended = [value for value in restitutions if value is not None and not math.isnan(value)]
+    return len(ended) == 1 and abs(ended[0]) < CREEPING

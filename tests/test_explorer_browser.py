@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from browser import CHROMIUM, SUMMARIES, chromium, random_addresses
+from cases import creeps
 
 import film_model as fm
 from film_model.base.errors import SceneError
@@ -30,9 +31,6 @@ SAME = 1e-12
 
 SLOW_END = 1e-3
 """Coefficient of restitution below which the end of contact is a small difference, and is compared less closely."""
-
-CREEPING = 1e-12
-"""Coefficient of restitution below which a contact may end or not: rounding decides."""
 
 FRAME = 25.0
 """Milliseconds of processor time from a slider to the new picture, at the 95th percentile. The aim is 16; other
@@ -80,9 +78,8 @@ def off(history, found):
     least = dict.fromkeys(("energy_absorbed", "energy_radiated"), scene.kinetic_energy)
     least |= {"rebound_velocity": 1e-3 * scene.approach_velocity, "coefficient_of_restitution": 1e-3}
     least |= {"permanent_indentation": 1e-3 * depth}
-    worst, ends = 0.0, (summary["coefficient_of_restitution"], found["summary"]["coefficient_of_restitution"])
-    # an over-damped contact ends by rounding, with no velocity, or never
-    creeping = None in ends and all(end is None or abs(end) < CREEPING for end in ends)
+    worst = 0.0
+    creeping = creeps(*(result["coefficient_of_restitution"] for result in (summary, found["summary"])))
     for name, value in summary.items():
         other = found["summary"][name]
         if value is None or other is None:

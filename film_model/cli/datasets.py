@@ -21,6 +21,7 @@ from film_model.cli.output import (
     print_warnings,
     print_written,
 )
+from film_model.laws import LAWS
 from film_model.scene import Scene
 from film_model.solve.history import SUMMARY
 
@@ -164,7 +165,6 @@ def identify(options: argparse.Namespace) -> int:
 def _compare(options: argparse.Namespace, measured: Any, scene: Scene) -> int:
     """Fit with several laws; the picture is that of the best."""
     from film_datasets.identification import compare_laws, comparison_table
-    from film_model.laws import LAWS
 
     laws = list(LAWS) if options.law == "all" else listed(options.law)
     found = compare_laws(measured, scene, listed(options.fit), laws, options.confidence)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
+from film_model.laws.adhesive import AdhesiveLaw
 from film_model.laws.hertz import hertz_stiffness
-from film_model.laws.jkr import EXAMPLE_WORK, wrong_work
-from film_model.laws.law import AbstractLaw, ExampleBall, Family, Power, Stage
+from film_model.laws.law import Power, Stage
 
 
 @dataclass(frozen=True)
-class Dmt(AbstractLaw):
+class Dmt(AdhesiveLaw):
     """Derjaguin, Muller & Toporov 1975, J. Colloid Interface Sci. 53:314: F = K δ^{3/2} − 2π w R, K = (4/3) E √R.
 
     Contact begins and ends at δ = 0 under the tension 2π w R. Reversible: nothing is lost, the ball leaves with the
@@ -24,24 +23,11 @@ class Dmt(AbstractLaw):
     """
 
     name: ClassVar[str] = "dmt"
-    family: ClassVar[Family] = "adhesive"
     summary: ClassVar[str] = "elastic sphere under a constant attraction, F = K δ^1.5 − 2 π w R; reversible"
     source: ClassVar[str] = "Derjaguin, Muller & Toporov 1975, J. Colloid Interface Sci. 53:314"
     validity: ClassVar[str] = (
         "a/R below about 0.2, no yield; hard and small: (R w²/(E² z³))^{1/3} below about 0.1, z ≈ 0.3 nm"
     )
-
-    effective_modulus: float
-    radius: float
-    work_of_adhesion: float
-
-    @classmethod
-    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
-        return {"work_of_adhesion": EXAMPLE_WORK}
-
-    @classmethod
-    def settle(cls, values: dict[str, Any]) -> dict[str, str]:
-        return wrong_work(values)
 
     def scales(self, energy: float) -> tuple[float, float]:
         tension = 2.0 * math.pi * self.work_of_adhesion * self.radius

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from film_model.laws.law import AbstractLaw, Array, ExampleBall, Family, Stage
+from film_model.laws.adhesive import AdhesiveLaw
+from film_model.laws.law import Array, Stage
 
 JKR_LOSS = (
     0.5
@@ -19,22 +19,11 @@ JKR_LOSS = (
 )
 """Energy that a JKR contact loses between δ = 0 and the end of contact, over (w⁵R⁴/E²)^{1/3}: 7.0922."""
 
-EXAMPLE_WORK = 0.05
-"""Work of adhesion of the gallery, J/m²: of oxidised metals in air, about."""
-
 PARTING = -(3.0 ** (2.0 / 3.0))  # δ/δ_s where a contact of given indentation lets go
 UNLOADED = 2.0 ** (4.0 / 3.0)  # ... without a force
 DEEPEST = UNLOADED * 2.0**20
 
 _NEWTON = 40
-
-
-def wrong_work(values: Mapping[str, Any]) -> dict[str, str]:
-    """Message, by name, about a work of adhesion that is not above 0."""
-    work = values.get("work_of_adhesion")
-    if isinstance(work, float | int) and not 0.0 < work < math.inf:
-        return {"work_of_adhesion": f"{work:g} must be > 0: without adhesion take law hertz"}
-    return {}
 
 
 def _root_of_radius(indentation: Array) -> Array:
@@ -59,7 +48,7 @@ def _jkr(indentation: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Jkr(AbstractLaw):
+class Jkr(AdhesiveLaw):
     """Johnson, Kendall & Roberts 1971, Proc. R. Soc. A 324:301: F = 4 E a³/(3R) − √(8π w E a³), δ = a²/R − √(2π w a/E).
 
     The largest tension, F_c = 1.5 π w R, does not depend on E. Contact begins at δ = 0, where the force jumps to
@@ -72,24 +61,11 @@ class Jkr(AbstractLaw):
     """
 
     name: ClassVar[str] = "jkr"
-    family: ClassVar[Family] = "adhesive"
     summary: ClassVar[str] = "elastic sphere that sticks: tension up to 1.5 π w R, energy lost at parting"
     source: ClassVar[str] = "Johnson, Kendall & Roberts 1971, Proc. R. Soc. A 324:301"
     validity: ClassVar[str] = (
         "a/R below about 0.2, no yield; soft or large: (R w²/(E² z³))^{1/3} above about 5, z ≈ 0.3 nm"
     )
-
-    effective_modulus: float
-    radius: float
-    work_of_adhesion: float
-
-    @classmethod
-    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
-        return {"work_of_adhesion": EXAMPLE_WORK}
-
-    @classmethod
-    def settle(cls, values: dict[str, Any]) -> dict[str, str]:
-        return wrong_work(values)
 
     def scales(self, energy: float) -> tuple[float, float]:
         cube = 9.0 * math.pi * self.work_of_adhesion * self.radius**2 / (8.0 * self.effective_modulus)

@@ -105,14 +105,16 @@ def computable(target: AbstractTarget, highest: float, unit: float, least: float
 
 def tables_of(problem: Problem, structure: Structure, rest: float) -> tuple[modal.Tables, float]:
     """The tables for the law, and its compliance: 0 if the compliance `rest` has to be a mode."""
-    if rest > 0.0 and not can_be_in_series(problem.law, rest):
-        return structure.with_omitted, 0.0
-    return structure.tables, rest
+    return (structure.with_omitted, 0.0) if _as_mode(problem, rest) else (structure.tables, rest)
 
 
 def omitted_as_mode(problem: Problem, target: AbstractTarget, highest: float) -> bool:
     """Whether the compliance that modes above `highest` have is one more mode, because of the law."""
     rest = omitted_compliance(target, highest, problem.scales.time) * problem.scales.force / problem.scales.length
+    return _as_mode(problem, rest)
+
+
+def _as_mode(problem: Problem, rest: float) -> bool:
     return rest > 0.0 and not can_be_in_series(problem.law, rest)
 
 

@@ -53,9 +53,9 @@ system.SetContactForceModel(chrono.ChSystemSMC.Hertz)
 {_geometry(pair)}"""
 
 
-HERTZ = granular.hertz_law(SOURCE, partial(_paste_material, "Hertz"), False, NOTES)
+HERTZ = granular.law_by_restitution("hertz", SOURCE, partial(_paste_material, "Hertz"), False, NOTES)
 
-HOOKE = granular.hooke_law(SOURCE, partial(_paste_material, "Hooke"), False, NOTES)
+HOOKE = granular.law_by_restitution("hooke", SOURCE, partial(_paste_material, "Hooke"), False, NOTES)
 
 COEFFICIENTS = EngineLaw(
     name="hertz-coefficients",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -76,31 +76,28 @@ def start_with_viscosity(pair: Pair, middle: Middle) -> tuple[float, float]:
     return stiffness, viscosity / (0.5 * pair.radius * middle.depth) ** 0.25
 
 
-def hertz_law(source: str, paste: Callable[[Pair, Values], str], pulls: bool, notes: tuple[str, ...]) -> EngineLaw:
-    """`hertz_by_restitution` in an engine's words."""
-    return EngineLaw(
-        name="hertz",
-        formula="F = 4/3 E* √R δ^1.5 + 2 √(5/6) ζ √(S m) δ', S = 2 E* √(Rδ), ζ from the restitution",
-        source=source,
-        parameters=(modulus("youngs_modulus"), RESTITUTION),
-        force=hertz_by_restitution,
-        start=start_by_restitution,
-        paste=paste,
-        pulls=pulls,
-        notes=notes,
-    )
+def law_by_restitution(
+    name: Literal["hertz", "hooke"],
+    source: str,
+    paste: Callable[[Pair, Values], str],
+    pulls: bool,
+    notes: tuple[str, ...],
+) -> EngineLaw:
+    """`hertz_by_restitution` or `hooke_by_restitution` in an engine's words."""
+    formula, force, start = _BY_RESTITUTION[name]
+    parameters = (modulus("youngs_modulus"), RESTITUTION)
+    return EngineLaw(name, formula, source, parameters, force, start, paste, pulls, notes)
 
 
-def hooke_law(source: str, paste: Callable[[Pair, Values], str], pulls: bool, notes: tuple[str, ...]) -> EngineLaw:
-    """`hooke_by_restitution` in an engine's words."""
-    return EngineLaw(
-        name="hooke",
-        formula="F = k δ + 2 ζ √(m k) δ', k from E*, R, m and a characteristic velocity, ζ from the restitution",
-        source=source,
-        parameters=(modulus("youngs_modulus"), RESTITUTION),
-        force=hooke_by_restitution,
-        start=start_hooke,
-        paste=paste,
-        pulls=pulls,
-        notes=notes,
-    )
+_BY_RESTITUTION = {
+    "hertz": (
+        "F = 4/3 E* √R δ^1.5 + 2 √(5/6) ζ √(S m) δ', S = 2 E* √(Rδ), ζ from the restitution",
+        hertz_by_restitution,
+        start_by_restitution,
+    ),
+    "hooke": (
+        "F = k δ + 2 ζ √(m k) δ', k from E*, R, m and a characteristic velocity, ζ from the restitution",
+        hooke_by_restitution,
+        start_hooke,
+    ),
+}

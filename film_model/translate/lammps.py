@@ -53,7 +53,9 @@ def _paste_hooke(pair: Pair, values: Values) -> str:
     return _command(pair, f"hooke {values['k_n']:.6g} {values['restitution']:.6g}", "coeff_restitution")
 
 
-HERTZ = granular.hertz_law(f"{SOURCE}: hertz/material, damping coeff_restitution", _paste_restitution, True, NOTES)
+HERTZ = granular.law_by_restitution(
+    "hertz", f"{SOURCE}: hertz/material, damping coeff_restitution", _paste_restitution, True, NOTES
+)
 
 VISCOELASTIC = EngineLaw(
     name="hertz-viscoelastic",

@@ -55,9 +55,11 @@ def _paste_coefficients(pair: Pair, values: Values) -> str:
     return "\n".join([*lines, _model(pair, "hertz/stiffness")])
 
 
-HERTZ = granular.hertz_law(f"{SOURCE} hertz; normal_model_hertz.h", partial(_paste_material, "hertz"), True, NOTES)
+HERTZ = granular.law_by_restitution(
+    "hertz", f"{SOURCE} hertz; normal_model_hertz.h", partial(_paste_material, "hertz"), True, NOTES
+)
 
-HOOKE = granular.hooke_law(f"{SOURCE} hooke", partial(_paste_material, "hooke"), True, NOTES)
+HOOKE = granular.law_by_restitution("hooke", f"{SOURCE} hooke", partial(_paste_material, "hooke"), True, NOTES)
 
 STIFFNESS = EngineLaw(
     name="hertz-stiffness",

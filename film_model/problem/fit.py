@@ -13,7 +13,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from film_model.core import native
 from film_model.laws.law import Array, Function, Power, Stage, origin_of
@@ -205,7 +204,7 @@ def fit(
     """Series of each function on [begin, end], and the largest relative error, checked between the nodes."""
     series: dict[str, Any] = {}
     worst = 0.0
-    nodes, checks = chebyshev.chebpts1(_TERMS), np.cos(np.pi * np.arange(CHECKS) / (CHECKS - 1))
+    nodes, checks = np.polynomial.chebyshev.chebpts1(_TERMS), np.cos(np.pi * np.arange(CHECKS) / (CHECKS - 1))
     for name, function in functions.items():
 
         def on(z: Array, function: Function = function) -> Array:
@@ -214,8 +213,10 @@ def fit(
 
         terms = coefficients(on(nodes))
         scale = max(float(np.abs(on(checks)).max()), 1e-300)
-        series[name] = chebyshev.chebtrim(terms, FIT_ROUNDING * scale)
-        worst = max(worst, float(np.abs(chebyshev.chebval(checks, series[name]) - on(checks)).max()) / scale)
+        series[name] = np.polynomial.chebyshev.chebtrim(terms, FIT_ROUNDING * scale)
+        worst = max(
+            worst, float(np.abs(np.polynomial.chebyshev.chebval(checks, series[name]) - on(checks)).max()) / scale
+        )
     return series, worst
 
 
@@ -245,7 +246,7 @@ def _fill(
     mean = mean_series(series["force"], root)
     _write(piece.mean, mean, begin, end, root)
     piece.work_at_begin = -work
-    return work + (end - begin) * float(chebyshev.chebval(1.0, mean))
+    return work + (end - begin) * float(np.polynomial.chebyshev.chebval(1.0, mean))
 
 
 def _power_work(power: Power, reach: float) -> float:

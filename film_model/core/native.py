@@ -210,7 +210,7 @@ def library() -> Any:
         "film_law": ([pointer, _I, _D, pointer, pointer], None),
         "film_impact": ([pointer, pointer, pointer, pointer], c.c_int),
         "film_instructions": ([], c.c_int),
-        "film_batch_shaped": ([pointer, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
+        "film_batch_shaped": ([c.c_int, pointer, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
         "film_batch_with": ([c.c_int, pointer, pointer, i64, pointer, pointer, pointer], None),
     }
     for name, (arguments, result) in signatures.items():

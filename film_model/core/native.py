@@ -195,6 +195,7 @@ def library() -> Any:
     signatures: dict[str, tuple[list[Any], Any]] = {
         "film_check_curve": ([pointer], c.c_int),
         "film_shape": ([pointer, pointer, _D, pointer], c.c_int),
+        "film_spring": ([pointer, _D], c.c_int),
         "film_mesh_size": ([_I, _I], c.c_size_t),
         "film_mesh_init": ([pointer, _I, _I, _I, pointer], c.c_int),
         "film_damp": ([pointer, _D], c.c_int),
@@ -355,11 +356,7 @@ def force_of(curve: Curve, state: State) -> Callable[[float], float]:
     """f(ξ) as the contact of `state` is at the time of each call."""
     at = c.byref(curve), c.byref(state)
     function = library().film_force
-
-    def evaluate(xi: float) -> float:
-        return function(*at, xi, state.nu).force
-
-    return evaluate
+    return lambda xi: function(*at, xi, state.nu).force
 
 
 def indicators(curve: Curve, state: State, speed: float) -> list[float]:

@@ -195,6 +195,7 @@ def library() -> Any:
     signatures: dict[str, tuple[list[Any], Any]] = {
         "film_check_curve": ([pointer], c.c_int),
         "film_shape": ([pointer, pointer, _D, pointer], c.c_int),
+        "film_spring": ([pointer, _D], c.c_int),
         "film_mesh_size": ([_I, _I], c.c_size_t),
         "film_mesh_init": ([pointer, _I, _I, _I, pointer], c.c_int),
         "film_damp": ([pointer, _D], c.c_int),
@@ -210,7 +211,7 @@ def library() -> Any:
         "film_law": ([pointer, _I, _D, pointer, pointer], None),
         "film_impact": ([pointer, pointer, pointer, pointer], c.c_int),
         "film_instructions": ([], c.c_int),
-        "film_batch_shaped": ([pointer, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
+        "film_batch_shaped": ([c.c_int, pointer, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
         "film_compare": ([i64, pointer, pointer, pointer, pointer], None),
         "film_rounding": ([pointer, i64, pointer, pointer, _D, pointer], None),
         "film_batch_with": ([c.c_int, pointer, pointer, i64, pointer, pointer, pointer], None),
@@ -355,11 +356,7 @@ def force_of(curve: Curve, state: State) -> Callable[[float], float]:
     """f(ξ) as the contact of `state` is at the time of each call."""
     at = c.byref(curve), c.byref(state)
     function = library().film_force
-
-    def evaluate(xi: float) -> float:
-        return function(*at, xi, state.nu).force
-
-    return evaluate
+    return lambda xi: function(*at, xi, state.nu).force
 
 
 def indicators(curve: Curve, state: State, speed: float) -> list[float]:

@@ -18,6 +18,7 @@ from film_model.effects.effect import Effect
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
+from film_model.solve.derivatives import Derivatives
 from film_model.solve.vibration import Vibration
 
 if TYPE_CHECKING:
@@ -123,6 +124,7 @@ class History:
     return pint quantities. lines: the segments as recorded by the core; empty if the target vibrates, since the motion
     is then in `vibration`. On such a target several contacts may follow each other: contact_duration is that of the
     first; permanent indentation, rebound and energies are those after the last. remarks: warnings of this run.
+    derivatives: those that were asked for.
     Histories are equal if scene, events, summary and remarks are equal to the last bit.
 
     >>> history = fm.simulate(scene, accuracy=1e-6)
@@ -141,6 +143,7 @@ class History:
     accuracy: Accuracy
     remarks: tuple[str, ...]
     vibration: Vibration | None = field(default=None, repr=False, compare=False)
+    derivatives: Derivatives | None = field(default=None, repr=False, compare=False)
 
     if TYPE_CHECKING:  # the summary values, added below the class, and the methods of film_model/methods.py
 
@@ -162,7 +165,8 @@ class History:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the law, about effects that are not modelled, and of this run."""
-        return tuple(dict.fromkeys((*self.choice.warnings, *self.remarks)))
+        own = () if self.derivatives is None else self.derivatives.warnings
+        return tuple(dict.fromkeys((*self.choice.warnings, *self.remarks, *own)))
 
     @property
     def problem(self) -> Problem:
@@ -218,6 +222,7 @@ class History:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, SI throughout: title, law, outcome, summary, events, effects, accuracy and warnings."""
+        found = {} if self.derivatives is None else {"derivatives": self.derivatives.to_dict()}
         return {
             "title": self.scene.title,
             "law": self.problem.law.name,
@@ -225,6 +230,7 @@ class History:
             "summary": {
                 name: {"value": value, "units": units.si_unit(SUMMARY[name][0])} for name, value in self.summary.items()
             },
+            **found,
             "events": [event.to_dict() for event in self.events],
             "effects": [effect.to_dict() for effect in self.effects],
             "accuracy": {f.name: getattr(self.accuracy, f.name) for f in fields(self.accuracy)},

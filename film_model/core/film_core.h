@@ -256,6 +256,10 @@ FILM_API int film_check_curve(const film_curve *curve);
  * end of its last stage are left out. 0, or FILM_BAD_CURVE: the family's numbers or the shape are out of range. */
 FILM_API int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve);
 
+/* Puts a curve in series with a spring of this compliance > 0. 0, or FILM_BAD_CURVE: the curve has one, is damped or pulls, or
+ * its force falls so fast that the contact would snap through. */
+FILM_API int film_spring(film_curve *curve, double compliance);
+
 /* Number of doubles that film_mesh_init needs, and the mesh itself. memory must outlive the mesh. */
 FILM_API size_t film_mesh_size(int32_t loading, int32_t unloading);
 FILM_API int film_mesh_init(film_mesh *mesh, int32_t linearisation, int32_t loading, int32_t unloading, double *memory);

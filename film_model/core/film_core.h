@@ -340,6 +340,12 @@ FILM_API void film_batch_shaped(int instructions, const film_family *family, con
                                 int64_t count, const film_start *start, const double *shape, film_summary *summary,
                                 int32_t *status);
 
+/* count contacts, one after another, on curves that differ from `curve` in `varying` doubles: places[k] of the k-th among
+ * the doubles of film_curve, its value for contact i in values[i varying + k]. status[i] is what film_impact returns. */
+FILM_API void film_batch_varied(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                                int32_t varying, const int32_t *places, const double *values, film_summary *summary,
+                                int32_t *status);
+
 /* off[i]: the largest relative difference of two summaries of the contact that starts with start[i], relative to b[i]; 1 for a
  * value that exists in only one of them. Permanent indentations and velocities are relative to at least 1e-3 of the maximum
  * indentation and of the approach velocity, work to the impact energy. If the approach velocity is 0, only values up to the

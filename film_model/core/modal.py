@@ -34,6 +34,7 @@ class Structure(c.Structure):
         ("levels", _I),
         ("rigid", _I),
         ("made", _I * LEVELS),
+        ("instructions", _I),
         ("longest", _D),
         ("frequency", c.c_void_p),
         ("share", c.c_void_p),

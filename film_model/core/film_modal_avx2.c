@@ -10,6 +10,7 @@
 #pragma GCC target("avx2")
 #endif
 #define FILM_LOOPS film_loops_avx2
+#define FILM_LANES 4
 #include "film_modal_loops.c"
 #if defined(__clang__)
 #pragma clang attribute pop

@@ -10,6 +10,7 @@
 #pragma GCC target("avx512f,avx512dq,avx512vl,prefer-vector-width=512")
 #endif
 #define FILM_LOOPS film_loops_avx512
+#define FILM_LANES 8
 #include "film_modal_loops.c"
 #if defined(__clang__)
 #pragma clang attribute pop

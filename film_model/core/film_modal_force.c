@@ -146,9 +146,9 @@ static void free_modes(const film_structure *structure, const film_table *table,
 
 /* w_n and w_n' at the end of the step into the second half of waves, and their sums into the state. */
 static void end_modes(const film_structure *structure, const film_table *table, film_modal *s, double *waves) {
-    double force[NODES], sums[2];
-    for (int j = 0; j < NODES; j++) force[j] = s->force[j] * s->mass / (s->unit * s->unit);
-    film_loops_of(structure)->move(structure, table, waves, s->kind == FILM_STEP_CONTACT ? force : NULL, sums);
+    double p[NODES], sums[2];
+    film_force_cubic(s, p);
+    film_loops_of(structure)->move(structure, table, waves, p, sums);
     s->end_shift = sums[0];
     s->end_rate = sums[1];
 }

@@ -9,74 +9,68 @@ enum { WIDE = 8, CHUNK = 32, SERIES = 17 };
 /* Up to this phase the reduction below is exact to the last bit. */
 static const double LARGEST_PHASE = 1e5;
 
-static double total(const double sum[WIDE]) {
+/* A register of LANES numbers, and the same at any place of an array. Wider types than registers are slow with gcc. */
+#ifndef FILM_LANES
+#define FILM_LANES 2
+#endif
+enum { LANES = FILM_LANES, PARTS = WIDE / LANES };
+typedef double lanes __attribute__((vector_size(FILM_LANES * sizeof(double))));
+typedef double loose __attribute__((vector_size(FILM_LANES * sizeof(double)), aligned(sizeof(double)), may_alias));
+#define AT(array, i) (*(const loose *)((array) + (i)))
+#define PUT(array, i, value) (*(loose *)((array) + (i)) = (value))
+
+static double total(const lanes parts[PARTS]) {
+    double sum[WIDE];
+    memcpy(sum, parts, sizeof sum);
     return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
 }
 
 /* ---------------------------------------------------------------- a step */
 
 static void free_sums(const film_structure *structure, const film_table *table, const double *waves, double moved[NODES]) {
-    int32_t n = structure->modes, whole = n - n % WIDE;
-    const double *restrict w = waves, *restrict u = waves + n;
-    for (int at = 0; at < NODES; at++) {
-        const double *restrict c = table->node_cos + (size_t)at * (size_t)n, *restrict s = table->node_sin + (size_t)at * (size_t)n;
-        double sum[WIDE] = {0.0};
-        for (int32_t i = 0; i < whole; i += WIDE)
-            for (int k = 0; k < WIDE; k++) sum[k] += w[i + k] * c[i + k] + u[i + k] * s[i + k];
-        for (int32_t i = whole; i < n; i++) sum[i - whole] += w[i] * c[i] + u[i] * s[i];
-        moved[at] = total(sum);
-    }
-}
-
-/* end = w of_w + u of_u + the push of the forces f; its sum. */
-static double move_one(int32_t n, const double *restrict w, const double *restrict u, const double *restrict of_w,
-                       const double *restrict of_u, const double *restrict push, const double *f, double *restrict end) {
-    int32_t whole = n - n % WIDE;
-    double f0 = f[0], f1 = f[1], f2 = f[2], f3 = f[3], sum[WIDE] = {0.0};
-    const double *restrict p1 = push + n, *restrict p2 = push + 2 * (size_t)n, *restrict p3 = push + 3 * (size_t)n;
-    for (int32_t i = 0; i < whole; i += WIDE) {
-        for (int32_t k = 0; k < WIDE; k++) {
-            double moved = (w[i + k] * of_w[i + k] + u[i + k] * of_u[i + k]) +
-                           ((f0 * push[i + k] + f1 * p1[i + k]) + (f2 * p2[i + k] + f3 * p3[i + k]));
-            end[i + k] = moved;
-            sum[k] += moved;
+    size_t n = (size_t)structure->modes, whole = n - n % WIDE;
+    const double *w = waves, *u = waves + n, *c = table->node_cos, *s = table->node_sin;
+    lanes sum[NODES][PARTS] = {{{0.0}}};
+    for (size_t i = 0; i < whole; i += WIDE) {
+        for (int k = 0; k < PARTS; k++) {
+            size_t m = i + (size_t)(k * LANES);
+            lanes a = AT(w, m), b = AT(u, m);
+            sum[0][k] += a * AT(c, m) + b * AT(s, m);
+            sum[1][k] += a * AT(c, n + m) + b * AT(s, n + m);
+            sum[2][k] += a * AT(c, 2 * n + m) + b * AT(s, 2 * n + m);
+            sum[3][k] += a * AT(c, 3 * n + m) + b * AT(s, 3 * n + m);
         }
     }
-    for (int32_t i = whole; i < n; i++) {
-        end[i] = (w[i] * of_w[i] + u[i] * of_u[i]) + ((f0 * push[i] + f1 * p1[i]) + (f2 * p2[i] + f3 * p3[i]));
-        sum[i - whole] += end[i];
-    }
-    return total(sum);
+    for (int at = 0; at < NODES; at++) moved[at] = total(sum[at]);
+    for (int at = 0; at < NODES; at++)
+        for (size_t i = whole, k = (size_t)at * n + whole; i < n; i++, k++) moved[at] += w[i] * c[k] + u[i] * s[k];
 }
 
-/* The same without forces. */
-static double turn_one(int32_t n, const double *restrict w, const double *restrict u, const double *restrict of_w,
-                       const double *restrict of_u, double *restrict end) {
-    int32_t whole = n - n % WIDE;
-    double sum[WIDE] = {0.0};
-    for (int32_t i = 0; i < whole; i += WIDE) {
-        for (int32_t k = 0; k < WIDE; k++) {
-            double moved = w[i + k] * of_w[i + k] + u[i + k] * of_u[i + k];
-            end[i + k] = moved;
-            sum[k] += moved;
+static void move(const film_structure *structure, const film_table *table, double *waves, const double p[NODES], double sums[2]) {
+    size_t n = (size_t)structure->modes, whole = n - n % WIDE;
+    const double *w = waves, *u = waves + n, *c = table->end_cos, *s = table->end_sin, *rc = table->rate_cos, *rs = table->rate_sin;
+    const double *y1 = table->push, *y2 = y1 + n, *y3 = y2 + n, *y4 = y3 + n, *y5 = y4 + n;
+    double *w_end = waves + 2 * n, *u_end = w_end + n, p0 = p[0], p1 = p[1], p2 = p[2], p3 = p[3];
+    lanes sum[2][PARTS] = {{{0.0}}};
+    for (size_t i = 0; i < whole; i += WIDE) {
+        for (int k = 0; k < PARTS; k++) {
+            size_t m = i + (size_t)(k * LANES);
+            lanes a = AT(w, m), b = AT(u, m), r2 = AT(y2, m), r3 = AT(y3, m), r4 = AT(y4, m);
+            lanes moved = (a * AT(c, m) + b * AT(s, m)) + ((p0 * r2 + p1 * r3) + (p2 * r4 + p3 * AT(y5, m)));
+            lanes rate = (a * AT(rc, m) + b * AT(rs, m)) + ((p0 * AT(y1, m) + p1 * r2) + (p2 * r3 + p3 * r4));
+            PUT(w_end, m, moved);
+            PUT(u_end, m, rate);
+            sum[0][k] += moved;
+            sum[1][k] += rate;
         }
     }
-    for (int32_t i = whole; i < n; i++) {
-        end[i] = w[i] * of_w[i] + u[i] * of_u[i];
-        sum[i - whole] += end[i];
-    }
-    return total(sum);
-}
-
-static void move(const film_structure *structure, const film_table *table, double *waves, const double *force, double sums[2]) {
-    int32_t n = structure->modes;
-    double *w = waves, *u = waves + n, *w_end = waves + 2 * (size_t)n, *u_end = w_end + n;
-    if (force == NULL) {
-        sums[0] = turn_one(n, w, u, table->end_cos, table->end_sin, w_end);
-        sums[1] = turn_one(n, w, u, table->rate_cos, table->rate_sin, u_end);
-    } else {
-        sums[0] = move_one(n, w, u, table->end_cos, table->end_sin, table->push, force, w_end);
-        sums[1] = move_one(n, w, u, table->rate_cos, table->rate_sin, table->push_rate, force, u_end);
+    sums[0] = total(sum[0]);
+    sums[1] = total(sum[1]);
+    for (size_t i = whole; i < n; i++) {
+        w_end[i] = (w[i] * c[i] + u[i] * s[i]) + ((p0 * y2[i] + p1 * y3[i]) + (p2 * y4[i] + p3 * y5[i]));
+        u_end[i] = (w[i] * rc[i] + u[i] * rs[i]) + ((p0 * y1[i] + p1 * y2[i]) + (p2 * y3[i] + p3 * y4[i]));
+        sums[0] += w_end[i];
+        sums[1] += u_end[i];
     }
 }
 
@@ -159,26 +153,20 @@ static void responses_of(const film_structure *structure, int32_t from, int coun
     }
 }
 
-/* sum += share y, mode by mode; a chunk but the last is a multiple of WIDE. */
-static void add_shares(int count, const double *restrict share, const double *restrict y, double sum[WIDE]) {
+/* sum of share y. */
+static double shared(int count, const double *share, const double *y) {
     int whole = count - count % WIDE;
+    lanes parts[PARTS] = {{0.0}};
     for (int i = 0; i < whole; i += WIDE)
-        for (int k = 0; k < WIDE; k++) sum[k] += share[i + k] * y[i + k];
-    for (int i = whole; i < count; i++) sum[i - whole] += share[i] * y[i];
-}
-
-/* to = share sum of weight[k] y[k], k = 0 .. 3. */
-static void add_pushes(int count, const double *restrict share, const double weight[NODES], const double (*y)[CHUNK],
-                       double *restrict to) {
-    const double *restrict y0 = y[0], *restrict y1 = y[1], *restrict y2 = y[2], *restrict y3 = y[3];
-    for (int i = 0; i < count; i++)
-        to[i] = share[i] * ((weight[0] * y0[i] + weight[1] * y1[i]) + (weight[2] * y2[i] + weight[3] * y3[i]));
+        for (int k = 0; k < PARTS; k++) parts[k] += AT(share, i + k * LANES) * AT(y, i + k * LANES);
+    double sum = total(parts);
+    for (int i = whole; i < count; i++) sum += share[i] * y[i];
+    return sum;
 }
 
 static void fill(const film_structure *structure, const film_table *table, double h) {
     int32_t n = structure->modes;
-    double sums[NODES][RESPONSES][WIDE], weight[NODES][NODES], y[RESPONSES][CHUNK]; /* weight: of y_k in the response to force j */
-    memset(sums, 0, sizeof sums);
+    double sums[NODES][RESPONSES] = {{0.0}}, weight[NODES][NODES], y[RESPONSES][CHUNK]; /* weight: of y_k in the response to force j */
     double per_h = 1.0;
     for (int k = 0; k < NODES; k++) {
         for (int j = 0; j < NODES; j++) weight[j][k] = LAGRANGE[j][k] * FACTORIAL[k] * per_h;
@@ -194,21 +182,19 @@ static void fill(const film_structure *structure, const film_table *table, doubl
             responses_of(structure, from, count, at < NODES ? NODE_AT[at] * h : h, y);
             for (int i = 0; i < count; i++) c[i] = y[0][i] + drag[i] * y[1][i];
             memcpy(s, y[1], sizeof(double) * (size_t)count);
-            for (int k = 1; k < RESPONSES && at < NODES; k++) add_shares(count, share, y[k], sums[at][k]);
+            for (int k = 1; k < RESPONSES && at < NODES; k++) sums[at][k] += shared(count, share, y[k]);
         }
         for (int i = 0; i < count; i++) table->rate_cos[from + i] = -square[i] * y[1][i];
         memcpy(table->rate_sin + from, y[0], sizeof(double) * (size_t)count);
-        for (int j = 0; j < NODES; j++) {
-            add_pushes(count, share, weight[j], (const double (*)[CHUNK])y + 2, table->push + (size_t)j * (size_t)n + from);
-            add_pushes(count, share, weight[j], (const double (*)[CHUNK])y + 1, table->push_rate + (size_t)j * (size_t)n + from);
-        }
+        for (int k = 1; k < RESPONSES; k++)
+            for (int i = 0; i < count; i++) table->push[(size_t)(k - 1) * (size_t)n + (size_t)(from + i)] = share[i] * y[k][i];
     }
     for (int at = 0; at < NODES; at++) {
         for (int j = 0; j < NODES; j++) {
             double moved = 0.0, rate = 0.0;
             for (int k = 0; k < NODES; k++) {
-                moved += weight[j][k] * total(sums[at][k + 2]);
-                rate += weight[j][k] * total(sums[at][k + 1]);
+                moved += weight[j][k] * sums[at][k + 2];
+                rate += weight[j][k] * sums[at][k + 1];
             }
             table->nodes[NODES * at + j] = moved;
             table->node_rates[NODES * at + j] = rate;

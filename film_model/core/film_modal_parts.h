@@ -36,15 +36,15 @@ typedef struct {
     double *node_cos, *node_sin;  /* [NODES][n]: of w and of w' at the beginning, on w at the nodes */
     double *end_cos, *end_sin;    /* [n]: on w at the end */
     double *rate_cos, *rate_sin;  /* [n]: on w' at the end */
-    double *push, *push_rate;     /* [NODES][n]: share x response of w and w' at the end to a force's value at a node */
+    double *push;                 /* [RESPONSES - 1][n]: share x responses y_1 .. y_5 at the end */
     double *nodes, *node_rates;   /* [NODES][NODES]: sums over the modes of the responses at node i to the force at node j */
 } film_table;
 
 /* film_modal_loops.c, for one instruction set. free_sums: sum of w_n at the nodes without a force. move: w_n and w_n' at the
- * end of the step under the forces at its nodes, NULL: none, into the second half of waves; their sums. fill: a table. */
+ * end of the step under the force sum p_k theta^k/k!, into the second half of waves; their sums. fill: a table. */
 typedef struct {
     void (*free_sums)(const film_structure *structure, const film_table *table, const double *waves, double moved[NODES]);
-    void (*move)(const film_structure *structure, const film_table *table, double *waves, const double *force, double sums[2]);
+    void (*move)(const film_structure *structure, const film_table *table, double *waves, const double p[NODES], double sums[2]);
     void (*fill)(const film_structure *structure, const film_table *table, double h);
 } film_loops;
 extern const film_loops film_loops_plain;
@@ -56,6 +56,7 @@ const film_loops *film_loops_of(const film_structure *structure);
 /* film_modal_table.c. responses[k + 2]: of w at time t to the force theta^k/k!, k = 0 .. 3; at 0 and 1 (k = -2, -1) the
  * derivatives w' and w of the response to an impulse. */
 void film_responses(double square, double drag, double t, double responses[RESPONSES]);
+void film_force_cubic(const film_modal *s, double p[NODES]);
 film_table film_table_at(const film_structure *structure, int32_t level);
 film_table film_level_table(film_structure *structure, int32_t level);
 void film_moved_mode(const film_structure *structure, const film_modal *s, const double *waves, int32_t n, double t, double *w,

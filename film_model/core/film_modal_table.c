@@ -7,7 +7,7 @@
 /* A frequency below this is no vibration, and its square underflows. */
 static const double LEAST_FREQUENCY = 1e-100;
 
-enum { SERIES_TERMS = 60, PER_MODE = 2 * NODES + 4 + 2 * NODES, PER_TABLE = 2 * NODES * NODES };
+enum { SERIES_TERMS = 60, PER_MODE = 2 * NODES + 4 + RESPONSES - 1, PER_TABLE = 2 * NODES * NODES };
 
 /* ---------------------------------------------------------------- responses */
 
@@ -61,6 +61,17 @@ void film_responses(double square, double drag, double t, double y[RESPONSES]) {
     }
 }
 
+/* The step's force per mass, in the unit of time, as sum p_k theta^k/k!; 0 in flight. */
+void film_force_cubic(const film_modal *s, double p[NODES]) {
+    double per = s->mass / (s->unit * s->unit);
+    for (int k = 0; k < NODES; k++) {
+        double part = 0.0;
+        for (int j = 0; j < NODES; j++) part += LAGRANGE[j][k] * s->force[j];
+        p[k] = s->kind == FILM_STEP_CONTACT ? part * FACTORIAL[k] * per : 0.0;
+        per /= s->h;
+    }
+}
+
 /* w and w' of mode n, t after the beginning of the step, under the step's force. */
 void film_moved_mode(const film_structure *structure, const film_modal *s, const double *waves, int32_t n, double t, double *w,
                      double *u) {
@@ -71,18 +82,14 @@ void film_moved_mode(const film_structure *structure, const film_modal *s, const
     *w = w0 * (y[0] + drag * y[1]) + u0 * y[1];
     *u = u0 * y[0] - square * w0 * y[1];
     if (s->kind != FILM_STEP_CONTACT) return;
-    double per_h = 1.0;
+    double p[NODES];
+    film_force_cubic(s, p);
     for (int k = 0; k < NODES; k++) {
-        double part = 0.0;
-        for (int j = 0; j < NODES; j++) part += LAGRANGE[j][k] * s->force[j];
-        part *= FACTORIAL[k] * per_h;
-        pushed += part * y[k + 2];
-        pushed_rate += part * y[k + 1];
-        per_h /= s->h;
+        pushed += p[k] * y[k + 2];
+        pushed_rate += p[k] * y[k + 1];
     }
-    double stiffness = structure->share[n] * s->mass / (s->unit * s->unit);
-    *w += stiffness * pushed;
-    *u += stiffness * pushed_rate;
+    *w += structure->share[n] * pushed;
+    *u += structure->share[n] * pushed_rate;
 }
 
 /* ---------------------------------------------------------------- tables */
@@ -104,8 +111,7 @@ film_table film_table_at(const film_structure *structure, int32_t level) {
     table.rate_cos = table.end_sin + n;
     table.rate_sin = table.rate_cos + n;
     table.push = table.rate_sin + n;
-    table.push_rate = table.push + NODES * n;
-    table.nodes = table.push_rate + NODES * n;
+    table.nodes = table.push + (RESPONSES - 1) * n;
     table.node_rates = table.nodes + NODES * NODES;
     return table;
 }

@@ -139,7 +139,7 @@ class Tables:
     """Modes in the core's form, with tables that are made on demand and kept; used by one thread at a time.
 
     frequency [rad/s], share [1/kg], damping ratio: ascending frequencies. longest: largest step, s. Raises ValueError
-    for modes that are no motion of a structure. Memory: 18 floats for each mode and step size in use.
+    for modes that are no motion of a structure. Memory: 17 floats for each mode and step size in use.
     """
 
     def __init__(self, frequency: Array, share: Array, ratio: Array, longest: float) -> None:

@@ -12,6 +12,7 @@ from scipy.linalg import expm
 import film_model as fm
 import fmu_wrapper
 from film_model.laws.hertz import hertz_stiffness
+from fmu_wrapper import checking_contact
 from fmu_wrapper.documentation import COUPLING_ERRORS, COUPLINGS
 from fmu_wrapper.instance import opened, started
 from fmu_wrapper.variables import reference
@@ -247,5 +248,15 @@ def test_a_contact_follows_the_force_of_an_impact_and_the_check_covers_its_memor
     assert off < 1e-6
     report = fmu_wrapper.check(path, history.scene)
     names = [finding.what for finding in report.findings]
-    assert report.good and len(names) == 5
-    assert "contact: force in reloading in the dent" in names and "contact: number of contacts" in names
+    assert report.good and len(names) == 10
+    for interface in ("", "Model Exchange, "):
+        assert f"contact: {interface}force in reloading in the dent" in names
+        assert f"contact: {interface}number of contacts" in names
+
+
+def test_the_check_finds_events_that_come_late_in_model_exchange(made, monkeypatch):
+    """Handled at the next communication point, the turn is taken for a smaller maximum indentation."""
+    monkeypatch.setattr(checking_contact, "_first", lambda due, before, after: after)
+    report = fmu_wrapper.check(made(scene("big-alabo"), kind="contact"))
+    assert {f.what for f in report.findings if not f.good} >= {"contact: Model Exchange, force in unloading"}
+    assert all(f.good for f in report.findings if "Model Exchange" not in f.what)

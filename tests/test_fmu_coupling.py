@@ -254,6 +254,14 @@ def test_a_contact_follows_the_force_of_an_impact_and_the_check_covers_its_memor
         assert f"contact: {interface}number of contacts" in names
 
 
+@combinations(law=["jkr", "dmt"], version=[2, 3], fast=1)
+def test_a_contact_of_beads_ends_where_its_law_lets_go(made, law, version):
+    """In Model Exchange too, where the force of a law that pulls jumps: an event must not be late by what is short here."""
+    bead, on = fm.Sphere(radius="50 um", velocity="0.5 m/s", material="alumina"), fm.HalfSpace("float glass")
+    beads = fm.Scene(bead, on, fm.Contact(law, work_of_adhesion="0.1 J/m^2"))
+    assert fmu_wrapper.check(made(beads, version, kind="contact")).good
+
+
 def test_the_check_finds_events_that_come_late_in_model_exchange(made, monkeypatch):
     """Handled at the next communication point, the turn is taken for a smaller maximum indentation."""
     monkeypatch.setattr(checking_contact, "_first", lambda due, before, after: after)

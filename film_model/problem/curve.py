@@ -47,7 +47,7 @@ class Curve:
         """
         return 2 if self.steepest > STEEP else 1
 
-    @property
+    @cached_property
     def clearance(self) -> float:
         """ξ at which the force begins: the end of the first stages if they are without force, else 0."""
         reach = 0.0
@@ -94,6 +94,20 @@ def curve_of(law: AbstractLaw, compliance: float = 0.0) -> Curve:
     fitted has no end, a fit is worse than `FIT_LIMIT`, or a stage has damping although the law is not marked as damped;
     SimulationError if, in series with a spring, the law is damped, jumps or would snap through.
     """
+    if type(law).__hash__ in (None, object.__hash__):  # it may have changed since the last call
+        return _made(law, compliance)
+    try:
+        return _kept(law, compliance)
+    except TypeError:  # a field cannot be hashed
+        return _made(law, compliance)
+
+
+@lru_cache(maxsize=256)
+def _kept(law: AbstractLaw, compliance: float) -> Curve:
+    return _made(law, compliance)
+
+
+def _made(law: AbstractLaw, compliance: float) -> Curve:
     if page_of(law) is not None:
         return _shaped(law.of_shape(law.shape), compliance)
     try:

@@ -256,7 +256,7 @@ def test_a_contact_follows_the_force_of_an_impact_and_the_check_covers_its_memor
 
 @combinations(law=["jkr", "dmt"], version=[2, 3], fast=1)
 def test_a_contact_of_beads_ends_where_its_law_lets_go(made, law, version):
-    """In Model Exchange too, where the force of a law that pulls jumps: an event must not be late by what is short here."""
+    """In Model Exchange too: the force of a law that pulls jumps, and events must not be late by what is long here."""
     bead, on = fm.Sphere(radius="50 um", velocity="0.5 m/s", material="alumina"), fm.HalfSpace("float glass")
     beads = fm.Scene(bead, on, fm.Contact(law, work_of_adhesion="0.1 J/m^2"))
     assert fmu_wrapper.check(made(beads, version, kind="contact")).good

@@ -18,11 +18,11 @@ from typing import Any
 
 import film_datasets
 import film_model as fm
-from film_datasets.scene_numbers import field_at, unit_of
 from film_model.base.errors import SceneError
 from film_model.base.fields import written
 from film_model.laws import LAWS
 from film_model.laws.example_ball import STEEL_BALL
+from film_model.scene.paths import field_at, unit_of
 
 SLOW = 100.0
 """CPU microseconds per impact in the sweep of 256 impacts, from which the large one is not run."""

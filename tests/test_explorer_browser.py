@@ -189,7 +189,7 @@ def test_comparison_studies_and_files(shown, address):
     for part in ("laws", "restitution", "accuracy", "map"):
         window.click(f"#part-{part} > summary")
         window.wait_for_selector(f"#chart-{part} path")
-    assert window.locator("#laws tbody tr").count() == 8
+    assert window.locator("#laws tbody tr").count() == 12
     before = window.inner_text("#readout")
     moved(window, "#cursor", 100)
     assert window.inner_text("#readout") != before
@@ -202,6 +202,22 @@ def test_comparison_studies_and_files(shown, address):
     for button, start in (("copy-scene", "title = "), ("copy-python", "import film_model"), ("copy-link", "file:///")):
         window.click(f"#{button}")
         assert window.input_value("#copied").startswith(start)
+
+
+def test_the_parameters_of_a_law(shown, address):
+    """They follow from the example until one is typed; the restitution of a contact on a fixed target is that typed."""
+    window = shown(address)
+    window.select_option("#law", "tsuji")
+    assert window.evaluate("document.activeElement.id") in ("law", "")
+    assert window.input_value("#entry-contact-restitution") == ""
+    window.fill("#entry-contact-restitution", "0.35")
+    window.keyboard.press("Tab")
+    window.wait_for_timeout(350)
+    again = shown(window.evaluate("location.href"))
+    assert again.input_value("#entry-contact-restitution") == "0.35"
+    scene = fm.Scene.from_text(again.evaluate("filmModel.sceneFile(location.hash.slice(1))"))
+    assert scene.contact.parameters == {"restitution": 0.35}
+    assert "coefficient of restitution\t0.35\n" in again.inner_text("#summary")
 
 
 def test_the_netcdf_file_holds_the_motion_of_the_csv(shown, address, tmp_path):

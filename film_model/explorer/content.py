@@ -132,6 +132,7 @@ class Content:
         """The place of a law in the list of laws."""
         curve = self._curves.setdefault(found.embedded, len(self._curves))
         table = found.to_dict(self._named("problem", found.function("problem", scene)), curve)
+        table["example"] = self._named("example", found.example) if found.derived else None
         if table["shape"] is not None:
             shape, force = formulas.shape_functions("last", found.law, found.fixed)
             named = {"function": self._named("lastShape", shape), "force": self._named("lastForce", force)}

@@ -153,7 +153,7 @@ class Impacts:
     def _damping_factor(self, length: Any) -> Any:
         mass, approach = self.numbers.mass, self.numbers.approach
         if self.index is None:
-            return float(self.one_law.damping_factor(mass, approach, length))
+            return self.one_law.damping_factor(mass, approach, length)
         if not self.law.law.damped:
             return self.column(0.0)
 

@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,8 +39,7 @@ MOTION: dict[str, tuple[str, str]] = {
 target's displacement, ∫F dt/Z."""
 
 
-@dataclass(frozen=True)
-class Event:
+class Event(NamedTuple):
     """An event and the motion at its time, SI floats. stage: of the law, or "unloading", or "" (no contact).
 
     >>> fm.simulate(scene).events[0].name
@@ -60,7 +59,7 @@ class Event:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON (`force` is the contact force)."""
-        table = {f.name: getattr(self, f.name) for f in fields(self)}
+        table = self._asdict()
         table["force"] = table.pop("contact_force")
         return table
 

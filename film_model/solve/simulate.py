@@ -111,7 +111,7 @@ def simulate_chosen(choice: Choice, solver: Solver) -> History:
     status, lines, states, peak = _record(problem, solver, counts)
     found = _at_events(problem, states)
     events = _events(problem, found)
-    values = summary_of(problem, status, _Recorded.of(found, states[-1], peak))
+    values = summary_of(problem, status, _Recorded.of(found, native.State.from_buffer_copy(states[-1]), peak))
     summary = {name: None if math.isnan(value) else value for name, value in values.items()}
     warnings.extend(energy_warning(problem, summary))
     return History(
@@ -158,7 +158,7 @@ class _Recorded(NamedTuple):
     work: float
 
     @classmethod
-    def of(cls, events: Iterable[_AtEvent], last: Any, peak: float) -> _Recorded:
+    def of(cls, events: Iterable[_AtEvent], last: native.State, peak: float) -> _Recorded:
         """From the motion at the events, the core's state at the last one, and the largest force."""
         deepest, turned, stops, ends = 0.0, math.nan, math.nan, math.nan
         for event in events:
@@ -168,8 +168,7 @@ class _Recorded(NamedTuple):
                 stops = event.time
             elif event.name == "contact_ends":
                 ends = event.time
-        numbers = (float(last[name]) for name in ("xi", "nu", "shift", "spent"))
-        return cls(peak, deepest, turned, stops, ends, *numbers)
+        return cls(peak, deepest, turned, stops, ends, last.xi, last.nu, last.shift, last.spent)
 
 
 class _AtEvent(NamedTuple):

@@ -2,7 +2,6 @@
 
 const SAMPLES = 201;
 const PENDING = 200; // ms without a change after which studies and the address follow
-
 /** @type {{scene: Scene, reference: Scene|null, result: Result|null, other: Result|null, cursor: number, timer: number}} */
 const APP = { scene: /** @type {any} */ (null), reference: null, result: null, other: null, cursor: 0.5, timer: 0 };
 
@@ -292,8 +291,11 @@ function openScene(scene) {
   rebuild();
 }
 
+/** Build the form again; the control that was in use stays in use. */
 function rebuild() {
+  const used = document.activeElement?.id;
   buildForm(APP.scene, render, rebuild);
+  if (used) document.getElementById(used)?.focus();
   /** @type {HTMLInputElement} */ (byId("title")).value = APP.scene.title;
   render();
 }

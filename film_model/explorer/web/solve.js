@@ -23,12 +23,13 @@ function entriesOf(scene) {
   return entries;
 }
 
-/** The numbers of a scene. @param {Scene} scene */
+/** The numbers of a scene. @param {Scene} scene @returns {any} */
 function numbersOf(scene) {
   const x = entriesOf(scene);
   const [d11, d12, d22] = ["D11", "D12", "D22"].map((name) => x[`target.bending_stiffness.${name}`] ?? 0);
   if (d11 && d12 ** 2 >= d11 * d22) throw new Unsupported("D12 must be smaller than √(D11 D22): otherwise the plate has negative bending energy");
-  const n = FORMULAS[scene.base.numbers](x);
+  /** @type {any} */
+  const n = { ...FORMULAS[scene.base.numbers](x), chosen: scene.law, values: scene.values };
   if (!(n.approach > 0)) throw new Unsupported("the impactor does not approach the target: there is no impact");
   return n;
 }
@@ -56,9 +57,20 @@ function lawOrThrow(scene, n, name) {
   return law;
 }
 
+/** The numbers of a scene with a law's own parameters: the scene's, or those of the law's example. @param {any} law @param {any} n */
+function withOwn(law, n) {
+  if (!law.live.length) return n;
+  const all = { ...n, ...(law.derived ? FORMULAS[law.example](n) : {}) };
+  for (const input of law.live) {
+    const value = (n.chosen === law.name ? n.values[input.path] : null) ?? input.value;
+    if (value !== null) all[input.path.replace("contact.", "own_")] = value;
+  }
+  return all;
+}
+
 /** Everything that is needed to march one impact under a law. @param {any} law @param {any} n @param {number} impedance @param {number} load */
 function problemOf(law, n, impedance, load) {
-  const p = FORMULAS[law.function](n, impedance, load);
+  const p = FORMULAS[law.function](withOwn(law, n), impedance, load);
   if (!(p.length > 0 && p.length < Infinity && p.force > 0 && p.force < Infinity)) {
     throw new Unsupported(`law ${law.name}: its scales are ${p.length} m and ${p.force} N`);
   }
@@ -176,7 +188,8 @@ function refine(problem, solver) {
   const { first_segments: first, most_segments: most, order_factor: order, regular_fall: falls } = DATA.constants;
   const line = solver.linearisation;
   const accuracy = solver.accuracy ?? DATA.constants.accuracy;
-  let n = first;
+  const { damping } = problem.p;
+  let n = first * Math.min(2 ** Math.floor(Math.log2(1 + damping)), 256);
   const counts = [n / 2, n].map((k) => countsFor(problem, k));
   const [coarsest, start] = counts.map((each) => marchOrThrow(problem, line, each));
   let [coarse, before, last] = [start, apart(problem, line, counts, coarsest, start), Infinity];
@@ -278,14 +291,18 @@ function givenResult(scene) {
   return { n: numbersOf(scene), choice, summary, error, segments, warnings, counts: [], status, law: { name: given.law }, motion: { motion, stage } };
 }
 
+/** The summary in SI. @param {Scene} scene @param {any} p @param {any} core @param {any} n */
+function summaryOf(scene, p, core, n) {
+  return FORMULAS[`summary${scene.base.free ? "Free" : "Fixed"}${p.damping > 0 ? "Damped" : ""}`](p, core, n);
+}
+
 /** One impact under decided effects. @param {Scene} scene @param {any} n @param {Problem} problem @param {number} samples */
 function run(scene, n, problem, samples) {
   const solver = scene.solver;
   const mesh = solver.segments !== null ? estimate(problem, solver) : refine(problem, solver);
   const found = recorded(problem, solver.linearisation, mesh.counts);
   const { p, law } = problem;
-  const free = scene.base.free ? "Free" : "Fixed";
-  const summary = FORMULAS[`summary${free}`](p, found.core, n);
+  const summary = summaryOf(scene, p, found.core, n);
   const warnings = mesh.warning ? [...law.remarks, mesh.warning] : [...law.remarks];
   const impact = 0.5 * p.approach ** 2 * p.energy;
   if (summary.energy_absorbed < -1e-9 * impact) {

@@ -38,7 +38,7 @@ function restitutionCurve(scene) {
       const { problem } = choose(other, n);
       const { counts } = scene.solver.segments === null ? refine(problem, scene.solver) : estimate(problem, scene.solver);
       const core = marchOrThrow(problem, scene.solver.linearisation, counts);
-      const summary = FORMULAS[`summary${scene.base.free ? "Free" : "Fixed"}`](problem.p, core, n);
+      const summary = summaryOf(scene, problem.p, core, n);
       if (!(summary.coefficient_of_restitution >= 0)) continue;
       curve.x.push(n.approach);
       curve.y.push(summary.coefficient_of_restitution);

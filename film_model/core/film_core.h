@@ -252,6 +252,10 @@ typedef struct {
 /* 0, or FILM_BAD_CURVE / FILM_BAD_NUMBER. */
 FILM_API int film_check_curve(const film_curve *curve);
 
+/* Puts a curve without compliance in series with a spring of compliance c >= 0, in delta_s/F_s: ends of stages and pieces
+ * become xi + c f, and their work includes the spring's c f^2/2. xi + c f must grow with xi, and f must not jump. */
+FILM_API void film_in_series(film_curve *curve, double compliance);
+
 /* The curve of a shape, low <= shape <= high. curve: a copy of `whole`, or the curve of another shape. The pieces beyond the
  * end of its last stage are left out. 0, or FILM_BAD_CURVE: the family's numbers or the shape are out of range. */
 FILM_API int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve);

@@ -16,6 +16,28 @@ void film_law(const film_curve *curve, int32_t stage, double xi, double *force, 
     law_at(curve, &line, xi, force, work);
 }
 
+/* From the last piece to the first: where a force is evaluated, the pieces before it must still have their own ends. */
+void film_in_series(film_curve *curve, double compliance) {
+    for (int32_t k = curve->stages - 1; k >= 0; k--) {
+        film_stage *stage = &curve->stage[k];
+        double force, work, from;
+        film_law(curve, k, stage->begin, &from, &work);
+        for (int32_t j = stage->first + stage->count - 1; j >= stage->first; j--) {
+            film_piece *piece = &curve->piece[j];
+            piece->work_at_begin += 0.5 * compliance * from * from;
+            if (!(piece->end < INFINITY)) continue;
+            film_law(curve, k, piece->end, &force, &work);
+            piece->end += compliance * force;
+        }
+    }
+    for (int32_t k = 0; k < curve->stages; k++) {
+        film_stage *stage = &curve->stage[k];
+        stage->begin = k > 0 ? curve->stage[k - 1].end : 0.0;
+        stage->end = curve->piece[stage->first + stage->count - 1].end;
+    }
+    curve->compliance = compliance;
+}
+
 static int bad_function(const film_function *g) {
     if (g->form == FILM_POWER)
         return !(isfinite(g->constant) && isfinite(g->slope) && isfinite(g->coefficient) && g->exponent > 0.0 &&

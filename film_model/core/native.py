@@ -207,6 +207,7 @@ def library() -> Any:
         "film_force": ([pointer, pointer, _D, _D], Force),
         "film_indicators": ([pointer, pointer, _D, pointer], None),
         "film_switch": ([pointer, pointer], c.c_int),
+        "film_in_series": ([pointer, _D], None),
         "film_law": ([pointer, _I, _D, pointer, pointer], None),
         "film_impact": ([pointer, pointer, pointer, pointer], c.c_int),
         "film_instructions": ([], c.c_int),
@@ -214,9 +215,8 @@ def library() -> Any:
         "film_batch_with": ([c.c_int, pointer, pointer, i64, pointer, pointer, pointer], None),
     }
     for name, (arguments, result) in signatures.items():
-        function = getattr(lib, name)
-        function.argtypes = arguments
-        function.restype = result
+        getattr(lib, name).argtypes = arguments
+        getattr(lib, name).restype = result
     return lib
 
 

@@ -134,7 +134,8 @@ def _curve(
     law: str, stages: list[Stage], made: native.Curve, compliance: float, error: float, steepest: float
 ) -> Curve:
     if compliance > 0.0:
-        _put_in_series(law, made, stages, compliance)
+        _check_series(law, stages, compliance)
+        native.library().film_in_series(ctypes.byref(made), compliance)
     if native.library().film_check_curve(ctypes.byref(made)) != native.OK:
         raise ValueError(
             f"{law}: the numbers of its stages are outside the solver's range: all must be finite, and their work too"
@@ -146,17 +147,18 @@ def can_be_in_series(law: AbstractLaw, compliance: float) -> bool:
     """Whether :func:`curve_of` accepts the law in series with a spring of this compliance [δ_s/F_s]."""
     name = _name(law)
     with suppress(SimulationError):
-        return bool(_check_series(name, checked(name, tuple(law.stages())), compliance))
+        _check_series(name, checked(name, tuple(law.stages())), compliance)
+        return True
     return False
 
 
-def _check_series(law: str, stages: list[Stage], compliance: float) -> list[Array]:
-    """The forces over each stage; SimulationError if the law cannot be in series with a spring."""
+def _check_series(law: str, stages: list[Stage], compliance: float) -> None:
+    """SimulationError if the law cannot be in series with a spring."""
     if any(stage.damping is not None for stage in stages):
         raise SimulationError(f"{law}: damped laws are not supported on targets with a static stiffness")
     if any(stage.pulls for stage in stages):
         raise SimulationError(f"{law}: laws that pull are not supported on targets with a static stiffness")
-    forces, before = list[Array](), 0.0
+    before = 0.0
     for stage in stages:
         reach = stage.end if math.isfinite(stage.end) else 10.0 * (stage.begin + 1.0)
         xi = np.linspace(stage.begin, reach, CHECKS)
@@ -172,20 +174,6 @@ def _check_series(law: str, stages: list[Stage], compliance: float) -> list[Arra
                 "stiffness: the contact would snap through"
             )
         before = float(force[-1])
-        forces.append(force)
-    return forces
-
-
-def _put_in_series(law: str, made: native.Curve, stages: list[Stage], compliance: float) -> None:
-    """Change the curve to the variable ξ + c f: ends of stages and pieces; add the spring's c f²/2 to their work."""
-    made.compliance, begin = compliance, 0.0
-    for entry, stage, force in zip(made.stage, stages, _check_series(law, stages, compliance), strict=False):
-        for piece in made.piece[entry.first : entry.first + entry.count]:
-            piece.work_at_begin += 0.5 * compliance * force[0] ** 2
-            if math.isfinite(piece.end):
-                piece.end += compliance * float(values_of(stage.force, np.array([piece.end]), stage)[0])
-        entry.begin, entry.end = begin, made.piece[entry.first + entry.count - 1].end
-        begin = entry.end
 
 
 def _name(law: AbstractLaw) -> str:

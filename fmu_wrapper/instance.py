@@ -71,7 +71,7 @@ def opened(path: str | os.PathLike[str]) -> Generator[Fmu]:
             description: Any = read_model_description(folder, validate=False)
         except Exception as error:  # of lxml or FMPy: there is no common class
             raise DamagedFile(f"{source}: modelDescription.xml cannot be read: {first_line(error)}") from error
-        exchange = ("modelExchange",) if data.modes.count == 0 else ()
+        exchange = ("modelExchange",) if resource.has_exchange(data) else ()
         for name in ("coSimulation", *exchange, "defaultExperiment"):
             if getattr(description, name) is None:
                 raise DamagedFile(f"{source}: modelDescription.xml has no {name[0].upper()}{name[1:]}")

@@ -60,6 +60,11 @@ def any_of(condition: Any) -> bool:
     return bool(condition.any()) if isinstance(condition, np.ndarray) else condition
 
 
+def all_of(condition: Any) -> bool:
+    """Whether the condition holds; for many impacts, whether it holds for all."""
+    return bool(condition.all()) if isinstance(condition, np.ndarray) else condition
+
+
 def either(condition: Any, a: Any, b: Any) -> Any:
     """a where the condition holds, else b."""
     return np.where(condition, a, b) if isinstance(condition, np.ndarray) else a if condition else b

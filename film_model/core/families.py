@@ -47,12 +47,18 @@ def shaped(family: Family, whole: native.Curve, shape: float) -> native.Curve:
 
 
 def batch(
-    family: Family, whole: native.Curve, cut: native.Mesh, start: NDArray[Any], shape: NDArray[np.float64]
+    family: Family,
+    whole: native.Curve,
+    cut: native.Mesh,
+    start: NDArray[Any],
+    shape: NDArray[np.float64],
+    using: int | None = None,
 ) -> tuple[NDArray[np.int32], NDArray[Any]]:
-    """Statuses and summaries of many contacts (START_DTYPE), each on its shape's curve; the GIL is released."""
+    """Statuses and summaries of many contacts (START_DTYPE), each on its shape's curve; as `native.batch`."""
     start, shape = np.ascontiguousarray(start, native.START_DTYPE), np.ascontiguousarray(shape, np.float64)
     summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
     native.library().film_batch_shaped(
+        native.instructions() if using is None else using,
         c.byref(family),
         c.byref(whole),
         c.byref(cut),

@@ -252,13 +252,13 @@ typedef struct {
 /* 0, or FILM_BAD_CURVE / FILM_BAD_NUMBER. */
 FILM_API int film_check_curve(const film_curve *curve);
 
-/* Puts a curve without compliance in series with a spring of compliance c >= 0, in delta_s/F_s: ends of stages and pieces
- * become xi + c f, and their work includes the spring's c f^2/2. xi + c f must grow with xi, and f must not jump. */
-FILM_API void film_in_series(film_curve *curve, double compliance);
-
 /* The curve of a shape, low <= shape <= high. curve: a copy of `whole`, or the curve of another shape. The pieces beyond the
  * end of its last stage are left out. 0, or FILM_BAD_CURVE: the family's numbers or the shape are out of range. */
 FILM_API int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve);
+
+/* Puts a curve in series with a spring of this compliance > 0. 0, or FILM_BAD_CURVE: the curve has one, is damped or pulls, or
+ * its force falls so fast that the contact would snap through. */
+FILM_API int film_spring(film_curve *curve, double compliance);
 
 /* Number of doubles that film_mesh_init needs, and the mesh itself. memory must outlive the mesh. */
 FILM_API size_t film_mesh_size(int32_t loading, int32_t unloading);
@@ -328,16 +328,17 @@ FILM_API int film_impact(const film_curve *curve, const film_mesh *mesh, const f
 FILM_API void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                          film_summary *summary, int32_t *status);
 
-/* count contacts, each with the curve of its own shape, one after another: status[i] is what film_impact returns. */
-FILM_API void film_batch_shaped(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
-                                const film_start *start, const double *shape, film_summary *summary, int32_t *status);
-
 /* film_batch with the instructions given, at most film_instructions(); the bits are the same with all of them. Asking the
  * processor may take 20 microseconds, so film_batch asks only for large batches. */
 enum { FILM_PLAIN = 0, FILM_AVX2 = 1, FILM_AVX512 = 2 };
 FILM_API int film_instructions(void);
 FILM_API void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
                               const film_start *start, film_summary *summary, int32_t *status);
+
+/* film_batch_with for contacts each of which has the curve of its own shape, on less than 500 kB of stack. */
+FILM_API void film_batch_shaped(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh,
+                                int64_t count, const film_start *start, const double *shape, film_summary *summary,
+                                int32_t *status);
 
 /* off[i]: the largest relative difference of two summaries of the contact that starts with start[i], relative to b[i]; 1 for a
  * value that exists in only one of them. Permanent indentations and velocities are relative to at least 1e-3 of the maximum

@@ -16,28 +16,6 @@ void film_law(const film_curve *curve, int32_t stage, double xi, double *force, 
     law_at(curve, &line, xi, force, work);
 }
 
-/* From the last piece to the first: where a force is evaluated, the pieces before it must still have their own ends. */
-void film_in_series(film_curve *curve, double compliance) {
-    for (int32_t k = curve->stages - 1; k >= 0; k--) {
-        film_stage *stage = &curve->stage[k];
-        double force, work, from;
-        film_law(curve, k, stage->begin, &from, &work);
-        for (int32_t j = stage->first + stage->count - 1; j >= stage->first; j--) {
-            film_piece *piece = &curve->piece[j];
-            piece->work_at_begin += 0.5 * compliance * from * from;
-            if (!(piece->end < INFINITY)) continue;
-            film_law(curve, k, piece->end, &force, &work);
-            piece->end += compliance * force;
-        }
-    }
-    for (int32_t k = 0; k < curve->stages; k++) {
-        film_stage *stage = &curve->stage[k];
-        stage->begin = k > 0 ? curve->stage[k - 1].end : 0.0;
-        stage->end = curve->piece[stage->first + stage->count - 1].end;
-    }
-    curve->compliance = compliance;
-}
-
 static int bad_function(const film_function *g) {
     if (g->form == FILM_POWER)
         return !(isfinite(g->constant) && isfinite(g->slope) && isfinite(g->coefficient) && g->exponent > 0.0 &&
@@ -103,15 +81,21 @@ static void polynomials(double z, int32_t count, double *of) {
     for (int32_t n = 2; n < count; n++) of[n] = 2.0 * z * of[n - 1] - of[n - 2];
 }
 
+int film_polynomials(const film_family *family, double shape, double *of, double *end) {
+    double log_end = 0.0;
+    if (family->nodes < 2 || family->nodes > FILM_MAX_NODES || !(shape >= family->low && shape <= family->high)) return 0;
+    polynomials(2.0 * log(shape / family->low) / log(family->high / family->low) - 1.0, family->nodes, of);
+    for (int32_t n = 0; n < family->nodes; n++) log_end += of[n] * family->numbers[n];
+    *end = exp(log_end);
+    return 1;
+}
+
 int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve) {
     enum { TOGETHER = 64 };
     int32_t nodes = family->nodes, varying = family->varying, last = whole->stages - 1, first = whole->stage[last].first;
     const double *places = family->numbers + nodes, *table = places + varying;
-    double of[FILM_MAX_NODES], log_end = 0.0, sum[TOGETHER], *doubles = (double *)curve;
-    if (nodes < 2 || nodes > FILM_MAX_NODES || !(shape >= family->low && shape <= family->high)) return FILM_BAD_CURVE;
-    polynomials(2.0 * log(shape / family->low) / log(family->high / family->low) - 1.0, nodes, of);
-    for (int32_t n = 0; n < nodes; n++) log_end += of[n] * family->numbers[n];
-    double end = exp(log_end);
+    double of[FILM_MAX_NODES], end, sum[TOGETHER], *doubles = (double *)curve;
+    if (!film_polynomials(family, shape, of, &end)) return FILM_BAD_CURVE;
     int32_t piece = first;
     while (piece < whole->pieces - 1 && whole->piece[piece].end < end) {
         curve->piece[piece].end = whole->piece[piece].end;

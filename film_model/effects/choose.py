@@ -101,7 +101,8 @@ def choose(scene: Scene) -> Choice:
         support, edges = support_of(impacts)
     static = impacts.problem(support.impedance, 0.0, support.compliance)
     hard = rate_hardening.applied(static)
-    light, moved, yielding, decided = _decide((hard or static).impacts, support, yields)
+    light = hard or static
+    moved, yielding, decided = _decide(light, support, yields)
     problem = yielding if decided[2] else plasticity.elastic(yielding)
     if support.vibrates and decided[1]:
         if problem.curve.pulls:
@@ -123,7 +124,8 @@ def chosen(impacts: Impacts, yields: bool | None) -> list[Problem]:
 
     Their targets have an impedance, or do not move.
     """
-    *_, yielding, decided = _decide(impacts, Support(impacts.numbers.impedance), yields)
+    support = Support(impacts.numbers.impedance)
+    _, yielding, decided = _decide(impacts.problem(support.impedance, impacts.column(0.0)), support, yields)
     keeps_law = decided[2]
     if keeps_law.all():
         return [yielding]
@@ -131,16 +133,18 @@ def chosen(impacts: Impacts, yields: bool | None) -> list[Problem]:
     return [yielding.part(keeps_law), elastic] if keeps_law.any() else [elastic]
 
 
-def _decide(impacts: Impacts, support: Support, yields: bool | None) -> tuple[Problem, Problem, Problem, Any]:
-    """The problem without weight, with it, and with the target's motion decided; and the three decisions."""
-    light = impacts.problem(support.impedance, impacts.column(0.0), support.compliance)
+def _decide(light: Problem, support: Support, yields: bool | None) -> tuple[Problem, Problem, Any]:
+    """The problem with the weight decided, with the target's motion too, and the three decisions.
+
+    light: the problem without the weight.
+    """
     heavy = gravity.needed(light)
-    moved = light if not any_of(heavy) else light.again(load=either(heavy, impacts.numbers.weight, 0.0))
+    moved = light if not any_of(heavy) else light.again(load=either(heavy, light.impacts.numbers.weight, 0.0))
     moves = target_motion.needed(moved, support)
     problem = moved
     if any_of(moved.impedance < math.inf) or support.compliance > 0.0:
         problem = _held(moved, moves)
-    return light, moved, problem, (heavy, moves, plasticity.needed(problem, yields))
+    return moved, problem, (heavy, moves, plasticity.needed(problem, yields))
 
 
 def _held(moved: Problem, moves: Any) -> Problem:

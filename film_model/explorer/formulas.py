@@ -185,8 +185,10 @@ def _numbers(recording: Recording) -> Numbers:
     return Numbers(**recording.symbols("n", Numbers._fields))
 
 
-def _problem(recording: Recording, owner: str, template: Scene, damped: bool = False, **how: bool) -> Problem:
-    """A problem whose numbers are those of the object `owner`; `damped`: under a damped law."""
+def _problem(
+    recording: Recording, owner: str, template: Scene, damped: bool = False, vibrates: bool = False
+) -> Problem:
+    """A problem whose numbers are those of the object `owner`. damped: under a damped law. vibrates: on modes."""
     scales = Scales(**cast("Any", recording.symbols(owner, _SCALES)))
     curve = Curve(native.Curve(), (), 0.0, 0.0, ())
     impacts = Impacts(template, SceneLaw(cast("Any", None), {}, None, {}), _numbers(recording))
@@ -196,7 +198,7 @@ def _problem(recording: Recording, owner: str, template: Scene, damped: bool = F
         **found | {"yield_strength": either(strength < math.inf, strength, math.nan)}
     )
     values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": float(damped)}
-    return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free, **how)
+    return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free, vibrates=vibrates)
 
 
 class _Core:

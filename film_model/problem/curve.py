@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -48,7 +47,7 @@ class Curve:
         """
         return 2 if self.steepest > STEEP else 1
 
-    @property
+    @cached_property
     def clearance(self) -> float:
         """ξ at which the force begins: the end of the first stages if they are without force, else 0."""
         reach = 0.0
@@ -95,6 +94,20 @@ def curve_of(law: AbstractLaw, compliance: float = 0.0) -> Curve:
     fitted has no end, a fit is worse than `FIT_LIMIT`, or a stage has damping although the law is not marked as damped;
     SimulationError if, in series with a spring, the law is damped, jumps or would snap through.
     """
+    if type(law).__hash__ in (None, object.__hash__):  # it may have changed since the last call
+        return _made(law, compliance)
+    try:
+        return _kept(law, compliance)
+    except TypeError:  # a field cannot be hashed
+        return _made(law, compliance)
+
+
+@lru_cache(maxsize=256)
+def _kept(law: AbstractLaw, compliance: float) -> Curve:
+    return _made(law, compliance)
+
+
+def _made(law: AbstractLaw, compliance: float) -> Curve:
     if page_of(law) is not None:
         return _shaped(law.of_shape(law.shape), compliance)
     try:
@@ -133,10 +146,11 @@ def _shaped(law: AbstractLaw, compliance: float) -> Curve:
 def _curve(
     law: str, stages: list[Stage], made: native.Curve, compliance: float, error: float, steepest: float
 ) -> Curve:
+    core, own = native.library(), ctypes.byref(made)
     if compliance > 0.0:
         _check_series(law, stages, compliance)
-        native.library().film_in_series(ctypes.byref(made), compliance)
-    if native.library().film_check_curve(ctypes.byref(made)) != native.OK:
+    status = core.film_spring(own, compliance) if compliance > 0.0 else core.film_check_curve(own)
+    if status != native.OK:
         raise ValueError(
             f"{law}: the numbers of its stages are outside the solver's range: all must be finite, and their work too"
         )
@@ -146,14 +160,15 @@ def _curve(
 def can_be_in_series(law: AbstractLaw, compliance: float) -> bool:
     """Whether :func:`curve_of` accepts the law in series with a spring of this compliance [δ_s/F_s]."""
     name = _name(law)
-    with suppress(SimulationError):
+    try:
         _check_series(name, checked(name, tuple(law.stages())), compliance)
-        return True
-    return False
+    except SimulationError:
+        return False
+    return True
 
 
 def _check_series(law: str, stages: list[Stage], compliance: float) -> None:
-    """SimulationError if the law cannot be in series with a spring."""
+    """Raises SimulationError if the law cannot be in series with a spring."""
     if any(stage.damping is not None for stage in stages):
         raise SimulationError(f"{law}: damped laws are not supported on targets with a static stiffness")
     if any(stage.pulls for stage in stages):

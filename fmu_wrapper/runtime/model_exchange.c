@@ -20,6 +20,10 @@ static void load_states(model *m) {
     state->stop_velocity = -now->value[SUPPORT_VELOCITY] / now->velocity;
 }
 
+int model_has_exchange(const model_data *data) {
+    return data->kind == CONTACT || (data->modes.count == 0 && !data->available[TARGET_STIFFNESS]);
+}
+
 static int state_index(unsigned reference) {
     return reference == INDENTATION ? 0 : reference == IMPACTOR_VELOCITY ? 1 : reference == TARGET_DISPLACEMENT ? 2 : -1;
 }

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from film_datasets.impacts import scene_with_numbers
 from film_datasets.scene_constants import common_constants, scene_key
-from film_datasets.scene_numbers import number_text
 from film_datasets.schema import CONSTANTS, Variable, sweep_variables, swept_name
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.axis_reading import read_axes, swept_mistakes
@@ -28,6 +27,7 @@ from film_model.core.native import LINE_DTYPE
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
+from film_model.scene.paths import number_text
 from film_model.scene.scene import NO_FILES
 from film_model.scene.toml import toml_table
 from film_model.solve.history import MOTION

@@ -83,7 +83,8 @@ class Core {
     const place = /** @type {number} */ (this.sprung.shift());
     this.sprung.push(place);
     new Uint8Array(this.c.memory.buffer).copyWithin(place, curve, curve + this.layout.curve);
-    this.c.film_in_series(place, compliance);
+    const status = this.c.film_spring(place, compliance);
+    if (status !== 0) throw new Failure(status);
     return place;
   }
 

@@ -62,7 +62,8 @@ HIGHEST = 64.0
 """Highest frequency over that of the first run, where more modes cannot be computed, or where the omitted compliance is
 a mode: a stiffer one rattles between the impactor and the others, thousands of times, and changes no result."""
 
-_FIRST_PHASE = 24.0  # highest frequency of the first run times the time from touch to the deepest point
+FIRST_PHASE = 24.0
+"""Highest frequency of the first run times the time from touch to the deepest point."""
 
 
 @dataclass(frozen=True)
@@ -181,7 +182,7 @@ def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings:
     """
     unit = problem.scales.time
     still, lowest, limit = _on_a_fixed_target(problem), structures.lowest_frequency(target), time_limit(problem, target)
-    first = structures.rounded(max(_FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
+    first = structures.rounded(max(FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
 
     def follow(highest: float, tolerance: float) -> Vibration:
         return run(problem, structures.structure_of(target, highest, unit), tolerance, limit)

@@ -81,8 +81,8 @@ class Vibration:
     """An impact on a vibrating target, in the units of the march. `summary` as the core's.
 
     segments: steps in contact, and flights; flights: the modes' state at the beginning of each. A step in contact has
-    320 bytes, a flight 16 bytes per mode. met: the events, as the core records them. start: as given to the core. energies: of each mode at the end. contacts: how
-    many ended. highest: frequency up to which there are modes, rad/s.
+    320 bytes, a flight 16 bytes per mode. met: the events, as the core records them. start: as given to the core.
+    energies: of each mode at the end. contacts: how many ended. highest: frequency up to which there are modes, rad/s.
     """
 
     curve: native.Curve = field(repr=False)

@@ -5,7 +5,8 @@ The rest of film_datasets sees plain arrays with one value per impact.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index
+from film_model.base.errors import SceneError
 from film_model.core import native
 from film_model.core.records import Lines, record_many, sample_many
 from film_model.effects.choose import problem_of
@@ -20,11 +22,13 @@ from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import rows_of
 from film_model.problem.problem import Problem
 from film_model.problem.scales import Scales, motion_of
-from film_model.scene import Scene
+from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.batch import simulate_many
+from film_model.solve.derivatives import Entry, entries_of
 from film_model.solve.history import MOTION
+from film_model.solve.many_derivatives import ManyDerivatives, derivatives_of_many
 
 SEGMENT_UNITS = (*(f"scale_{scale.name}" for scale in fields(Scales)), "drift_velocity", "impactor_share")
 """Values that convert an impact's segments to SI, by the names of the schema."""
@@ -105,6 +109,19 @@ class Impacts:
             mesh = mesh_of(self.scene.solver, tuple(counts))
             parts.append((places, record_many(problem.curve.native, mesh, problem.start[places])))
         return Lines.together(parts, len(own))
+
+    def derivatives(self, numbers: Mapping[str, Array], asked: Iterable[Entry]) -> tuple[list[Entry], ManyDerivatives]:
+        """Derivatives by those of the numbers asked for that the scene has, as exact as its accuracy.
+
+        numbers: those that vary, as for :func:`simulate_impacts`.
+        """
+        known: list[Entry] = []
+        for entry in asked:
+            with suppress(SceneError):
+                known += [entry] if entry.path in numbers else entries_of(self.scene, [entry.path])
+        solver, count = self.scene.solver, self.status.size
+        target = solver.accuracy or DEFAULT_ACCURACY
+        return known, derivatives_of_many(self.scene, numbers, known, self._problems, count, solver, target)
 
 
 def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:

@@ -14,7 +14,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from film_model.core import native
 from film_model.laws.law import Array, Function, Power, Stage, origin_of
@@ -211,7 +210,7 @@ def fit(
 @lru_cache(maxsize=4096)
 def _series(function: Callable[[Array], Array], begin: float, end: float, root: bool) -> tuple[Array, float]:
     """The same of one function; cached, because laws of one kind often share their rule of unloading."""
-    nodes, checks = chebyshev.chebpts1(_TERMS), np.cos(np.pi * np.arange(CHECKS) / (CHECKS - 1))
+    nodes, checks = np.polynomial.chebyshev.chebpts1(_TERMS), np.cos(np.pi * np.arange(CHECKS) / (CHECKS - 1))
 
     def on(z: Array) -> Array:
         x = 0.5 * (1.0 + z)
@@ -220,8 +219,8 @@ def _series(function: Callable[[Array], Array], begin: float, end: float, root: 
 
     exact = on(checks)
     scale = max(float(np.abs(exact).max()), 1e-300)
-    series: Any = chebyshev.chebtrim(coefficients(on(nodes)), FIT_ROUNDING * scale)
-    return series, float(np.abs(chebyshev.chebval(checks, series) - exact).max()) / scale
+    series: Any = np.polynomial.chebyshev.chebtrim(coefficients(on(nodes)), FIT_ROUNDING * scale)
+    return series, float(np.abs(np.polynomial.chebyshev.chebval(checks, series) - exact).max()) / scale
 
 
 def _fill(
@@ -250,7 +249,7 @@ def _fill(
     mean = mean_series(series["force"], root)
     _write(piece.mean, mean, begin, end, root)
     piece.work_at_begin = -work
-    return work + (end - begin) * float(chebyshev.chebval(1.0, mean))
+    return work + (end - begin) * float(np.polynomial.chebyshev.chebval(1.0, mean))
 
 
 def _power_work(power: Power, reach: float) -> float:

@@ -242,8 +242,11 @@ class Problem:
     def again(self, law: str | AbstractLaw | None = None, **changed: Any) -> Problem:
         """The problem with another law, or law name, impedance, load or compliance.
 
-        For one impact these problems are cached, so that each is marched once.
+        For one impact these problems are cached, so that each is marched once; it is the same if nothing changes.
         """
+        given: dict[str, Any] = dict(zip(("impedance", "load", "compliance"), self.given, strict=True))
+        if not (self.impacts.many or self.vibrates or law) and given | changed == given:
+            return self
         key = (law, *changed.items()) if not self.impacts.many and not isinstance(law, AbstractLaw) else None
         if key in self._others:
             return self._others[key]
@@ -251,7 +254,6 @@ class Problem:
         if law is not None:
             own = law_named(impacts.scene, law) if isinstance(law, str) else SceneLaw(law, {}, None, {})
             impacts = impacts.under(own)
-        given: dict[str, Any] = dict(zip(("impedance", "load", "compliance"), self.given, strict=True))
         made = impacts.problem(**(given | changed))
         if key is not None:
             self._others[key] = made

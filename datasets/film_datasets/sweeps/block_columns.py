@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.impacts import Impacts, simulate_impacts
-from film_datasets.schema import OUT_OF_RANGE
+from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, side_name
 from film_datasets.sweeps.blocks import Block
 from film_datasets.sweeps.definition import MOST_COMBINATIONS, Sweep
 from film_datasets.sweeps.designs import GRID
 from film_model.base.errors import NO_VELOCITY
 from film_model.core.native import LINE_DTYPE
 from film_model.core.records import Lines
+from film_model.solve.slopes import NO_DERIVATIVE
 
 Columns = dict[str, NDArray[Any]]
 
@@ -47,7 +49,10 @@ def compute_block(sweep: Sweep, block: Block) -> Columns:
             scene = sweep.combination(number)
             picked = {path: value[index] for path, value in numbers.items()}
             picked = picked or {"impactor.velocity": np.full(index.size, scene.impactor.speed)}
-            _put(sweep, columns, lines, simulate_impacts(scene, picked), index)
+            impacts = simulate_impacts(scene, picked)
+            _put(sweep, columns, lines, impacts, index)
+            if sweep.derivatives:
+                _differentiate(sweep, columns, impacts, picked, index)
     if sweep.keep == "segments":
         columns |= _segment_columns(lines, block.count)
     return columns
@@ -66,6 +71,8 @@ def _empty_columns(sweep: Sweep, count: int) -> Columns:
     columns["status"][:] = NO_VELOCITY
     columns["law"][:] = -1
     columns["scene_key"][:] = sweep.scene_key
+    for entry in sweep.derivatives:
+        columns[side_name(entry.path)][:] = NO_DERIVATIVE
     return columns
 
 
@@ -101,6 +108,18 @@ def _put(
     elif sweep.keep == "samples":
         for name, column in impacts.samples(sweep.dense).items():
             columns[f"sampled_{name}"][index] = column
+
+
+def _differentiate(
+    sweep: Sweep, columns: Columns, impacts: Impacts, numbers: Mapping[str, NDArray[Any]], index: NDArray[np.intp]
+) -> None:
+    """Put the derivatives of simulated impacts into the columns; none by a number that their scene does not have."""
+    known, found = impacts.derivatives(numbers, sweep.derivatives)
+    for k, entry in enumerate(known):
+        for name, values in found.values.items():
+            columns[derivative_name(name, entry.path)][index] = values[:, k]
+        columns[accuracy_name(entry.path)][index] = found.error[:, k]
+        columns[side_name(entry.path)][index] = found.side[:, k]
 
 
 def _segment_columns(lines: list[tuple[NDArray[np.intp], Lines]], count: int) -> Columns:

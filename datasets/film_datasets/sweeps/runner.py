@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
@@ -60,6 +60,7 @@ def sweep(
     seed: int | None = None,
     keep: str = "summary",
     correlation: Any = None,
+    derivatives: Sequence[str] = (),
     output: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     scheduler: Any = None,
@@ -80,6 +81,8 @@ def sweep(
     "sobol" (scrambled; balanced for powers of two) or "latin-hypercube", with `samples` impacts and `seed` (1); these
     draw from lists with equal probability and from ranges uniformly. correlation: for these, a matrix with a row for
     each swept quantity: of the normal deviates by whose probabilities they are drawn (Gaussian copula).
+    derivatives: numbers of the scene, such as "impactor.velocity", by which the summary of every impact is
+    differentiated, with its decisions about effects held fixed (d_maximum_force_d_impactor_velocity and so on).
     keep: "summary"; "segments", the exact histories too; "samples=201", histories at 201 normalised times too.
 
     output: FILE.nc or FILE.zarr, complete or not written at all, opened lazily; or a table in FILE.csv, .parquet or
@@ -97,7 +100,9 @@ def sweep(
     ('impactor_velocity',)
     """
     base = scene if isinstance(scene, Scene) else Scene.from_toml(scene)
-    asked = Sweep.of(base, over, design, samples=samples, seed=seed, keep=keep, correlation=correlation)
+    asked = Sweep.of(
+        base, over, design, samples=samples, seed=seed, keep=keep, correlation=correlation, derivatives=derivatives
+    )
     return run_sweep(
         asked, output, workers=workers, scheduler=scheduler, resume=resume, overwrite=overwrite,
         command="film_datasets.sweep",

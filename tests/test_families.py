@@ -110,6 +110,33 @@ def test_lanes_with_a_shape_each_give_the_march_of_each_curve(gamma):
             assert table[name][row] == pytest.approx(getattr(one, name), rel=close), (row, name)
 
 
+@pytest.mark.parametrize(
+    ("contact", "path", "values"),
+    [
+        ({"law": "walton-braun", "loading_stiffness": "1 MN/m", "unloading_stiffness": "2 MN/m"},
+         "contact.unloading_stiffness", np.linspace(1e6, 5e6, 9)),
+        ({"law": "luding", "loading_stiffness": "1 MN/m", "plastic_stiffness": "4 MN/m", "plasticity_depth": 1e-3},
+         "contact.plastic_stiffness", np.linspace(2e6, 8e6, 9)),
+        ({"law": "kogut-etsion", "hardness": "2 GPa", "poissons_ratio": 0.3},
+         "contact.poissons_ratio", np.linspace(0.2, 0.4, 9)),
+        ({"law": "meyer", "stiffness": "2e10 N/m^2", "exponent": 2.0}, "contact.stiffness", np.linspace(1e10, 4e10, 9)),
+    ],
+    ids=["walton-braun", "luding", "kogut-etsion", "meyer"],
+)  # fmt: skip
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+def test_laws_that_differ_in_numbers_of_powers_are_one_problem(contact, path, values, target):
+    base = scene("hertz", target).replace({"contact": contact, "impactor.velocity": "2 m/s", "effects.gravity": False})
+    result = simulate_many(base, {path: values, "impactor.velocity": np.linspace(1.0, 3.0, values.size)})
+    assert len(result.problems) == 1 and not (result.status < 0).any()
+    unit = {"contact.poissons_ratio": "", "contact.stiffness": " N/m^2"}.get(path, " N/m")
+    for row in (1, 8):
+        number = f"{float(values[row])!r}{unit}"
+        own = base.replace({path: number, "impactor.velocity": f"{1.0 + 0.25 * row!r} m/s"})
+        alone = fm.simulate(own, accuracy=1e-8).summary
+        for name in ("coefficient_of_restitution", "maximum_force", "contact_duration"):
+            assert result.summary[name][row] == pytest.approx(alone[name], rel=2e-4), name
+
+
 def test_the_core_refuses_a_shape_outside_its_page():
     page = page_of(law_of(2e-3))
     with pytest.raises(ValueError, match="not between"):

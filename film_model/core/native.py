@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes as c
-import math
 import sys
 from collections.abc import Callable
 from functools import lru_cache
@@ -281,19 +280,6 @@ def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tu
 def _rows(memory: NDArray[np.uint8], count: int, dtype: np.dtype[Any]) -> NDArray[Any]:
     """A copy of the first rows of a table; copying an array of structures takes ten times as long."""
     return np.ndarray(count, dtype, memory[: count * dtype.itemsize].copy())
-
-
-def record_many(curve: Curve, cut: Mesh, start: NDArray[Any], room: int) -> list[NDArray[Any]]:
-    """The lines of each of many contacts (START_DTYPE), none for one that fails; room: lines it may take at first."""
-    found: list[NDArray[Any]] = []
-    for row in start.tolist():
-        begin = Start(*row)
-        if not (begin.nu > 0.0 and math.isfinite(begin.nu + begin.gamma + begin.load)):
-            found.append(np.empty(0, LINE_DTYPE))
-            continue
-        status, lines, _ = record(curve, cut, initial_state(curve, begin), begin.time_limit, room)
-        found.append(lines if status >= 0 else lines[:0])
-    return found
 
 
 def sample(

@@ -15,6 +15,7 @@ from film_datasets.sweeps.definition import MOST_COMBINATIONS, Sweep
 from film_datasets.sweeps.designs import GRID
 from film_model.base.errors import NO_VELOCITY
 from film_model.core.native import LINE_DTYPE
+from film_model.core.records import Lines
 from film_model.solve.slopes import NO_DERIVATIVE
 
 Columns = dict[str, NDArray[Any]]
@@ -41,7 +42,7 @@ def compute_block(sweep: Sweep, block: Block) -> Columns:
             in_range &= ~outside
     combination = sweep.combination_numbers(values)
     few = sweep.combinations <= MOST_COMBINATIONS
-    lines: dict[int, NDArray[Any]] = {}
+    lines: list[tuple[NDArray[np.intp], Lines]] = []
     for number in (np.flatnonzero(np.bincount(combination)) if few else np.unique(combination)).tolist():
         index = np.flatnonzero((combination == number) & in_range)
         if index.size:
@@ -76,9 +77,13 @@ def _empty_columns(sweep: Sweep, count: int) -> Columns:
 
 
 def _put(
-    sweep: Sweep, columns: Columns, lines: dict[int, NDArray[Any]], impacts: Impacts, index: NDArray[np.intp]
+    sweep: Sweep,
+    columns: Columns,
+    lines: list[tuple[NDArray[np.intp], Lines]],
+    impacts: Impacts,
+    index: NDArray[np.intp],
 ) -> None:
-    """Put simulated impacts into the columns and lines at the places `index`."""
+    """Put simulated impacts into the columns at the places `index`; add their lines, with their places, to `lines`."""
     for name, column in impacts.summary.items():
         columns[name][index] = column
     columns["status"][index] = impacts.status
@@ -97,7 +102,7 @@ def _put(
     if sweep.keep == "segments":
         for segments in impacts.segments():
             places = index[segments.index]
-            lines.update(zip(places.tolist(), segments.lines, strict=True))
+            lines.append((places, segments.lines))
             for name, value in segments.units.items():
                 columns[name][places] = value
     elif sweep.keep == "samples":
@@ -117,10 +122,7 @@ def _differentiate(
         columns[side_name(entry.path)][index] = found.side[:, k]
 
 
-def _segment_columns(lines: Mapping[int, NDArray[Any]], count: int) -> Columns:
+def _segment_columns(lines: list[tuple[NDArray[np.intp], Lines]], count: int) -> Columns:
     """The segments of all impacts, one after the other, and how many each impact has."""
-    none = np.empty(0, LINE_DTYPE)
-    each = [lines.get(impact, none) for impact in range(count)]
-    together = np.concatenate(each)
-    counts = np.array([one.size for one in each], np.int32)
-    return {"segment_count": counts, **{f"segment_{name}": together[name] for name in LINE_DTYPE.names or ()}}
+    table, counts = Lines.together(lines, count)
+    return {"segment_count": counts, **{f"segment_{name}": table[name] for name in LINE_DTYPE.names or ()}}

@@ -136,13 +136,29 @@ def test_a_damped_law_may_have_another_damping():
 
 
 def test_a_target_that_the_page_cannot_simulate_is_shown_as_python_computed_it():
-    plate = {"kind": "plate", "thickness": "2 mm", "material": "mild steel", "static_stiffness": "1e6 N/m"}
-    scene = fm.Scene.from_table({"impactor": BALL, "target": plate})
+    contact = {"law": "jkr", "work_of_adhesion": "0.1 J/m^2"}
+    scene = fm.Scene.from_table({"impactor": BALL, "target": SLAB, "contact": contact})
     (found,) = Content([("a", scene)]).table()["scenes"]
     history = fm.simulate(scene)
     assert found["given"]["summary"] == history.summary
-    assert "static stiffness" in found["given"]["reason"]
-    assert found["given"]["motion"]["contact_force"][0] == 0.0
+    assert found["given"]["reason"] == "the law jkr pulls"
+    assert found["given"]["motion"]["contact_force"][0] < 0.0
+
+
+def test_a_target_that_is_held_brings_its_compliance_and_its_modes():
+    plate = {"kind": "plate", "thickness": "2 mm", "material": "mild steel", "static_stiffness": "1e6 N/m"}
+    beam = {"kind": "beam", "length": "200 mm", "width": "20 mm", "thickness": "5 mm", "material": "mild steel"}
+    scenes = [
+        fm.Scene.from_table({"impactor": BALL, "target": target}) for target in (plate, beam | {"damping_ratio": 0.1})
+    ]
+    static, vibrating = Content([("a", scenes[0]), ("b", scenes[1])]).table()["scenes"]
+    assert static["support"]["compliance"] == pytest.approx(1e-6) and static["support"]["modes"] is None
+    modes = scenes[1].target.modes(vibrating["support"]["highest"]).merged()
+    assert vibrating["support"]["modes"]["share"] == modes.share.tolist()
+    paths = [entry["path"] for entry in vibrating["inputs"] if entry["path"].startswith("target.")]
+    assert paths == ["target.material.yield_strength", "target.damping_ratio"]
+    for table in (static, vibrating):
+        assert table["given"] is None and table["table"]["effects"]["boundary_reflections"] is True
 
 
 def test_a_scene_without_an_impact_has_no_page():

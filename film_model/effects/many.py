@@ -24,6 +24,7 @@ from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
 from film_model.problem.problem import Impacts, Problem
+from film_model.problem.varied import varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -246,8 +247,9 @@ def _shapes(law: SceneLaw) -> list[Array]:
             varying = {name: value for name, value in varying.items() if name not in law.law.shaped_by}
             inside = (page >= 0) & (page < LAST_PAGE)
             shapes.append(np.where(inside, page, shape))  # outside, each has a curve of its own
-        if varying and not _stages_are_blind_to(law.law, law.values, varying):
-            shapes += varying.values()
+        read = [value for name, value in varying.items() if not _stages_are_blind_to(law.law, law.values, name)]
+        if read and varied_of(law, read[0].size) is None:
+            shapes += read
     if law.rule == "brake":
         made = law.at(slice(None))
         assert isinstance(made, BrakeUnloading)
@@ -259,17 +261,17 @@ class _Seen(Exception):
     """Raised when a law's stages read a varied value."""
 
 
-def _stages_are_blind_to(law: type[AbstractLaw], values: Mapping[str, Any], varying: Mapping[str, Any]) -> bool:
-    """Whether stages() never reads the varied fields, so that the stages do not depend on them."""
+def _stages_are_blind_to(law: type[AbstractLaw], values: Mapping[str, Any], varied: str) -> bool:
+    """Whether stages() never reads a varied field, so that the stages do not depend on it."""
 
     def look(_: AbstractLaw) -> Any:
         raise _Seen
 
     metaclass: Any = type(law)  # that of abstract classes
-    blind = metaclass(law.__name__, (law,), {name: property(look) for name in varying})
+    blind = metaclass(law.__name__, (law,), {varied: property(look)})
     made = object.__new__(blind)
     for name, value in values.items():
-        if name not in varying:
+        if name != varied:
             object.__setattr__(made, name, value.flat[0] if isinstance(value, np.ndarray) else value)
     try:
         made.stages()

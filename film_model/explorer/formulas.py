@@ -29,7 +29,7 @@ from film_model.problem.law_of_scene import SceneLaw, can_yield, reaches_yield
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.problem import Impacts, Problem, Trial
 from film_model.problem.scales import Scales, motion_of
-from film_model.problem.summary import summary_of
+from film_model.problem.summary import radiated, summary_of
 from film_model.scene import Effects, Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -185,8 +185,10 @@ def _numbers(recording: Recording) -> Numbers:
     return Numbers(**recording.symbols("n", Numbers._fields))
 
 
-def _problem(recording: Recording, owner: str, template: Scene, damped: bool = False) -> Problem:
-    """A problem whose numbers are those of the object `owner`; `damped`: under a damped law."""
+def _problem(
+    recording: Recording, owner: str, template: Scene, damped: bool = False, vibrates: bool = False
+) -> Problem:
+    """A problem whose numbers are those of the object `owner`. damped: under a damped law. vibrates: on modes."""
     scales = Scales(**cast("Any", recording.symbols(owner, _SCALES)))
     curve = Curve(native.Curve(), (), 0.0, 0.0, ())
     impacts = Impacts(template, SceneLaw(cast("Any", None), {}, None, {}), _numbers(recording))
@@ -196,7 +198,7 @@ def _problem(recording: Recording, owner: str, template: Scene, damped: bool = F
         **found | {"yield_strength": either(strength < math.inf, strength, math.nan)}
     )
     values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": float(damped)}
-    return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free)
+    return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free, vibrates=vibrates)
 
 
 class _Core:
@@ -225,6 +227,19 @@ def result_functions(suffix: str, template: Scene) -> list[str]:
     values = [r.symbol(f"v[i + {k}]") for k in range(5)]
     motion = motion_of(p.scales, p.drift, p.share, p.free, r.symbol("t"), values)
     return [*summaries, r.function(f"motion{suffix}", "p, t, v, i", motion)]
+
+
+def vibrating_functions(template: Scene) -> list[str]:
+    """The summary on a target that vibrates, with damping of the law and without; the energy given to it."""
+    found = list[str]()
+    for damped in (False, True):
+        r = Recording()
+        problem = _problem(r, "p", template, damped, vibrates=True)
+        outputs = summary_of(problem, r.symbol("a.status"), _Core(r, "a"))
+        found.append(r.function(f"summaryVibrating{'Damped' * damped}", "p, a, n", outputs))
+    r = Recording()
+    energy = radiated(_problem(r, "p", template), _Core(r, "a"))
+    return [*found, r.function("radiated", "p, a", {"energy": energy})]
 
 
 def change_function(name: str, template: Scene) -> str:

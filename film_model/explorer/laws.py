@@ -16,7 +16,7 @@ from film_model.explorer.inputs import Input
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.example_ball import STEEL_BALL, example_ball
 from film_model.laws.law import SCENE_FIELDS, Power, law_fields
-from film_model.problem.curve import Curve, curve_of
+from film_model.problem.curve import Curve, can_be_in_series, curve_of
 from film_model.problem.families import EDGES, Page, page_between, page_of
 from film_model.problem.law_of_scene import SceneLaw, law_named, law_values
 from film_model.scene import Scene
@@ -29,6 +29,9 @@ ALL_SHAPES = float(EDGES[0]), float(EDGES[-1])
 
 _PROBES = (0.7, 1.3)
 """Factors on a value: if the curve stays the same, the value may change on the page."""
+
+_SOFT = 1e6
+"""Compliance of a spring in the law's scales, with which a law is tried that is to follow a static stiffness."""
 
 _OWN_RANGE = (1e-6, 1e6)
 """Range of a law's own parameter, over its value in the scene or in the law's example."""
@@ -121,6 +124,7 @@ class PageLaw:
             "clearance": curve.clearance,
             "ratio": curve.unloading_ratio,
             "dissipates": any(rule != native.RETRACE for rule in stages),
+            "series": can_be_in_series(self.law, _SOFT),
             "remarks": [*self.law.remarks(), *curve.warnings],
             "shape": None if self.page is None else _shape_data(self.page),
             "needs": [entry_of(name) for name in SCENE_FIELDS if name in law_fields(kind) and name not in self.fixed],

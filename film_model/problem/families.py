@@ -91,7 +91,7 @@ def page_between(law: AbstractLaw, low: float, high: float) -> Page:
         spans: list[Span] = []
         worst = 0.0
         for k, (a, b) in enumerate(zip(edges.tolist(), edges[1:].tolist(), strict=False)):
-            series, error = fit(stage, others, a, b, False)
+            series, error = fit(others, a, b, False)
             worst = max(worst, error)
             kept = force[:, k, : _needed(force[:, k])]
             spans.append((a, b, False, series | {"force": kept[NODES // 2]}))

@@ -2,6 +2,8 @@
 
 const STEPS = 1000;
 
+const FIXED_TARGET = "What the target is made of cannot change here: how it moves was computed when this page was written.";
+
 /** @param {string} id */
 function byId(id) {
   const found = document.getElementById(id);
@@ -147,7 +149,9 @@ function buildForm(scene, changed, replaced) {
   const parts = Object.entries(titles).map(([body, title]) => {
     const group = made("fieldset", {}, made("legend", {}, title));
     const material = made("details", {}, made("summary", {}, "material values"));
-    if (body in scene.materials) {
+    const fixed = body === "target" && scene.base.support !== null;
+    if (fixed) group.append(made("p", {}, FIXED_TARGET));
+    if (body in scene.materials && !fixed) {
       group.append(materialRow(scene, body, () => (refresh(), changed())));
     }
     for (const input of inputsOf(scene)) {

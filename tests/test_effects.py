@@ -627,3 +627,13 @@ def test_the_map_agrees_with_the_effects():
     assert elastic == pytest.approx(1.0, rel=1e-9)
     full = grid.ratios[np.argmin(abs(grid.depth[:, 0] - 82.5))]
     assert full == pytest.approx(FULLY_PLASTIC_RATIO, rel=0.1)
+
+
+def test_every_effect_that_matters_and_is_not_simulated_is_a_warning():
+    rng, warned = np.random.default_rng(8), 0
+    for _ in range(30):
+        choice = choose(random_scene(rng))
+        said = [effect.warning for effect in choose(choice.scene).effects if effect.warning is not None]
+        assert [warning for warning in choice.warnings if warning.startswith("not modelled")] == said
+        warned += len(said)
+    assert warned

@@ -156,6 +156,23 @@ def test_a_law_that_cannot_be_hashed_is_refused():
         curve_of(own(fm.Stage("a", 0.0, 2.0, Rippled())))
 
 
+def test_a_law_that_changes_has_a_new_curve():
+    class Spring(fm.AbstractLaw):
+        name, summary, source = "spring", "", ""
+        stiffness = 1.0
+
+        def scales(self, energy):
+            return 1e-6, 1.0
+
+        def stages(self):
+            return (fm.Stage("elastic", 0.0, math.inf, fm.Power(coefficient=self.stiffness, exponent=1.0)),)
+
+    law = Spring()
+    assert curve_of(law).force(1.0) == 1.0
+    law.stiffness = 2.0
+    assert curve_of(law).force(1.0) == 2.0
+
+
 def test_a_fit_that_needs_many_pieces_is_exact_too():
     law = own(fm.Stage("ripple", 0.0, 30.0, lambda x: x + 0.3 * np.sin(3 * x)))
     curve = curve_of(law)

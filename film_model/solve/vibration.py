@@ -65,6 +65,9 @@ a mode: a stiffer one rattles between the impactor and the others, thousands of 
 FIRST_PHASE = 24.0
 """Highest frequency of the first run times the time from touch to the deepest point."""
 
+_OUTCOMES = {native.EVENT: Outcome.SEPARATED, native.ENDLESS: Outcome.RESTING, native.OK: Outcome.TIME_LIMIT}
+_STATUSES = {outcome: status for status, outcome in _OUTCOMES.items()}
+
 
 @dataclass(frozen=True)
 class Moment:
@@ -126,6 +129,11 @@ class Vibration:
     def energy(self) -> float:
         """Energy of all modes at the end."""
         return float(self.energies.sum())
+
+    @property
+    def status(self) -> int:
+        """The core's status that the outcome comes from."""
+        return _STATUSES[self.outcome]
 
     @property
     def separated(self) -> bool:
@@ -260,7 +268,7 @@ def run(problem: Problem, structure: structures.Structure, tolerance: float, lim
     )
     found = modal.impact(tables, curve, start)
     raise_failure(found.status, problem)
-    outcome = Outcome.SEPARATED if found.status == native.EVENT else Outcome.TIME_LIMIT
+    outcome = _OUTCOMES[found.status]
     core = found.summary.core
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):
         setattr(core, name, getattr(core, name) / scales.time)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,13 +69,12 @@ _OUTCOMES = {native.EVENT: Outcome.SEPARATED, native.ENDLESS: Outcome.RESTING, n
 _STATUSES = {outcome: status for status, outcome in _OUTCOMES.items()}
 
 
-@dataclass(frozen=True)
-class Moment:
+class Moment(NamedTuple):
     """An event: ξ, ξ', f, ν and displacement of the struck point at a time, and the law's branch after it."""
 
     name: str
     time: float
-    values: Array
+    values: list[float]
     branch: int
 
 
@@ -109,10 +108,10 @@ class Vibration:
     @cached_property
     def events(self) -> tuple[Moment, ...]:
         """The events, with times in the march's unit."""
-        kinds, times, branches = (self.met[name].tolist() for name in ("event", "time", "branch"))
+        columns = (self.met[name].tolist() for name in ("event", "time", "values", "branch"))
         return tuple(
             Moment(native.EVENTS[kind], time / self.unit, values, branch)
-            for kind, time, values, branch in zip(kinds, times, self.met["values"], branches, strict=True)
+            for kind, time, values, branch in zip(*columns, strict=True)
         )
 
     @property

@@ -24,7 +24,10 @@ from fmu_wrapper import platforms
 CORE = platforms.CORE
 SOURCES = (
     *platforms.MARCH,
-    *(f"{CORE}/film_{name}.c" for name in ("impact", "batch", "batch_shape", "compare", "lanes", "avx2", "avx512")),
+    *(
+        f"{CORE}/film_{name}.c"
+        for name in ("impact", "batch", "batch_shape", "many", "compare", "lanes", "avx2", "avx512")
+    ),
     *platforms.MODES,
     f"{CORE}/film_modal_impact.c",
 )

@@ -110,6 +110,33 @@ def test_lanes_with_a_shape_each_give_the_march_of_each_curve(gamma):
             assert table[name][row] == pytest.approx(getattr(one, name), rel=close), (row, name)
 
 
+@pytest.mark.parametrize(
+    ("contact", "path", "values"),
+    [
+        ({"law": "walton-braun", "loading_stiffness": "1 MN/m", "unloading_stiffness": "2 MN/m"},
+         "contact.unloading_stiffness", np.linspace(1e6, 5e6, 9)),
+        ({"law": "luding", "loading_stiffness": "1 MN/m", "plastic_stiffness": "4 MN/m", "plasticity_depth": 1e-3},
+         "contact.plastic_stiffness", np.linspace(2e6, 8e6, 9)),
+        ({"law": "kogut-etsion", "hardness": "2 GPa", "poissons_ratio": 0.3},
+         "contact.poissons_ratio", np.linspace(0.2, 0.4, 9)),
+        ({"law": "meyer", "stiffness": "2e10 N/m^2", "exponent": 2.0}, "contact.stiffness", np.linspace(1e10, 4e10, 9)),
+    ],
+    ids=["walton-braun", "luding", "kogut-etsion", "meyer"],
+)  # fmt: skip
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+def test_laws_that_differ_in_numbers_of_powers_are_one_problem(contact, path, values, target):
+    base = scene("hertz", target).replace({"contact": contact, "impactor.velocity": "2 m/s", "effects.gravity": False})
+    result = simulate_many(base, {path: values, "impactor.velocity": np.linspace(1.0, 3.0, values.size)})
+    assert len(result.problems) == 1 and not (result.status < 0).any()
+    unit = {"contact.poissons_ratio": "", "contact.stiffness": " N/m^2"}.get(path, " N/m")
+    for row in (1, 8):
+        number = f"{float(values[row])!r}{unit}"
+        own = base.replace({path: number, "impactor.velocity": f"{1.0 + 0.25 * row!r} m/s"})
+        alone = fm.simulate(own, accuracy=1e-8).summary
+        for name in ("coefficient_of_restitution", "maximum_force", "contact_duration"):
+            assert result.summary[name][row] == pytest.approx(alone[name], rel=2e-4), name
+
+
 def test_the_core_refuses_a_shape_outside_its_page():
     page = page_of(law_of(2e-3))
     with pytest.raises(ValueError, match="not between"):
@@ -131,3 +158,11 @@ def test_an_fmu_serves_other_strengths_and_refuses_those_beyond_its_family(tmp_p
             assert float(found[name]) == pytest.approx(expected[name], rel=1e-10), (strength, name)
     with pytest.raises(Exception, match="this FMU was exported for shapes from"):
         fmu_wrapper.run(fmu, start_values={"yield_strength": "8 GPa"}, stop_time="1 ms", step_size="1 ms")
+
+
+def test_impacts_that_vary_in_modulus_and_radius_are_marched_together():
+    scene = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), fm.HalfSpace("mild steel"))
+    spread = np.linspace(0.99, 1.01, 64)
+    columns = {"impactor.radius": 0.01 * spread, "target.material.youngs_modulus": 206e9 * spread[::-1]}
+    columns["target.material.yield_strength"] = 250e6 * np.roll(spread, 7)
+    assert len(problems_of(scene, columns, spread.size)) == 1

@@ -139,7 +139,10 @@ def scene_unit(dimension: str) -> str:
 
 
 def quotient_unit(above: str, below: str) -> str:
-    """The SI unit of a quantity of one dimension over one of another, as UDUNITS and CF write it, e.g. "N s m-1"."""
+    """The SI unit of a quantity of one dimension over one of another, as UDUNITS and CF write it, e.g. "N s m-1".
+
+    Raises KeyError for the stiffness of a power law, whose unit they cannot write.
+    """
     powers: dict[str, int] = {}
     for dimension, sign in ((above, 1), (below, -1)):
         for word, power in re.findall(r"([A-Za-z]+)(-?[0-9])?", si_unit(dimension)):

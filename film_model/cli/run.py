@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from film_model.base.units import format_si, quotient_unit
+from film_model.base.units import format_si
 from film_model.cli.output import (
     DONE,
     add_force,
@@ -112,11 +112,11 @@ def _derivatives(history: History) -> str:
         return ""
     for path, entry in found.entries.items():
         lines += ["", f"  {f'derivatives by {path} = {entry.text}':50}{'per 1 %':>12}"]
-        for name, (dimension, _) in SUMMARY.items():
+        for name in SUMMARY:
             slope, value = found.values[name][path], history.summary[name]
             if slope is None:
                 continue
-            unit = quotient_unit(dimension, entry.dimension).removeprefix("1")
+            unit = entry.unit_of(name).removeprefix("1")
             share = f"{slope * entry.value / value:.4f} %" if value else "-"
             lines.append(f"    {name.replace('_', ' '):30}{f'{slope:.6g} {unit}':>24}{share:>12}")
     return "".join(f"{line}\n" for line in lines)

@@ -128,26 +128,9 @@ static int prepare_job(batch_job *j) {
     return rows <= ROWS && 8 * powers + 4 * branches + 3 * curve->stages <= TABLES;
 }
 
-/* ---------------------------------------------------------------- instruction sets
- * The same source for the plain instructions of the processor's kind and, on x86, for AVX2 and AVX-512; never with
- * fused multiply-adds, so that all give the same bits. */
-
 #if defined(FILM_WIDE)
-#include <cpuid.h>
-
-int film_instructions(void) {
-    unsigned a, b, c, d, low, high;
-    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE)) return FILM_PLAIN;
-    /* which registers the operating system saves */
-    __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
-    if ((low & 0x06) != 0x06 || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & bit_AVX2)) return FILM_PLAIN;
-    const unsigned all = bit_AVX512F | bit_AVX512DQ | bit_AVX512VL;
-    return (low & 0xe6) == 0xe6 && (b & all) == all ? FILM_AVX512 : FILM_AVX2;
-}
-
 static const block_routines *const routines[] = {&film_plain, &film_avx2, &film_avx512};
 #else
-int film_instructions(void) { return FILM_PLAIN; }
 static const block_routines *const routines[] = {&film_plain};
 #endif
 

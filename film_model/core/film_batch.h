@@ -4,11 +4,7 @@
 #define FILM_BATCH_H
 
 #include "film_law.h"
-
-/* Wider registers are used on x86-64; not by GCC for Windows, which does not align them on the stack. */
-#if defined(__x86_64__) && (defined(__clang__) || (defined(__GNUC__) && !defined(_WIN32)))
-#define FILM_WIDE
-#endif
+#include "film_wide.h"
 
 enum { LANES = 32 }; /* impacts of a block */
 

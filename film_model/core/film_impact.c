@@ -163,3 +163,13 @@ void film_impacts_left(const film_family *family, const film_curve *whole, const
         status[i] = made < 0 ? made : film_impact(&curve, mesh, &start[i], &summary[i]);
     }
 }
+
+void film_batch_varied(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                       int32_t varying, const int32_t *places, const double *values, film_summary *summary, int32_t *status) {
+    film_curve own = *curve;
+    double *doubles = (double *)&own;
+    for (int64_t i = 0; i < count; i++) {
+        for (int32_t k = 0; k < varying; k++) doubles[places[k]] = values[i * varying + k];
+        status[i] = film_impact(&own, mesh, &start[i], &summary[i]);
+    }
+}

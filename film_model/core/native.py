@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes as c
-import math
 import sys
 from collections.abc import Callable
 from functools import lru_cache
@@ -283,19 +282,6 @@ def _rows(memory: NDArray[np.uint8], count: int, dtype: np.dtype[Any]) -> NDArra
     return np.ndarray(count, dtype, memory[: count * dtype.itemsize].copy())
 
 
-def record_many(curve: Curve, cut: Mesh, start: NDArray[Any], room: int) -> list[NDArray[Any]]:
-    """The lines of each of many contacts (START_DTYPE), none for one that fails; room: lines it may take at first."""
-    found: list[NDArray[Any]] = []
-    for row in start.tolist():
-        begin = Start(*row)
-        if not (begin.nu > 0.0 and math.isfinite(begin.nu + begin.gamma + begin.load)):
-            found.append(np.empty(0, LINE_DTYPE))
-            continue
-        status, lines, _ = record(curve, cut, initial_state(curve, begin), begin.time_limit, room)
-        found.append(lines if status >= 0 else lines[:0])
-    return found
-
-
 def sample(
     curve: Curve, lines: NDArray[Any], times: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int8], NDArray[np.int8]]:
@@ -329,6 +315,21 @@ def impact(curve: Curve, cut: Mesh, start: Start) -> tuple[int, Summary]:
 def instructions() -> int:
     """The widest instructions the processor has, an index into INSTRUCTIONS."""
     return library().film_instructions()
+
+
+def distinct(rows: NDArray[Any]) -> tuple[NDArray[np.intp], NDArray[np.intp]] | None:
+    """The first of each kind of equal rows of a table, and the kind of each row; None if most rows differ.
+
+    Rows are compared as 8-byte words: by a hash, whose result is checked.
+    """
+    words = np.ascontiguousarray(rows).view(np.uint64).reshape(rows.size, -1)
+    key = np.zeros(rows.size, np.uint64)
+    for column in words.T:
+        key = (key ^ (key >> np.uint64(29))) * np.uint64(0x9E3779B97F4A7C15) + column
+    _, first, kind = np.unique(key, return_index=True, return_inverse=True)
+    if 2 * first.size > rows.size or not (words == words[first[kind]]).all():
+        return None
+    return first, kind
 
 
 def batch(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,12 +13,12 @@ from film_model.base import units
 from film_model.base.arrays import Array
 from film_model.base.errors import Mistake, raise_all, shown
 from film_model.effects.choose import Choice
-from film_model.problem.law_of_scene import YIELDING
+from film_model.effects.decided import decisions_of
 from film_model.problem.problem import refuse_vibrations
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene, Solver
 from film_model.scene.paths import field_at, unit_of
-from film_model.solve.slopes import NO_DERIVATIVE, SMOOTH, STEP, Pairs, Slopes, slopes
+from film_model.solve.slopes import NO_DERIVATIVE, SMOOTH, STEP, TARGET, Pairs, Slopes, slopes
 
 POOR = 1e-6
 """Estimated relative error from which a warning names the derivative."""
@@ -39,6 +39,13 @@ class Entry(NamedTuple):
     low: float
     high: float
     zero_step: float
+
+    def unit_of(self, quantity: str) -> str:
+        """The SI unit of the derivative of a summary value, as UDUNITS writes it if it can."""
+        dimension = SUMMARY[quantity][0]
+        if self.dimension == "meyer_stiffness":
+            return f"{units.si_unit(dimension)}/({self.unit})"
+        return units.quotient_unit(dimension, self.dimension)
 
     @property
     def text(self) -> str:
@@ -83,7 +90,7 @@ class Derivatives:
             name: {
                 path: {
                     "value": value,
-                    "units": units.quotient_unit(SUMMARY[name][0], self.entries[path].dimension),
+                    "units": self.entries[path].unit_of(name),
                     "estimated_error": self.errors[name][path],
                 }
                 for path, value in row.items()
@@ -124,21 +131,11 @@ def _entry(scene: Scene, path: object) -> Entry:
     return Entry(path, float(value), field.dimension, unit_of(scene, field), low, high, of_zero)
 
 
-def decided(scene: Scene, gravity: bool, motion: bool, yields: bool, hard: bool) -> Scene:
-    """The scene with decisions in place of "auto"."""
-    effects: dict[str, bool] = {"gravity": gravity, "rate_hardening": hard}
-    if scene.target.gives_way:
-        effects["target_motion"] = motion
-    if scene.contact.law == "auto":
-        effects["plasticity"] = yields
-    return replace(scene, effects=scene.effects.changed(**effects))
-
-
 def derivatives_of(choice: Choice, solver: Solver, entries: Sequence[Entry]) -> Derivatives:
     """Derivatives of the summary of an impact whose effects are chosen; SimulationError on a vibrating target."""
     refuse_vibrations(choice.problem, "a derivative")
-    pairs = _pairs(_decided(choice), entries)
-    found = slopes(pairs, solver)
+    (decision,) = decisions_of(choice.problem)
+    found = slopes(_pairs(decision.put_into(choice.scene), entries), solver, TARGET)
 
     def table(columns: Mapping[str, Array]) -> dict[str, dict[str, float | None]]:
         return {
@@ -151,17 +148,6 @@ def derivatives_of(choice: Choice, solver: Solver, entries: Sequence[Entry]) -> 
 
     said = (*_kinks(entries, found), *_poor(entries, found), *_near_thresholds(choice))
     return Derivatives({e.path: e for e in entries}, table(found.values), table(found.errors), said)
-
-
-def _decided(choice: Choice) -> Scene:
-    problem, support = choice.problem, choice.support
-    heavy, moves, _ = choice.decided
-    scene = decided(choice.scene, bool(heavy), bool(moves), problem.law.name == YIELDING, choice.hard is not None)
-    if not choice.edges or not moves:
-        return scene
-    static = support.compliance > 0.0
-    edges = {"boundary_reflections": static, "target_inertia": False} if static else {"boundary_reflections": False}
-    return replace(scene, effects=scene.effects.changed(**edges))
 
 
 def _pairs(scene: Scene, entries: Sequence[Entry]) -> Pairs:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -240,6 +239,8 @@ class History:
 
     def to_json(self) -> str:
         """The same values as the text of one JSON object."""
+        import json
+
         return json.dumps(self.to_dict(), indent=2, ensure_ascii=False, allow_nan=False)
 
 

@@ -7,6 +7,7 @@ about 1e-12. What remains is the error of the mesh, which is estimated from two 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -25,12 +26,12 @@ STEP = 1e-3
 """Step over the number that is varied. The error of the differences is about STEP⁴/30 of a fifth derivative, and
 rounding over STEP; both are near 1e-12. Needed by tests/test_derivatives.py."""
 
-FIRST_SEGMENTS, MOST_SEGMENTS = 48, 3072
-"""Segments per stage of the coarser of the first two meshes, and at most."""
-
 TARGET, STALLED = 1e-9, 0.5
-"""The mesh is refined until the estimated error is below `TARGET`, or falls by less than the factor `STALLED`: the rest
-is rounding."""
+"""Error to which the derivatives of one impact are refined. Refinement ends, too, where an error falls by less than the
+factor `STALLED`: the rest is rounding."""
+
+FIRST_SEGMENTS, LEAST_SEGMENTS, MOST_SEGMENTS = 48, 6, 3072
+"""Segments per stage of the coarser of the first two meshes, for `TARGET` and at least; and at most."""
 
 KINK = 1e-7
 """Fourth difference of a stencil over the value: h⁴ f⁽⁴⁾ of a smooth value, and up to 2 h times the jump of its slope
@@ -110,7 +111,7 @@ class Pairs:
     def fits(self, offsets: Array) -> Mask:
         """Whether a stencil is within the range of scenes."""
         low, high = (self.value + self.step * end for end in (offsets.min(), offsets.max()))
-        return (low >= self.low) & (high <= self.high)
+        return (low >= self.low) & (high <= self.high) & (self.step > 0.0)
 
     def moved(self, offsets: Array) -> dict[str, Array]:
         """The columns of the impacts of a stencil, those of each pair together."""
@@ -120,8 +121,11 @@ class Pairs:
         return columns
 
 
-def slopes(pairs: Pairs, solver: Solver) -> Slopes:
-    """The derivatives; one-sided where the central stencil leaves the stage of the law and the other side does not."""
+def slopes(pairs: Pairs, solver: Solver, target: float) -> Slopes:
+    """The derivatives; one-sided where the central stencil leaves the stage of the law and the other side does not.
+
+    target: estimated error up to which meshes are refined.
+    """
     count = pairs.which.size
     found = Slopes(
         {name: np.full(count, np.nan) for name in SUMMARY},
@@ -136,7 +140,7 @@ def slopes(pairs: Pairs, solver: Solver) -> Slopes:
         tried = left[pairs.part(left).fits(stencil.offsets)]
         for first in range(0, tried.size, TOGETHER):
             places = tried[first : first + TOGETHER]
-            _set(found, places, _Marches(pairs.part(places), solver, stencil), side)
+            _set(found, places, _Marches(pairs.part(places), solver, stencil, target), side)
         left = left[found.side[left] == NO_DERIVATIVE]
     return found
 
@@ -152,8 +156,8 @@ class _Marched(NamedTuple):
 class _Marches:
     """The impacts of the stencils of some pairs, on any mesh."""
 
-    def __init__(self, pairs: Pairs, solver: Solver, stencil: _Stencil) -> None:
-        self.pairs, self.stencil, self._solver = pairs, stencil, solver
+    def __init__(self, pairs: Pairs, solver: Solver, stencil: _Stencil, target: float) -> None:
+        self.pairs, self.stencil, self.target, self._solver = pairs, stencil, target, solver
         self._shape = pairs.which.size, stencil.offsets.size
         self._problems = problems_of(pairs.scene, pairs.moved(stencil.offsets), pairs.which.size * stencil.offsets.size)
 
@@ -163,7 +167,8 @@ class _Marches:
         if self._solver.segments is not None:
             return 2 * self._solver.segments, self._solver.segments
         damping = max((float(np.max(problem.damping)) for problem in self._problems), default=0.0)
-        n = first_segments(damping, FIRST_SEGMENTS)
+        wanted = math.ceil(FIRST_SEGMENTS * (TARGET / self.target) ** 0.25)
+        n = first_segments(damping, max(wanted, LEAST_SEGMENTS))
         return n, 2 * n
 
     @property
@@ -214,7 +219,7 @@ def _set(found: Slopes, places: Index, marches: _Marches, side: int) -> None:
         n *= 2
         if n > MOST_SEGMENTS or marches.fixed:
             return
-        open_ = np.flatnonzero((worst > TARGET) & (worst < STALLED * last))
+        open_ = np.flatnonzero((worst > marches.target) & (worst < STALLED * last))
         left, last = left[open_], worst[open_]
         coarse, fine = _picked(fine, open_), marches.on(n, left)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -80,8 +81,8 @@ class Vibration:
     """An impact on a vibrating target, in the units of the march. `summary` as the core's.
 
     segments: steps in contact, and flights; flights: the modes' state at the beginning of each. A step in contact has
-    320 bytes, a flight 16 bytes per mode. start: as given to the core. energies: of each mode at the end. contacts: how
-    many ended. highest: frequency up to which there are modes, rad/s.
+    320 bytes, a flight 16 bytes per mode. met: the events, as the core records them. start: as given to the core.
+    energies: of each mode at the end. contacts: how many ended. highest: frequency up to which there are modes, rad/s.
     """
 
     curve: native.Curve = field(repr=False)
@@ -90,7 +91,7 @@ class Vibration:
     start: modal.Start = field(repr=False)
     segments: NDArray[Any] = field(repr=False)
     flights: Array = field(repr=False)
-    events: tuple[Moment, ...] = field(repr=False)
+    met: NDArray[Any] = field(repr=False)
     outcome: Outcome
     summary: native.Summary = field(repr=False)
     energies: Array = field(repr=False)
@@ -101,6 +102,15 @@ class Vibration:
     def unit(self) -> float:
         """The march's unit of time, s."""
         return self.start.unit
+
+    @cached_property
+    def events(self) -> tuple[Moment, ...]:
+        """The events, with times in the march's unit."""
+        kinds, times, branches = (self.met[name].tolist() for name in ("event", "time", "branch"))
+        return tuple(
+            Moment(native.EVENTS[kind], time / self.unit, values, branch)
+            for kind, time, values, branch in zip(kinds, times, self.met["values"], branches, strict=True)
+        )
 
     @property
     def frequency(self) -> Array:
@@ -251,15 +261,6 @@ def run(problem: Problem, structure: structures.Structure, tolerance: float, lim
     found = modal.impact(tables, curve, start)
     raise_failure(found.status, problem)
     outcome = Outcome.SEPARATED if found.status == native.EVENT else Outcome.TIME_LIMIT
-    events = tuple(
-        Moment(native.EVENTS[kind], time / scales.time, values, branch)
-        for kind, time, values, branch in zip(
-            *(found.events[name].tolist() for name in ("event", "time")),
-            found.events["values"],
-            found.events["branch"].tolist(),
-            strict=True,
-        )
-    )
     core = found.summary.core
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):
         setattr(core, name, getattr(core, name) / scales.time)
@@ -270,7 +271,7 @@ def run(problem: Problem, structure: structures.Structure, tolerance: float, lim
         start,
         found.segments,
         found.flights,
-        events,
+        found.events,
         outcome,
         core,
         found.energies,

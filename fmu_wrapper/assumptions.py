@@ -190,6 +190,8 @@ def _failing(choice: Choice, highest: float | None) -> frozenset[str]:
     highest: frequency up to which the FMU contains vibrations, rad/s; None if it contains none.
     """
     missing = {effect.name.replace("_", " ") for effect in choice.effects if effect.state == NOT_MODELLED}
+    if choice.problem.relaxation is not None:
+        missing.add("viscoelasticity")
     if choice.problem.vibrates or choice.problem.compliance > 0.0:
         missing.add("boundary reflections")
     if highest is not None:

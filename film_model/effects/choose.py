@@ -14,7 +14,7 @@ from typing import Any
 
 from film_model.base.arrays import any_of, either
 from film_model.base.errors import SimulationError
-from film_model.effects import gravity, plasticity, rate_hardening, target_motion
+from film_model.effects import gravity, plasticity, rate_hardening, target_motion, viscoelasticity
 from film_model.effects.edge_effects import edged, support_of
 from film_model.effects.effect import COMPUTED, FREE, NOT_NEEDED, Effect
 from film_model.effects.judged import judge
@@ -68,6 +68,7 @@ class Choice:
         found = [gravity.describe(self.light, heavy), target_motion.describe(self.moved, self.support, moves)]
         found += plasticity.describe(self.yielding, self.yields, keeps_law)
         found.append(rate_hardening.describe(self.static, self.hard, keeps_law))
+        found.append(viscoelasticity.describe(self.problem))
         held = self.scene.target.gives_way and self.scene.effects.target_motion is not False and not moves
         why = "the target moves too little to matter"
         found += [effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in self.edges]
@@ -110,6 +111,7 @@ def choose(scene: Scene) -> Choice:
                 "target_motion = false in [effects] fixes the target"
             )
         problem = problem.impacts.problem(math.inf, problem.given[1], vibrates=True)
+    problem = viscoelasticity.applied(problem)
     return Choice(problem, light, moved, yielding, static, hard, yields, support, edges, decided)
 
 
@@ -124,11 +126,11 @@ def chosen(impacts: Impacts, yields: bool | None) -> list[Problem]:
     Their targets have an impedance, or do not move.
     """
     *_, yielding, decided = _decide(impacts, Support(impacts.numbers.impedance), yields)
-    keeps_law = decided[2]
-    if keeps_law.all():
-        return [yielding]
-    elastic = plasticity.elastic(yielding).part(~keeps_law)
-    return [yielding.part(keeps_law), elastic] if keeps_law.any() else [elastic]
+    keeps_law, made = decided[2], [yielding]
+    if not keeps_law.all():
+        elastic = plasticity.elastic(yielding).part(~keeps_law)
+        made = [yielding.part(keeps_law), elastic] if keeps_law.any() else [elastic]
+    return [part for problem in made for part in viscoelasticity.divided(problem)]
 
 
 def _decide(impacts: Impacts, support: Support, yields: bool | None) -> tuple[Problem, Problem, Problem, Any]:

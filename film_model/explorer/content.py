@@ -151,6 +151,8 @@ def not_simulated(choice: Choice) -> str:
     target, support, law = choice.scene.target, choice.support, choice.problem.law
     if law.damped or choice.problem.curve.pulls:
         return f"the law {law.name} {'is damped' if law.damped else 'pulls'}"
+    if choice.problem.relaxation is not None:
+        return "a material is viscoelastic"
     if choice.problem.vibrates or support.compliance > 0.0 or (support.vibrates and choice.decided[1]):
         return f"the {target.kind} {support.how}"
     return ""

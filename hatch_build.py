@@ -24,7 +24,10 @@ from fmu_wrapper import platforms
 CORE = platforms.CORE
 SOURCES = (
     *platforms.MARCH,
-    *(f"{CORE}/film_{name}.c" for name in ("impact", "batch", "compare", "lanes", "avx2", "avx512")),
+    *(
+        f"{CORE}/film_{name}.c"
+        for name in ("impact", "batch", "batch_shape", "many", "compare", "lanes", "avx2", "avx512")
+    ),
     *platforms.MODES,
     f"{CORE}/film_modal_impact.c",
     *(f"{CORE}/film_relax{part}.c" for part in ("", "_step")),
@@ -34,7 +37,10 @@ FLAGS = platforms.FLAGS
 SHARED = ("-shared",) if sys.platform == "win32" else ("-shared", "-fPIC")
 LINK = () if sys.platform == "win32" else ("-lm",)
 WASM = "film_model/explorer/_film_core.wasm"
-WASM_SOURCES = (*platforms.MARCH, f"{CORE}/film_impact.c", f"{CORE}/film_compare.c")
+WASM_SOURCES = (
+    *(*platforms.MARCH, *platforms.MODES),
+    *(f"{CORE}/film_{name}.c" for name in ("modal_impact", "impact", "compare")),
+)
 WASM_FLAGS = (
     *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-O2", "-s"),
     *("-Wl,--export-dynamic", "-Wl,--export=__heap_base"),

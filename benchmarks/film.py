@@ -24,13 +24,19 @@ MOST_SEGMENTS = 4096
 _RATIOS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)  # unloading segments per loading segment
 
 
+def starts(case: Case) -> Any:
+    """How the impacts of a case start (START_DTYPE)."""
+    start = np.zeros(case.nu.size, native.START_DTYPE)
+    start["nu"], start["gamma"], start["time_limit"] = case.nu, case.gamma, math.inf
+    return start
+
+
 def batch(case: Case, linearisation: int, segments: tuple[int, int], using: int | None = None) -> Callable[[], Any]:
     """A call that computes all impacts of the case: `values` reads its result. Curve and mesh are made here, once.
 
     using: the instructions, by their index in native.INSTRUCTIONS; the widest by default.
     """
-    start = np.zeros(case.nu.size, native.START_DTYPE)
-    start["nu"], start["gamma"], start["time_limit"] = case.nu, case.gamma, math.inf
+    start = starts(case)
     curve, mesh = curve_of(case.law).native, native.mesh(linearisation, *segments)
     return lambda: native.batch(curve, mesh, start, using)
 

@@ -2,7 +2,7 @@
 
 Every method computes the same impacts in one run, on one core. Its fastest setting is searched for which the largest
 relative error of six summary values over all checked impacts is below a target, and then timed. Times are the minimum
-over several repeats. They are printed, never asserted.
+over many short repeats. They are printed, never asserted.
 """
 
 from __future__ import annotations
@@ -20,17 +20,19 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import conventional, film, python_level, root_steps
+from benchmarks import conventional, film, python_level, rivals, root_steps
 from benchmarks.cases import Array, Case, all_cases, worst_error
 from benchmarks.python_level import best_time
 from film_model.core import native
 from film_model.laws import Hertz
 from film_model.studies.dormand_prince import compile_solver
 
-TARGETS = (1e-4, 1e-6)
+TARGETS = (1e-4, 1e-6, 1e-8)
+ROUGH = TARGETS[:2]  # for methods of low order
 TOLERANCES = 10.0 ** -np.arange(2.0, 13.01, 0.25)
 FLOORS = (1.0, 0.1, 0.01)
 STRETCHES = (0.0, 0.25, 0.5, 1.0, 2.0)
+ALONE = "  one impact alone"
 
 Row = dict[str, Any]
 
@@ -65,8 +67,10 @@ def measure_case(case: Case, checked: int, repeats: int) -> list[Row]:
     exact = some.exact()
     rows: list[Row] = []
     for target in TARGETS:
-        for kind in ("work", "chord"):
-            rows += _film(case, some, exact, target, repeats, kind)
+        rows += _film(case, some, exact, target, repeats, "work")
+        if target in ROUGH:
+            rows += _film(case, some, exact, target, repeats, "chord")
+    rows += _in_c(case, some, exact, repeats)
     rows += dormand_prince_rows(case, some, exact, repeats)
     rows += _root_steps(case, some, exact, repeats)
     few = case.spread(max(5, checked // 5))
@@ -117,6 +121,24 @@ def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kin
         seconds = _fastest(film.batch(case, line, pair, using), repeats) / case.nu.size
         said = name if not rows else f"  with {native.INSTRUCTIONS[using]} instructions"
         rows.append(_row(case, target, said, f"{pair[0]} + {pair[1]} segments", error, seconds))
+    if kind == "work" and (call := rivals.film_alone(case, pair)) is not None:
+        error = worst_error(film.values((np.full(some.nu.size, native.EVENT), rivals.film_alone(some, pair)())), exact)
+        seconds = _fastest(call, repeats) / case.nu.size
+        rows.append(_row(case, target, ALONE, f"{pair[0]} + {pair[1]} segments", error, seconds))
+    return rows
+
+
+def _in_c(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]:
+    """The rivals of rivals.c, in lanes and one impact at a time; the fastest of all settings, for each target."""
+    rows = []
+    for name, method in (("Taylor series in √ξ", rivals.taylor), ("Gauss quadrature", rivals.gauss)):
+        for target in TARGETS:
+            for lanes, said in ((rivals.LANES, f"{name}, lanes"), (1, f"{name}, one impact")):
+                found = list(method(case, some, exact, target, lanes))
+                if found:
+                    setting, error, call = min(found, key=lambda f: _fastest(f[2], 1))
+                    seconds = _fastest(call, repeats) / case.nu.size
+                    rows.append(_row(case, target, said, setting, error, seconds))
     return rows
 
 
@@ -154,7 +176,7 @@ def _root_steps(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]
         return []
     solver, found, out = root_steps.compile_solver(), np.empty(exact.shape), np.empty((case.nu.size, exact.shape[1]))
     rows = []
-    for target in TARGETS:
+    for target in ROUGH:
         fitting = []
         for stretch in STRETCHES:
             steps, error = 4, float("inf")
@@ -174,7 +196,7 @@ def _root_steps(case: Case, some: Case, exact: Array, repeats: int) -> list[Row]
 def scipy_rows(few: Case, method: str, exact: Array) -> list[Row]:
     rows, tolerances = [], iter(TOLERANCES[2::2])
     error, rtol = float("inf"), float("nan")
-    for target in TARGETS:
+    for target in ROUGH:
         while error > target:
             rtol = next(tolerances, float("nan"))
             if rtol != rtol:
@@ -191,9 +213,9 @@ def print_case(case: Case, rows: list[Row]) -> None:
     for target in TARGETS:
         here = [row for row in rows if row["target"] == target]
         film_time = next(row["microseconds"] for row in here if row["contender"] == "FILM, work-preserving")
-        print(f"  {f'errors below {target:g}':<30}{'setting':<38}{'error':>9}{'µs':>11}{'× FILM':>10}")
+        print(f"  {f'errors below {target:g}':<34}{'setting':<38}{'error':>9}{'µs':>11}{'× FILM':>10}")
         for row in here:
-            head = f"    {row['contender']:<28}{row['setting']:<38}"
+            head = f"    {row['contender']:<32}{row['setting']:<38}"
             if row["microseconds"] is None or film_time is None:
                 print(f"{head}{'-':>9}{'-':>11}{'-':>10}")
                 continue

@@ -14,7 +14,7 @@ from film_model.base.units import scene_unit
 from film_model.scene import Scene
 from film_model.version import __version__
 from fmu_wrapper.nominals import nominals
-from fmu_wrapper.resource import Data, has
+from fmu_wrapper.resource import Data, has, has_exchange
 from fmu_wrapper.variables import (
     EVENT_KINDS,
     KINDS,
@@ -141,11 +141,6 @@ def model_description(
     _structure(root, data, chosen, version)
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
-
-
-def has_exchange(data: Data) -> bool:
-    """Whether the FMU is for Model Exchange too: a vibrating target would have thousands of states."""
-    return data.modes.count == 0
 
 
 def _is_indicator(v: Variable) -> bool:

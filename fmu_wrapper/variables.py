@@ -148,6 +148,10 @@ VARIABLES: tuple[Variable, ...] = (
         RIGID,
         f"wave impedance of the target; a target with {RIGID:g} or more does not move",
     ),
+    _parameter(
+        *("target_stiffness", "stiffness", 1e-12, 1e18),
+        "static stiffness of the target, which follows the contact force without delay",
+    ),
     _parameter("gravity", "acceleration", -1e9, 1e9, "acceleration of free fall towards the target"),
     _parameter(
         *("input_extrapolation", "dimensionless", 0.0, 2.0),

@@ -8,7 +8,7 @@ import pytest
 from cases import LAWS, combinations, loads_straight, scene, zener_scene
 
 import film_model as fm
-from film_model.core import native
+from film_model.core import native, records
 from film_model.problem.curve import curve_of
 from film_model.solve.history import SUMMARY
 
@@ -240,3 +240,20 @@ def test_segments_can_be_given():
     batch = fm.simulate_batch(zener_scene(0.5), velocity=["1 m/s", "2 m/s"], segments=10)
     assert batch.segments == (10, 10)
     assert 1e-7 < batch.estimated < 1e-3
+
+
+@pytest.mark.parametrize("room", [40, 1 << 14])
+def test_contacts_recorded_together_have_the_lines_of_each_alone(monkeypatch, room):
+    """Also where the lines of a contact do not fit beside those before, or do not fit at all; a failed one has none."""
+    monkeypatch.setattr(records, "LINES", room)
+    curve, mesh = curve_of(fm.Stronge(100e9, 0.01, 1e9)).native, native.mesh(native.WORK_PRESERVING, 10, 20)
+    start = np.zeros(7, native.START_DTYPE)
+    start["nu"], start["gamma"], start["time_limit"] = [0.1, 0.4, math.nan, 1.0, 3.0, 10.0, 0.2], 0.1, math.inf
+    table, counts = records.record_many(curve, mesh, start)
+    ends = np.cumsum(counts)
+    assert counts[2] == 0 and counts[5] > 40 > counts[0]
+    for row, end in enumerate(ends.tolist()):
+        begin = native.Start(*start[row].tolist())
+        alone = [] if row == 2 else native.record(curve, mesh, native.initial_state(curve, begin), math.inf, 500)[1]
+        assert len(alone) == counts[row]
+        assert table[end - counts[row] : end].tobytes() == np.asarray(alone, native.LINE_DTYPE).tobytes()

@@ -13,6 +13,7 @@ from film_model.core import native, relaxing
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_MODELLED, NOT_NEEDED, SIMULATED
 from film_model.problem.relaxation import Relaxation, relaxation_of
+from film_model.solve.batch import simulate_many
 from fmu_wrapper import export
 
 OUT = 299
@@ -295,9 +296,20 @@ def test_a_batch_gives_what_single_impacts_give():
     assert 0.0 < many.estimated < 1e-4 and not many.failed.any()
 
 
+def test_a_sweep_of_a_modulus_gives_each_impact_its_own_relaxation():
+    moduli = np.array([20e6, 50e6])
+    found = simulate_many(scene(), {"impactor.material.youngs_modulus": moduli})
+    for k, modulus in enumerate(moduli):
+        one = fm.simulate(scene(material=rubber(youngs_modulus=f"{modulus} Pa")))
+        assert found.summary["contact_duration"][k] == pytest.approx(one.summary["contact_duration"], rel=1e-5)
+    assert (found.status == native.EVENT).all()
+
+
 def test_exports_are_refused(tmp_path):
     with pytest.raises(fm.SimulationError, match="an FMU is not supported for a viscoelastic material"):
         export(scene(), tmp_path / "impact.fmu")
+    with pytest.raises(fm.SimulationError, match="a derivative is not supported for a viscoelastic material"):
+        fm.simulate(scene(), derivatives=["impactor.velocity"])
 
 
 # ---------------------------------------------------------------- decisions

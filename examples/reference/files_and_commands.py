@@ -61,6 +61,7 @@ def sweep_page() -> str:
                 ("`samples`", f"number of impacts; at most {samples}", "a whole number", "required if sampled"),
                 ("`seed`", "of the random numbers", "a whole number from 0", "`1`"),
                 ("`correlation`", "of the swept quantities", "a matrix, by rows", "none"),
+                ("`derivatives`", "of the summary, by keys of the scene", '`["impactor.velocity", …]`', "none"),
                 ("`[over]`", "the swept keys of the scene, `section.key` in quotes", "see below", "required"),
             ],
         )

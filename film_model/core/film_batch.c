@@ -128,26 +128,9 @@ static int prepare_job(batch_job *j) {
     return rows <= ROWS && 8 * powers + 4 * branches + 3 * curve->stages <= TABLES;
 }
 
-/* ---------------------------------------------------------------- instruction sets
- * The same source for the plain instructions of the processor's kind and, on x86, for AVX2 and AVX-512; never with
- * fused multiply-adds, so that all give the same bits. */
-
 #if defined(FILM_WIDE)
-#include <cpuid.h>
-
-int film_instructions(void) {
-    unsigned a, b, c, d, low, high;
-    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE)) return FILM_PLAIN;
-    /* which registers the operating system saves */
-    __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
-    if ((low & 0x06) != 0x06 || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & bit_AVX2)) return FILM_PLAIN;
-    const unsigned all = bit_AVX512F | bit_AVX512DQ | bit_AVX512VL;
-    return (low & 0xe6) == 0xe6 && (b & all) == all ? FILM_AVX512 : FILM_AVX2;
-}
-
 static const block_routines *const routines[] = {&film_plain, &film_avx2, &film_avx512};
 #else
-int film_instructions(void) { return FILM_PLAIN; }
 static const block_routines *const routines[] = {&film_plain};
 #endif
 
@@ -165,12 +148,20 @@ typedef struct {
     unloading_queue unloading[FILM_MAX_STAGES][3];         /* by stage and grading */
 } batch;
 
+/* Makes the own stages of a block that should turn in `piece`. */
+static void make_own(batch *b, const block *waiting, int32_t piece) {
+    double of[FILM_MAX_NODES][LANES];
+    film_own_polynomials(&b->j, waiting->index, waiting->count, of);
+    b->run->shape(&b->j, piece - b->j.curve->stage[b->j.shaped].first + 2, (const double(*)[LANES])of);
+}
+
 static void run_unloading(batch *b, int32_t stage, int32_t grading) {
     unloading_queue *q = &b->unloading[stage][grading];
     if (q->count > 0) b->run->unload(&b->j, FILM_PLATE_OUT + grading, b->j.exponent[stage], q);
 }
 
 static void run_fixed(batch *b, int32_t stage, block *waiting) {
+    if (waiting->count > 0 && stage == b->j.shaped) make_own(b, waiting, (int32_t)(waiting - b->fixed));
     if (waiting->count > 0) b->run->fixed(&b->j, stage, waiting->index, waiting->count);
     waiting->count = 0;
 }
@@ -179,7 +170,7 @@ static void run_fixed(batch *b, int32_t stage, block *waiting) {
 static void await_unloading(batch *b, int32_t stage, const turned_lanes *t, int l, int64_t i) {
     batch_job *j = &b->j;
     if (t->at.bad[l] > 0.0) {
-        j->status[i] = film_impact(j->curve, j->mesh, &j->start[i], &j->summary[i]);
+        leave_alone(j, i);
         return;
     }
     int32_t grading = film_grading(t->slowness[l]), k = grading - FILM_PLATE_OUT;
@@ -202,6 +193,7 @@ static void run_moving(batch *b, int32_t stage, block *waiting) {
     turned_lanes t;
     int count = waiting->count, retrace = j->curve->stage[stage].unloading == FILM_RETRACE && !plain_power(j, stage);
     if (count == 0) return;
+    if (stage == j->shaped) make_own(b, waiting, (int32_t)(waiting - b->moving));
     waiting->count = 0;
     b->run->load(j, stage, waiting->index, count, &t);
     for (int l = 0; l < count; l++) {
@@ -217,8 +209,11 @@ static void run_moving(batch *b, int32_t stage, block *waiting) {
 }
 
 /* The piece of *stage in which a fixed target should turn the impactor, by the march's own arithmetic; -1: none. */
-static int32_t fixed_piece(const batch_job *j, double v, int32_t *stage) {
+static int32_t fixed_piece(const batch_job *j, int64_t i, int32_t *stage) {
+    double v = j->start[i].nu;
     for (int32_t k = 0; k < j->curve->stages; k++) {
+        *stage = k;
+        if (k == j->shaped) return film_own_piece(j, i, v, 0.0);
         double energy = 0.5 * v * v, left = energy - j->whole[k];
         if (left >= 0.0) {
             v = speed_after(v, j->whole[k]);
@@ -226,21 +221,21 @@ static int32_t fixed_piece(const batch_job *j, double v, int32_t *stage) {
         }
         int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
         while (p < last && energy > j->piece_work[p]) p++;
-        *stage = k;
         return p;
     }
     return -1;
 }
 
 /* The same for a target that moves, by the estimate of turn_excess. */
-static int32_t moving_piece(const batch_job *j, double nu, double gamma, int32_t *stage) {
-    double stored = 0.0;
+static int32_t moving_piece(const batch_job *j, int64_t i, int32_t *stage) {
+    double stored = 0.0, nu = j->start[i].nu, gamma = j->start[i].gamma;
     for (int32_t k = 0; k < j->curve->stages; k++) {
         int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
         int ends = j->whole[k] < INFINITY;
+        *stage = k;
+        if (k == j->shaped) return film_own_piece(j, i, nu, stored);
         if (!ends || turn_excess(stored + j->whole[k], j->end_force[k], nu, gamma) > 0.0) {
             while (p < last && !(turn_excess(stored + j->piece_work[p], j->piece_force[p], nu, gamma) > 0.0)) p++;
-            *stage = k;
             return p;
         }
         stored += j->whole[k];
@@ -262,38 +257,68 @@ static void run_rest(batch *b) {
 
 enum { FEWEST = 3 }; /* segments of a leg on targets that move: fewer are too rough to find the turn from */
 
-void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
-                     const film_start *start, film_summary *summary, int32_t *status) {
-    batch b;
-    batch_job *j = &b.j;
+static void give(batch_job *j, const film_curve *curve, const film_mesh *mesh, const film_start *start,
+                 film_summary *summary, int32_t *status) {
     j->curve = curve;
     j->mesh = mesh;
     j->start = start;
     j->summary = summary;
     j->status = status;
+    j->family = NULL;
+    j->shaped = -1;
+}
+
+/* Runs the impacts of b->j. */
+static void run_batch(batch *b, int instructions, int64_t count) {
+    batch_job *j = &b->j;
+    const film_mesh *mesh = j->mesh;
     int in_lanes = prepare_job(j), moving = in_lanes && mesh->loading >= FEWEST && mesh->unloading >= FEWEST;
-    b.run = routines[instructions];
-    for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b.fixed[p].count = b.moving[p].count = 0;
+    b->run = routines[instructions];
+    for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b->fixed[p].count = b->moving[p].count = 0;
     for (int32_t k = 0; k < FILM_MAX_STAGES; k++)
-        for (int32_t g = 0; g < 3; g++) b.unloading[k][g].count = 0;
+        for (int32_t g = 0; g < 3; g++) b->unloading[k][g].count = 0;
     for (int64_t i = 0; i < count; i++) {
-        const film_start *s = &start[i];
+        const film_start *s = &j->start[i];
         int32_t stage = 0, piece = -1;
         if (in_lanes && s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && is_undisturbed(s)) {
-            if (s->gamma == 0.0) piece = fixed_piece(j, s->nu, &stage);
-            else if (moving) piece = moving_piece(j, s->nu, s->gamma, &stage);
+            if (s->gamma == 0.0) piece = fixed_piece(j, i, &stage);
+            else if (moving) piece = moving_piece(j, i, &stage);
         }
         if (piece < 0) {
-            status[i] = film_impact(curve, mesh, s, &summary[i]);
+            leave_alone(j, i);
             continue;
         }
-        block *waiting = s->gamma == 0.0 ? &b.fixed[piece] : &b.moving[piece];
+        block *waiting = s->gamma == 0.0 ? &b->fixed[piece] : &b->moving[piece];
         waiting->index[waiting->count++] = i;
         if (waiting->count < LANES) continue;
-        if (s->gamma == 0.0) run_fixed(&b, stage, waiting);
-        else run_moving(&b, stage, waiting);
+        if (s->gamma == 0.0) run_fixed(b, stage, waiting);
+        else run_moving(b, stage, waiting);
     }
-    if (in_lanes) run_rest(&b);
+    if (in_lanes) run_rest(b);
+}
+
+void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
+                     const film_start *start, film_summary *summary, int32_t *status) {
+    batch b;
+    give(&b.j, curve, mesh, start, summary, status);
+    run_batch(&b, instructions, count);
+}
+
+static void run_shapes(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh,
+                       int64_t count, const film_start *start, const double *shape, film_summary *summary, int32_t *status) {
+    batch b;
+    own_stage own;
+    give(&b.j, whole, mesh, start, summary, status);
+    b.j.family = family;
+    b.j.shape = shape;
+    film_own_stage(&b.j, &own);
+    run_batch(&b, instructions, count);
+}
+
+void film_batch_shaped(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh,
+                       int64_t count, const film_start *start, const double *shape, film_summary *summary, int32_t *status) {
+    run_shapes(instructions, family, whole, mesh, count, start, shape, summary, status);
+    film_impacts_left(family, whole, mesh, count, start, shape, summary, status); /* its curve needs stack too */
 }
 
 enum { WORTH_ASKING = 2000 }; /* impacts, for the microseconds that film_instructions may take */

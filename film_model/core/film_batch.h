@@ -4,11 +4,7 @@
 #define FILM_BATCH_H
 
 #include "film_law.h"
-
-/* Wider registers are used on x86-64; not by GCC for Windows, which does not align them on the stack. */
-#if defined(__x86_64__) && (defined(__clang__) || (defined(__GNUC__) && !defined(_WIN32)))
-#define FILM_WIDE
-#endif
+#include "film_wide.h"
 
 enum { LANES = 32 }; /* impacts of a block */
 
@@ -40,8 +36,24 @@ typedef struct {
 static const double ANY_POWER = 1.5; /* exponent of a table of which only the nodes are used */
 enum { UNIT_POWER = -1, ROWS = 3456, TABLES = 128, AIMING_SEGMENTS = 4 };
 
+/* Of every lane, the force and the mean of its own last stage: what differs between the curves of a family. */
+enum { OWN_PIECES = 14, OWN_DOUBLES = 640 };
+typedef struct {
+    int32_t usable; /* pieces of the last stage, from its beginning, for which there is room */
+    int32_t pieces; /* those that the block may reach */
+    double end;     /* of the last of them */
+    double whole[LANES]; /* work up to there */
+    struct { int32_t column, force, mean; } piece[OWN_PIECES]; /* where its work_at_begin is in `value`; terms of both series behind */
+    double edge_force[OWN_PIECES][FILM_MAX_NODES]; /* series in the shape: force where the piece ends */
+    double value[OWN_DOUBLES][LANES];
+} own_stage;
+
 /* A batch, and what its impacts share. */
 typedef struct {
+    const film_family *family; /* NULL: all impacts share the curve */
+    const double *shape;
+    int32_t shaped; /* the stage that differs between impacts; -1: none */
+    own_stage *own;
     const film_curve *curve;
     const film_mesh *mesh;
     const film_start *start;
@@ -59,6 +71,24 @@ typedef struct {
 /* The table of a run, made when it is first asked for; there is room for all that a batch can ask for. */
 const line_table *film_lines_of(batch_job *j, int32_t stage, int32_t direction, int32_t segments, const double *nodes,
                                 double exponent);
+
+/* For film_batch_shaped: an impact that lanes cannot run. */
+enum { LEFT_ALONE = 100 };
+
+/* Leaves an impact to film_impact: at once, or when the curve of its shape is made. */
+static inline void leave_alone(const batch_job *j, int64_t i) {
+    j->status[i] = j->family != NULL ? LEFT_ALONE : film_impact(j->curve, j->mesh, &j->start[i], &j->summary[i]);
+}
+
+/* The impacts that film_batch_shaped left alone, one after another. */
+void film_impacts_left(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
+                       const film_start *start, const double *shape, film_summary *summary, int32_t *status);
+
+/* Laws with a shape: film_batch_shape.c. Prepares the last stage; the piece in which an impact should
+ * turn that begins the last stage at v, with `stored` work done, -1: none that lanes may use; the polynomials of a block. */
+void film_own_stage(batch_job *j, own_stage *own);
+int32_t film_own_piece(const batch_job *j, int64_t i, double v, double stored);
+void film_own_polynomials(const batch_job *j, const int64_t *index, int count, double (*of)[LANES]);
 
 /* A stage of one power whose force rises: Newton's method finds its depth for a given work from above. */
 static inline int force_rises(const film_curve *curve, int32_t stage) {
@@ -114,6 +144,8 @@ typedef struct {
 
 /* What runs a block, for one instruction set. */
 typedef struct {
+    /* the own stage of each lane; of: the polynomials at its shape */
+    void (*shape)(const batch_job *j, int32_t pieces, const double (*of)[LANES]);
     /* impacts that turn in `stage` on a fixed target, from first touch to the end of contact */
     void (*fixed)(batch_job *j, int32_t stage, const int64_t *index, int count);
     /* impacts that should turn in `stage`, to the turn */

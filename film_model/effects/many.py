@@ -24,6 +24,7 @@ from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
 from film_model.problem.problem import Impacts, Problem
+from film_model.problem.varied import varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -244,7 +245,8 @@ def _shapes(law: SceneLaw) -> list[Array]:
             varying = {name: value for name, value in varying.items() if name not in law.law.shaped_by}
             inside = (page >= 0) & (page < LAST_PAGE)
             shapes.append(np.where(inside, page, shape))  # outside, each has a curve of its own
-        if varying and not _stages_are_blind_to(law.law, law.values, varying):
+        alike = not varying or _stages_are_blind_to(law.law, law.values, varying)
+        if not alike and varied_of(law, next(iter(varying.values())).size) is None:
             shapes += varying.values()
     if law.rule == "brake":
         made = law.at(slice(None))

@@ -24,6 +24,7 @@ from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.relaxation import Relaxation
 from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
+from film_model.problem.varied import Varied, varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -155,10 +156,16 @@ class Impacts:
             return None
         return self.law.on_arrays(lambda law, _: (law.shape,), self.index.size)[0]
 
+    @cached_property
+    def varied(self) -> Varied | None:
+        """Of many impacts whose curves differ in numbers of their powers: the numbers."""
+        many = self.index is not None and any(isinstance(value, np.ndarray) for value in self.law.values.values())
+        return varied_of(self.law, self.index.size) if many and self.index is not None else None
+
     def _damping_factor(self, length: Any) -> Any:
         mass, approach = self.numbers.mass, self.numbers.approach
         if self.index is None:
-            return float(self.one_law.damping_factor(mass, approach, length))
+            return self.one_law.damping_factor(mass, approach, length)
         if not self.law.law.damped:
             return self.column(0.0)
 
@@ -197,6 +204,7 @@ class Impacts:
             free=self.base.target.free,
             vibrates=vibrates,
             shape=self.shape,
+            varied=self.varied,
         )
 
 
@@ -209,7 +217,8 @@ class Problem:
     drift − (1 − share)·ν v_s; drift 0 and share 1 unless the target is a free body. mass: effective, kg. given: target
     impedance [N s/m], load [N] and compliance [m/N]. free: the target is a free body. vibrates: it moves by its modes,
     and is integrated, not marched by the core. relaxation: of the moduli, if it is simulated. law: of many impacts,
-    that of the first. shape: of many impacts whose laws differ in it; then the curve, too, is that of the first.
+    that of the first. shape: of many impacts whose laws differ in it; varied: of those whose curves differ in some
+    numbers. Then the curve, too, is that of the first.
     """
 
     impacts: Impacts = field(repr=False)
@@ -228,6 +237,7 @@ class Problem:
     vibrates: bool = False
     shape: Any = None
     relaxation: Relaxation | None = None
+    varied: Varied | None = None
     _others: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
@@ -238,8 +248,11 @@ class Problem:
     def again(self, law: str | AbstractLaw | None = None, **changed: Any) -> Problem:
         """The problem with another law, or law name, impedance, load or compliance.
 
-        For one impact these problems are cached, so that each is marched once.
+        For one impact these problems are cached, so that each is marched once; it is the same if nothing changes.
         """
+        given: dict[str, Any] = dict(zip(("impedance", "load", "compliance"), self.given, strict=True))
+        if not (self.impacts.many or self.vibrates or law) and given | changed == given:
+            return self
         key = (law, *changed.items()) if not self.impacts.many and not isinstance(law, AbstractLaw) else None
         if key in self._others:
             return self._others[key]
@@ -247,7 +260,6 @@ class Problem:
         if law is not None:
             own = law_named(impacts.scene, law) if isinstance(law, str) else SceneLaw(law, {}, None, {})
             impacts = impacts.under(own)
-        given: dict[str, Any] = dict(zip(("impedance", "load", "compliance"), self.given, strict=True))
         made = impacts.problem(**(given | changed))
         if key is not None:
             self._others[key] = made
@@ -267,6 +279,7 @@ class Problem:
             vibrates=self.vibrates,
             shape=None if self.shape is None else self.shape[places],
             relaxation=self.relaxation,
+            varied=None if self.varied is None else self.varied.part(places),
             **{name: getattr(self, name)[places] for name in numbers},
         )
 
@@ -297,7 +310,9 @@ class Problem:
         if not self.impacts.many:
             return native.impact(self.curve.native, mesh, self.start)
         page = self.curve.page
-        if self.shape is None or page is None:
+        if self.varied is not None:
+            status, table = families.batch_varied(self.curve.native, mesh, self.start, *self.varied)
+        elif self.shape is None or page is None:
             status, table = native.batch(self.curve.native, mesh, self.start)
         else:
             status, table = families.batch(page.family, page.whole, mesh, self.start, self.shape)
@@ -311,14 +326,15 @@ class Problem:
 
     def by_curve(self) -> Iterator[Problem]:
         """The problems, of one impact or of many, whose impacts share a curve to the last digit."""
-        if self.shape is None:
+        if self.shape is None and self.varied is None:
             yield self
             return
-        shapes, group = np.unique(self.shape, return_inverse=True)
-        for k in range(shapes.size):
-            places = np.flatnonzero(group == k)
+        rows: Any = self.shape if self.varied is None else self.varied.values
+        different, group = np.unique(rows, axis=0, return_inverse=True)
+        for k in range(len(different)):
+            places = np.flatnonzero(group.ravel() == k)
             part = self.part(places)
-            yield replace(part, law=part.impacts.one_law, curve=curve_of(part.impacts.one_law), shape=None)
+            yield replace(part, law=part.impacts.one_law, curve=curve_of(part.impacts.one_law), shape=None, varied=None)
 
     @cached_property
     def trial(self) -> Trial:

@@ -143,7 +143,8 @@ int model_announce(model *m, char *text, size_t room);
 /* Put the curve for the parameters into m->curve. */
 int model_update_curve(model *m);
 
-/* Model Exchange. */
+/* Model Exchange. Not on a target that vibrates or has a static stiffness. */
+int model_has_exchange(const model_data *data);
 int model_is_state(const model *m, unsigned reference);
 int model_set_state(model *m, unsigned reference, double value);
 int model_rates(model *m, double rates[STATES]);

@@ -7,9 +7,13 @@ static void set_value(model_record *record, unsigned reference, double value) {
     record->value[reference - SETTABLE] = value;
 }
 
+double model_indentation(const model *m, const film_state *state) {
+    return state->xi - m->curve->compliance * state->force;
+}
+
 void model_record_event(const model *m, const film_state *state, double time, double velocity, model_record *record) {
     const model_memory *now = &m->memory;
-    double indentation = state->xi * now->length, left = state->xi_free * now->length;
+    double indentation = model_indentation(m, state) * now->length, left = state->xi_free * now->length;
     record->phase = state->phase;
     record->stage = state->branch;
     record->events++;

@@ -18,6 +18,7 @@ enum {
     DISSIPATION_TIME,
     HYSTERESIS_DAMPING,
     TARGET_IMPEDANCE,
+    TARGET_STIFFNESS,
     GRAVITY,
     INPUT_EXTRAPOLATION,
     LOADING_SEGMENTS,
@@ -64,7 +65,7 @@ enum {
     EVENT_INDICATOR_4,
     EVENT_INDICATOR_5,
     VARIABLES,
-    SETTABLE = 23 /* parameters and inputs come before this one */
+    SETTABLE = 24 /* parameters and inputs come before this one */
 };
 
 enum { IMPACT, CONTACT, KINDS };
@@ -95,6 +96,7 @@ static const film_variable VARIABLE[VARIABLES] = {
     {"dissipation_time", "s", REAL, {PARAMETER, PARAMETER}, 1e-30, 10000000000.0},
     {"hysteresis_damping", "s/m", REAL, {PARAMETER, PARAMETER}, 1e-30, 1e+30},
     {"target_impedance", "N*s/m", REAL, {PARAMETER, ABSENT}, 1e-30, 1e+30},
+    {"target_stiffness", "N/m", REAL, {PARAMETER, ABSENT}, 1e-12, 1e+18},
     {"gravity", "m/s^2", REAL, {PARAMETER, ABSENT}, -1000000000.0, 1000000000.0},
     {"input_extrapolation", "", REAL, {ABSENT, PARAMETER}, 0.0, 2.0},
     {"loading_segments", "", WHOLE, {PARAMETER, ABSENT}, 1.0, 1000000.0},

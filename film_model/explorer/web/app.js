@@ -2,7 +2,6 @@
 
 const SAMPLES = 201;
 const PENDING = 200; // ms without a change after which studies and the address follow
-
 /** @type {{scene: Scene, reference: Scene|null, result: Result|null, other: Result|null, cursor: number, timer: number}} */
 const APP = { scene: /** @type {any} */ (null), reference: null, result: null, other: null, cursor: 0.5, timer: 0 };
 
@@ -79,8 +78,9 @@ function settle() {
   showEffects(APP.scene, result);
   const { problem } = result.choice;
   for (const [id, study] of Object.entries(STUDIES)) {
-    byId(id).hidden = problem === null;
-    if (problem && /** @type {HTMLDetailsElement} */ (byId(id)).open) study(result, problem);
+    const hidden = problem === null || (problem.vibrates && id === "part-accuracy");
+    byId(id).hidden = hidden;
+    if (problem && !hidden && /** @type {HTMLDetailsElement} */ (byId(id)).open) study(result, problem);
   }
 }
 
@@ -124,7 +124,7 @@ function showSummary(scene, result, other) {
   );
   const ended = result.status === EVENT ? "" : " Contact does not end: the impactor stays on the target.";
   const error = result.error.toExponential(1);
-  const means = result.segments > 0 ? ` with ${result.segments} segments` : "";
+  const means = result.modes > 0 ? ` with ${result.modes} natural vibrations` : result.segments > 0 ? ` with ${result.segments} segments` : "";
   byId("error").textContent = `Law ${result.law.name}. Estimated relative error of every value ≤ ${error}${means}.${ended}`;
 }
 
@@ -292,8 +292,11 @@ function openScene(scene) {
   rebuild();
 }
 
+/** Build the form again; the control that was in use stays in use. */
 function rebuild() {
+  const used = document.activeElement?.id;
   buildForm(APP.scene, render, rebuild);
+  if (used) document.getElementById(used)?.focus();
   /** @type {HTMLInputElement} */ (byId("title")).value = APP.scene.title;
   render();
 }
@@ -370,8 +373,8 @@ function impact(fragment) {
   const { scene, ignored } = sceneOfFragment(fragment);
   const { result, reason } = attempt(scene);
   if (!result) return { reason, ignored };
-  const { summary, error, segments, law, warnings, choice } = result;
-  return { summary: { ...summary }, error, segments, law: law.name, warnings, effects: choice.found, ignored };
+  const { summary, error, segments, modes, law, warnings, choice } = result;
+  return { summary: { ...summary }, error, segments, modes, law: law.name, warnings, effects: choice.found, ignored };
 }
 
 /** Draw everything again, in another size or theme. */

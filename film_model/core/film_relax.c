@@ -150,6 +150,7 @@ static int plan_step(film_relax *s, film_relax_step *steps) {
     int found = 0;
     if (s->steps >= FILM_RELAX_STEPS) return FILM_TOO_MANY;
     memset(to, 0, sizeof *to);
+    memset(&trial, 0, sizeof trial); /* so that the bytes of a state depend on its past only */
     for (int k = 0; k < TRIES && !found; k++) {
         double wanted = s->tolerance * s->speed, next;
         guess_matches(s, h, match);

@@ -41,7 +41,8 @@ def derivatives_of_many(
 ) -> ManyDerivatives:
     """Derivatives of `count` impacts of a scene, in which columns replace some numbers.
 
-    problems: of the impacts, as simulated; others, which failed or are on vibrating targets, have no derivatives.
+    problems: of the impacts, as simulated; others, which failed or are on vibrating targets, have no derivatives, nor
+    have impacts of viscoelastic bodies.
     target: error to which meshes are refined.
     """
     shape = count, len(entries)
@@ -60,9 +61,11 @@ def derivatives_of_many(
 
 
 def _by_decision(problems: Iterable[Problem]) -> dict[Decision, Index]:
-    """The impacts of each decision, ascending."""
+    """The impacts of each decision, ascending; without those of viscoelastic bodies."""
     found: dict[Decision, list[int]] = {}
     for problem in problems:
+        if problem.relaxation is not None:
+            continue
         for row, decision in zip(rows_of(problem).tolist(), decisions_of(problem), strict=True):
             found.setdefault(decision, []).append(row)
     return {decision: np.array(sorted(rows), np.intp) for decision, rows in sorted(found.items())}

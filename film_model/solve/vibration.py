@@ -173,12 +173,12 @@ Follow = Callable[[float, float], Vibration]
 """The impact with the modes up to a frequency [rad/s], and a tolerance of the steps."""
 
 
-def unused_options(solver: Solver) -> list[str]:
-    """The warning that a solver's options do not concern a vibrating target, if it has such."""
+def unused_options(solver: Solver, what: str = "the vibrating target is followed") -> list[str]:
+    """The warning that a solver's options do not concern this kind of motion, if it has such."""
     if solver.segments is None and solver.linearisation != "chord":
         return []
     asked = solver.accuracy or DEFAULT_ACCURACY
-    return [f"segments and linearisation are not used: the vibrating target is followed with accuracy {asked:g}"]
+    return [f"segments and linearisation are not used: {what} with accuracy {asked:g}"]
 
 
 def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings: list[str]) -> tuple[Vibration, float]:

@@ -74,7 +74,7 @@ class Moment(NamedTuple):
 
     name: str
     time: float
-    values: list[float]
+    values: Array | list[float]
     branch: int
 
 

@@ -30,6 +30,7 @@ SOURCES = (
     ),
     *platforms.MODES,
     f"{CORE}/film_modal_impact.c",
+    *(f"{CORE}/film_relax{part}.c" for part in ("", "_step")),
 )
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 FLAGS = platforms.FLAGS

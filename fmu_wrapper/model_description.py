@@ -42,7 +42,13 @@ LOG_CATEGORIES = {
 
 _LONGEST_IDENTIFIER = 60
 
-DISPLAY = {"length": ("µm", 1e6), "time": ("µs", 1e6), "force": ("kN", 1e-3), "energy": ("mJ", 1e3)}
+DISPLAY = {
+    "length": ("µm", 1e6),
+    "time": ("µs", 1e6),
+    "force": ("kN", 1e-3),
+    "energy": ("mJ", 1e3),
+    "pressure": ("MPa", 1e-6),
+}
 """Dimension → unit in which tools show values, and its factor. Radii and gaps are shown in metres."""
 _IN_SI = ("radius", "initial_gap")
 

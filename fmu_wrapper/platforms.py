@@ -37,7 +37,7 @@ SOURCES = (
     *MODES,
     *(
         f"{RUNTIME}/model{part}.c"
-        for part in ("", "_events", "_contact", "_curve", "_outputs", "_validity", "_exchange", "_modes")
+        for part in ("", "_events", "_contact", "_curve", "_outputs", "_validity", "_exchange", "_modes", "_stresses")
     ),
     *(f"{RUNTIME}/{name}.c" for name in ("resource", "instance", "fmi2", "fmi3")),
 )

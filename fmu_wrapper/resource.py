@@ -14,7 +14,9 @@ from film_model.base.errors import SimulationError
 from film_model.base.units import scene_unit
 from film_model.core import native
 from film_model.core.modal import LEVELS
+from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.law import AbstractLaw, law_fields
+from film_model.problem import stresses
 from film_model.problem.curve import curve_of
 from film_model.problem.families import EDGES, Page, page_between
 from film_model.problem.problem import Problem
@@ -80,6 +82,18 @@ class Modes(c.Structure):
     _fields_ = (("longest", _D), ("rest", _D), ("tolerance", _D), ("count", _I), ("levels", _I))
 
 
+class Stresses(c.Structure):
+    """model_stresses of runtime/model.h."""
+
+    _fields_ = tuple(
+        (name, _D)
+        for name in (
+            *("radius", "hertz", "strain", "yield_factor", "growth", "growth_rate", "most_growth", "widest"),
+            *("elastic_limit", "hertzian", "shallow", "shear", "depth"),
+        )
+    )
+
+
 class Data(c.Structure):
     """model_data of runtime/model.h. tail: what follows it in the file."""
 
@@ -105,6 +119,7 @@ class Data(c.Structure):
         ("reason", (c.c_char * _REASON) * 2 * _SETTABLE),
         ("limit", _D * LIMITS),
         ("limit_power", (_D * len(SCALING)) * LIMITS),
+        ("stresses", Stresses),
         ("curve", native.Curve),
         ("family", Family),
         ("modes", Modes),
@@ -162,6 +177,7 @@ def model_data(
     _put_validity(data, validity)
     data.speed = max(scene.approach_velocity, 1e-9)
     data.nominal[:] = nominal
+    data.stresses = _stresses(problem)
     data.curve = curve_of(problem.law).native
     _put_family(data, problem)
     if vibration is not None:
@@ -207,6 +223,23 @@ def _put_validity(data: Data, validity: Validity) -> None:
     for k, powers in enumerate(({"radius": 1.0, "effective_modulus": -2.0}, {"radius": 1.0})):
         for name, power in powers.items():
             data.limit_power[k][SCALING.index(name)] = power if data.available[reference(name)] else 0.0
+
+
+def _stresses(problem: Problem) -> Stresses:
+    """The numbers from which the runtime computes what `film_model.problem.stresses` does; 0 for what is unknown."""
+    impacts, scene = problem.impacts, problem.impacts.scene
+    modulus, radius, poisson = scene.effective_modulus, scene.effective_radius, scene.poissons_ratio
+    known = Stresses(radius)
+    if modulus is None or problem.curve.pulls:
+        return known
+    known.hertz, known.strain = hertz_stiffness(modulus, radius), (impacts.yield_strength or 0.0) / modulus
+    known.growth, known.growth_rate, known.most_growth = stresses.GROWTH, stresses.GROWTH_RATE, stresses.MOST_GROWTH
+    known.widest, known.elastic_limit = stresses.WIDEST, stresses.ELASTIC_LIMIT
+    known.hertzian, known.shallow = stresses.HERTZIAN, stresses.SHALLOW
+    if poisson is not None:
+        known.yield_factor = stresses.yield_factor(poisson)
+        known.shear, known.depth = stresses.shear_below(poisson)
+    return known
 
 
 def _put_family(data: Data, problem: Problem) -> None:

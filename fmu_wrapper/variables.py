@@ -109,7 +109,15 @@ def _time_of(event: str, name: str, description: str) -> Variable:
 def _summary(name: str, *kinds: Kind, low: float | None = None) -> Variable:
     """An output that is a summary value of the latest contact."""
     dimension, description = SUMMARY[name]
-    return _discrete(name, Real, dimension, f"{description}; latest contact, 0 before it is known", *kinds, low=low)
+    unknown = "before it is known, or if it is not" if name in STRESSES else "before it is known"
+    return _discrete(name, Real, dimension, f"{description}; latest contact, 0 {unknown}", *kinds, low=low)
+
+
+STRESSES = (
+    *("contact_radius", "dent_diameter", "mean_pressure", "peak_pressure", "maximum_shear_stress"),
+    *("maximum_von_mises_stress", "depth_of_maximum_stress"),
+)
+"""Summary values that follow from the largest force and indentation."""
 
 
 def _rate(state: str, dimension: str, depends: tuple[str, ...], damped: tuple[str, ...]) -> Variable:
@@ -250,6 +258,7 @@ VARIABLES: tuple[Variable, ...] = (
     _time_of("contact_ends", "time_contact_ends", "time at which contact ends"),
     _summary("rebound_velocity"),
     _summary("permanent_indentation", *_BOTH),
+    *(_summary(name, *_BOTH, low=0.0) for name in STRESSES),
     _discrete("phase_code", Whole, None, "phase as a whole number", *_BOTH, low=0, high=len(PHASES) - 1),
     _discrete("last_event_code", Whole, None, "last_event as a whole number", low=0, high=len(EVENT_KINDS) - 1),
     _discrete(

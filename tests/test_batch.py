@@ -9,6 +9,7 @@ from cases import LAWS, combinations, loads_straight, scene, zener_scene
 
 import film_model as fm
 from film_model.core import native, records
+from film_model.effects.many import problems_of
 from film_model.problem.curve import curve_of
 from film_model.solve.history import SUMMARY
 
@@ -257,3 +258,15 @@ def test_contacts_recorded_together_have_the_lines_of_each_alone(monkeypatch, ro
         alone = [] if row == 2 else native.record(curve, mesh, native.initial_state(curve, begin), math.inf, 500)[1]
         assert len(alone) == counts[row]
         assert table[end - counts[row] : end].tobytes() == np.asarray(alone, native.LINE_DTYPE).tobytes()
+
+
+def test_equal_contacts_are_marched_once_and_give_the_same_bytes():
+    case = scene("tsuji").replace({"effects.gravity": False})
+    (problem,) = problems_of(case, {"impactor.velocity": np.geomspace(0.1, 10.0, 300)}, 300)
+    first, kind = native.distinct(problem.start)
+    assert first.size < 100 and (problem.start[first[kind]] == problem.start).all()
+    mesh = native.mesh(native.WORK_PRESERVING, 9, 9)
+    status, table = native.batch(problem.curve.native, mesh, problem.start)
+    found = problem.march(mesh)
+    assert (found[0] == status).all() and found[1].table.tobytes() == table.tobytes()
+    assert native.distinct(np.linspace(0.0, 1.0, 50)) is None

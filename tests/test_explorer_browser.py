@@ -251,7 +251,10 @@ def test_comparison_studies_and_files(shown, address):
     assert window.inner_text("#readout") != before
     window.click("#theme")
     assert window.evaluate("document.documentElement.dataset.theme") == "dark"
+    window.click("#part-map > summary")
     for button, start in (("csv", b"time (s),"), ("svg", b"<svg"), ("png", b"\x89PNG")):
+        if button == "svg":
+            window.select_option("#picture", "chart-map")
         with window.expect_download() as download:
             window.click(f"#{button}")
         assert Path(download.value.path()).read_bytes().startswith(start)

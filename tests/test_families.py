@@ -158,3 +158,11 @@ def test_an_fmu_serves_other_strengths_and_refuses_those_beyond_its_family(tmp_p
             assert float(found[name]) == pytest.approx(expected[name], rel=1e-10), (strength, name)
     with pytest.raises(Exception, match="this FMU was exported for shapes from"):
         fmu_wrapper.run(fmu, start_values={"yield_strength": "8 GPa"}, stop_time="1 ms", step_size="1 ms")
+
+
+def test_impacts_that_vary_in_modulus_and_radius_are_marched_together():
+    scene = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), fm.HalfSpace("mild steel"))
+    spread = np.linspace(0.99, 1.01, 64)
+    columns = {"impactor.radius": 0.01 * spread, "target.material.youngs_modulus": 206e9 * spread[::-1]}
+    columns["target.material.yield_strength"] = 250e6 * np.roll(spread, 7)
+    assert len(problems_of(scene, columns, spread.size)) == 1

@@ -28,6 +28,7 @@ COMMANDS = {
     "plot": "film-model plot sweep.nc --quantity maximum_force",
     "convert": "film-model convert sweep.nc sweep.csv",
     "summarise": "film-model summarise sweep.nc --quantity maximum_force",
+    "tolerance": "film-model tolerance sweep.toml --quantity maximum_force --plot tornado.png",
     "table": 'film-model table scene.toml --from "0.01 m/s" --to "10 m/s" --output restitution.csv',
     "identify": "film-model identify measured.csv scene.toml --fit contact.yield_strength",
     "explain": "film-model explain scene.toml --law all",

@@ -71,6 +71,13 @@ def either(condition: Any, a: Any, b: Any) -> Any:
     return np.where(condition, a, b) if isinstance(condition, np.ndarray) else a if condition else b
 
 
+def column(value: Any, count: int) -> Any:
+    """An array of `count` values, which must not be changed: the value itself, or a number repeated."""
+    if isinstance(value, np.ndarray) and value.shape == (count,):
+        return value
+    return np.broadcast_to(np.asarray(value), (count,))
+
+
 def endless(x: Any) -> bool:
     """Whether x is the float infinity; False for an array, whatever its values."""
     return not isinstance(x, np.ndarray) and math.isinf(x)

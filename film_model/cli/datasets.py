@@ -39,7 +39,7 @@ def add_commands(named: Any) -> None:
     )
     parser.add_argument("--over", metavar="NAME[,NAME]", help="one swept quantity for lines, or two for a heat map")
     parser.add_argument("--at", metavar="NAME=VALUE", action="append", help="of another swept quantity, SI or a word")
-    parser.add_argument("--kind", metavar="KIND", help="of a sweep: histogram, ecdf or scatter (over any quantity)")
+    parser.add_argument("--kind", metavar="KIND", help="of a sweep: histogram, ecdf, scatter or tornado")
     add_style(parser)
     add_force(parser, "overwrite an existing picture")
     parser.set_defaults(command=plot)

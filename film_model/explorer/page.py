@@ -32,6 +32,7 @@ SCRIPTS: tuple[str, ...] = (
     "netcdf",
     "export",
     "controls",
+    "parts",
     "app",
 )
 """The files of the page's script, in the order in which they run."""

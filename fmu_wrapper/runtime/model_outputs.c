@@ -92,7 +92,7 @@ static int get_constant(const model *m, unsigned reference, double *value) {
     case EXTERNAL_WORK: *value = now->external; return 1;
     default: break;
     }
-    if (reference < TIME_OF_LAST_EVENT || reference > PERMANENT_INDENTATION) return 0;
+    if (reference < TIME_OF_LAST_EVENT || reference > DEPTH_OF_MAXIMUM_STRESS) return 0;
     *value = now->reported.value[reference - SETTABLE];
     return 1;
 }

@@ -46,6 +46,9 @@ static inline double load_of(const model *m) {
 /* Write the event that `state` reports into a record. time: s; velocity: of the impactor, m/s. */
 void model_record_event(const model *m, const film_state *state, double time, double velocity, model_record *record);
 
+/* Write the contact radius, dent, pressures and stresses that follow from a record's largest force and indentation. */
+void model_record_stresses(const model *m, model_record *record);
+
 /* Contact alone. Move `state` along the indentation from the last accepted point to the current one, with all events on
  * the way; record may be NULL. */
 int contact_follow_path(model *m, film_state *state, model_record *record);

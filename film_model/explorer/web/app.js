@@ -231,7 +231,7 @@ function showEffects(scene, result) {
   });
   const head = ["effect", "state", "error if neglected", "basis"].map((text) => made("th", { scope: "col" }, text));
   byId("effects").replaceChildren(made("thead", {}, made("tr", {}, ...head)), made("tbody", {}, ...here, ...judged));
-  const notes = [...result.warnings];
+  const notes = [...result.warnings, ...(result.choice.problem ? examplesOf(result.choice.problem.law, result.n) : [])];
   if (!scene.base.free && result.n.impedance < Infinity) notes.push(`Zener's number λ = ${shortNumber(result.n.zener, 3)}`);
   if (result.n.yield_velocity > 0 && result.n.yield_velocity < Infinity) {
     notes.push(`the contact yields above ${shown(result.n.yield_velocity, "velocity", 4)} on a target that does not move`);
@@ -240,50 +240,6 @@ function showEffects(scene, result) {
   if (edges && !edges.matter) notes.push(`waves from the edges change the result by less than ${percent(edges.change)}`);
   byId("notes").replaceChildren(...notes.map((text) => made("li", {}, text)));
 }
-
-/** The studies by the id of their part, which computes only while it is open. @type {Record<string, (result: Result, problem: Problem) => void>} */
-const STUDIES = {
-  "part-laws": (result, problem) => {
-    const laws = everyLaw(APP.scene, result.n, problem);
-    const rows = laws.map(({ name, found, reason }) =>
-      found
-        ? tableRow(name, [shown(found.summary.maximum_force, "force"), shown(found.summary.maximum_indentation, "length"), shown(found.summary.contact_duration, "time"), shown(found.summary.coefficient_of_restitution, "dimensionless", 4)])
-        : made("tr", {}, made("th", { scope: "row" }, name), made("td", { colspan: "4" }, reason)),
-    );
-    const head = ["law", "largest force", "largest indentation", "contact", "restitution"].map((text) => made("th", { scope: "col" }, text));
-    byId("laws").replaceChildren(made("thead", {}, made("tr", {}, ...head)), made("tbody", {}, ...rows));
-    const series = laws.flatMap(({ name, found }, colour) =>
-      found ? [{ name, x: found.motion.motion.indentation, y: found.motion.motion.contact_force, colour, dashed: colour >= DATA.colours.length }] : [],
-    );
-    const axes = { x: { label: "indentation", dimension: "length" }, y: { label: "force", dimension: "force" } };
-    showChart("chart-laws", { title: "Every law", ...axes, series }, "Force against indentation under every law; the table has the numbers");
-  },
-  "part-restitution": (result) => {
-    const curve = restitutionCurve(APP.scene);
-    const own = result.summary.coefficient_of_restitution;
-    showChart("chart-restitution", {
-      title: "Restitution against velocity",
-      x: { label: "approach velocity", dimension: "velocity", log: true },
-      y: { label: "coefficient of restitution", dimension: "dimensionless" },
-      series: [{ name: "restitution", ...curve, colour: 0 }],
-      ...(own >= 0 ? { point: /** @type {[number, number]} */ ([result.n.approach, own]) } : {}),
-    }, `Coefficient of restitution against velocity; ${shown(own, "dimensionless", 4)} for this scene`);
-  },
-  "part-accuracy": (_, problem) => {
-    const curves = accuracyCurve(problem);
-    showChart("chart-accuracy", {
-      title: "Segments against error",
-      x: { label: "segments", dimension: "dimensionless", log: true },
-      y: { label: "largest relative error", dimension: "dimensionless", log: true },
-      series: curves.map((curve, colour) => ({ ...curve, colour, marks: true })),
-    }, "Largest relative error of the summary against the number of segments");
-  },
-  "part-map": (result) => {
-    const { chart, words } = regimeMap(APP.scene, result.n);
-    showChart("chart-map", chart, `Map of regimes: this scene at ${words}`);
-    byId("place").textContent = `This scene: ${words}.`;
-  },
-};
 
 /** Show another scene. @param {Scene} scene */
 function openScene(scene) {
@@ -317,6 +273,18 @@ function onClick(id, action) {
   byId(id).addEventListener("click", action);
 }
 
+/** The chart that is to be downloaded; that of a study opens its part, which draws it. */
+function picked() {
+  const id = /** @type {HTMLSelectElement} */ (byId("picture")).value;
+  const part = document.getElementById(id.replace("chart", "part"));
+  if (part instanceof HTMLDetailsElement && !part.open) {
+    part.open = true;
+    settle();
+  }
+  if (part?.hidden || !CHARTS.has(id)) say("there is no such picture for this scene");
+  return part?.hidden ? undefined : CHARTS.get(id);
+}
+
 function connect() {
   onClick("keep", () => {
     APP.reference = copyOf(APP.scene);
@@ -346,9 +314,14 @@ function connect() {
   onClick("netcdf", () => {
     if (APP.result) download(new Blob([netcdfOf(APP.scene, APP.result)], { type: "application/x-netcdf" }), "impact.nc");
   });
-  const picked = () => /** @type {Chart} */ (CHARTS.get(/** @type {HTMLSelectElement} */ (byId("picture")).value));
-  onClick("svg", () => download(new Blob([chartFile(picked())], { type: "image/svg+xml" }), "impact.svg"));
-  onClick("png", async () => download(await pngOf(picked()), "impact.png"));
+  onClick("svg", () => {
+    const chart = picked();
+    if (chart) download(new Blob([chartFile(chart)], { type: "image/svg+xml" }), "impact.svg");
+  });
+  onClick("png", async () => {
+    const chart = picked();
+    if (chart) download(await pngOf(chart), "impact.png");
+  });
   const cursor = /** @type {HTMLInputElement} */ (byId("cursor"));
   cursor.addEventListener("input", () => {
     APP.cursor = Number(cursor.value) / 1000;

@@ -15,6 +15,14 @@ function everyLaw(scene, n, problem) {
   });
 }
 
+/** What the law's own parameters are where the reader gave none. @param {any} law @param {any} n @returns {string[]} */
+function examplesOf(law, n) {
+  if (!law.derived) return [];
+  const own = withOwn(law, n);
+  const open = law.live.filter((/** @type {any} */ input) => (n.chosen === law.name ? n.values[input.path] : null) === null);
+  return open.map((/** @type {any} */ { path, label, dimension }) => `law ${law.name}: ${label} ${shown(own[path.replace("contact.", "own_")], dimension, 4)} is only an example`);
+}
+
 /** @param {unknown} error */
 function reasonOf(error) {
   if (error instanceof Failure || error instanceof Unsupported) return error.message;
@@ -65,11 +73,10 @@ function accuracyCurve(problem) {
   return ["work-preserving", "chord"].map((line) => {
     /** @type {{name: string, x: number[], y: number[]}} */
     const curve = { name: line, x: [], y: [] };
-    for (const n of COUNTS) {
-      const found = march(problem, line, countsFor(problem, n));
-      if (found.status < 0) continue;
-      curve.x.push(found.lines);
-      curve.y.push(Math.max(CORE.compare(problem.p, found, best), 1e-15));
+    const found = COUNTS.map((n) => march(problem, line, countsFor(problem, n))).filter(({ status }) => status >= 0);
+    for (const each of found.sort((a, b) => a.lines - b.lines)) {
+      curve.x.push(each.lines);
+      curve.y.push(Math.max(CORE.compare(problem.p, each, best), 1e-15));
     }
     return curve;
   });

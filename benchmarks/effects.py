@@ -2,8 +2,9 @@
 
 The scene is an elastic ball on a half-space. First the whole simulation: with every effect on "auto", with every effect
 switched off, and without the choice of effects (the problem is assembled directly). Then one effect at a time: the
-core's march and the whole simulation with the effect, relative to the same without it. The cases run in turn; times are
-the minimum over many rounds. They are printed, never asserted.
+core's march and the whole simulation with the effect, relative to the same without it. Last, viscoelastic bodies: the
+contact in the core at two tolerances, one impact of a batch of 200, and one simulation, against the elastic contact of
+the same scene. The cases run in turn; times are the minimum over many rounds. They are printed, never asserted.
 """
 
 from __future__ import annotations
@@ -49,8 +50,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name, row in on.items():
         lines, march = row["lines"], row["march"]
         print(f"  {name:32}{lines:6.2f}{march:8.2f}{march / lines:9.2f}{row['simulate']:11.2f}")
+    relaxing = viscoelastic(max(options.rounds // 10, 3))
+    print("\nviscoelastic ball, one impact                              µs")
+    for name, seconds in relaxing.items():
+        print(f"  {name:52}{1e6 * seconds:9.1f}")
     if options.json is not None:
-        options.json.write_text(json.dumps({"elastic": off, "effects": on}, indent=1) + "\n")
+        options.json.write_text(json.dumps({"elastic": off, "effects": on, "viscoelastic": relaxing}, indent=1) + "\n")
     return 0
 
 
@@ -102,6 +107,28 @@ def effects(rounds: int) -> dict[str, dict[str, float]]:
             "simulate": whole["0"] / whole["1"],
         }
     return rows
+
+
+def viscoelastic(rounds: int) -> dict[str, float]:
+    """Seconds of one impact of a rubber ball with one and with three relaxation times, and of the elastic contact."""
+    calls: dict[str, Callable[[], object]] = {}
+    series = {1: [[0.5, "1 ms"]], 3: [[0.2, "0.1 ms"], [0.2, "1 ms"], [0.2, "10 ms"]]}
+    speeds = [f"{0.5 + 0.01 * k} m/s" for k in range(200)]
+    for count, prony in series.items():
+        rubber = fm.Material("rubber", "50 MPa", 0.49, "1100 kg/m^3", prony=prony)
+        given = fm.Scene(fm.Sphere("10 mm", velocity="1 m/s", material=rubber), fm.HalfSpace(STEEL))
+        problem, many = problem_of(given), f"{count} relaxation times"
+        for tolerance in (1e-3, 1e-4):
+            calls[f"core, {many}, tolerance {tolerance:g}"] = lambda p=problem, t=tolerance: p.relax(t)
+        calls[f"simulate, {many}"] = lambda s=given: simulate(s)
+        calls[f"batch of 200, {many}"] = lambda s=given: fm.simulate_batch(s, velocity=speeds)
+    off = given.replace({"effects.viscoelasticity": False})
+    mesh, elastic_problem = native.mesh(native.WORK_PRESERVING, 12, 12), problem_of(off)
+    calls["core, elastic, 24 segments"] = lambda: elastic_problem.march(mesh)
+    calls["simulate, elastic"] = lambda: simulate(off)
+    calls["batch of 200, elastic"] = lambda: fm.simulate_batch(off, velocity=speeds)
+    found = best(calls, rounds)
+    return {name: seconds / (200 if "batch" in name else 1) for name, seconds in found.items()}
 
 
 def _march(given: fm.Scene) -> Callable[[], object]:

@@ -210,6 +210,7 @@ def test_history_keeps_energy_and_momentum():
     assert history.summary["energy_absorbed"] == pytest.approx(lost, rel=1e-9)
     assert history.summary["permanent_indentation"] == 0.0 and samples.indentation[-1] > 0.0
     assert history.accuracy.estimated < 1e-7
+    assert history.events[-1].contact_force == 0.0
     names = [event.name for event in history.events]
     assert names == ["contact_begins", "maximum_indentation", "impactor_stops", "contact_ends"] or names[1:3] == [
         "impactor_stops",
@@ -294,6 +295,8 @@ def test_a_batch_gives_what_single_impacts_give():
         for name in ("maximum_force", "contact_duration", "coefficient_of_restitution", "energy_absorbed"):
             assert many.summary[name][k] == pytest.approx(one.summary[name], rel=2e-4)
     assert 0.0 < many.estimated < 1e-4 and not many.failed.any()
+    together = simulate_many(scene(), {"impactor.velocity": np.linspace(0.5, 2.0, 20)})
+    assert len(together.problems) == 1 and together.problems[0].relaxation is not None
 
 
 def test_a_sweep_of_a_modulus_gives_each_impact_its_own_relaxation():

@@ -341,6 +341,7 @@ void film_relax_sample(const film_relax *s, const film_relax_step *steps, const 
     int32_t k = 0;
     for (int64_t i = 0; i < count; i++) {
         while (k < s->steps && times[i] > steps[k].time + steps[k].length) k++;
+        if (s->branch == FILM_FREE && times[i] == s->time) k = s->steps; /* the end of contact, without force */
         if (k < s->steps) {
             double tau = fmax(times[i] - steps[k].time, 0.0), *at = &values[5 * i];
             film_relax_at(&steps[k], s->gamma, tau, at);

@@ -23,7 +23,7 @@ from film_model.problem.law_of_scene import ELASTIC
 from film_model.problem.problem import Problem
 from film_model.problem.relaxation import Relaxation, relaxation_of
 
-COST = "20 to 100 times the time"
+COST = "10 to 20 times the time"
 """Against the same impact on lines; measured by `benchmarks/effects.py`."""
 
 RULE = Rule("viscoelasticity", "mean τ/t_c", "Lee & Radok 1960; Ting 1966; marched with and without relaxation")
@@ -37,7 +37,7 @@ def hindered(problem: Problem) -> str:
         return "the effective_modulus in [contact] replaces the moduli that relax"
     if problem.vibrates:
         return "the target vibrates between its edges"
-    if problem.compliance > 0.0:
+    if problem.curve.native.compliance > 0.0:
         return "the target follows the force by its static stiffness"
     return ""
 

@@ -22,9 +22,11 @@ sys.path.insert(0, str(Path(__file__).parent))
 from fmu_wrapper import platforms
 
 CORE = platforms.CORE
+ONE_IMPACT = tuple(f"{CORE}/film_{name}.c" for name in ("impact", "single", "tables", "way_in", "way_out"))
 SOURCES = (
     *platforms.MARCH,
-    *(f"{CORE}/film_{name}.c" for name in ("impact", "batch", "compare", "lanes", "avx2", "avx512")),
+    *ONE_IMPACT,
+    *(f"{CORE}/film_{name}.c" for name in ("batch", "compare", "lanes", "avx2", "avx512")),
     *platforms.MODES,
     f"{CORE}/film_modal_impact.c",
 )
@@ -33,7 +35,7 @@ FLAGS = platforms.FLAGS
 SHARED = ("-shared",) if sys.platform == "win32" else ("-shared", "-fPIC")
 LINK = () if sys.platform == "win32" else ("-lm",)
 WASM = "film_model/explorer/_film_core.wasm"
-WASM_SOURCES = (*platforms.MARCH, f"{CORE}/film_impact.c", f"{CORE}/film_compare.c")
+WASM_SOURCES = (*platforms.MARCH, *ONE_IMPACT, f"{CORE}/film_compare.c")
 WASM_FLAGS = (
     *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-O2", "-s"),
     *("-Wl,--export-dynamic", "-Wl,--export=__heap_base"),

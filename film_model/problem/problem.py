@@ -285,9 +285,12 @@ class Problem:
         return start
 
     def march(self, mesh: native.Mesh) -> tuple[Any, Any]:
-        """The core's status and summary of the impact on a mesh; of many impacts, an array and :class:`Columns`."""
+        """The core's status and summary of the impact on a mesh; of many impacts, an array and :class:`Columns`.
+
+        One impact by the lines that are recorded: the meshes are compared to find the error of its history.
+        """
         if not self.impacts.many:
-            return native.impact(self.curve.native, mesh, self.start)
+            return native.marched(self.curve.native, mesh, self.start)
         page = self.curve.page
         if self.shape is None or page is None:
             status, table = native.batch(self.curve.native, mesh, self.start)

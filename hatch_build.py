@@ -26,7 +26,7 @@ ONE_IMPACT = tuple(f"{CORE}/film_{name}.c" for name in ("impact", "single", "tab
 SOURCES = (
     *platforms.MARCH,
     *ONE_IMPACT,
-    *(f"{CORE}/film_{name}.c" for name in ("batch", "compare", "lanes", "avx2", "avx512")),
+    *(f"{CORE}/film_{name}.c" for name in ("batch", "batch_shape", "many", "compare", "lanes", "avx2", "avx512")),
     *platforms.MODES,
     f"{CORE}/film_modal_impact.c",
 )
@@ -35,7 +35,10 @@ FLAGS = platforms.FLAGS
 SHARED = ("-shared",) if sys.platform == "win32" else ("-shared", "-fPIC")
 LINK = () if sys.platform == "win32" else ("-lm",)
 WASM = "film_model/explorer/_film_core.wasm"
-WASM_SOURCES = (*platforms.MARCH, *ONE_IMPACT, f"{CORE}/film_compare.c")
+WASM_SOURCES = (
+    *(*platforms.MARCH, *platforms.MODES, *ONE_IMPACT),
+    *(f"{CORE}/film_{name}.c" for name in ("modal_impact", "compare")),
+)
 WASM_FLAGS = (
     *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-O2", "-s"),
     *("-Wl,--export-dynamic", "-Wl,--export=__heap_base"),

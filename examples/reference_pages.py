@@ -79,11 +79,11 @@ def effects_page() -> str:
     )
     rules = {name: rule for name, rule in RULES.items() if name not in COMPUTED}
     judged = "\n".join(
-        f"## {name.replace('_', ' ')}\n\n{inspect.cleandoc(rule.__doc__ or '')}\n\n{_by_target(name)}"
-        f"Indicator: {indicator}. Source: {source}.\n"
-        for name, (indicator, source, rule) in rules.items()
+        f"## {name.replace('_', ' ')}\n\n{inspect.cleandoc(judge.__doc__ or '')}\n\n{_by_target(name)}"
+        f"Indicator: {rule.indicator}. Source: {rule.source}.\n"
+        for name, (rule, judge) in rules.items()
     )
-    reflections = inspect.cleandoc(RULES["boundary_reflections"][2].__doc__ or "")
+    reflections = inspect.cleandoc(RULES["boundary_reflections"][1].__doc__ or "")
     return f"""# Effects
 
 Made from the code by `python -m examples.reference_pages`. Each effect of a scene has an indicator with its value and

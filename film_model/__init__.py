@@ -9,6 +9,7 @@ from film_model.methods import add_methods
 from film_model.scene import Contact, Effects, Scene, Solver, Sphere
 from film_model.solve.batch import BatchResult, simulate_batch
 from film_model.solve.component import ImpactComponent
+from film_model.solve.derivatives import Derivatives
 from film_model.solve.history import Event, History, Samples
 from film_model.solve.simulate import simulate
 from film_model.targets import *  # noqa: F403
@@ -19,6 +20,7 @@ add_methods()
 __all__ = [
     "BatchResult",
     "Contact",
+    "Derivatives",
     "Effects",
     "Event",
     "History",

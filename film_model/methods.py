@@ -7,13 +7,12 @@ declare them, for editors.
 from __future__ import annotations
 
 import base64
-import html
 import os
 from collections.abc import Iterable, Mapping
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from film_model.base.text import Text
+from film_model.base.text import Text, escaped
 from film_model.base.units import format_si
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
@@ -67,7 +66,7 @@ def history_as_html(self: History) -> str:
         for name, value in self.summary.items()
         if value is not None
     )
-    said = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in self.warnings)
+    said = "".join(f"<li>{escaped(sentence)}</li>" for sentence in self.warnings)
     return _heading(self.scene, repr(self)) + _table(rows) + (f"<ul>{said}</ul>" if said else "") + _picture(self)
 
 
@@ -78,11 +77,11 @@ def scene_as_html(self: Scene) -> str:
 
 def _heading(scene: Scene, line: str) -> str:
     title = scene.title or f"Impact on a {scene.target.kind}"
-    return f"<p><strong>{html.escape(title)}</strong><br/>{html.escape(line)}</p>"
+    return f"<p><strong>{escaped(title)}</strong><br/>{escaped(line)}</p>"
 
 
 def _table(rows: Iterable[tuple[str, str]]) -> str:
-    cells = "".join(f"<tr><th>{html.escape(name)}</th><td>{html.escape(value)}</td></tr>" for name, value in rows)
+    cells = "".join(f"<tr><th>{escaped(name)}</th><td>{escaped(value)}</td></tr>" for name, value in rows)
     return f"<table>{cells}</table>"
 
 

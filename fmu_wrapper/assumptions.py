@@ -168,7 +168,8 @@ def _new(scene: Scene, name: str, value: float, own: Choice, highest: float | No
         changes["impactor.mass"] = scene.mass
     try:
         choice = choose(scene_of_columns(scene, changes))
-        fails = _failing(choice, highest) - _failing(own, highest) | _other_strength(choice.problem, own.problem)
+        fails = _failing(choice, highest) - _failing(own, highest)
+        fails |= _other_strength(choice.problem, own.problem) | _other_support(choice.problem, own.problem)
         return ", ".join(sorted(fails))
     except (SceneError, SimulationError, ValueError, ArithmeticError):
         return "the library cannot simulate it"
@@ -184,14 +185,19 @@ def _other_strength(problem: Problem, own: Problem) -> frozenset[str]:
     return frozenset() if off <= problem.scene.effect_tolerance else frozenset({"rate hardening"})
 
 
+def _other_support(problem: Problem, own: Problem) -> frozenset[str]:
+    """What an FMU on an infinite plate, or on a static stiffness, leaves out where the target moves otherwise."""
+    if own.vibrates or (problem.vibrates, problem.compliance > 0.0) == (False, own.compliance > 0.0):
+        return frozenset()
+    return frozenset({"vibrations of the target" if own.compliance > 0.0 else "boundary reflections"})
+
+
 def _failing(choice: Choice, highest: float | None) -> frozenset[str]:
-    """Effects that matter and are not simulated; and how the target moves, which an FMU cannot change.
+    """Effects that matter and are not simulated.
 
     highest: frequency up to which the FMU contains vibrations, rad/s; None if it contains none.
     """
     missing = {effect.name.replace("_", " ") for effect in choice.effects if effect.state == NOT_MODELLED}
-    if choice.problem.vibrates or choice.problem.compliance > 0.0:
-        missing.add("boundary reflections")
     if highest is not None:
         missing.discard("boundary reflections")
         if _needs_more(choice, highest):

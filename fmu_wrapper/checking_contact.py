@@ -1,9 +1,11 @@
-"""The check of a contact FMU: loading, unloading, and a deeper second contact in the dent of the first."""
+"""The check of a contact FMU: loading, unloading, and a deeper second contact in the dent of the first, in both
+interfaces."""
 
 from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +13,7 @@ from numpy.typing import NDArray
 
 from film_model.core import native
 from fmu_wrapper.findings import STEPS_TOLERANCE, Finding
-from fmu_wrapper.instance import Fmu, started
+from fmu_wrapper.instance import Fmu, Slave, started
 from fmu_wrapper.loading_curve import loading_force
 from fmu_wrapper.resource import Data
 
@@ -24,57 +26,70 @@ FIRST, APART = 0.7, 0.05
 _LEGS = ("loading", "unloading", "reloading in the dent", "second unloading")
 
 
-class Path(NamedTuple):
-    """Indentation [m] and its rate [m/s] over time [s]; leg: place in the names of legs."""
+LATE = 1e-9
+"""Allowed difference in Model Exchange, where an event is handled up to 1e-10 of the way late."""
 
-    time: NDArray[np.float64]
-    indentation: NDArray[np.float64]
-    rate: NDArray[np.float64]
-    leg: NDArray[np.int64]
+
+class Path(NamedTuple):
+    """Half-waves of the indentation between `ends` [m], each of the duration `length` [s]."""
+
+    ends: tuple[float, ...]
+    length: float
+
+    @property
+    def times(self) -> list[float]:
+        """The communication points, s; turning points are among them."""
+        return [n * (self.length / POINTS) for n in range(POINTS * len(_LEGS) + 1)]
+
+    def leg(self, n: int) -> int:
+        """The leg of a communication point, a place in the names of legs."""
+        return max(n - 1, 0) // POINTS
+
+    def at(self, time: float) -> tuple[float, float]:
+        """Indentation [m] and its rate [m/s]; at the turning points the rate is 0, at the start above 0."""
+        leg = min(math.ceil(time / self.length * (1.0 - 1e-14)) - 1, len(_LEGS) - 1) if time > 0.0 else 0
+        (a, b), phase = self.ends[leg : leg + 2], math.pi * (time / self.length - leg) if time > 0.0 else 0.01
+        if abs(phase - math.pi) < 1e-9:
+            return b, 0.0
+        moved = 0.5 * (a + b) + 0.5 * (a - b) * math.cos(phase) if time > 0.0 else 0.0
+        return moved, 0.5 * (b - a) * math.pi / self.length * math.sin(phase)
 
 
 def compared_contact(fmu: Fmu) -> list[Finding]:
-    """Findings from the force element on a path of two contacts, in Co-Simulation."""
+    """Findings from the force element on a path of two contacts, in Co-Simulation and Model Exchange."""
     path = _path(fmu.data)
     expected = _forces(fmu.data, path)
-    force, contacts = _stepped(fmu, path)
-    off = np.abs(force - expected) / max(float(np.abs(expected).max()), 1e-300)
     findings: list[Finding] = []
-    for leg, name in enumerate(_LEGS):
-        place = int(np.where(path.leg == leg, off, -1.0).argmax())
-        where = f"indentation = {path.indentation[place]:.6g} m"
-        findings.append(Finding(f"contact: force in {name}", float(off[place]), STEPS_TOLERANCE, where))
-    return [*findings, Finding("contact: number of contacts", abs(contacts - 2.0), 0.0, f"{contacts:g} instead of 2")]
+    for interface, run, allowed in (("", _stepped, STEPS_TOLERANCE), ("Model Exchange, ", _exchanged, LATE)):
+        force, contacts = run(fmu, path)
+        off = np.abs(force - expected) / max(float(np.abs(expected).max()), 1e-300)
+        legs = np.array([path.leg(n) for n in range(off.size)])
+        for leg, name in enumerate(_LEGS):
+            place = int(np.where(legs == leg, off, -1.0).argmax())
+            where = f"indentation = {path.at(path.times[place])[0]:.6g} m"
+            findings.append(Finding(f"contact: {interface}force in {name}", float(off[place]), allowed, where))
+        said = f"{contacts:g} instead of 2"
+        findings.append(Finding(f"contact: {interface}number of contacts", abs(contacts - 2.0), 0.0, said))
+    return findings
 
 
 def _path(data: Data) -> Path:
-    """Half-waves between zero, two depths, and gaps; turning points are communication points."""
+    """Between zero, two depths, and gaps; the rates reach the impact's velocity."""
     deepest, gap = data.nominal[0], -APART * data.nominal[0]
-    ends = (0.0, FIRST * deepest, gap, deepest, gap)
-    length = 0.5 * math.pi * deepest / data.speed  # s: the rates reach the impact's velocity
-    phase = np.linspace(0.0, math.pi, POINTS + 1)[1:]
-    parts = [((a + b) / 2.0 + (a - b) / 2.0 * np.cos(phase)) for a, b in itertools.pairwise(ends)]
-    rates = [(b - a) / 2.0 * math.pi / length * np.sin(phase) for a, b in itertools.pairwise(ends)]
-    for part, rate, end in zip(parts, rates, ends[1:], strict=True):
-        part[-1], rate[-1] = end, 0.0
-    count = POINTS * len(_LEGS)
-    time = np.arange(count + 1) * (length / POINTS)
-    start_rate = math.pi / length * FIRST * deepest / 2.0 * math.sin(0.01)  # > 0: the bodies approach
-    leg = np.repeat(np.arange(len(_LEGS)), POINTS)
-    return Path(time, np.concatenate([[0.0], *parts]), np.concatenate([[start_rate], *rates]), np.append(0, leg))
+    return Path((0.0, FIRST * deepest, gap, deepest, gap), 0.5 * math.pi * deepest / data.speed)
 
 
 def _forces(data: Data, path: Path) -> NDArray[np.float64]:
-    """The law's force [N] on the path, with its memory of earlier turning points."""
+    """The law's force [N] at the communication points, with its memory of earlier turning points."""
+    rows = [path.at(time) for time in path.times]
     if data.curve.stage[0].damped:  # no memory, and no tension
-        rows = zip(path.indentation.tolist(), path.rate.tolist(), strict=True)
         return np.array([max(loading_force(data, x, v), 0.0) if x >= 0.0 else 0.0 for x, v in rows])
     start = native.Start()
     start.nu = 1.0
     state = native.initial_state(data.curve, start)
     force = native.force_of(data.curve, state)
     found: list[float] = []
-    for before, x in itertools.pairwise([0.0, *path.indentation.tolist()]):
+    for before, x in itertools.pairwise([0.0, *(x for x, _ in rows)]):
         state.nu = -1.0 if x < before else 1.0
         for at in (state.xi, x / data.length_scale):  # a turn, at the last indentation; and the way to the next
             state.xi = at
@@ -85,13 +100,52 @@ def _forces(data: Data, path: Path) -> NDArray[np.float64]:
 
 
 def _stepped(fmu: Fmu, path: Path) -> tuple[NDArray[np.float64], float]:
-    """Forces [N] of the FMU on the path, and the number of contacts."""
+    """Forces [N] of the FMU at the communication points, and the number of contacts."""
     force: list[float] = []
-    step = float(path.time[1])
-    with started(fmu, False, {"indentation": 0.0, "relative_velocity": float(path.rate[0])}) as slave:
-        for time, x, v in zip(path.time.tolist(), path.indentation.tolist(), path.rate.tolist(), strict=True):
-            slave.set("indentation", x)
-            slave.set("relative_velocity", v)
+    with started(fmu, False, _inputs(path, 0.0)) as slave:
+        for time in path.times:
+            _set(slave, path, time)
             force.append(slave.get(("contact_force",))["contact_force"])
-            slave.step(time, step)
+            slave.step(time, path.times[1])
         return np.array(force), slave.get(("contact_count",))["contact_count"]
+
+
+def _exchanged(fmu: Fmu, path: Path) -> tuple[NDArray[np.float64], float]:
+    """The same in Model Exchange: events are handled at the first time at which an indicator is not positive."""
+    force: list[float] = []
+
+    def due(slave: Slave, time: float) -> bool:
+        slave.instance.setTime(time)
+        _set(slave, path, time)
+        return min(slave.indicators(native.INDICATORS)) <= 0.0
+
+    with started(fmu, False, _inputs(path, 0.0), exchange=True) as slave:
+        now = 0.0
+        for time in path.times:
+            while due(slave, time):
+                now = _first(lambda at: due(slave, at), now, time)
+                due(slave, now)
+                slave.instance.enterEventMode()
+                slave.handle()
+            now = time
+            slave.instance.completedIntegratorStep()
+            force.append(slave.get(("contact_force",))["contact_force"])
+        return np.array(force), slave.get(("contact_count",))["contact_count"]
+
+
+def _first(due: Callable[[float], bool], before: float, after: float) -> float:
+    """The first time at which an event is due, to rounding: not yet at `before`, but at `after`."""
+    while True:
+        middle = 0.5 * (before + after)
+        if not before < middle < after:
+            return after
+        before, after = (before, middle) if due(middle) else (middle, after)
+
+
+def _inputs(path: Path, time: float) -> dict[str, float]:
+    return dict(zip(("indentation", "relative_velocity"), path.at(time), strict=True))
+
+
+def _set(slave: Slave, path: Path, time: float) -> None:
+    for name, value in _inputs(path, time).items():
+        slave.set(name, value)

@@ -71,8 +71,8 @@ def run(
             raise ValueError(f"{path}: kind contact contains no bodies; only impact FMUs can be run alone")
         if mode == "events" and fmu.version == 2:
             raise ValueError(f"{path}: mode 'events' needs FMI 3.0, this is FMI 2.0")
-        if mode == "exchange" and fmu.data.modes.count > 0:
-            raise ValueError(f"{path}: on a vibrating target there is no mode 'exchange', only Co-Simulation")
+        if mode == "exchange" and not resource.has_exchange(fmu.data):
+            raise ValueError(f"{path}: its target vibrates or has a static stiffness: there is no mode 'exchange'")
         experiment = fmu.description.defaultExperiment
         stop = _positive("stop_time", float(experiment.stopTime) if stop_time is None else stop_time)
         step = _positive("step_size", float(experiment.stepSize) if step_size is None else step_size)

@@ -19,7 +19,7 @@ from film_model.scene import Scene
 from film_model.solve.history import SUMMARY, History
 from film_model.version import __version__
 from fmu_wrapper.model_description import Experiment
-from fmu_wrapper.resource import DAMPING, Data, damping_power, has, mode_frequencies
+from fmu_wrapper.resource import DAMPING, Data, damping_power, has, has_exchange, mode_frequencies
 from fmu_wrapper.variables import KINDS, VARIABLES, reference, settable
 
 COUPLINGS = (
@@ -60,9 +60,16 @@ impactor lost divided by the step; the first error is proportional to the step, 
 <p>In FMI 3.0 with event mode, each event ends the step at its exact time. Otherwise the kind, exact time and values of
 events are outputs.</p>"""
 
-_MESH = """\
+_EXCHANGE = """\
 <p>In Model Exchange the importer integrates the true law to its own tolerance (default: {tolerance:g}, relative), and
-events are state events.</p>
+events are state events.</p>"""
+
+_STATIC = """\
+<p>The target follows the contact force by its static stiffness, <code>target_stiffness</code>, without delay: it has no
+inertia, and <code>indentation</code> and <code>target_displacement</code> share the displacement of the impactor as the
+two forces balance. This FMU is for Co-Simulation: Model Exchange would need that balance in place of a state.</p>"""
+
+_MESH = """\
 <p><code>loading_segments</code> ({loading}) and <code>unloading_segments</code> ({unloading}) set the accuracy; the
 error is proportional to their number to the power of −4.</p>"""
 
@@ -214,7 +221,8 @@ def _steps(kind: str, data: Data, history: History | None, experiment: Experimen
         if data.modes.count > 0:
             return [*steps, _modes(data)]
         loading, unloading = (int(data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
-        return [*steps, _MESH.format(loading=loading, unloading=unloading, tolerance=experiment.tolerance)]
+        moves = _EXCHANGE.format(tolerance=experiment.tolerance) if has_exchange(data) else _STATIC
+        return [*steps, moves, _MESH.format(loading=loading, unloading=unloading)]
     rows = [(str(n), *(f"{100.0 * error:+.3g} %" for error in errors)) for n, errors in COUPLING_ERRORS.items()]
     heads = ("steps per contact", *COUPLINGS)
     return [_CONTACT_STEPS.format(table=_table(heads, rows))]

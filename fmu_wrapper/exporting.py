@@ -50,8 +50,8 @@ def export(
 ) -> Path:
     """Write a scene as an FMU, which runs without Python. Returns the path of the file.
 
-    kind: "impact" contains the impactor with its mass; "contact" is the force element alone. Both are for
-    Co-Simulation and, except on vibrating targets, Model Exchange. initial_gap: of the impact at the start ("5 mm").
+    kind: "impact" contains the impactor with its mass; "contact" is the force element alone. They are for
+    Co-Simulation and, except on targets that vibrate or have a static stiffness, Model Exchange. initial_gap: "5 mm".
     platform: names from `fmu_wrapper.platforms.PLATFORMS`, or "all", which need ziglang; the default is this machine,
     which needs no compiler. with_sources: includes the C sources, for importers that compile; their names begin with
     the model identifier, so that several FMUs can be linked into one program. name: of the model, from which the
@@ -162,8 +162,6 @@ def _simulated(scene: Scene) -> tuple[Choice, tuple[int, int], History | None]:
     """The choice of effects, segments for loading and unloading, and the history, or None if nothing moves."""
     choice = choose(scene)
     problem = choice.problem
-    if problem.compliance > 0.0:
-        raise SimulationError("an FMU is not supported for a target with a static stiffness; use simulate()")
     history = simulate_chosen(choice, scene.solver) if problem.approach > 0.0 or problem.load > 0.0 else None
     if problem.vibrates:
         segments = (0, 0)

@@ -6,6 +6,7 @@ import os
 import shutil
 from collections.abc import Generator, Iterable, Mapping
 from contextlib import contextmanager
+from ctypes import c_double
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -71,7 +72,7 @@ def opened(path: str | os.PathLike[str]) -> Generator[Fmu]:
             description: Any = read_model_description(folder, validate=False)
         except Exception as error:  # of lxml or FMPy: there is no common class
             raise DamagedFile(f"{source}: modelDescription.xml cannot be read: {first_line(error)}") from error
-        exchange = ("modelExchange",) if data.modes.count == 0 else ()
+        exchange = ("modelExchange",) if resource.has_exchange(data) else ()
         for name in ("coSimulation", *exchange, "defaultExperiment"):
             if getattr(description, name) is None:
                 raise DamagedFile(f"{source}: modelDescription.xml has no {name[0].upper()}{name[1:]}")
@@ -87,11 +88,12 @@ def opened(path: str | os.PathLike[str]) -> Generator[Fmu]:
 
 
 class Slave:
-    """A Co-Simulation instance of FMI 2.0 or 3.0, whose variables are set and read by name."""
+    """An instance of FMI 2.0 or 3.0, whose variables are set and read by name: for Co-Simulation, or for Model Exchange
+    if `exchange` is true."""
 
-    def __init__(self, fmu: Fmu, event_mode: bool) -> None:
-        from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
-        from fmpy.fmi3 import FMU3Slave
+    def __init__(self, fmu: Fmu, event_mode: bool, exchange: bool = False) -> None:
+        from fmpy.fmi2 import FMU2Model, FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+        from fmpy.fmi3 import FMU3Model, FMU3Slave
 
         identity = {
             "guid": fmu.description.guid,
@@ -99,20 +101,17 @@ class Slave:
             "modelIdentifier": fmu.description.coSimulation.modelIdentifier,
             "instanceName": "impact",
         }
-        self.fmu, self.event_mode, self.version = fmu, event_mode, fmu.version
+        self.fmu, self.event_mode, self.exchange, self.version = fmu, event_mode, exchange, fmu.version
         if self.version == 2:
-            self.instance: Any = FMU2Slave(**identity)
+            self.instance: Any = FMU2Model(**identity) if exchange else FMU2Slave(**identity)
             callbacks = fmi2CallbackFunctions()
             callbacks.logger = fmi2CallbackLoggerTYPE(lambda _e, _n, _s, category, text: fmu.log(category, text))
             self._kept = callbacks
             self.instance.instantiate(callbacks=callbacks)
         else:
-            self.instance = FMU3Slave(**identity)
-            self.instance.instantiate(
-                eventModeUsed=event_mode,
-                earlyReturnAllowed=event_mode,
-                logMessage=lambda _e, _s, category, text: fmu.log(category, text),
-            )
+            self.instance = FMU3Model(**identity) if exchange else FMU3Slave(**identity)
+            modes = {} if exchange else {"eventModeUsed": event_mode, "earlyReturnAllowed": event_mode}
+            self.instance.instantiate(logMessage=lambda _e, _s, category, text: fmu.log(category, text), **modes)
 
     def initialize(self, values: Mapping[str, float]) -> None:
         """Set start values and leave Initialization Mode."""
@@ -124,13 +123,21 @@ class Slave:
         for name, value in values.items():
             self.set(name, value)
         self.instance.exitInitializationMode()
-        if self.event_mode:
+        if self.event_mode or self.exchange:
             self.handle()
 
     def handle(self) -> None:
-        """Handle the current event and return to step mode."""
-        self.instance.updateDiscreteStates()
-        self.instance.enterStepMode()
+        """Handle the current event and return to step mode, or Continuous-Time Mode."""
+        update = self.instance.newDiscreteStates if self.version == 2 else self.instance.updateDiscreteStates
+        while update()[0]:
+            pass
+        (self.instance.enterContinuousTimeMode if self.exchange else self.instance.enterStepMode)()
+
+    def indicators(self, count: int) -> list[float]:
+        """The event indicators, in Model Exchange."""
+        values = (c_double * count)()
+        self.instance.getEventIndicators(values, count)
+        return list(values)
 
     def set(self, name: str, value: float) -> None:
         """Set one variable."""
@@ -186,10 +193,10 @@ class Slave:
 
 
 @contextmanager
-def started(fmu: Fmu, event_mode: bool, values: Mapping[str, float]) -> Generator[Slave]:
+def started(fmu: Fmu, event_mode: bool, values: Mapping[str, float], exchange: bool = False) -> Generator[Slave]:
     """A running instance, freed at the end; an error that the FMU reports is raised as SimulationError."""
     try:
-        slave = Slave(fmu, event_mode)
+        slave = Slave(fmu, event_mode, exchange)
         try:
             slave.initialize(values)
             yield slave

@@ -14,7 +14,7 @@ from film_model.base.units import scene_unit
 from film_model.scene import Scene
 from film_model.version import __version__
 from fmu_wrapper.nominals import nominals
-from fmu_wrapper.resource import Data, has
+from fmu_wrapper.resource import Data, has, has_exchange
 from fmu_wrapper.variables import (
     EVENT_KINDS,
     KINDS,
@@ -42,7 +42,13 @@ LOG_CATEGORIES = {
 
 _LONGEST_IDENTIFIER = 60
 
-DISPLAY = {"length": ("µm", 1e6), "time": ("µs", 1e6), "force": ("kN", 1e-3), "energy": ("mJ", 1e3)}
+DISPLAY = {
+    "length": ("µm", 1e6),
+    "time": ("µs", 1e6),
+    "force": ("kN", 1e-3),
+    "energy": ("mJ", 1e3),
+    "pressure": ("MPa", 1e-6),
+}
 """Dimension → unit in which tools show values, and its factor. Radii and gaps are shown in metres."""
 _IN_SI = ("radius", "initial_gap")
 
@@ -141,11 +147,6 @@ def model_description(
     _structure(root, data, chosen, version)
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
-
-
-def has_exchange(data: Data) -> bool:
-    """Whether the FMU is for Model Exchange too: a vibrating target would have thousands of states."""
-    return data.modes.count == 0
 
 
 def _is_indicator(v: Variable) -> bool:

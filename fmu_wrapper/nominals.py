@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from fmu_wrapper.loading_curve import loading_force
 from fmu_wrapper.resource import Data
 from fmu_wrapper.variables import KINDS, RIGID, STATES, VARIABLES, Real, reference, settable
@@ -37,6 +39,7 @@ def _sizes(data: Data, stop_time: float) -> dict[str, float]:
         "force": force,
         "impedance": force / speed if speed > 0.0 else 0.0,
         "acceleration": force / mass,
+        "pressure": force / (math.pi * data.stresses.radius * depth),
         "energy": 0.5 * mass * speed**2,
         "impulse": mass * speed,
     }

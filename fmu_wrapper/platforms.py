@@ -25,18 +25,24 @@ CORE, RUNTIME = "film_model/core", "fmu_wrapper/runtime"
 MARCH = tuple(
     f"{CORE}/film_{name}.c" for name in ("march", "aim", "draw", "damping", "branch", "integrator", "setup")
 )  # one impact; the core's batches are not in FMUs
-MODES = tuple(f"{CORE}/film_modal{part}.c" for part in ("", "_table", "_root", "_force", "_contact", "_flight"))
+MODES = (
+    f"{CORE}/film_instructions.c",
+    *(
+        f"{CORE}/film_modal{part}.c"
+        for part in ("", "_table", "_loops", "_avx2", "_avx512", "_root", "_force", "_contact", "_flight")
+    ),
+)
 SOURCES = (
     *MARCH,
     *MODES,
     *(
         f"{RUNTIME}/model{part}.c"
-        for part in ("", "_events", "_contact", "_curve", "_outputs", "_validity", "_exchange", "_modes")
+        for part in ("", "_events", "_contact", "_curve", "_outputs", "_validity", "_exchange", "_modes", "_stresses")
     ),
     *(f"{RUNTIME}/{name}.c" for name in ("resource", "instance", "fmi2", "fmi3")),
 )
 HEADERS = (
-    *(f"{CORE}/film_{name}.h" for name in ("core", "law", "line", "march", "modal", "modal_parts")),
+    *(f"{CORE}/film_{name}.h" for name in ("core", "law", "line", "march", "wide", "modal", "modal_parts")),
     *(f"{RUNTIME}/{name}.h" for name in ("model", "model_parts", "instance", "variables", "failures")),
 )
 INCLUDES = (CORE, RUNTIME)

@@ -14,7 +14,9 @@ from film_model.base.errors import SimulationError
 from film_model.base.units import scene_unit
 from film_model.core import native
 from film_model.core.modal import LEVELS
+from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.law import AbstractLaw, law_fields
+from film_model.problem import stresses
 from film_model.problem.curve import curve_of
 from film_model.problem.families import EDGES, Page, page_between
 from film_model.problem.problem import Problem
@@ -50,8 +52,10 @@ SMALLER = 0.5
 
 MOST_MODES = 20_000
 """Largest number of natural vibrations of an FMU, limited by memory: 6 kB of address space each in every instance."""
-OF_HALF_SPACES = ("target_impedance", "loading_segments", "unloading_segments")
+OF_HALF_SPACES = ("target_impedance", "target_stiffness", "loading_segments", "unloading_segments")
 """Parameters that an FMU on a vibrating target does not have."""
+UNUSED = {"target_impedance": RIGID}
+"""Start values that are not the smallest, of parameters that an FMU does not have."""
 
 _SETTABLE = settable()
 _D, _I = c.c_double, c.c_int32
@@ -76,6 +80,18 @@ class Modes(c.Structure):
     """model_modes of runtime/model.h."""
 
     _fields_ = (("longest", _D), ("rest", _D), ("tolerance", _D), ("count", _I), ("levels", _I))
+
+
+class Stresses(c.Structure):
+    """model_stresses of runtime/model.h."""
+
+    _fields_ = tuple(
+        (name, _D)
+        for name in (
+            *("radius", "hertz", "strain", "yield_factor", "growth", "growth_rate", "most_growth", "widest"),
+            *("elastic_limit", "hertzian", "shallow", "shear", "depth"),
+        )
+    )
 
 
 class Data(c.Structure):
@@ -103,6 +119,7 @@ class Data(c.Structure):
         ("reason", (c.c_char * _REASON) * 2 * _SETTABLE),
         ("limit", _D * LIMITS),
         ("limit_power", (_D * len(SCALING)) * LIMITS),
+        ("stresses", Stresses),
         ("curve", native.Curve),
         ("family", Family),
         ("modes", Modes),
@@ -131,21 +148,16 @@ def model_data(
     data.kind = KINDS.index(kind)
     data.linearisation = native.CHORD if scene.solver.linearisation == "chord" else native.WORK_PRESERVING
     data.length_scale, data.force_scale = problem.scales.length, problem.scales.force
-    start = {
-        "mass": problem.mass,
-        "initial_velocity": scene.approach_velocity,
-        "initial_gap": gap,
-        "target_impedance": min(scene.target_impedance, RIGID) if problem.gamma > 0.0 else RIGID,
-        "gravity": STANDARD_GRAVITY if problem.load > 0.0 else 0.0,
-        "input_extrapolation": EXTRAPOLATION,
-        "loading_segments": segments[0],
-        "unloading_segments": segments[1],
-    }
+    start = {**_of_scene(problem), "initial_gap": gap}
+    start |= dict(zip(("loading_segments", "unloading_segments"), segments, strict=True))
     powers = {name: powers_of(law, name, problem) for name in SCALING}
     damping = {name: damping_power(law, name, problem) for name in DAMPING}
+    missing = (
+        OF_HALF_SPACES if vibration else ("target_impedance",) if problem.compliance > 0.0 else ("target_stiffness",)
+    )
     for k, variable in enumerate(VARIABLES[:_SETTABLE]):
         name = variable.name
-        exists = kind in variable.causality and not (vibration and name in OF_HALF_SPACES)
+        exists = kind in variable.causality and name not in missing
         if name in powers:
             exists = exists and powers[name] is not None
             data.start[k] = getattr(law, field_of(law, name)) if exists else variable.low
@@ -153,7 +165,7 @@ def model_data(
             exists = exists and bool(damping[name])
             data.start[k] = getattr(law, name) if exists else variable.low
         else:
-            data.start[k] = start.get(name, 0.0) if exists else max(variable.low or 0.0, 0.0)
+            data.start[k] = start.get(name, 0.0) if exists else UNUSED.get(name, max(variable.low or 0.0, 0.0))
         data.available[k] = exists and not (name in damping and damping[name] is None)
         check_range(variable, data.start[k])
         data.valid[k][:] = (-math.inf, math.inf)
@@ -165,11 +177,25 @@ def model_data(
     _put_validity(data, validity)
     data.speed = max(scene.approach_velocity, 1e-9)
     data.nominal[:] = nominal
-    data.curve = problem.curve.native
+    data.stresses = _stresses(problem)
+    data.curve = curve_of(problem.law).native
     _put_family(data, problem)
     if vibration is not None:
         _put_modes(data, problem, vibration)
     return data
+
+
+def _of_scene(problem: Problem) -> dict[str, float]:
+    """Start values of the parameters that are not the law's, SI."""
+    scene, moves = problem.scene, problem.gamma > 0.0
+    return {
+        "mass": problem.mass,
+        "initial_velocity": scene.approach_velocity,
+        "target_impedance": min(scene.target_impedance, RIGID) if moves else RIGID,
+        "target_stiffness": 1.0 / problem.compliance if problem.compliance > 0.0 else math.inf,
+        "gravity": STANDARD_GRAVITY if problem.load > 0.0 else 0.0,
+        "input_extrapolation": EXTRAPOLATION,
+    }
 
 
 def _put_modes(data: Data, problem: Problem, vibration: Vibration) -> None:
@@ -199,6 +225,23 @@ def _put_validity(data: Data, validity: Validity) -> None:
             data.limit_power[k][SCALING.index(name)] = power if data.available[reference(name)] else 0.0
 
 
+def _stresses(problem: Problem) -> Stresses:
+    """The numbers from which the runtime computes what `film_model.problem.stresses` does; 0 for what is unknown."""
+    impacts, scene = problem.impacts, problem.impacts.scene
+    modulus, radius, poisson = scene.effective_modulus, scene.effective_radius, scene.poissons_ratio
+    known = Stresses(radius)
+    if modulus is None or problem.curve.pulls:
+        return known
+    known.hertz, known.strain = hertz_stiffness(modulus, radius), (impacts.yield_strength or 0.0) / modulus
+    known.growth, known.growth_rate, known.most_growth = stresses.GROWTH, stresses.GROWTH_RATE, stresses.MOST_GROWTH
+    known.widest, known.elastic_limit = stresses.WIDEST, stresses.ELASTIC_LIMIT
+    known.hertzian, known.shallow = stresses.HERTZIAN, stresses.SHALLOW
+    if poisson is not None:
+        known.yield_factor = stresses.yield_factor(poisson)
+        known.shear, known.depth = stresses.shear_below(poisson)
+    return known
+
+
 def _put_family(data: Data, problem: Problem) -> None:
     """The curves for other strengths and moduli, of a law whose stages depend on them."""
     law, page = problem.law, own_page(problem)
@@ -217,7 +260,7 @@ def _put_family(data: Data, problem: Problem) -> None:
 def own_page(problem: Problem) -> Page | None:
     """The curves of shapes within `AROUND` of the problem's law, if it has a family and they are exact enough."""
     law = problem.law
-    if problem.curve.page is None or problem.compliance > 0.0:
+    if problem.curve.page is None:
         return None
     low, high = max(law.shape / AROUND, float(EDGES[0])), min(law.shape * AROUND, float(EDGES[-1]))
     page = page_between(law.of_shape(1e-3), low, high)
@@ -263,7 +306,7 @@ def powers_of(law: AbstractLaw, name: str, problem: Problem) -> tuple[float, flo
     found: list[tuple[float, float]] = []
     for factor in (SMALLER, SMALLER**2) if shaped and name == "yield_strength" else _PROBES:
         other: AbstractLaw = replace(law, **{field: value * factor})  # type: ignore[type-var]
-        if not shaped and bytes(curve_of(other).native) != bytes(problem.curve.native):
+        if not shaped and bytes(curve_of(other).native) != bytes(curve_of(law).native):
             return None
         length, force = (math.log(b / a) / math.log(factor) for a, b in zip(base, other.scales(energy), strict=True))
         found.append((_rational(length), _rational(force)))
@@ -338,9 +381,14 @@ def start_values(data: Data) -> dict[str, float]:
 def has(data: Data, name: str) -> bool:
     """Whether this FMU has the variable."""
     k = reference(name)
-    if data.modes.count > 0 and k >= reference("rate_of_indentation"):  # of Model Exchange
+    if not has_exchange(data) and k >= reference("rate_of_indentation"):
         return False
     return KINDS[data.kind] in VARIABLES[k].causality and (k >= _SETTABLE or bool(data.available[k]))
+
+
+def has_exchange(data: Data) -> bool:
+    """Whether the FMU is for Model Exchange too: not on a target that vibrates or has a static stiffness."""
+    return data.modes.count == 0 and not data.available[reference("target_stiffness")]
 
 
 def _fnv1a(content: bytes) -> int:

@@ -18,14 +18,14 @@ from film_model.core import native
 from film_model.solve.history import MOTION, SUMMARY
 from fmu_wrapper import resource
 from fmu_wrapper.instance import Fmu, Row
-from fmu_wrapper.variables import reference
+from fmu_wrapper.variables import STRESSES, reference
 
 
 def dataset(fmu: Fmu, rows: list[Row], events: list[Row], interface: str, starts: Mapping[str, float]) -> xr.Dataset:
     """The dataset of a run. interface: of FMI, in words. starts: parameters that were set, SI."""
     touch = next((event["time"] for event in events if event["kind"] == native.EVENTS.index("contact_begins")), 0.0)
     peak = max(row["maximum_force"] for row in rows if row["contact_count"] <= 1)
-    summary = _summary(events, touch, peak, bool(fmu.data.curve.stage[0].damped))
+    summary = _summary(events, touch, peak, bool(fmu.data.curve.stage[0].damped)) | _stresses(rows)
     columns = {
         **_motion(rows, events, touch),
         **{name: math.nan if value is None else value for name, value in summary.items()},
@@ -90,6 +90,16 @@ def _summary(events: list[Row], touch: float, peak: float, damped: bool) -> dict
         if before > 0.0:
             summary["coefficient_of_restitution"] = -after / before
     return summary
+
+
+def _stresses(rows: list[Row]) -> dict[str, float | None]:
+    """Radius, dent, pressures and stresses of the first contact; an output that stays 0 is unknown, but a dent's."""
+    first = [row for row in rows if row["contact_count"] <= 1]
+    found = {name: max(row[name] for row in first) for name in STRESSES}
+    ended = any(native.PHASES[int(row["phase"])] == "separated" for row in first)
+    known = {name for name, value in found.items() if value > 0.0}
+    known |= {"dent_diameter"} if ended and "contact_radius" in known else set()
+    return {name: value if name in known else None for name, value in found.items()}
 
 
 def _attributes(fmu: Fmu, interface: str, starts: Mapping[str, float], validity: int) -> dict[str, Any]:

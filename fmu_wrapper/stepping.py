@@ -13,10 +13,10 @@ from film_model.base.errors import SimulationError
 from film_model.core import native
 from film_model.solve.history import MOTION
 from fmu_wrapper.instance import Fmu, Row, Slave, started
-from fmu_wrapper.variables import EVENT_TIMES
+from fmu_wrapper.variables import EVENT_TIMES, STRESSES
 
 _EVENT_OUTPUTS = (*EVENT_TIMES, "event_count", "last_event", "time_of_last_event", "stage", "phase", "contact_count")
-_OTHER_OUTPUTS = ("maximum_force", "support_velocity", "validity")
+_OTHER_OUTPUTS = ("maximum_force", "support_velocity", "validity", *STRESSES)
 RECORDED = (*MOTION, *_EVENT_OUTPUTS, *_OTHER_OUTPUTS)
 """Outputs in each row."""
 

@@ -109,7 +109,12 @@ def _time_of(event: str, name: str, description: str) -> Variable:
 def _summary(name: str, *kinds: Kind, low: float | None = None) -> Variable:
     """An output that is a summary value of the latest contact."""
     dimension, description = SUMMARY[name]
-    return _discrete(name, Real, dimension, f"{description}; latest contact, 0 before it is known", *kinds, low=low)
+    unknown = "before it is known, or if it is not" if name in STRESSES else "before it is known"
+    return _discrete(name, Real, dimension, f"{description}; latest contact, 0 {unknown}", *kinds, low=low)
+
+
+STRESSES = tuple(list(SUMMARY)[list(SUMMARY).index("contact_radius") :])
+"""Summary values that follow from the largest force and indentation."""
 
 
 def _rate(state: str, dimension: str, depends: tuple[str, ...], damped: tuple[str, ...]) -> Variable:
@@ -147,6 +152,10 @@ VARIABLES: tuple[Variable, ...] = (
         1e-30,
         RIGID,
         f"wave impedance of the target; a target with {RIGID:g} or more does not move",
+    ),
+    _parameter(
+        *("target_stiffness", "stiffness", 1e-12, 1e18),
+        "static stiffness of the target, which follows the contact force without delay",
     ),
     _parameter("gravity", "acceleration", -1e9, 1e9, "acceleration of free fall towards the target"),
     _parameter(
@@ -246,6 +255,7 @@ VARIABLES: tuple[Variable, ...] = (
     _time_of("contact_ends", "time_contact_ends", "time at which contact ends"),
     _summary("rebound_velocity"),
     _summary("permanent_indentation", *_BOTH),
+    *(_summary(name, *_BOTH, low=0.0) for name in STRESSES),
     _discrete("phase_code", Whole, None, "phase as a whole number", *_BOTH, low=0, high=len(PHASES) - 1),
     _discrete("last_event_code", Whole, None, "last_event as a whole number", low=0, high=len(EVENT_KINDS) - 1),
     _discrete(

@@ -59,6 +59,11 @@ def _address(table, chance):
         else:
             found[entry["path"]] = repr(low + share * (high - low))
     found["law"] = chance.choice(["auto", "auto", *(table["laws"][k]["name"] for k in base["laws"])])
+    law = next((table["laws"][k] for k in base["laws"] if table["laws"][k]["name"] == found["law"]), {"live": []})
+    for entry in law["live"]:
+        if chance.random() < 0.7:
+            low, high = entry["slider"]
+            found[entry["path"]] = repr(low * math.exp(chance.random() * math.log(high / low)))
     for switch in ("plasticity", "target_motion", "gravity"):
         found[switch] = chance.choice(["auto", "auto", "auto", "true", "false"])
     found["accuracy"] = chance.choice(["0.0001", "0.001", "0.000001", "1e-8"])

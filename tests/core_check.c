@@ -26,6 +26,7 @@ int main(void) {
     curves[SPRUNG_LAMINATE] = sprung(curves[LAMINATE]);
     curves[SPRUNG_SHIFTED] = sprung(curves[SHIFTED]);
     check_bad_curves();
+    check_bad_springs();
     check_bad_meshes();
     check_small_loop();
     check_rest();

@@ -98,6 +98,18 @@ static void check_series(const film_mesh *mesh) {
         HOLD(film_check_curve(&bad) == FILM_BAD_CURVE);     \
     } while (0)
 
+static void check_bad_springs(void) {
+    static const double bad[] = {0.0, -1.0, NAN, INFINITY};
+    film_curve curve = curves[SOFTENING];
+    for (int k = 0; k < 4; k++) HOLD(film_spring(&curve, bad[k]) == FILM_BAD_CURVE);
+    HOLD(film_spring(&curve, 7.9) == FILM_OK && curve.compliance == 7.9);
+    HOLD(film_spring(&curve, 0.1) == FILM_BAD_CURVE); /* it has one */
+    curve = curves[SOFTENING];
+    HOLD(film_spring(&curve, 8.1) == FILM_BAD_CURVE); /* the slope is -1/8: it would snap through */
+    curve = curves[DAMPED];
+    HOLD(film_spring(&curve, 0.1) == FILM_BAD_CURVE);
+}
+
 static void check_bad_curves(void) {
     for (int which = 0; which < CURVES; which++) {
         snprintf(where, sizeof where, "bad versions of curve %d", which);

@@ -241,20 +241,8 @@ static film_curve shifted_curve(void) {
     return curve;
 }
 
-/* A curve of powers in series with a spring. */
 static film_curve sprung(film_curve curve) {
-    const double c = 0.3;
-    double force = 0.0, work;
-    for (int32_t k = 0; k < curve.stages; k++) {
-        double before = force, end = curve.stage[k].end;
-        curve.piece[k].work_at_begin += 0.5 * c * before * before;
-        curve.stage[k].begin += c * before;
-        if (end < INFINITY) {
-            film_law(&curve, k, end, &force, &work);
-            curve.stage[k].end = curve.piece[k].end = end + c * force;
-        }
-    }
-    curve.compliance = c;
+    HOLD(film_spring(&curve, 0.3) == FILM_OK);
     return curve;
 }
 

@@ -10,7 +10,8 @@ import pytest
 from cases import LAWS, combinations, loads_straight, scene, zener_scene
 
 import film_model as fm
-from film_model.core import native
+from film_model.core import native, records
+from film_model.effects.many import problems_of
 from film_model.problem.curve import curve_of
 from film_model.solve.history import SUMMARY
 
@@ -270,3 +271,32 @@ def test_segments_can_be_given():
     batch = fm.simulate_batch(scene("stronge", "plate"), velocity=["1 m/s", "2 m/s"], segments=10)
     assert batch.segments == (10, 10)
     assert 1e-7 < batch.estimated < 1e-3
+
+
+@pytest.mark.parametrize("room", [40, 1 << 14])
+def test_contacts_recorded_together_have_the_lines_of_each_alone(monkeypatch, room):
+    """Also where the lines of a contact do not fit beside those before, or do not fit at all; a failed one has none."""
+    monkeypatch.setattr(records, "LINES", room)
+    curve, mesh = curve_of(fm.Stronge(100e9, 0.01, 1e9)).native, native.mesh(native.WORK_PRESERVING, 10, 20)
+    start = np.zeros(7, native.START_DTYPE)
+    start["nu"], start["gamma"], start["time_limit"] = [0.1, 0.4, math.nan, 1.0, 3.0, 10.0, 0.2], 0.1, math.inf
+    table, counts = records.record_many(curve, mesh, start)
+    ends = np.cumsum(counts)
+    assert counts[2] == 0 and counts[5] > 40 > counts[0]
+    for row, end in enumerate(ends.tolist()):
+        begin = native.Start(*start[row].tolist())
+        alone = [] if row == 2 else native.record(curve, mesh, native.initial_state(curve, begin), math.inf, 500)[1]
+        assert len(alone) == counts[row]
+        assert table[end - counts[row] : end].tobytes() == np.asarray(alone, native.LINE_DTYPE).tobytes()
+
+
+def test_equal_contacts_are_marched_once_and_give_the_same_bytes():
+    case = scene("tsuji").replace({"effects.gravity": False})
+    (problem,) = problems_of(case, {"impactor.velocity": np.geomspace(0.1, 10.0, 300)}, 300)
+    first, kind = native.distinct(problem.start)
+    assert first.size < 100 and (problem.start[first[kind]] == problem.start).all()
+    mesh = native.mesh(native.WORK_PRESERVING, 9, 9)
+    status, table = native.batch(problem.curve.native, mesh, problem.start)
+    found = problem.march(mesh)
+    assert (found[0] == status).all() and found[1].table.tobytes() == table.tobytes()
+    assert native.distinct(np.linspace(0.0, 1.0, 50)) is None

@@ -137,6 +137,14 @@ def test_there_is_no_tension_and_the_force_ends_at_zero(name, target):
         assert history.events[-1].indentation > 0.01 * history.summary["maximum_indentation"]
 
 
+@pytest.mark.parametrize("inverse", [spring_ratio, hunt_crossley_strength])
+def test_the_damping_for_many_restitutions_is_that_for_each(inverse):
+    """From 1e-9 to 1. Near 1 the inverse of one restitution loses digits: its logarithm is that of a rounded number."""
+    restitution = np.concatenate([np.geomspace(1e-9, 0.99, 60), [0.5, 0.999, 1.0]])
+    alone = [inverse(e) for e in restitution.tolist()]
+    np.testing.assert_allclose(inverse(restitution), alone, rtol=1e-12, atol=1e-15)
+
+
 def test_damping_is_the_limit_of_no_damping():
     plain = run(fm.Hertz(*SPHERE))
     for law in (fm.Tsuji(*SPHERE, 1.0), fm.HuntCrossley(*SPHERE, restitution=1.0), fm.KuwabaraKono(*SPHERE, 0.0)):

@@ -109,22 +109,56 @@ def test_a_law_is_offered_with_the_values_that_it_needs():
     table = {"impactor": BALL, "target": SLAB}
     content = Content([("a", fm.Scene.from_table(table))]).table()
     names = [law["name"] for law in content["laws"]]
-    assert names == [n for n, law in LAWS.items() if law.family in ("elastic", "yields") and n != "meyer"]
+    assert names == [n for n, law in LAWS.items() if law.family in ("elastic", "yields", "damped") and n != "meyer"]
     fixed = {law["name"]: law["fixed"] for law in content["laws"]}
     assert fixed.pop("kogut-etsion") == {"poissons_ratio": 0.3}
     assert not any(fixed.values())
     glass = {"impactor": BALL | {"material": "alumina"}, "target": SLAB | {"material": "soda-lime glass"}}
-    assert [law["name"] for law in Content([("a", fm.Scene.from_table(glass))]).table()["laws"]] == ["hertz"]
+    offered = [law["name"] for law in Content([("a", fm.Scene.from_table(glass))]).table()["laws"]]
+    assert offered == ["hertz", *(n for n, law in LAWS.items() if law.damped)]
+
+
+def laws_with(contact):
+    """The laws of a page for a ball on steel, by name."""
+    scene = fm.Scene.from_table({"impactor": BALL, "target": SLAB, "contact": contact})
+    return {law["name"]: law for law in Content([("a", scene)]).table()["laws"]}
+
+
+def test_a_damped_law_may_have_another_damping():
+    """A restitution below that of the series is fixed; what shapes the curve is fixed too."""
+    contact = {"law": "hunt-crossley", "restitution": 0.05}
+    laws = laws_with(contact)
+    assert laws["hunt-crossley"]["live"] == []
+    assert [entry["path"] for entry in laws["linear-dashpot"]["live"]] == ["contact.stiffness", "contact.restitution"]
+    contact = {"law": "tan-sun", "stiffness": "1e10 N/m^1.4", "critical_indentation": "10 um", "exponent": 1.4}
+    live = [entry["path"] for entry in laws_with(contact)["tan-sun"]["live"]]
+    assert live and "contact.exponent" not in live
 
 
 def test_a_target_that_the_page_cannot_simulate_is_shown_as_python_computed_it():
-    plate = {"kind": "plate", "thickness": "2 mm", "material": "mild steel", "static_stiffness": "1e6 N/m"}
-    scene = fm.Scene.from_table({"impactor": BALL, "target": plate})
+    contact = {"law": "jkr", "work_of_adhesion": "0.1 J/m^2"}
+    scene = fm.Scene.from_table({"impactor": BALL, "target": SLAB, "contact": contact})
     (found,) = Content([("a", scene)]).table()["scenes"]
     history = fm.simulate(scene)
     assert found["given"]["summary"] == history.summary
-    assert "static stiffness" in found["given"]["reason"]
-    assert found["given"]["motion"]["contact_force"][0] == 0.0
+    assert found["given"]["reason"] == "the law jkr pulls"
+    assert found["given"]["motion"]["contact_force"][0] < 0.0
+
+
+def test_a_target_that_is_held_brings_its_compliance_and_its_modes():
+    plate = {"kind": "plate", "thickness": "2 mm", "material": "mild steel", "static_stiffness": "1e6 N/m"}
+    beam = {"kind": "beam", "length": "200 mm", "width": "20 mm", "thickness": "5 mm", "material": "mild steel"}
+    scenes = [
+        fm.Scene.from_table({"impactor": BALL, "target": target}) for target in (plate, beam | {"damping_ratio": 0.1})
+    ]
+    static, vibrating = Content([("a", scenes[0]), ("b", scenes[1])]).table()["scenes"]
+    assert static["support"]["compliance"] == pytest.approx(1e-6) and static["support"]["modes"] is None
+    modes = scenes[1].target.modes(vibrating["support"]["highest"]).merged()
+    assert vibrating["support"]["modes"]["share"] == modes.share.tolist()
+    paths = [entry["path"] for entry in vibrating["inputs"] if entry["path"].startswith("target.")]
+    assert paths == ["target.material.yield_strength", "target.damping_ratio"]
+    for table in (static, vibrating):
+        assert table["given"] is None and table["table"]["effects"]["boundary_reflections"] is True
 
 
 def test_a_scene_without_an_impact_has_no_page():

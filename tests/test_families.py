@@ -9,7 +9,7 @@ from cases import SPHERE, scene
 import film_datasets as fd
 import film_model as fm
 import fmu_wrapper
-from film_model.core import native
+from film_model.core import families, native
 from film_model.effects.many import problems_of
 from film_model.laws.jackson_green import Plastic
 from film_model.problem.curve import curve_of
@@ -85,6 +85,58 @@ def test_sweeps_of_strength_sample_each_impact_by_its_own_curve():
         np.testing.assert_allclose(force, expected, atol=1e-4 * history.summary["maximum_force"])
 
 
+@pytest.mark.parametrize("gamma", [0.0, 0.1])
+def test_lanes_with_a_shape_each_give_the_march_of_each_curve(gamma):
+    """By every instruction set the same bytes, whatever the others are; as `film_impact` on the curve of the shape."""
+    page = page_of(law_of(2e-3))
+    rng = np.random.default_rng(7)
+    start = np.zeros(150, native.START_DTYPE)
+    start["nu"], start["gamma"] = np.exp(rng.uniform(np.log(0.3), np.log(5000.0), start.size)), gamma
+    start["time_limit"], shape = np.inf, np.exp(rng.uniform(np.log(1.001e-3), np.log(9.99e-3), start.size))
+    mesh = native.mesh(native.WORK_PRESERVING, 16, 32)
+    status, table = families.batch(page.family, page.whole, mesh, start, shape)
+    assert set(status.tolist()) == {native.EVENT, native.BEYOND_LAW}
+    for using in range(native.instructions()):
+        other = families.batch(page.family, page.whole, mesh, start, shape, using)
+        assert (other[0] == status).all() and other[1][status > 0].tobytes() == table[status > 0].tobytes()
+    some = families.batch(page.family, page.whole, mesh, start[::3], shape[::3])
+    assert some[1][status[::3] > 0].tobytes() == table[::3][status[::3] > 0].tobytes()
+    for row in range(start.size):
+        alone, one = native.impact(page.at(float(shape[row])), mesh, native.Start(*start[row].tolist()))
+        assert alone == status[row]
+        names = ("maximum_force", "maximum_indentation", "contact_duration", "final_velocity") if alone > 0 else ()
+        for name in names:
+            close = 1e-11 if gamma == 0.0 else 1e-5
+            assert table[name][row] == pytest.approx(getattr(one, name), rel=close), (row, name)
+
+
+@pytest.mark.parametrize(
+    ("contact", "path", "values"),
+    [
+        ({"law": "walton-braun", "loading_stiffness": "1 MN/m", "unloading_stiffness": "2 MN/m"},
+         "contact.unloading_stiffness", np.linspace(1e6, 5e6, 9)),
+        ({"law": "luding", "loading_stiffness": "1 MN/m", "plastic_stiffness": "4 MN/m", "plasticity_depth": 1e-3},
+         "contact.plastic_stiffness", np.linspace(2e6, 8e6, 9)),
+        ({"law": "kogut-etsion", "hardness": "2 GPa", "poissons_ratio": 0.3},
+         "contact.poissons_ratio", np.linspace(0.2, 0.4, 9)),
+        ({"law": "meyer", "stiffness": "2e10 N/m^2", "exponent": 2.0}, "contact.stiffness", np.linspace(1e10, 4e10, 9)),
+    ],
+    ids=["walton-braun", "luding", "kogut-etsion", "meyer"],
+)  # fmt: skip
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+def test_laws_that_differ_in_numbers_of_powers_are_one_problem(contact, path, values, target):
+    base = scene("hertz", target).replace({"contact": contact, "impactor.velocity": "2 m/s", "effects.gravity": False})
+    result = simulate_many(base, {path: values, "impactor.velocity": np.linspace(1.0, 3.0, values.size)})
+    assert len(result.problems) == 1 and not (result.status < 0).any()
+    unit = {"contact.poissons_ratio": "", "contact.stiffness": " N/m^2"}.get(path, " N/m")
+    for row in (1, 8):
+        number = f"{float(values[row])!r}{unit}"
+        own = base.replace({path: number, "impactor.velocity": f"{1.0 + 0.25 * row!r} m/s"})
+        alone = fm.simulate(own, accuracy=1e-8).summary
+        for name in ("coefficient_of_restitution", "maximum_force", "contact_duration"):
+            assert result.summary[name][row] == pytest.approx(alone[name], rel=2e-4), name
+
+
 def test_the_core_refuses_a_shape_outside_its_page():
     page = page_of(law_of(2e-3))
     with pytest.raises(ValueError, match="not between"):
@@ -106,3 +158,11 @@ def test_an_fmu_serves_other_strengths_and_refuses_those_beyond_its_family(tmp_p
             assert float(found[name]) == pytest.approx(expected[name], rel=1e-10), (strength, name)
     with pytest.raises(Exception, match="this FMU was exported for shapes from"):
         fmu_wrapper.run(fmu, start_values={"yield_strength": "8 GPa"}, stop_time="1 ms", step_size="1 ms")
+
+
+def test_impacts_that_vary_in_modulus_and_radius_are_marched_together():
+    scene = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), fm.HalfSpace("mild steel"))
+    spread = np.linspace(0.99, 1.01, 64)
+    columns = {"impactor.radius": 0.01 * spread, "target.material.youngs_modulus": 206e9 * spread[::-1]}
+    columns["target.material.yield_strength"] = 250e6 * np.roll(spread, 7)
+    assert len(problems_of(scene, columns, spread.size)) == 1

@@ -6,9 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cases import combinations, scene
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 import film_model as fm
 import fmu_wrapper
+from film_model.laws.hertz import hertz_stiffness
+from fmu_wrapper import checking_contact
 from fmu_wrapper.documentation import COUPLING_ERRORS, COUPLINGS
 from fmu_wrapper.instance import opened, started
 from fmu_wrapper.variables import reference
@@ -110,6 +114,61 @@ def test_a_ball_between_two_walls_under_an_ordinary_master(made):
     assert abs(v) == pytest.approx(on.approach_velocity, rel=3e-3) or max(pushes) > 0.0
 
 
+CARRIAGE = np.array([[0.0, 1.0], [-2e5 / 0.5, -20.0 / 0.5]])  # 0.5 kg on 2e5 N/m and 20 N s/m
+
+
+def drop_tower(on, step, count):
+    """Largest force, and velocities of ball and carriage after `count` steps: the coupled equations."""
+    stiffness = hertz_stiffness(on.effective_modulus, on.effective_radius)
+
+    def rates(t, y):
+        force = stiffness * max(y[0] - y[2], 0.0) ** 1.5
+        return [y[1], -force / on.mass, *(CARRIAGE @ y[2:] + [0.0, force / 0.5])]
+
+    start, end = [0.0, on.approach_velocity, 0.0, 0.0], count * step
+    found = solve_ivp(rates, (0.0, end), start, "DOP853", rtol=1e-11, atol=1e-16, max_step=step / 4).y
+    return stiffness * max(found[0] - found[2]) ** 1.5, found[1, -1], found[3, -1]
+
+
+def carried(step):
+    """One step of the carriage, in closed form: a function of its motion and a constant force."""
+    forward = expm(CARRIAGE * step)
+    pushed = np.linalg.solve(CARRIAGE, (forward - np.eye(2)) @ [0.0, 1.0 / 0.5])
+    return lambda motion, force: forward @ motion + pushed * force
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("kind", "steps", "errors"),
+    [("contact", 50, (0.0045, 0.001)), ("contact", 100, (0.0012, 0.0002)), ("impact", 50, (0.0075, 0.0115))],
+)
+def test_a_drop_tower_under_an_ordinary_master(made, kind, steps, errors):
+    """A ball on a carriage with a spring and a damper, side by side: errors of force and velocities."""
+    history = fm.simulate(replace(scene("hertz"), effects=fm.Effects(gravity=False)), accuracy=1e-8)
+    on, h, count = history.scene, history.duration / steps, int(1.3 * steps)
+    ball, carriage, advance, largest = (0.0, on.approach_velocity), np.zeros(2), carried(h), 0.0
+    starts = {"relative_velocity": on.approach_velocity} if kind == "contact" else {}
+    with opened(made(on, 2, kind=kind)) as fmu, started(fmu, False, starts) as slave:
+        push = slave.get(("contact_force",))["contact_force"]
+        for n in range(count):
+            x, v = ball
+            inputs = {"support_velocity": carriage[1]}
+            if kind == "contact":
+                inputs = {"indentation": x - carriage[0], "relative_velocity": v - carriage[1]}
+            for name, value in inputs.items():
+                slave.set(name, float(value))
+            ball, carriage = moved(x, v, -push / on.mass, h), advance(carriage, push)
+            slave.step(n * h, h)
+            push = slave.get(("contact_force",))["contact_force"]
+            largest = max(largest, push)
+        if kind == "impact":
+            found = slave.get(("maximum_force", "impactor_velocity"))
+            largest, ball = found["maximum_force"], (0.0, found["impactor_velocity"])
+    force, *velocities = drop_tower(on, h, count)
+    assert largest == pytest.approx(force, rel=errors[0])
+    assert [ball[1], carriage[1]] == pytest.approx(velocities, abs=errors[1] * on.approach_velocity)
+
+
 @combinations(version=[2, 3], rate=[0.0, -0.1], depth=[0.0, -1e-6])
 def test_a_contact_that_never_touches_counts_none(made, version, rate, depth):
     with (
@@ -189,5 +248,23 @@ def test_a_contact_follows_the_force_of_an_impact_and_the_check_covers_its_memor
     assert off < 1e-6
     report = fmu_wrapper.check(path, history.scene)
     names = [finding.what for finding in report.findings]
-    assert report.good and len(names) == 5
-    assert "contact: force in reloading in the dent" in names and "contact: number of contacts" in names
+    assert report.good and len(names) == 10
+    for interface in ("", "Model Exchange, "):
+        assert f"contact: {interface}force in reloading in the dent" in names
+        assert f"contact: {interface}number of contacts" in names
+
+
+@combinations(law=["jkr", "dmt"], version=[2, 3], fast=1)
+def test_a_contact_of_beads_ends_where_its_law_lets_go(made, law, version):
+    """In Model Exchange too: the force of a law that pulls jumps, and events must not be late by what is long here."""
+    bead, on = fm.Sphere(radius="50 um", velocity="0.5 m/s", material="alumina"), fm.HalfSpace("float glass")
+    beads = fm.Scene(bead, on, fm.Contact(law, work_of_adhesion="0.1 J/m^2"))
+    assert fmu_wrapper.check(made(beads, version, kind="contact")).good
+
+
+def test_the_check_finds_events_that_come_late_in_model_exchange(made, monkeypatch):
+    """Handled at the next communication point, the turn is taken for a smaller maximum indentation."""
+    monkeypatch.setattr(checking_contact, "_first", lambda due, before, after: after)
+    report = fmu_wrapper.check(made(scene("big-alabo"), kind="contact"))
+    assert {f.what for f in report.findings if not f.good} >= {"contact: Model Exchange, force in unloading"}
+    assert all(f.good for f in report.findings if "Model Exchange" not in f.what)

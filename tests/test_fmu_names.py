@@ -49,7 +49,7 @@ def test_values_are_shown_in_handy_units(made, version):
         shown = {variable.name: variable.displayUnit for variable in fmu.description.modelVariables}
         factors = {one.name: one.factor for unit in fmu.description.unitDefinitions for one in unit.displayUnits}
     assert (shown["indentation"], shown["time_contact_ends"], shown["contact_force"]) == ("µm", "µs", "kN")
-    assert shown["radius"] is None and factors == {"µm": 1e6, "µs": 1e6, "kN": 1e-3, "mJ": 1e3}
+    assert shown["radius"] is None and factors == {"µm": 1e6, "µs": 1e6, "kN": 1e-3, "mJ": 1e3, "MPa": 1e-6}
 
 
 @pytest.mark.slow

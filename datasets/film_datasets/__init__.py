@@ -13,12 +13,15 @@ from film_datasets.published import load, published
 from film_datasets.schema import TABLE, VERSIONS, Variable, content_sha256, validate
 from film_datasets.sweeps import sweep
 from film_datasets.tables import to_frame
+from film_datasets.tolerance import Tolerance, tolerance
+from film_datasets.tornado_plot import plot_tornado
 
 __all__ = [
     "TABLE",
     "VERSIONS",
     "Film",
     "Identification",
+    "Tolerance",
     "Variable",
     "compare_laws",
     "content_sha256",
@@ -30,11 +33,13 @@ __all__ = [
     "load",
     "open",
     "plot",
+    "plot_tornado",
     "published",
     "read",
     "sweep",
     "to_dataset",
     "to_frame",
+    "tolerance",
     "validate",
     "write",
 ]

@@ -16,12 +16,12 @@ from film_datasets.impacts import SEGMENT_UNITS, sample_segments
 from film_datasets.provenance import scene_of
 from film_datasets.quantities import quantified
 from film_datasets.scene_constants import check_scene_key, scene_key
-from film_datasets.scene_numbers import number_text
 from film_datasets.schema import HISTORY, SWEEP, TABLE, dimension_of, kind_of, require_impacts, words_of
 from film_datasets.sweeps import Sweep, statistics
 from film_model.base import units
 from film_model.base.units import to_si
 from film_model.scene import Scene
+from film_model.scene.paths import number_text
 from film_model.solve.history import MOTION, SUMMARY, History
 from film_model.solve.simulate import simulate
 

@@ -12,10 +12,12 @@ import xarray as xr
 from film_datasets.axis_style import finite, format_axis, label, set_title
 from film_datasets.cost_dataset import study_of
 from film_datasets.csv_measurement import measured_over
-from film_datasets.distribution_plots import draw_distribution
+from film_datasets.distribution_plots import DEFAULT_QUANTITY, TORNADO, draw_distribution
 from film_datasets.history_dataset import trace_of
 from film_datasets.schema import COST, HISTORY, MEASUREMENT, SWEEP, dimension_of, kind_of
 from film_datasets.sweep_plots import FEW_POINTS, draw_sweep
+from film_datasets.sweeps.definition import Sweep
+from film_datasets.tornado_plot import draw_tornado
 from film_model.plot.cost import plot_study
 from film_model.plot.history import plot_history
 from film_model.plot.style import COLOURS, picture, prefixed_unit
@@ -47,7 +49,8 @@ def plot(
     another swept quantity that has names or few values; two give a heat map. A sampled sweep gives a scatter plot.
     at: values of the other swept quantities ("70 g" or SI, of which the nearest is taken, or a name); their first
     values unless given. The title states them. kind: "histogram" or "ecdf" (empirical distribution) of the quantity
-    over all impacts, or "scatter", a point for each impact, over one swept or summary quantity.
+    over all impacts, or "scatter", a point for each impact, over one swept or summary quantity; "tornado", how far each
+    swept number moves the quantity, alone, for which a few impacts are simulated.
 
     Raises ValueError for an unknown name, an argument that is not for such a dataset, a run without contact or a suffix
     other than .png, .svg and .pdf; ImportError without matplotlib; OSError if the file cannot be written.
@@ -62,6 +65,10 @@ def plot(
     if kind:
         if at:
             raise ValueError(f"at: is not for a {kind}, which has all impacts")
+        if kind == TORNADO:
+            if over:
+                raise ValueError(f"over: is not for a {kind}")
+            return picture(path, draw_tornado(Sweep.of_dataset(ds), quantity or DEFAULT_QUANTITY), SIZE, dpi)
         return picture(path, draw_distribution(ds, kind, quantity, over), SIZE, dpi)
     if schema == HISTORY:
         return plot_history(trace_of(ds), path, dpi)

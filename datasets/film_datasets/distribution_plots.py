@@ -19,7 +19,8 @@ from film_model.solve.history import SUMMARY
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-KINDS = ("histogram", "ecdf", "scatter")
+TORNADO = "tornado"
+KINDS = ("histogram", "ecdf", "scatter", TORNADO)
 
 DEFAULT_QUANTITY = "coefficient_of_restitution"
 

@@ -5,7 +5,8 @@ The rest of film_datasets sees plain arrays with one value per impact.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from typing import Any
 
@@ -13,26 +14,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index
+from film_model.base.errors import SceneError
 from film_model.core import native
+from film_model.core.records import Lines, record_many, sample_many
 from film_model.effects.choose import problem_of
 from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import rows_of
 from film_model.problem.problem import Problem
 from film_model.problem.scales import Scales, motion_of
-from film_model.scene import Scene
+from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.batch import simulate_many
+from film_model.solve.derivatives import Entry, entries_of
 from film_model.solve.history import MOTION
+from film_model.solve.many_derivatives import ManyDerivatives, derivatives_of_many
 
 SEGMENT_UNITS = (*(f"scale_{scale.name}" for scale in fields(Scales)), "drift_velocity", "impactor_share")
 """Values that convert an impact's segments to SI, by the names of the schema."""
 
 ENERGY_GAIN = 1e-9
 """Fraction of the kinetic energy: a smaller negative energy_absorbed is rounding error, not a law that gains energy."""
-
-SPARE_LINES = 64
-"""Room for segments of one impact beyond those of its mesh: events split segments, and reloading adds legs."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,7 @@ class Segments:
     """
 
     index: Index
-    lines: list[NDArray[Any]]
+    lines: Lines
     units: dict[str, Array]
 
 
@@ -88,9 +90,7 @@ class Impacts:
             scales = problem.scales.part((ended, None))
             t = np.linspace(0.0, 1.0, count) * duration[ended, None]
             time: Any = scales.time
-            values = np.empty((*t.shape, 5))
-            for k, impact in enumerate(ended.tolist()):
-                values[k] = native.sample(problem.curve.native, lines[impact], t[k] / time[k])[0]
+            values = sample_many(problem.curve.native, lines.part(ended), t / time)
             drift, share = problem.drift[ended, None], problem.share[ended, None]
             found = motion_of(scales, drift, share, problem.free, t, np.moveaxis(values, -1, 0))
             for name, column in motion.items():
@@ -101,18 +101,27 @@ class Impacts:
         for problem in self._problems:
             yield from problem.by_curve()
 
-    def _record(self, problem: Problem) -> list[NDArray[Any]]:
+    def _record(self, problem: Problem) -> Lines:
         """The segments of each impact, on its own mesh."""
-        own = self._segments[rows_of(problem)]
-        found: list[NDArray[Any]] = [np.empty(0, native.LINE_DTYPE)] * len(own)
+        own, parts = self._segments[rows_of(problem)], list[tuple[Index, Lines]]()
         for counts in np.unique(own, axis=0).tolist():
             places = np.flatnonzero((own == counts).all(axis=1))
-            room = (counts[0] + 2) * (problem.curve.native.stages + 1) + counts[1] + SPARE_LINES
             mesh = mesh_of(self.scene.solver, tuple(counts))
-            lines = native.record_many(problem.curve.native, mesh, problem.start[places], room)
-            for place, own_lines in zip(places.tolist(), lines, strict=True):
-                found[place] = own_lines
-        return found
+            parts.append((places, record_many(problem.curve.native, mesh, problem.start[places])))
+        return Lines.together(parts, len(own))
+
+    def derivatives(self, numbers: Mapping[str, Array], asked: Iterable[Entry]) -> tuple[list[Entry], ManyDerivatives]:
+        """Derivatives by those of the numbers asked for that the scene has, as exact as its accuracy.
+
+        numbers: those that vary, as for :func:`simulate_impacts`.
+        """
+        known: list[Entry] = []
+        for entry in asked:
+            with suppress(SceneError):
+                known += [entry] if entry.path in numbers else entries_of(self.scene, [entry.path])
+        solver, count = self.scene.solver, self.status.size
+        target = solver.accuracy or DEFAULT_ACCURACY
+        return known, derivatives_of_many(self.scene, numbers, known, self._problems, count, solver, target)
 
 
 def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:

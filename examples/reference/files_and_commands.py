@@ -28,6 +28,7 @@ COMMANDS = {
     "plot": "film-model plot sweep.nc --quantity maximum_force",
     "convert": "film-model convert sweep.nc sweep.csv",
     "summarise": "film-model summarise sweep.nc --quantity maximum_force",
+    "tolerance": "film-model tolerance sweep.toml --quantity maximum_force --plot tornado.png",
     "table": 'film-model table scene.toml --from "0.01 m/s" --to "10 m/s" --output restitution.csv',
     "identify": "film-model identify measured.csv scene.toml --fit contact.yield_strength",
     "explain": "film-model explain scene.toml --law all",
@@ -61,6 +62,7 @@ def sweep_page() -> str:
                 ("`samples`", f"number of impacts; at most {samples}", "a whole number", "required if sampled"),
                 ("`seed`", "of the random numbers", "a whole number from 0", "`1`"),
                 ("`correlation`", "of the swept quantities", "a matrix, by rows", "none"),
+                ("`derivatives`", "of the summary, by keys of the scene", '`["impactor.velocity", …]`', "none"),
                 ("`[over]`", "the swept keys of the scene, `section.key` in quotes", "see below", "required"),
             ],
         )

@@ -2,6 +2,7 @@
 
 from examples.reference.markdown import MADE, table, unit
 from film_datasets.schema import ATTRIBUTES, CONSTANTS, TABLE, TEXT, VERSIONS, Variable
+from film_datasets.schema.derivative_variables import SIDES
 from fmu_wrapper.variables import EVENT_KINDS, KINDS, PHASES, VARIABLES
 
 
@@ -56,6 +57,11 @@ def dataset_page() -> str:
 `film_model_schema` names the kind of a dataset. In a sweep the dimension `impacts` stands for the swept quantities of a
 grid, `impactor_velocity` for example, or for `impact`. A history is stored as its segments too, so that it is exact at
 any time.
+
+Sweeps with `derivatives` have, for each number of the scene, `d_<value>_d_<number>` for every summary value, in the
+unit of the value over that of the number; `derivative_accuracy_<number>`, the largest estimated relative error; and
+`derivative_side_<number>`: {", ".join(f"{k} `{word}`" for k, word in SIDES)}.
+The attribute `derivatives` names the numbers.
 
 ## Global attributes
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -60,11 +61,36 @@ def any_of(condition: Any) -> bool:
     return bool(condition.any()) if isinstance(condition, np.ndarray) else condition
 
 
+def all_of(condition: Any) -> bool:
+    """Whether the condition holds; for many impacts, whether it holds for all."""
+    return bool(condition.all()) if isinstance(condition, np.ndarray) else condition
+
+
 def either(condition: Any, a: Any, b: Any) -> Any:
     """a where the condition holds, else b."""
     return np.where(condition, a, b) if isinstance(condition, np.ndarray) else a if condition else b
 
 
+def column(value: Any, count: int) -> Any:
+    """An array of `count` values, which must not be changed: the value itself, or a number repeated."""
+    if isinstance(value, np.ndarray) and value.shape == (count,):
+        return value
+    return np.broadcast_to(np.asarray(value), (count,))
+
+
 def endless(x: Any) -> bool:
     """Whether x is the float infinity; False for an array, whatever its values."""
     return not isinstance(x, np.ndarray) and math.isinf(x)
+
+
+def largest(x: Any) -> float:
+    """The largest of many that is not nan, or the one; at least 0, also if nan."""
+    if isinstance(x, np.ndarray):
+        return float(np.nanmax(x, initial=0.0))
+    return x if x > 0.0 else 0.0
+
+
+@lru_cache(maxsize=256)
+def interpolated(x: float, at: tuple[float, ...], values: tuple[float, ...]) -> float:
+    """A table's value at x, linear between its rows; kept, because few values of Poisson's ratio occur."""
+    return float(np.interp(x, at, values))

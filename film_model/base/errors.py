@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import enum
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -132,6 +131,8 @@ class Outcome(enum.Enum):
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:
     """'; did you mean "velocity"?' for the most similar of `words`, or an empty text if none is similar."""
+    import difflib
+
     near = difflib.get_close_matches(word[:100], list(words), n=1, cutoff=0.6)
     return f'; did you mean "{near[0]}"?' if near else ""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import secrets
 from collections.abc import Generator
 from pathlib import Path
 
@@ -16,7 +15,7 @@ def written_whole(target: Path) -> Generator[Path, None, None]:
     In every case `target` is never a partial file, and no temporary file remains. Raises FileNotFoundError,
     PermissionError or another OSError that names `target` if it cannot be written.
     """
-    beside = target.absolute().with_name(f".{target.name[:100]}.{secrets.token_hex(4)}.part")
+    beside = target.absolute().with_name(f".{target.name[:100]}.{os.urandom(4).hex()}.part")
     try:
         # Created here, not by the library that fills it, so that the message has the reason if this fails.
         os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -117,6 +116,8 @@ def material(name: str) -> Material:
     if len(parts) > 1:
         hint = "; there are " + ", ".join(f'"{part}"' for part in parts)
     else:
+        import difflib
+
         near = difflib.get_close_matches(word[:100], names, n=1, cutoff=0.75)
         nearest = parts[0] if parts else names[near[0]] if near else None
         hint = f'; did you mean "{nearest}"?' if nearest else '; "film-model materials" lists all'

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-import html
+
+def escaped(text: str) -> str:
+    """For HTML."""
+    import html
+
+    return html.escape(text)
 
 
 class Text(str):
@@ -14,4 +19,4 @@ class Text(str):
         return str(self)
 
     def _repr_html_(self) -> str:
-        return f"<pre>{html.escape(self)}</pre>"
+        return f"<pre>{escaped(self)}</pre>"

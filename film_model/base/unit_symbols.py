@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from decimal import Decimal
 from functools import lru_cache
@@ -95,6 +94,8 @@ def _from_pint(word: str) -> tuple[Decimal, Powers]:
 
 
 def _hint(word: str) -> str:
+    import difflib
+
     cuts = [(word[:i], word[i:]) for i in range(1, len(word))]
     near = [f"{a}*{b}" for a, b in cuts if a in SYMBOLS and b in SYMBOLS and a != "m"]  # "mPa" is no m*Pa
     near += [symbol for symbol in SYMBOLS if symbol.lower() == word.lower()]

@@ -138,6 +138,19 @@ def scene_unit(dimension: str) -> str:
     return "/".join(["*".join(above), *below])
 
 
+def quotient_unit(above: str, below: str) -> str:
+    """The SI unit of a quantity of one dimension over one of another, as UDUNITS and CF write it, e.g. "N s m-1".
+
+    Raises KeyError for the stiffness of a power law, whose unit they cannot write.
+    """
+    powers: dict[str, int] = {}
+    for dimension, sign in ((above, 1), (below, -1)):
+        for word, power in re.findall(r"([A-Za-z]+)(-?[0-9])?", si_unit(dimension)):
+            powers[word] = powers.get(word, 0) + sign * int(power or 1)
+    ordered = sorted((item for item in powers.items() if item[1]), key=lambda item: item[1] < 0)
+    return " ".join(word + (str(power) if power != 1 else "") for word, power in ordered) or "1"
+
+
 def needed(dimension: str) -> str:
     """The end of an error message: 'a length is needed (e.g. "10 mm")'."""
     _, phrase, example = DIMENSIONS[dimension]

@@ -39,7 +39,7 @@ def add_commands(named: Any) -> None:
     )
     parser.add_argument("--over", metavar="NAME[,NAME]", help="one swept quantity for lines, or two for a heat map")
     parser.add_argument("--at", metavar="NAME=VALUE", action="append", help="of another swept quantity, SI or a word")
-    parser.add_argument("--kind", metavar="KIND", help="of a sweep: histogram, ecdf or scatter (over any quantity)")
+    parser.add_argument("--kind", metavar="KIND", help="of a sweep: histogram, ecdf, scatter or tornado")
     add_style(parser)
     add_force(parser, "overwrite an existing picture")
     parser.set_defaults(command=plot)
@@ -71,6 +71,11 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
         default="summary",
         help="summary (default); segments: also the exact histories; samples=201: also histories at 201 times",
     )
+    parser.add_argument(
+        "--derivatives",
+        metavar="KEY[,KEY]",
+        help="also those of the summary by keys of the scene, e.g. impactor.velocity",
+    )
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", type=int, metavar="N", help="number of threads (default: all cores)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler whose workers compute instead")
@@ -83,11 +88,12 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
 def sweep(options: argparse.Namespace) -> int:
     from film_datasets.sweeps import ProgressBar, read_sweep, run_sweep, sweep_report
 
-    asked = read_sweep(options.sweep, options.keep)
+    asked = read_sweep(options.sweep, options.keep, listed(options.derivatives))
     dataset = run_sweep(
         asked,
         options.output,
-        command=f"film-model sweep {options.sweep} --output {options.output} --keep {options.keep}",
+        command=f"film-model sweep {options.sweep} --output {options.output} --keep {options.keep}"
+        + (f" --derivatives {options.derivatives}" if options.derivatives else ""),
         workers=options.workers,
         scheduler=options.scheduler,
         resume=options.resume,

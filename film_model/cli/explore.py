@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import tempfile
-import webbrowser
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +25,9 @@ def add_commands(named: Any) -> None:
 
 
 def explore(options: argparse.Namespace) -> int:
+    import tempfile
+    import webbrowser
+
     from film_model.explorer.page import write_page
 
     scene = None if options.scene is None else Scene.from_toml(options.scene)

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 
 from film_model.base.errors import DamagedFile, SceneError, SimulationError
-from film_model.cli import catalogues, datasets, engines, explore, fmu, new, run, studies, tables, validate
+from film_model.cli import catalogues, datasets, engines, explore, fmu, new, run, studies, tables, tolerance, validate
 from film_model.cli.output import DONE, FAILED, WRONG
 from film_model.version import __version__
 
@@ -67,6 +67,6 @@ def parser() -> argparse.ArgumentParser:
     )
     whole.add_argument("--version", action="version", version=f"film-model {__version__}")
     named = whole.add_subparsers(required=True, metavar="command")
-    for group in (new, run, studies, validate, explore, fmu, engines, datasets, tables, catalogues):
+    for group in (new, run, studies, validate, explore, fmu, engines, datasets, tolerance, tables, catalogues):
         group.add_commands(named)
     return whole

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import sys
 from collections.abc import Iterable
@@ -37,6 +36,8 @@ def add_style(parser: argparse.ArgumentParser) -> None:
 
 def print_json(table: dict[str, Any]) -> int:
     """Print one JSON object, with escapes if the terminal's encoding is not Unicode; returns DONE."""
+    import json
+
     escaped = not (sys.stdout.encoding or "").lower().startswith("utf")
     print(json.dumps(table, indent=2, ensure_ascii=escaped, allow_nan=False))
     return DONE

@@ -12,6 +12,7 @@ from film_model.cli.output import (
     add_json,
     add_plot,
     check_outputs,
+    listed,
     print_json,
     print_warnings,
     print_written,
@@ -39,6 +40,9 @@ def add_commands(named: Any) -> None:
     parser.add_argument(
         "--linearisation", choices=("work-preserving", "chord"), help="how segments approximate the law"
     )
+    parser.add_argument(
+        "--derivatives", metavar="KEY[,KEY]", help="of the summary, by keys of the scene such as impactor.velocity"
+    )
     add_force(parser)
     add_json(parser)
     parser.set_defaults(command=run)
@@ -48,7 +52,11 @@ def run(options: argparse.Namespace) -> int:
     check_outputs(options)
     scene = Scene.from_toml(options.scene)
     history = simulate_quietly(
-        scene, accuracy=options.accuracy, segments=options.segments, linearisation=options.linearisation
+        scene,
+        accuracy=options.accuracy,
+        segments=options.segments,
+        linearisation=options.linearisation,
+        derivatives=listed(options.derivatives),
     )
     if options.output:
         import film_datasets
@@ -63,6 +71,7 @@ def run(options: argparse.Namespace) -> int:
         print_json(history.to_dict())
     else:
         print(_table(history))
+        print(_derivatives(history), end="")
         print_written(options.output, options.plot)
     print_warnings(history.warnings)
     return DONE
@@ -94,3 +103,20 @@ def _table(history: History) -> str:
     means = f"{accuracy.modes} modes" if accuracy.modes else f"{accuracy.lines} segments"
     lines.append(f"  estimated relative error ≤ {accuracy.estimated:.1e} ({means})")
     return "\n".join(lines)
+
+
+def _derivatives(history: History) -> str:
+    """The derivatives as text, those by each number together: in SI, and as per cent of the value for 1 %."""
+    found, lines = history.derivatives, list[str]()
+    if found is None:
+        return ""
+    for path, entry in found.entries.items():
+        lines += ["", f"  {f'derivatives by {path} = {entry.text}':50}{'per 1 %':>12}"]
+        for name in SUMMARY:
+            slope, value = found.values[name][path], history.summary[name]
+            if slope is None:
+                continue
+            unit = entry.unit_of(name).removeprefix("1")
+            share = f"{slope * entry.value / value:.4f} %" if value else "-"
+            lines.append(f"    {name.replace('_', ' '):30}{f'{slope:.6g} {unit}':>24}{share:>12}")
+    return "".join(f"{line}\n" for line in lines)

@@ -47,12 +47,18 @@ def shaped(family: Family, whole: native.Curve, shape: float) -> native.Curve:
 
 
 def batch(
-    family: Family, whole: native.Curve, cut: native.Mesh, start: NDArray[Any], shape: NDArray[np.float64]
+    family: Family,
+    whole: native.Curve,
+    cut: native.Mesh,
+    start: NDArray[Any],
+    shape: NDArray[np.float64],
+    using: int | None = None,
 ) -> tuple[NDArray[np.int32], NDArray[Any]]:
-    """Statuses and summaries of many contacts (START_DTYPE), each on its shape's curve; the GIL is released."""
+    """Statuses and summaries of many contacts (START_DTYPE), each on its shape's curve; as `native.batch`."""
     start, shape = np.ascontiguousarray(start, native.START_DTYPE), np.ascontiguousarray(shape, np.float64)
     summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
     native.library().film_batch_shaped(
+        native.instructions() if using is None else using,
         c.byref(family),
         c.byref(whole),
         c.byref(cut),
@@ -61,5 +67,32 @@ def batch(
         shape.ctypes.data,
         summary.ctypes.data,
         status.ctypes.data,
+    )
+    return status, summary
+
+
+def batch_varied(
+    curve: native.Curve,
+    cut: native.Mesh,
+    start: NDArray[Any],
+    places: NDArray[np.int32],
+    values: NDArray[np.float64],
+) -> tuple[NDArray[np.int32], NDArray[Any]]:
+    """Statuses and summaries of many contacts (START_DTYPE) whose curves differ in doubles; the GIL is released.
+
+    places: of these among the doubles of the curve. values: (contacts, places).
+    """
+    start, values = np.ascontiguousarray(start, native.START_DTYPE), np.ascontiguousarray(values, np.float64)
+    summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
+    native.library().film_batch_varied(
+        c.byref(curve),
+        c.byref(cut),
+        c.c_int64(start.size),
+        c.c_void_p(start.ctypes.data),
+        c.c_int32(places.size),
+        c.c_void_p(places.ctypes.data),
+        c.c_void_p(values.ctypes.data),
+        c.c_void_p(summary.ctypes.data),
+        c.c_void_p(status.ctypes.data),
     )
     return status, summary

@@ -3,39 +3,39 @@
  * should turn; film_lanes.c runs a block. docs/method.md, section 10. */
 #include "film_blocks.h"
 
-/* ---------------------------------------------------------------- instruction sets
- * The same source for the plain instructions of the processor's kind and, on x86, for AVX2 and AVX-512; never with
- * fused multiply-adds, so that all give the same bits. */
-
 #if defined(FILM_WIDE)
-#include <cpuid.h>
-
-int film_instructions(void) {
-    unsigned a, b, c, d, low, high;
-    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE)) return FILM_PLAIN;
-    /* which registers the operating system saves */
-    __asm__("xgetbv" : "=a"(low), "=d"(high) : "c"(0));
-    if ((low & 0x06) != 0x06 || !__get_cpuid_count(7, 0, &a, &b, &c, &d) || !(b & bit_AVX2)) return FILM_PLAIN;
-    const unsigned all = bit_AVX512F | bit_AVX512DQ | bit_AVX512VL;
-    return (low & 0xe6) == 0xe6 && (b & all) == all ? FILM_AVX512 : FILM_AVX2;
-}
-
 static const block_routines *const routines[] = {&film_plain, &film_avx2, &film_avx512};
 #else
-int film_instructions(void) { return FILM_PLAIN; }
 static const block_routines *const routines[] = {&film_plain};
 #endif
 
 /* ---------------------------------------------------------------- sorting */
 
+/* Makes the own stages of a block that should turn in `piece`. */
+static void make_own(batch *b, const block *waiting, int32_t piece) {
+    double of[FILM_MAX_NODES][LANES];
+    film_own_polynomials(&b->j, waiting->index, waiting->count, of);
+    b->run->shape(&b->j, piece - b->j.curve->stage[b->j.shaped].first + 2, (const double(*)[LANES])of);
+}
+
 static void run_fixed(batch *b, int32_t stage, block *waiting) {
+    if (waiting->count > 0 && stage == b->j.shaped) make_own(b, waiting, (int32_t)(waiting - b->fixed));
     if (waiting->count > 0) b->run->fixed(&b->j, stage, waiting->index, waiting->count);
     waiting->count = 0;
 }
 
+/* A block to the turn, and out. */
+static void run_block(batch *b, int32_t stage, block *waiting) {
+    if (waiting->count > 0 && stage == b->j.shaped) make_own(b, waiting, (int32_t)(waiting - b->moving));
+    run_moving(b, stage, waiting);
+}
+
 /* The piece of *stage in which a fixed target should turn the impactor, by the march's own arithmetic; -1: none. */
-static int32_t fixed_piece(const batch_job *j, double v, int32_t *stage) {
+static int32_t fixed_piece(const batch_job *j, int64_t i, int32_t *stage) {
+    double v = j->start[i].nu;
     for (int32_t k = 0; k < j->curve->stages; k++) {
+        *stage = k;
+        if (k == j->shaped) return film_own_piece(j, i, v, 0.0);
         double energy = 0.5 * v * v, left = energy - j->whole[k];
         if (left >= 0.0) {
             v = speed_after(v, j->whole[k]);
@@ -43,17 +43,17 @@ static int32_t fixed_piece(const batch_job *j, double v, int32_t *stage) {
         }
         int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
         while (p < last && energy > j->piece_work[p]) p++;
-        *stage = k;
         return p;
     }
     return -1;
 }
 
 /* The same for a target that moves. */
-static int32_t moving_piece(const batch_job *j, double nu, double gamma, int32_t *stage) {
-    double stored;
+static int32_t moving_piece(const batch_job *j, int64_t i, int32_t *stage) {
+    double stored, nu = j->start[i].nu, gamma = j->start[i].gamma;
     int32_t k = *stage = moving_stage(j, nu, gamma, &stored);
     if (k < 0) return -1;
+    if (k == j->shaped) return film_own_piece(j, i, nu, stored);
     int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
     while (p < last && !(turn_excess(stored + j->piece_work[p], j->piece_force[p], nu, gamma) > 0.0)) p++;
     return p;
@@ -74,13 +74,13 @@ enum { FEW = 4 }; /* impacts that one by one take less time than a block of them
 /* A block that is not full. */
 static void run_few(batch *b, int32_t stage, block *waiting) {
     batch_job *j = &b->j;
-    int alone = waiting->count <= FEW;
+    int alone = waiting->count <= FEW && j->family == NULL;
     for (int l = 0; alone && l < waiting->count; l++) {
         int64_t i = waiting->index[l];
         alone = film_single(j->curve, j->mesh, &j->start[i], &j->summary[i], &j->status[i]);
     }
     if (alone) waiting->count = 0;
-    else run_moving(b, stage, waiting);
+    else run_block(b, stage, waiting);
 }
 
 /* Runs all blocks that are not full. */
@@ -95,39 +95,69 @@ static void run_rest(batch *b) {
     }
 }
 
-void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
-                     const film_start *start, film_summary *summary, int32_t *status) {
-    batch b;
-    batch_job *j = &b.j;
+static void give(batch_job *j, const film_curve *curve, const film_mesh *mesh, const film_start *start,
+                 film_summary *summary, int32_t *status) {
     j->curve = curve;
     j->mesh = mesh;
     j->start = start;
     j->summary = summary;
     j->status = status;
+    j->family = NULL;
+    j->shaped = -1;
+}
+
+/* Runs the impacts of b->j. */
+static void run_batch(batch *b, int instructions, int64_t count) {
+    batch_job *j = &b->j;
+    const film_mesh *mesh = j->mesh;
     int in_lanes = film_prepare_job(j), moving = in_lanes && mesh->loading >= FEWEST && mesh->unloading >= FEWEST;
-    b.run = routines[instructions];
+    b->run = routines[instructions];
     if (in_lanes) prepare_pieces(j);
-    for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b.fixed[p].count = b.moving[p].count = 0;
+    for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b->fixed[p].count = b->moving[p].count = 0;
     for (int32_t k = 0; k < FILM_MAX_STAGES; k++)
-        for (int32_t g = 0; g < 3; g++) b.unloading[k][g].count = 0;
+        for (int32_t g = 0; g < 3; g++) b->unloading[k][g].count = 0;
     for (int64_t i = 0; i < count; i++) {
-        const film_start *s = &start[i];
+        const film_start *s = &j->start[i];
         int32_t stage = 0, piece = -1;
         if (in_lanes && s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && is_undisturbed(s)) {
-            if (s->gamma == 0.0) piece = fixed_piece(j, s->nu, &stage);
-            else if (moving) piece = moving_piece(j, s->nu, s->gamma, &stage);
+            if (s->gamma == 0.0) piece = fixed_piece(j, i, &stage);
+            else if (moving) piece = moving_piece(j, i, &stage);
         }
         if (piece < 0) {
-            status[i] = film_marched(curve, mesh, s, &summary[i]);
+            leave_alone(j, i);
             continue;
         }
-        block *waiting = s->gamma == 0.0 ? &b.fixed[piece] : &b.moving[piece];
+        block *waiting = s->gamma == 0.0 ? &b->fixed[piece] : &b->moving[piece];
         waiting->index[waiting->count++] = i;
         if (waiting->count < LANES) continue;
-        if (s->gamma == 0.0) run_fixed(&b, stage, waiting);
-        else run_moving(&b, stage, waiting);
+        if (s->gamma == 0.0) run_fixed(b, stage, waiting);
+        else run_block(b, stage, waiting);
     }
-    if (in_lanes) run_rest(&b);
+    if (in_lanes) run_rest(b);
+}
+
+void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
+                     const film_start *start, film_summary *summary, int32_t *status) {
+    batch b;
+    give(&b.j, curve, mesh, start, summary, status);
+    run_batch(&b, instructions, count);
+}
+
+static void run_shapes(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh,
+                       int64_t count, const film_start *start, const double *shape, film_summary *summary, int32_t *status) {
+    batch b;
+    own_stage own;
+    give(&b.j, whole, mesh, start, summary, status);
+    b.j.family = family;
+    b.j.shape = shape;
+    film_own_stage(&b.j, &own);
+    run_batch(&b, instructions, count);
+}
+
+void film_batch_shaped(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh,
+                       int64_t count, const film_start *start, const double *shape, film_summary *summary, int32_t *status) {
+    run_shapes(instructions, family, whole, mesh, count, start, shape, summary, status);
+    film_impacts_left(family, whole, mesh, count, start, shape, summary, status); /* its curve needs stack too */
 }
 
 enum { WORTH_ASKING = 2000 }; /* impacts, for the microseconds that film_instructions may take */

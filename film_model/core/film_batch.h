@@ -5,11 +5,7 @@
 #define FILM_BATCH_H
 
 #include "film_law.h"
-
-/* Wider registers are used on x86-64; not by GCC for Windows, which does not align them on the stack. */
-#if defined(__x86_64__) && (defined(__clang__) || (defined(__GNUC__) && !defined(_WIN32)))
-#define FILM_WIDE
-#endif
+#include "film_wide.h"
 
 #ifndef FILM_LANES
 #define FILM_LANES 32
@@ -44,8 +40,24 @@ typedef struct {
 static const double ANY_POWER = 1.5; /* exponent of a table of which only the nodes are used */
 enum { UNIT_POWER = -1, ROWS = 3456, TABLES = 128, AIMING_SEGMENTS = 4 };
 
+/* Of every lane, the force and the mean of its own last stage: what differs between the curves of a family. */
+enum { OWN_PIECES = 14, OWN_DOUBLES = 640 };
+typedef struct {
+    int32_t usable; /* pieces of the last stage, from its beginning, for which there is room */
+    int32_t pieces; /* those that the block may reach */
+    double end;     /* of the last of them */
+    double whole[LANES]; /* work up to there */
+    struct { int32_t column, force, mean; } piece[OWN_PIECES]; /* where its work_at_begin is in `value`; terms of both series behind */
+    double edge_force[OWN_PIECES][FILM_MAX_NODES]; /* series in the shape: force where the piece ends */
+    double value[OWN_DOUBLES][LANES];
+} own_stage;
+
 /* A batch, and what its impacts share. */
 typedef struct {
+    const film_family *family; /* NULL: all impacts share the curve */
+    const double *shape;
+    int32_t shaped; /* the stage that differs between impacts; -1: none */
+    own_stage *own;
     const film_curve *curve;
     const film_mesh *mesh;
     const film_start *start;
@@ -77,6 +89,24 @@ enum { MAP_PIECES = 32, FILM_WAY_IN_TERMS = 11, FILM_WAY_IN_VALUES = 2, FILM_WAY
 static const double MAP_END = 15.0;
 extern const double film_way_in[MAP_PIECES * FILM_WAY_IN_TERMS * FILM_WAY_IN_VALUES + 2];
 extern const double film_way_out[MAP_PIECES * FILM_WAY_OUT_TERMS * FILM_WAY_OUT_VALUES + 2];
+
+/* For film_batch_shaped: an impact that lanes cannot run. */
+enum { LEFT_ALONE = 100 };
+
+/* Leaves an impact to film_marched: at once, or when the curve of its shape is made. */
+static inline void leave_alone(const batch_job *j, int64_t i) {
+    j->status[i] = j->family != NULL ? LEFT_ALONE : film_marched(j->curve, j->mesh, &j->start[i], &j->summary[i]);
+}
+
+/* The impacts that film_batch_shaped left alone, one after another. */
+void film_impacts_left(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
+                       const film_start *start, const double *shape, film_summary *summary, int32_t *status);
+
+/* Laws with a shape: film_batch_shape.c. Prepares the last stage; the piece in which an impact should
+ * turn that begins the last stage at v, with `stored` work done, -1: none that lanes may use; the polynomials of a block. */
+void film_own_stage(batch_job *j, own_stage *own);
+int32_t film_own_piece(const batch_job *j, int64_t i, double v, double stored);
+void film_own_polynomials(const batch_job *j, const int64_t *index, int count, double (*of)[LANES]);
 
 /* A stage of one power whose force rises: Newton's method finds its depth for a given work from above. */
 static inline int force_rises(const film_curve *curve, int32_t stage) {
@@ -115,12 +145,13 @@ static inline int is_undisturbed(const film_start *start) {
     return start->load == 0.0 && start->stop_velocity == 0.0 && start->time_limit == INFINITY && start->damping == 0.0;
 }
 
-/* The stage in which a target that moves should turn the impactor, by the estimate of turn_excess, and the work of those
- * before; -1: none. */
+/* The stage in which a target that moves should turn the impactor, by the estimate of turn_excess, or else the one that
+ * differs between impacts, and the work of those before; -1: none. */
 static inline int32_t moving_stage(const batch_job *j, double nu, double gamma, double *stored) {
     *stored = 0.0;
     for (int32_t k = 0; k < j->curve->stages; k++) {
-        if (!(j->whole[k] < INFINITY) || turn_excess(*stored + j->whole[k], j->end_force[k], nu, gamma) > 0.0) return k;
+        if (k == j->shaped || !(j->whole[k] < INFINITY) || turn_excess(*stored + j->whole[k], j->end_force[k], nu, gamma) > 0.0)
+            return k;
         *stored += j->whole[k];
     }
     return -1;
@@ -151,6 +182,8 @@ typedef struct {
 
 /* What runs a block, for one instruction set. */
 typedef struct {
+    /* the own stage of each lane; of: the polynomials at its shape */
+    void (*shape)(const batch_job *j, int32_t pieces, const double (*of)[LANES]);
     /* impacts that turn in `stage` on a fixed target, from first touch to the end of contact */
     void (*fixed)(batch_job *j, int32_t stage, const int64_t *index, int count);
     /* impacts that should turn in `stage`, to the turn */

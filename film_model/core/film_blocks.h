@@ -25,7 +25,7 @@ static void run_unloading(batch *b, int32_t stage, int32_t grading) {
 static void await_unloading(batch *b, int32_t stage, const turned_lanes *t, int l, int64_t i) {
     batch_job *j = &b->j;
     if (t->at.bad[l] > 0.0) {
-        j->status[i] = film_marched(j->curve, j->mesh, &j->start[i], &j->summary[i]);
+        leave_alone(j, i);
         return;
     }
     int32_t grading = film_grading(t->slowness[l]), k = grading - FILM_PLATE_OUT;

@@ -14,7 +14,7 @@ static const double SMALL_LOOP = 1e-6;
  * indentation must be able to pass the end of a piece. core_check.c, check_overrun. */
 static const double SERIES_OVERRUN = 1.05;
 
-enum { SERIES_STEPS = 100 };
+enum { SERIES_STEPS = 100, SNAP_CHECKS = 40 };
 
 /* ---------------------------------------------------------------- a contact in series with a spring */
 
@@ -68,6 +68,35 @@ void film_split_off_spring(const film_curve *curve, const film_line *line, doubl
     values[1] *= 1.0 - curve->compliance * law_slope(curve, line, values[0]);
     values[0] -= bent;
     values[4] += bent;
+}
+
+/* Whether xi + c f does not grow with xi everywhere in a piece that begins at xi = from. */
+static int snaps_through(const film_piece *piece, double from, double c) {
+    double length = piece->end < INFINITY ? piece->end - from : 9.0 * from + 10.0;
+    for (int k = 1; k <= SNAP_CHECKS; k++)
+        if (!(1.0 + c * slope_at(&piece->force, from + length * k / SNAP_CHECKS) > 0.0)) return 1;
+    return 0;
+}
+
+/* Ends of stages and pieces become values of xi + c f, and the work counts the spring's. docs/method.md, section 8. */
+int film_spring(film_curve *curve, double c) {
+    double begin = 0.0, from = 0.0;
+    if (curve->compliance != 0.0 || !(c > 0.0 && c < INFINITY)) return FILM_BAD_CURVE;
+    for (int32_t k = 0; k < curve->stages; k++) {
+        film_stage *stage = &curve->stage[k];
+        film_piece *piece = &curve->piece[stage->first], *last = piece + stage->count - 1;
+        double force = value_at(&piece->force, stage->begin), added = 0.5 * c * force * force;
+        for (; piece <= last; piece++) {
+            if (snaps_through(piece, from, c)) return FILM_BAD_CURVE;
+            from = piece->end;
+            piece->work_at_begin += added;
+            if (from < INFINITY) piece->end += c * value_at(&piece->force, from);
+        }
+        stage->begin = begin;
+        stage->end = begin = last->end;
+    }
+    curve->compliance = c;
+    return film_check_curve(curve);
 }
 
 /* ---------------------------------------------------------------- unloading */

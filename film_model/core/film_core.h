@@ -256,6 +256,10 @@ FILM_API int film_check_curve(const film_curve *curve);
  * end of its last stage are left out. 0, or FILM_BAD_CURVE: the family's numbers or the shape are out of range. */
 FILM_API int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve);
 
+/* Puts a curve in series with a spring of this compliance > 0. 0, or FILM_BAD_CURVE: the curve has one, is damped or pulls, or
+ * its force falls so fast that the contact would snap through. */
+FILM_API int film_spring(film_curve *curve, double compliance);
+
 /* Number of doubles that film_mesh_init needs, and the mesh itself. memory must outlive the mesh. */
 FILM_API size_t film_mesh_size(int32_t loading, int32_t unloading);
 FILM_API int film_mesh_init(film_mesh *mesh, int32_t linearisation, int32_t loading, int32_t unloading, double *memory);
@@ -287,9 +291,20 @@ FILM_API int film_record(const film_curve *curve, const film_mesh *mesh, film_st
 FILM_API void film_motion(const film_curve *curve, const film_state *state, double values[5]);
 FILM_API void film_evaluate(const film_curve *curve, const film_line *line, double tau, double values[5]);
 
+/* film_record for many contacts: lines one after the other, line_counts[i] of contact i, 0 if it fails or does not begin with
+ * a velocity. Returns how many contacts were recorded: all, or those before the first that does not fit. */
+FILM_API int64_t film_record_many(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                                  film_line *lines, int64_t line_room, int32_t *line_counts, film_state *events,
+                                  int32_t event_room);
+
 /* Samples at count times, ascending, from lines; stages[i] the line's branch, phases[i] its phase. */
 FILM_API void film_sample(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times,
                           int64_t count, double *values, int8_t *stages, int8_t *phases);
+
+/* film_sample for many contacts, with the lines of film_record_many: samples times and 5 samples values of each. stages and
+ * phases: room for those of one contact, overwritten. */
+FILM_API void film_sample_many(const film_curve *curve, int64_t count, const film_line *lines, const int32_t *line_counts,
+                               int64_t samples, const double *times, double *values, int8_t *stages, int8_t *phases);
 
 /* The same contact for another integrator of the true law, which owns xi, nu and shift and puts them into the state before
  * each call. The state keeps the branch and what the spot remembers; lines are not used. docs/method.md, section 11. */
@@ -328,16 +343,23 @@ FILM_API int film_marched(const film_curve *curve, const film_mesh *mesh, const 
 FILM_API void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                          film_summary *summary, int32_t *status);
 
-/* count contacts, each with the curve of its own shape, one after another: status[i] is what film_impact returns. */
-FILM_API void film_batch_shaped(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
-                                const film_start *start, const double *shape, film_summary *summary, int32_t *status);
-
 /* film_batch with the instructions given, at most film_instructions(); the bits are the same with all of them. Asking the
  * processor may take 20 microseconds, so film_batch asks only for large batches. */
 enum { FILM_PLAIN = 0, FILM_AVX2 = 1, FILM_AVX512 = 2 };
 FILM_API int film_instructions(void);
 FILM_API void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
                               const film_start *start, film_summary *summary, int32_t *status);
+
+/* film_batch_with for contacts each of which has the curve of its own shape, on less than 500 kB of stack. */
+FILM_API void film_batch_shaped(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh,
+                                int64_t count, const film_start *start, const double *shape, film_summary *summary,
+                                int32_t *status);
+
+/* count contacts, one after another, on curves that differ from `curve` in `varying` doubles: places[k] of the k-th among
+ * the doubles of film_curve, its value for contact i in values[i varying + k]. status[i] is what film_impact returns. */
+FILM_API void film_batch_varied(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                                int32_t varying, const int32_t *places, const double *values, film_summary *summary,
+                                int32_t *status);
 
 /* off[i]: the largest relative difference of two summaries of the contact that starts with start[i], relative to b[i]; 1 for a
  * value that exists in only one of them. Permanent indentations and velocities are relative to at least 1e-3 of the maximum

@@ -158,12 +158,25 @@ int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start
     return film_marched(curve, mesh, start, summary);
 }
 
-void film_batch_shaped(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
+void film_impacts_left(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
                        const film_start *start, const double *shape, film_summary *summary, int32_t *status) {
     film_curve curve = *whole;
     int made = FILM_BAD_CURVE;
+    double last = NAN;
     for (int64_t i = 0; i < count; i++) {
-        if (i == 0 || shape[i] != shape[i - 1]) made = film_shape(family, whole, shape[i], &curve);
+        if (status[i] != LEFT_ALONE) continue;
+        if (shape[i] != last) made = film_shape(family, whole, shape[i], &curve);
+        last = shape[i];
         status[i] = made < 0 ? made : film_impact(&curve, mesh, &start[i], &summary[i]);
+    }
+}
+
+void film_batch_varied(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                       int32_t varying, const int32_t *places, const double *values, film_summary *summary, int32_t *status) {
+    film_curve own = *curve;
+    double *doubles = (double *)&own;
+    for (int64_t i = 0; i < count; i++) {
+        for (int32_t k = 0; k < varying; k++) doubles[places[k]] = values[i * varying + k];
+        status[i] = film_impact(&own, mesh, &start[i], &summary[i]);
     }
 }

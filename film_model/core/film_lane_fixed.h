@@ -61,17 +61,15 @@ static void run_power_to_turn(batch_job *j, int32_t stage, int32_t segments, con
 }
 
 /* run_to_turn on any other stage: the law at every node. */
-static void run_law_to_turn(const film_curve *curve, int32_t stage, int32_t segments, const double *nodes,
+static void run_law_to_turn(const batch_job *j, int32_t stage, int32_t segments, const double *nodes,
                             const double *restrict v, const double *restrict xi, const double *restrict force,
                             const double *restrict work, double *restrict time, double *restrict peak) {
-    double begin = curve->stage[stage].begin, v0[LANES], x0[LANES], f0[LANES], w0[LANES], first_force, first_work;
-    stage_law(curve, stage, begin, &first_force, &first_work);
+    double begin = j->curve->stage[stage].begin, v0[LANES], x0[LANES], f0[LANES], w0[LANES];
     EACH(l) {
         v0[l] = v[l];
         x0[l] = begin;
-        f0[l] = first_force;
-        w0[l] = first_work;
     }
+    law_lanes(j, stage, x0, f0, w0);
     for (int32_t i = 1; i <= segments; i++) {
         double x1[LANES], f1[LANES], w1[LANES], fraction = nodes[i];
         EACH(l) {
@@ -79,7 +77,7 @@ static void run_law_to_turn(const film_curve *curve, int32_t stage, int32_t segm
             f1[l] = force[l];
             w1[l] = work[l];
         }
-        if (i < segments) law_lanes(curve, stage, x1, f1, w1);
+        if (i < segments) law_lanes(j, stage, x1, f1, w1);
         EACH(l) {
             double h = x1[l] - x0[l], per_h = 1.0 / h, mean = (w1[l] - w0[l]) * per_h, left = v[l] * v[l] - 2.0 * w1[l];
             double bend = i < segments ? (f1[l] - f0[l]) * h : 2.0 * (f1[l] - mean) * h;
@@ -104,7 +102,7 @@ static void run_to_turn(batch_job *j, int32_t stage, int32_t segments, const dou
     } else if (j->simple[stage]) {
         run_power_to_turn(j, stage, segments, nodes, v, xi, time);
     } else {
-        run_law_to_turn(j->curve, stage, segments, nodes, v, xi, force, work, time, peak);
+        run_law_to_turn(j, stage, segments, nodes, v, xi, force, work, time, peak);
     }
     EACH(l) peak[l] = force[l] > peak[l] ? force[l] : peak[l];
 }
@@ -157,8 +155,8 @@ static void load_fixed(batch_job *j, int32_t stage, fixed_block *b) {
         b->stored += j->whole[k];
     }
     EACH(l) energy[l] = 0.5 * v[l] * v[l];
-    depth_lanes(j->curve, stage, j->whole[stage], energy, b->xi);
-    law_lanes(j->curve, stage, b->xi, b->force, b->work);
+    depth_lanes(j, stage, energy, b->xi);
+    law_lanes(j, stage, b->xi, b->force, b->work);
     run_to_turn(j, stage, n, nodes, v, b->xi, b->force, b->work, b->turned, b->peak);
 }
 
@@ -166,7 +164,7 @@ static void load_fixed(batch_job *j, int32_t stage, fixed_block *b) {
 static void unload_fixed(batch_job *j, int32_t stage, fixed_block *b) {
     int32_t m = j->mesh->unloading;
     double exponent[LANES], time[LANES];
-    open_lanes(j->curve, stage, b->xi, b->force, b->recovery, exponent);
+    open_lanes(j, stage, b->xi, b->force, b->recovery, exponent);
     if (j->exponent[stage] == j->exponent[stage]) {
         const double *nodes = j->mesh->unloading_nodes[FILM_COSINE];
         double rest = film_rest_time(film_lines_of(j, UNIT_POWER, 1, m, nodes, j->exponent[stage]));
@@ -223,7 +221,8 @@ static void fixed_lanes(batch_job *j, int32_t stage, const int64_t *index, int c
         s->lines = b.lines;
         int whole = b.recovery[l] > SHORTEST_RECOVERY * b.xi[l] && b.ended[l] < INFINITY && last > -INFINITY;
         whole = whole && b.xi[l] - j->curve->stage[stage].begin > SHORT_LEG * b.xi[l];
-        j->status[index[l]] = whole ? FILM_EVENT : film_marched(j->curve, j->mesh, &j->start[index[l]], s);
+        if (whole) j->status[index[l]] = FILM_EVENT;
+        else leave_alone(j, index[l]);
     }
 }
 

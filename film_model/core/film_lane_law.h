@@ -187,19 +187,67 @@ static void piece_law_lanes(const film_piece *piece, const double *restrict xi, 
     }
 }
 
-enum { FORCE_AND_WORK, RECOVERY_AND_EXPONENT };
-
-static void piece_lanes(const film_piece *piece, int which, const double *restrict xi, double *restrict a,
-                        double *restrict b) {
-    if (which == FORCE_AND_WORK) piece_law_lanes(piece, xi, a, b);
-    else value_lanes(&piece->recovery, &piece->exponent, xi, a, b);
+/* piece_law_lanes where each lane has its own series. The pieces lie at the same depths. */
+static void own_law_lanes(const own_stage *own, const film_piece *first, int32_t p, const double *restrict xi,
+                          double *restrict force, double *restrict work) {
+    const film_function *g = &first[p].force;
+    const double(*column)[LANES] = &own->value[own->piece[p].column];
+    const double(*of_force)[LANES] = column + 1, (*of_mean)[LANES] = of_force + own->piece[p].force;
+    double z[LANES], a1[LANES] = {0.0}, a2[LANES] = {0.0}, b1[LANES] = {0.0}, b2[LANES] = {0.0};
+    variable_lanes(g, xi, z);
+    for (int32_t k = own->piece[p].force - 1; k > 0; k--) {
+        EACH(l) {
+            double a = 2.0 * z[l] * a1[l] - a2[l] + of_force[k][l];
+            a2[l] = a1[l];
+            a1[l] = a;
+        }
+    }
+    for (int32_t k = own->piece[p].mean - 1; k > 0; k--) {
+        EACH(l) {
+            double b = 2.0 * z[l] * b1[l] - b2[l] + of_mean[k][l];
+            b2[l] = b1[l];
+            b1[l] = b;
+        }
+    }
+    EACH(l) {
+        double x = xi[l] - g->origin;
+        force[l] = z[l] * a1[l] - a2[l] + of_force[0][l];
+        work[l] = (x > 0.0 ? x : 0.0) * (z[l] * b1[l] - b2[l] + of_mean[0][l]) - column[0][l];
+    }
 }
 
-/* 1 for the lanes that piece_at puts in this piece of a stage. */
-static void lanes_in(const film_curve *curve, int32_t stage, const film_piece *piece, const double *restrict xi,
+enum { FORCE_AND_WORK, RECOVERY_AND_EXPONENT };
+
+static void piece_lanes(const batch_job *j, int32_t stage, const film_piece *piece, int which, const double *restrict xi,
+                        double *restrict a, double *restrict b) {
+    const film_piece *first = &j->curve->piece[j->curve->stage[stage].first];
+    if (which == RECOVERY_AND_EXPONENT) value_lanes(&piece->recovery, &piece->exponent, xi, a, b);
+    else if (stage == j->shaped) own_law_lanes(j->own, first, (int32_t)(piece - first), xi, a, b);
+    else piece_law_lanes(piece, xi, a, b);
+}
+
+/* Pieces of a stage that lanes may be on. */
+static int32_t pieces_of(const batch_job *j, int32_t stage) {
+    return stage == j->shaped ? j->own->pieces : j->curve->stage[stage].count;
+}
+
+/* Where the last of them ends. */
+static double reach_of(const batch_job *j, int32_t stage) {
+    return stage == j->shaped ? j->own->end : j->curve->stage[stage].end;
+}
+
+/* The piece of a stage that holds xi, of those that lanes may be on. */
+static const film_piece *lane_piece(const batch_job *j, int32_t stage, double xi) {
+    const film_piece *piece = &j->curve->piece[j->curve->stage[stage].first], *last = piece + pieces_of(j, stage) - 1;
+    while (piece < last && xi > piece->end) piece++;
+    return piece;
+}
+
+/* 1 for the lanes that lane_piece puts in this piece of a stage. */
+static void lanes_in(const batch_job *j, int32_t stage, const film_piece *piece, const double *restrict xi,
                      double *restrict here) {
-    const film_piece *first = &curve->piece[curve->stage[stage].first];
-    const film_piece *last = first + curve->stage[stage].count - 1;
+    const film_piece *first = &j->curve->piece[j->curve->stage[stage].first];
+    const film_piece *last = first + pieces_of(j, stage) - 1;
     double from = piece == first ? 0.0 : piece[-1].end, to = piece == last ? INFINITY : piece->end;
     double below = piece == first ? 1.0 : 0.0;
     EACH(l) {
@@ -209,18 +257,18 @@ static void lanes_in(const film_curve *curve, int32_t stage, const film_piece *p
 }
 
 /* Two functions of a stage, each lane on its own piece. */
-static void stage_lanes(const film_curve *curve, int32_t stage, int which, const double *restrict xi,
+static void stage_lanes(const batch_job *j, int32_t stage, int which, const double *restrict xi,
                         double *restrict a, double *restrict b) {
-    const film_piece *piece = piece_at(curve, stage, xi[0]);
+    const film_piece *piece = lane_piece(j, stage, xi[0]);
     double done[LANES], here[LANES], one[LANES], two[LANES];
-    piece_lanes(piece, which, xi, a, b);
-    if (curve->stage[stage].count == 1) return;
-    lanes_in(curve, stage, piece, xi, done);
+    piece_lanes(j, stage, piece, which, xi, a, b);
+    if (j->curve->stage[stage].count == 1) return;
+    lanes_in(j, stage, piece, xi, done);
     for (int l = 1; l < LANES; l++) {
         if (done[l] > 0.0) continue;
-        piece = piece_at(curve, stage, xi[l]);
-        piece_lanes(piece, which, xi, one, two);
-        lanes_in(curve, stage, piece, xi, here);
+        piece = lane_piece(j, stage, xi[l]);
+        piece_lanes(j, stage, piece, which, xi, one, two);
+        lanes_in(j, stage, piece, xi, here);
         EACH(k) {
             done[k] = here[k] > 0.0 ? 1.0 : done[k];
             a[k] = here[k] > 0.0 ? one[k] : a[k];
@@ -229,21 +277,27 @@ static void stage_lanes(const film_curve *curve, int32_t stage, int which, const
     }
 }
 
-static void law_lanes(const film_curve *curve, int32_t stage, const double *restrict xi, double *restrict force,
+static void law_lanes(const batch_job *j, int32_t stage, const double *restrict xi, double *restrict force,
                       double *restrict work) {
-    if (curve->stage[stage].count == 1) piece_law_lanes(&curve->piece[curve->stage[stage].first], xi, force, work);
-    else stage_lanes(curve, stage, FORCE_AND_WORK, xi, force, work);
+    const film_stage *own = &j->curve->stage[stage];
+    if (own->count == 1 && stage != j->shaped) piece_law_lanes(&j->curve->piece[own->first], xi, force, work);
+    else stage_lanes(j, stage, FORCE_AND_WORK, xi, force, work);
 }
 
-/* The depth at which the work of a stage is `work`, which must not exceed `whole`, the work of all of it. Newton's method:
- * on a rising power from above, where it does not overshoot, elsewhere in a bracket. */
-static void depth_lanes(const film_curve *curve, int32_t stage, double whole, const double *restrict work,
-                        double *restrict depth) {
-    const film_piece *piece = &curve->piece[curve->stage[stage].first];
+/* The work of as much of a stage as lanes may be on. */
+static void whole_lanes(const batch_job *j, int32_t stage, double *restrict whole) {
+    EACH(l) whole[l] = stage == j->shaped ? j->own->whole[l] : j->whole[stage];
+}
+
+/* The depth at which the work of a stage is `work`, which must not exceed that of whole_lanes. Newton's method: on a rising
+ * power from above, where it does not overshoot, elsewhere in a bracket. */
+static void depth_lanes(const batch_job *j, int32_t stage, const double *restrict work, double *restrict depth) {
+    const film_piece *piece = &j->curve->piece[j->curve->stage[stage].first];
     const film_function *g = &piece->force;
-    double begin = curve->stage[stage].begin, end = curve->stage[stage].end, f[LANES], w[LANES];
-    int from_above = force_rises(curve, stage);
+    double begin = j->curve->stage[stage].begin, end = reach_of(j, stage), f[LANES], w[LANES], whole[LANES];
+    int from_above = stage != j->shaped && force_rises(j->curve, stage);
     double moving[LANES];
+    whole_lanes(j, stage, whole);
     if (from_above) {
         double c = g->constant, s = g->slope, k = g->coefficient, per = work_factor(g->exponent), root[LANES];
         EACH(l) {
@@ -264,7 +318,7 @@ static void depth_lanes(const film_curve *curve, int32_t stage, double whole, co
         if (k == 0.0 && g->origin == begin) return;
     } else {
         EACH(l) {
-            depth[l] = begin + (end - begin) * sqrt(work[l] / whole); /* as if work grew as a square */
+            depth[l] = begin + (end - begin) * sqrt(work[l] / whole[l]); /* as if work grew as a square */
             moving[l] = 1.0;
         }
     }
@@ -274,7 +328,7 @@ static void depth_lanes(const film_curve *curve, int32_t stage, double whole, co
         high[l] = from_above ? INFINITY : end;
     }
     for (int i = 0; i < DEPTH_STEPS; i++) {
-        law_lanes(curve, stage, depth, f, w);
+        law_lanes(j, stage, depth, f, w);
         EACH(l) {
             double missing = work[l] - w[l], at = depth[l];
             low[l] = missing >= 0.0 ? at : low[l];
@@ -293,10 +347,11 @@ static void depth_lanes(const film_curve *curve, int32_t stage, double whole, co
 
 /* The unloading rule for lanes that turned at xi under `force` in `stage`, which is not reversible: length and exponent of
  * the branch. The caller refuses a length that is not positive. */
-static void open_lanes(const film_curve *curve, int32_t stage, const double *restrict xi, const double *restrict force,
+static void open_lanes(const batch_job *j, int32_t stage, const double *restrict xi, const double *restrict force,
                        double *restrict recovery, double *restrict exponent) {
     double given[LANES], load[LANES], e[LANES];
-    stage_lanes(curve, stage, RECOVERY_AND_EXPONENT, xi, given, exponent);
+    const film_curve *curve = j->curve;
+    stage_lanes(j, stage, RECOVERY_AND_EXPONENT, xi, given, exponent);
     if (curve->stage[stage].unloading == FILM_RESIDUAL) {
         EACH(l) recovery[l] = xi[l] - given[l];
         return;

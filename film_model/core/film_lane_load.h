@@ -34,12 +34,12 @@ static void run_towards(batch_job *j, int32_t stage, int32_t segments, const dou
             pass_inwards(s, &n);
         }
         EACH(l) s->xi[l] = begin + span[l] * r[segments - 1].x;
-        law_lanes(curve, stage, s->xi, s->force, s->work);
+        law_lanes(j, stage, s->xi, s->force, s->work);
         return;
     }
     for (int32_t i = 1; i < segments; i++) {
         EACH(l) x1[l] = begin + (aim[l] - begin) * r[i].x;
-        law_lanes(curve, stage, x1, f1, w1);
+        law_lanes(j, stage, x1, f1, w1);
         make_lines(s, &n, 1.0, 0, x1, f1, w1);
         pass_inwards(s, &n);
     }
@@ -52,7 +52,7 @@ static void turn_near(batch_job *j, int32_t stage, const double *restrict x1, la
                        double *restrict tau) {
     double phi[LANES], kappa[LANES], y0[LANES], d1[LANES], a2[LANES], x[LANES], y[LANES], f1[LANES], w1[LANES];
     double w[LANES], miss[LANES];
-    law_lanes(j->curve, stage, x1, f1, w1);
+    law_lanes(j, stage, x1, f1, w1);
     EACH(l) {
         double g = s->gamma[l], h = x1[l] - s->xi[l], mean = (w1[l] - s->work[l]) / h;
         phi[l] = 2.0 * mean - f1[l];
@@ -69,7 +69,7 @@ static void turn_near(batch_job *j, int32_t stage, const double *restrict x1, la
             w[l] = y[l] + s->gamma[l] * (phi[l] + kappa[l] * x[l]);
             x[l] += s->xi[l];
         }
-        law_lanes(j->curve, stage, x, f1, w1);
+        law_lanes(j, stage, x, f1, w1);
         if (i == steps) break;
         /* gamma f falls by a2 y, as on the line */
         EACH(l) tau[l] += (w[l] - s->gamma[l] * f1[l]) / (f1[l] + a2[l] * y[l]);
@@ -90,19 +90,19 @@ static void turn_near(batch_job *j, int32_t stage, const double *restrict x1, la
  * halved. A fixed target would stop them later. */
 static void first_aim(batch_job *j, int32_t stage, double stored, const double *restrict nu, const double *restrict gamma,
                       double *restrict aim) {
-    const film_curve *curve = j->curve;
-    double begin = curve->stage[stage].begin, whole = j->whole[stage];
+    double begin = j->curve->stage[stage].begin, whole[LANES];
     double low[LANES], high[LANES], below[LANES], above[LANES], f[LANES], w[LANES], energy[LANES];
     double moving[LANES];
     EACH(l) {
         energy[l] = 0.5 * nu[l] * nu[l] - stored;
         low[l] = begin;
     }
-    EACH(l) energy[l] = energy[l] < whole ? energy[l] : whole;
-    depth_lanes(curve, stage, whole, energy, high);
-    law_lanes(curve, stage, low, f, w);
+    whole_lanes(j, stage, whole);
+    EACH(l) energy[l] = energy[l] < whole[l] ? energy[l] : whole[l];
+    depth_lanes(j, stage, energy, high);
+    law_lanes(j, stage, low, f, w);
     EACH(l) below[l] = turn_excess(stored + w[l], f[l], nu[l], gamma[l]);
-    law_lanes(curve, stage, high, f, w);
+    law_lanes(j, stage, high, f, w);
     EACH(l) {
         above[l] = turn_excess(stored + w[l], f[l], nu[l], gamma[l]);
         aim[l] = high[l];
@@ -114,7 +114,7 @@ static void first_aim(batch_job *j, int32_t stage, double stored, const double *
             double next = low[l] - (high[l] - low[l]) * below[l] / (above[l] - below[l]);
             x[l] = moving[l] > 0.0 ? next : aim[l];
         }
-        law_lanes(curve, stage, x, f, w);
+        law_lanes(j, stage, x, f, w);
         EACH(l) {
             double excess = turn_excess(stored + w[l], f[l], nu[l], gamma[l]);
             high[l] = excess > 0.0 ? x[l] : high[l];
@@ -157,7 +157,7 @@ static double cross_before(batch_job *j, int32_t stage, lanes *restrict s, doubl
         *largest = whole->peak > *largest ? whole->peak : *largest;
     }
     EACH(l) s->xi[l] = j->curve->stage[stage].begin;
-    law_lanes(j->curve, stage, s->xi, s->force, s->work);
+    law_lanes(j, stage, s->xi, s->force, s->work);
     return stored;
 }
 
@@ -165,7 +165,7 @@ static double cross_before(batch_job *j, int32_t stage, lanes *restrict s, doubl
  * docs/method.md, section 5. */
 static void aim_lanes(batch_job *j, int32_t stage, double stored, const double *restrict nu, const lanes *restrict s,
                       double *restrict aim) {
-    double end = j->curve->stage[stage].end, tau[LANES];
+    double end = reach_of(j, stage), tau[LANES];
     first_aim(j, stage, stored, nu, s->gamma, aim);
     for (int32_t m = AIMING_SEGMENTS; m == AIMING_SEGMENTS || 3 * m <= j->mesh->loading; m *= 4) {
         lanes trial = *s;
@@ -180,7 +180,7 @@ static void aim_lanes(batch_job *j, int32_t stage, double stored, const double *
 
 /* Along `stage` to the turn near `aim`. Lanes whose turn is too far from their aim are bad. */
 static void run_to_aim(batch_job *j, int32_t stage, double *restrict aim, lanes *restrict s) {
-    double end = j->curve->stage[stage].end, last[LANES], tau[LANES];
+    double end = reach_of(j, stage), last[LANES], tau[LANES];
     run_towards(j, stage, j->mesh->loading, j->mesh->loading_nodes[FILM_PLATE_IN], aim, s);
     EACH(l) last[l] = s->xi[l];
     lanes trial = *s;
@@ -272,7 +272,7 @@ static void load_lanes(batch_job *j, int32_t stage, const int64_t *index, int co
         t->exponent[l] = exponent;
     }
     if (j->curve->stage[stage].unloading != FILM_RETRACE)
-        open_lanes(j->curve, stage, s->xi, s->force, t->recovery, t->exponent);
+        open_lanes(j, stage, s->xi, s->force, t->recovery, t->exponent);
     EACH(l) {
         s->bad[l] = t->recovery[l] > SHORTEST_RECOVERY * s->xi[l] ? s->bad[l] : 1.0;
         s->bad[l] = t->exponent[l] > 0.0 ? s->bad[l] : 1.0;

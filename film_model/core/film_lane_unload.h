@@ -69,9 +69,9 @@ static void law_of_stops(const batch_job *j, const stops *restrict n, const unlo
         double here[LANES], f[LANES], before[LANES], after[LANES];
         EACH(l) here[l] = n->stage[l] == (double)k ? 1.0 : 0.0;
         if (!any(here)) continue;
-        law_lanes(j->curve, k, n->xi, f, before);
+        law_lanes(j, k, n->xi, f, before);
         EACH(l) w0[l] = here[l] > 0.0 ? before[l] : w0[l];
-        law_lanes(j->curve, k, x1, f, after);
+        law_lanes(j, k, x1, f, after);
         EACH(l) {
             f1[l] = here[l] > 0.0 ? f[l] : f1[l];
             w1[l] = here[l] > 0.0 ? after[l] : w1[l];
@@ -156,7 +156,8 @@ static void report_lane(batch_job *j, const lanes *s, double stopped, int l, int
     out->shift = s->gamma[l] * (start->nu - s->w[l]);
     out->work = stored - given;
     int whole = s->bad[l] == 0.0 && s->time[l] < INFINITY && fabs(s->w[l]) < INFINITY;
-    j->status[index] = whole ? FILM_EVENT : film_marched(j->curve, j->mesh, start, out);
+    if (whole) j->status[index] = FILM_EVENT;
+    else leave_alone(j, index);
 }
 
 /* ---------------------------------------------------------------- the whole way out */
@@ -290,9 +291,9 @@ static void plan_legs(const film_mesh *mesh, const lanes *restrict s, const doub
 }
 
 /* Line i of each lane's leg along stage k; lanes whose leg has fewer stay where they are. */
-static void retrace_lines(const film_curve *curve, int32_t k, const lane_legs *g, int32_t i, int from_rest, lanes *restrict s,
+static void retrace_lines(const batch_job *j, int32_t k, const lane_legs *g, int32_t i, int from_rest, lanes *restrict s,
                           stops *restrict stop) {
-    double x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES], begin[LANES], until[LANES], to = curve->stage[k].begin;
+    double x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES], begin[LANES], until[LANES], to = j->curve->stage[k].begin;
     lines n;
     EACH(l) {
         x1[l] = i < g->segments[l] ? g->from[l] + (to - g->from[l]) * g->nodes[l][i] : to;
@@ -301,7 +302,7 @@ static void retrace_lines(const film_curve *curve, int32_t k, const lane_legs *g
         begin[l] = s->xi[l];
         until[l] = s->time[l];
     }
-    law_lanes(curve, k, x1, f1, w1);
+    law_lanes(j, k, x1, f1, w1);
     make_lines(s, &n, -1.0, from_rest, x1, f1, w1);
     EACH(l) { /* any line will do for those, their motion is put back below */
         if (i <= g->segments[l]) continue;
@@ -330,8 +331,8 @@ static void retrace_lanes(batch_job *j, int32_t stage, const int64_t *index, int
     clear_stops(&stop);
     for (int32_t k = stage; k >= 0; k--) {
         plan_legs(j->mesh, s, largest, &g, lines_made);
-        law_lanes(j->curve, k, g.from, s->force, s->work);
-        for (int32_t i = 1; i <= g.most; i++) retrace_lines(j->curve, k, &g, i, i == 1 && k == stage, s, &stop);
+        law_lanes(j, k, g.from, s->force, s->work);
+        for (int32_t i = 1; i <= g.most; i++) retrace_lines(j, k, &g, i, i == 1 && k == stage, s, &stop);
     }
     stop_times(j, &stop, s, NULL, NAN, stopped);
     for (int l = 0; l < count; l++) {

@@ -11,4 +11,25 @@
 #define FILM_OWN
 #endif
 
-FILM_OWN const block_routines FILM_ROUTINES = {fixed_lanes, load_lanes, leave_lanes, unload_lanes, retrace_lanes};
+/* The numbers that differ, of the first pieces of the last stage: as film_shape has them. */
+static void shape_lanes(const batch_job *j, int32_t pieces, const double (*of)[LANES]) {
+    own_stage *own = j->own;
+    int32_t nodes = j->family->nodes, varying = j->family->varying, count = own->piece[pieces - 1].column;
+    const double *table = j->family->numbers + nodes + varying;
+    count += 1 + own->piece[pieces - 1].force + own->piece[pieces - 1].mean;
+    for (int32_t v = 0; v < count; v++) {
+        double sum[LANES] = {0.0};
+        for (int32_t n = 0; n < nodes; n++) {
+            double one = table[(int64_t)n * varying + v];
+            EACH(l) sum[l] += of[n][l] * one;
+        }
+        memcpy(own->value[v], sum, sizeof sum);
+    }
+    double at[LANES], force[LANES];
+    own->pieces = pieces;
+    own->end = j->curve->piece[j->curve->stage[j->shaped].first + pieces - 1].end;
+    EACH(l) at[l] = own->end;
+    law_lanes(j, j->shaped, at, force, own->whole);
+}
+
+FILM_OWN const block_routines FILM_ROUTINES = {shape_lanes, fixed_lanes, load_lanes, leave_lanes, unload_lanes, retrace_lanes};

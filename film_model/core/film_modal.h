@@ -27,6 +27,7 @@ enum {
 typedef struct {
     int32_t modes, levels, rigid;       /* rigid: modes of frequency 0, which come first */
     int32_t made[FILM_LEVELS];          /* whether a level is tabulated */
+    int32_t instructions;               /* FILM_PLAIN, FILM_AVX2 or FILM_AVX512; the bits are the same with all of them */
     double longest;                     /* step of level 0 */
     const double *frequency, *share;    /* ascending, >= 0; > 0 */
     double *square, *drag;              /* omega^2, 2 zeta omega */

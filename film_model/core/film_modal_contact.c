@@ -102,26 +102,41 @@ int film_soft_event(const film_curve *curve, film_modal *s) {
 
 /* ---------------------------------------------------------------- events that end a step */
 
+/* edge - depth in this direction as Bernstein coefficients; whether they are all above 0, so that the edge is not reached. */
+static int is_inside(const film_curve *curve, const film_modal *s, const double depth[DEGREE + 1], int direction,
+                     double bernstein[DEGREE + 1]) {
+    double edge = depth_of_edge(curve, s, direction);
+    int inside = 1;
+    for (int i = 0; i <= DEGREE && edge < INFINITY; i++) {
+        bernstein[i] = direction * (edge - depth[i]);
+        inside &= bernstein[i] > 0.0;
+    }
+    return inside;
+}
+
 /* Where in the step its run ends, and how: the first edge, turn or release after the turns that the step passes; 2: nowhere. */
 static double find_end(const film_curve *curve, film_modal *s, int *ends, int *direction) {
     double depth[DEGREE + 1], bernstein[DEGREE + 1], powers[NODES], from = 0.0;
-    int d = s->contact.direction;
+    int d = s->contact.direction, damped = is_damped(curve, &s->contact);
     film_depth_polynomial(s, depth);
+    int soft = !damped && is_soft_turn(curve, &s->contact, 1) && is_soft_turn(curve, &s->contact, -1);
+    if (soft && is_inside(curve, s, depth, -d, bernstein)) { /* no turn leads to an end */
+        *ends = ENDS_EDGE;
+        *direction = d;
+        return is_inside(curve, s, depth, d, bernstein) ? 2.0 : film_first_below(bernstein, DEGREE, 0.0);
+    }
     for (int k = 0; k < TURNS_A_STEP; k++) {
-        double edge = depth_of_edge(curve, s, d), best, at;
+        double best, at;
         rate_polynomial(s, d, bernstein);
         best = film_first_below(bernstein, DEGREE - 1, from);
         *ends = ENDS_TURN;
         *direction = d;
-        if (edge < INFINITY) {
-            for (int i = 0; i <= DEGREE; i++) bernstein[i] = d * (edge - depth[i]);
-            at = film_first_below(bernstein, DEGREE, from);
-            if (at <= 1.0 && at <= best) {
-                best = at;
-                *ends = ENDS_EDGE;
-            }
+        at = is_inside(curve, s, depth, d, bernstein) ? 2.0 : film_first_below(bernstein, DEGREE, from);
+        if (at <= 1.0 && at <= best) {
+            best = at;
+            *ends = ENDS_EDGE;
         }
-        if (d < 0 && is_damped(curve, &s->contact)) {
+        if (d < 0 && damped) {
             force_powers(s, powers);
             from_powers(powers, NODES - 1, bernstein);
             at = film_first_below(bernstein, NODES - 1, from);
@@ -175,7 +190,7 @@ static int cut(const film_structure *structure, const film_curve *curve, film_mo
             stay(structure, s, waves);
             return FILM_OK;
         }
-        film_fill_table(structure, &table, h);
+        film_loops_of(structure)->fill(structure, &table, h);
         int status = film_try_step(structure, curve, s, waves, &table, h, &e, &error);
         if (status == FILM_OK) status = film_take_step(structure, s, waves, &table, &e);
         if (status < 0) return status;

@@ -19,30 +19,29 @@ static const double LANDING = 1e-12;
 
 enum { TOUCH_STEPS = 8, DENT_SAMPLES = 16, DENT_HALVINGS = 50 };
 
-static double amplitude(const film_structure *structure, const double *waves, int32_t i) {
-    return hypot(waves[i], waves[structure->modes + i] / structure->frequency[i]);
-}
-
 /* A bound on the error of the interpolation over a step of this level. */
-static double blur_of(const film_structure *structure, const double *waves, int32_t level) {
+static double blur_of(const film_structure *structure, const double *amplitude, int32_t level) {
     double h = ldexp(structure->longest, -level), error = 0.0;
     for (int32_t i = structure->rigid; i < structure->modes; i++) {
-        double z = structure->frequency[i] * h, z2 = z * z, z4 = z2 * z2;
-        error += amplitude(structure, waves, i) * fmin(INTERPOLATION * z4 * z4, OVERSHOOT);
+        double z = structure->frequency[i] * h, z2 = z * z, z4 = z2 * z2, share = INTERPOLATION * z4 * z4;
+        error += amplitude[i] * (share < OVERSHOOT ? share : OVERSHOOT);
     }
     return error;
 }
 
 /* The bound on the motion of all modes, and the shortest steps: those whose interpolation errs by less than a touch that
- * would matter is deep. */
-static void start_flight(const film_structure *structure, film_modal *s, const double *waves) {
-    double shallow = pow(s->tolerance, GRAZING) * s->speed * s->unit;
+ * would matter is deep. The second half of waves, which the next step writes, holds the amplitudes. */
+static void start_flight(const film_structure *structure, film_modal *s, double *waves) {
+    double shallow = pow(s->tolerance, GRAZING) * s->speed * s->unit, *amplitude = waves + 2 * (size_t)structure->modes;
     s->reach = 0.0;
-    for (int32_t i = structure->rigid; i < structure->modes; i++) s->reach += amplitude(structure, waves, i);
+    for (int32_t i = structure->rigid; i < structure->modes; i++) {
+        amplitude[i] = hypot(waves[i], waves[structure->modes + i] / structure->frequency[i]);
+        s->reach += amplitude[i];
+    }
     for (int k = 0; k < FILM_FLIGHTS; k++) s->blur[k] = INFINITY;
     for (s->flight_level = 0; s->flight_level < structure->levels; s->flight_level++) {
         for (int k = FILM_FLIGHTS - 1; k > 0; k--) s->blur[k] = s->blur[k - 1];
-        s->blur[0] = blur_of(structure, waves, s->flight_level);
+        s->blur[0] = blur_of(structure, amplitude, s->flight_level);
         if (s->blur[0] <= shallow || s->flight_level == structure->levels - 1) break;
     }
     s->flight_size = FILM_FLIGHTS / 2;

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-enum { NEWTON_STEPS = 40, INDENTATION_STEPS = 100, LANES = 2 };
+enum { NEWTON_STEPS = 40, INDENTATION_STEPS = 100 };
 
 /* Newton's method has converged when its last step is below this fraction of the largest force: it converges quadratically. */
 static const double SETTLED = 1e-10;
@@ -42,14 +42,29 @@ static const double BENT[BENDS][BENDS] = {
 
 /* ---------------------------------------------------------------- the law */
 
+/* The elastic force and its slope, of one power where they are that: a root or pow() then serves both. */
+static film_at elastic_on(const film_line *line, const film_piece *piece, double xi) {
+    film_at at = {0.0, 0.0, 0.0};
+    double work;
+    if (line->branch >= 0 && piece->force.form == FILM_POWER) {
+        const film_function *g = &piece->force;
+        double x = scaled_distance(g, xi);
+        double power = g->coefficient == 0.0 ? 0.0 : g->coefficient * power_of(x, g->exponent);
+        at.force = g->constant + g->slope * x + power;
+        at.by_xi = power == 0.0 ? slope_at(g, xi) : g->slope + g->exponent * power / x;
+    } else {
+        contact_at(line, piece, xi, &at.force, &work);
+        at.by_xi = contact_slope(line, piece, xi);
+    }
+    return at;
+}
+
 /* F and its derivatives on the line's branch; below 0 where a damped contact would pull. */
 film_at film_law_on(const film_curve *curve, const film_line *line, double xi, double nu) {
     film_at at = {0.0, 0.0, 0.0};
     if (line->branch == FILM_FREE) return at;
     const film_piece *piece = line->branch >= 0 ? piece_at(curve, line->branch, xi) : NULL;
-    double work;
-    contact_at(line, piece, xi, &at.force, &work);
-    at.by_xi = contact_slope(line, piece, xi);
+    at = elastic_on(line, piece, xi);
     if (line->damper > 0.0 && line->branch >= 0) {
         at.by_nu = damping_at(curve, line, xi);
         at.by_xi += line->damper * slope_at(&piece->damping, xi) * nu;
@@ -115,65 +130,27 @@ void film_depth_polynomial(const film_modal *s, double bernstein[DEGREE + 1]) {
 
 /* ---------------------------------------------------------------- the step */
 
-/* Sums of w_n and w_n' at the nodes without a force. Each is summed in LANES parts, so that two modes are added at once. */
+/* Sums of w_n', if they are asked for, and w_n at the nodes without a force. */
 static void free_modes(const film_structure *structure, const film_table *table, const double *waves, int rates,
                        double moved[NODES], double rate[NODES]) {
-    int32_t n = structure->modes, whole = n - n % LANES;
-    const double *w = waves, *u = waves + n, *c[NODES], *s[NODES];
-    double by_w[NODES][LANES] = {{0.0}}, by_u[NODES][LANES] = {{0.0}};
+    int32_t n = structure->modes;
+    const double *w = waves, *u = waves + n;
+    film_loops_of(structure)->free_sums(structure, table, waves, moved);
     for (int at = 0; at < NODES; at++) {
-        c[at] = table->node_cos + (size_t)at * (size_t)n;
-        s[at] = table->node_sin + (size_t)at * (size_t)n;
-    }
-    for (int32_t i = 0; i < whole; i += LANES) {
-        for (int at = 0; at < NODES; at++) {
-            for (int k = 0; k < LANES; k++) by_w[at][k] += w[i + k] * c[at][i + k];
-            for (int k = 0; k < LANES; k++) by_u[at][k] += u[i + k] * s[at][i + k];
-        }
-    }
-    for (int at = 0; at < NODES; at++) {
-        moved[at] = (by_w[at][0] + by_u[at][0]) + (by_w[at][1] + by_u[at][1]);
-        for (int32_t i = whole; i < n; i++) moved[at] += w[i] * c[at][i] + u[i] * s[at][i];
+        const double *c = table->node_cos + (size_t)at * (size_t)n, *s = table->node_sin + (size_t)at * (size_t)n;
         rate[at] = 0.0;
-        for (int32_t i = 0; i < n && rates; i++) {
-            double turned = s[at][i];
-            rate[at] += u[i] * (c[at][i] - structure->drag[i] * turned) - structure->square[i] * w[i] * turned;
-        }
+        for (int32_t i = 0; i < n && rates; i++)
+            rate[at] += u[i] * (c[i] - structure->drag[i] * s[i]) - structure->square[i] * w[i] * s[i];
     }
-}
-
-/* end = w of_w + u of_u + the push of the forces f. In flight, where there is none, the push is not read. */
-static void move_modes(int32_t n, const double *restrict w, const double *restrict u, const double *restrict of_w,
-                       const double *restrict of_u, const double *restrict push, const double *f, double *restrict end) {
-    if (f == NULL) {
-        for (int32_t i = 0; i < n; i++) end[i] = w[i] * of_w[i] + u[i] * of_u[i];
-        return;
-    }
-    double f0 = f[0], f1 = f[1], f2 = f[2], f3 = f[3];
-    const double *restrict p1 = push + n, *restrict p2 = push + 2 * (size_t)n, *restrict p3 = push + 3 * (size_t)n;
-    for (int32_t i = 0; i < n; i++)
-        end[i] = (w[i] * of_w[i] + u[i] * of_u[i]) + ((f0 * push[i] + f1 * p1[i]) + (f2 * p2[i] + f3 * p3[i]));
-}
-
-static double sum_of(const double *values, int32_t n) {
-    double sum[4] = {0.0};
-    int32_t whole = n - n % 4;
-    for (int32_t i = 0; i < whole; i += 4)
-        for (int k = 0; k < 4; k++) sum[k] += values[i + k];
-    for (int32_t i = whole; i < n; i++) sum[0] += values[i];
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
 /* w_n and w_n' at the end of the step into the second half of waves, and their sums into the state. */
 static void end_modes(const film_structure *structure, const film_table *table, film_modal *s, double *waves) {
-    int32_t n = structure->modes;
-    double *w = waves, *u = waves + n, *w_end = waves + 2 * (size_t)n, *u_end = w_end + n, force[NODES];
-    for (int j = 0; j < NODES; j++) force[j] = s->force[j] * s->mass / (s->unit * s->unit);
-    const double *pushing = s->kind == FILM_STEP_CONTACT ? force : NULL;
-    move_modes(n, w, u, table->end_cos, table->end_sin, table->push, pushing, w_end);
-    move_modes(n, w, u, table->rate_cos, table->rate_sin, table->push_rate, pushing, u_end);
-    s->end_shift = sum_of(w_end, n);
-    s->end_rate = sum_of(u_end, n);
+    double p[NODES], sums[2];
+    film_force_cubic(s, p);
+    film_loops_of(structure)->move(structure, table, waves, p, sums);
+    s->end_shift = sums[0];
+    s->end_rate = sums[1];
 }
 
 /* Solves a x = b in place, of four equations, with pivots; 0 if a pivot is 0 or not finite. */

@@ -1,6 +1,7 @@
 /* What the files of the contact on modes share. Internal.
  *
  *     film_modal_table.c     the modes' responses to powers of time; tables of a step size
+ *     film_modal_loops.c     the loops over all modes, for several instruction sets
  *     film_modal_force.c     the force of a step, by collocation at its nodes
  *     film_modal_root.c      where a polynomial first falls below 0
  *     film_modal_contact.c   steps in contact: their size, the events in them
@@ -11,6 +12,7 @@
 
 #include "film_modal.h"
 #include "film_march.h"
+#include "film_wide.h"
 
 enum { NODES = FILM_NODES, BENDS = FILM_BENDS, DEGREE = 7, RESPONSES = 6 };
 
@@ -23,21 +25,40 @@ static const double LAGRANGE[NODES][NODES] = {
     {-0.11391719628198993, 2.155927103645261, -7.93576184994495, 7.420540068038946},
 };
 
+static const double FACTORIAL[NODES] = {1.0, 1.0, 2.0, 6.0};
+
+/* Below this phase (or damping) over t the responses come from their Taylor series, whose terms then only decrease, and from
+ * the recursion downwards; above it from cosine and sine, and the recursion upwards. Both are accurate at the border. */
+static const double SERIES_PHASE = 6.0;
+
 /* One table: how a step of one size moves every mode, per unit of share k for forces. */
 typedef struct {
     double *node_cos, *node_sin;  /* [NODES][n]: of w and of w' at the beginning, on w at the nodes */
     double *end_cos, *end_sin;    /* [n]: on w at the end */
     double *rate_cos, *rate_sin;  /* [n]: on w' at the end */
-    double *push, *push_rate;     /* [NODES][n]: share x response of w and w' at the end to a force's value at a node */
+    double *push;                 /* [RESPONSES - 1][n]: share x responses y_1 .. y_5 at the end */
     double *nodes, *node_rates;   /* [NODES][NODES]: sums over the modes of the responses at node i to the force at node j */
 } film_table;
+
+/* film_modal_loops.c, for one instruction set. free_sums: sum of w_n at the nodes without a force. move: w_n and w_n' at the
+ * end of the step under the force sum p_k theta^k/k!, into the second half of waves; their sums. fill: a table. */
+typedef struct {
+    void (*free_sums)(const film_structure *structure, const film_table *table, const double *waves, double moved[NODES]);
+    void (*move)(const film_structure *structure, const film_table *table, double *waves, const double p[NODES], double sums[2]);
+    void (*fill)(const film_structure *structure, const film_table *table, double h);
+} film_loops;
+extern const film_loops film_loops_plain;
+#if defined(FILM_WIDE)
+extern const film_loops film_loops_avx2, film_loops_avx512;
+#endif
+const film_loops *film_loops_of(const film_structure *structure);
 
 /* film_modal_table.c. responses[k + 2]: of w at time t to the force theta^k/k!, k = 0 .. 3; at 0 and 1 (k = -2, -1) the
  * derivatives w' and w of the response to an impulse. */
 void film_responses(double square, double drag, double t, double responses[RESPONSES]);
+void film_force_cubic(const film_modal *s, double p[NODES]);
 film_table film_table_at(const film_structure *structure, int32_t level);
 film_table film_level_table(film_structure *structure, int32_t level);
-void film_fill_table(const film_structure *structure, const film_table *table, double h);
 void film_moved_mode(const film_structure *structure, const film_modal *s, const double *waves, int32_t n, double t, double *w,
                      double *u);
 

@@ -22,10 +22,13 @@ static void split(double *c, int degree, double at, double *left) {
 }
 
 double film_bernstein(const double *bernstein, int degree, double at) {
-    double c[DEGREE + 1], left[DEGREE + 1] = {0.0};
-    memcpy(c, bernstein, sizeof(double) * (size_t)(degree + 1));
-    split(c, degree, at, left);
-    return left[degree];
+    double before = 1.0 - at, power = 1.0, choose = 1.0, sum = bernstein[0] * before;
+    for (int k = 1; k < degree; k++) { /* sum = (1 - at)^(1 - k) times the terms before k */
+        power *= at;
+        choose *= (double)(degree - k + 1) / k;
+        sum = (sum + choose * power * bernstein[k]) * before;
+    }
+    return sum + power * at * bernstein[degree];
 }
 
 static int all_above(const part *p, int degree) {

@@ -16,6 +16,8 @@ int film_single(const film_curve *curve, const film_mesh *mesh, const film_start
     b.j.start = start;
     b.j.summary = summary;
     b.j.status = status;
+    b.j.family = NULL;
+    b.j.shaped = -1;
     if (mesh->loading < FEWEST || mesh->unloading < FEWEST || !film_prepare_job(&b.j)) return 0;
     int32_t stage = moving_stage(&b.j, start->nu, start->gamma, &stored);
     if (stage < 0) return 0;

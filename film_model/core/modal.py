@@ -34,6 +34,7 @@ class Structure(c.Structure):
         ("levels", _I),
         ("rigid", _I),
         ("made", _I * LEVELS),
+        ("instructions", _I),
         ("longest", _D),
         ("frequency", c.c_void_p),
         ("share", c.c_void_p),
@@ -138,7 +139,7 @@ class Tables:
     """Modes in the core's form, with tables that are made on demand and kept; used by one thread at a time.
 
     frequency [rad/s], share [1/kg], damping ratio: ascending frequencies. longest: largest step, s. Raises ValueError
-    for modes that are no motion of a structure. Memory: 18 floats for each mode and step size in use.
+    for modes that are no motion of a structure. Memory: 17 floats for each mode and step size in use.
     """
 
     def __init__(self, frequency: Array, share: Array, ratio: Array, longest: float) -> None:
@@ -247,12 +248,13 @@ def _impact(tables: Tables, curve: Curve, start: Start) -> Impact:
         status = lib.film_modal_go_on(*at, start.limit, *own, c.byref(room.native))
     else:
         parts.append(room.take())
-    segments, events, flights = (np.concatenate(columns) for columns in zip(*parts, strict=True))
     kept = 0
     for part in parts:  # flights count from 0 in each part
         first, kept = kept, kept + len(part[2])
         part[0]["flight"][part[0]["flight"] >= 0] += first
-    segments = np.concatenate([part[0] for part in parts])
+    segments, events, flights = (
+        columns[0] if len(columns) == 1 else np.concatenate(columns) for columns in zip(*parts, strict=True)
+    )
     energies = np.empty(tables.count)
     lib.film_modal_energies(at[0], c.byref(state), waves.ctypes.data, energies.ctypes.data)
     return Impact(status, summary, segments, events, flights, energies)

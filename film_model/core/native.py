@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes as c
-import math
 import sys
 from collections.abc import Callable
 from functools import lru_cache
@@ -21,8 +20,15 @@ INSTRUCTIONS = ("plain", "AVX2", "AVX-512")
 BRANCH, FREE = -1, -2
 BRANCH_NAMES = {BRANCH: "unloading", FREE: ""}
 
-_TURNS = ("maximum_indentation", "impactor_stops", "contact_ends", "reloading_begins")
-EVENTS = ("", "contact_begins", "stage_changes", *_TURNS)
+EVENTS = (
+    "",
+    "contact_begins",
+    "stage_changes",
+    "maximum_indentation",
+    "impactor_stops",
+    "contact_ends",
+    "reloading_begins",
+)
 PHASES = ("approaching", "loading", "unloading", "reloading", "resting", "separated")
 OK, EVENT, ENDLESS = range(3)
 BAD_NUMBER, BAD_CURVE, BAD_MESH, BEYOND_LAW, TOO_MANY, BAD_UNLOADING, FULL, TOO_STIFF = range(-1, -9, -1)
@@ -185,6 +191,7 @@ def library() -> Any:
     signatures: dict[str, tuple[list[Any], Any]] = {
         "film_check_curve": ([pointer], c.c_int),
         "film_shape": ([pointer, pointer, _D, pointer], c.c_int),
+        "film_spring": ([pointer, _D], c.c_int),
         "film_mesh_size": ([_I, _I], c.c_size_t),
         "film_mesh_init": ([pointer, _I, _I, _I, pointer], c.c_int),
         "film_damp": ([pointer, _D], c.c_int),
@@ -201,7 +208,9 @@ def library() -> Any:
         "film_impact": ([pointer, pointer, pointer, pointer], c.c_int),
         "film_marched": ([pointer, pointer, pointer, pointer], c.c_int),
         "film_instructions": ([], c.c_int),
-        "film_batch_shaped": ([pointer, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
+        "film_batch_shaped": ([c.c_int, pointer, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
+        "film_compare": ([i64, pointer, pointer, pointer, pointer], None),
+        "film_rounding": ([pointer, i64, pointer, pointer, _D, pointer], None),
         "film_batch_with": ([c.c_int, pointer, pointer, i64, pointer, pointer, pointer], None),
     }
     for name, (arguments, result) in signatures.items():
@@ -252,45 +261,23 @@ def set_input(state: State, load: float, nu_change: float, stop_velocity: float)
 
 def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tuple[int, NDArray[Any], NDArray[Any]]:
     """Status, lines and event states from `state`, which is moved on, to the end of the next contact or to `limit`."""
-    most = min(room, _MOST_EVENTS)
+    most, count, events_count, begun = min(room, _MOST_EVENTS), _I(), _I(), bytes(state)
     lines, events = (np.empty(n * t.itemsize, np.uint8) for n, t in ((room, LINE_DTYPE), (most, STATE_DTYPE)))
-    counts, begun = (_I * 2)(), bytes(state)
+    at, events_at = (c.byref(c.c_char.from_buffer(memory.data)) for memory in (lines, events))
     status = library().film_record(
-        c.byref(curve),
-        c.byref(cut),
-        c.byref(state),
-        limit,
-        lines.ctypes.data,
-        room,
-        c.byref(counts, 0),
-        events.ctypes.data,
-        most,
-        c.byref(counts, 4),
+        *(c.byref(curve), c.byref(cut), c.byref(state), limit),
+        *(at, room, c.byref(count), events_at, most, c.byref(events_count)),
     )
-    if status == FULL and (room > _MOST_ROOM or counts[1] == _MOST_EVENTS):
-        return TOO_MANY, _rows(lines, counts[0], LINE_DTYPE), _rows(events, counts[1], STATE_DTYPE)
-    if status == FULL:
+    if status == FULL and room <= _MOST_ROOM and events_count.value < _MOST_EVENTS:
         c.memmove(c.byref(state), begun, len(begun))
         return record(curve, cut, state, limit, 4 * room)
-    return status, _rows(lines, counts[0], LINE_DTYPE), _rows(events, counts[1], STATE_DTYPE)
+    tables = _rows(lines, count.value, LINE_DTYPE), _rows(events, events_count.value, STATE_DTYPE)
+    return TOO_MANY if status == FULL else status, *tables
 
 
 def _rows(memory: NDArray[np.uint8], count: int, dtype: np.dtype[Any]) -> NDArray[Any]:
     """A copy of the first rows of a table; copying an array of structures takes ten times as long."""
-    return memory[: count * dtype.itemsize].copy().view(dtype)
-
-
-def record_many(curve: Curve, cut: Mesh, start: NDArray[Any], room: int) -> list[NDArray[Any]]:
-    """The lines of each of many contacts (START_DTYPE), none for one that fails; room: lines it may take at first."""
-    found: list[NDArray[Any]] = []
-    for row in start.tolist():
-        begin = Start(*row)
-        if not (begin.nu > 0.0 and math.isfinite(begin.nu + begin.gamma + begin.load)):
-            found.append(np.empty(0, LINE_DTYPE))
-            continue
-        status, lines, _ = record(curve, cut, initial_state(curve, begin), begin.time_limit, room)
-        found.append(lines if status >= 0 else lines[:0])
-    return found
+    return np.ndarray(count, dtype, memory[: count * dtype.itemsize].copy())
 
 
 def sample(
@@ -337,6 +324,21 @@ def instructions() -> int:
     return library().film_instructions()
 
 
+def distinct(rows: NDArray[Any]) -> tuple[NDArray[np.intp], NDArray[np.intp]] | None:
+    """The first of each kind of equal rows of a table, and the kind of each row; None if most rows differ.
+
+    Rows are compared as 8-byte words: by a hash, whose result is checked.
+    """
+    words = np.ascontiguousarray(rows).view(np.uint64).reshape(rows.size, -1)
+    key = np.zeros(rows.size, np.uint64)
+    for column in words.T:
+        key = (key ^ (key >> np.uint64(29))) * np.uint64(0x9E3779B97F4A7C15) + column
+    _, first, kind = np.unique(key, return_index=True, return_inverse=True)
+    if 2 * first.size > rows.size or not (words == words[first[kind]]).all():
+        return None
+    return first, kind
+
+
 def batch(
     curve: Curve, cut: Mesh, start: NDArray[Any], using: int | None = None
 ) -> tuple[NDArray[np.int32], NDArray[Any]]:
@@ -362,11 +364,7 @@ def force_of(curve: Curve, state: State) -> Callable[[float], float]:
     """f(ξ) as the contact of `state` is at the time of each call."""
     at = c.byref(curve), c.byref(state)
     function = library().film_force
-
-    def evaluate(xi: float) -> float:
-        return function(*at, xi, state.nu).force
-
-    return evaluate
+    return lambda xi: function(*at, xi, state.nu).force
 
 
 def indicators(curve: Curve, state: State, speed: float) -> list[float]:

@@ -8,6 +8,7 @@ simulated are estimated by formulas (:mod:`film_model.effects.judged`).
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -66,14 +67,19 @@ class Choice:
         """
         heavy, moves, keeps_law = self.decided
         found = [gravity.describe(self.light, heavy), target_motion.describe(self.moved, self.support, moves)]
-        found += plasticity.describe(self.yielding, self.yields, keeps_law)
-        found.append(rate_hardening.describe(self.static, self.hard, keeps_law))
+        return _in_order([*found, *plasticity.describe(self.yielding, self.yields, keeps_law), *self._judged])
+
+    @cached_property
+    def _judged(self) -> tuple[Effect, ...]:
+        """The effects that may matter without being simulated, about which there may be warnings."""
+        _, moves, keeps_law = self.decided
+        found = [rate_hardening.describe(self.static, self.hard, keeps_law)]
         held = self.scene.target.gives_way and self.scene.effects.target_motion is not False and not moves
         why = "the target moves too little to matter"
         found += [effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in self.edges]
         known = {effect.name for effect in self.edges}
         found += [effect for effect in judge(self._ending, self.problem.vibrates) if effect.name not in known]
-        return tuple(sorted(found, key=lambda effect: _ORDER.get(effect.name, len(_ORDER))))
+        return _in_order(found)
 
     @property
     def _ending(self) -> Problem:
@@ -86,10 +92,14 @@ class Choice:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the law, about unlikely numbers, and about effects that matter but are not modelled."""
-        said = (effect.warning for effect in self.effects)
+        said = (effect.warning for effect in self._judged)
         law = (*self.problem.law.remarks(), *self.problem.curve.warnings, *law_warnings(self.problem))
         law = (*law, *remarks(self.scene))
         return (*law, *(warning for warning in said if warning is not None))
+
+
+def _in_order(effects: Iterable[Effect]) -> tuple[Effect, ...]:
+    return tuple(sorted(effects, key=lambda effect: _ORDER.get(effect.name, len(_ORDER))))
 
 
 def choose(scene: Scene) -> Choice:
@@ -101,7 +111,8 @@ def choose(scene: Scene) -> Choice:
         support, edges = support_of(impacts)
     static = impacts.problem(support.impedance, 0.0, support.compliance)
     hard = rate_hardening.applied(static)
-    light, moved, yielding, decided = _decide((hard or static).impacts, support, yields)
+    light = hard or static
+    moved, yielding, decided = _decide(light, support, yields)
     problem = yielding if decided[2] else plasticity.elastic(yielding)
     if support.vibrates and decided[1]:
         if problem.curve.pulls:
@@ -123,7 +134,8 @@ def chosen(impacts: Impacts, yields: bool | None) -> list[Problem]:
 
     Their targets have an impedance, or do not move.
     """
-    *_, yielding, decided = _decide(impacts, Support(impacts.numbers.impedance), yields)
+    support = Support(impacts.numbers.impedance)
+    _, yielding, decided = _decide(impacts.problem(support.impedance, impacts.column(0.0)), support, yields)
     keeps_law = decided[2]
     if keeps_law.all():
         return [yielding]
@@ -131,16 +143,18 @@ def chosen(impacts: Impacts, yields: bool | None) -> list[Problem]:
     return [yielding.part(keeps_law), elastic] if keeps_law.any() else [elastic]
 
 
-def _decide(impacts: Impacts, support: Support, yields: bool | None) -> tuple[Problem, Problem, Problem, Any]:
-    """The problem without weight, with it, and with the target's motion decided; and the three decisions."""
-    light = impacts.problem(support.impedance, impacts.column(0.0), support.compliance)
+def _decide(light: Problem, support: Support, yields: bool | None) -> tuple[Problem, Problem, Any]:
+    """The problem with the weight decided, with the target's motion too, and the three decisions.
+
+    light: the problem without the weight.
+    """
     heavy = gravity.needed(light)
-    moved = light if not any_of(heavy) else light.again(load=either(heavy, impacts.numbers.weight, 0.0))
+    moved = light if not any_of(heavy) else light.again(load=either(heavy, light.impacts.numbers.weight, 0.0))
     moves = target_motion.needed(moved, support)
     problem = moved
     if any_of(moved.impedance < math.inf) or support.compliance > 0.0:
         problem = _held(moved, moves)
-    return light, moved, problem, (heavy, moves, plasticity.needed(problem, yields))
+    return moved, problem, (heavy, moves, plasticity.needed(problem, yields))
 
 
 def _held(moved: Problem, moves: Any) -> Problem:

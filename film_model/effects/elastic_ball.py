@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
+from film_model.base.arrays import interpolated
 
 TABLE = (
     (0.0, 0.1, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5),
@@ -23,5 +23,5 @@ def stiffening(poissons_ratio: float, slope: float) -> float:
     ball's own vibrations are neglected. slope: a/R.
     """
     ratios, constant, log = TABLE
-    a, b = (float(np.interp(poissons_ratio, ratios, column)) for column in (constant, log))
+    a, b = (interpolated(poissons_ratio, ratios, column) for column in (constant, log))
     return slope * abs(a + b * math.log(slope)) if slope > 0.0 else 0.0

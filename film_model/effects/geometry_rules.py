@@ -56,7 +56,7 @@ def omitted_modes(case: Case, rule: Rule) -> Effect:
 def _by_target(case: Case, judge: Callable[[Impact], Estimate], rule: Rule) -> Effect:
     """The effect that a rule of the target estimates."""
     found = judge(case.seen_by_target)
-    rule = rule._replace(indicator=found.indicator or rule.indicator)
+    rule = rule if found.indicator is None else rule._replace(indicator=found.indicator)
     if not found.applies:
         return rule.absent(found.reason)
     if found.fails:

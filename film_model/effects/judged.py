@@ -47,8 +47,7 @@ def _case(problem: Problem, vibrates: bool) -> Case | None:
 
 
 def _apply(name: str, problem: Problem, case: Case | None) -> Effect:
-    indicator, source, judge_case = RULES[name]
-    rule = Rule(name, indicator, source)
+    rule, judge_case = RULES[name]
     if case is not None:
         return judge_case(case, rule)
     if judge_case is obliqueness:
@@ -57,7 +56,7 @@ def _apply(name: str, problem: Problem, case: Case | None) -> Effect:
     return rule.unjudged(why)
 
 
-RULES: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
+_TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "boundary_reflections": (
         "t_c/t_return",
         "fitted to sums over the modes of simply supported plates struck at the centre; one-dimensional waves in a rod",
@@ -81,3 +80,5 @@ RULES: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "obliqueness": ("angle from the normal, °", "impulse and angular momentum of a solid ball", obliqueness),
 }
 """Name → indicator, source and rule."""
+
+RULES = {name: (Rule(name, indicator, source), rule) for name, (indicator, source, rule) in _TABLE.items()}

@@ -12,7 +12,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array, Index, Mask
+from film_model.base.arrays import Array, Index, Mask, column
 from film_model.base.errors import VIBRATES, SimulationError
 from film_model.core import native
 from film_model.effects import rate_hardening
@@ -24,6 +24,7 @@ from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
 from film_model.problem.problem import Impacts, Problem
+from film_model.problem.varied import varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -47,12 +48,12 @@ def problems_of(
     error is raised.
     """
     status = np.zeros(count, np.int32) if status is None else status
-    approach = np.broadcast_to(np.asarray(scene_of_columns(scene, columns).approach_velocity), (count,))
-    moving, found = np.flatnonzero(approach > 0.0), list[Problem]()
-    part = _part(scene, columns, moving)
+    whole = scene_of_columns(scene, columns)
+    moving, found = np.flatnonzero(column(whole.approach_velocity, count) > 0.0), list[Problem]()
+    part = whole if moving.size == count else _part(scene, columns, moving)
     if infinite_unless_judged(part) or not edged(part):
         try:
-            groups = _groups(scene, columns, moving)
+            groups = _groups(scene, columns, moving, part)
             found = [problem for impacts, yields in groups for problem in chosen(impacts, yields)]
         except (TypeError, ValueError, SimulationError):  # a law or a target that accepts numbers only
             return _one_by_one(scene, columns, moving, status)
@@ -164,13 +165,15 @@ def _picked(columns: Mapping[str, Array], index: Index) -> dict[str, Array]:
     return {path: values[index] for path, values in columns.items()}
 
 
-def _groups(scene: Scene, columns: Mapping[str, Array], index: Index) -> Iterator[tuple[Impacts, bool | None]]:
-    """The impacts of `index` by law and curve, and whether they reach the yield point.
+def _groups(
+    scene: Scene, columns: Mapping[str, Array], index: Index, part: Scene
+) -> Iterator[tuple[Impacts, bool | None]]:
+    """The impacts of `index` by law and curve, and whether they reach the yield point. part: has their columns.
 
     Raises ValueError where there are nearly as many curves as impacts.
     """
-    for law, yields, own in _laws(_part(scene, columns, index), index):
-        made = SceneLaw.of(_part(scene, columns, own), law)
+    for law, yields, own in _laws(part, index):
+        made = SceneLaw.of(part if own.size == index.size else _part(scene, columns, own), law)
         impacts = _hardened(Impacts.several(scene, made, own, _picked(columns, own)))
         for places in _shared_curves((impacts.law,), own.size):
             yield impacts if places.size == own.size else impacts.part(places), yields
@@ -244,8 +247,9 @@ def _shapes(law: SceneLaw) -> list[Array]:
             varying = {name: value for name, value in varying.items() if name not in law.law.shaped_by}
             inside = (page >= 0) & (page < LAST_PAGE)
             shapes.append(np.where(inside, page, shape))  # outside, each has a curve of its own
-        if varying and not _stages_are_blind_to(law.law, law.values, varying):
-            shapes += varying.values()
+        read = [value for name, value in varying.items() if not _stages_are_blind_to(law.law, law.values, name)]
+        if read and varied_of(law, read[0].size) is None:
+            shapes += read
     if law.rule == "brake":
         made = law.at(slice(None))
         assert isinstance(made, BrakeUnloading)
@@ -257,17 +261,17 @@ class _Seen(Exception):
     """Raised when a law's stages read a varied value."""
 
 
-def _stages_are_blind_to(law: type[AbstractLaw], values: Mapping[str, Any], varying: Mapping[str, Any]) -> bool:
-    """Whether stages() never reads the varied fields, so that the stages do not depend on them."""
+def _stages_are_blind_to(law: type[AbstractLaw], values: Mapping[str, Any], varied: str) -> bool:
+    """Whether stages() never reads a varied field, so that the stages do not depend on it."""
 
     def look(_: AbstractLaw) -> Any:
         raise _Seen
 
     metaclass: Any = type(law)  # that of abstract classes
-    blind = metaclass(law.__name__, (law,), {name: property(look) for name in varying})
+    blind = metaclass(law.__name__, (law,), {varied: property(look)})
     made = object.__new__(blind)
     for name, value in values.items():
-        if name not in varying:
+        if name != varied:
             object.__setattr__(made, name, value.flat[0] if isinstance(value, np.ndarray) else value)
     try:
         made.stages()

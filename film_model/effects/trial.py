@@ -18,6 +18,9 @@ LEVELS = ((1.1, 2.0, 2.0), (1.01, 1.2, 1.1), (1.001, 1.05, 1.01))
 the ratio it spans in load; and the factor by which a change, scaled with the load, must differ from the tolerance to
 decide the whole cell. Impacts that are not decided go to the next size, and at the end are tried one by one."""
 
+FEW = 2
+"""So many impacts are all extremes of their cells: each is tried itself."""
+
 
 def change(full: Problem, without: Problem) -> Any:
     """Largest relative difference of two summaries; nan if one march failed, 1 if contact ends in only one of them.
@@ -77,8 +80,8 @@ def matters(
     found = np.zeros(full.approach.shape, np.bool_)
     left = np.arange(found.size) if where is None else np.flatnonzero(where)
     for width, load_width, clear in LEVELS:
-        if left.size == 0:
-            return found
+        if left.size <= FEW:
+            break
         low, high, cell = _ends_of_cells(full, left, width, load_width)
         answers: list[Mask] = []
         known = np.ones(left.size, np.bool_)
@@ -95,7 +98,8 @@ def matters(
         known[low] = known[high] = True
         left = left[~known]
     if left.size:
-        found[left] = ~(size(full.part(left), without.part(left)) <= tolerance)
+        tried = (full, without) if left.size == found.size else (full.part(left), without.part(left))
+        found[left] = ~(size(*tried) <= tolerance)
     return found
 
 

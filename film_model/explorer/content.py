@@ -15,18 +15,18 @@ from film_model.base.errors import STATUSES, Outcome, SimulationError
 from film_model.base.materials import catalogue
 from film_model.base.unit_symbols import SYMBOLS, parse_unit
 from film_model.base.units import DIMENSIONS, PREFIXED, scene_unit, si_unit
-from film_model.core import native
+from film_model.core import modal, native
 from film_model.effects.choose import Choice, choose
 from film_model.effects.effect import COMPUTED, NOT_MODELLED, percent
 from film_model.effects.many import SURE
-from film_model.explorer import formulas
+from film_model.explorer import formulas, support
 from film_model.explorer.inputs import inputs_of
 from film_model.explorer.laws import laws_of
 from film_model.plot.style import COLOURS
 from film_model.problem.families import TERMS, mean_matrix, series_matrix
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.problem.problem import TRIAL_SEGMENTS
-from film_model.problem.summary import SUMMARY
+from film_model.problem.summary import COMPARED, SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
 from film_model.solve.accuracy import FIRST_SEGMENTS, MOST_SEGMENTS, ORDER_FACTOR, REGULAR_FALL
 from film_model.solve.history import MOTION
@@ -52,7 +52,7 @@ class Content:
         self._scenes = [self._scene(name, scene) for name, scene in scenes]
         free, fixed = _samples()
         texts = [*formulas.result_functions("Free", free), *formulas.result_functions("Fixed", fixed)]
-        texts += [formulas.change_function("change", fixed)]
+        texts += [formulas.change_function("change", fixed), *formulas.vibrating_functions(fixed)]
         texts += [formulas.gravity_function("gravityChange", fixed), formulas.mass_function("sphereMass")]
         self._functions |= {text: text for text in texts}
 
@@ -101,11 +101,16 @@ class Content:
             choice = choose(scene)
         if not choice.problem.approach > 0.0:
             raise SimulationError("the impactor has no velocity: there is no impact to show on a page")
-        inputs = inputs_of(scene)
+        held, reason = (None, why) if (why := not_simulated(choice)) else support.data(choice)
+        inputs = list(inputs_of(scene))
+        if held is not None:
+            scene = support.fixed_to(choice)
+            inputs = [entry for entry in inputs if support.may_change(entry.path)]
+            inputs += support.damping_of(scene.target) if held["modes"] else []
         paths = [entry.path for entry in inputs]
         target = scene.target
         reflected = None
-        if target.structural and target.finite and hasattr(target, "reflection_change"):
+        if held is None and target.structural and target.finite and hasattr(target, "reflection_change"):
             reflected = self._named("reflections", formulas.reflections_function("reflections", scene, paths))
         effects = scene.effects
         return {
@@ -121,9 +126,10 @@ class Content:
             "law": scene.contact.law_name,
             "effects": {switch: getattr(effects, switch) for switch in SWITCHES},
             "edges": effects.boundary_reflections,
+            "support": held and held | {"key": name},
             "tolerance": effects.tolerance,
             "solver": {key: getattr(scene.solver, key) for key in ("accuracy", "segments", "linearisation")},
-            "given": given(choice) if not_simulated(choice) else None,
+            "given": given(choice, reason) if reason else None,
             "judged": [effect.to_dict() | {"line": effect.line} for effect in choice.effects],
             "warnings": list(choice.warnings),
         }
@@ -132,6 +138,7 @@ class Content:
         """The place of a law in the list of laws."""
         curve = self._curves.setdefault(found.embedded, len(self._curves))
         table = found.to_dict(self._named("problem", found.function("problem", scene)), curve)
+        table["example"] = self._named("example", found.example) if found.derived else None
         if table["shape"] is not None:
             shape, force = formulas.shape_functions("last", found.law, found.fixed)
             named = {"function": self._named("lastShape", shape), "force": self._named("lastForce", force)}
@@ -147,22 +154,17 @@ class Content:
 
 
 def not_simulated(choice: Choice) -> str:
-    """Why the page cannot simulate the scene; empty if it can."""
-    target, support, law = choice.scene.target, choice.support, choice.problem.law
-    if law.damped or choice.problem.curve.pulls:
-        return f"the law {law.name} {'is damped' if law.damped else 'pulls'}"
-    if choice.problem.vibrates or support.compliance > 0.0 or (support.vibrates and choice.decided[1]):
-        return f"the {target.kind} {support.how}"
-    return ""
+    """Why the page cannot simulate the law of the scene; empty if it can."""
+    return f"the law {choice.problem.law.name} pulls" if choice.problem.curve.pulls else ""
 
 
-def given(choice: Choice) -> dict[str, Any]:
+def given(choice: Choice, reason: str) -> dict[str, Any]:
     """The result of an impact that the page cannot simulate."""
     history = simulate_chosen(choice, choice.scene.solver)
     samples = history.sample_si(np.linspace(0.0, history.duration, SAMPLES))
     motion = {name: getattr(samples, name).tolist() for name in ("time", *MOTION)}
     return {
-        "reason": not_simulated(choice),
+        "reason": reason,
         "summary": dict(history.summary),
         "error": history.accuracy.estimated,
         "segments": history.accuracy.lines,
@@ -202,12 +204,24 @@ def regime_map() -> list[dict[str, Any]]:
 
 def layout() -> dict[str, Any]:
     """Sizes and offsets of the core's structures, in bytes; without pointers they are the same on all platforms."""
-    structures = {"start": native.Start, "summary": native.Summary, "state": native.State, "line": native.Line}
+    structures: dict[str, Any] = {
+        "start": native.Start,
+        "summary": native.Summary,
+        "state": native.State,
+        "line": native.Line,
+    }
+    structures |= {"modal": modal.Modal, "modal_start": modal.Start, "modal_summary": modal.Summary}
+    structures |= {"modal_segment": modal.Segment, "modal_event": modal.Event}
     found: dict[str, Any] = {
         name: {field[0]: getattr(kind, field[0]).offset for field in kind._fields_} | {"size": size_of(kind)}
         for name, kind in structures.items()
     }
-    return found | {"curve": size_of(native.Curve), "events": native.EVENTS, "phases": native.PHASES}
+    return found | {
+        "curve": size_of(native.Curve),
+        "events": native.EVENTS,
+        "phases": native.PHASES,
+        "levels": modal.LEVELS,
+    }
 
 
 def size_of(kind: Any) -> int:
@@ -230,4 +244,6 @@ def _constants() -> dict[str, Any]:
         "elastic": ELASTIC,
         "yielding": YIELDING,
         "not_modelled": NOT_MODELLED,
+        "vibration": support.constants(),
+        "compared": COMPARED,
     }

@@ -94,6 +94,19 @@ kind = "rod"
 diameter = "20 mm"
 material = "aluminium 6061-T6"
 """,
+    "ball-on-beam": """
+title = "Steel ball on a steel beam between supports"
+[impactor]
+radius = "5 mm"
+velocity = "1 m/s"
+material = "bearing steel"
+[target]
+kind = "beam"
+length = "200 mm"
+width = "20 mm"
+thickness = "5 mm"
+material = "mild steel"
+""",
     "two-balls": """
 title = "A steel ball overtakes a larger one"
 [impactor]

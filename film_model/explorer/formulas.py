@@ -11,7 +11,10 @@ from dataclasses import dataclass, fields, replace
 from types import SimpleNamespace
 from typing import Any, ClassVar, cast
 
-from film_model.base.arrays import either
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from film_model.base.arrays import either, logarithm
 from film_model.base.materials import Material, sphere_mass
 from film_model.core import native
 from film_model.effects import gravity
@@ -26,12 +29,15 @@ from film_model.problem.law_of_scene import SceneLaw, can_yield, reaches_yield
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.problem import Impacts, Problem, Trial
 from film_model.problem.scales import Scales, motion_of
-from film_model.problem.summary import summary_of
+from film_model.problem.summary import radiated, summary_of
 from film_model.scene import Effects, Scene
 from film_model.scene.columns import scene_of_columns
 
 FROM_SCENE = ("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio")
 """Properties of a scene, besides its :class:`Numbers`, that laws take."""
+
+LEAST_RESTITUTION = 0.1
+"""Of a damped law on the page: below it, the series for its damping converges slowly."""
 
 _SCALES = tuple(f.name for f in fields(Scales))
 _PROBLEM = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
@@ -45,15 +51,21 @@ class Scaled(AbstractLaw):
     name: ClassVar[str] = "scaled"
     summary: ClassVar[str] = "the stages of one law, the scales of another"
     source: ClassVar[str] = ""
+    damped: ClassVar[bool] = True
 
     staged: AbstractLaw
     scaling: AbstractLaw
+    damping: Any = 1.0
+    """Damping over that of `scaling`."""
 
     def scales(self, energy: float) -> tuple[float, float]:
         return self.scaling.scales(energy)
 
     def stages(self) -> tuple[Stage, ...]:
         return self.staged.stages()
+
+    def damping_factor(self, mass: Any, velocity: Any, length: float) -> Any:
+        return self.damping * self.scaling.damping_factor(mass, velocity, length)
 
 
 def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
@@ -90,23 +102,33 @@ def mass_function(name: str) -> str:
     return recording.function(name, "radius, density", {"mass": mass})
 
 
-def problem_function(name: str, template: Scene, law: AbstractLaw, fixed: frozenset[str], derived: bool) -> str:
+def problem_function(name: str, template: Scene, law: AbstractLaw, fixed: frozenset[str], live: Sequence[str]) -> str:
     """Scales and starting values under a law, for a target impedance and a load.
 
-    fixed: values that the law does not take from `n`. derived: its own parameters are those of :meth:`example`.
+    fixed: values that the law does not take from `n`. live: its own parameters that it takes from there.
     """
     recording = Recording()
-    unknown = law_symbols(recording, law, fixed)
-    own = _example(recording, type(law)) if derived else {}
-    for key, value in own.items():
-        object.__setattr__(unknown, key, value)
-    impacts = Impacts(template, SceneLaw(Scaled(law, unknown), {}, None, {}), _numbers(recording))
+    unknown = law_symbols(recording, law, fixed, live)
+    damping: Any = 1.0
+    if "restitution" in live:
+        damping = _damping_over(law, recording.symbol(own_entry("restitution")))
+    impacts = Impacts(template, SceneLaw(Scaled(law, unknown, damping), {}, None, {}), _numbers(recording))
     found = impacts.problem(recording.symbol("impedance"), recording.symbol("load"))
     outputs = {entry: getattr(found.scales, entry) for entry in (*_SCALES, "energy")}
     outputs |= {entry: getattr(found, entry) for entry in (*_PROBLEM, *_START)}
     outputs["stop_velocity"] = replace(found, free=True).stop_velocity  # -0 with the drift 0 of other targets
-    outputs |= {f"own_{key}": value for key, value in own.items()}
     return recording.function(name, "n, impedance, load", outputs)
+
+
+def example_function(name: str, law: type[AbstractLaw]) -> str:
+    """The required parameters that a law derives from the values of a scene."""
+    recording = Recording()
+    return recording.function(name, "n", {f"own_{key}": value for key, value in _example(recording, law).items()})
+
+
+def own_entry(name: str) -> str:
+    """The JavaScript of a law's own parameter."""
+    return f'n["own_{name}"]'
 
 
 def shape_functions(name: str, law: AbstractLaw, fixed: frozenset[str]) -> tuple[str, str]:
@@ -119,13 +141,16 @@ def shape_functions(name: str, law: AbstractLaw, fixed: frozenset[str]) -> tuple
     return shape, recording.function(f"{name}Force", "n, w", {"force": force})
 
 
-def law_symbols(recording: Recording, law: AbstractLaw, fixed: frozenset[str]) -> AbstractLaw:
-    """The law with symbols in place of the values that it takes from the scene, except the `fixed` ones."""
+def law_symbols(recording: Recording, law: AbstractLaw, fixed: frozenset[str], live: Sequence[str] = ()) -> AbstractLaw:
+    """The law with symbols in place of the values that it takes from the scene, except the `fixed` ones, and of its own
+    `live` parameters, except a restitution: the damping that it gives is found by iteration."""
     made = object.__new__(type(law))
     for name, value in vars(law).items():
         unknown = value
         if isinstance(value, AbstractLaw):
-            unknown = law_symbols(recording, value, fixed)
+            unknown = law_symbols(recording, value, fixed, live)
+        elif name in live and name != "restitution":
+            unknown = recording.symbol(own_entry(name))
         elif name in SCENE_FIELDS and name not in fixed:
             unknown = recording.symbol(f'n["{entry_of(name)}"]')
         object.__setattr__(made, name, unknown)
@@ -135,6 +160,18 @@ def law_symbols(recording: Recording, law: AbstractLaw, fixed: frozenset[str]) -
 def entry_of(name: str) -> str:
     """The property of a scene from which a field of laws is filled."""
     return "effective_radius" if name == "radius" else name
+
+
+def _damping_over(law: AbstractLaw, restitution: Any) -> Any:
+    """The damping that gives a restitution, over that of the law: a series in its logarithm, with an error of 1e-13."""
+    least = math.log(LEAST_RESTITUTION)
+
+    def relative(places: Any) -> Any:
+        changed = [replace(cast("Any", law), restitution=math.exp(0.5 * least * (1.0 - x))) for x in places]
+        return np.array([each.damping_factor(1.0, 1.0, 1.0) for each in changed]) / law.damping_factor(1.0, 1.0, 1.0)
+
+    found = chebyshev.chebval(1.0 - 2.0 * logarithm(restitution) / least, chebyshev.chebinterpolate(relative, 31))
+    return either(restitution < 1.0, found, 0.0)
 
 
 def _example(recording: Recording, law: type[AbstractLaw]) -> Mapping[str, Any]:
@@ -148,8 +185,10 @@ def _numbers(recording: Recording) -> Numbers:
     return Numbers(**recording.symbols("n", Numbers._fields))
 
 
-def _problem(recording: Recording, owner: str, template: Scene) -> Problem:
-    """A problem whose numbers are those of the object `owner`."""
+def _problem(
+    recording: Recording, owner: str, template: Scene, damped: bool = False, vibrates: bool = False
+) -> Problem:
+    """A problem whose numbers are those of the object `owner`. damped: under a damped law. vibrates: on modes."""
     scales = Scales(**cast("Any", recording.symbols(owner, _SCALES)))
     curve = Curve(native.Curve(), (), 0.0, 0.0, ())
     impacts = Impacts(template, SceneLaw(cast("Any", None), {}, None, {}), _numbers(recording))
@@ -158,8 +197,8 @@ def _problem(recording: Recording, owner: str, template: Scene) -> Problem:
     impacts.__dict__["scene"] = SimpleNamespace(
         **found | {"yield_strength": either(strength < math.inf, strength, math.nan)}
     )
-    values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": 0.0}
-    return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free)
+    values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": float(damped)}
+    return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free, vibrates=vibrates)
 
 
 class _Core:
@@ -178,14 +217,29 @@ def _tried(recording: Recording, owner: str, core: str, template: Scene) -> Prob
 
 def result_functions(suffix: str, template: Scene) -> list[str]:
     """Summary and motion in SI, for a free target or for the others."""
-    r = Recording()
-    outputs = summary_of(_problem(r, "p", template), r.symbol("a.status"), _Core(r, "a"))
-    summary = r.function(f"summary{suffix}", "p, a, n", outputs)
+    summaries = list[str]()
+    for damped in (False, True):
+        r = Recording()
+        outputs = summary_of(_problem(r, "p", template, damped), r.symbol("a.status"), _Core(r, "a"))
+        summaries.append(r.function(f"summary{suffix}{'Damped' * damped}", "p, a, n", outputs))
     r = Recording()
     p = _problem(r, "p", template)
     values = [r.symbol(f"v[i + {k}]") for k in range(5)]
     motion = motion_of(p.scales, p.drift, p.share, p.free, r.symbol("t"), values)
-    return [summary, r.function(f"motion{suffix}", "p, t, v, i", motion)]
+    return [*summaries, r.function(f"motion{suffix}", "p, t, v, i", motion)]
+
+
+def vibrating_functions(template: Scene) -> list[str]:
+    """The summary on a target that vibrates, with damping of the law and without; the energy given to it."""
+    found = list[str]()
+    for damped in (False, True):
+        r = Recording()
+        problem = _problem(r, "p", template, damped, vibrates=True)
+        outputs = summary_of(problem, r.symbol("a.status"), _Core(r, "a"))
+        found.append(r.function(f"summaryVibrating{'Damped' * damped}", "p, a, n", outputs))
+    r = Recording()
+    energy = radiated(_problem(r, "p", template), _Core(r, "a"))
+    return [*found, r.function("radiated", "p, a", {"energy": energy})]
 
 
 def change_function(name: str, template: Scene) -> str:

@@ -69,6 +69,7 @@ class Input:
             "logarithmic": logarithmic,
             "value": None if value is None or math.isinf(value) else value,
             "optional": name in OPTIONAL or name == "mass",
+            "empty": "from the density" if name == "mass" else "none",
         }
 
 

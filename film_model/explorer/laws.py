@@ -5,20 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
-from film_model.base.units import DIMENSIONS, scene_unit
+from film_model.base.fields import measure
+from film_model.base.units import DIMENSIONS
 from film_model.core import native
-from film_model.explorer.formulas import entry_of, problem_function
+from film_model.explorer.formulas import LEAST_RESTITUTION, entry_of, example_function, problem_function
+from film_model.explorer.inputs import Input
 from film_model.laws import LAWS, AbstractLaw
-from film_model.laws.example_ball import example_ball
+from film_model.laws.example_ball import STEEL_BALL, example_ball
 from film_model.laws.law import SCENE_FIELDS, Power, law_fields
-from film_model.problem.curve import Curve, curve_of
+from film_model.problem.curve import Curve, can_be_in_series, curve_of
 from film_model.problem.families import EDGES, Page, page_between, page_of
 from film_model.problem.law_of_scene import SceneLaw, law_named, law_values
 from film_model.scene import Scene
 
-FAMILIES = ("elastic", "yields")
+FAMILIES = ("elastic", "yields", "damped")
 """Families whose laws are offered for every scene; the law that a scene names is offered too."""
 
 ALL_SHAPES = float(EDGES[0]), float(EDGES[-1])
@@ -27,13 +30,22 @@ ALL_SHAPES = float(EDGES[0]), float(EDGES[-1])
 _PROBES = (0.7, 1.3)
 """Factors on a value: if the curve stays the same, the value may change on the page."""
 
+_SOFT = 1e6
+"""Compliance of a spring in the law's scales, with which a law is tried that is to follow a static stiffness."""
+
+_OWN_RANGE = (1e-6, 1e6)
+"""Range of a law's own parameter, over its value in the scene or in the law's example."""
+
+_OWN_PROBES = (0.7, 0.9)
+"""The same for the laws' own parameters, some of which are fractions."""
+
 
 @dataclass(frozen=True)
 class PageLaw:
     """A law as the page has it.
 
-    law: with the scene's values. derived: its own parameters follow from them. fixed: names of values on which the
-    curve depends. The page offers the law only for these values of them.
+    law: with the scene's values. derived: its required parameters follow from them, unless the reader gives others.
+    fixed: names of values on which the curve depends. The page offers the law only for these values of them.
     """
 
     name: str
@@ -53,18 +65,42 @@ class PageLaw:
 
     @property
     def _derived(self) -> list[str]:
-        return _required(LAWS[self.name]) if self.derived else []
+        return list(LAWS[self.name].example(STEEL_BALL)) if self.derived else []
+
+    @cached_property
+    def live(self) -> tuple[str, ...]:
+        """Its own parameters that may change on the page: the curve does not depend on them."""
+        return tuple(name for name, value in self.own.items() if name in self._derived or self._may_change(name, value))
+
+    def _may_change(self, name: str, value: Any) -> bool:
+        plain = isinstance(value, float) and LAWS[self.name].parameters[name].dimension in DIMENSIONS
+        if name == "restitution":
+            return plain and value >= LEAST_RESTITUTION
+        return plain and not _shapes(self.law, name, _OWN_PROBES)
+
+    def _inputs(self) -> Iterator[Input]:
+        for name in self.live:
+            value, dimension = self.own[name], LAWS[self.name].parameters[name].dimension
+            low, high = _OWN_RANGE[0] * value, _OWN_RANGE[1] * (value or 1.0)
+            if name == "restitution":
+                low, high = LEAST_RESTITUTION, 1.0
+            yield Input(f"contact.{name}", measure(dimension, low, high), value)
 
     @property
     def own(self) -> Mapping[str, Any]:
-        """Its own parameters that do not follow from the scene, SI or words."""
+        """Its own parameters, SI or words."""
         inner = getattr(self.law, "law", self.law)
-        names = [] if self.derived else type(inner).parameters
+        names = self._derived if self.derived else type(inner).parameters
         return {name: getattr(inner, name) for name in names if getattr(inner, name, None) is not None}
 
     def function(self, name: str, template: Scene) -> str:
         """The JavaScript of its scales and starting values."""
-        return problem_function(name, template, self.law, self.fixed, self.derived)
+        return problem_function(name, template, self.law, self.fixed, self.live)
+
+    @property
+    def example(self) -> str:
+        """The JavaScript of its required parameters from the scene."""
+        return example_function("example", LAWS[self.name]) if self.derived else ""
 
     @property
     def embedded(self) -> bytes:
@@ -88,10 +124,15 @@ class PageLaw:
             "clearance": curve.clearance,
             "ratio": curve.unloading_ratio,
             "dissipates": any(rule != native.RETRACE for rule in stages),
+            "series": can_be_in_series(self.law, _SOFT),
             "remarks": [*self.law.remarks(), *curve.warnings],
             "shape": None if self.page is None else _shape_data(self.page),
             "needs": [entry_of(name) for name in SCENE_FIELDS if name in law_fields(kind) and name not in self.fixed],
-            "derived": [[key, scene_unit(kind.parameters[key].dimension)] for key in self._derived],
+            "derived": self.derived,
+            "live": [
+                entry.to_dict() | ({"value": None, "optional": True, "empty": "example"} if self.derived else {})
+                for entry in self._inputs()
+            ],
             "fixed": {entry_of(name): value for name, value in _values(self.law).items() if name in self.fixed},
             "own": {key: list(value) if isinstance(value, tuple) else value for key, value in self.own.items()},
         }
@@ -101,7 +142,7 @@ def laws_of(scene: Scene) -> Iterator[PageLaw]:
     """The laws that a scene allows: the scene's own, and those of `FAMILIES`."""
     for name, kind in LAWS.items():
         own = scene.contact.law == name
-        if kind.damped or not (own or (kind.family in FAMILIES and _plain(kind))):
+        if not (own or (kind.family in FAMILIES and _plain(kind))):
             continue
         try:
             law = _law(scene, name, own)
@@ -109,13 +150,14 @@ def laws_of(scene: Scene) -> Iterator[PageLaw]:
             continue
         absent = {field for field in _values(law) if getattr(scene, entry_of(field)) is None}
         fixed = absent | {field for field in _values(law) if _shapes(law, field)}
-        yield PageLaw(name, law, not own and bool(_required(kind)), frozenset(fixed))
+        if not curve_of(law).pulls:
+            yield PageLaw(name, law, not own and bool(kind.example(STEEL_BALL)), frozenset(fixed))
 
 
 def _law(scene: Scene, name: str, own: bool) -> AbstractLaw:
     """A named law with the scene's values, and with those of its example if the scene does not have them."""
     kind = LAWS[name]
-    if own or not _required(kind):
+    if own or not kind.example(STEEL_BALL):
         law = law_named(scene, name).at()
     else:
         ball = example_ball(
@@ -127,13 +169,9 @@ def _law(scene: Scene, name: str, own: bool) -> AbstractLaw:
     return law
 
 
-def _required(kind: type[AbstractLaw]) -> list[str]:
-    return [name for name, parameter in kind.parameters.items() if parameter.required]
-
-
 def _plain(kind: type[AbstractLaw]) -> bool:
-    """Whether the law's required parameters have plain units."""
-    return all(kind.parameters[name].dimension in DIMENSIONS for name in _required(kind))
+    """Whether the parameters of the law's example have plain units."""
+    return all(kind.parameters[name].dimension in DIMENSIONS for name in kind.example(STEEL_BALL))
 
 
 def _values(law: AbstractLaw) -> dict[str, Any]:
@@ -153,11 +191,11 @@ def _changed(law: AbstractLaw, name: str, factor: float) -> AbstractLaw:
     return replace(law, **changes)  # type: ignore[type-var]
 
 
-def _shapes(law: AbstractLaw, name: str) -> bool:
+def _shapes(law: AbstractLaw, name: str, probes: tuple[float, ...] = _PROBES) -> bool:
     """Whether the dimensionless curve depends on a value; of a law with a shape, what it does not compute from n."""
     try:
         base = _rest(law)
-        return any(_rest(_changed(law, name, factor)) != base for factor in _PROBES)
+        return any(_rest(_changed(law, name, factor)) != base for factor in probes)
     except ValueError:
         return True
 

@@ -6,6 +6,7 @@ import base64
 import hashlib
 import html
 import json
+import re
 import zlib
 from functools import cache
 from pathlib import Path
@@ -18,17 +19,20 @@ from film_model.scene import Scene
 
 FOLDER = Path(__file__).parent / "web"
 WASM = Path(__file__).parent / "_film_core.wasm"
+_COMMENT = re.compile(r"^ *(?://[^\n]*|/\*\*(?:(?!\*/).)*\*/)\n", re.MULTILINE | re.DOTALL)
 SCRIPTS: tuple[str, ...] = (
     "core",
     "data",
     "units",
     "solve",
+    "modes",
     "state",
     "studies",
     "draw",
     "netcdf",
     "export",
     "controls",
+    "parts",
     "app",
 )
 """The files of the page's script, in the order in which they run."""
@@ -85,8 +89,8 @@ def examples() -> tuple[tuple[str, Scene], ...]:
 
 
 def _script(formulas: str) -> str:
-    """All scripts in one scope."""
-    own = "\n".join([*scripts().values(), formulas, "main();"])
+    """All scripts in one scope, without the comments that take whole lines."""
+    own = _COMMENT.sub("", "\n".join([*scripts().values(), formulas, "main();"]))
     return f'(() => {{\n"use strict";\n{own}}})();\n'
 
 

@@ -6,7 +6,13 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
+from film_model.base.arrays import Array
+
 _STRONGEST = 1e6  # upper bound of the damping ratio, at which e = 2.5e-13
+_NEAR = 1e-9  # distance from the end of an interval at which a limit of 0/0 is reached to the last digit
+_REMAINDER = [1.0 / k for k in range(13, 1, -1)]  # of (−x − ln(1 − x))/x², the highest power first
 _ALMOST = 1.0 - 1e-15  # excludes the end of an interval, where the logarithm is singular
 
 
@@ -22,10 +28,22 @@ def spring_restitution(ratio: float) -> float:
     return math.exp(-ratio / root * angle)
 
 
-def spring_ratio(restitution: float) -> float:
-    """ζ for a restitution in (0, 1]: the inverse of :func:`spring_restitution`."""
+def spring_ratio(restitution: Any) -> Any:
+    """ζ for a restitution in (0, 1], or for an array of them: the inverse of :func:`spring_restitution`."""
+    if isinstance(restitution, np.ndarray):
+        return _spring_ratios(restitution)
     wanted = math.log(max(restitution, spring_restitution(_STRONGEST)))
     return _root(lambda ratio: math.log(spring_restitution(ratio)) - wanted, 0.0, _STRONGEST)
+
+
+def _spring_ratios(restitution: Array) -> Array:
+    """ζ = sin φ with (π − 2φ) tan φ = −ln e below 1, ζ = cosh u with 2 u/tanh u = −ln e above."""
+    wanted = -np.log(np.maximum(restitution, spring_restitution(_STRONGEST)))
+    ratio, under = np.empty(wanted.shape), wanted < 2.0
+    angle = _roots(lambda at, w: (math.pi - 2.0 * at) * np.tan(at) - w, 0.0, 0.5 * math.pi - _NEAR, wanted[under])
+    beyond = _roots(lambda at, w: 2.0 * at / np.tanh(at) - w, _NEAR, math.acosh(_STRONGEST), wanted[~under])
+    ratio[under], ratio[~under] = np.sin(angle), np.cosh(beyond)
+    return ratio
 
 
 def hunt_crossley_restitution(strength: float) -> float:
@@ -33,8 +51,10 @@ def hunt_crossley_restitution(strength: float) -> float:
     return _root(lambda e: _hunt_crossley(strength, e), 0.0, min(1.0, _ALMOST / strength))
 
 
-def hunt_crossley_strength(restitution: float) -> float:
-    """λ = χ V_0 for a restitution in (0, 1]: the exact inverse of the same equation."""
+def hunt_crossley_strength(restitution: Any) -> Any:
+    """λ = χ V_0 for a restitution in (0, 1], or for an array of them: the exact inverse of the same equation."""
+    if isinstance(restitution, np.ndarray):
+        return _hunt_crossley_strengths(restitution)
     if restitution > 1.0 - 1e-9:
         return 1.5 * (1.0 - restitution)
     low = 0.75 * (1.0 - restitution)  # half of the small-damping limit: always below the root
@@ -44,12 +64,26 @@ def hunt_crossley_strength(restitution: float) -> float:
     return _root(lambda strength: _hunt_crossley(strength, restitution), low, high)
 
 
-def _hunt_crossley(strength: float, e: float) -> float:
+def _hunt_crossley_strengths(restitution: Array) -> Array:
+    strength, high = 1.5 * (1.0 - restitution), _ALMOST / restitution
+    inside = restitution <= 1.0 - 1e-9
+    steep = inside & (_hunt_crossley(high, restitution) > 0.0)
+    strength[steep] = 1.0 / restitution[steep]
+    inside &= ~steep
+    e = restitution[inside]
+    strength[inside] = _roots(_hunt_crossley, 0.75 * (1.0 - e), high[inside], e)
+    return strength
+
+
+def _hunt_crossley(strength: Any, e: Any) -> Any:
     return _log_remainder(strength) - _log_remainder(-strength * e)
 
 
-def _log_remainder(x: float) -> float:
+def _log_remainder(x: Any) -> Any:
     """x − ln(1 + x), without cancellation."""
+    if isinstance(x, np.ndarray):
+        small = np.clip(-x, -0.05, 0.05)
+        return np.where(abs(x) > 0.05, x - np.log1p(x), small * small * np.polyval(_REMAINDER, small))
     if abs(x) > 0.05:
         return x - math.log1p(x)
     return sum((-x) ** k / k for k in range(2, 14))
@@ -61,3 +95,13 @@ def _root(function: Callable[[float], float], low: float, high: float) -> float:
     tightest: Any = 1e-15
     root: Any = brentq(function, low, high, xtol=1e-300, rtol=tightest)
     return float(root)
+
+
+def _roots(function: Callable[[Any, Any], Any], low: Any, high: Any, given: Array) -> Array:
+    """The root between low and high of function(x, given) for each of the given values."""
+    from scipy.optimize import elementwise
+
+    if not given.size:
+        return given
+    ends: Any = tuple(np.broadcast_to(end, given.shape) for end in (low, high))
+    return elementwise.find_root(function, ends, args=(given,)).x

@@ -70,7 +70,7 @@ class HuntCrossley(AbstractLaw):
         if self.hysteresis_damping is not None:
             return self.hysteresis_damping * force + 0.0 * mass
         assert self.restitution is not None
-        if not np.all(np.asarray(velocity) > 0.0):
+        if np.any(np.asarray(velocity) <= 0.0):
             raise ValueError("law hunt-crossley: a restitution needs an approach velocity; give hysteresis_damping")
         return hunt_crossley_strength(self.restitution) / velocity * force
 

@@ -247,9 +247,9 @@ def wrong_restitution(values: Mapping[str, Any], other: str | None = None) -> di
     restitution = values.get("restitution")
     if other is not None and (restitution is None) == (values.get(other) is None):
         return {other: f"give restitution or {other}" + ("" if restitution is None else ", not both")}
-    if restitution is not None and not 0.0 < restitution <= 1.0:
-        return {"restitution": f"{restitution:g} must be above 0 and at most 1"}
-    return {}
+    given = np.atleast_1d(() if restitution is None else restitution)
+    wrong = given[~((given > 0.0) & (given <= 1.0))]
+    return {"restitution": f"{wrong[0]:g} must be above 0 and at most 1"} if wrong.size else {}
 
 
 SCENE_FIELDS = {

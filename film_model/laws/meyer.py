@@ -45,10 +45,9 @@ class Meyer(AbstractLaw):
         return indentation, self.stiffness * indentation**self.exponent
 
     def stages(self) -> tuple[Stage, ...]:
-        scale, _ = self.scales(1.0)
-        offset = 1.0 if self.initial_force > 0.0 else 0.0
-        force = Power(constant=offset, coefficient=1.0, exponent=self.exponent)
+        jumps = self.initial_force > 0.0
+        force = Power(constant=1.0 if jumps else 0.0, coefficient=1.0, exponent=self.exponent)
         if self.initial_indentation == 0.0:
             return (Stage("power", 0.0, float("inf"), force),)
-        begin = self.initial_indentation / scale
+        begin = self.initial_indentation / self.scales(1.0)[0] if jumps else 1.0
         return Stage("clearance", 0.0, begin, Power()), Stage("power", begin, float("inf"), force)

@@ -129,9 +129,9 @@ def _draw(figure: Figure, trace: Trace) -> None:
     _curves(depth, trace, "time", ["indentation"])
     _curves(speed, trace, "time", shown)
     _curves(loop, trace, "indentation", ["contact_force"])
-    for panel in (force, depth):
+    for panel, name in ((force, "contact_force"), (depth, "indentation")):
         panel.tick_params(labelbottom=False)
-        panel.set(xlabel="", ylim=(0.0, None))
+        panel.set(xlabel="", ylim=_reach(trace, name))
     if trace.energies:
         panels.append(figure.add_subplot(beside[1], sharex=force))
         _energies(panels[3], trace)
@@ -141,7 +141,7 @@ def _draw(figure: Figure, trace: Trace) -> None:
         _spectrum(beneath[-1], *trace.spectrum)
     speed.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
     force.set_xlim(0.0, trace.end / _unit(samples.time, "time")[0] * 1.01)
-    loop.set(xlim=(0.0, None), ylim=(0.0, None))
+    loop.set(xlim=_reach(trace, "indentation"), ylim=_reach(trace, "contact_force"))
     loop.set_title(plain(f"contact law: {trace.law}"), loc="right", fontsize=8)
     _mark_events(panels, trace)
     _key(figure, trace, shown)
@@ -152,6 +152,15 @@ def _draw(figure: Figure, trace: Trace) -> None:
     figure.text(LEFT, 0.967, plain(title), fontsize=size, fontweight="bold")
     for height, names in ((0.936, NUMBERS), (0.912, STRESSES)):
         figure.text(LEFT, height, _numbers(trace, names), fontsize=8, color="0.25")
+
+
+def _reach(trace: Trace, name: str) -> tuple[float, float | None]:
+    """Limits of an axis that shows a quantity in contact: from 0, or from below where a law pulls."""
+    values = getattr(trace.samples, name)
+    size, found = _unit(values, name)[0], values[trace.samples.stage != ""]
+    low, high = (float(end(found, initial=0.0)) / size for end in (np.min, np.max))
+    room = 0.05 * (high - low)
+    return (low - room if low < -1e-6 * high else 0.0), (high + room or None)
 
 
 def _curves(panel: Axes, trace: Trace, across: str, names: list[str]) -> None:
@@ -191,7 +200,10 @@ def _energies(panel: Axes, trace: Trace) -> None:
     size, unit = _unit(np.stack(list(trace.energies.values())), "energy")
     for (name, values), line in zip(trace.energies.items(), ("-", "--", ":"), strict=False):
         panel.plot(trace.samples.time / x_size, values / size, line, color="0.2", label=name)
-    panel.set(xlabel=f"time ({x_unit})", ylabel=f"energy ({unit})", ylim=(0.0, None))
+    panel.set(xlabel=f"time ({x_unit})", ylabel=f"energy ({unit})")
+    least = min(float(values.min()) for values in trace.energies.values()) / size
+    if least > -1e-3 * panel.get_ylim()[1]:
+        panel.set_ylim(0.0, None)
     above: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.01), "ncols": 3, "borderaxespad": 0.0}
     panel.legend(**above, fontsize=8, frameon=False)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import math
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -48,7 +47,7 @@ class Curve:
         """
         return 2 if self.steepest > STEEP else 1
 
-    @property
+    @cached_property
     def clearance(self) -> float:
         """ξ at which the force begins: the end of the first stages if they are without force, else 0."""
         reach = 0.0
@@ -95,6 +94,20 @@ def curve_of(law: AbstractLaw, compliance: float = 0.0) -> Curve:
     fitted has no end, a fit is worse than `FIT_LIMIT`, or a stage has damping although the law is not marked as damped;
     SimulationError if, in series with a spring, the law is damped, jumps or would snap through.
     """
+    if type(law).__hash__ in (None, object.__hash__):  # it may have changed since the last call
+        return _made(law, compliance)
+    try:
+        return _kept(law, compliance)
+    except TypeError:  # a field cannot be hashed
+        return _made(law, compliance)
+
+
+@lru_cache(maxsize=256)
+def _kept(law: AbstractLaw, compliance: float) -> Curve:
+    return _made(law, compliance)
+
+
+def _made(law: AbstractLaw, compliance: float) -> Curve:
     if page_of(law) is not None:
         return _shaped(law.of_shape(law.shape), compliance)
     try:
@@ -133,9 +146,11 @@ def _shaped(law: AbstractLaw, compliance: float) -> Curve:
 def _curve(
     law: str, stages: list[Stage], made: native.Curve, compliance: float, error: float, steepest: float
 ) -> Curve:
+    core, own = native.library(), ctypes.byref(made)
     if compliance > 0.0:
-        _put_in_series(law, made, stages, compliance)
-    if native.library().film_check_curve(ctypes.byref(made)) != native.OK:
+        _check_series(law, stages, compliance)
+    status = core.film_spring(own, compliance) if compliance > 0.0 else core.film_check_curve(own)
+    if status != native.OK:
         raise ValueError(
             f"{law}: the numbers of its stages are outside the solver's range: all must be finite, and their work too"
         )
@@ -145,18 +160,20 @@ def _curve(
 def can_be_in_series(law: AbstractLaw, compliance: float) -> bool:
     """Whether :func:`curve_of` accepts the law in series with a spring of this compliance [δ_s/F_s]."""
     name = _name(law)
-    with suppress(SimulationError):
-        return bool(_check_series(name, checked(name, tuple(law.stages())), compliance))
-    return False
+    try:
+        _check_series(name, checked(name, tuple(law.stages())), compliance)
+    except SimulationError:
+        return False
+    return True
 
 
-def _check_series(law: str, stages: list[Stage], compliance: float) -> list[Array]:
-    """The forces over each stage; SimulationError if the law cannot be in series with a spring."""
+def _check_series(law: str, stages: list[Stage], compliance: float) -> None:
+    """Raises SimulationError if the law cannot be in series with a spring."""
     if any(stage.damping is not None for stage in stages):
         raise SimulationError(f"{law}: damped laws are not supported on targets with a static stiffness")
     if any(stage.pulls for stage in stages):
         raise SimulationError(f"{law}: laws that pull are not supported on targets with a static stiffness")
-    forces, before = list[Array](), 0.0
+    before = 0.0
     for stage in stages:
         reach = stage.end if math.isfinite(stage.end) else 10.0 * (stage.begin + 1.0)
         xi = np.linspace(stage.begin, reach, CHECKS)
@@ -172,20 +189,6 @@ def _check_series(law: str, stages: list[Stage], compliance: float) -> list[Arra
                 "stiffness: the contact would snap through"
             )
         before = float(force[-1])
-        forces.append(force)
-    return forces
-
-
-def _put_in_series(law: str, made: native.Curve, stages: list[Stage], compliance: float) -> None:
-    """Change the curve to the variable ξ + c f: ends of stages and pieces; add the spring's c f²/2 to their work."""
-    made.compliance, begin = compliance, 0.0
-    for entry, stage, force in zip(made.stage, stages, _check_series(law, stages, compliance), strict=False):
-        for piece in made.piece[entry.first : entry.first + entry.count]:
-            piece.work_at_begin += 0.5 * compliance * force[0] ** 2
-            if math.isfinite(piece.end):
-                piece.end += compliance * float(values_of(stage.force, np.array([piece.end]), stage)[0])
-        entry.begin, entry.end = begin, made.piece[entry.first + entry.count - 1].end
-        begin = entry.end
 
 
 def _name(law: AbstractLaw) -> str:

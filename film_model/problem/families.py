@@ -14,7 +14,6 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from film_model.core import native
 from film_model.core.families import Family, shaped
@@ -71,14 +70,14 @@ def page_of(law: AbstractLaw) -> Page | None:
 @lru_cache(maxsize=64)
 def page_between(law: AbstractLaw, low: float, high: float) -> Page:
     """The page of the laws `law.of_shape(s)` for shapes s from low to high."""
-    z = chebyshev.chebpts1(NODES)
+    z = np.polynomial.chebyshev.chebpts1(NODES)
     given = [law.of_shape(low * (high / low) ** (0.5 * (1.0 + x))).stages() for x in z.tolist()]
     first, last = given[NODES // 2][:-1], given[NODES // 2][-1]
     for stages in given:
         if stages[:-1] != first or replace(stages[-1], end=last.end, force=last.force) != last:
             raise ValueError(f"law {law.name!r}: only the force and the end of the last stage may depend on its shape")
     edges = _edges(last, max(stages[-1].end for stages in given))
-    xi = edges[:-1, None] + np.diff(edges)[:, None] * 0.5 * (1.0 + chebyshev.chebpts1(TERMS))
+    xi = edges[:-1, None] + np.diff(edges)[:, None] * 0.5 * (1.0 + np.polynomial.chebyshev.chebpts1(TERMS))
     values = np.array([values_of(stages[-1].force, xi.ravel(), stages[-1]) for stages in given])
     force = _applied(series_matrix(TERMS), values.reshape(NODES, *xi.shape))
     mean = _applied(mean_matrix(), force)
@@ -92,7 +91,7 @@ def page_between(law: AbstractLaw, low: float, high: float) -> Page:
         spans: list[Span] = []
         worst = 0.0
         for k, (a, b) in enumerate(zip(edges.tolist(), edges[1:].tolist(), strict=False)):
-            series, error = fit(stage, others, a, b, False)
+            series, error = fit(others, a, b, False)
             worst = max(worst, error)
             kept = force[:, k, : _needed(force[:, k])]
             spans.append((a, b, False, series | {"force": kept[NODES // 2]}))
@@ -165,6 +164,6 @@ def _difference(page: Page, law: AbstractLaw, shape: float) -> float:
         function = curve.piece[k].force
         part = x * min(1.0, (curve.piece[k].end - function.origin) * function.per_span)
         exact = values_of(stage.force, function.origin + part / function.per_span, stage)
-        found = chebyshev.chebval(2.0 * part - 1.0, np.array(function.series[: function.terms]))
+        found = np.polynomial.chebyshev.chebval(2.0 * part - 1.0, np.array(function.series[: function.terms]))
         worst = max(worst, float(np.abs(found - exact).max() / np.abs(exact).max()))
     return worst

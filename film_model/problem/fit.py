@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from film_model.core import native
 from film_model.laws.law import Array, Function, Power, Stage, origin_of
@@ -184,7 +184,7 @@ def halved(stage: Stage, functions: Mapping[str, Function], room: int) -> tuple[
     if "force" in fitted and from_nothing and not stage.root and len(edges) + len(_CLOSER) <= room:
         edges[1:1] = [part * edges[1] for part in _CLOSER]
     spans = [(a, b, stage.root and a == stage.begin) for a, b in pairwise(edges if fitted else [edges[0], edges[-1]])]
-    pieces = [(a, b, root, *fit(stage, fitted, a, b, root)) for a, b, root in spans]
+    pieces = [(a, b, root, *fit(fitted, a, b, root)) for a, b, root in spans]
     while fitted and len(pieces) < room:
         worst = max(range(len(pieces)), key=lambda k: pieces[k][4])
         begin, end, root, _, error = pieces[worst]
@@ -193,30 +193,34 @@ def halved(stage: Stage, functions: Mapping[str, Function], room: int) -> tuple[
         # a root stage is split near its singular point, so that the function is smooth on the rest
         middle = begin + (0.25 if root else 0.5) * (end - begin)
         pieces[worst : worst + 1] = [
-            (begin, middle, root, *fit(stage, fitted, begin, middle, root)),
-            (middle, end, False, *fit(stage, fitted, middle, end, False)),
+            (begin, middle, root, *fit(fitted, begin, middle, root)),
+            (middle, end, False, *fit(fitted, middle, end, False)),
         ]
     return [(a, b, root, series) for a, b, root, series, _ in pieces], max(piece[4] for piece in pieces)
 
 
 def fit(
-    stage: Stage, functions: Mapping[str, Function], begin: float, end: float, root: bool
+    functions: Mapping[str, Callable[[Array], Array]], begin: float, end: float, root: bool
 ) -> tuple[dict[str, Any], float]:
     """Series of each function on [begin, end], and the largest relative error, checked between the nodes."""
-    series: dict[str, Any] = {}
-    worst = 0.0
-    nodes, checks = chebyshev.chebpts1(_TERMS), np.cos(np.pi * np.arange(CHECKS) / (CHECKS - 1))
-    for name, function in functions.items():
+    found = {name: _series(function, begin, end, root) for name, function in functions.items()}
+    return {name: series for name, (series, _) in found.items()}, max((off for _, off in found.values()), default=0.0)
 
-        def on(z: Array, function: Function = function) -> Array:
-            x = 0.5 * (1.0 + z)
-            return values_of(function, begin + (end - begin) * (x * x if root else x), stage)
 
-        terms = coefficients(on(nodes))
-        scale = max(float(np.abs(on(checks)).max()), 1e-300)
-        series[name] = chebyshev.chebtrim(terms, FIT_ROUNDING * scale)
-        worst = max(worst, float(np.abs(chebyshev.chebval(checks, series[name]) - on(checks)).max()) / scale)
-    return series, worst
+@lru_cache(maxsize=4096)
+def _series(function: Callable[[Array], Array], begin: float, end: float, root: bool) -> tuple[Array, float]:
+    """The same of one function; cached, because laws of one kind often share their rule of unloading."""
+    nodes, checks = np.polynomial.chebyshev.chebpts1(_TERMS), np.cos(np.pi * np.arange(CHECKS) / (CHECKS - 1))
+
+    def on(z: Array) -> Array:
+        x = 0.5 * (1.0 + z)
+        xi = begin + (end - begin) * (x * x if root else x)
+        return np.broadcast_to(np.asarray(function(xi), dtype=np.float64), xi.shape)
+
+    exact = on(checks)
+    scale = max(float(np.abs(exact).max()), 1e-300)
+    series: Any = np.polynomial.chebyshev.chebtrim(coefficients(on(nodes)), FIT_ROUNDING * scale)
+    return series, float(np.abs(np.polynomial.chebyshev.chebval(checks, series) - exact).max()) / scale
 
 
 def _fill(
@@ -245,7 +249,7 @@ def _fill(
     mean = mean_series(series["force"], root)
     _write(piece.mean, mean, begin, end, root)
     piece.work_at_begin = -work
-    return work + (end - begin) * float(chebyshev.chebval(1.0, mean))
+    return work + (end - begin) * float(np.polynomial.chebyshev.chebval(1.0, mean))
 
 
 def _power_work(power: Power, reach: float) -> float:

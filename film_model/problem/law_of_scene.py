@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from film_model.base.arrays import Array
+from film_model.base.arrays import Array, column
 from film_model.base.errors import Mistake, SceneError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
 from film_model.laws.jackson_green import MOST_YIELD_STRAIN
@@ -90,7 +90,7 @@ class SceneLaw:
         """
         try:
             everywhere = slice(None)
-            found = [np.broadcast_to(value, (count,)) for value in formula(self.at(everywhere), everywhere)]
+            found = [column(value, count) for value in formula(self.at(everywhere), everywhere)]
             if all(self._agrees(found, formula, place) for place in {0, count // 2, count - 1}):
                 return found
         except (TypeError, ValueError):

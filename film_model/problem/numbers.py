@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
-from film_model.base.arrays import Number
+from film_model.base.arrays import Number, column
 from film_model.laws.hertz import hertz_stiffness
 from film_model.scene import STANDARD_GRAVITY, Scene
 
@@ -38,7 +36,7 @@ class Numbers(NamedTuple):
         numbers = cls(mass, scene.effective_radius, approach, impedance, drift, share, 0.5 * mass * approach**2)
         if count is None:
             return numbers
-        return cls(*(np.broadcast_to(np.asarray(number), (count,)) for number in numbers))
+        return cls(*(column(number, count) for number in numbers))
 
     @property
     def weight(self) -> Number:

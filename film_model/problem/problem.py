@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array, Index, Number, any_of, either, greater
+from film_model.base.arrays import Array, Index, Number, any_of, column, either, greater
 from film_model.base.errors import STATUSES, VIBRATES, SimulationError
 from film_model.core import families, native
 from film_model.laws.law import AbstractLaw
@@ -23,6 +23,7 @@ from film_model.problem.curve import Curve, curve_of
 from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
+from film_model.problem.varied import Varied, varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -96,7 +97,7 @@ class Impacts:
 
     def column(self, value: Any) -> Any:
         """A number of the scene: unchanged for one impact, an array with one value per impact for many."""
-        return value if self.index is None else np.broadcast_to(np.asarray(value), (self.index.size,))
+        return value if self.index is None else column(value, self.index.size)
 
     def part(self, places: Any) -> Impacts:
         """Some of many impacts, by their indices or by a mask."""
@@ -150,10 +151,16 @@ class Impacts:
             return None
         return self.law.on_arrays(lambda law, _: (law.shape,), self.index.size)[0]
 
+    @cached_property
+    def varied(self) -> Varied | None:
+        """Of many impacts whose curves differ in numbers of their powers: the numbers."""
+        many = self.index is not None and any(isinstance(value, np.ndarray) for value in self.law.values.values())
+        return varied_of(self.law, self.index.size) if many and self.index is not None else None
+
     def _damping_factor(self, length: Any) -> Any:
         mass, approach = self.numbers.mass, self.numbers.approach
         if self.index is None:
-            return float(self.one_law.damping_factor(mass, approach, length))
+            return self.one_law.damping_factor(mass, approach, length)
         if not self.law.law.damped:
             return self.column(0.0)
 
@@ -192,6 +199,7 @@ class Impacts:
             free=self.base.target.free,
             vibrates=vibrates,
             shape=self.shape,
+            varied=self.varied,
         )
 
 
@@ -204,7 +212,8 @@ class Problem:
     drift − (1 − share)·ν v_s; drift 0 and share 1 unless the target is a free body. mass: effective, kg. given: target
     impedance [N s/m], load [N] and compliance [m/N]. free: the target is a free body. vibrates: it moves by its modes,
     and is integrated, not marched by the core. law: of many impacts, that of the first. shape: of many impacts whose
-    laws differ in it; then the curve, too, is that of the first.
+    laws differ in it; varied: of those whose curves differ in some
+    numbers. Then the curve, too, is that of the first.
     """
 
     impacts: Impacts = field(repr=False)
@@ -222,6 +231,7 @@ class Problem:
     free: bool = False
     vibrates: bool = False
     shape: Any = None
+    varied: Varied | None = None
     _others: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
@@ -232,8 +242,11 @@ class Problem:
     def again(self, law: str | AbstractLaw | None = None, **changed: Any) -> Problem:
         """The problem with another law, or law name, impedance, load or compliance.
 
-        For one impact these problems are cached, so that each is marched once.
+        For one impact these problems are cached, so that each is marched once; it is the same if nothing changes.
         """
+        given: dict[str, Any] = dict(zip(("impedance", "load", "compliance"), self.given, strict=True))
+        if not (self.impacts.many or self.vibrates or law) and given | changed == given:
+            return self
         key = (law, *changed.items()) if not self.impacts.many and not isinstance(law, AbstractLaw) else None
         if key in self._others:
             return self._others[key]
@@ -241,7 +254,6 @@ class Problem:
         if law is not None:
             own = law_named(impacts.scene, law) if isinstance(law, str) else SceneLaw(law, {}, None, {})
             impacts = impacts.under(own)
-        given: dict[str, Any] = dict(zip(("impedance", "load", "compliance"), self.given, strict=True))
         made = impacts.problem(**(given | changed))
         if key is not None:
             self._others[key] = made
@@ -249,6 +261,8 @@ class Problem:
 
     def part(self, places: Any) -> Problem:
         """Some of many impacts, by their indices or by a mask."""
+        if isinstance(places, np.ndarray) and places.dtype == np.bool_ and places.all():
+            return self
         impedance, load, compliance = self.given
         numbers = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
         return Problem(
@@ -260,6 +274,7 @@ class Problem:
             free=self.free,
             vibrates=self.vibrates,
             shape=None if self.shape is None else self.shape[places],
+            varied=None if self.varied is None else self.varied.part(places),
             **{name: getattr(self, name)[places] for name in numbers},
         )
 
@@ -292,22 +307,29 @@ class Problem:
         if not self.impacts.many:
             return native.marched(self.curve.native, mesh, self.start)
         page = self.curve.page
-        if self.shape is None or page is None:
-            status, table = native.batch(self.curve.native, mesh, self.start)
+        if self.varied is not None:
+            status, table = families.batch_varied(self.curve.native, mesh, self.start, *self.varied)
+        elif self.shape is None or page is None:
+            # damped contacts are not marched in lanes, but on a fixed target most laws make them equal but for rounding
+            alike = native.distinct(self.start) if any_of(self.damping > 0.0) else None
+            first, kind = (slice(None), slice(None)) if alike is None else alike
+            status, table = native.batch(self.curve.native, mesh, self.start[first])
+            status, table = status[kind], table[kind]
         else:
             status, table = families.batch(page.family, page.whole, mesh, self.start, self.shape)
         return status, Columns(table)
 
     def by_curve(self) -> Iterator[Problem]:
         """The problems, of one impact or of many, whose impacts share a curve to the last digit."""
-        if self.shape is None:
+        if self.shape is None and self.varied is None:
             yield self
             return
-        shapes, group = np.unique(self.shape, return_inverse=True)
-        for k in range(shapes.size):
-            places = np.flatnonzero(group == k)
+        rows: Any = self.shape if self.varied is None else self.varied.values
+        different, group = np.unique(rows, axis=0, return_inverse=True)
+        for k in range(len(different)):
+            places = np.flatnonzero(group.ravel() == k)
             part = self.part(places)
-            yield replace(part, law=part.impacts.one_law, curve=curve_of(part.impacts.one_law), shape=None)
+            yield replace(part, law=part.impacts.one_law, curve=curve_of(part.impacts.one_law), shape=None, varied=None)
 
     @cached_property
     def trial(self) -> Trial:

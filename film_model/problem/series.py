@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from film_model.base.arrays import Array
 from film_model.core import native
@@ -16,8 +15,8 @@ def mean_series(series: Array, root: bool) -> Array:
     nodes, weights = _gauss()
     part = 0.5 * (1.0 + nodes)
     weights = weights * part if root else 0.5 * weights  # over x = u²: dx = 2 u du
-    at = chebyshev.chebpts1(len(series))
-    values = chebyshev.chebval(0.5 * (1.0 + at[:, None]) * part * 2.0 - 1.0, series) @ weights
+    at = np.polynomial.chebyshev.chebpts1(len(series))
+    values = np.polynomial.chebyshev.chebval(0.5 * (1.0 + at[:, None]) * part * 2.0 - 1.0, series) @ weights
     return coefficients(values)
 
 

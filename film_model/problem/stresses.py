@@ -24,6 +24,17 @@ SHALLOW = 1e-3
 ELASTIC_LIMIT = 1.9
 """Indentation over that at first yield up to which Hertz's contact radius holds (Jackson & Green 2005)."""
 
+WIDEST = 2.0
+"""Largest a²/(R δ) beyond it: that of a rigid-plastic sphere."""
+
+GROWTH, GROWTH_RATE, MOST_GROWTH = 0.14, 23.0, 5.0
+"""a²/(R δ) grows with the power B = GROWTH e^{GROWTH_RATE S_y/E} of δ; that exponent is at most MOST_GROWTH."""
+
+
+def yield_factor(poissons_ratio: Number) -> Number:
+    """π C/2 of the indentation at first yield, (π C S_y/2E)² R, with C = 1.295 e^{0.736 ν} (Jackson & Green 2005)."""
+    return 0.5 * math.pi * (1.295 * exponential(0.736 * poissons_ratio))
+
 
 def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tuple[Number, Any]:
     """Contact radius at the largest force [N] and indentation [m], m (nan if unknown); and whether contact is Hertz's.
@@ -45,10 +56,9 @@ def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tupl
         return root(square), elastic
     if strength is None or poisson is None:
         return either(elastic, root(square), unknown), elastic
-    factor = 1.295 * exponential(0.736 * poisson)
-    first = (0.5 * math.pi * factor * strength / modulus) ** 2 * radius
-    growth = 0.14 * exponential(lesser(23.0 * strength / modulus, 5.0))
-    wider = lesser(greater(indentation / (ELASTIC_LIMIT * first), 1.0) ** growth, 2.0)
+    first = (yield_factor(poisson) * strength / modulus) ** 2 * radius
+    growth = GROWTH * exponential(lesser(GROWTH_RATE * strength / modulus, MOST_GROWTH))
+    wider = lesser(greater(indentation / (ELASTIC_LIMIT * first), 1.0) ** growth, WIDEST)
     return root(square * either(elastic, 1.0, wider)), elastic
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from film_model.base.arrays import any_of, either, ratio
+from film_model.base.arrays import all_of, any_of, either, ratio
 from film_model.core import native
 from film_model.core.comparison import compare
 from film_model.core.comparison import rounding as rounding_of
@@ -75,19 +75,19 @@ def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
         }
         values = {
             "maximum_force": core.maximum_force * s.force,
-            **{name: _where(turned, value) for name, value in begun.items()},
+            **_where(turned, begun),
             "time_impactor_stops": core.time_impactor_stops * s.time,
-            **{name: _where(over, value) for name, value in whole.items()},
+            **_where(over, whole),
         }
         values |= stresses_of(problem, values)
-    return {name: _where(status >= 0, value) for name, value in values.items()}
+    return _where(status >= 0, values)
 
 
-def _where(condition: Any, value: Any) -> Any:
-    """The value where the condition holds, else nan."""
-    if isinstance(condition, np.ndarray) and condition.all():
-        return value
-    return either(condition, value, math.nan)
+def _where(condition: Any, values: dict[str, Any]) -> dict[str, Any]:
+    """The values where the condition holds, else nan."""
+    if all_of(condition):
+        return values
+    return {name: either(condition, value, math.nan) for name, value in values.items()}
 
 
 def _impulse(problem: Problem, core: Any) -> Any:
@@ -121,7 +121,7 @@ def radiated_energy(problem: Problem, core: Any) -> Any:
 
 def difference(problem: Problem, a: Any, b: Any) -> Any:
     """Largest relative difference of two summaries, relative to `b`: film_compare in film_core.h."""
-    return _number_or_column(b, compare(*_tables(problem, a, b)))
+    return compare(problem.start, _core(a), _core(b))
 
 
 def differences(problem: Problem, a: native.Summary, b: native.Summary) -> dict[str, float]:
@@ -142,23 +142,12 @@ def rounding(problem: Problem, summary: Any) -> Any:
     It is large where the summary is a small difference of large numbers: the velocity of a ball whose weight does more
     work than its impact, or an indentation beyond a deep clearance.
     """
-    start, table = _tables(problem, summary)
-    return _number_or_column(summary, rounding_of(problem.curve.native, start, table, problem.curve.clearance))
+    return rounding_of(problem.curve.native, problem.start, _core(summary), problem.curve.clearance)
 
 
-def _tables(problem: Problem, *summaries: Any) -> list[Any]:
-    """Start values and summaries as arrays, of one row for one impact."""
-    tables = [
-        each.table if isinstance(each, Columns) else np.frombuffer(bytes(each), native.SUMMARY_DTYPE)
-        for each in summaries
-    ]
-    if problem.impacts.many:
-        return [problem.start, *tables]
-    return [np.frombuffer(bytes(problem.start) * len(tables[0]), native.START_DTYPE), *tables]
-
-
-def _number_or_column(summary: Any, found: Any) -> Any:
-    return found if isinstance(summary, Columns) else float(found[0])
+def _core(summary: Any) -> Any:
+    """A summary as the core takes it."""
+    return summary.table if isinstance(summary, Columns) else summary
 
 
 def energy_warning(problem: Problem, summary: dict[str, float | None]) -> list[str]:

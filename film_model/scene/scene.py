@@ -163,7 +163,7 @@ class Scene:
         one, two = self.impactor.material, self.target.material
         if one is None or two is None:
             return None
-        return 1 / sum((1 - m.poissons_ratio**2) / m.youngs_modulus for m in (one, two))
+        return 1 / ((1 - one.poissons_ratio**2) / one.youngs_modulus + (1 - two.poissons_ratio**2) / two.youngs_modulus)
 
     @property
     def yield_strength(self) -> float | None:

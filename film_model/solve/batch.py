@@ -138,7 +138,7 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     """
     solver = solver or scene.solver
     count = len(next(iter(columns.values())))
-    summary = {name: np.full(count, np.nan) for name in SUMMARY}
+    summary = dict(zip(SUMMARY, np.full((len(SUMMARY), count), np.nan), strict=True))
     speed = scene_of_columns(scene, columns).approach_velocity
     status = np.full(count, native.BAD_NUMBER, np.int32)
     status[np.broadcast_to(np.less_equal(speed, 0.0), (count,))] = NO_VELOCITY

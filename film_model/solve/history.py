@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +18,7 @@ from film_model.effects.effect import Effect
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
+from film_model.solve.derivatives import Derivatives
 from film_model.solve.vibration import Vibration
 
 if TYPE_CHECKING:
@@ -38,8 +38,7 @@ MOTION: dict[str, tuple[str, str]] = {
 target's displacement, ∫F dt/Z."""
 
 
-@dataclass(frozen=True)
-class Event:
+class Event(NamedTuple):
     """An event and the motion at its time, SI floats. stage: of the law, or "unloading", or "" (no contact).
 
     >>> fm.simulate(scene).events[0].name
@@ -59,7 +58,7 @@ class Event:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON (`force` is the contact force)."""
-        table = {f.name: getattr(self, f.name) for f in fields(self)}
+        table = self._asdict()
         table["force"] = table.pop("contact_force")
         return table
 
@@ -125,6 +124,7 @@ class History:
     return pint quantities. lines: the segments as recorded by the core; empty if the target vibrates, since the motion
     is then in `vibration`. On such a target several contacts may follow each other: contact_duration is that of the
     first; permanent indentation, rebound and energies are those after the last. remarks: warnings of this run.
+    derivatives: those that were asked for.
     Histories are equal if scene, events, summary and remarks are equal to the last bit.
 
     >>> history = fm.simulate(scene, accuracy=1e-6)
@@ -143,6 +143,7 @@ class History:
     accuracy: Accuracy
     remarks: tuple[str, ...]
     vibration: Vibration | None = field(default=None, repr=False, compare=False)
+    derivatives: Derivatives | None = field(default=None, repr=False, compare=False)
 
     if TYPE_CHECKING:  # the summary values, added below the class, and the methods of film_model/methods.py
 
@@ -164,7 +165,8 @@ class History:
     @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the law, about effects that are not modelled, and of this run."""
-        return tuple(dict.fromkeys((*self.choice.warnings, *self.remarks)))
+        own = () if self.derivatives is None else self.derivatives.warnings
+        return tuple(dict.fromkeys((*self.choice.warnings, *self.remarks, *own)))
 
     @property
     def problem(self) -> Problem:
@@ -220,6 +222,7 @@ class History:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, SI throughout: title, law, outcome, summary, events, effects, accuracy and warnings."""
+        found = {} if self.derivatives is None else {"derivatives": self.derivatives.to_dict()}
         return {
             "title": self.scene.title,
             "law": self.problem.law.name,
@@ -227,6 +230,7 @@ class History:
             "summary": {
                 name: {"value": value, "units": units.si_unit(SUMMARY[name][0])} for name, value in self.summary.items()
             },
+            **found,
             "events": [event.to_dict() for event in self.events],
             "effects": [effect.to_dict() for effect in self.effects],
             "accuracy": {f.name: getattr(self.accuracy, f.name) for f in fields(self.accuracy)},
@@ -235,6 +239,8 @@ class History:
 
     def to_json(self) -> str:
         """The same values as the text of one JSON object."""
+        import json
+
         return json.dumps(self.to_dict(), indent=2, ensure_ascii=False, allow_nan=False)
 
 

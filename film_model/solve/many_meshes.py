@@ -69,7 +69,8 @@ def march_many(problem: Problem, solver: Solver) -> Marched:
     left = _estimate(problem, solver, made, every, n, (coarse_status, coarse, status, core))
     while left.size and n < MOST_SEGMENTS:
         n *= 2
-        left = _refine(problem.part(left), solver, made, left, n)
+        part = problem if left.size == every.size else problem.part(left)
+        left = _refine(part, solver, made, left, n)
     return made
 
 
@@ -130,7 +131,7 @@ def _shared_segments(problem: Problem, solver: Solver) -> int:
     """Segments per stage with which `EASY` of a sample meet the accuracy."""
     assert solver.accuracy is not None
     count = problem.approach.size
-    damping = float(np.median(problem.damping)) if count else 0.0
+    damping = float(np.median(problem.damping)) if problem.damping.any() else 0.0
     n = first_segments(damping) if damping > 0.0 else FIRST_SEGMENTS
     if count <= SAMPLE_LEAST:
         return n

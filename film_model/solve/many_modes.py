@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -168,6 +167,8 @@ def _follow(whole: Problem, highest: float, tolerance: float, limit: float) -> t
         own = start[places]
         own["rest"] *= used > 0.0
         return modal.batch(tables, whole.curve.native, own)
+
+    from concurrent.futures import ThreadPoolExecutor
 
     workers = min(os.cpu_count() or 1, max(count // TRIED, 1))
     with ThreadPoolExecutor(workers) as pool:

@@ -18,6 +18,7 @@ from film_model.problem.problem import Problem
 from film_model.problem.summary import energy_warning, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.solve.accuracy import Linearisation, estimate, mesh_of, raise_failure, refine, solver_for
+from film_model.solve.derivatives import derivatives_of, entries_of
 from film_model.solve.history import Accuracy, Event, History, stage_names
 from film_model.solve.vibration import Moment, unused_options, vibrate
 
@@ -35,6 +36,7 @@ def simulate(
     accuracy: float | None = None,
     segments: int | None = None,
     linearisation: Linearisation | None = None,
+    derivatives: Sequence[str] = (),
 ) -> History:
     """The impact a scene describes, from first touch to the end of contact.
 
@@ -45,10 +47,13 @@ def simulate(
 
     A target whose vibrations matter is followed by its natural modes, as many as the accuracy needs.
 
+    derivatives: keys of the scene, such as "impactor.velocity", by which the summary is differentiated, with the other
+    entries of the scene and the decisions about effects held fixed; see `film_model.Derivatives`.
+
     Every entry of the history's `warnings` is issued as an ImpactWarning too.
 
-    Raises SceneError for a bad option, SimulationError for a contact that the core cannot march, TypeError if `scene`
-    is not a Scene.
+    Raises SceneError for a bad option, SimulationError for a contact that the core cannot march or derivatives on a
+    vibrating target, TypeError if `scene` is not a Scene.
 
     >>> history = fm.simulate(scene)
     >>> print(f"{history.maximum_force.to('kN'):.3f~P}")
@@ -56,7 +61,9 @@ def simulate(
     """
     if not isinstance(scene, Scene):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"simulate takes a Scene, not {shown(scene)}: Scene.from_toml reads one from a file")
-    history = simulate_quietly(scene, accuracy=accuracy, segments=segments, linearisation=linearisation)
+    history = simulate_quietly(
+        scene, accuracy=accuracy, segments=segments, linearisation=linearisation, derivatives=derivatives
+    )
     for sentence in history.warnings if _warnings_are_shown() else ():
         python_warnings.warn(sentence, ImpactWarning, stacklevel=2)
     return history
@@ -77,9 +84,14 @@ def simulate_quietly(
     accuracy: float | None = None,
     segments: int | None = None,
     linearisation: Linearisation | None = None,
+    derivatives: Sequence[str] = (),
 ) -> History:
     """As :func:`simulate`, without Python warnings: for callers that show `warnings` themselves or try many scenes."""
-    return simulate_chosen(choose(scene), solver_for(scene.solver, accuracy, segments, linearisation))
+    solver = solver_for(scene.solver, accuracy, segments, linearisation)
+    if not derivatives:
+        return simulate_chosen(choose(scene), solver)
+    entries, choice = entries_of(scene, derivatives), choose(scene)
+    return replace(simulate_chosen(choice, solver), derivatives=derivatives_of(choice, solver, entries))
 
 
 def simulate_chosen(choice: Choice, solver: Solver) -> History:
@@ -99,7 +111,7 @@ def simulate_chosen(choice: Choice, solver: Solver) -> History:
     status, lines, states, peak = _record(problem, solver, counts)
     found = _at_events(problem, states)
     events = _events(problem, found)
-    values = summary_of(problem, status, _Recorded.of(found, states[-1], peak))
+    values = summary_of(problem, status, _Recorded.of(found, native.State.from_buffer_copy(states[-1]), peak))
     summary = {name: None if math.isnan(value) else value for name, value in values.items()}
     warnings.extend(energy_warning(problem, summary))
     return History(
@@ -146,7 +158,7 @@ class _Recorded(NamedTuple):
     work: float
 
     @classmethod
-    def of(cls, events: Iterable[_AtEvent], last: Any, peak: float) -> _Recorded:
+    def of(cls, events: Iterable[_AtEvent], last: native.State, peak: float) -> _Recorded:
         """From the motion at the events, the core's state at the last one, and the largest force."""
         deepest, turned, stops, ends = 0.0, math.nan, math.nan, math.nan
         for event in events:
@@ -156,8 +168,7 @@ class _Recorded(NamedTuple):
                 stops = event.time
             elif event.name == "contact_ends":
                 ends = event.time
-        numbers = (float(last[name]) for name in ("xi", "nu", "shift", "spent"))
-        return cls(peak, deepest, turned, stops, ends, *numbers)
+        return cls(peak, deepest, turned, stops, ends, last.xi, last.nu, last.shift, last.spent)
 
 
 class _AtEvent(NamedTuple):

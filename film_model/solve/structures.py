@@ -22,7 +22,7 @@ from film_model.problem.problem import Problem
 from film_model.targets import AbstractTarget, Modes
 
 MOST_MODES = 100_000
-"""Largest number of modes of a run, limited by the memory of the tables: 144 bytes per mode and step size in use."""
+"""Largest number of modes of a run, limited by the memory of the tables: 136 bytes per mode and step size in use."""
 
 ABOVE = 1.5
 """Frequency of the mode that stands for the omitted ones, over the highest."""

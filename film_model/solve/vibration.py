@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,8 @@ HIGHEST = 64.0
 """Highest frequency over that of the first run, where more modes cannot be computed, or where the omitted compliance is
 a mode: a stiffer one rattles between the impactor and the others, thousands of times, and changes no result."""
 
-_FIRST_PHASE = 24.0  # highest frequency of the first run times the time from touch to the deepest point
+FIRST_PHASE = 24.0
+"""Highest frequency of the first run times the time from touch to the deepest point."""
 
 
 @dataclass(frozen=True)
@@ -79,8 +81,8 @@ class Vibration:
     """An impact on a vibrating target, in the units of the march. `summary` as the core's.
 
     segments: steps in contact, and flights; flights: the modes' state at the beginning of each. A step in contact has
-    320 bytes, a flight 16 bytes per mode. start: as given to the core. energies: of each mode at the end. contacts: how
-    many ended. highest: frequency up to which there are modes, rad/s.
+    320 bytes, a flight 16 bytes per mode. met: the events, as the core records them. start: as given to the core.
+    energies: of each mode at the end. contacts: how many ended. highest: frequency up to which there are modes, rad/s.
     """
 
     curve: native.Curve = field(repr=False)
@@ -89,7 +91,7 @@ class Vibration:
     start: modal.Start = field(repr=False)
     segments: NDArray[Any] = field(repr=False)
     flights: Array = field(repr=False)
-    events: tuple[Moment, ...] = field(repr=False)
+    met: NDArray[Any] = field(repr=False)
     outcome: Outcome
     summary: native.Summary = field(repr=False)
     energies: Array = field(repr=False)
@@ -100,6 +102,15 @@ class Vibration:
     def unit(self) -> float:
         """The march's unit of time, s."""
         return self.start.unit
+
+    @cached_property
+    def events(self) -> tuple[Moment, ...]:
+        """The events, with times in the march's unit."""
+        kinds, times, branches = (self.met[name].tolist() for name in ("event", "time", "branch"))
+        return tuple(
+            Moment(native.EVENTS[kind], time / self.unit, values, branch)
+            for kind, time, values, branch in zip(kinds, times, self.met["values"], branches, strict=True)
+        )
 
     @property
     def frequency(self) -> Array:
@@ -171,7 +182,7 @@ def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings:
     """
     unit = problem.scales.time
     still, lowest, limit = _on_a_fixed_target(problem), structures.lowest_frequency(target), time_limit(problem, target)
-    first = structures.rounded(max(_FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
+    first = structures.rounded(max(FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
 
     def follow(highest: float, tolerance: float) -> Vibration:
         return run(problem, structures.structure_of(target, highest, unit), tolerance, limit)
@@ -250,15 +261,6 @@ def run(problem: Problem, structure: structures.Structure, tolerance: float, lim
     found = modal.impact(tables, curve, start)
     raise_failure(found.status, problem)
     outcome = Outcome.SEPARATED if found.status == native.EVENT else Outcome.TIME_LIMIT
-    events = tuple(
-        Moment(native.EVENTS[kind], time / scales.time, values, branch)
-        for kind, time, values, branch in zip(
-            *(found.events[name].tolist() for name in ("event", "time")),
-            found.events["values"],
-            found.events["branch"].tolist(),
-            strict=True,
-        )
-    )
     core = found.summary.core
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):
         setattr(core, name, getattr(core, name) / scales.time)
@@ -269,7 +271,7 @@ def run(problem: Problem, structure: structures.Structure, tolerance: float, lim
         start,
         found.segments,
         found.flights,
-        events,
+        found.events,
         outcome,
         core,
         found.energies,

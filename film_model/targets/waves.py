@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
+from film_model.base.arrays import interpolated
 from film_model.base.materials import Material
 from film_model.targets.target import Impact
 
@@ -42,6 +41,6 @@ def radiated_energy(material: Material, impact: Impact) -> float:
     The imaginary part of the surface's compliance at a point is ω β(ν)/(ρ c_T³): Lamb's problem (Miller & Pursey
     1955). The Rayleigh wave takes two thirds. Hunter 1957 finds the same dependence V^{3/5}.
     """
-    beta = float(np.interp(material.poissons_ratio, *RADIATION))
+    beta = interpolated(material.poissons_ratio, *RADIATION)
     pulse = HERTZ_PULSE * impact.force**2 / impact.duration
     return beta / (material.density * shear_velocity(material) ** 3) * pulse

@@ -86,11 +86,8 @@ instance *instance_new(const char *function, const instance_options *options, co
                  options->token ? options->token : "", i->data->token);
         error = message;
     }
-    if (!error && options->model_exchange && i->data->modes.count > 0) {
-        snprintf(message, sizeof message, "this FMU is for Co-Simulation: in Model Exchange its %d natural vibrations would be "
-                 "states of the importer's integrator", (int)i->data->modes.count);
-        error = message;
-    }
+    if (!error && options->model_exchange && !model_has_exchange(i->data))
+        error = "this FMU is for Co-Simulation, because its target vibrates or follows the force by a static stiffness";
     if (error) {
         instance_error(&none, function, "%s", error);
         instance_free(i);

@@ -27,6 +27,14 @@ typedef struct {
     int32_t count, levels;
 } model_modes;
 
+/* What Python's film_model/problem/stresses.py computes, in numbers; 0 for what is unknown. radius: m; hertz: force over the
+ * indentation to the power 1.5 of an elastic contact, N/m^1.5; strain: S_y/E; shear, depth: largest shear stress and its
+ * place below the surface, over the peak pressure and the contact radius. The others are the constants there. */
+typedef struct {
+    double radius, hertz, strain, yield_factor, growth, growth_rate, most_growth, widest, elastic_limit, hertzian, shallow;
+    double shear, depth;
+} model_stresses;
+
 /* The data of an export: resources/model.film, written by fmu_wrapper/resource.py; little endian, as all platforms are.
  * The scales of the march depend on the parameters p of the law (SCALES_BY in model.c):
  * length = length_scale * prod (p/start)^length_power, and force likewise. The damping factor (N s/m) is such a product
@@ -49,6 +57,7 @@ typedef struct {
     double valid[SETTABLE][2];
     char reason[SETTABLE][2][LONGEST_REASON];
     double limit[LIMITS], limit_power[LIMITS][SCALINGS]; /* m: of an elastic law, of a narrow contact */
+    model_stresses stresses;
     film_curve curve;
     model_family family;
     model_modes modes;
@@ -143,7 +152,8 @@ int model_announce(model *m, char *text, size_t room);
 /* Put the curve for the parameters into m->curve. */
 int model_update_curve(model *m);
 
-/* Model Exchange. */
+/* Model Exchange. Not on a target that vibrates or has a static stiffness. */
+int model_has_exchange(const model_data *data);
 int model_is_state(const model *m, unsigned reference);
 int model_set_state(model *m, unsigned reference, double value);
 int model_rates(model *m, double rates[STATES]);

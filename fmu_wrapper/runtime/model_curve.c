@@ -1,4 +1,5 @@
-/* The curve of the law for the parameters: of a law with a family of curves, that of their shape. See model.h. */
+/* The curve of the law for the parameters: of a law with a family of curves, that of their shape; on a target with a static
+ * stiffness, in series with a spring. See model.h. */
 #include "model_parts.h"
 
 #include <math.h>
@@ -17,23 +18,34 @@ static double shape_of(const model *m) {
     return shape;
 }
 
+/* That of the target's static stiffness, in the core's units; 0 without one, and before initialization. */
+static double compliance_of(const model *m) {
+    const model_memory *now = &m->memory;
+    return sprung(m) && now->length > 0.0 ? now->force / (now->length * now->value[TARGET_STIFFNESS]) : 0.0;
+}
+
 int model_update_curve(model *m) {
     const model_family *family = &m->data->family;
     double shape = family->nodes > 0 ? shape_of(m) : family->shape;
     const film_curve *whole = (const film_curve *)(m->data + 1);
-    if (shape == family->shape) { /* as exported */
+    int own_shape = shape == family->shape;
+    double compliance = compliance_of(m);
+    if (own_shape && compliance == 0.0) { /* as exported */
         m->curve = &m->data->curve;
         return 0;
     }
-    if (!(shape >= family->low && shape <= family->high))
+    if (!own_shape && !(shape >= family->low && shape <= family->high))
         return model_error(m, "the parameters give the law a shape (yield_strength/effective_modulus) of %g; this FMU was "
                               "exported for shapes from %g to %g", shape, family->low, family->high);
     if (!m->own && !(m->own = malloc(sizeof *m->own))) return model_error(m, "no memory for the curve of the law");
     film_family numbers = {family->low, family->high, family->nodes, family->varying, (const double *)(whole + 1)};
-    memcpy(m->own, whole, sizeof *whole);
-    int status = film_shape(&numbers, whole, shape, m->own);
+    memcpy(m->own, own_shape ? &m->data->curve : whole, sizeof *m->own);
+    int status = own_shape ? FILM_OK : film_shape(&numbers, whole, shape, m->own);
     if (status == FILM_OK) status = film_check_curve(m->own);
     if (status < 0) return model_core_error(m, status);
+    if (compliance > 0.0 && film_spring(m->own, compliance) < 0)
+        return model_error(m, "target_stiffness: with %g N/m the contact would snap through, because the law's force falls faster "
+                              "with the indentation", m->memory.value[TARGET_STIFFNESS]);
     m->curve = m->own;
     return 0;
 }

@@ -7,9 +7,13 @@ static void set_value(model_record *record, unsigned reference, double value) {
     record->value[reference - SETTABLE] = value;
 }
 
+double model_indentation(const model *m, const film_state *state) {
+    return state->xi - m->curve->compliance * state->force;
+}
+
 void model_record_event(const model *m, const film_state *state, double time, double velocity, model_record *record) {
     const model_memory *now = &m->memory;
-    double indentation = state->xi * now->length, left = state->xi_free * now->length;
+    double indentation = model_indentation(m, state) * now->length, left = state->xi_free * now->length;
     record->phase = state->phase;
     record->stage = state->branch;
     record->events++;
@@ -17,7 +21,7 @@ void model_record_event(const model *m, const film_state *state, double time, do
     set_value(record, TIME_OF_LAST_EVENT, time);
     switch (state->event) {
     case FILM_CONTACT_BEGINS:
-        for (unsigned k = TIME_CONTACT_BEGINS; k <= PERMANENT_INDENTATION; k++) set_value(record, k, 0.0);
+        for (unsigned k = TIME_CONTACT_BEGINS; k <= DEPTH_OF_MAXIMUM_STRESS; k++) set_value(record, k, 0.0);
         record->contacts = state->contacts;
         record->had = 0;
         set_value(record, TIME_CONTACT_BEGINS, time);
@@ -30,6 +34,7 @@ void model_record_event(const model *m, const film_state *state, double time, do
         record->had |= HAD_MAXIMUM;
         record->validity |= model_validity_at(m, indentation);
         set_value(record, MAXIMUM_FORCE, state->force_peak * now->force);
+        model_record_stresses(m, record);
         break;
     case FILM_IMPACTOR_STOPS:
         if (!(record->had & HAD_STOP) && state->branch != FILM_FREE) {
@@ -42,6 +47,7 @@ void model_record_event(const model *m, const film_state *state, double time, do
         set_value(record, REBOUND_VELOCITY, velocity);
         set_value(record, PERMANENT_INDENTATION, left);
         set_value(record, MAXIMUM_FORCE, state->force_peak * now->force);
+        model_record_stresses(m, record);
         break;
     default: break;
     }

@@ -20,6 +20,10 @@ static void load_states(model *m) {
     state->stop_velocity = -now->value[SUPPORT_VELOCITY] / now->velocity;
 }
 
+int model_has_exchange(const model_data *data) {
+    return data->kind == CONTACT || (data->modes.count == 0 && !data->available[TARGET_STIFFNESS]);
+}
+
 static int state_index(unsigned reference) {
     return reference == INDENTATION ? 0 : reference == IMPACTOR_VELOCITY ? 1 : reference == TARGET_DISPLACEMENT ? 2 : -1;
 }
@@ -43,8 +47,15 @@ int model_rates(model *m, double rates[STATES]) {
 
 int model_indicators(model *m, double indicators[FILM_INDICATORS]) {
     if (m->memory.importer_integrates) load_states(m);
-    film_indicators(m->curve, &m->memory.state, m->memory.contact_speed, indicators);
-    if (m->data->kind == CONTACT) indicators[3] = indicators[4] = 1.0; /* no impactor that stops, no acceleration */
+    double speed = m->memory.contact_speed;
+    if (m->data->kind == CONTACT) speed = m->data->nominal[0] / m->memory.length; /* unit time, 1 s, is no measure of a contact */
+    film_indicators(m->curve, &m->memory.state, speed, indicators);
+    if (m->data->kind == CONTACT) {
+        double turn[FILM_INDICATORS];
+        film_indicators(m->curve, &m->memory.state, m->memory.contact_speed, turn);
+        indicators[0] = turn[0];
+        indicators[3] = indicators[4] = 1.0; /* no impactor that stops, no acceleration */
+    }
     for (int k = 0; k < FILM_INDICATORS; k++)
         if (!isfinite(indicators[k])) return model_not_finite(m, VARIABLE[EVENT_INDICATOR_1 + k].name);
     return 0;

@@ -6,13 +6,29 @@
 typedef struct {
     double indentation, velocity, target; /* m, m/s, m */
     double force, stiffness, damping;     /* N; its derivatives with respect to indentation and velocity, N/m, N s/m */
+    double recoil, share;                 /* velocity of a target without impedance, m/s; over that of the impactor on a spring */
 } motion;
+
+/* Indentation and deflection of the spring, whose sum is the march's xi. nu: of the impactor relative to the support. */
+static void split_off_spring(const model *m, double nu, motion *out) {
+    const model_memory *now = &m->memory;
+    film_state unit = now->state;
+    double values[5];
+    unit.nu = 1.0;
+    film_motion(m->curve, &unit, values);
+    out->indentation = values[0] * now->length;
+    out->target = values[4] * now->length + now->support_displacement;
+    out->share = 1.0 - values[1];
+    out->recoil = out->share * nu * now->velocity;
+}
 
 /* The motion at the current time. The derivatives are set if with_stiffness is not 0. */
 static int compute_motion(model *m, motion *out, int with_stiffness) {
     const model_memory *now = &m->memory;
     const film_state *state = &now->state;
     film_contact at = {state->force, 0.0, 0.0};
+    out->recoil = now->recoil * now->velocity;
+    out->share = 0.0;
     if (m->data->kind == CONTACT && !now->importer_integrates) {
         film_state ahead = *state;
         if (contact_follow_path(m, &ahead, NULL) < 0) return -1;
@@ -37,6 +53,7 @@ static int compute_motion(model *m, motion *out, int with_stiffness) {
         out->indentation = state->xi * now->length;
         out->velocity = state->nu * now->velocity + now->support;
         out->target = state->shift * now->length + now->support_displacement;
+        if (sprung(m)) split_off_spring(m, state->nu - change, out);
     }
     out->force = at.force * now->force;
     out->stiffness = at.by_xi * now->force / now->length;
@@ -48,8 +65,16 @@ static double mobility(const model *m) { /* 1/Z, m/(N s) */
     return m->memory.state.gamma * m->memory.velocity / m->memory.force;
 }
 
+/* Work done on the indentation, J: all of the march's but that on the spring. */
+static double energy_of_contact(const model *m) {
+    const film_state *state = &m->memory.state;
+    double bent = 0.5 * m->curve->compliance * state->force * state->force;
+    return (state->spent - bent) * m->memory.force * m->memory.length;
+}
+
 /* Outputs that are constant between events or steps. Returns 0 if the variable is another one. */
-static int get_constant(const model_memory *now, unsigned reference, double *value) {
+static int get_constant(const model *m, unsigned reference, double *value) {
+    const model_memory *now = &m->memory;
     switch (reference) {
     case TIME: *value = now->time; return 1;
     case PHASE:
@@ -62,12 +87,12 @@ static int get_constant(const model_memory *now, unsigned reference, double *val
     case VALIDITY: *value = now->reported.validity; return 1;
     case MEAN_CONTACT_FORCE: *value = now->step_force; return 1;
     case CONTACT_IMPULSE: *value = now->impulse; return 1;
-    case CONTACT_ENERGY: *value = now->state.spent * now->force * now->length; return 1;
-    case TARGET_ENERGY: *value = 0.0 - now->released - now->state.spent * now->force * now->length; return 1;
+    case CONTACT_ENERGY: *value = energy_of_contact(m); return 1;
+    case TARGET_ENERGY: *value = 0.0 - now->released - energy_of_contact(m); return 1;
     case EXTERNAL_WORK: *value = now->external; return 1;
     default: break;
     }
-    if (reference < TIME_OF_LAST_EVENT || reference > PERMANENT_INDENTATION) return 0;
+    if (reference < TIME_OF_LAST_EVENT || reference > DEPTH_OF_MAXIMUM_STRESS) return 0;
     *value = now->reported.value[reference - SETTABLE];
     return 1;
 }
@@ -76,7 +101,7 @@ static int get_motion(model *m, unsigned reference, double *value) {
     const model_memory *now = &m->memory;
     motion current;
     if (compute_motion(m, &current, 0) < 0) return -1;
-    double recoil = mobility(m) * current.force + now->recoil * now->velocity, mass = now->value[MASS];
+    double recoil = mobility(m) * current.force + current.recoil, mass = now->value[MASS];
     double target_velocity = now->value[SUPPORT_VELOCITY] + recoil;
     switch (reference) {
     case INDENTATION: *value = current.indentation; break;
@@ -102,7 +127,7 @@ static int get_output(model *m, unsigned reference, double *value) {
         return 0;
     }
     if (!now->initialized && model_initialize(m, now->start_time) < 0) return -1;
-    if (get_constant(now, reference, value)) return 0;
+    if (get_constant(m, reference, value)) return 0;
     if (reference < EVENT_INDICATOR_1) return get_motion(m, reference, value);
     double indicators[FILM_INDICATORS];
     if (model_indicators(m, indicators) < 0) return -1;
@@ -116,7 +141,7 @@ static int is_exchanged(unsigned reference) { return reference >= RATE_OF_INDENT
 int model_get(model *m, unsigned reference, double *value) {
     *value = 0.0;
     if (reference >= VARIABLES || VARIABLE[reference].role[m->data->kind] == ABSENT ||
-        (reference < SETTABLE && !m->data->available[reference]) || (vibrates(m) && is_exchanged(reference)))
+        (reference < SETTABLE && !m->data->available[reference]) || (!model_has_exchange(m->data) && is_exchanged(reference)))
         return model_error(m, "this FMU has no variable with value reference %u", reference);
     if (get_output(m, reference, value) < 0) return -1;
     return isfinite(*value) ? 0 : model_not_finite(m, VARIABLE[reference].name);
@@ -127,8 +152,9 @@ static int is_state(unsigned reference) {
 }
 
 int model_depends(const model *m, unsigned unknown, unsigned known) {
-    if (vibrates(m) && is_exchanged(unknown)) return -1;
-    if (vibrates(m) && is_state(known)) return model_depends(m, unknown, TIME); /* they are no states there */
+    int exchange = model_has_exchange(m->data);
+    if (!exchange && is_exchanged(unknown)) return -1;
+    if (!exchange && is_state(known)) return model_depends(m, unknown, TIME); /* they are no states there */
     int impact = m->data->kind == IMPACT;
     int by_rate = impact ? known == IMPACTOR_VELOCITY || known == SUPPORT_VELOCITY : known == RELATIVE_VELOCITY;
     int by_force = known == INDENTATION || (damped(m) && by_rate);
@@ -160,7 +186,7 @@ int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
     *partial = 0.0;
     if (unknown >= VARIABLES || VARIABLE[unknown].role[m->data->kind] != OUTPUT || model_depends(m, unknown, known) < 0)
         return model_error(m, "%s is not a continuous output", unknown < VARIABLES ? VARIABLE[unknown].name : "the unknown");
-    int state = is_state(known) && !vibrates(m);
+    int state = is_state(known) && model_has_exchange(m->data);
     if (known >= VARIABLES || (VARIABLE[known].role[m->data->kind] != INPUT && !(m->data->kind == IMPACT && state)))
         return model_error(m, "%s is neither an input nor a state", known < VARIABLES ? VARIABLE[known].name : "the known");
     if (!m->memory.initialized && model_initialize(m, m->memory.start_time) < 0) return -1;
@@ -174,10 +200,13 @@ int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
     case CONTACT_FORCE: *partial = force; break;
     case RATE_OF_INDENTATION:
     case RELATIVE_VELOCITY:
-        *partial = (known == SUPPORT_VELOCITY ? -1.0 : known == IMPACTOR_VELOCITY ? 1.0 : 0.0) - force * mobility(m);
+        *partial = (known == SUPPORT_VELOCITY ? -1.0 : known == IMPACTOR_VELOCITY ? 1.0 : 0.0) * (1.0 - current.share) -
+                   force * mobility(m);
         break;
     case RATE_OF_TARGET_DISPLACEMENT:
-    case TARGET_VELOCITY: *partial = (known == SUPPORT_VELOCITY ? 1.0 : 0.0) + force * mobility(m); break;
+    case TARGET_VELOCITY:
+        *partial = (known == SUPPORT_VELOCITY ? 1.0 - current.share : 0.0) + force * mobility(m);
+        break;
     case RATE_OF_IMPACTOR_VELOCITY:
     case IMPACTOR_ACCELERATION: *partial = ((known == EXTERNAL_FORCE ? 1.0 : 0.0) - force) / mass; break;
     case KINETIC_ENERGY: *partial = mass * current.velocity; break;

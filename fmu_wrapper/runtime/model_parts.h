@@ -12,6 +12,9 @@ int model_error(model *m, const char *format, ...);
 int model_core_error(model *m, int status);
 int model_not_finite(model *m, const char *name);
 
+/* The indentation in a state, over the length scale, without the deflection of a static stiffness. */
+double model_indentation(const model *m, const film_state *state);
+
 /* scale * prod (p/start)^power, p the first `powers` parameters that scale the march. */
 double model_scaled(const model *m, double scale, const double *power, int powers);
 
@@ -26,6 +29,9 @@ int modes_step(model *m, double dt);
 
 static inline int vibrates(const model *m) { return m->data->kind == IMPACT && m->data->modes.count > 0; }
 
+/* Whether the target follows the contact force by its static stiffness: the march is that of a contact in series with a spring. */
+static inline int sprung(const model *m) { return m->data->kind == IMPACT && m->data->available[TARGET_STIFFNESS]; }
+
 /* The unit of state.time, s. */
 static inline double clock_of(const model *m) { return vibrates(m) ? 1.0 : m->memory.time_scale; }
 
@@ -39,6 +45,9 @@ static inline double load_of(const model *m) {
 
 /* Write the event that `state` reports into a record. time: s; velocity: of the impactor, m/s. */
 void model_record_event(const model *m, const film_state *state, double time, double velocity, model_record *record);
+
+/* Write the contact radius, dent, pressures and stresses that follow from a record's largest force and indentation. */
+void model_record_stresses(const model *m, model_record *record);
 
 /* Contact alone. Move `state` along the indentation from the last accepted point to the current one, with all events on
  * the way; record may be NULL. */

@@ -63,6 +63,8 @@ static int bad_numbers(const model_data *data) {
               !(data->damping >= 0.0);
     for (unsigned k = 0; k < SETTABLE; k++)
         bad |= !(data->start[k] >= VARIABLE[k].low && data->start[k] <= VARIABLE[k].high);
+    const double *number = (const double *)&data->stresses;
+    for (size_t k = 0; k < sizeof data->stresses / sizeof *number; k++) bad |= !(number[k] >= 0.0 && number[k] < INFINITY);
     const model_family *family = &data->family;
     if (family->nodes != 0)
         bad |= family->nodes < 2 || family->nodes > FILM_MAX_NODES || !(family->low > 0.0 && family->low < family->high) ||

@@ -18,6 +18,7 @@ enum {
     DISSIPATION_TIME,
     HYSTERESIS_DAMPING,
     TARGET_IMPEDANCE,
+    TARGET_STIFFNESS,
     GRAVITY,
     INPUT_EXTRAPOLATION,
     LOADING_SEGMENTS,
@@ -52,6 +53,13 @@ enum {
     TIME_CONTACT_ENDS,
     REBOUND_VELOCITY,
     PERMANENT_INDENTATION,
+    CONTACT_RADIUS,
+    DENT_DIAMETER,
+    MEAN_PRESSURE,
+    PEAK_PRESSURE,
+    MAXIMUM_SHEAR_STRESS,
+    MAXIMUM_VON_MISES_STRESS,
+    DEPTH_OF_MAXIMUM_STRESS,
     PHASE_CODE,
     LAST_EVENT_CODE,
     VALIDITY,
@@ -64,7 +72,7 @@ enum {
     EVENT_INDICATOR_4,
     EVENT_INDICATOR_5,
     VARIABLES,
-    SETTABLE = 23 /* parameters and inputs come before this one */
+    SETTABLE = 24 /* parameters and inputs come before this one */
 };
 
 enum { IMPACT, CONTACT, KINDS };
@@ -95,6 +103,7 @@ static const film_variable VARIABLE[VARIABLES] = {
     {"dissipation_time", "s", REAL, {PARAMETER, PARAMETER}, 1e-30, 10000000000.0},
     {"hysteresis_damping", "s/m", REAL, {PARAMETER, PARAMETER}, 1e-30, 1e+30},
     {"target_impedance", "N*s/m", REAL, {PARAMETER, ABSENT}, 1e-30, 1e+30},
+    {"target_stiffness", "N/m", REAL, {PARAMETER, ABSENT}, 1e-12, 1e+18},
     {"gravity", "m/s^2", REAL, {PARAMETER, ABSENT}, -1000000000.0, 1000000000.0},
     {"input_extrapolation", "", REAL, {ABSENT, PARAMETER}, 0.0, 2.0},
     {"loading_segments", "", WHOLE, {PARAMETER, ABSENT}, 1.0, 1000000.0},
@@ -129,6 +138,13 @@ static const film_variable VARIABLE[VARIABLES] = {
     {"time_contact_ends", "s", REAL, {OUTPUT, ABSENT}, -1e300, 1e300},
     {"rebound_velocity", "m/s", REAL, {OUTPUT, ABSENT}, -1e300, 1e300},
     {"permanent_indentation", "m", REAL, {OUTPUT, OUTPUT}, -1e300, 1e300},
+    {"contact_radius", "m", REAL, {OUTPUT, OUTPUT}, -1e300, 1e300},
+    {"dent_diameter", "m", REAL, {OUTPUT, OUTPUT}, -1e300, 1e300},
+    {"mean_pressure", "Pa", REAL, {OUTPUT, OUTPUT}, -1e300, 1e300},
+    {"peak_pressure", "Pa", REAL, {OUTPUT, OUTPUT}, -1e300, 1e300},
+    {"maximum_shear_stress", "Pa", REAL, {OUTPUT, OUTPUT}, -1e300, 1e300},
+    {"maximum_von_mises_stress", "Pa", REAL, {OUTPUT, OUTPUT}, -1e300, 1e300},
+    {"depth_of_maximum_stress", "m", REAL, {OUTPUT, OUTPUT}, -1e300, 1e300},
     {"phase_code", "", WHOLE, {OUTPUT, OUTPUT}, -1e300, 1e300},
     {"last_event_code", "", WHOLE, {OUTPUT, ABSENT}, -1e300, 1e300},
     {"validity", "", WHOLE, {OUTPUT, OUTPUT}, -1e300, 1e300},

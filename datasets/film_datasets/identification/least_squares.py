@@ -15,10 +15,10 @@ from film_datasets.csv_measurement import measured_over
 from film_datasets.identification.model import ACCURACY, Array, predict
 from film_datasets.identification.parameters import Parameter, parameters_of
 from film_datasets.identification.result import TIME_OFFSET, FittedParameter, Identification
-from film_datasets.scene_numbers import number_text
 from film_datasets.schema import MEASUREMENT, kind_of
 from film_model.base.errors import SceneError, SimulationError
 from film_model.scene import Scene, Solver
+from film_model.scene.paths import number_text
 
 STEP = 1e-4
 """Step of the central differences for the Jacobian, in the scaled parameters."""

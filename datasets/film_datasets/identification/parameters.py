@@ -10,10 +10,10 @@ from typing import Any
 import xarray as xr
 
 from film_datasets.identification.result import TIME_OFFSET
-from film_datasets.scene_numbers import field_at, unit_of
 from film_model.base.errors import Mistake, SceneError, raise_all
 from film_model.base.units import scene_unit
 from film_model.scene import Scene
+from film_model.scene.paths import field_at, unit_of
 
 LARGEST = 1e30
 """Bound for parameters without one."""

@@ -1,6 +1,13 @@
 """The schema of our datasets: their variables and attributes, the hash of their content, and the check against both."""
 
 from film_datasets.schema.content_hash import ContentHash, content_sha256, pieces
+from film_datasets.schema.derivative_variables import (
+    accuracy_name,
+    derivative_name,
+    derivative_variables,
+    differentiated,
+    side_name,
+)
 from film_datasets.schema.tables import (
     ATTRIBUTES,
     BRANCHES,
@@ -52,7 +59,11 @@ __all__ = [
     "VERSIONS",
     "ContentHash",
     "Variable",
+    "accuracy_name",
     "content_sha256",
+    "derivative_name",
+    "derivative_variables",
+    "differentiated",
     "dimension_of",
     "dimension_of_unit",
     "flag_meanings",
@@ -63,6 +74,7 @@ __all__ = [
     "pieces",
     "require",
     "require_impacts",
+    "side_name",
     "sweep_variables",
     "swept_name",
     "swept_variable",

@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from film_datasets.schema.derivative_variables import derivatives_in
 from film_datasets.schema.variable import (
     BYTE,
     FLOAT,
@@ -43,7 +44,7 @@ _STRESSES = (
 
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
     HISTORY: {"1.1": (), "1.2": _STRESSES, "1.3": ()},
-    SWEEP: {"1.0": (), "1.1": ("estimated_accuracy", *_STRESSES), "1.2": ("scene_key",)},
+    SWEEP: {"1.0": (), "1.1": ("estimated_accuracy", *_STRESSES), "1.2": ("scene_key",), "1.3": ()},
     MEASUREMENT: {"1.0": ()},
     COST: {"1.0": ()},
 }
@@ -332,7 +333,7 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     swept = _swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
     dims = tuple(v.dims[0] for v in swept) if "impact" not in ds.sizes else ("impact",)
     kept = sweep_variables(str(ds.attrs.get("kept", "")).split(), dims)
-    return (*swept, *(v for v in kept if v.name not in later), *constants)
+    return (*swept, *(v for v in kept if v.name not in later), *derivatives_in(ds, dims), *constants)
 
 
 def require(ds: xr.Dataset, names: Iterable[str]) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.provenance import PROGRAM, provenance, text_and_hash
-from film_datasets.schema import IMPACT_STATUSES, OUT_OF_RANGE, SWEEP, Variable, flag_words, has_failed
+from film_datasets.schema import IMPACT_STATUSES, OUT_OF_RANGE, SWEEP, Variable, flag_words, has_failed, side_name
 from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, Columns
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import SAMPLED
@@ -18,6 +18,7 @@ from film_datasets.sweeps.effect_warnings import effect_warnings, sweep_law_warn
 from film_model.base.errors import Status
 from film_model.core.native import MAX_STAGES
 from film_model.laws import AbstractLaw
+from film_model.solve.slopes import NO_DERIVATIVE
 
 COMMENT = (
     "status says how each impact ended; an impact that failed has NaN for its summary and harms no other. With "
@@ -30,25 +31,31 @@ COMMENT = (
 class Totals:
     """What the attributes need of all blocks. estimated: largest error for each of `Sweep.accuracies`; missed: impacts
     that miss each. energy_gains: impacts of each of `Sweep.laws` that return more energy than their loading stored.
-    failed: impacts that failed, by status."""
+    failed: impacts that failed, by status. sides: by number of the scene, of how many impacts the derivatives are
+    from each side, failed impacts omitted."""
 
     estimated: NDArray[np.float64]
     missed: NDArray[np.int64]
     energy_gains: NDArray[np.int64]
     failed: Counter[int] = field(default_factory=Counter)
+    sides: dict[str, Counter[int]] = field(default_factory=dict[str, "Counter[int]"])
 
     @classmethod
     def of(cls, sweep: Sweep) -> Totals:
         """Before the first block."""
         asked, laws = len(sweep.accuracies), len(sweep.laws)
-        return cls(np.zeros(asked), np.zeros(asked, np.int64), np.zeros(laws, np.int64))
+        sides = {entry.path: Counter[int]() for entry in sweep.derivatives}
+        return cls(np.zeros(asked), np.zeros(asked, np.int64), np.zeros(laws, np.int64), sides=sides)
 
     def add(self, columns: Columns) -> None:
         """Add the columns of a block."""
         self.estimated = np.maximum(self.estimated, columns[ESTIMATED])
         self.missed += columns[MISSED]
         self.energy_gains += columns[ENERGY_GAINS]
-        self.failed.update(columns["status"][has_failed(columns["status"])].tolist())
+        failed = has_failed(columns["status"])
+        self.failed.update(columns["status"][failed].tolist())
+        for path, sides in self.sides.items():
+            sides.update(columns[side_name(path)][~failed].tolist())
 
 
 def variable_attributes(sweep: Sweep) -> list[tuple[Variable, dict[str, Any]]]:
@@ -89,6 +96,7 @@ def global_attributes(sweep: Sweep, command: str, totals: Totals) -> dict[str, A
         "swept": " ".join(paths),
         "kept": " ".join(sweep.kept),
         "design": sweep.design,
+        **({"derivatives": " ".join(entry.path for entry in sweep.derivatives)} if sweep.derivatives else {}),
         "statuses": "\n".join(f"{code} {status.word}: {status.sentence}" for code, status in _statuses(sweep).items()),
         "warnings": "\n".join([*_warnings(sweep, totals), *effect_warnings(sweep), *sweep_law_warnings(sweep)])
         or "none",
@@ -120,4 +128,9 @@ def _warnings(sweep: Sweep, totals: Totals) -> list[str]:
     for accuracy, found, missed in zip(sweep.accuracies, totals.estimated, totals.missed.tolist(), strict=True):
         if missed:
             warnings.append(f"accuracy {accuracy:g} was not reached in {missed} impacts: estimated up to {found:.1e}")
+    for path, sides in totals.sides.items():
+        if sides[NO_DERIVATIVE]:
+            warnings.append(f"no derivatives by {path} in {sides[NO_DERIVATIVE]} impacts: kinks, or a vibrating target")
+        if sides[-1] + sides[1]:
+            warnings.append(f"derivatives by {path} are one-sided in {sides[-1] + sides[1]} impacts, because of kinks")
     return warnings

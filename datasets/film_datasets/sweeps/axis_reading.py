@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from film_datasets.scene_numbers import field_at, unit_of
 from film_datasets.sweeps.axis import Axis, label
 from film_datasets.sweeps.designs import GRID, SAMPLED, ZIP
 from film_datasets.sweeps.distributions import DISTRIBUTIONS, EMPIRICAL, read_distribution
@@ -19,6 +18,7 @@ from film_model.base.fields import Field, written
 from film_model.base.units import array_to_si, to_si
 from film_model.scene import Scene
 from film_model.scene.contact import contact_table
+from film_model.scene.paths import field_at, unit_of
 
 SPACINGS = ("linear", "log")
 RANGE = ("from", "to", "count", "spacing")

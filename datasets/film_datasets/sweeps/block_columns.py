@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.impacts import Impacts, simulate_impacts
-from film_datasets.schema import OUT_OF_RANGE
+from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, side_name
 from film_datasets.sweeps.blocks import Block
 from film_datasets.sweeps.definition import MOST_COMBINATIONS, Sweep
 from film_datasets.sweeps.designs import GRID
 from film_model.base.errors import NO_VELOCITY
 from film_model.core.native import LINE_DTYPE
+from film_model.core.records import Lines
+from film_model.solve.slopes import NO_DERIVATIVE
 
 Columns = dict[str, NDArray[Any]]
 
@@ -40,14 +42,17 @@ def compute_block(sweep: Sweep, block: Block) -> Columns:
             in_range &= ~outside
     combination = sweep.combination_numbers(values)
     few = sweep.combinations <= MOST_COMBINATIONS
-    lines: dict[int, NDArray[Any]] = {}
+    lines: list[tuple[NDArray[np.intp], Lines]] = []
     for number in (np.flatnonzero(np.bincount(combination)) if few else np.unique(combination)).tolist():
         index = np.flatnonzero((combination == number) & in_range)
         if index.size:
             scene = sweep.combination(number)
             picked = {path: value[index] for path, value in numbers.items()}
             picked = picked or {"impactor.velocity": np.full(index.size, scene.impactor.speed)}
-            _put(sweep, columns, lines, simulate_impacts(scene, picked), index)
+            impacts = simulate_impacts(scene, picked)
+            _put(sweep, columns, lines, impacts, index)
+            if sweep.derivatives:
+                _differentiate(sweep, columns, impacts, picked, index)
     if sweep.keep == "segments":
         columns |= _segment_columns(lines, block.count)
     return columns
@@ -66,13 +71,19 @@ def _empty_columns(sweep: Sweep, count: int) -> Columns:
     columns["status"][:] = NO_VELOCITY
     columns["law"][:] = -1
     columns["scene_key"][:] = sweep.scene_key
+    for entry in sweep.derivatives:
+        columns[side_name(entry.path)][:] = NO_DERIVATIVE
     return columns
 
 
 def _put(
-    sweep: Sweep, columns: Columns, lines: dict[int, NDArray[Any]], impacts: Impacts, index: NDArray[np.intp]
+    sweep: Sweep,
+    columns: Columns,
+    lines: list[tuple[NDArray[np.intp], Lines]],
+    impacts: Impacts,
+    index: NDArray[np.intp],
 ) -> None:
-    """Put simulated impacts into the columns and lines at the places `index`."""
+    """Put simulated impacts into the columns at the places `index`; add their lines, with their places, to `lines`."""
     for name, column in impacts.summary.items():
         columns[name][index] = column
     columns["status"][index] = impacts.status
@@ -91,7 +102,7 @@ def _put(
     if sweep.keep == "segments":
         for segments in impacts.segments():
             places = index[segments.index]
-            lines.update(zip(places.tolist(), segments.lines, strict=True))
+            lines.append((places, segments.lines))
             for name, value in segments.units.items():
                 columns[name][places] = value
     elif sweep.keep == "samples":
@@ -99,10 +110,19 @@ def _put(
             columns[f"sampled_{name}"][index] = column
 
 
-def _segment_columns(lines: Mapping[int, NDArray[Any]], count: int) -> Columns:
+def _differentiate(
+    sweep: Sweep, columns: Columns, impacts: Impacts, numbers: Mapping[str, NDArray[Any]], index: NDArray[np.intp]
+) -> None:
+    """Put the derivatives of simulated impacts into the columns; none by a number that their scene does not have."""
+    known, found = impacts.derivatives(numbers, sweep.derivatives)
+    for k, entry in enumerate(known):
+        for name, values in found.values.items():
+            columns[derivative_name(name, entry.path)][index] = values[:, k]
+        columns[accuracy_name(entry.path)][index] = found.error[:, k]
+        columns[side_name(entry.path)][index] = found.side[:, k]
+
+
+def _segment_columns(lines: list[tuple[NDArray[np.intp], Lines]], count: int) -> Columns:
     """The segments of all impacts, one after the other, and how many each impact has."""
-    none = np.empty(0, LINE_DTYPE)
-    each = [lines.get(impact, none) for impact in range(count)]
-    together = np.concatenate(each)
-    counts = np.array([one.size for one in each], np.int32)
-    return {"segment_count": counts, **{f"segment_{name}": together[name] for name in LINE_DTYPE.names or ()}}
+    table, counts = Lines.together(lines, count)
+    return {"segment_count": counts, **{f"segment_{name}": table[name] for name in LINE_DTYPE.names or ()}}

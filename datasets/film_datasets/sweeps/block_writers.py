@@ -31,7 +31,10 @@ CACHED_CHUNKS = 2
 
 
 class Writer(Protocol):
-    """What takes the variables of a dataset in pieces."""
+    """What takes the variables of a dataset in pieces. parallel: different variables at the same time."""
+
+    @property
+    def parallel(self) -> bool: ...
 
     def create(
         self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
@@ -78,6 +81,8 @@ def put_in_place(finished: Path, target: Path) -> None:
 class MemoryWriter:
     """Fills arrays in memory; `dataset` is set by `close`."""
 
+    parallel = True
+
     def __init__(self) -> None:
         self._arrays: dict[str, Any] = {}
         self._pieces: dict[str, list[Any]] = {}
@@ -117,6 +122,8 @@ class MemoryWriter:
 
 class NetCDFWriter:
     """Writes a netCDF-4 file with a chunk for each block. Long variables are shuffled and deflated at level 1."""
+
+    parallel = False  # the library is not safe in several threads
 
     def __init__(self, path: Path) -> None:
         import netCDF4  # lazy: a sweep in memory does not need it
@@ -183,6 +190,8 @@ class NetCDFWriter:
 class ZarrWriter:
     """Writes a Zarr folder (format 3) with a chunk for each block, `SHARD_BLOCKS` of them in a file, compressed by
     Blosc (LZ4, shuffled)."""
+
+    parallel = True
 
     def __init__(self, path: Path) -> None:
         try:

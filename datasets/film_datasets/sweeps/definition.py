@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from film_datasets.impacts import scene_with_numbers
 from film_datasets.scene_constants import common_constants, scene_key
-from film_datasets.scene_numbers import number_text
-from film_datasets.schema import CONSTANTS, Variable, sweep_variables, swept_name
+from film_datasets.schema import CONSTANTS, Variable, derivative_variables, sweep_variables, swept_name
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.axis_reading import read_axes, swept_mistakes
 from film_datasets.sweeps.design_table import is_table, over_of_table
@@ -28,8 +27,10 @@ from film_model.core.native import LINE_DTYPE
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
+from film_model.scene.paths import number_text
 from film_model.scene.scene import NO_FILES
 from film_model.scene.toml import toml_table
+from film_model.solve.derivatives import Entry, entries_of
 from film_model.solve.history import MOTION
 
 MOST_COMBINATIONS = 10_000
@@ -49,7 +50,7 @@ class Sweep:
     design: "grid" (every combination), "zip" (lists side by side), or "random", "sobol", "latin-hypercube" with
     `samples` impacts drawn with `seed`. keep: "summary", "segments" (exact histories too) or "samples" (histories at
     `dense` normalised times too). first: the scene with the first choice of each axis that has choices. correlation:
-    matrix of a Gaussian copula over the axes, or empty.
+    matrix of a Gaussian copula over the axes, or empty. derivatives: numbers by which the summary is differentiated.
     """
 
     scene: Scene
@@ -61,6 +62,7 @@ class Sweep:
     dense: int
     first: Scene = field(repr=False)
     correlation: tuple[tuple[float, ...], ...] = ()
+    derivatives: tuple[Entry, ...] = ()
 
     @classmethod
     def of(
@@ -73,6 +75,7 @@ class Sweep:
         seed: int | None = None,
         keep: str = "summary",
         correlation: Any = None,
+        derivatives: Sequence[str] = (),
     ) -> Sweep:
         """A sweep; see `film_datasets.sweep`. Raises SceneError with all mistakes."""
         if is_table(over):
@@ -87,7 +90,9 @@ class Sweep:
             mistakes += error.mistakes
         raise_all(mistakes)
         matrix = () if correlation is None else _read_correlation(correlation, axes, design)
-        sweep = cls(scene, axes, design, samples or 0, 1 if seed is None else seed, kept, dense, first, matrix)
+        entries = _read_derivatives(derivatives, first, axes)
+        drawn = samples or 0, 1 if seed is None else seed
+        sweep = cls(scene, axes, design, *drawn, kept, dense, first, matrix, entries)
         count = sweep.combinations if design != ZIP else len(sweep.combinations_used)
         if count > MOST_COMBINATIONS:
             paths = " and ".join(axis.path for axis in sweep.choice_axes)
@@ -109,7 +114,7 @@ class Sweep:
             if isinstance(given, Mapping) and "listed" in given:  # too many values for sweep_toml
                 array = ds[swept_name(path)]
                 over[path] = [f"{value!r} {array.attrs.get('units', '')}" for value in array.values.tolist()]
-        options = {key: table[key] for key in ("samples", "seed", "correlation") if key in table}
+        options = {key: table[key] for key in ("samples", "seed", "correlation", "derivatives") if key in table}
         return cls.of(base, over, table["design"], **options, keep=keep)
 
     @cached_property
@@ -153,7 +158,8 @@ class Sweep:
         """The schema's variables for this sweep: swept quantities, then what is kept."""
         swept = tuple(axis.variable((axis.name,) if self.design == GRID else ("impact",)) for axis in self.axes)
         constants = (variable for variable in CONSTANTS if variable.name in self.constants)
-        return (*swept, *sweep_variables(self.kept, self.dims), *constants)
+        slopes = (derivative_variables(entry.path, _cf_unit(entry), self.dims) for entry in self.derivatives)
+        return (*swept, *sweep_variables(self.kept, self.dims), *itertools.chain(*slopes), *constants)
 
     @cached_property
     def constants(self) -> dict[str, Any]:
@@ -181,6 +187,8 @@ class Sweep:
             head += [f"samples = {self.samples}", f"seed = {self.seed}"]
         if self.correlation:
             head.append(f"correlation = {json.dumps(self.correlation)}")
+        if self.derivatives:
+            head.append(f"derivatives = {json.dumps([entry.path for entry in self.derivatives])}")
         return "\n".join([*head, "", "[over]", *(f'"{axis.path}" = {axis.text()}' for axis in self.axes), ""])
 
     def values(self, first: int, count: int) -> list[NDArray[Any]]:
@@ -300,6 +308,19 @@ def _read_correlation(given: Any, axes: Sequence[Axis], design: str) -> tuple[tu
     except ValueError as error:
         raise SceneError([Mistake(None, None, "correlation", str(error))]) from None
     return tuple(tuple(map(float, row)) for row in given)
+
+
+def _read_derivatives(given: Any, first: Scene, axes: Sequence[Axis]) -> tuple[Entry, ...]:
+    """The numbers by which the summary is differentiated; swept ones need not be in the scene. Raises SceneError."""
+    if not isinstance(given, str | list | tuple):
+        raise SceneError([Mistake(None, None, "derivatives", f"{shown(given)} is not a list of keys of the scene")])
+    swept = {axis.path: axis.typical[-1] for axis in axes if axis.kind != "choices"}
+    return entries_of(scene_with_numbers(first, swept), given)
+
+
+def _cf_unit(entry: Entry) -> Callable[[str], str | None]:
+    """The units of the derivatives by a number; none where UDUNITS has no such unit."""
+    return lambda name: None if entry.dimension == "meyer_stiffness" else entry.unit_of(name)
 
 
 def _refuse_files(over: Mapping[str, Any]) -> None:

@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from film_datasets.files import SUFFIX, ZARR, check_file, check_place, open_dataset, write
-from film_datasets.schema import SWEEP, VERSIONS, ContentHash
-from film_datasets.sweeps.attributes import Totals, global_attributes, variable_attributes
+from film_datasets.schema import SWEEP, VERSIONS
+from film_datasets.sweeps.attributes import Totals, global_attributes
 from film_datasets.sweeps.block_columns import Columns, compute_block
-from film_datasets.sweeps.block_writers import GROWING, MemoryWriter, Writer, put_in_place, writer_for
+from film_datasets.sweeps.block_writers import MemoryWriter, Writer, put_in_place, writer_for
 from film_datasets.sweeps.blocks import Block, Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.disk_space import disk_space
 from film_datasets.sweeps.executor import Workers, workers_of
 from film_datasets.sweeps.progress_bar import Progress
+from film_datasets.sweeps.storage import Storage
 from film_datasets.tables import TABLES
 from film_model.base.errors import SimulationError
 from film_model.scene import Scene
@@ -60,6 +60,7 @@ def sweep(
     seed: int | None = None,
     keep: str = "summary",
     correlation: Any = None,
+    derivatives: Sequence[str] = (),
     output: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     scheduler: Any = None,
@@ -80,6 +81,8 @@ def sweep(
     "sobol" (scrambled; balanced for powers of two) or "latin-hypercube", with `samples` impacts and `seed` (1); these
     draw from lists with equal probability and from ranges uniformly. correlation: for these, a matrix with a row for
     each swept quantity: of the normal deviates by whose probabilities they are drawn (Gaussian copula).
+    derivatives: numbers of the scene, such as "impactor.velocity", by which the summary of every impact is
+    differentiated, with its decisions about effects held fixed (d_maximum_force_d_impactor_velocity and so on).
     keep: "summary"; "segments", the exact histories too; "samples=201", histories at 201 normalised times too.
 
     output: FILE.nc or FILE.zarr, complete or not written at all, opened lazily; or a table in FILE.csv, .parquet or
@@ -97,7 +100,9 @@ def sweep(
     ('impactor_velocity',)
     """
     base = scene if isinstance(scene, Scene) else Scene.from_toml(scene)
-    asked = Sweep.of(base, over, design, samples=samples, seed=seed, keep=keep, correlation=correlation)
+    asked = Sweep.of(
+        base, over, design, samples=samples, seed=seed, keep=keep, correlation=correlation, derivatives=derivatives
+    )
     return run_sweep(
         asked, output, workers=workers, scheduler=scheduler, resume=resume, overwrite=overwrite,
         command="film_datasets.sweep",
@@ -163,7 +168,7 @@ def _in_memory(run: _Run, workers: int | None, scheduler: Any) -> xr.Dataset:
         )
     writer = MemoryWriter()
     with workers_of(workers, scheduler) as pool:
-        _write_blocks(run, writer, _computed_blocks(run, pool))
+        _write_blocks(run, writer, _computed_blocks(run, pool), pool)
     return writer.dataset
 
 
@@ -186,7 +191,7 @@ def _write_file(run: _Run, target: Path, checkpoint: Checkpoint, workers: int | 
     writer = writer_for(target)
     try:
         with workers_of(workers, scheduler) as pool:
-            _write_blocks(run, writer, _computed_blocks(run, pool, checkpoint))
+            _write_blocks(run, writer, _computed_blocks(run, pool, checkpoint), pool)
         put_in_place(writer.path, target)
     except BaseException:
         writer.abandon()
@@ -195,52 +200,17 @@ def _write_file(run: _Run, target: Path, checkpoint: Checkpoint, workers: int | 
         raise
 
 
-def _write_blocks(run: _Run, writer: Writer, computed: Iterator[tuple[Block, Columns]]) -> None:
+def _write_blocks(run: _Run, writer: Writer, computed: Iterator[tuple[Block, Columns]], workers: Workers) -> None:
     """Put the columns of all blocks into the writer, in order, then the attributes."""
-    sweep, blocks = run.sweep, run.blocks
-    sizes = dict(zip(sweep.dims, sweep.shape, strict=True)) | ({"normalised_time": sweep.dense} if sweep.dense else {})
-    chunks = dict(zip(sweep.dims, blocks.shape, strict=True)) | {"normalised_time": sweep.dense or 1}
-    chunks[GROWING] = blocks.growing_chunk
-    writer.create(sizes, chunks, variable_attributes(sweep))
-    content, totals, segments = ContentHash(sweep.variables), Totals.of(sweep), 0
-    _write_coordinates(sweep, writer, blocks, content)
-    for block, columns in computed:
-        if "segment_count" in columns:
-            ends = segments + np.cumsum(columns["segment_count"], dtype=np.int64)
-            columns["segment_begin"], segments = ends - columns["segment_count"], int(ends[-1])
-        for variable in sweep.variables:
-            if variable.name not in columns:
-                continue
-            values = np.asarray(columns[variable.name], variable.dtype)
-            content.update(variable.name, values)
-            if GROWING in variable.dims:
-                writer.grow(variable.name, values)
-            else:
-                writer.put(variable.name, block.region, values.reshape(block.shape + values.shape[1:]))
-        totals.add(columns)
-        if run.progress is not None:
-            run.progress(block.first + block.count, sweep.size)
-    writer.close({**global_attributes(sweep, run.command, totals), "content_sha256": content.hexdigest()})
-
-
-def _write_coordinates(sweep: Sweep, writer: Writer, blocks: Blocks, content: ContentHash) -> None:
-    """Write the coordinates that are not columns of the blocks."""
-    if sweep.dense:
-        values = np.linspace(0.0, 1.0, sweep.dense)
-        writer.put("normalised_time", (slice(None),), values)
-        content.update("normalised_time", values)
-    for name, value in sweep.constants.items():
-        writer.put(name, (), value)
-        content.update(name, value)
-    if sweep.dims == ("impact",):
-        return
-    for axis, chunk in zip(sweep.axes, blocks.shape, strict=True):
-        coordinate = axis.coordinate()
-        step = chunk * max(1, (1 << 20) // chunk)  # whole chunks: part of a chunk would be read and written again
-        for first in range(0, axis.count, step):
-            values = coordinate[first : first + step]
-            writer.put(axis.name, (slice(first, first + len(values)),), values)
-            content.update(axis.name, values)
+    totals = Totals.of(run.sweep)
+    with Storage(run.sweep, run.blocks, writer, workers) as storage:
+        for block, columns in computed:
+            storage.put(block, columns)
+            totals.add(columns)
+            if run.progress is not None:
+                run.progress(block.first + block.count, run.sweep.size)
+    digest = storage.content.hexdigest()
+    writer.close({**global_attributes(run.sweep, run.command, totals), "content_sha256": digest})
 
 
 def _computed_blocks(

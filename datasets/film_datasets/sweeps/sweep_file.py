@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,18 +17,26 @@ from film_model.base.errors import Mistake, SceneError, did_you_mean, shown
 from film_model.scene import Scene
 from film_model.scene.toml import line_of, lines_of_keys, read_text, toml_table
 
-KEYS = ("scene", "design", "samples", "seed", "correlation", "over")
+KEYS = ("scene", "design", "samples", "seed", "correlation", "derivatives", "over")
 
 
-def read_sweep(path: str | os.PathLike[str], keep: str = "summary") -> Sweep:
-    """Read a sweep file; the scene it names is in the same folder. All mistakes are raised in one SceneError."""
+def read_sweep(path: str | os.PathLike[str], keep: str = "summary", derivatives: Sequence[str] = ()) -> Sweep:
+    """Read a sweep file; the scene it names is in the same folder. All mistakes are raised in one SceneError.
+
+    derivatives: in place of those in the file, unless empty.
+    """
     text, name = read_text(path)
     folder = Path(path).parent
-    return sweep_from_text(text, name, lambda scene: Scene.from_toml(folder / scene), keep, folder)
+    return sweep_from_text(text, name, lambda scene: Scene.from_toml(folder / scene), keep, folder, derivatives)
 
 
 def sweep_from_text(
-    text: str, name: str, read_scene: Callable[[str], Scene], keep: str = "summary", folder: Path = Path()
+    text: str,
+    name: str,
+    read_scene: Callable[[str], Scene],
+    keep: str = "summary",
+    folder: Path = Path(),
+    derivatives: Sequence[str] = (),
 ) -> Sweep:
     """A sweep from the text of a sweep file called `name`; folder: where the files of tabulated laws are."""
     given = toml_table(text, name)
@@ -42,7 +50,8 @@ def sweep_from_text(
     for section in sections if isinstance(sections, list) else ():
         if isinstance(section, dict) and isinstance(section.get("file"), str):
             section["file"] = str(folder / section["file"])
-    options = {key: table[key] for key in ("samples", "seed", "correlation") if key in table}
+    options = {key: table[key] for key in ("samples", "seed", "correlation", "derivatives") if key in table}
+    options |= {"derivatives": derivatives} if derivatives else {}
     design, scene, sweep = table.get("design", GRID), None, None
     try:
         scene = read_scene(table["scene"]) if isinstance(table.get("scene"), str) else None

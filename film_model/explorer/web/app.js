@@ -2,7 +2,6 @@
 
 const SAMPLES = 201;
 const PENDING = 200; // ms without a change after which studies and the address follow
-
 /** @type {{scene: Scene, reference: Scene|null, result: Result|null, other: Result|null, cursor: number, timer: number}} */
 const APP = { scene: /** @type {any} */ (null), reference: null, result: null, other: null, cursor: 0.5, timer: 0 };
 
@@ -79,8 +78,9 @@ function settle() {
   showEffects(APP.scene, result);
   const { problem } = result.choice;
   for (const [id, study] of Object.entries(STUDIES)) {
-    byId(id).hidden = problem === null;
-    if (problem && /** @type {HTMLDetailsElement} */ (byId(id)).open) study(result, problem);
+    const hidden = problem === null || (problem.vibrates && id === "part-accuracy");
+    byId(id).hidden = hidden;
+    if (problem && !hidden && /** @type {HTMLDetailsElement} */ (byId(id)).open) study(result, problem);
   }
 }
 
@@ -124,7 +124,7 @@ function showSummary(scene, result, other) {
   );
   const ended = result.status === EVENT ? "" : " Contact does not end: the impactor stays on the target.";
   const error = result.error.toExponential(1);
-  const means = result.segments > 0 ? ` with ${result.segments} segments` : "";
+  const means = result.modes > 0 ? ` with ${result.modes} natural vibrations` : result.segments > 0 ? ` with ${result.segments} segments` : "";
   byId("error").textContent = `Law ${result.law.name}. Estimated relative error of every value ≤ ${error}${means}.${ended}`;
 }
 
@@ -231,7 +231,7 @@ function showEffects(scene, result) {
   });
   const head = ["effect", "state", "error if neglected", "basis"].map((text) => made("th", { scope: "col" }, text));
   byId("effects").replaceChildren(made("thead", {}, made("tr", {}, ...head)), made("tbody", {}, ...here, ...judged));
-  const notes = [...result.warnings];
+  const notes = [...result.warnings, ...(result.choice.problem ? examplesOf(result.choice.problem.law, result.n) : [])];
   if (!scene.base.free && result.n.impedance < Infinity) notes.push(`Zener's number λ = ${shortNumber(result.n.zener, 3)}`);
   if (result.n.yield_velocity > 0 && result.n.yield_velocity < Infinity) {
     notes.push(`the contact yields above ${shown(result.n.yield_velocity, "velocity", 4)} on a target that does not move`);
@@ -241,50 +241,6 @@ function showEffects(scene, result) {
   byId("notes").replaceChildren(...notes.map((text) => made("li", {}, text)));
 }
 
-/** The studies by the id of their part, which computes only while it is open. @type {Record<string, (result: Result, problem: Problem) => void>} */
-const STUDIES = {
-  "part-laws": (result, problem) => {
-    const laws = everyLaw(APP.scene, result.n, problem);
-    const rows = laws.map(({ name, found, reason }) =>
-      found
-        ? tableRow(name, [shown(found.summary.maximum_force, "force"), shown(found.summary.maximum_indentation, "length"), shown(found.summary.contact_duration, "time"), shown(found.summary.coefficient_of_restitution, "dimensionless", 4)])
-        : made("tr", {}, made("th", { scope: "row" }, name), made("td", { colspan: "4" }, reason)),
-    );
-    const head = ["law", "largest force", "largest indentation", "contact", "restitution"].map((text) => made("th", { scope: "col" }, text));
-    byId("laws").replaceChildren(made("thead", {}, made("tr", {}, ...head)), made("tbody", {}, ...rows));
-    const series = laws.flatMap(({ name, found }, colour) =>
-      found ? [{ name, x: found.motion.motion.indentation, y: found.motion.motion.contact_force, colour, dashed: colour >= DATA.colours.length }] : [],
-    );
-    const axes = { x: { label: "indentation", dimension: "length" }, y: { label: "force", dimension: "force" } };
-    showChart("chart-laws", { title: "Every law", ...axes, series }, "Force against indentation under every law; the table has the numbers");
-  },
-  "part-restitution": (result) => {
-    const curve = restitutionCurve(APP.scene);
-    const own = result.summary.coefficient_of_restitution;
-    showChart("chart-restitution", {
-      title: "Restitution against velocity",
-      x: { label: "approach velocity", dimension: "velocity", log: true },
-      y: { label: "coefficient of restitution", dimension: "dimensionless" },
-      series: [{ name: "restitution", ...curve, colour: 0 }],
-      ...(own >= 0 ? { point: /** @type {[number, number]} */ ([result.n.approach, own]) } : {}),
-    }, `Coefficient of restitution against velocity; ${shown(own, "dimensionless", 4)} for this scene`);
-  },
-  "part-accuracy": (_, problem) => {
-    const curves = accuracyCurve(problem);
-    showChart("chart-accuracy", {
-      title: "Segments against error",
-      x: { label: "segments", dimension: "dimensionless", log: true },
-      y: { label: "largest relative error", dimension: "dimensionless", log: true },
-      series: curves.map((curve, colour) => ({ ...curve, colour, marks: true })),
-    }, "Largest relative error of the summary against the number of segments");
-  },
-  "part-map": (result) => {
-    const { chart, words } = regimeMap(APP.scene, result.n);
-    showChart("chart-map", chart, `Map of regimes: this scene at ${words}`);
-    byId("place").textContent = `This scene: ${words}.`;
-  },
-};
-
 /** Show another scene. @param {Scene} scene */
 function openScene(scene) {
   APP.scene = scene;
@@ -292,8 +248,11 @@ function openScene(scene) {
   rebuild();
 }
 
+/** Build the form again; the control that was in use stays in use. */
 function rebuild() {
+  const used = document.activeElement?.id;
   buildForm(APP.scene, render, rebuild);
+  if (used) document.getElementById(used)?.focus();
   /** @type {HTMLInputElement} */ (byId("title")).value = APP.scene.title;
   render();
 }
@@ -312,6 +271,18 @@ function openAddress() {
 /** @param {string} id @param {(event: Event) => void} action */
 function onClick(id, action) {
   byId(id).addEventListener("click", action);
+}
+
+/** The chart that is to be downloaded; that of a study opens its part, which draws it. */
+function picked() {
+  const id = /** @type {HTMLSelectElement} */ (byId("picture")).value;
+  const part = document.getElementById(id.replace("chart", "part"));
+  if (part instanceof HTMLDetailsElement && !part.open) {
+    part.open = true;
+    settle();
+  }
+  if (part?.hidden || !CHARTS.has(id)) say("there is no such picture for this scene");
+  return part?.hidden ? undefined : CHARTS.get(id);
 }
 
 function connect() {
@@ -343,9 +314,14 @@ function connect() {
   onClick("netcdf", () => {
     if (APP.result) download(new Blob([netcdfOf(APP.scene, APP.result)], { type: "application/x-netcdf" }), "impact.nc");
   });
-  const picked = () => /** @type {Chart} */ (CHARTS.get(/** @type {HTMLSelectElement} */ (byId("picture")).value));
-  onClick("svg", () => download(new Blob([chartFile(picked())], { type: "image/svg+xml" }), "impact.svg"));
-  onClick("png", async () => download(await pngOf(picked()), "impact.png"));
+  onClick("svg", () => {
+    const chart = picked();
+    if (chart) download(new Blob([chartFile(chart)], { type: "image/svg+xml" }), "impact.svg");
+  });
+  onClick("png", async () => {
+    const chart = picked();
+    if (chart) download(await pngOf(chart), "impact.png");
+  });
   const cursor = /** @type {HTMLInputElement} */ (byId("cursor"));
   cursor.addEventListener("input", () => {
     APP.cursor = Number(cursor.value) / 1000;
@@ -370,8 +346,8 @@ function impact(fragment) {
   const { scene, ignored } = sceneOfFragment(fragment);
   const { result, reason } = attempt(scene);
   if (!result) return { reason, ignored };
-  const { summary, error, segments, law, warnings, choice } = result;
-  return { summary: { ...summary }, error, segments, law: law.name, warnings, effects: choice.found, ignored };
+  const { summary, error, segments, modes, law, warnings, choice } = result;
+  return { summary: { ...summary }, error, segments, modes, law: law.name, warnings, effects: choice.found, ignored };
 }
 
 /** Draw everything again, in another size or theme. */

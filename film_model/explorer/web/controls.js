@@ -2,6 +2,8 @@
 
 const STEPS = 1000;
 
+const FIXED_TARGET = "What the target is made of cannot change here: how it moves was computed when this page was written.";
+
 /** @param {string} id */
 function byId(id) {
   const found = document.getElementById(id);
@@ -59,7 +61,7 @@ function entryRow(scene, input, changed) {
   const error = made("span", { id: `${id}-error`, class: "error", role: "alert" });
   field.setAttribute("aria-describedby", error.id);
   const row = made("div", { class: "entry" }, made("label", { for: id }, input.label), field);
-  if (input.optional) field.placeholder = input.label === "mass" ? "from the density" : "none";
+  if (input.optional) field.placeholder = input.empty;
   const slider = made("input", { type: "range", min: "0", max: String(STEPS), "aria-label": `${input.label}, slider` });
   const show = () => {
     const value = scene.values[input.path];
@@ -147,10 +149,12 @@ function buildForm(scene, changed, replaced) {
   const parts = Object.entries(titles).map(([body, title]) => {
     const group = made("fieldset", {}, made("legend", {}, title));
     const material = made("details", {}, made("summary", {}, "material values"));
-    if (body in scene.materials) {
+    const fixed = body === "target" && scene.base.support !== null;
+    if (fixed) group.append(made("p", {}, FIXED_TARGET));
+    if (body in scene.materials && !fixed) {
       group.append(materialRow(scene, body, () => (refresh(), changed())));
     }
-    for (const input of scene.base.inputs) {
+    for (const input of inputsOf(scene)) {
       if (!input.path.startsWith(`${body}.`)) continue;
       const entry = entryRow(scene, input, changed);
       rows.push(entry);
@@ -158,7 +162,7 @@ function buildForm(scene, changed, replaced) {
     }
     if (material.childElementCount > 1) group.append(material);
     if (body === "target") group.insertBefore(kindRow(scene, replaced), group.children[1] ?? null);
-    if (body === "contact") group.append(lawRow(scene, changed));
+    if (body === "contact") group.insertBefore(lawRow(scene, replaced), group.children[1] ?? null);
     return group;
   });
   byId("form").replaceChildren(...parts, effectsGroup(scene, changed), solverGroup(scene, changed));
@@ -180,13 +184,13 @@ function kindRow(scene, replaced) {
   });
 }
 
-/** @param {Scene} scene @param {() => void} changed */
-function lawRow(scene, changed) {
+/** @param {Scene} scene @param {() => void} replaced */
+function lawRow(scene, replaced) {
   /** @type {[string, string][]} */
   const options = lawNames(scene).map((name) => [name, name === "auto" ? "auto" : name]);
   return choiceRow("law", "law", options, scene.law, (name) => {
-    scene.law = name;
-    changed();
+    chooseLaw(scene, name);
+    replaced();
   });
 }
 

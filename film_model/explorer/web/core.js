@@ -4,7 +4,9 @@ const EVENT = 1;
 const BAD_NUMBER = -1;
 const FULL = -7;
 const HALVINGS = 32;
+const MOST_MEMORY = 256e6; // bytes of meshes and modes that are kept
 const KEPT = 8; // curves of shapes that are kept
+const SPRUNG = 16; // curves in series with a spring that one impact may need at a time
 
 /**
  * The core's summary of one contact, with its status.
@@ -36,6 +38,9 @@ class Core {
     this.shapes = new Map();
     this.family = this.allocate(32);
     this.numbers = this.allocate(65536);
+    /** Modes in the core's form. @type {Map<string, {place: number, count: number, omitted: number, damped: boolean}>} */
+    this.structures = new Map();
+    this.sprung = Array.from({ length: SPRUNG }, () => this.allocate(layout.curve));
     this.shaped = Array.from({ length: KEPT }, () => this.allocate(layout.curve));
     this.fixedTop = this.top;
   }
@@ -49,6 +54,21 @@ class Core {
     return place;
   }
 
+  /** The address of a copy of numbers. @param {number[]} values */
+  numbersAt(values) {
+    const place = this.allocate(8 * values.length);
+    new Float64Array(this.c.memory.buffer, place, values.length).set(values);
+    return place;
+  }
+
+  /** Give up what is kept if it fills too much memory. */
+  tidy() {
+    if (this.top - this.fixedTop < MOST_MEMORY) return;
+    this.meshes.clear();
+    this.structures.clear();
+    this.top = this.fixedTop;
+  }
+
   view() {
     return new DataView(this.c.memory.buffer);
   }
@@ -56,6 +76,16 @@ class Core {
   /** The address of a curve. @param {number} index */
   curve(index) {
     return this.curves + index * this.layout.curve;
+  }
+
+  /** The address of a curve in series with a spring; it is the oldest of these that is overwritten. @param {number} curve @param {number} compliance */
+  inSeries(curve, compliance) {
+    const place = /** @type {number} */ (this.sprung.shift());
+    this.sprung.push(place);
+    new Uint8Array(this.c.memory.buffer).copyWithin(place, curve, curve + this.layout.curve);
+    const status = this.c.film_spring(place, compliance);
+    if (status !== 0) throw new Failure(status);
+    return place;
   }
 
   /**
@@ -101,10 +131,7 @@ class Core {
     const key = `${linearisation} ${loading} ${unloading}`;
     const known = this.meshes.get(key);
     if (known !== undefined) return known;
-    if (this.top - this.fixedTop > 64e6) {
-      this.meshes.clear();
-      this.top = this.fixedTop;
-    }
+    this.tidy();
     const mesh = this.allocate(128);
     const nodes = this.allocate(8 * this.c.film_mesh_size(loading, unloading));
     const status = this.c.film_mesh_init(mesh, linearisation === "chord" ? 0 : 1, loading, unloading, nodes);
@@ -217,6 +244,7 @@ class Core {
     return {
       name: events[view.getInt32(place + state.event, true)],
       branch: view.getInt32(place + state.branch, true),
+      place,
       time: number("time"),
       xi: number("xi"),
       nu: number("nu"),
@@ -225,6 +253,12 @@ class Core {
       spent: number("spent"),
       peak: Math.max(number("force_peak"), number("force")),
     };
+  }
+
+  /** The indentation in a state; `xi` contains that of a spring too. @param {number} curve @param {number} state */
+  indentation(curve, state) {
+    this.c.film_motion(curve, state, this.numbers);
+    return this.view().getFloat64(this.numbers, true);
   }
 
   /**

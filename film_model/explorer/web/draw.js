@@ -20,6 +20,8 @@ function svg(name, attributes, text) {
   return element;
 }
 
+const FLAT = 1e-4; // differences that are drawn as none, relative
+
 /** Least and largest of the values. @param {ArrayLike<number>[]} columns @param {boolean} log */
 function extent(columns, log) {
   let [low, high] = [Infinity, -Infinity];
@@ -32,7 +34,8 @@ function extent(columns, log) {
     }
   }
   if (low > high) return log ? [0.1, 1] : [0, 1];
-  if (low === high) return log ? [low / 2, high * 2] : [Math.min(0, low), high || 1];
+  if (low === high && log) return [low / 2, high * 2];
+  if (!log && high - low <= FLAT * Math.max(Math.abs(low), Math.abs(high))) return [Math.min(0, low), Math.max(0, high) || 1];
   return [low, high];
 }
 

@@ -23,12 +23,13 @@ function entriesOf(scene) {
   return entries;
 }
 
-/** The numbers of a scene. @param {Scene} scene */
+/** The numbers of a scene. @param {Scene} scene @returns {any} */
 function numbersOf(scene) {
   const x = entriesOf(scene);
   const [d11, d12, d22] = ["D11", "D12", "D22"].map((name) => x[`target.bending_stiffness.${name}`] ?? 0);
   if (d11 && d12 ** 2 >= d11 * d22) throw new Unsupported("D12 must be smaller than √(D11 D22): otherwise the plate has negative bending energy");
-  const n = FORMULAS[scene.base.numbers](x);
+  /** @type {any} */
+  const n = { ...FORMULAS[scene.base.numbers](x), chosen: scene.law, values: scene.values };
   if (!(n.approach > 0)) throw new Unsupported("the impactor does not approach the target: there is no impact");
   return n;
 }
@@ -56,13 +57,30 @@ function lawOrThrow(scene, n, name) {
   return law;
 }
 
-/** Everything that is needed to march one impact under a law. @param {any} law @param {any} n @param {number} impedance @param {number} load */
-function problemOf(law, n, impedance, load) {
-  const p = FORMULAS[law.function](n, impedance, load);
+/** The numbers of a scene with a law's own parameters: the scene's, or those of the law's example. @param {any} law @param {any} n */
+function withOwn(law, n) {
+  if (!law.live.length) return n;
+  const all = { ...n, ...(law.derived ? FORMULAS[law.example](n) : {}) };
+  for (const input of law.live) {
+    const value = (n.chosen === law.name ? n.values[input.path] : null) ?? input.value;
+    if (value !== null) all[input.path.replace("contact.", "own_")] = value;
+  }
+  return all;
+}
+
+/**
+ * Everything that is needed to march one impact under a law. compliance: of a target that follows the force statically.
+ * @param {any} law @param {any} n @param {number} impedance @param {number} load @param {number} [compliance] @param {boolean} [vibrates]
+ */
+function problemOf(law, n, impedance, load, compliance = 0, vibrates = false) {
+  const p = FORMULAS[law.function](withOwn(law, n), impedance, load);
   if (!(p.length > 0 && p.length < Infinity && p.force > 0 && p.force < Infinity)) {
     throw new Unsupported(`law ${law.name}: its scales are ${p.length} m and ${p.force} N`);
   }
-  return { law, p, impedance, load, curve: law.shape ? CORE.curveOfShape(law, n) : CORE.curve(law.curve) };
+  if (compliance > 0 && !law.series) throw new Unsupported(`law ${law.name} cannot be in series with a static stiffness`);
+  const alone = law.shape ? CORE.curveOfShape(law, n) : CORE.curve(law.curve);
+  const curve = compliance > 0 ? CORE.inSeries(alone, (compliance * p.force) / p.length) : alone;
+  return { law, p, impedance, load, compliance, vibrates, curve };
 }
 
 /** @typedef {ReturnType<typeof problemOf>} Problem */
@@ -100,24 +118,26 @@ function choose(scene, n) {
   const automatic = scene.law === "auto";
   const plastic = plasticity === true || (plasticity !== false && yields === true && n.able);
   const law = lawOrThrow(scene, n, automatic ? (plastic ? yielding : elastic) : scene.law);
-  const own = motion === false ? Infinity : n.impedance;
-  const light = problemOf(law, n, own, 0);
+  const { impedance: own, compliance } = supportOf(scene, n, law);
+  const held = motion !== false && scene.base.support !== null;
+  const light = problemOf(law, n, own, 0, compliance);
   /** @type {Record<string, {simulated: boolean, change: number|null}>} */
   const found = {};
 
   let heavy = gravity === true && !scene.base.free;
   if (!scene.base.free) {
-    const pressed = problemOf(law, n, own, n.weight);
+    const pressed = problemOf(law, n, own, n.weight, compliance);
     const size = FORMULAS.gravityChange(pressed.p, trial(pressed), light.p, trial(light), n).change;
     if (gravity === "auto") heavy = !(size <= tolerance);
     found.gravity = { simulated: heavy, change: size };
   }
-  const moved = heavy ? problemOf(law, n, own, n.weight) : light;
+  const moved = heavy ? problemOf(law, n, own, n.weight, compliance) : light;
 
-  let moves = own < Infinity;
+  let moves = own < Infinity || held;
   if (moves) {
-    const size = changeOf(moved, problemOf(law, n, Infinity, moved.load));
-    if (motion === "auto") moves = !(size <= tolerance);
+    const known = own < Infinity || compliance > 0;
+    const size = known ? changeOf(moved, problemOf(law, n, Infinity, moved.load)) : null;
+    if (motion === "auto" && !held) moves = !(size !== null && size <= tolerance);
     found.target_motion = { simulated: moves, change: size };
   }
   let problem = moves ? moved : problemOf(law, n, Infinity, moved.load);
@@ -125,7 +145,7 @@ function choose(scene, n) {
   const free = lawOf(scene, n, elastic).law;
   let keeps = true;
   if (law.dissipates && free) {
-    const without = problemOf(free, n, problem.impedance, problem.load);
+    const without = problemOf(free, n, problem.impedance, problem.load, problem.compliance);
     const size = changeOf(problem, without);
     if (automatic && plasticity === "auto") keeps = !(size <= tolerance);
     found.plasticity = { simulated: keeps, change: size };
@@ -133,7 +153,27 @@ function choose(scene, n) {
   } else if (yields === false) {
     found.plasticity = { simulated: false, change: 0 };
   }
+  if (moves && held && scene.base.support.modes) problem = problemOf(problem.law, n, Infinity, problem.load, 0, true);
   return { problem, found, edges: edgesOf(scene, n, light, tolerance) };
+}
+
+/**
+ * How the target moves while effects are decided. One that vibrates: by the softer of its impedance and its compliance.
+ * @param {Scene} scene @param {any} n @param {any} law
+ */
+function supportOf(scene, n, law) {
+  const { support } = scene.base;
+  const fixed = { impedance: Infinity, compliance: 0 };
+  if (scene.effects.target_motion === false) return fixed;
+  if (!support) return { impedance: n.impedance, compliance: 0 };
+  const follows = law.series || support.compliance === 0;
+  const bent = { impedance: Infinity, compliance: follows || !support.modes ? support.compliance : 0 };
+  if (!support.modes || n.impedance === Infinity) return bent;
+  const force = (/** @type {Problem} */ problem) => trial(problem).maximum_force * problem.p.force;
+  const infinite = problemOf(law, n, n.impedance, 0);
+  const trusted = trial(infinite).status === EVENT;
+  const softer = trusted && (!follows || !(force(infinite) < force(problemOf(law, n, Infinity, 0, bent.compliance))));
+  return softer ? { impedance: n.impedance, compliance: 0 } : bent;
 }
 
 /** The change by waves from the edges of a plate, if the page can judge it; null if the plate has none. @param {Scene} scene @param {any} n @param {Problem} light @param {number} tolerance */
@@ -176,7 +216,8 @@ function refine(problem, solver) {
   const { first_segments: first, most_segments: most, order_factor: order, regular_fall: falls } = DATA.constants;
   const line = solver.linearisation;
   const accuracy = solver.accuracy ?? DATA.constants.accuracy;
-  let n = first;
+  const { damping } = problem.p;
+  let n = first * Math.min(2 ** Math.floor(Math.log2(1 + damping)), 256);
   const counts = [n / 2, n].map((k) => countsFor(problem, k));
   const [coarsest, start] = counts.map((each) => marchOrThrow(problem, line, each));
   let [coarse, before, last] = [start, apart(problem, line, counts, coarsest, start), Infinity];
@@ -233,8 +274,9 @@ function recorded(problem, line, counts) {
   const core = { status, maximum_force: end.peak, maximum_indentation: 0, time_of_maximum_indentation: NaN };
   const times = { time_impactor_stops: NaN, contact_duration: NaN };
   for (const event of events) {
-    if (event.name === "maximum_indentation" && event.xi > core.maximum_indentation * deeper) {
-      core.maximum_indentation = event.xi;
+    const depth = problem.compliance > 0 ? CORE.indentation(problem.curve, event.place) : event.xi;
+    if (event.name === "maximum_indentation" && depth > core.maximum_indentation * deeper) {
+      core.maximum_indentation = depth;
       core.time_of_maximum_indentation = event.time;
     } else if (event.name === "impactor_stops" && Number.isNaN(times.time_impactor_stops)) {
       times.time_impactor_stops = event.time;
@@ -275,36 +317,45 @@ function givenResult(scene) {
   const { error, segments, warnings, stage } = given;
   const status = given.ended ? EVENT : 0;
   const choice = { problem: null, found: {}, edges: null };
-  return { n: numbersOf(scene), choice, summary, error, segments, warnings, counts: [], status, law: { name: given.law }, motion: { motion, stage } };
+  return { n: numbersOf(scene), choice, summary, error, segments, modes: 0, warnings, counts: [], status, law: { name: given.law }, motion: { motion, stage } };
+}
+
+/** The summary in SI. @param {Scene} scene @param {any} p @param {any} core @param {any} n */
+function summaryOf(scene, p, core, n) {
+  return FORMULAS[`summary${scene.base.free ? "Free" : "Fixed"}${p.damping > 0 ? "Damped" : ""}`](p, core, n);
 }
 
 /** One impact under decided effects. @param {Scene} scene @param {any} n @param {Problem} problem @param {number} samples */
 function run(scene, n, problem, samples) {
+  if (problem.vibrates) return runOnModes(scene, n, problem, samples);
   const solver = scene.solver;
   const mesh = solver.segments !== null ? estimate(problem, solver) : refine(problem, solver);
   const found = recorded(problem, solver.linearisation, mesh.counts);
   const { p, law } = problem;
-  const free = scene.base.free ? "Free" : "Fixed";
-  const summary = FORMULAS[`summary${free}`](p, found.core, n);
+  const summary = summaryOf(scene, p, found.core, n);
   const warnings = mesh.warning ? [...law.remarks, mesh.warning] : [...law.remarks];
   const impact = 0.5 * p.approach ** 2 * p.energy;
   if (summary.energy_absorbed < -1e-9 * impact) {
     const share = ((-100 * summary.energy_absorbed) / impact).toPrecision(3);
     warnings.push(`law ${law.name}: its unloading returns more energy than its loading stored (${share} % of the impact energy)`);
   }
-  const motion = sampled(scene, problem, found, samples);
+  const ends = [found.events.at(-1).time || found.end.time, ...found.events.map((/** @type {any} */ e) => e.time)];
+  const motion = sampledAt(scene, problem, ends, samples, (times) => CORE.sample(problem.curve, found, times));
   CORE.top = found.top;
   const error = mesh.estimated + law.fit_error;
-  return { summary, warnings, error, counts: mesh.counts, segments: found.count - 1, motion, status: found.status, law };
+  return { summary, warnings, error, counts: mesh.counts, segments: found.count - 1, modes: 0, motion, status: found.status, law };
 }
 
-/** The motion at evenly spaced times and at the events, SI. @param {Scene} scene @param {Problem} problem @param {any} found @param {number} samples */
-function sampled(scene, problem, found, samples) {
+/**
+ * The motion at evenly spaced times up to the first of `ends`, and at the others, SI.
+ * @param {Scene} scene @param {Problem} problem @param {number[]} ends @param {number} samples
+ * @param {(times: Float64Array) => {values: Float64Array, branches: Int8Array}} sample
+ */
+function sampledAt(scene, problem, [last, ...events], samples, sample) {
   const { p, law } = problem;
-  const last = found.events.at(-1).time || found.end.time;
   const times = Array.from({ length: samples }, (_, k) => (last * k) / (samples - 1));
-  const at = Float64Array.from([...times, ...found.events.map((/** @type {any} */ e) => e.time)]).sort();
-  const { values, branches } = CORE.sample(problem.curve, found, at);
+  const at = Float64Array.from([...times, ...events]).sort();
+  const { values, branches } = sample(at);
   const convert = FORMULAS[scene.base.free ? "motionFree" : "motionFixed"];
   /** @type {Record<string, Float64Array>} */
   const motion = { time: at.map((t) => t * p.time) };

@@ -14,7 +14,26 @@ function sceneOf(base) {
     if (material) materials[body] = typeof material === "string" ? material : (material.name ?? "");
   }
   const { title, law, effects, tolerance, solver } = base;
-  return { base, values, materials, title, law, effects: { ...effects }, tolerance, solver: { ...solver } };
+  const scene = { base, values, materials, title, law, effects: { ...effects }, tolerance, solver: { ...solver } };
+  chooseLaw(scene, law);
+  return scene;
+}
+
+/** The law of that name among those that the page has for a scene. @param {Scene} scene @param {string} name */
+function lawNamed(scene, name) {
+  return scene.base.laws.map((/** @type {number} */ index) => DATA.laws[index]).find((/** @type {any} */ law) => law.name === name);
+}
+
+/** The entries of a scene: those of its bodies, and those of its law. @param {Scene} scene @returns {any[]} */
+function inputsOf(scene) {
+  return [...scene.base.inputs, ...(lawNamed(scene, scene.law)?.live ?? [])];
+}
+
+/** Give the scene another law, with the parameters that it starts from. @param {Scene} scene @param {string} name */
+function chooseLaw(scene, name) {
+  for (const input of lawNamed(scene, scene.law)?.live ?? []) delete scene.values[input.path];
+  scene.law = name;
+  for (const input of lawNamed(scene, name)?.live ?? []) scene.values[input.path] = input.value;
 }
 
 /** A copy. @param {Scene} scene @returns {Scene} */
@@ -43,6 +62,8 @@ function unchanged(scene) {
 function fragmentOf(scene) {
   const start = sceneOf(scene.base);
   const found = new URLSearchParams({ scene: scene.base.name });
+  if (scene.law !== start.law) found.set("law", scene.law);
+  chooseLaw(start, scene.law);
   for (const [path, value] of Object.entries(scene.values)) {
     if (value !== start.values[path]) found.set(path, String(value));
   }
@@ -50,7 +71,6 @@ function fragmentOf(scene) {
     if (name !== start.materials[body]) found.set(`${body}.material`, name);
   }
   if (scene.title !== start.title) found.set("title", scene.title);
-  if (scene.law !== start.law) found.set("law", scene.law);
   for (const [name, value] of Object.entries(scene.effects)) {
     if (value !== start.effects[name]) found.set(name, String(value));
   }
@@ -79,7 +99,7 @@ function sceneOfFragment(fragment) {
 
 /** Put one entry of a fragment into a scene; whether it is understood. @param {Scene} scene @param {string} key @param {string} text */
 function applied(scene, key, text) {
-  const input = scene.base.inputs.find((/** @type {any} */ entry) => entry.path === key);
+  const input = inputsOf(scene).find((/** @type {any} */ entry) => entry.path === key);
   const number = Number(text);
   const between = (/** @type {number} */ low, /** @type {number} */ high) => number >= low && number <= high;
   if (input) {
@@ -91,7 +111,7 @@ function applied(scene, key, text) {
   } else if (key === "title") {
     scene.title = text.slice(0, 500);
   } else if (key === "law" && lawNames(scene).includes(text)) {
-    scene.law = text;
+    chooseLaw(scene, text);
   } else if (key in scene.effects && CHOICES.includes(text)) {
     scene.effects[key] = text === "auto" ? text : text === "true";
   } else if (key === "accuracy" && between(1e-14, 0.1)) {
@@ -152,9 +172,12 @@ function setLaw(scene, contact) {
   contact.law = scene.law;
   const n = numbersOf(scene);
   const { law } = scene.law === "auto" ? { law: null } : lawOf(scene, n, scene.law);
-  if (!law || !law.derived.length) return;
-  const p = FORMULAS[law.function](n, n.impedance, 0);
-  for (const [name, unit] of law.derived) contact[name] = unit ? `${p[`own_${name}`]} ${unit}` : p[`own_${name}`];
+  if (!law) return;
+  const own = withOwn(law, n);
+  for (const { path, unit } of law.live) {
+    const value = own[path.replace("contact.", "own_")];
+    contact[path.replace("contact.", "")] = unit ? `${value} ${unit}` : value;
+  }
 }
 
 /** A text or another value as TOML writes it. @param {any} value @returns {string} */

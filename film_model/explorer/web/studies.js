@@ -2,16 +2,25 @@
 
 /** The scene's impact under every law, with the load and target motion of the scene. @param {Scene} scene @param {any} n @param {Problem} problem */
 function everyLaw(scene, n, problem) {
-  const { impedance, load } = problem;
+  const { impedance, load, compliance, vibrates } = problem;
   return lawNames(scene).filter((name) => name !== "auto").map((name) => {
     const { law, reason } = lawOf(scene, n, name);
     if (!law) return { name, reason: reason ?? "" };
+    if (vibrates && !law.series && law !== problem.law) return { name, reason: "takes seconds on a target that vibrates: choose it to see it" };
     try {
-      return { name, reason: "", found: run(scene, n, problemOf(law, n, impedance, load), 200) };
+      return { name, reason: "", found: run(scene, n, problemOf(law, n, impedance, load, compliance, vibrates), 200) };
     } catch (error) {
       return { name, reason: reasonOf(error) };
     }
   });
+}
+
+/** What the law's own parameters are where the reader gave none. @param {any} law @param {any} n @returns {string[]} */
+function examplesOf(law, n) {
+  if (!law.derived) return [];
+  const own = withOwn(law, n);
+  const open = law.live.filter((/** @type {any} */ input) => (n.chosen === law.name ? n.values[input.path] : null) === null);
+  return open.map((/** @type {any} */ { path, label, dimension }) => `law ${law.name}: ${label} ${shown(own[path.replace("contact.", "own_")], dimension, 4)} is only an example`);
 }
 
 /** @param {unknown} error */
@@ -21,6 +30,7 @@ function reasonOf(error) {
 }
 
 const VELOCITIES = 41;
+const VELOCITIES_ON_MODES = 11; // each takes some milliseconds
 
 /** Velocity and restitution of impacts from a tenth to ten times the scene's velocity. @param {Scene} scene */
 function restitutionCurve(scene) {
@@ -29,16 +39,15 @@ function restitutionCurve(scene) {
   const own = /** @type {number} */ (scene.values[path]);
   /** @type {{x: number[], y: number[]}} */
   const curve = { x: [], y: [] };
-  for (let k = 0; k < VELOCITIES; k++) {
-    const factor = 10 ** ((2 * k) / (VELOCITIES - 1) - 1);
+  const places = scene.base.support?.modes ? VELOCITIES_ON_MODES : VELOCITIES;
+  for (let k = 0; k < places; k++) {
+    const factor = 10 ** ((2 * k) / (places - 1) - 1);
     const other = copyOf(scene);
     other.values[path] = own * factor ** power;
     try {
       const n = numbersOf(other);
       const { problem } = choose(other, n);
-      const { counts } = scene.solver.segments === null ? refine(problem, scene.solver) : estimate(problem, scene.solver);
-      const core = marchOrThrow(problem, scene.solver.linearisation, counts);
-      const summary = FORMULAS[`summary${scene.base.free ? "Free" : "Fixed"}`](problem.p, core, n);
+      const summary = problem.vibrates ? vibratingSummary(problem, vibrate(scene, problem), n) : summaryAlone(scene, problem, n);
       if (!(summary.coefficient_of_restitution >= 0)) continue;
       curve.x.push(n.approach);
       curve.y.push(summary.coefficient_of_restitution);
@@ -47,6 +56,12 @@ function restitutionCurve(scene) {
     }
   }
   return curve;
+}
+
+/** The summary of an impact without its motion. @param {Scene} scene @param {Problem} problem @param {any} n */
+function summaryAlone(scene, problem, n) {
+  const { counts } = scene.solver.segments === null ? refine(problem, scene.solver) : estimate(problem, scene.solver);
+  return summaryOf(scene, problem.p, marchOrThrow(problem, scene.solver.linearisation, counts), n);
 }
 
 const COUNTS = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256];
@@ -58,11 +73,10 @@ function accuracyCurve(problem) {
   return ["work-preserving", "chord"].map((line) => {
     /** @type {{name: string, x: number[], y: number[]}} */
     const curve = { name: line, x: [], y: [] };
-    for (const n of COUNTS) {
-      const found = march(problem, line, countsFor(problem, n));
-      if (found.status < 0) continue;
-      curve.x.push(found.lines);
-      curve.y.push(Math.max(CORE.compare(problem.p, found, best), 1e-15));
+    const found = COUNTS.map((n) => march(problem, line, countsFor(problem, n))).filter(({ status }) => status >= 0);
+    for (const each of found.sort((a, b) => a.lines - b.lines)) {
+      curve.x.push(each.lines);
+      curve.y.push(Math.max(CORE.compare(problem.p, each, best), 1e-15));
     }
     return curve;
   });

@@ -1,4 +1,4 @@
-"""The numbers of a scene by path ("impactor.velocity"): which can be swept or fitted, and in which unit."""
+"""The numbers of a scene by path ("impactor.velocity"): which can be varied, swept or fitted, and in which unit."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import Any
 from film_model.base.errors import did_you_mean
 from film_model.base.fields import SYNONYMS, Field
 from film_model.base.units import scene_unit
-from film_model.scene import Scene
 from film_model.scene.contact import Contact, parameter_fields, stiffness_unit
+from film_model.scene.scene import Scene
 
 SECTIONS = ("impactor", "target", "contact", "effects", "solver")
 

@@ -1,0 +1,107 @@
+"""The columns of blocks put into a writer and into the hash of the content, variable by variable, by the workers."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_datasets.schema import ContentHash, Variable
+from film_datasets.sweeps.attributes import variable_attributes
+from film_datasets.sweeps.block_columns import Columns
+from film_datasets.sweeps.block_writers import GROWING, Writer
+from film_datasets.sweeps.blocks import Block, Blocks
+from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.executor import Workers, available_cores
+
+Column = tuple[Variable, NDArray[Any]]
+
+
+class Storage:
+    """A sweep on its way into a writer. content: the hash, complete when the context ends.
+
+    The writing and hashing of a block are tasks of the workers; of remote workers, of threads here. A variable's blocks
+    follow one another, because the tasks of a block are submitted when those of the block before have ended.
+    """
+
+    def __init__(self, sweep: Sweep, blocks: Blocks, writer: Writer, workers: Workers) -> None:
+        self.content = ContentHash(sweep.variables)
+        self._sweep, self._blocks, self._writer = sweep, blocks, writer
+        self._segments = 0
+        self._tasks: list[Future[None]] = []
+        self._own = contextlib.ExitStack()
+        self._executor: Any = None
+        if len(blocks) > 1:
+            local = workers.executor if workers.local else ThreadPoolExecutor(available_cores())
+            self._executor = local if workers.local else self._own.enter_context(local)
+
+    def __enter__(self) -> Storage:
+        sweep, blocks = self._sweep, self._blocks
+        dense = {"normalised_time": sweep.dense} if sweep.dense else {}
+        chunks = dict(zip(sweep.dims, blocks.shape, strict=True)) | {"normalised_time": sweep.dense or 1}
+        chunks[GROWING] = blocks.growing_chunk
+        sizes = dict(zip(sweep.dims, sweep.shape, strict=True)) | dense
+        self._writer.create(sizes, chunks, variable_attributes(sweep))
+        self._put_coordinates()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        with self._own:
+            if error[0] is None:
+                self._finish()
+
+    def put(self, block: Block, columns: Columns) -> None:
+        """The next block; also sets its column `segment_begin`."""
+        if "segment_count" in columns:
+            ends = self._segments + np.cumsum(columns["segment_count"], dtype=np.int64)
+            columns["segment_begin"], self._segments = ends - columns["segment_count"], int(ends[-1])
+        given = [(v, np.asarray(columns[v.name], v.dtype)) for v in self._sweep.variables if v.name in columns]
+        if self._executor is None:
+            self._write(block, given)
+            self._hash(given)
+            return
+        self._finish()
+        groups = [[one] for one in given] if self._writer.parallel else [given]
+        self._tasks = [self._executor.submit(self._write, block, group) for group in groups]
+        self._tasks += [self._executor.submit(self._hash, [one]) for one in given]
+
+    def _finish(self) -> None:
+        """Wait for the tasks."""
+        tasks, self._tasks = self._tasks, []
+        for task in tasks:
+            task.result()
+
+    def _write(self, block: Block, columns: Sequence[Column]) -> None:
+        for variable, values in columns:
+            if GROWING in variable.dims:
+                self._writer.grow(variable.name, values)
+            else:
+                self._writer.put(variable.name, block.region, values.reshape(block.shape + values.shape[1:]))
+
+    def _hash(self, columns: Sequence[Column]) -> None:
+        for variable, values in columns:
+            self.content.update(variable.name, values)
+
+    def _put_coordinates(self) -> None:
+        """The coordinates that are not columns of the blocks."""
+        sweep, writer = self._sweep, self._writer
+        if sweep.dense:
+            values = np.linspace(0.0, 1.0, sweep.dense)
+            writer.put("normalised_time", (slice(None),), values)
+            self.content.update("normalised_time", values)
+        for name, value in sweep.constants.items():
+            writer.put(name, (), value)
+            self.content.update(name, value)
+        if sweep.dims == ("impact",):
+            return
+        for axis, chunk in zip(sweep.axes, self._blocks.shape, strict=True):
+            coordinate = axis.coordinate()
+            step = chunk * max(1, (1 << 20) // chunk)  # whole chunks: part of a chunk would be read and written again
+            for first in range(0, axis.count, step):
+                values = coordinate[first : first + step]
+                writer.put(axis.name, (slice(first, first + len(values)),), values)
+                self.content.update(axis.name, values)

@@ -1,0 +1,49 @@
+"""A scene with the decisions of one impact in place of "auto": other numbers are simulated with the same effects."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from film_model.problem.law_of_scene import YIELDING
+from film_model.problem.problem import Problem
+from film_model.scene import Scene
+
+
+class Decision(NamedTuple):
+    """What is simulated in an impact. static: by the target's static stiffness. hard: strength at the strain rate."""
+
+    gravity: bool
+    motion: bool
+    static: bool
+    yields: bool
+    hard: bool
+
+    def put_into(self, scene: Scene) -> Scene:
+        """The scene with this decision in place of "auto"."""
+        effects = {"gravity": self.gravity, "rate_hardening": self.hard}
+        if scene.target.gives_way:
+            effects["target_motion"] = self.motion
+        if scene.contact.law == "auto":
+            effects["plasticity"] = self.yields
+        if scene.target.structural and self.motion:
+            effects["boundary_reflections"] = self.static
+        if self.static:
+            effects["target_inertia"] = False
+        return replace(scene, effects=scene.effects.changed(**effects))
+
+
+def decisions_of(problem: Problem) -> list[Decision]:
+    """The decision for each impact of a problem, whose target does not vibrate."""
+    strength, slow = problem.impacts.law.strength, problem.impacts.scene.yield_strength
+    hard = False if strength is None or slow is None else strength > slow
+    static = problem.curve.native.compliance > 0.0
+    moves = np.isfinite(problem.impedance) | static
+    shape = np.shape(problem.approach) or (1,)
+    columns = (np.broadcast_to(column, shape).tolist() for column in (problem.load > 0.0, moves, hard))
+    return [
+        Decision(bool(gravity), bool(motion), static, problem.law.name == YIELDING, bool(harder))
+        for gravity, motion, harder in zip(*columns, strict=True)
+    ]

@@ -1,0 +1,108 @@
+"""How a target that is held moves on the page: its static compliance and its natural vibrations, which Python computed.
+
+The page follows the force on these; what they depend on, the target's geometry and material, cannot change there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from film_model.base.errors import TooManyModes
+from film_model.base.fields import measure
+from film_model.effects.choose import Choice
+from film_model.explorer.inputs import Input
+from film_model.scene import DEFAULT_ACCURACY, Scene
+from film_model.solve import structures
+from film_model.solve.vibration import (
+    DAMPED_FACTOR,
+    FIRST_PHASE,
+    HIGHEST,
+    LONGEST,
+    MODES_FACTOR,
+    MODES_FALL,
+    MOST_WORK,
+    REFINED,
+    STEP,
+    TIGHTEST,
+    UNRESOLVED,
+    vibrate,
+)
+from film_model.targets import AbstractTarget
+
+SPARE = 4.0
+"""Highest frequency of the page's modes over that which the scene as given needs."""
+
+MOST_MODES = 4000
+"""Largest number of modes on a page: 100 kB."""
+
+LIVE_WORK = MOST_WORK / 4
+"""Limit of a run on the page, about a second: steps times (number of modes + 100)."""
+
+LIVE = ("target.material.yield_strength",)
+"""Entries of such a target that may change: its vibrations do not depend on them."""
+
+
+def fixed_to(choice: Choice) -> Scene:
+    """The scene with the support that was chosen for it, whatever else changes."""
+    vibrates = choice.problem.vibrates
+    effects = choice.scene.effects.changed(target_motion=True, boundary_reflections=True, target_inertia=vibrates)
+    return replace(choice.scene, effects=effects)
+
+
+def may_change(path: str) -> bool:
+    """Whether an entry of the scene may change on the page: the target's vibrations do not depend on it."""
+    return not path.startswith("target.") or path in LIVE
+
+
+def damping_of(target: AbstractTarget) -> list[Input]:
+    """The damping ratio of all modes as an entry, if the scene gives one."""
+    ratio = getattr(target, "damping_ratio", None)
+    return (
+        [Input("target.damping_ratio", measure("dimensionless", 0.0, 1.0), ratio)] if isinstance(ratio, float) else []
+    )
+
+
+def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
+    """Compliance and modes of the target for the page, None if it has neither; and why the page cannot carry them."""
+    target, vibrates = choice.scene.target, choice.problem.vibrates
+    if not vibrates and not (choice.decided[1] and choice.support.compliance > 0.0):
+        return None, ""
+    found: dict[str, Any] = {"compliance": target.compliance or 0.0, "modes": None}
+    if not vibrates:
+        return found, ""
+    asked = choice.scene.solver.accuracy or DEFAULT_ACCURACY
+    own = vibrate(choice.problem, target, asked, [])[0]
+    modes = _modes_above(target, own.highest, own.unit)
+    if modes.tables.count > MOST_MODES:
+        return None, f"the {target.kind} moves by {modes.tables.count} natural vibrations, too many for a page"
+    found |= {"lowest": structures.lowest_frequency(target), "highest": modes.highest}
+    columns = ("frequency", "share", "ratio")
+    return found | {"modes": {name: getattr(modes.tables, name).tolist() for name in columns}}, ""
+
+
+def _modes_above(target: AbstractTarget, needed: float, unit: float) -> structures.Structure:
+    """The modes up to `SPARE` times a frequency, or up to the frequency if these are too many or cannot be computed."""
+    try:
+        found = structures.made(target, SPARE * needed, unit)
+    except TooManyModes:
+        return structures.structure_of(target, needed, unit)
+    return found if found.tables.count <= MOST_MODES else structures.structure_of(target, needed, unit)
+
+
+def constants() -> dict[str, float]:
+    """The numbers of :mod:`film_model.solve.vibration` and :mod:`film_model.solve.structures`."""
+    return {
+        "first_phase": FIRST_PHASE,
+        "above": structures.ABOVE,
+        "damped_factor": DAMPED_FACTOR,
+        "factor": MODES_FACTOR,
+        "fall": MODES_FALL,
+        "highest": HIGHEST,
+        "longest": LONGEST,
+        "most_work": LIVE_WORK,
+        "refined": REFINED,
+        "step": STEP,
+        "tightest": TIGHTEST,
+        "unresolved": UNRESOLVED,
+    }

@@ -1,0 +1,185 @@
+// Impacts on a target that vibrates: as many of its modes as the accuracy needs, by the rules of film_model/solve/vibration.py.
+
+/** The power of 2^(1/4) that is not below a value. @param {number} value */
+function rounded(value) {
+  return 2 ** (Math.ceil(4 * Math.log2(value)) / 4);
+}
+
+/**
+ * The modes up to a frequency in the core's form, kept; with the omitted ones as one more mode for a law that no spring can follow.
+ * @param {Scene} scene @param {number} highest in rad/s @param {number} longest step in s @param {boolean} series
+ */
+function structureOf(scene, highest, longest, series) {
+  const { support } = scene.base;
+  const { frequency, share } = support.modes;
+  const own = scene.values["target.damping_ratio"];
+  const ratio = own === undefined ? support.modes.ratio : frequency.map(() => own);
+  const key = `${support.key} ${highest} ${longest} ${series} ${own}`;
+  const known = CORE.structures.get(key);
+  if (known) return known;
+  CORE.tidy();
+  let count = frequency.length;
+  while (count > 0 && frequency[count - 1] > highest) count--;
+  let bent = 0;
+  for (let k = 0; k < count; k++) if (frequency[k] > 0) bent += share[k] / frequency[k] ** 2;
+  const omitted = Math.max(support.compliance - bent, 0);
+  const columns = [frequency, share, ratio].map((/** @type {number[]} */ column) => column.slice(0, count));
+  if (!series && omitted > 0) {
+    const above = DATA.constants.vibration.above * highest;
+    [above, omitted * above ** 2, 0].forEach((value, k) => columns[k].push(value));
+    count++;
+  }
+  const places = columns.map((column) => CORE.numbersAt(column));
+  const { levels } = DATA.layout;
+  const [place, memory] = [CORE.allocate(512), CORE.allocate(8 * CORE.c.film_structure_size(count, levels))];
+  const status = CORE.c.film_structure_init(place, count, ...places, longest, levels, memory);
+  if (status !== 0) throw new Failure(status);
+  const made = { place, count, omitted, damped: columns[2].some((/** @type {number} */ value) => value > 0) };
+  CORE.structures.set(key, made);
+  return made;
+}
+
+/**
+ * The impact on the modes up to a frequency. Its record stays in memory until something else is computed.
+ * @param {Scene} scene @param {Problem} problem @param {number} highest @param {number} tolerance of a step @param {number} limit s
+ */
+function followed(scene, problem, highest, tolerance, limit) {
+  const { p, law, curve } = problem;
+  const structure = structureOf(scene, highest, rounded(p.time), law.series);
+  const rest = law.series ? (structure.omitted * p.force) / p.length : 0;
+  const { layout, top } = CORE;
+  const start = CORE.allocate(layout.modal_start.size);
+  const values = { nu: p.approach, load: p.load, rest, mass: p.mass, unit: p.time, damping: p.damping, tolerance, limit, stop: 0 };
+  let found;
+  for (let room = 2048; ; room *= 4) {
+    found = marched(structure, curve, start, values, room);
+    if (found.status !== FULL || room > 1e5) break;
+    CORE.top = start + layout.modal_start.size;
+  }
+  const end = CORE.top;
+  CORE.top = top;
+  if (found.status < 0) throw new Failure(found.status);
+  return { ...found, structure, highest, end, top };
+}
+
+/** One impact, recorded. @param {any} structure @param {number} curve @param {number} start @param {Record<string, number>} values @param {number} room segments */
+function marched(structure, curve, start, values, room) {
+  const { layout, c } = CORE;
+  const { modal, modal_summary: outcome, modal_segment: segment, modal_event: event } = layout;
+  const flights = Math.max(room >> 5, 16);
+  const [state, waves] = [CORE.allocate(modal.size), CORE.allocate(32 * structure.count)];
+  const [result, record, energies] = [outcome.size, 64, 8 * structure.count].map((size) => CORE.allocate(size));
+  const arrays = [room * segment.size, room * event.size, flights * 16 * structure.count].map((size) => CORE.allocate(size));
+  let view = CORE.view();
+  for (const [name, value] of Object.entries(values)) view.setFloat64(start + layout.modal_start[name], value, true);
+  [...arrays, room, room, flights, 0, 0, 0].forEach((value, k) => view.setInt32(record + 4 * k, value, true));
+  const status = c.film_modal_impact(structure.place, curve, start, state, waves, result, record);
+  c.film_modal_energies(structure.place, state, waves, energies);
+  view = CORE.view();
+  const core = CORE.read("summary", result + outcome.core, ["stage", "lines"]);
+  for (const name of ["time_of_maximum_indentation", "time_impactor_stops", "contact_duration"]) core[name] /= values.unit;
+  const names = Array.from({ length: view.getInt32(record + 28, true) }, (_, k) => {
+    const at = arrays[1] + k * event.size;
+    return { name: layout.events[view.getInt32(at + event.event, true)], time: view.getFloat64(at + event.time, true) };
+  });
+  const whole = new Float64Array(CORE.c.memory.buffer, energies, structure.count);
+  return {
+    status,
+    core: /** @type {Impact} */ (/** @type {unknown} */ ({ ...core, status })),
+    contacts: view.getInt32(result + outcome.contacts, true),
+    waited: view.getInt32(result + outcome.waited, true) !== 0,
+    energy: whole.reduce((sum, value) => sum + value, 0),
+    events: names,
+    segments: arrays[0],
+    count: view.getInt32(record + 24, true),
+    flights: arrays[2],
+  };
+}
+
+/** The impact under the law alone, on a target that does not move. @param {Problem} problem */
+function stillOf({ p, curve }) {
+  const alone = { ...p, approach: Math.max(p.approach, 1e-3), gamma: 0, load: 0, stop_velocity: 0, limit: Infinity, damping: 0 };
+  const found = CORE.impact(alone, curve, CORE.mesh("work-preserving", 6, 6));
+  return found.status === EVENT ? found : { time_of_maximum_indentation: 1, contact_duration: 3 };
+}
+
+/** Difference of two summaries, value by value. @param {Problem} problem @param {Impact} a @param {Impact} b */
+function differencesOf(problem, a, b) {
+  const names = DATA.constants.compared.filter((/** @type {string} */ name) => !(name === "permanent_indentation" && problem.p.damping > 0));
+  return Object.fromEntries(names.map((/** @type {string} */ name) => [name, CORE.compare(problem.p, { ...b, [name]: a[name] }, b)]));
+}
+
+/** The impact with as many modes as the accuracy needs, and the error estimate. @param {Scene} scene @param {Problem} problem */
+function vibrate(scene, problem) {
+  const { support } = scene.base;
+  const rule = DATA.constants.vibration;
+  const accuracy = scene.solver.accuracy ?? DATA.constants.accuracy;
+  const { p, law } = problem;
+  const still = stillOf(problem);
+  const slow = Math.PI * Math.sqrt(p.mass * support.compliance);
+  const period = support.lowest > 0 ? (2 * Math.PI) / support.lowest : 0;
+  const limit = rule.longest * (still.contact_duration * p.time + slow + period);
+  const first = rounded(Math.max(rule.first_phase / (still.time_of_maximum_indentation * p.time), 4 * support.lowest));
+  const rattles = !law.series && structureOf(scene, first, rounded(p.time), law.series).omitted > 0;
+  let [highest, most] = [first, Math.min(support.highest, rattles ? rule.highest * first : Infinity)];
+  if (2 * first > support.highest) highest = support.highest / 4;
+  if (highest < rule.unresolved * first) throw new Unsupported("too few natural vibrations of the target are on this page for so short a contact");
+  const follow = (/** @type {number} */ tolerance) => followed(scene, problem, highest, tolerance, limit);
+  let tolerance = Math.max(accuracy * rule.step, rule.tightest);
+  let coarse = follow(rule.refined * tolerance);
+  let before = Object.fromEntries(DATA.constants.compared.map((/** @type {string} */ name) => [name, 1]));
+  for (;;) {
+    highest *= 2;
+    const fine = follow(tolerance);
+    const changes = differencesOf(problem, coarse.core, fine.core);
+    const factor = p.damping > 0 ? rule.damped_factor : rule.factor;
+    const errors = Object.entries(changes).map(([name, change]) => factor * Math.max(change, before[name] / rule.fall) + tolerance);
+    const error = Math.max(...errors);
+    if (error <= accuracy) return { ...fine, error, warning: "" };
+    if (2 * highest > most || 4 * fine.core.lines * (fine.structure.count + 100) > rule.most_work) {
+      return { ...fine, error, warning: `accuracy ${accuracy} is not reached with the ${fine.structure.count} natural vibrations here` };
+    }
+    [coarse, before, tolerance] = [fine, changes, Math.max(tolerance / rule.refined, rule.tightest)];
+  }
+}
+
+/** One impact on modes, as `run` of others. @param {Scene} scene @param {any} n @param {Problem} problem @param {number} samples */
+function runOnModes(scene, n, problem, samples) {
+  const found = vibrate(scene, problem);
+  const { p, law } = problem;
+  const separated = found.status === EVENT;
+  const summary = vibratingSummary(problem, found, n);
+  const warnings = [...law.remarks];
+  if (found.warning) warnings.push(found.warning);
+  if (found.contacts > 1) warnings.push(`there are ${found.contacts} contacts: the contact duration is that of the first, the rebound that after the last`);
+  if (found.waited) warnings.push("the target still vibrates so far that it may touch the impactor again");
+  CORE.top = found.end;
+  const last = (found.events.at(-1)?.time ?? 0) / p.time;
+  const motion = sampledAt(scene, problem, [last, ...found.events.map((event) => event.time / p.time)], samples, (times) => sampleModes(found, problem, times));
+  CORE.top = found.top;
+  const error = found.error + law.fit_error;
+  return { summary, warnings, error, counts: [], segments: found.count, modes: found.structure.count, motion, status: separated ? EVENT : 0, law };
+}
+
+/** The summary in SI, with the energy of the modes. @param {Problem} problem @param {any} found @param {any} n */
+function vibratingSummary({ p, law }, found, n) {
+  const core = { ...found.core, status: found.status === EVENT ? EVENT : 0 };
+  const summary = FORMULAS[`summaryVibrating${p.damping > 0 ? "Damped" : ""}`](p, core, n);
+  if (found.status !== EVENT) return summary;
+  summary.energy_radiated = (found.structure.damped ? FORMULAS.radiated(p, core).energy : found.energy) * p.energy;
+  if (!law.dissipates && !(law.family === "damped")) summary.energy_absorbed = 0;
+  return summary;
+}
+
+/** Values and branches at times of the march. @param {any} found @param {Problem} problem @param {Float64Array} times */
+function sampleModes(found, problem, times) {
+  const { c } = CORE;
+  const at = CORE.numbersAt(Array.from(times, (t) => t * problem.p.time));
+  const [values, branches] = [CORE.allocate(40 * times.length), CORE.allocate(times.length)];
+  c.film_modal_sample(found.structure.place, problem.curve, found.segments, found.count, found.flights, at, BigInt(times.length), values, branches);
+  const { buffer } = c.memory;
+  return {
+    values: new Float64Array(buffer, values, 5 * times.length).slice(),
+    branches: new Int8Array(buffer, branches, times.length).slice(),
+  };
+}

@@ -1,0 +1,102 @@
+"""Curves that differ only in numbers of their powers, such as a ratio of stiffnesses: the numbers of each impact."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.arrays import Array
+from film_model.core import native
+from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
+from film_model.problem.curve import curve_of
+from film_model.problem.fit import functions_of
+from film_model.problem.law_of_scene import SceneLaw
+
+_NUMBERS = ("constant", "slope", "coefficient")
+"""What may vary of a power. With its exponent, or the ends of stages, the pieces of a fit would vary too."""
+
+_CLOSE = 1e-13
+"""Relative difference between the numbers of laws with arrays and of each law alone, up to which both are the same."""
+
+
+class Varied(NamedTuple):
+    """places: of the doubles of the core's curve that differ between impacts. values: of each impact, a row each."""
+
+    places: NDArray[np.int32]
+    values: Array
+
+    def part(self, places: Any) -> Varied:
+        """Of some of the impacts."""
+        return Varied(self.places, self.values[places])
+
+
+def varied_of(law: SceneLaw, count: int) -> Varied | None:
+    """What differs between the curves of `count` laws with arrays; None if it is more than numbers of powers.
+
+    The stages are evaluated once with arrays; those of the first, middle and last impact must be the same alone.
+    """
+    if law.rule is not None or isinstance(law.law, AbstractLaw) or law.law.shaped_by:
+        return None
+    try:
+        numbers = _numbers(law.at(slice(None)).stages())
+        some = {place: _numbers(law.at(place).stages()) for place in (0, count // 2, count - 1)}
+        if not all(_same(numbers, alone, place) for place, alone in some.items()):
+            return None
+        curve = curve_of(law.at(0)).native
+    except (TypeError, ValueError):  # stages that cannot be evaluated with arrays
+        return None
+    if curve.stages != len(numbers):  # a stage was split where its force has an extreme
+        return None
+    places, columns = list[int](), list[Any]()
+    for entry, stage in zip(curve.stage, numbers, strict=False):
+        for (function, name), value in stage.items():
+            if not isinstance(value, np.ndarray):
+                continue
+            if name not in _NUMBERS:
+                return None
+            for piece in range(entry.first, entry.first + entry.count):
+                places.append(_place(piece, function, name))
+                columns.append(np.broadcast_to(value, (count,)))
+    return Varied(np.array(places, np.int32), np.stack(columns, axis=-1)) if places else None
+
+
+def _numbers(stages: tuple[Stage, ...]) -> list[dict[tuple[str, str], Any]]:
+    """What the core's curve is made of: of each stage by function and name."""
+    return [dict(_of_stage(stage)) for stage in stages]
+
+
+def _of_stage(stage: Stage) -> Iterator[tuple[tuple[str, str], Any]]:
+    unloading = stage.unloading
+    for name in ("begin", "end", "root", "knots", "pulls"):
+        yield ("stage", name), getattr(stage, name)
+    if unloading is not None:
+        yield ("stage", "rule"), (unloading.rule[0], unloading.reload_exponent)
+    for name, function in functions_of(stage).items():
+        if not isinstance(function, Power):
+            yield (name, "function"), function
+            continue
+        # the work of a force counts from its origin: with another one than the stage's it would vary too
+        moved = name == "force" and origin_of(function, stage) != stage.begin
+        for field in ("exponent", "origin", *_NUMBERS):
+            yield (name, f"moved {field}" if moved else field), getattr(function, field)
+
+
+def _same(numbers: list[dict[tuple[str, str], Any]], alone: list[dict[tuple[str, str], Any]], place: int) -> bool:
+    """Whether the stages with arrays are, at one place, those of its law alone."""
+    if [list(stage) for stage in numbers] != [list(stage) for stage in alone]:
+        return False
+    pairs = ((stage[key], other[key]) for stage, other in zip(numbers, alone, strict=True) for key in stage)
+    return all(
+        abs(value[place] - one) <= _CLOSE * abs(one) if isinstance(value, np.ndarray) else bool(value == one)
+        for value, one in pairs
+    )
+
+
+def _place(piece: int, function: str, name: str) -> int:
+    """The place of a number of a power among the doubles of the core's curve."""
+    begin = native.Curve.piece.offset + piece * ctypes.sizeof(native.Piece)
+    return (begin + getattr(native.Piece, function).offset + getattr(native.Function, name).offset) // 8

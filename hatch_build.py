@@ -29,6 +29,7 @@ SOURCES = (
     *(f"{CORE}/film_{name}.c" for name in ("batch", "batch_shape", "many", "compare", "lanes", "avx2", "avx512")),
     *platforms.MODES,
     f"{CORE}/film_modal_impact.c",
+    *(f"{CORE}/film_relax{part}.c" for part in ("", "_step")),
 )
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 FLAGS = platforms.FLAGS

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -38,9 +39,12 @@ def measure(repeats: int) -> list[dict[str, object]]:
 
     scene = fm.Scene.from_toml(SCENE)
     row("Scene.from_toml", lambda: fm.Scene.from_toml(SCENE), 5)
-    row("simulate(scene), accuracy 1e-4 of the scene", lambda: fm.simulate(scene), 20)
+    row("simulate(scene), accuracy 1e-4 of the scene, with its warnings", lambda: fm.simulate(scene), 20)
+    warnings.simplefilter("ignore", fm.ImpactWarning)
+    row("simulate(scene), warnings ignored", lambda: fm.simulate(scene), 20)
     row("simulate(scene, accuracy=1e-6)", lambda: fm.simulate(scene, accuracy=1e-6), 20)
     row("simulate(scene, segments=5)", lambda: fm.simulate(scene, segments=5), 20)
+    row("simulate_batch of one impact", lambda: fm.simulate_batch(scene, velocity=["0.25 m/s"]), 20)
     history = fm.simulate(scene)
     row("History.sample_si at one time", lambda: history.sample_si(20e-6), 20)
     row("ImpactComponent(scene)", lambda: fm.ImpactComponent(scene), 5)

@@ -9,7 +9,7 @@ import film_model as fm
 from examples.reference.files_and_commands import command_page, csv_page, sweep_page
 from examples.reference.scene_file import scene_page
 from examples.reference.variables import dataset_page, fmu_page
-from film_model.effects import rate_hardening
+from film_model.effects import rate_hardening, viscoelasticity
 from film_model.effects.choose import choose
 from film_model.effects.effect import COMPUTED
 from film_model.effects.judged import RULES
@@ -105,6 +105,8 @@ selects each of them except `fully_plastic`, which is part of the contact law.
 {computed}
 
 {inspect.cleandoc(rate_hardening.__doc__ or "")}
+
+{inspect.cleandoc(viscoelasticity.__doc__ or "")}
 
 Boundary reflections. {reflections}
 

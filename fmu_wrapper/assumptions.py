@@ -198,6 +198,8 @@ def _failing(choice: Choice, highest: float | None) -> frozenset[str]:
     highest: frequency up to which the FMU contains vibrations, rad/s; None if it contains none.
     """
     missing = {effect.name.replace("_", " ") for effect in choice.effects if effect.state == NOT_MODELLED}
+    if choice.problem.relaxation is not None:
+        missing.add("viscoelasticity")
     if highest is not None:
         missing.discard("boundary reflections")
         if _needs_more(choice, highest):

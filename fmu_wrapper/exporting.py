@@ -17,7 +17,7 @@ from film_model.base import units
 from film_model.base.errors import Outcome, SimulationError
 from film_model.base.files import written_whole
 from film_model.effects.choose import Choice, choose
-from film_model.problem.problem import Problem
+from film_model.problem.problem import Problem, refuse_relaxation
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import mesh_for
 from film_model.solve.component import DEFAULT_SEGMENTS
@@ -162,6 +162,7 @@ def _simulated(scene: Scene) -> tuple[Choice, tuple[int, int], History | None]:
     """The choice of effects, segments for loading and unloading, and the history, or None if nothing moves."""
     choice = choose(scene)
     problem = choice.problem
+    refuse_relaxation(problem, "an FMU")
     history = simulate_chosen(choice, scene.solver) if problem.approach > 0.0 or problem.load > 0.0 else None
     if problem.vibrates:
         segments = (0, 0)

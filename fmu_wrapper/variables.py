@@ -113,7 +113,10 @@ def _summary(name: str, *kinds: Kind, low: float | None = None) -> Variable:
     return _discrete(name, Real, dimension, f"{description}; latest contact, 0 {unknown}", *kinds, low=low)
 
 
-STRESSES = tuple(list(SUMMARY)[list(SUMMARY).index("contact_radius") :])
+STRESSES = (
+    *("contact_radius", "dent_diameter", "mean_pressure", "peak_pressure", "maximum_shear_stress"),
+    *("maximum_von_mises_stress", "depth_of_maximum_stress"),
+)
 """Summary values that follow from the largest force and indentation."""
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cases import DAMPED, EFFECTIVE_MODULUS, LAWS, MASS, RADIUS, VELOCITY, YIELD, scene, zener_scene
 
+import film_datasets as fd
 import film_model as fm
 from film_model.base.units import quotient_unit
 from film_model.laws.yielding import yield_velocity
@@ -147,7 +148,10 @@ def test_a_decision_that_is_near_its_threshold_is_said():
 
 def test_decisions_are_those_of_the_impact():
     steel = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), fm.HalfSpace("mild steel"))
-    for one in (steel, steel.replace({"impactor.velocity": "0.02 m/s"}), zener_scene(0.3), zener_scene(1e-5)):
+    beam = fm.Beam("mild steel", width="10 mm", thickness="5 mm", length="100 mm")
+    heavy = fm.Sphere("20 mm", "0.2 m/s", mass="20 kg", material="bearing steel")
+    static = fm.Scene(heavy, beam, fm.Contact("hertz"), fm.Effects(target_inertia=False))
+    for one in (static, steel, steel.replace({"impactor.velocity": "0.02 m/s"}), zener_scene(0.3), zener_scene(1e-5)):
         law = fm.simulate(one, accuracy=1e-9, derivatives=["impactor.velocity"])
         velocity = one.approach_velocity
         near = [
@@ -172,6 +176,17 @@ def test_keys_that_are_no_numbers_are_refused_at_once():
         "derivatives.solver.accuracy: is not a number: there is no derivative by it",
         'derivatives.3: 3 is not the key of a scene such as "impactor.velocity"',
     ]
+
+
+def test_the_other_way_to_give_the_velocity_is_named():
+    fall = fm.Scene(fm.Sphere("10 mm", drop_height="5 cm", material="bearing steel"), fm.HalfSpace("mild steel"))
+    speed = fall.replace({"impactor.drop_height": None, "impactor.velocity": "1 m/s"})
+    for one, name, other in ((fall, "velocity", "drop_height"), (speed, "drop_height", "velocity")):
+        said = rf"impactor\.{name}: the scene gives impactor\.{other}: give {name} there in its place"
+        with pytest.raises(fm.SceneError, match=said):
+            fm.simulate(one, derivatives=[f"impactor.{name}"])
+        with pytest.raises(fm.SceneError, match=said):
+            fd.sweep(one, {f"impactor.{name}": ["1 m/s" if name == "velocity" else "1 m"]})
 
 
 def test_derivatives_have_units_and_do_not_depend_on_each_other():

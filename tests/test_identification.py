@@ -169,7 +169,8 @@ def test_a_yield_strength_that_is_never_reached(tmp_path: Path) -> None:
         (["contact.law"], "is not a number"),
         (["contact.yeld_strength"], 'did you mean "yield_strength"'),
         (["impactor.velocity", "impactor.velocity"], "given twice"),
-        (["impactor.drop_height"], "no value to begin with"),
+        (["impactor.drop_height"], "the scene gives impactor.velocity"),
+        (["impactor.angle"], "no value to begin with"),
         (["contact.exponent"], "is in the unit of the stiffness"),
     ],
 )

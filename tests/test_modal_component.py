@@ -13,6 +13,9 @@ from test_component import values
 from test_modal_engine import BAR, FEW, OLSSON, QUIET, STEEL, bar, struck
 
 import film_model as fm
+from film_model.base.errors import Outcome
+from film_model.effects.choose import problem_of
+from film_model.solve import structures, vibration
 
 EXACT = 1e-13
 BALL = fm.Sphere("10 mm", "0.5 m/s", material=STEEL, mass="50 g")
@@ -158,9 +161,33 @@ def test_a_support_that_flees_is_not_touched_and_one_that_comes_doubles_the_velo
 def test_a_ball_comes_to_rest_on_a_damped_structure():
     case = on(FADING, **{"effects.gravity": True, "solver.accuracy": 1e-4, "impactor.velocity": "0.05 m/s"})
     component = fm.ImpactComponent(case, initial_gap="10 um")
-    outputs = component.step(1.0).outputs
-    assert outputs.contact_force == pytest.approx(case.mass * 9.80665, rel=1e-6)
-    assert abs(outputs.relative_velocity) < 1e-9 and outputs.contact_count > 3
+    events, outputs = component.step(1.0).events, component.outputs
+    assert outputs.phase == "resting" and outputs.contact_count > 3 and len(events) < 1000
+    assert outputs.contact_force == pytest.approx(case.mass * 9.80665, rel=1e-12)
+    assert outputs.relative_velocity == outputs.impactor_velocity == 0.0
+    assert component.step(1e3).events == ()
+    moved = component.step(1e-3, external_force=1.0).outputs
+    assert moved.phase != "resting" and moved.impactor_displacement > outputs.impactor_displacement
+    pressed = component.step(1.0, external_force=1.0).outputs
+    assert pressed.phase == "resting" and pressed.contact_force == pytest.approx(case.mass * 9.80665 + 1.0, rel=1e-12)
+    lifted = component.step(1e-2, external_force=-1.0)
+    assert [event.name for event in lifted.events][-1] == "contact_ends" and lifted.outputs.phase == "separated"
+
+
+def test_an_impact_that_ends_at_rest():
+    """`vibration.run` with a limit that is not reached; its record can be sampled at any time."""
+    case = on(FADING, **{"effects.gravity": True, "impactor.velocity": "1 mm/s"})
+    problem = problem_of(case)
+    structure = structures.structure_of(case.target, 1e5, problem.scales.time)
+    found = vibration.run(problem, structure, 1e-6, 10.0)
+    assert found.outcome is Outcome.RESTING and found.segments["h"][-1] == math.inf
+    last = found.segments["time"][-1] / found.unit
+    values, branch = found.sample(np.array([0.999999 * last, last, 1e6 * last]))
+    assert values[1, 2] == values[2, 2] == pytest.approx(problem.load, rel=1e-12)
+    assert values[0, :3:2] == pytest.approx(values[1, :3:2], rel=1e-5) and set(branch) == {0}
+    assert found.energies == pytest.approx(
+        0.5 * problem.load**2 * found.tables.share * problem.mass / (found.frequency * found.unit) ** 2
+    )
 
 
 def test_a_ball_that_only_touches_waits_until_it_is_pushed():

@@ -26,7 +26,7 @@ def test_the_status_codes_are_those_of_the_core():
         "resting": "ENDLESS",
         "too_many_segments": "TOO_MANY",
         **{word: word.upper() for word in ("bad_number", "bad_curve", "bad_mesh", "beyond_law", "bad_unloading")},
-        **{word: word.upper() for word in ("full", "too_stiff")},
+        **{word: word.upper() for word in ("full", "too_stiff", "turns_again", "remembers")},
     }
     for code, status in STATUSES.items():
         if code > -100:

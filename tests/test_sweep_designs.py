@@ -174,7 +174,7 @@ def test_mistakes_of_scene_and_sweep_are_reported_together(
     ("over", "options", "says"),
     [
         ({}, {}, "at least one swept quantity"),
-        ({"impactor.drop_height": ["1 m", "2 m"]}, {}, "not both"),
+        ({"impactor.drop_height": ["1 m", "2 m"]}, {}, "give drop_height there in its place"),
         ({"impactor.diameter": ["1 m", "2 m"]}, {}, "give impactor.radius, half of it"),
         ({"impactor.speed": ["1 m/s", "2 m/s"]}, {}, 'did you mean "impactor.velocity"?'),
         ({"impactor.density": ["1 kg/m^3"]}, {}, 'did you mean "impactor.material.density"?'),

@@ -90,8 +90,9 @@ def lines_of(ds: xr.Dataset) -> NDArray[Any]:
 def history_of(ds: xr.Dataset) -> History:
     """The history that a dataset was made from, to be sampled and plotted without another march.
 
-    A target that vibrates has no segments: its impact is simulated again. Raises ValueError if the contact law was an
-    object of Python, if segments are missing, and for the run of an FMU, which has no segments.
+    A target that vibrates has no segments, nor have viscoelastic bodies: such an impact is simulated again. Raises
+    ValueError if the contact law was an object of Python, if segments are missing, and for the run of an FMU, which has
+    no segments.
 
     >>> fd.history_of(fd.load("paper_stronge")).problem.law.name
     'stronge'
@@ -99,7 +100,7 @@ def history_of(ds: xr.Dataset) -> History:
     require(ds, (v.name for v in TABLE[HISTORY] if v.name not in SUMMARY))
     choice = choice_of(ds)
     scene, problem = choice.scene, choice.problem
-    if problem.vibrates:
+    if problem.vibrates or problem.relaxation is not None:
         return simulate_chosen(choice, scene.solver)
     lines, names = lines_of(ds), stage_names(problem)
     if not lines.size:
@@ -238,6 +239,8 @@ def _attributes(history: History, command: str) -> dict[str, Any]:
 
 
 def _method(history: History) -> str:
+    if history.relaxed is not None:
+        return f"viscoelastic contact by Gauss collocation, {history.accuracy.lines} steps"
     if history.vibration is None:
         return f"force-indentation linearisation method (FILM), {history.accuracy.lines} segments"
     return f"contact law on {history.accuracy.modes} modes of the target, by Gauss collocation"

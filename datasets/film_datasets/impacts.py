@@ -20,7 +20,7 @@ from film_model.core.records import Lines, record_many, sample_many
 from film_model.effects.choose import problem_of
 from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import rows_of
-from film_model.problem.problem import Problem
+from film_model.problem.problem import Problem, refuse_relaxation
 from film_model.problem.scales import Scales, motion_of
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.scene.columns import scene_of_columns
@@ -103,6 +103,7 @@ class Impacts:
 
     def _record(self, problem: Problem) -> Lines:
         """The segments of each impact, on its own mesh."""
+        refuse_relaxation(problem, "storing the motion of many impacts")
         own, parts = self._segments[rows_of(problem)], list[tuple[Index, Lines]]()
         for counts in np.unique(own, axis=0).tolist():
             places = np.flatnonzero((own == counts).all(axis=1))

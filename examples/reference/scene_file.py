@@ -8,7 +8,7 @@ from typing import Any
 
 from examples.reference.markdown import MADE, table, words
 from film_model.base.fields import Field
-from film_model.base.materials import Material
+from film_model.base.materials import MOST_RELAXATIONS, MOST_RELAXED, Material
 from film_model.base.units import DIMENSIONS, scene_unit
 from film_model.scene import Contact, Effects, Solver, Sphere
 from film_model.scene.contact import UNLOADINGS
@@ -42,6 +42,8 @@ EXAMPLES = {
     "boundary_reflections": "false",
     "target_inertia": "false",
     "rate_hardening": "false",
+    "viscoelasticity": "false",
+    "prony": '[[0.3, "1 ms"], [0.2, "20 ms"]]',
     "tolerance": "0.05",
     "accuracy": "1e-6",
     "segments": "5",
@@ -111,6 +113,8 @@ def example(owner: type, name: str) -> str:
 
 def _allowed(name: str, field: Field) -> str:
     """The range of a number, or the words that are allowed."""
+    if name == "prony":
+        return f"1 to {MOST_RELAXATIONS} pairs; moduli together below {MOST_RELAXED:g}, times 1e-12 to 1e+12 s"
     if name == "law":
         return '`"auto"` or the name of a [law](../laws.md)'
     if name == "unloading":

@@ -107,6 +107,16 @@ STATUSES: dict[int, Status] = {
     -6: Status("bad_unloading", "the law's unloading from the maximum indentation has zero length"),
     -7: Status("full", "the motion has more segments or events than the caller's arrays can hold", of_row=False),
     -8: Status("too_stiff", "the law's force at first touch exceeds the target's impedance times the impact velocity"),
+    -9: Status(
+        "turns_again",
+        "the indentation grows again before contact ends, for which viscoelastic contact is not solved: "
+        "viscoelasticity = false in [effects] takes the instantaneous modulus",
+    ),
+    -10: Status(
+        "remembers",
+        "a contact begins before the viscoelastic material has forgotten the one before, which is not solved: "
+        "viscoelasticity = false in [effects] takes the instantaneous modulus",
+    ),
     NO_VELOCITY: Status("no_velocity", "the impactor does not approach the target"),
     VIBRATES: Status(
         "vibrates",

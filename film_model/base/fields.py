@@ -21,7 +21,7 @@ class Field:
     """One entry of a table. read: converts and checks a value. need: the message if a required entry is missing.
 
     low, high: range of a quantity, SI; with `open_ends`, the range excludes its ends. inside: names of
-    the entries of a part.
+    the entries of a part. write: a stored value as a scene file contains it; default :func:`written`.
     """
 
     read: Callable[[object], Any]
@@ -32,6 +32,7 @@ class Field:
     high: float | None = None
     open_ends: bool = False
     inside: tuple[str, ...] = ()
+    write: Callable[[Any], Any] | None = None
 
 
 class Part(Protocol):
@@ -227,7 +228,7 @@ def table_of(source: object) -> dict[str, Any]:
     for name, field in cast("Part", source).FIELDS.items():
         value = getattr(source, name)
         if value is not None and value != math.inf and value != "":
-            table[name] = written(value, field.dimension)
+            table[name] = written(value, field.dimension) if field.write is None else field.write(value)
     return table
 
 

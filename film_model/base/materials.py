@@ -3,15 +3,57 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias, cast
 
 from film_model.base.catalogue import ROWS, Row
 from film_model.base.errors import raise_all, shown
-from film_model.base.fields import Field, fill, measure, part, words
+from film_model.base.fields import Field, fill, measure, part, words, written
 from film_model.base.units import Value
+
+MOST_RELAXATIONS = 12
+"""Pairs of a Prony series."""
+
+MOST_RELAXED = 0.9999
+"""Limit of the sum of a Prony series' relative moduli: a modulus that falls to 0 leaves no solid."""
+
+_PAIR = (measure("dimensionless", 0, 1, open_ends=True), measure("time", 1e-12, 1e12))
+
+
+def _read_prony(value: object) -> tuple[tuple[float, float], ...]:
+    """The pairs of a Prony series, e.g. [[0.3, "1 ms"], [0.2, "10 ms"]]."""
+    pairs = _items(value)
+    if not 0 < len(pairs) <= MOST_RELAXATIONS or any(len(_items(pair)) != 2 for pair in pairs):
+        raise ValueError(f"{shown(value)} is not allowed: {_PRONY_NEEDED}")
+    found: list[tuple[float, float]] = []
+    for place, pair in enumerate(pairs, 1):
+        try:
+            modulus, time = (field.read(item) for field, item in zip(_PAIR, _items(pair), strict=True))
+        except ValueError as error:
+            raise ValueError(f"pair {place}: {error}") from None
+        found.append((modulus, time))
+    total = sum(modulus for modulus, _ in found)
+    if not total < MOST_RELAXED:
+        raise ValueError(f"the relative moduli add up to {total:g}, which must be < {MOST_RELAXED:g}")
+    return tuple(found)
+
+
+def _items(value: object) -> Sequence[object]:
+    """The items of a list; none of what is no list."""
+    return cast("Sequence[object]", value) if isinstance(value, Sequence) and not isinstance(value, str) else ()
+
+
+def _write_prony(pairs: Sequence[tuple[float, float]]) -> list[list[float | str]]:
+    return [[modulus, written(time, "time")] for modulus, time in pairs]
+
+
+_PRONY_NEEDED = (
+    f"a list of 1 to {MOST_RELAXATIONS} pairs of a relative modulus and a relaxation time is needed, e.g. "
+    '[[0.3, "1 ms"]]'
+)
+PRONY = Field(_read_prony, _PRONY_NEEDED, write=_write_prony)
 
 
 @dataclass(frozen=True, init=False)
@@ -24,6 +66,10 @@ class Material:
     strain_rate_coefficient: C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength. surface_energy: of
     one surface, J/m²; those of both bodies give the work of adhesion. loss_factor: tan δ at the frequency of the
     contact, only to estimate damping. tensile_strength: of a brittle material, Pa, only to estimate whether it cracks.
+
+    prony: of a viscoelastic material, pairs of a relative modulus g and a relaxation time τ [s]. The modulus relaxes as
+    E(t) = E₀ [1 − Σ g (1 − exp(−t/τ))] at a constant Poisson's ratio; youngs_modulus is then the instantaneous E₀, and
+    E₀ (1 − Σ g) > 0 the modulus of slow loading. At most 12 pairs.
 
     >>> fm.Material("ours", youngs_modulus="205 GPa", poissons_ratio=0.29, density="7.9 g/cm^3").density  # kg/m³
     7900.0
@@ -40,6 +86,7 @@ class Material:
         "strain_rate_coefficient": measure("dimensionless", 0, 1),
         "tensile_strength": measure("pressure", 1, 1e12),
         "surface_energy": measure("surface_energy", 0, 1e3),
+        "prony": PRONY,
     }
 
     name: str
@@ -52,6 +99,7 @@ class Material:
     strain_rate_coefficient: float | None
     tensile_strength: float | None
     surface_energy: float | None
+    prony: tuple[tuple[float, float], ...] | None
 
     def __init__(
         self,
@@ -65,6 +113,7 @@ class Material:
         strain_rate_coefficient: float | str | None = None,
         tensile_strength: Value | None = None,
         surface_energy: Value | None = None,
+        prony: Sequence[tuple[float | str, Value]] | None = None,
     ) -> None:
         raise_all(fill(self, locals()))
 

@@ -100,7 +100,8 @@ def _table(history: History) -> str:
         for effect in history.effects
         if effect.name in COMPUTED
     ]
-    means = f"{accuracy.modes} modes" if accuracy.modes else f"{accuracy.lines} segments"
+    pieces = "segments" if history.relaxed is None else "steps"
+    means = f"{accuracy.modes} modes" if accuracy.modes else f"{accuracy.lines} {pieces}"
     lines.append(f"  estimated relative error ≤ {accuracy.estimated:.1e} ({means})")
     return "\n".join(lines)
 

@@ -169,7 +169,9 @@ enum {
     FILM_TOO_MANY = -5,      /* more than FILM_MAX_STEP_LINES lines in one call, or FILM_MAX_EVENTS of one contact */
     FILM_BAD_UNLOADING = -6, /* the unloading rule gives a branch shorter than 1e-12 of the depth */
     FILM_FULL = -7,          /* the caller's array is too short */
-    FILM_TOO_STIFF = -8      /* the force at first touch exceeds Z nu: the target moves away at once */
+    FILM_TOO_STIFF = -8,     /* the force at first touch exceeds Z nu: the target moves away at once */
+    FILM_TURNS_AGAIN = -9,   /* film_relax.h: the indentation grows again before contact ends */
+    FILM_REMEMBERS = -10     /* film_relax.h: a contact begins before the body has forgotten the one before */
 };
 
 enum { FILM_MAX_STEP_LINES = 50000000, FILM_MAX_EVENTS = 200000 /* of one contact in film_impact */ };

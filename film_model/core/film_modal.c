@@ -257,7 +257,7 @@ static void current(const film_structure *structure, const film_modal *s, const 
     now[1] = s->v;
     now[2] = s->x - s->shift;
     now[3] = s->v - s->rate;
-    if (!s->has_step || !(s->tau > 0.0)) return;
+    if (!s->has_step || !(s->tau > 0.0) || s->kind == FILM_STEP_REST) return;
     film_ball_at(s, s->tau, &now[0], &now[1]);
     if (s->kind == FILM_STEP_JUMP) {
         now[2] = now[0];
@@ -329,7 +329,7 @@ void film_modal_sample(const film_structure *structure, const film_curve *curve,
         s.unit = of->unit;
         s.has_step = 1;
         s.tau = times[i] - of->time;
-        s.kind = of->flight < 0 ? FILM_STEP_CONTACT : FILM_STEP_JUMP;
+        s.kind = of->flight >= 0 ? FILM_STEP_JUMP : of->h < INFINITY ? FILM_STEP_CONTACT : FILM_STEP_REST;
         memcpy(s.force, of->force, sizeof s.force);
         memcpy(s.bend, of->bend, sizeof s.bend);
         if (of->flight < 0) s.tau = fmin(s.tau, of->h);

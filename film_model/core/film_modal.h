@@ -74,10 +74,12 @@ typedef struct {
 enum {
     FILM_STEP_CONTACT = 0, /* under the cubic force */
     FILM_STEP_FLIGHT = 1,  /* without contact, of a length at which the interpolation is exact enough */
-    FILM_STEP_JUMP = 2     /* without contact, of any length */
+    FILM_STEP_JUMP = 2,    /* without contact, of any length */
+    FILM_STEP_REST = 3     /* in contact at rest under a load, without end */
 };
 
-/* A step as recorded, or a whole flight: `flight` is the place of its modal state among the flights, -1 in contact. */
+/* A step as recorded, or a whole flight: `flight` is the place of its modal state among the flights, -1 in contact; h of a
+ * flight and of a contact at rest is INFINITY. */
 typedef struct {
     double time, h, x, v, depth, depth_rate; /* depth: x - sum w_n */
     double load, unit, rest;
@@ -128,7 +130,7 @@ FILM_API int film_modal_input(const film_structure *structure, const film_curve 
                               double load, double nu_change, double stop_velocity);
 
 /* Forward by dt >= 0 (INFINITY allowed) or to the next event, whichever is first: FILM_OK, FILM_EVENT
- * (state->contact.event), FILM_ENDLESS (it flies away), or a failure. The state is at time + tau either way. */
+ * (state->contact.event), FILM_ENDLESS (it flies away, or rests), or a failure. The state is at time + tau either way. */
 FILM_API int film_modal_step(film_structure *structure, const film_curve *curve, film_modal *state, double *waves, double dt);
 
 /* The five values of film_motion now: xi, its rate, F, nu, displacement of the struck point; rates in delta_s/t_s. */
@@ -145,7 +147,8 @@ FILM_API double film_modal_work(const film_modal *state, double force);
 FILM_API void film_modal_energies(const film_structure *structure, const film_modal *state, const double *waves, double *energies);
 
 /* One impact, until the impactor is out of reach of the structure or has waited as long as it was in contact before and
- * for the longest period: FILM_EVENT when contact has ended, FILM_OK at the time limit, or a failure. record may be NULL;
+ * for the longest period: FILM_EVENT when contact has ended, FILM_ENDLESS when it rests under its load, FILM_OK at the time
+ * limit, or a failure. record may be NULL;
  * FILM_FULL: make room in it and call film_modal_go_on, which goes on from there. */
 FILM_API int film_modal_impact(film_structure *structure, const film_curve *curve, const film_modal_start *start,
                                film_modal *state, double *waves, film_modal_summary *summary, film_modal_record *record);

@@ -12,7 +12,12 @@ static const double CUT_TOLERANCE = 1e-10, CUT_SHARE = 1e-3;
 /* An event this close to the beginning of a step, as a fraction of it, happens there. */
 static const double AT_ONCE = 1e-13;
 
-enum { CUTS = 8, TURNS_A_STEP = 16 };
+/* Contact under a load rests when its energy above that of equilibrium is below this fraction of load times indentation: the
+ * force then differs from the load by about 1e-6 of it. Without it a structure's fading vibration turns without end;
+ * tests/test_modal_component.py. The energy is computed only where the force is as near to the load as REST_FORCE says. */
+static const double REST_ENERGY = 1e-12, REST_FORCE = 1e-5;
+
+enum { CUTS = 8, TURNS_A_STEP = 16, REST_STEPS = 4 };
 
 /* ---------------------------------------------------------------- polynomials whose roots are events */
 
@@ -201,6 +206,49 @@ static int cut(const film_structure *structure, const film_curve *curve, film_mo
     return FILM_OK;
 }
 
+/* ---------------------------------------------------------------- rest */
+
+/* The displacement of mode i under the load, at rest. */
+static double static_wave(const film_structure *structure, const film_modal *s, int32_t i) {
+    return structure->share[i] * s->mass / (s->unit * s->unit) * s->load / structure->square[i];
+}
+
+/* Whether the motion that is left at the beginning of the step is negligible. */
+static int is_resting(const film_structure *structure, const film_curve *curve, const film_modal *s, const double *waves) {
+    if (!(s->load > 0.0) || structure->rigid > 0 || fabs(s->last_force - s->load) > REST_FORCE * s->load) return 0;
+    double xi = film_indentation(curve, &s->contact.line, s->rest, s->x - s->shift), per = s->unit * s->unit / s->mass;
+    film_at at = film_law_on(curve, &s->contact.line, xi, 0.0);
+    double excess = at.force - s->load, speed = s->v * s->unit;
+    double energy = speed * speed + excess * excess * (1.0 / at.by_xi + s->rest);
+    for (int32_t i = 0; i < structure->modes; i++) {
+        double w = waves[i] - static_wave(structure, s, i), u = waves[structure->modes + i];
+        energy += (u * u + structure->square[i] * w * w) * per / structure->share[i];
+    }
+    return at.by_xi > 0.0 && 0.5 * energy <= REST_ENERGY * s->load * (xi - s->contact.xi_free);
+}
+
+/* The contact in equilibrium, from now on. */
+static void rest(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves) {
+    double xi = film_indentation(curve, &s->contact.line, s->rest, s->x - s->shift);
+    for (int k = 0; k < REST_STEPS; k++) {
+        film_at at = film_law_on(curve, &s->contact.line, xi, 0.0);
+        xi -= (at.force - s->load) / at.by_xi;
+    }
+    s->kind = FILM_STEP_REST;
+    s->h = s->event_at = INFINITY;
+    s->v = s->rate = s->shift = s->contact.nu = 0.0;
+    for (int32_t i = 0; i < structure->modes; i++) {
+        waves[i] = static_wave(structure, s, i);
+        waves[structure->modes + i] = 0.0;
+        s->shift += waves[i];
+    }
+    s->x = xi + s->rest * s->load + s->shift;
+    s->last_force = s->load;
+    s->last_slope = 0.0;
+    s->contact.xi = xi;
+    s->contact.phase = FILM_RESTING;
+}
+
 /* ---------------------------------------------------------------- the plan */
 
 /* Plans the next step in contact: of the largest duration that meets the tolerance, or to the event that ends it. */
@@ -208,6 +256,11 @@ int film_plan_contact(film_structure *structure, const film_curve *curve, film_m
     double error = 0.0, at;
     film_equations e;
     int ends, direction, status = FILM_TOO_MANY;
+    if (is_resting(structure, curve, s, waves)) {
+        rest(structure, curve, s, waves);
+        return FILM_OK;
+    }
+    if (s->contact.phase == FILM_RESTING) s->contact.phase = run_phase(&s->contact);
     s->kind = FILM_STEP_CONTACT;
     for (;; s->level++) {
         if (s->level >= structure->levels) return FILM_TOO_MANY;

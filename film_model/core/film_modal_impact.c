@@ -33,6 +33,7 @@ static void record_segment(const film_structure *structure, const film_modal *s,
     to->line = s->contact.line;
     to->line.branch = s->contact.branch;
     to->flight = -1;
+    if (kind == FILM_STEP_REST) return;
     if (kind == FILM_STEP_CONTACT) {
         memcpy(to->force, s->force, sizeof to->force);
         memcpy(to->bend, s->bend, sizeof to->bend);
@@ -86,10 +87,10 @@ int film_modal_go_on(film_structure *structure, const film_curve *curve, double 
         if (!s->has_step) {
             status = film_plan_step(structure, curve, s, waves);
             if (status < 0) break;
-            if (record != NULL && s->kind == FILM_STEP_CONTACT && s->h > 0.0) record_segment(structure, s, waves, FILM_STEP_CONTACT, record);
+            if (record != NULL && !in_flight && s->h > 0.0) record_segment(structure, s, waves, s->kind, record);
         }
         double dt = fmax(until - now_of(s), 0.0);
-        if (s->kind == FILM_STEP_JUMP && !(s->h < INFINITY)) status = FILM_ENDLESS; /* out of reach */
+        if (s->h == INFINITY) status = FILM_ENDLESS; /* out of reach, or at rest */
         else status = film_advance(structure, curve, s, waves, &dt);
         if (status < 0 || status == FILM_ENDLESS) break;
         if (status == FILM_EVENT) {
@@ -108,7 +109,7 @@ int film_modal_go_on(film_structure *structure, const film_curve *curve, double 
     if (status < 0) return status;
     if (!in_flight) {
         summary->core.contact_duration = summary->core.permanent_indentation = summary->core.final_velocity = NAN;
-        return FILM_OK;
+        return status;
     }
     summary->waited = status != FILM_ENDLESS;
     return FILM_EVENT;

@@ -77,6 +77,9 @@ void film_moved_mode(const film_structure *structure, const film_modal *s, const
                      double *u) {
     double y[RESPONSES], square = structure->square[n], drag = structure->drag[n];
     double w0 = waves[n], u0 = waves[structure->modes + n], pushed = 0.0, pushed_rate = 0.0;
+    *w = w0;
+    *u = u0;
+    if (s->kind == FILM_STEP_REST) return;
     if (s->kind == FILM_STEP_CONTACT) film_responses(square, drag, t, y);
     else impulse(square, drag, t, &y[0], &y[1]);
     *w = w0 * (y[0] + drag * y[1]) + u0 * y[1];

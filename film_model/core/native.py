@@ -30,7 +30,7 @@ EVENTS = (
     "reloading_begins",
 )
 PHASES = ("approaching", "loading", "unloading", "reloading", "resting", "separated")
-OK, EVENT, ENDLESS = range(3)
+OK, EVENT, ENDLESS, TURNS_AGAIN, REMEMBERS = 0, 1, 2, -9, -10
 BAD_NUMBER, BAD_CURVE, BAD_MESH, BEYOND_LAW, TOO_MANY, BAD_UNLOADING, FULL, TOO_STIFF = range(-1, -9, -1)
 
 _D, _I, _GRADINGS = c.c_double, c.c_int32, 6

@@ -15,7 +15,7 @@ from typing import Any
 
 from film_model.base.arrays import any_of, either
 from film_model.base.errors import SimulationError
-from film_model.effects import gravity, plasticity, rate_hardening, target_motion
+from film_model.effects import gravity, plasticity, rate_hardening, target_motion, viscoelasticity
 from film_model.effects.edge_effects import edged, support_of
 from film_model.effects.effect import COMPUTED, FREE, NOT_NEEDED, Effect
 from film_model.effects.judged import judge
@@ -73,7 +73,7 @@ class Choice:
     def _judged(self) -> tuple[Effect, ...]:
         """The effects that may matter without being simulated, about which there may be warnings."""
         _, moves, keeps_law = self.decided
-        found = [rate_hardening.describe(self.static, self.hard, keeps_law)]
+        found = [rate_hardening.describe(self.static, self.hard, keeps_law), viscoelasticity.describe(self.problem)]
         held = self.scene.target.gives_way and self.scene.effects.target_motion is not False and not moves
         why = "the target moves too little to matter"
         found += [effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in self.edges]
@@ -121,6 +121,7 @@ def choose(scene: Scene) -> Choice:
                 "target_motion = false in [effects] fixes the target"
             )
         problem = problem.impacts.problem(math.inf, problem.given[1], vibrates=True)
+    problem = viscoelasticity.applied(problem)
     return Choice(problem, light, moved, yielding, static, hard, yields, support, edges, decided)
 
 
@@ -136,11 +137,11 @@ def chosen(impacts: Impacts, yields: bool | None) -> list[Problem]:
     """
     support = Support(impacts.numbers.impedance)
     _, yielding, decided = _decide(impacts.problem(support.impedance, impacts.column(0.0)), support, yields)
-    keeps_law = decided[2]
-    if keeps_law.all():
-        return [yielding]
-    elastic = plasticity.elastic(yielding).part(~keeps_law)
-    return [yielding.part(keeps_law), elastic] if keeps_law.any() else [elastic]
+    keeps_law, made = decided[2], [yielding]
+    if not keeps_law.all():
+        elastic = plasticity.elastic(yielding).part(~keeps_law)
+        made = [yielding.part(keeps_law), elastic] if keeps_law.any() else [elastic]
+    return [part for problem in made for part in viscoelasticity.divided(problem)]
 
 
 def _decide(light: Problem, support: Support, yields: bool | None) -> tuple[Problem, Problem, Any]:

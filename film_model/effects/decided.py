@@ -23,7 +23,7 @@ class Decision(NamedTuple):
 
     def put_into(self, scene: Scene) -> Scene:
         """The scene with this decision in place of "auto"."""
-        effects = {"gravity": self.gravity, "rate_hardening": self.hard}
+        effects = {"gravity": self.gravity, "rate_hardening": self.hard, "viscoelasticity": False}
         if scene.target.gives_way:
             effects["target_motion"] = self.motion
         if scene.contact.law == "auto":
@@ -36,7 +36,7 @@ class Decision(NamedTuple):
 
 
 def decisions_of(problem: Problem) -> list[Decision]:
-    """The decision for each impact of a problem, whose target does not vibrate."""
+    """The decision for each impact of a problem, whose target does not vibrate and whose materials do not relax."""
     strength, slow = problem.impacts.law.strength, problem.impacts.scene.yield_strength
     hard = False if strength is None or slow is None else strength > slow
     static = problem.curve.native.compliance > 0.0

@@ -22,6 +22,7 @@ ON_MODES = "motion of the modes, about 100 times slower"
 COMPUTED = {
     "plasticity": 'the contact yields: for law "auto", jackson-green instead of hertz',
     "rate_hardening": "the yield strength rises with the strain rate of the impact",
+    "viscoelasticity": "the modulus of a material with a prony series relaxes during the contact",
     "fully_plastic": "the contact reaches the last stage of a law that yields",
     "target_motion": "the target moves, by its impedance, its static stiffness or its vibrations",
     "boundary_reflections": "waves return from the edges of a plate or beam before contact ends",

@@ -93,7 +93,7 @@ def _one_by_one(
     others: bool = False,
 ) -> list[Problem]:
     """Problems from one scene per row. others: whether problems of other rows exist."""
-    groups: dict[tuple[str, int], list[tuple[int, Problem]]] = {}
+    groups: dict[tuple[Any, ...], list[tuple[int, Problem]]] = {}
     first: Exception | None = None
     if set(columns) <= set(_OF_THE_IMPACTOR) and rows.size > 4 * _ASKED and _all_vibrate(scene, columns, rows):
         status[rows] = VIBRATES
@@ -108,7 +108,7 @@ def _one_by_one(
         if problem.vibrates:
             status[row] = VIBRATES
             continue
-        groups.setdefault((problem.law.name, id(problem.curve)), []).append((row, problem))
+        groups.setdefault((problem.law.name, id(problem.curve), problem.relaxation), []).append((row, problem))
     if not groups and not others and first is not None and not (status[rows] == VIBRATES).any():
         raise first
     return [_gathered(members, scene, columns) for members in groups.values()]

@@ -46,17 +46,21 @@ def material_damping(case: Case, rule: Rule) -> Effect:
 
     For a linear spring and dashpot this gives 1 − e = (π/2) tan δ. The loss factors of two bodies are averaged,
     weighted with their compliances. If one body has none, it is taken as 0, and the effect says so; it is not judged if
-    the loss is then below the tolerance, but the body has more than a tenth of the compliance.
+    the loss is then below the tolerance, but the body has more than a tenth of the compliance. The loss of a body with
+    a prony series is that of the effect viscoelasticity, and 0 here.
     """
     scene, modulus = case.scene, case.scene.effective_modulus
     bodies = {"impactor": scene.impactor.material, "target": scene.target.material}
-    known = {part: m for part, m in bodies.items() if m is not None and m.loss_factor is not None}
+    relaxing = [part for part, m in bodies.items() if m is not None and m.prony is not None]
+    if len(relaxing) == len(bodies):
+        return rule.absent("the effect viscoelasticity accounts for it: both materials have a prony series")
+    known = {part: m for part, m in bodies.items() if m is not None and (m.loss_factor is not None or part in relaxing)}
     missing = [part for part in bodies if part not in known]
     if not known:
         return rule.unjudged("missing: " + " and ".join(f"{part}.material.loss_factor" for part in missing))
     soft = {part: (1.0 - m.poissons_ratio**2) / m.youngs_modulus for part, m in bodies.items() if m is not None}
     total = sum(soft.values()) if len(soft) == len(bodies) or modulus is None else 1.0 / modulus
-    value = sum(cast("float", m.loss_factor) * soft[part] for part, m in known.items()) / total
+    value = sum(_loss(m) * soft[part] for part, m in known.items()) / total
     why = f"the materials dissipate {100 * min(1.0, math.pi * value):.2g} % of the elastic energy"
     size = min(1.0, math.pi * value * (1.0 - case.fraction))
     if missing:
@@ -65,6 +69,10 @@ def material_damping(case: Case, rule: Rule) -> Effect:
             return rule.unjudged(f"missing: {missing[0]}.material.loss_factor; without it, {why}", value)
         why += f"; the loss factor of the {missing[0]} is not given and taken as 0"
     return rule.sized(case.tolerance, value, case.tolerance / math.pi, size, why)
+
+
+def _loss(of: Material) -> float:
+    return 0.0 if of.prony is not None else cast("float", of.loss_factor)
 
 
 def heating(case: Case, rule: Rule) -> Effect:

@@ -154,7 +154,9 @@ class Content:
 
 
 def not_simulated(choice: Choice) -> str:
-    """Why the page cannot simulate the law of the scene; empty if it can."""
+    """Why the page cannot simulate the contact of the scene; empty if it can."""
+    if choice.problem.relaxation is not None:
+        return "a material is viscoelastic"
     return f"the law {choice.problem.law.name} pulls" if choice.problem.curve.pulls else ""
 
 

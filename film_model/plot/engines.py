@@ -45,7 +45,7 @@ def _draw(figure: Figure, scene: Scene, made: Translation) -> None:
     left = figure.add_axes((0.08, 0.09, 0.39, 0.33))
     for values, colour, marker in ((made.wanted, OURS, "o"), (made.found, THEIRS, "s")):
         left.plot(speeds, values["restitution"], marker=marker, color=colour, markersize=4)
-    left.set(xlabel="approach velocity [m/s]", ylabel="coefficient of restitution")
+    left.set(xlabel="approach velocity (m/s)", ylabel="coefficient of restitution")
     right = figure.add_axes((0.59, 0.09, 0.38, 0.33))
     right.axhline(0.0, color="0.7", linewidth=0.8)
     for name, colour, marker in zip(made.errors, (COLOURS[1], COLOURS[3], COLOURS[4]), MARKERS, strict=False):
@@ -57,7 +57,7 @@ def _draw(figure: Figure, scene: Scene, made: Translation) -> None:
             markersize=4,
             label=name,
         )
-    right.set(xlabel="approach velocity [m/s]", ylabel=f"error of {made.engine.title} [%]")
+    right.set(xlabel="approach velocity (m/s)", ylabel=f"error of {made.engine.title} (%)")
     right.legend(frameon=False, fontsize=8)
     if len(speeds) > 1:
         left.set_xscale("log")
@@ -81,5 +81,5 @@ def _history(panel: Axes, scene: Scene, made: Translation, impacts: Any, at: int
     inside = impacts.times[:, at] <= made.found["duration"][at]
     label = f"{made.engine.title}, {made.law.name}"
     panel.plot(impacts.times[inside, at] / clock, impacts.forces[inside, at] / size, "--", color=THEIRS, label=label)
-    panel.set(xlabel=f"time [{second}]", ylabel=f"contact force [{newton}]")
+    panel.set(xlabel=f"time ({second})", ylabel=f"contact force ({newton})")
     panel.set_title(f"{speed:.3g} m/s", fontsize=9)

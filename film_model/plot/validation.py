@@ -12,6 +12,7 @@ from film_model.studies.validation import AUTO, LawReport, measured
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+OTHERS = tuple(colour for colour in COLOURS if colour != HIGHLIGHT)
 MARKS = {"measured": "o", "finite_element": "s", "theory": "^"}
 
 
@@ -23,20 +24,21 @@ def plot_validation(
     def draw(figure: Figure) -> None:
         figure.set_layout_engine("constrained")
         left, right = figure.subplots(1, 2, width_ratios=(3, 2))
-        for k, report in enumerate(reversed(reports)):
+        for k, report in _drawn(reports):
             first = report.law == AUTO
-            colour = HIGHLIGHT if first else COLOURS[k % len(COLOURS)]
+            colour = _colour(report, k)
             for kind, mark in MARKS.items():
                 found = [p for p in report.predictions if p.row.kind == kind and p.value == p.value]
                 values = [p.row.value if p.row.value < 1.0 and p.row.value > 0.01 else 1e3 * p.row.value for p in found]
                 style: Any = {"linestyle": "", "marker": mark, "markersize": 5.0 if first else 3.0, "color": colour}
                 left.plot(values, [1.0 + p.error for p in found], **style, alpha=1.0 if first else 0.45)
+        _legend(figure, reports)
         left.axhline(1.0, color="0.3", linewidth=0.8)
         left.set(
             xscale="log",
             ylim=(0.4, 1.8),
             xlabel="published value: coefficient of restitution, or dent in mm",
-            ylabel="computed/published; circles measured, squares finite elements",
+            ylabel="computed over published value",
         )
         errors: list[Any] = [[100 * error for error in report.errors()] for report in reports]
         right.boxplot(errors, orientation="horizontal", whis=(0, 100))
@@ -49,3 +51,24 @@ def plot_validation(
             right.plot(own, [k + 1] * len(own), "o", markersize=3.0, color=HIGHLIGHT)
 
     return picture(path, draw, (11.0, 5.0), dpi)
+
+
+def _drawn(reports: Sequence[LawReport]) -> list[tuple[int, LawReport]]:
+    """The laws in the order in which they are drawn: that of "auto" on top."""
+    return list(enumerate(reversed(reports)))
+
+
+def _colour(report: LawReport, place: int) -> str:
+    return HIGHLIGHT if report.law == AUTO else OTHERS[place % len(OTHERS)]
+
+
+def _legend(figure: Figure, reports: Sequence[LawReport]) -> None:
+    """Below the panels: the colours of the laws, and the marks of the kinds of values."""
+    from matplotlib.lines import Line2D
+
+    keys: list[tuple[str, Any]] = [
+        (report.law, {"marker": "o", "color": _colour(report, k)}) for k, report in reversed(_drawn(reports))
+    ]
+    keys += [(name.replace("_", " "), {"marker": mark, "color": "0.4"}) for name, mark in MARKS.items()]
+    handles = [Line2D([], [], linestyle="", label=label, **style) for label, style in keys]
+    figure.legend(handles=handles, loc="outside lower left", ncols=6, frameon=False, fontsize=8)

@@ -22,6 +22,7 @@ from film_model.laws.law import AbstractLaw
 from film_model.problem.curve import Curve, curve_of
 from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.problem.numbers import Numbers, zener
+from film_model.problem.relaxation import Relaxation
 from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
 from film_model.problem.varied import Varied, varied_of
 from film_model.scene import Scene
@@ -34,6 +35,10 @@ and times m/Z."""
 
 TRIAL_SEGMENTS = 16
 """Segments per stage of the trial march. Its relative errors, about 1e-5, are similar with and without an effect."""
+
+
+TRIAL_TOLERANCE = 1e-3
+"""Tolerance of a step in the trial of a contact that relaxes; its relative errors are about 1e-5."""
 
 
 class Columns:
@@ -211,8 +216,8 @@ class Problem:
     relative velocity over v_s. drift, share: the impactor's velocity is drift + share·ν v_s, a free target's
     drift − (1 − share)·ν v_s; drift 0 and share 1 unless the target is a free body. mass: effective, kg. given: target
     impedance [N s/m], load [N] and compliance [m/N]. free: the target is a free body. vibrates: it moves by its modes,
-    and is integrated, not marched by the core. law: of many impacts, that of the first. shape: of many impacts whose
-    laws differ in it; varied: of those whose curves differ in some
+    and is integrated, not marched by the core. relaxation: of the moduli, if it is simulated. law: of many impacts,
+    that of the first. shape: of many impacts whose laws differ in it; varied: of those whose curves differ in some
     numbers. Then the curve, too, is that of the first.
     """
 
@@ -231,6 +236,7 @@ class Problem:
     free: bool = False
     vibrates: bool = False
     shape: Any = None
+    relaxation: Relaxation | None = None
     varied: Varied | None = None
     _others: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
 
@@ -274,6 +280,7 @@ class Problem:
             free=self.free,
             vibrates=self.vibrates,
             shape=None if self.shape is None else self.shape[places],
+            relaxation=self.relaxation,
             varied=None if self.varied is None else self.varied.part(places),
             **{name: getattr(self, name)[places] for name in numbers},
         )
@@ -304,6 +311,7 @@ class Problem:
 
         One impact by the lines that are recorded: the meshes are compared to find the error of its history.
         """
+        refuse_relaxation(self, "a march on lines")
         if not self.impacts.many:
             return native.marched(self.curve.native, mesh, self.start)
         page = self.curve.page
@@ -318,6 +326,12 @@ class Problem:
         else:
             status, table = families.batch(page.family, page.whole, mesh, self.start, self.shape)
         return status, Columns(table)
+
+    def relax(self, tolerance: float) -> tuple[Any, Any]:
+        """The same for a contact that relaxes. tolerance: of the core's steps."""
+        assert self.relaxation is not None
+        status, summary = self.relaxation.march(self.scales.time, self.start, tolerance)
+        return status, Columns(summary) if self.impacts.many else summary
 
     def by_curve(self) -> Iterator[Problem]:
         """The problems, of one impact or of many, whose impacts share a curve to the last digit."""
@@ -334,6 +348,8 @@ class Problem:
     @cached_property
     def trial(self) -> Trial:
         """The impact on a coarse mesh, used to decide effects."""
+        if self.relaxation is not None:
+            return Trial(*self.relax(TRIAL_TOLERANCE))
         return Trial(*self.march(native.mesh(native.WORK_PRESERVING, *self.curve.segments(TRIAL_SEGMENTS))))
 
     @property
@@ -361,8 +377,18 @@ def contact_limit(approach: Any, gamma: Any) -> Any:
     return CONTACT_LIMIT * (3.0 * greater(approach, 1e-3) ** -0.2 + gamma)
 
 
+def refuse_relaxation(problem: Problem, what: str) -> None:
+    """SimulationError if a material relaxes; `what` does not support that."""
+    if problem.relaxation is not None:
+        raise SimulationError(
+            f"{what} is not supported for a viscoelastic material; use simulate(), or take its instantaneous modulus "
+            "by viscoelasticity = false in [effects]"
+        )
+
+
 def refuse_vibrations(problem: Problem, what: str) -> None:
-    """SimulationError if the target vibrates; `what` does not support that."""
+    """SimulationError if the target vibrates or a material relaxes; `what` does not support that."""
+    refuse_relaxation(problem, what)
     if problem.vibrates:
         raise SimulationError(vibrations_refused(what))
 

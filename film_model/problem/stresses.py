@@ -65,19 +65,24 @@ def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tupl
 def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:
     """Radius, dent, pressures and stresses from a summary, by their names in `SUMMARY`.
 
-    They hold at the largest force, which is that at the largest indentation; of damped laws it is not, so that only the
-    radius is known. Nothing is known for laws that pull. Stresses are those of the body that yields first
-    (`Scene.poissons_ratio`).
+    They hold at the largest force, which is that at the largest indentation; of damped laws and viscoelastic materials
+    it is not, so that only the radius is known. Nothing is known for laws that pull. Stresses are those of the body
+    that yields first (`Scene.poissons_ratio`).
     """
     scene, force = problem.impacts.scene, summary["maximum_force"]
-    radius, elastic = contact_radius(problem.impacts, force, summary["maximum_indentation"])
+    depth = summary["maximum_indentation"]
+    if problem.relaxation is None:
+        radius, elastic = contact_radius(problem.impacts, force, depth)
+    else:  # on the way in, the contact is as wide as Hertz's at that indentation
+        radius, elastic = root(scene.effective_radius * depth), force != force
     radius = radius * math.nan if problem.curve.pulls else radius
-    damped, left = any_of(problem.damping > 0.0), summary["permanent_indentation"]
-    dented = left > SHALLOW * summary["maximum_indentation"]
+    damped = any_of(problem.damping > 0.0) or problem.relaxation is not None
+    left = summary["permanent_indentation"]
+    dented = left > SHALLOW * depth
     mean = force * math.nan if damped else force / (math.pi * radius * radius)
     peak = either(elastic, 1.5 * mean, math.nan)
     poisson = scene.poissons_ratio
-    shear, depth = (math.nan, math.nan) if poisson is None else shear_below(poisson)
+    shear, below = (math.nan, math.nan) if poisson is None else shear_below(poisson)
     return {
         "contact_radius": radius,
         "dent_diameter": either(dented, 2.0 * radius, left * 0.0),
@@ -85,7 +90,7 @@ def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:
         "peak_pressure": peak,
         "maximum_shear_stress": shear * peak,
         "maximum_von_mises_stress": 2.0 * shear * peak,
-        "depth_of_maximum_stress": depth * radius * either(elastic, 1.0, math.nan),
+        "depth_of_maximum_stress": below * radius * either(elastic, 1.0, math.nan),
     }
 
 

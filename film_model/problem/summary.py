@@ -58,7 +58,7 @@ def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
     over = status == native.EVENT
     turned = core.maximum_indentation > 0.0
     absorbed = either(abs(core.work) > WORK_ROUNDING * approach**2, core.work, 0.0)
-    no_dent = (problem.damping > 0.0) | problem.curve.pulls
+    no_dent = (problem.damping > 0.0) | problem.curve.pulls | (problem.relaxation is not None)
     with np.errstate(divide="ignore", invalid="ignore"):
         begun = {
             "maximum_indentation": core.maximum_indentation * s.length,

@@ -23,6 +23,8 @@ class Effects:
     gravity: the weight of the impactor, towards the target. boundary_reflections: waves reflected from the edges of a
     plate; false makes the plate infinite. target_inertia: of a plate or beam with edges; false makes it follow the
     force by its static stiffness alone. rate_hardening: the yield strength at the strain rate of the impact.
+    viscoelasticity: the relaxation of materials with a prony series, under law hertz; false takes their instantaneous
+    moduli.
     tolerance: "auto" simulates an effect if neglecting it would change a summary value by more than this relative
     amount. An effect that would, but cannot be simulated, causes a warning. Default: 1 %, or the requested accuracy if
     that is larger. A finer accuracy does not lower it, so that refining a mesh does not change the physics.
@@ -36,7 +38,7 @@ class Effects:
             name: choice("auto", True, False)
             for name in (
                 *("plasticity", "target_motion", "gravity", "boundary_reflections", "target_inertia"),
-                "rate_hardening",
+                *("rate_hardening", "viscoelasticity"),
             )
         },
         "tolerance": measure("dimensionless", 1e-12, 1),
@@ -48,6 +50,7 @@ class Effects:
     boundary_reflections: Switch
     target_inertia: Switch
     rate_hardening: Switch
+    viscoelasticity: Switch
     tolerance: float | None
 
     def __init__(
@@ -59,6 +62,7 @@ class Effects:
         boundary_reflections: Switch = "auto",
         target_inertia: Switch = "auto",
         rate_hardening: Switch = "auto",
+        viscoelasticity: Switch = "auto",
     ) -> None:
         raise_all(fill(self, locals()))
 

@@ -10,6 +10,9 @@ from film_model.base.units import scene_unit
 from film_model.scene.contact import Contact, parameter_fields, stiffness_unit
 from film_model.scene.scene import Scene
 
+_IN_PLACE_OF = {"impactor.velocity": "drop_height", "impactor.drop_height": "velocity"}
+"""Numbers of which a scene has one → the other."""
+
 SECTIONS = ("impactor", "target", "contact", "effects", "solver")
 
 
@@ -34,6 +37,9 @@ def field_at(scene: Scene, path: str) -> Field | None:
         raise ValueError("is in the unit of the stiffness: list [contact] sections that give both")
     if name not in fields:
         raise ValueError(f"unknown key{_meant(path, fields) or did_you_mean(path, _paths(scene))}")
+    other = _IN_PLACE_OF.get(path)
+    if other is not None and getattr(owner, other) is not None:
+        raise ValueError(f"the scene gives {sections[-1]}.{other}: give {name} there in its place")
     return None if fields[name].low is None or head == "solver" else fields[name]
 
 

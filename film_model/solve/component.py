@@ -13,7 +13,8 @@ from film_model.effects.choose import Choice, choose
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import Linearisation, mesh_for, mesh_of, raise_failure, solver_for
 from film_model.solve.history import Event, stage_names
-from film_model.solve.motions import OnLines, OnModes, modes_for
+from film_model.solve.motions import OnLines, OnMemory, OnModes, modes_for
+from film_model.solve.relaxed import tolerance_for
 from film_model.solve.vibration import unused_options
 
 DEFAULT_SEGMENTS = (24, 48)  # used if the impactor starts at rest: there is no impact on which to try meshes
@@ -67,6 +68,8 @@ class ImpactComponent:
 
     A target whose vibrations matter is followed by its natural vibrations, as many as `simulate` needs for the scene;
     it rings on between contacts, and the support moves it as a whole. `modes` is their number, and `segments` are 0.
+    Viscoelastic bodies have `segments` 0, too. A step raises SimulationError if their contact closes again before it
+    ended, or begins before they have recovered from the one before: see docs/effects.md.
     What `simulate` would warn about the accuracy is issued as an ImpactWarning.
 
     Raises SceneError or SimulationError as `simulate` does; SimulationError for a target that is a free body.
@@ -96,7 +99,10 @@ class ImpactComponent:
         self.modes = 0
         if self.problem.vibrates:
             self.segments = (0, 0)
-            self._motion: OnLines | OnModes = self._on_modes(accuracy, segments, linearisation)
+            self._motion: OnLines | OnModes | OnMemory = self._on_modes(accuracy, segments, linearisation)
+        elif self.problem.relaxation is not None:
+            self.segments = (0, 0)
+            self._motion = self._on_memory(accuracy, segments, linearisation)
         else:
             self._motion = OnLines(self.problem, self._mesh(accuracy, segments, linearisation))
         self.reset()
@@ -123,6 +129,15 @@ class ImpactComponent:
             python_warnings.warn(sentence, ImpactWarning, stacklevel=4)
         self.modes = found.modes
         return OnModes(self.problem, found)
+
+    def _on_memory(
+        self, accuracy: float | None, segments: int | tuple[int, int] | None, linearisation: Linearisation | None
+    ) -> OnMemory:
+        most = max(segments) if isinstance(segments, tuple) else segments
+        solver = solver_for(self.scene.solver, accuracy, most, linearisation)
+        for sentence in unused_options(solver, "the contact of viscoelastic bodies is solved"):
+            python_warnings.warn(sentence, ImpactWarning, stacklevel=4)
+        return OnMemory(self.problem, tolerance_for(self.problem, solver.accuracy or DEFAULT_ACCURACY))
 
     def __repr__(self) -> str:
         return f"ImpactComponent(law {self.problem.law.name}, {self.phase} at {self.time:g} s)"

@@ -135,7 +135,7 @@ def derivatives_of(choice: Choice, solver: Solver, entries: Sequence[Entry]) -> 
     """Derivatives of the summary of an impact whose effects are chosen; SimulationError on a vibrating target."""
     refuse_vibrations(choice.problem, "a derivative")
     (decision,) = decisions_of(choice.problem)
-    found = slopes(_pairs(decision.put_into(choice.scene), entries), solver, TARGET)
+    found = slopes(pairs_of(decision.put_into(choice.scene), {}, entries, 1), solver, TARGET)
 
     def table(columns: Mapping[str, Array]) -> dict[str, dict[str, float | None]]:
         return {
@@ -150,13 +150,14 @@ def derivatives_of(choice: Choice, solver: Solver, entries: Sequence[Entry]) -> 
     return Derivatives({e.path: e for e in entries}, table(found.values), table(found.errors), said)
 
 
-def _pairs(scene: Scene, entries: Sequence[Entry]) -> Pairs:
-    """The one impact with each of the numbers."""
-    count = len(entries)
-    columns = {entry.path: np.full(count, entry.value) for entry in entries}
-    step = np.array([float(entry.step(entry.value)) for entry in entries])
-    low, high = (np.array([getattr(entry, end) for entry in entries]) for end in ("low", "high"))
-    return Pairs(scene, columns, tuple(columns), np.arange(count), step, low, high)
+def pairs_of(scene: Scene, columns: Mapping[str, Array], entries: Sequence[Entry], count: int) -> Pairs:
+    """Each of `count` impacts with each of the numbers, those of an impact together. columns: numbers that vary, SI."""
+    given = {entry.path: np.full(count, entry.value) for entry in entries} | dict(columns)
+    which = np.tile(np.arange(len(entries)), count)
+    step = np.stack([entry.step(given[entry.path]) for entry in entries], axis=1).ravel()
+    low, high = (np.array([getattr(entry, end) for entry in entries])[which] for end in ("low", "high"))
+    repeated = {path: np.repeat(values, len(entries)) for path, values in given.items()}
+    return Pairs(scene, repeated, tuple(entry.path for entry in entries), which, step, low, high)
 
 
 def _kinks(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
@@ -174,7 +175,7 @@ def _kinks(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
         elif found.other_stage[k]:
             why = "contact reaches another stage of its law"
         if side == NO_DERIVATIVE:
-            yield f"no derivatives by {entry.path}: {why} {within} on both sides"
+            yield f"no derivatives by {entry.path}: {why} on both sides of {entry.text}"
         else:
             yield f"derivatives by {entry.path} are for {'smaller' if side < 0 else 'larger'} values: {why} {within}"
 

@@ -19,6 +19,7 @@ from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
 from film_model.solve.derivatives import Derivatives
+from film_model.solve.relaxed import Relaxed
 from film_model.solve.vibration import Vibration
 
 if TYPE_CHECKING:
@@ -87,8 +88,8 @@ class Accuracy:
 
     requested: relative accuracy; None if segments were given. estimated: bound on the relative error of every summary
     value. segments: per loading stage. unloading_segments: of the unloading; the core takes two or four times as many
-    if the force falls to 0 slowly. lines: segments in total. modes: number of modes of a target that vibrates; there
-    are no segments then.
+    if the force falls to 0 slowly. lines: segments in total; steps of viscoelastic bodies, which have no segments.
+    modes: number of modes of a target that vibrates; there are no segments then.
 
     The error of a velocity or indentation is relative to at least a thousandth of the approach velocity or maximum
     indentation, that of an energy to the impact energy.
@@ -121,10 +122,10 @@ class History:
     """One impact from first touch to separation.
 
     summary: SI floats by the names of `SUMMARY`, None for what did not happen; the same names are attributes that
-    return pint quantities. lines: the segments as recorded by the core; empty if the target vibrates, since the motion
-    is then in `vibration`. On such a target several contacts may follow each other: contact_duration is that of the
-    first; permanent indentation, rebound and energies are those after the last. remarks: warnings of this run.
-    derivatives: those that were asked for.
+    return pint quantities. lines: the segments as recorded by the core; empty if the target vibrates or a material is
+    viscoelastic, since the motion is then in `vibration` or `relaxed`. On a target that vibrates several contacts may
+    follow each other: contact_duration is that of the first; permanent indentation, rebound and energies are those
+    after the last. remarks: warnings of this run. derivatives: those that were asked for.
     Histories are equal if scene, events, summary and remarks are equal to the last bit.
 
     >>> history = fm.simulate(scene, accuracy=1e-6)
@@ -143,6 +144,7 @@ class History:
     accuracy: Accuracy
     remarks: tuple[str, ...]
     vibration: Vibration | None = field(default=None, repr=False, compare=False)
+    relaxed: Relaxed | None = field(default=None, repr=False, compare=False)
     derivatives: Derivatives | None = field(default=None, repr=False, compare=False)
 
     if TYPE_CHECKING:  # the summary values, added below the class, and the methods of film_model/methods.py
@@ -193,8 +195,9 @@ class History:
         """Motion at `times` [s, or with units; from first touch, >= 0; any shape], as SI floats.
 
         Exact on the segments of the march; the force is the law's at that indentation. On a target that vibrates, the
-        polynomial of degree 7 of each step in contact, and the modes' closed form in flight. After the end of contact
-        the impactor moves freely. Raises ValueError for a time that is negative or not finite.
+        polynomial of degree 7 of each step in contact, and the modes' closed form in flight. Of viscoelastic bodies,
+        the motion under the cubic force of each step, and the force of that motion. After the end of contact the
+        impactor moves freely. Raises ValueError for a time that is negative or not finite.
         """
         t = units.array_to_si(times, "time", bare=True)
         if not (t >= 0.0).all():
@@ -205,6 +208,8 @@ class History:
         ascending = flat[order] / scales.time
         if self.vibration is not None:
             values, branches = self.vibration.sample(ascending)
+        elif self.relaxed is not None:
+            values, branches = self.relaxed.sample(ascending)
         else:
             values, branches, _ = native.sample(self.problem.curve.native, self.lines, ascending)
         back = np.empty_like(order)

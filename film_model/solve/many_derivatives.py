@@ -14,8 +14,8 @@ from film_model.effects.many import rows_of
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene, Solver
-from film_model.solve.derivatives import Entry
-from film_model.solve.slopes import NO_DERIVATIVE, Pairs, Slopes, slopes
+from film_model.solve.derivatives import Entry, pairs_of
+from film_model.solve.slopes import NO_DERIVATIVE, slopes
 
 
 class ManyDerivatives(NamedTuple):
@@ -41,16 +41,19 @@ def derivatives_of_many(
 ) -> ManyDerivatives:
     """Derivatives of `count` impacts of a scene, in which columns replace some numbers.
 
-    problems: of the impacts, as simulated; others, which failed or are on vibrating targets, have no derivatives.
+    problems: of the impacts, as simulated; others, which failed or are on vibrating targets, have no derivatives, nor
+    have impacts of viscoelastic bodies.
     target: error to which meshes are refined.
     """
     shape = count, len(entries)
     values = {name: np.full(shape, np.nan) for name in SUMMARY}
     error, side = np.full(shape, np.nan), np.full(shape, NO_DERIVATIVE, np.int8)
     for decision, rows in _by_decision(problems).items() if entries else ():
-        pairs = _pairs(decision.put_into(scene), columns, entries, rows)
+        own = {path: values[rows] for path, values in columns.items()}
+        pairs = pairs_of(decision.put_into(scene), own, entries, rows.size)
         found = slopes(pairs, solver, target)
-        _put(found, values, rows)
+        for name, column in found.values.items():
+            values[name][rows] = column.reshape(rows.size, -1)
         side[rows] = found.side.reshape(rows.size, -1)
         worst = np.fmax.reduce(list(found.errors.values()))
         error[rows] = worst.reshape(rows.size, -1)
@@ -58,25 +61,11 @@ def derivatives_of_many(
 
 
 def _by_decision(problems: Iterable[Problem]) -> dict[Decision, Index]:
-    """The impacts of each decision, ascending."""
+    """The impacts of each decision, ascending; without those of viscoelastic bodies."""
     found: dict[Decision, list[int]] = {}
     for problem in problems:
+        if problem.relaxation is not None:
+            continue
         for row, decision in zip(rows_of(problem).tolist(), decisions_of(problem), strict=True):
             found.setdefault(decision, []).append(row)
     return {decision: np.array(sorted(rows), np.intp) for decision, rows in sorted(found.items())}
-
-
-def _pairs(scene: Scene, columns: Mapping[str, Array], entries: Sequence[Entry], rows: Index) -> Pairs:
-    """Every impact with each of the numbers, those of an impact together."""
-    given = {entry.path: np.full(rows.size, entry.value) for entry in entries}
-    given |= {path: values[rows] for path, values in columns.items()}
-    which = np.tile(np.arange(len(entries)), rows.size)
-    step = np.stack([entry.step(given[entry.path]) for entry in entries], axis=1).ravel()
-    low, high = (np.array([getattr(entry, end) for entry in entries])[which] for end in ("low", "high"))
-    repeated = {path: np.repeat(values, len(entries)) for path, values in given.items()}
-    return Pairs(scene, repeated, tuple(entry.path for entry in entries), which, step, low, high)
-
-
-def _put(found: Slopes, values: Mapping[str, Array], rows: Index) -> None:
-    for name, column in found.values.items():
-        values[name][rows] = column.reshape(rows.size, -1)

@@ -13,6 +13,7 @@ from film_model.problem.problem import Columns, Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import Solver
 from film_model.solve.accuracy import MOST_SEGMENTS, ORDER_FACTOR, first_segments, mesh_of
+from film_model.solve.relaxed import relax_many
 
 FIRST_SEGMENTS = 4
 """Segments per stage of the first trial: few, because every segment costs time in all impacts."""
@@ -49,11 +50,15 @@ class Marched:
 
 
 def march_many(problem: Problem, solver: Solver) -> Marched:
-    """March many impacts on meshes that meet the accuracy, or on the given number of segments.
+    """March many impacts on meshes that meet the accuracy, or on the given number of segments; those of viscoelastic
+    bodies have no segments.
 
     Every impact is marched on two meshes, and their difference gives its estimate. The two meshes have n and about n/2
     segments; an impact whose estimate exceeds the accuracy is marched again with 2n, and so on as `accuracy.refine`.
     """
+    if problem.relaxation is not None:
+        status, core, estimated = relax_many(problem, solver)
+        return Marched(status, core, np.zeros((status.size, 2), np.int32), estimated)
     if solver.segments is not None:
         return _with_segments(problem, solver, solver.segments)
     n = _shared_segments(problem, solver)

@@ -77,7 +77,7 @@ def _one_by_one(scene: Scene, columns: Mapping[str, Array], rows: Index, accurac
         except SimulationError:
             status[place] = VIBRATES
             continue
-        status[place] = native.EVENT if found.separated else native.OK
+        status[place] = found.status
         errors[place] = estimated + problem.curve.fit_error
         summary = summary_of(problem, int(status[place]), found.summary) | found.energies_in_si(problem)
         for name, value in summary.items():

@@ -1,4 +1,5 @@
-"""The motions that a component advances: on the lines of the core's march, and on a target's natural vibrations."""
+"""The motions that a component advances: on the lines of the core's march, on a target's natural vibrations, and
+in contact of viscoelastic bodies."""
 
 from __future__ import annotations
 
@@ -6,7 +7,7 @@ import struct
 from dataclasses import replace
 from typing import TypeAlias
 
-from film_model.core import modal, native
+from film_model.core import modal, native, relaxing
 from film_model.problem.problem import Problem
 from film_model.solve.vibration import Vibration, vibrate
 
@@ -105,6 +106,53 @@ class OnModes:
     def contact(self) -> native.State:
         """The contact's state: the latest event, the law's branch after it, the phase."""
         return self._motion.state.contact
+
+    def now(self) -> Now:
+        """The motion now."""
+        xi, rate, force, nu, shift = self._motion.values().tolist()
+        contact = self.contact
+        return self.time, xi, nu, nu - rate, shift, force, contact.phase, contact.contacts
+
+    def save(self) -> bytes:
+        """The whole state."""
+        return self._motion.save()
+
+    def restore(self, saved: bytes) -> None:
+        """Return to a saved state."""
+        self._motion.restore(saved)
+
+
+class OnMemory:
+    """A contact of viscoelastic bodies, in steps. clock: the unit of its times, s."""
+
+    def __init__(self, problem: Problem, tolerance: float) -> None:
+        assert problem.relaxation is not None
+        self.clock, self._problem, self._tolerance = problem.scales.time, problem, tolerance
+        self._law = problem.relaxation.law(self.clock)
+
+    def begin(self, nu: float, gap: float) -> None:
+        """Start with a velocity at a distance to the target."""
+        start = native.Start.from_buffer_copy(self._problem.start)
+        start.nu = nu
+        self._motion = relaxing.Motion(self._law, start, self._tolerance, gap)
+
+    def step(self, dt: float) -> int:
+        """Forward by dt or to the next event; the core's status."""
+        return self._motion.step(dt)
+
+    def set_input(self, load: float, nu_change: float, stop_velocity: float) -> int:
+        """Change load, velocity (by a step of the support) and stop velocity; the core's status."""
+        return self._motion.set_input(load, nu_change, stop_velocity)
+
+    @property
+    def time(self) -> float:
+        """Time since the start."""
+        return self._motion.time
+
+    @property
+    def contact(self) -> relaxing.State:
+        """The contact's state: the latest event, the branch after it, the phase."""
+        return self._motion.state
 
     def now(self) -> Now:
         """The motion now."""

@@ -20,6 +20,7 @@ from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.solve.accuracy import Linearisation, estimate, mesh_of, raise_failure, refine, solver_for
 from film_model.solve.derivatives import derivatives_of, entries_of
 from film_model.solve.history import Accuracy, Event, History, stage_names
+from film_model.solve.relaxed import relax
 from film_model.solve.vibration import Moment, unused_options, vibrate
 
 GRAZING = 1e-12
@@ -45,7 +46,8 @@ def simulate(
     number of segments; linearisation="chord" is the paper's, of second order. The error is estimated from the
     difference of two meshes, one with twice the segments of the other.
 
-    A target whose vibrations matter is followed by its natural modes, as many as the accuracy needs.
+    A target whose vibrations matter is followed by its natural modes, as many as the accuracy needs. The contact of
+    viscoelastic bodies is solved by collocation in time, with steps as short as the accuracy needs.
 
     derivatives: keys of the scene, such as "impactor.velocity", by which the summary is differentiated, with the other
     entries of the scene and the decisions about effects held fixed; see `film_model.Derivatives`.
@@ -103,6 +105,8 @@ def simulate_chosen(choice: Choice, solver: Solver) -> History:
     warnings: list[str] = []
     if problem.vibrates:
         return _on_modes(scene, choice, warnings)
+    if problem.relaxation is not None:
+        return _relaxing(scene, choice, warnings)
     if solver.segments is not None:
         counts, estimated = (solver.segments, solver.segments), estimate(problem, solver)
     else:
@@ -237,6 +241,25 @@ def _on_modes(scene: Scene, choice: Choice, warnings: list[str]) -> History:
         accuracy=Accuracy(solver.accuracy, estimated + problem.curve.fit_error, 0, 0, 0, vibration.modes),
         remarks=tuple(warnings),
         vibration=vibration,
+    )
+
+
+def _relaxing(scene: Scene, choice: Choice, warnings: list[str]) -> History:
+    """The history of an impact of viscoelastic bodies."""
+    solver, problem = scene.solver, choice.problem
+    warnings.extend(unused_options(solver, "the contact of viscoelastic bodies is solved"))
+    relaxed, estimated, _ = relax(problem, solver.accuracy or DEFAULT_ACCURACY, warnings)
+    values = summary_of(problem, relaxed.status, relaxed.summary)
+    return History(
+        scene=scene,
+        choice=choice,
+        lines=np.empty(0, native.LINE_DTYPE),
+        events=_events(problem, relaxed.events),
+        outcome=_outcome(relaxed.status),
+        summary={name: None if math.isnan(value) else value for name, value in values.items()},
+        accuracy=Accuracy(solver.accuracy, estimated, 0, 0, relaxed.steps),
+        remarks=tuple(warnings),
+        relaxed=relaxed,
     )
 
 

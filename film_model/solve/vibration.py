@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,14 +65,16 @@ a mode: a stiffer one rattles between the impactor and the others, thousands of 
 FIRST_PHASE = 24.0
 """Highest frequency of the first run times the time from touch to the deepest point."""
 
+_OUTCOMES = {native.EVENT: Outcome.SEPARATED, native.ENDLESS: Outcome.RESTING, native.OK: Outcome.TIME_LIMIT}
+_STATUSES = {outcome: status for status, outcome in _OUTCOMES.items()}
 
-@dataclass(frozen=True)
-class Moment:
+
+class Moment(NamedTuple):
     """An event: ξ, ξ', f, ν and displacement of the struck point at a time, and the law's branch after it."""
 
     name: str
     time: float
-    values: Array
+    values: list[float]
     branch: int
 
 
@@ -106,10 +108,10 @@ class Vibration:
     @cached_property
     def events(self) -> tuple[Moment, ...]:
         """The events, with times in the march's unit."""
-        kinds, times, branches = (self.met[name].tolist() for name in ("event", "time", "branch"))
+        columns = (self.met[name].tolist() for name in ("event", "time", "values", "branch"))
         return tuple(
             Moment(native.EVENTS[kind], time / self.unit, values, branch)
-            for kind, time, values, branch in zip(kinds, times, self.met["values"], branches, strict=True)
+            for kind, time, values, branch in zip(*columns, strict=True)
         )
 
     @property
@@ -126,6 +128,11 @@ class Vibration:
     def energy(self) -> float:
         """Energy of all modes at the end."""
         return float(self.energies.sum())
+
+    @property
+    def status(self) -> int:
+        """The core's status that the outcome comes from."""
+        return _STATUSES[self.outcome]
 
     @property
     def separated(self) -> bool:
@@ -166,12 +173,12 @@ Follow = Callable[[float, float], Vibration]
 """The impact with the modes up to a frequency [rad/s], and a tolerance of the steps."""
 
 
-def unused_options(solver: Solver) -> list[str]:
-    """The warning that a solver's options do not concern a vibrating target, if it has such."""
+def unused_options(solver: Solver, what: str = "the vibrating target is followed") -> list[str]:
+    """The warning that a solver's options do not concern this kind of motion, if it has such."""
     if solver.segments is None and solver.linearisation != "chord":
         return []
     asked = solver.accuracy or DEFAULT_ACCURACY
-    return [f"segments and linearisation are not used: the vibrating target is followed with accuracy {asked:g}"]
+    return [f"segments and linearisation are not used: {what} with accuracy {asked:g}"]
 
 
 def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings: list[str]) -> tuple[Vibration, float]:
@@ -260,7 +267,7 @@ def run(problem: Problem, structure: structures.Structure, tolerance: float, lim
     )
     found = modal.impact(tables, curve, start)
     raise_failure(found.status, problem)
-    outcome = Outcome.SEPARATED if found.status == native.EVENT else Outcome.TIME_LIMIT
+    outcome = _OUTCOMES[found.status]
     core = found.summary.core
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):
         setattr(core, name, getattr(core, name) / scales.time)

@@ -147,7 +147,7 @@ def integrate(
             values = _values(curve, state, y)
             if name in ("contact_begins", "contact_ends"):
                 values[0] = state.xi_free
-            events.append(Moment(name, t, values, branch))
+            events.append(Moment(name, t, values.tolist(), branch))
         if len(events) > MOST_EVENTS:
             raise SimulationError(f"more than {MOST_EVENTS} events before the impactor leaves the target")
         held, free = native.State.from_buffer_copy(state), state.branch == native.FREE
@@ -164,7 +164,7 @@ def integrate(
         if not free:
             spans.append(Span(t, solution.sol, held))
         for time, at in zip(solution.t_events[3], solution.y_events[3], strict=True):
-            events.append(Moment("impactor_stops", float(time), _values(curve, held, at), held.branch))
+            events.append(Moment("impactor_stops", float(time), _values(curve, held, at).tolist(), held.branch))
         t, y = float(solution.t[-1]), solution.y[:, -1]
         if solution.status == 0:
             break

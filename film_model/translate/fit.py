@@ -17,6 +17,7 @@ from film_model.base import units
 from film_model.base.arrays import Array
 from film_model.base.errors import STATUSES, VIBRATES, SimulationError
 from film_model.effects.choose import choose
+from film_model.problem.problem import refuse_relaxation
 from film_model.scene import Scene, Sphere
 from film_model.solve.batch import ManyResult, simulate_many
 from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
@@ -174,6 +175,8 @@ def _impacts(scene: Scene, velocities: Array) -> ManyResult:
     """Our impacts, without weight: engines apply gravity themselves. Raises SimulationError."""
     light = scene_at(scene, float(velocities[0]))
     result = simulate_many(light, {"impactor.velocity": velocities + scene.target.velocity})
+    for problem in result.problems:
+        refuse_relaxation(problem, "a contact law of an engine")
     status = result.status
     on_modes = (status >= 0) & (result.segments[:, 0] == 0)
     if (on_modes | (status == VIBRATES)).any():

@@ -12,6 +12,8 @@ static inline const char *film_failure(int status) {
     case -6: return "the law's unloading from the maximum indentation has zero length";
     case -7: return "the motion has more segments or events than the caller's arrays can hold";
     case -8: return "the law's force at first touch exceeds the target's impedance times the impact velocity";
+    case -9: return "the indentation grows again before contact ends, for which viscoelastic contact is not solved: viscoelasticity = false in [effects] takes the instantaneous modulus";
+    case -10: return "a contact begins before the viscoelastic material has forgotten the one before, which is not solved: viscoelasticity = false in [effects] takes the instantaneous modulus";
     default: return "unknown status";
     }
 }

@@ -1,0 +1,107 @@
+"""Viscoelasticity: the modulus of a material with a prony series relaxes while the bodies are in contact.
+
+On the way in F = (4/3) √R ∫ E(t − s) d(δ^{3/2}) (Lee & Radok 1960), E(t) the contact modulus of both bodies together.
+On the way out the integral ends at t₁(t), when the contact was as wide as it is now: ∫ E(t − s) dδ from t₁ to t is 0,
+and contact ends when t₁ is 0 (Ting 1966). This is exact for quasi-static contact of a sphere, materials with constant
+Poisson's ratios, and one approach and one parting. A contact that closes again before it ends is refused, and so is one
+that begins before 16 of the longest times of recovery have passed since the one before. What remains of the indentation
+when contact ends recovers: it is not a dent. Only law hertz relaxes, on targets that do not vibrate.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from film_model.base.errors import SimulationError
+from film_model.effects.case import ABSENT, Rule
+from film_model.effects.effect import NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
+from film_model.effects.trial import change
+from film_model.problem.law_of_scene import ELASTIC
+from film_model.problem.problem import Problem
+from film_model.problem.relaxation import Relaxation, relaxation_of
+
+COST = "20 to 100 times the time"
+"""Against the same impact on lines; measured by `benchmarks/effects.py`."""
+
+RULE = Rule("viscoelasticity", "mean τ/t_c", "Lee & Radok 1960; Ting 1966; marched with and without relaxation")
+
+
+def hindered(problem: Problem) -> str:
+    """Why the relaxation of a problem cannot be simulated; empty if it can."""
+    if problem.law.name != ELASTIC:
+        return f"only law {ELASTIC} relaxes, not {problem.law.name}"
+    if problem.scene.contact.effective_modulus is not None:
+        return "the effective_modulus in [contact] replaces the moduli that relax"
+    if problem.vibrates:
+        return "the target vibrates between its edges"
+    if problem.compliance > 0.0:
+        return "the target follows the force by its static stiffness"
+    return ""
+
+
+def applied(problem: Problem) -> Problem:
+    """One impact with the relaxation of its materials, if this is simulated."""
+    relaxation, wanted = relaxation_of(problem.scene), problem.scene.effects.viscoelasticity
+    if relaxation is None or wanted is False:
+        return problem
+    why = hindered(problem)
+    if why and wanted is True:
+        raise SimulationError(f"viscoelasticity = true in [effects] is not supported: {why}")
+    relaxing = replace(problem, relaxation=relaxation)
+    return relaxing if not why and (wanted is True or _matters(relaxing, problem)) else problem
+
+
+def divided(problem: Problem) -> list[Problem]:
+    """Many impacts: those that relax, and the others. Raises TypeError if each relaxes differently."""
+    if problem.scene.effects.viscoelasticity is False:
+        return [problem]
+    relaxation = relaxation_of(problem.impacts.scene)
+    if relaxation is None:
+        return [problem]
+    if hindered(problem):
+        return [applied(problem)]
+    relaxing = replace(problem, relaxation=relaxation)
+    wanted = problem.scene.effects.viscoelasticity is True
+    chosen = problem.impacts.column(wanted) | ~(change(relaxing, problem) <= problem.scene.effect_tolerance)
+    parts = (relaxing, chosen), (problem, ~chosen)
+    return [part if places.all() else part.part(np.flatnonzero(places)) for part, places in parts if places.any()]
+
+
+def _matters(relaxing: Problem, problem: Problem) -> bool:
+    """Whether neglecting the relaxation changes the summary by more than the tolerance, or by an unknown amount."""
+    return not problem.approach > 0.0 or not change(relaxing, problem) <= problem.scene.effect_tolerance
+
+
+def describe(problem: Problem) -> Effect:
+    """The effect on one impact. problem: what is simulated."""
+    scene, relaxation = problem.scene, relaxation_of(problem.scene)
+    if relaxation is None:
+        return RULE.absent("no material has a prony series")
+    elastic = replace(problem, relaxation=None)
+    why = hindered(elastic)
+    if scene.effective_modulus is None or not problem.approach > 0.0:
+        return RULE.unjudged("the impactor has no velocity" if not problem.approach > 0.0 else "missing: moduli")
+    tried = problem.again(law=ELASTIC, impedance=math.inf, load=0.0, compliance=0.0) if why else elastic
+    value, size = _indicator(tried, relaxation), change(replace(tried, relaxation=relaxation), tried)
+    known = None if math.isnan(size) else min(size, 1.0)
+    reason = f"the modulus falls to {100.0 * relaxation.rest:.3g} % of the instantaneous one in slow loading"
+    state, cost = NOT_NEEDED, ABSENT if why else COST
+    if problem.relaxation is not None:
+        state = SIMULATED
+    elif known is None or known > scene.effect_tolerance:
+        state = NOT_MODELLED
+        off = "the scene has viscoelasticity = false"
+        reason += f"; {off if scene.effects.viscoelasticity is False else why}"
+    elif scene.effects.viscoelasticity is False:
+        state = SWITCHED_OFF
+    return Effect(RULE.name, RULE.indicator, value, None, known, state, reason, RULE.source, cost)
+
+
+def _indicator(elastic: Problem, relaxation: Relaxation) -> float | None:
+    """Deborah's number: mean relaxation time over the time of the elastic contact; None if that does not end."""
+    if not elastic.trial.ends:
+        return None
+    return relaxation.mean_time / (elastic.trial.summary.contact_duration * elastic.scales.time)

@@ -22,12 +22,11 @@ sys.path.insert(0, str(Path(__file__).parent))
 from fmu_wrapper import platforms
 
 CORE = platforms.CORE
+ONE_IMPACT = tuple(f"{CORE}/film_{name}.c" for name in ("impact", "single", "tables", "way_in", "way_out"))
 SOURCES = (
     *platforms.MARCH,
-    *(
-        f"{CORE}/film_{name}.c"
-        for name in ("impact", "batch", "batch_shape", "many", "compare", "lanes", "avx2", "avx512")
-    ),
+    *ONE_IMPACT,
+    *(f"{CORE}/film_{name}.c" for name in ("batch", "batch_shape", "many", "compare", "lanes", "avx2", "avx512")),
     *platforms.MODES,
     f"{CORE}/film_modal_impact.c",
     *(f"{CORE}/film_relax{part}.c" for part in ("", "_step")),
@@ -38,8 +37,8 @@ SHARED = ("-shared",) if sys.platform == "win32" else ("-shared", "-fPIC")
 LINK = () if sys.platform == "win32" else ("-lm",)
 WASM = "film_model/explorer/_film_core.wasm"
 WASM_SOURCES = (
-    *(*platforms.MARCH, *platforms.MODES),
-    *(f"{CORE}/film_{name}.c" for name in ("modal_impact", "impact", "compare")),
+    *(*platforms.MARCH, *platforms.MODES, *ONE_IMPACT),
+    *(f"{CORE}/film_{name}.c" for name in ("modal_impact", "compare")),
 )
 WASM_FLAGS = (
     *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-O2", "-s"),

@@ -76,7 +76,7 @@ def worst_error(found: Array, exact: Array) -> float:
 
 
 def all_cases(count: int) -> tuple[Case, ...]:
-    """The four cases, `count` impacts each."""
+    """The five cases, `count` impacts each."""
     modulus = 1 / ((1 - 0.28**2) / 600e9 + (1 - 0.30**2) / 210e9)
     ball = (modulus, 0.010, 1.0e9)
     fixed = np.full(count, math.inf)
@@ -89,6 +89,7 @@ def all_cases(count: int) -> tuple[Case, ...]:
     return (
         Case("Big-Alabo, half-space, 0.05-2 m/s", BigAlabo(*ball), _big_alabo(), 0.06074, slow, fixed),
         Case("Stronge, half-space, 0.05-2 m/s", Stronge(*ball), _stronge(), 0.06074, slow, fixed),
+        Case("Big-Alabo, plate, 0.05-2 m/s", BigAlabo(*ball), _big_alabo(), 0.06074, slow, np.full(count, 2500.0)),
         Case("Hertz, plate, 1-5 m/s", hertz, _hertz(), mass, np.geomspace(1.0, 5.0, count), np.full(count, plate)),
         Case("Hertz, plates, λ 0.05-3", hertz, _hertz(), mass, np.full(count, velocity), mass / (zener * clock)),
     )

@@ -26,7 +26,7 @@ _RATIOS = (0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0)  # unloading segments per loading 
 
 def starts(case: Case) -> Any:
     """How the impacts of a case start (START_DTYPE)."""
-    start = np.zeros(case.nu.size, native.START_DTYPE)
+    start: Any = np.zeros(case.nu.size, native.START_DTYPE)
     start["nu"], start["gamma"], start["time_limit"] = case.nu, case.gamma, math.inf
     return start
 

@@ -335,7 +335,9 @@ void gauss(int64_t total, const double *nu, const big_alabo *law, int points, co
 
 /* ---------------------------------------------------------------- the core, one impact at a time */
 
-void one_by_one(int (*impact)(const film_curve *, const film_mesh *, const film_start *, film_summary *), const film_curve *curve,
-                const film_mesh *mesh, int64_t count, const film_start *start, film_summary *summary) {
-    for (int64_t i = 0; i < count; i++) impact(curve, mesh, &start[i], &summary[i]);
+typedef int one_impact(const film_curve *, const film_mesh *, const film_start *, film_summary *);
+
+void one_by_one(one_impact *impact, const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                film_summary *summary, int32_t *status) {
+    for (int64_t i = 0; i < count; i++) status[i] = impact(curve, mesh, &start[i], &summary[i]);
 }

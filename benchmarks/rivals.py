@@ -67,7 +67,7 @@ def library(lanes: int) -> Any:
     made.taylor.restype = i64
     made.gauss.argtypes = [i64, pointer, pointer, c.c_int, pointer, pointer, pointer]
     made.gauss.restype = None
-    made.one_by_one.argtypes = [pointer, pointer, pointer, i64, pointer, pointer]
+    made.one_by_one.argtypes = [pointer, pointer, pointer, i64, pointer, pointer, pointer]
     made.one_by_one.restype = None
     return made
 
@@ -134,14 +134,17 @@ def _parameters(law: BigAlabo) -> _BigAlabo:
     return made
 
 
-def film_alone(case: Case, segments: tuple[int, int]) -> Call | None:
-    """A call that computes all impacts by film_impact, one after another, from C."""
-    lib = library(1)
-    if lib is None:
-        return None
+def film_alone(case: Case, segments: tuple[int, int]) -> Callable[[], Any]:
+    """A call that computes all impacts by film_impact, one after another, from C: statuses and summaries."""
     start = film.starts(case)
     curve, mesh = curve_of(case.law).native, native.mesh(native.WORK_PRESERVING, *segments)
-    summary = np.empty(start.size, native.SUMMARY_DTYPE)
+    summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
     impact = c.cast(native.library().film_impact, c.c_void_p)
-    where = start.ctypes.data, summary.ctypes.data
-    return lambda: lib.one_by_one(impact, c.byref(curve), c.byref(mesh), start.size, *where) or summary
+    at = c.byref(curve), c.byref(mesh), start.size, start.ctypes.data, summary.ctypes.data, status.ctypes.data
+
+    def run() -> Any:
+        assert start.size == summary.size  # keeps the memory of start
+        library(1).one_by_one(impact, *at)
+        return status, summary
+
+    return run

@@ -121,9 +121,9 @@ def _film(case: Case, some: Case, exact: Array, target: float, repeats: int, kin
         seconds = _fastest(film.batch(case, line, pair, using), repeats) / case.nu.size
         said = name if not rows else f"  with {native.INSTRUCTIONS[using]} instructions"
         rows.append(_row(case, target, said, f"{pair[0]} + {pair[1]} segments", error, seconds))
-    if kind == "work" and (call := rivals.film_alone(case, pair)) is not None:
-        error = worst_error(film.values((np.full(some.nu.size, native.EVENT), rivals.film_alone(some, pair)())), exact)
-        seconds = _fastest(call, repeats) / case.nu.size
+    if kind == "work" and rivals.library(1) is not None:
+        error = worst_error(film.values(rivals.film_alone(some, pair)()), exact)
+        seconds = _fastest(rivals.film_alone(case, pair), repeats) / case.nu.size
         rows.append(_row(case, target, ALONE, f"{pair[0]} + {pair[1]} segments", error, seconds))
     return rows
 

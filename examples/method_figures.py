@@ -111,7 +111,7 @@ class Case:
         self.slowness = self.start.gamma * math.sqrt(self.exact.maximum_force / top)
 
     def on(self, mesh: native.Mesh) -> native.Summary:
-        status, summary = native.impact(self.curve, mesh, self.start)
+        status, summary = native.marched(self.curve, mesh, self.start)
         assert status == native.EVENT
         return summary
 

@@ -15,7 +15,7 @@ static void check_linear_law(const film_mesh *mesh) {
         snprintf(where, sizeof where, "linear law, nu %.17g, gamma %.17g", start.nu, start.gamma);
         double a = 0.5 * start.gamma, omega = sqrt(1.0 - a * a), turn = atan2(omega, a) / omega;
         double stiff = 1.0 / (1.0 - LEFT_OVER), b = 0.5 * stiff * start.gamma, square = stiff - b * b;
-        int status = film_impact(&curves[LINEAR], mesh, &start, &got);
+        int status = film_marched(&curves[LINEAR], mesh, &start, &got);
         if (fabs(square) > 0.01) HOLD(status == (square > 0.0 ? FILM_EVENT : FILM_ENDLESS)); /* or it creeps for ever */
         double deep = start.nu * exp(-a * turn);
         NEAR(got.time_of_maximum_indentation, turn, turn, EXACT);
@@ -42,7 +42,7 @@ static void check_hertz(void) {
         film_start start = {2.5, 0.0, 0.0, 0.0, INFINITY, 0.0};
         film_summary got;
         snprintf(where, sizeof where, "Hertz, %d segments", (int)n);
-        HOLD(film_impact(&curves[HERTZ], &own.mesh, &start, &got) == FILM_EVENT);
+        HOLD(film_marched(&curves[HERTZ], &own.mesh, &start, &got) == FILM_EVENT);
         double deep = pow(1.25 * start.nu * start.nu, 0.4), duration = constant * pow(start.nu, -0.2);
         NEAR(got.maximum_indentation, deep, deep, EXACT);
         NEAR(got.maximum_force, pow(deep, 1.5), pow(deep, 1.5), EXACT);
@@ -61,8 +61,8 @@ static void same_contact(const film_curve *law, const film_curve *fitted, const 
                          double rounding) {
     film_summary a, b;
     snprintf(where, sizeof where, "a law twice, nu %.17g, gamma %.17g, load %.17g", start->nu, start->gamma, start->load);
-    HOLD(film_impact(law, mesh, start, &a) == FILM_EVENT);
-    HOLD(film_impact(fitted, mesh, start, &b) == FILM_EVENT);
+    HOLD(film_marched(law, mesh, start, &a) == FILM_EVENT);
+    HOLD(film_marched(fitted, mesh, start, &b) == FILM_EVENT);
     HOLD(a.stage == stage && b.stage == stage);
     NEAR(a.maximum_force, b.maximum_force, a.maximum_force, rounding);
     NEAR(a.maximum_indentation, b.maximum_indentation, a.maximum_indentation, rounding);
@@ -190,7 +190,7 @@ static void check_bad_meshes(void) {
         snprintf(where, sizeof where, "bad mesh %d", (int)i);
         film_mesh mesh;
         HOLD(film_mesh_init(&mesh, counts[i][0], counts[i][1], counts[i][2], NULL) == FILM_BAD_MESH);
-        HOLD(film_impact(&curves[HERTZ], &mesh, &start, &summary) == FILM_BAD_MESH);
+        HOLD(film_marched(&curves[HERTZ], &mesh, &start, &summary) == FILM_BAD_MESH);
         HOLD(film_init(&curves[HERTZ], &s, 0.0, 1.0, 0.0, 0.0, 0.0) == FILM_OK);
         HOLD(film_step(&curves[HERTZ], &mesh, &s, 1.0) == FILM_BAD_MESH);
         HOLD(film_record(&curves[HERTZ], &mesh, &s, 1.0, lines, 1, &a, events, 1, &b) == FILM_BAD_MESH);
@@ -215,12 +215,12 @@ static void check_bad_numbers(const film_mesh *mesh) {
         const film_start bad[] = {{x, 0.0, 0.0, 0.0, INFINITY, 0.0}, {1.0, x, 0.0, 0.0, INFINITY, 0.0},
                                   {1.0, 0.0, x, 0.0, INFINITY, 0.0}, {1.0, 0.0, 0.0, x, INFINITY, 0.0},
                                   {1.0, 0.0, 0.0, 0.0, INFINITY, x}};
-        for (int i = 0; i < 5; i++) HOLD(film_impact(curve, mesh, &bad[i], &summary) == FILM_BAD_NUMBER);
+        for (int i = 0; i < 5; i++) HOLD(film_marched(curve, mesh, &bad[i], &summary) == FILM_BAD_NUMBER);
     }
     const film_start none[] = {{0.0, 0.0, 0.0, 0.0, INFINITY, 0.0}, {-1.0, 0.0, 0.0, 0.0, INFINITY, 0.0},
                                {1.0, -1e-9, 0.0, 0.0, INFINITY, 0.0}, {1.0, 0.0, 0.0, 0.0, NAN, 0.0},
                                {1.0, 0.0, 0.0, 0.0, -1.0, 0.0}, {1.0, 0.0, 0.0, 0.0, INFINITY, -1e-9}};
-    for (int i = 0; i < 6; i++) HOLD(film_impact(curve, mesh, &none[i], &summary) == FILM_BAD_NUMBER);
+    for (int i = 0; i < 6; i++) HOLD(film_marched(curve, mesh, &none[i], &summary) == FILM_BAD_NUMBER);
     HOLD(film_init(curve, &s, 1e-9, 1.0, 0.0, 0.0, 0.0) == FILM_BAD_NUMBER);
     HOLD(film_init(curve, &s, -1.0, 1.0, -1.0, 0.0, 0.0) == FILM_BAD_NUMBER);
 

@@ -99,7 +99,7 @@ static void check_found(void) {
         film_state s;
         snprintf(where, sizeof where, "%s", at->what);
         HOLD(film_check_curve(&curve) == FILM_OK);
-        int status = at->start.nu > 0.0 ? film_impact(&curve, &own.mesh, &at->start, &summary) : at->status;
+        int status = at->start.nu > 0.0 ? film_marched(&curve, &own.mesh, &at->start, &summary) : at->status;
         HOLD(status == at->status);
         if (at->start.nu > 0.0) stir_summary(status, &summary);
         int ended = at->status == FILM_EVENT;
@@ -142,7 +142,7 @@ static void check_crept(void) {
     film_summary summary;
     snprintf(where, sizeof where, "creeping out of hardly more than a spring");
     HOLD(film_check_curve(&curve) == FILM_OK);
-    HOLD(film_impact(&curve, &own.mesh, &start, &summary) == FILM_ENDLESS && summary.lines <= FOUND_LINES);
+    HOLD(film_marched(&curve, &own.mesh, &start, &summary) == FILM_ENDLESS && summary.lines <= FOUND_LINES);
     free(own.memory);
 }
 
@@ -270,7 +270,7 @@ static void check_kink(void) {
         for (int i = 0; i < 40; i++) {
             film_summary summary;
             film_start start = {over_decades(1e-4, 1.0), over_decades(10.0, 30.0), 0.0, 0.0, INFINITY, 0.0};
-            int status = film_impact(&curve, &own.mesh, &start, &summary);
+            int status = film_marched(&curve, &own.mesh, &start, &summary);
             HOLD((status == FILM_EVENT || status == FILM_ENDLESS) && summary.lines <= FOUND_LINES);
 
             film_state s; /* an integrator's, between the two velocities at which the one and the other turns it */
@@ -327,7 +327,7 @@ static void check_beside(void) {
         for (int k = 0; k < 2; k++) {
             film_summary summary;
             film_start start = {sqrt(2.0 * (8e-4 + 1e-6)), k ? 1e-3 : 0.0, 0.0, 0.0, INFINITY, 0.0};
-            HOLD(film_impact(&curve, &own.mesh, &start, &summary) == FILM_EVENT);
+            HOLD(film_marched(&curve, &own.mesh, &start, &summary) == FILM_EVENT);
             NEAR(summary.maximum_indentation, 40.0, 40.0, 1e-6);
             HOLD(summary.permanent_indentation == 0.5 * summary.maximum_indentation && summary.final_velocity < 0.0);
         }
@@ -407,7 +407,7 @@ static void check_out(void) {
         for (int i = -100; i < 100; i++) {
             film_start start = {sqrt(slope) * edge * (1.0 + 2.3e-16 * i), 0.0, 0.0, 0.0, INFINITY, 0.0};
             film_summary summary;
-            HOLD(film_impact(&curve, &own.mesh, &start, &summary) == FILM_EVENT && summary.lines <= FOUND_LINES);
+            HOLD(film_marched(&curve, &own.mesh, &start, &summary) == FILM_EVENT && summary.lines <= FOUND_LINES);
         }
         free(own.memory);
     }
@@ -425,7 +425,7 @@ static void check_faint(void) {
         for (int i = 0; i < 20; i++) {
             film_start start = {over_decades(1e-4, 1e-2), over_decades(1e-4, 1e-2), 0.0, 0.0, INFINITY, 0.0};
             film_summary summary;
-            HOLD(film_impact(&curve, &own.mesh, &start, &summary) == FILM_EVENT);
+            HOLD(film_marched(&curve, &own.mesh, &start, &summary) == FILM_EVENT);
             double depth = pow(51.0 * 0.5 * start.nu * start.nu / 4.8e-71, 1.0 / 51.0);
             NEAR(summary.maximum_indentation, depth, depth, 0.05); /* a chord of six does too much work */
             HOLD(isfinite(summary.shift) && summary.final_velocity < 0.0);
@@ -453,7 +453,7 @@ static void check_drawn_out(void) {
         owned_mesh own = random_mesh(8);
         film_summary summary;
         film_start start = {over_decades(300.0, 3000.0), over_decades(10.0, 100.0), -over_decades(1e-5, 1e-3), 0.0, INFINITY, over_decades(10.0, 100.0)};
-        int status = film_impact(&curve, &own.mesh, &start, &summary);
+        int status = film_marched(&curve, &own.mesh, &start, &summary);
         HOLD((status == FILM_EVENT || status == FILM_ENDLESS) && summary.lines <= FOUND_LINES);
         HOLD(isfinite(summary.work) && summary.maximum_force <= start.nu);
         free(own.memory);
@@ -570,7 +570,7 @@ static void check_surface(void) {
         piece->exponent = power(0.0, exponent, 0.0, 0.0, 1.0);
         film_start start = {over_decades(1e-2, 10.0), 0.0, 0.0, 0.0, INFINITY, 0.0};
         film_summary summary;
-        HOLD(film_impact(&curve, &own.mesh, &start, &summary) == FILM_EVENT);
+        HOLD(film_marched(&curve, &own.mesh, &start, &summary) == FILM_EVENT);
         NEAR(summary.permanent_indentation, 0.0, summary.maximum_indentation, 1e-6);
         NEAR(summary.final_velocity, -start.nu, start.nu, 1e-10);
     }
@@ -633,7 +633,7 @@ static void check_short_leg(void) {
         piece->exponent = power(0.0, 1.0, 0.0, 0.0, 1.0);
         film_start start = {sqrt(2.0 * (8e-4 + 1e-6)), 0.0, 0.0, 0.0, INFINITY, 0.0};
         film_summary summary;
-        HOLD(film_impact(&curve, &own.mesh, &start, &summary) == FILM_EVENT);
+        HOLD(film_marched(&curve, &own.mesh, &start, &summary) == FILM_EVENT);
         double v = sqrt(2e-6), before = asin(sqrt(8e-4 / 8.01e-4)) / 1e-3; /* of the stage before, a spring of 1e-6 */
         NEAR(summary.time_of_maximum_indentation, before + 0.5 * PI / sqrt(slope), before, 1e-3 * v);
     }

@@ -155,10 +155,10 @@ static void one_contact(int which, const film_mesh *mesh, const film_start *star
              which, start->nu, start->gamma, start->load, start->stop_velocity, start->time_limit,
              (int)mesh->linearisation, (int)mesh->loading, (int)mesh->unloading);
     int work_preserving = mesh->linearisation == FILM_WORK_PRESERVING;
-    int status = film_impact(curve, mesh, start, &summary);
+    int status = film_marched(curve, mesh, start, &summary);
     stir_summary(status, &summary);
     contacts++;
-    HOLD(film_impact(curve, mesh, start, &again) == status);
+    HOLD(film_marched(curve, mesh, start, &again) == status);
     HOLD(memcmp(&summary, &again, sizeof again) == 0);
 
     HOLD(film_init(curve, &begin, 0.0, start->nu, start->gamma, start->load, start->stop_velocity) == FILM_OK);
@@ -299,12 +299,14 @@ static void one_schedule(int which, const film_mesh *mesh) {
 /* ---------------------------------------------------------------- many at once */
 
 /* A batch gives every impact what it gives it alone, wherever it stands among the others and whatever the instructions;
- * and what film_impact gives: to the last bit where it marches alone, else to `same` on fixed targets and on a straight law,
- * whose lines are exact, and to `lines`, of the error of the lines, on targets that give way. */
+ * and what the march gives: to the last bit where that is all there is, else to `same` on fixed targets and on a straight law,
+ * whose lines are exact, and to `lines`, of the error of the lines, on targets that give way. film_impact gives the one or the
+ * other, to the last bit. */
 static void check_batch(int which, const film_mesh *mesh, double same, double lines_error) {
     film_start *start = room_for(BATCH, sizeof *start);
     film_summary *summary = room_for(BATCH, sizeof *summary), *again = room_for(BATCH, sizeof *again), alone, slow;
     int32_t *status = room_for(BATCH, sizeof *status), *status_again = room_for(BATCH, sizeof *status_again), one;
+    film_summary single;
     for (int i = 0; i < BATCH; i++) start[i] = random_start(which);
     start[BATCH / 2].nu = NAN;
     film_batch(&curves[which], mesh, BATCH, start, summary, status);
@@ -323,7 +325,9 @@ static void check_batch(int which, const film_mesh *mesh, double same, double li
         HOLD(one == status[i]);
         HOLD(memcmp(&alone, &summary[i], sizeof alone) == 0);
         stir_summary(status[i], &summary[i]);
-        HOLD(film_impact(&curves[which], mesh, &start[i], &slow) == status[i]);
+        HOLD(film_marched(&curves[which], mesh, &start[i], &slow) == status[i]);
+        HOLD(film_impact(&curves[which], mesh, &start[i], &single) == status[i]);
+        HOLD(memcmp(&single, start[i].gamma > 0.0 ? &alone : &slow, sizeof single) == 0);
         if (start[i].load != 0.0 || start[i].stop_velocity != 0.0 || mesh->linearisation == FILM_CHORD)
             HOLD(memcmp(&alone, &slow, sizeof alone) == 0);
         int straight = which == LINEAR || which == SOFTENING;

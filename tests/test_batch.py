@@ -1,7 +1,9 @@
 """Batches give the results of single impacts."""
 
 import math
+import runpy
 import threading
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -81,12 +83,12 @@ def starts(nu, gamma):
 
 
 @pytest.mark.parametrize("law", list(LAWS))
-def test_film_impact_equals_the_recorded_march_on_a_half_space(law):
-    """film_impact sums times by arctangents and film_record marches: both on the same segments."""
+def test_film_marched_equals_the_recorded_march_on_a_half_space(law):
+    """film_marched sums times by arctangents and film_record marches: both on the same segments."""
     curve, mesh = curve_of(LAWS[law]).native, native.mesh(native.WORK_PRESERVING, 7, 9)
     for nu in np.geomspace(0.3, 60.0, 23).tolist():
         start = native.Start(nu, 0.0, 0.0, 0.0, math.inf)
-        status, summary = native.impact(curve, mesh, start)
+        status, summary = native.marched(curve, mesh, start)
         marched, _, states = native.record(curve, mesh, native.initial_state(curve, start), math.inf, 400)
         if status == native.BEYOND_LAW:
             assert marched == native.BEYOND_LAW
@@ -108,8 +110,8 @@ VALUES += ("contact_duration", "final_velocity", "permanent_indentation", "work"
 
 
 def alone(curve, mesh, start):
-    """Status and summary of each start by film_impact."""
-    found = [native.impact(curve, mesh, native.Start(*row.tolist())) for row in start]
+    """Status and summary of each start by the march."""
+    found = [native.marched(curve, mesh, native.Start(*row.tolist())) for row in start]
     rows = [tuple(getattr(summary, name) for name in native.SUMMARY_DTYPE.names) for _, summary in found]
     return np.array([status for status, _ in found]), np.array(rows, native.SUMMARY_DTYPE)
 
@@ -143,8 +145,8 @@ def test_batch_kernel_equals_the_march_on_a_half_space(law, segments, agreement)
 
 @pytest.mark.parametrize("law", [name for name in LAWS if name not in (*STRAIGHT, *LEFT_TO_THE_MARCH)])
 def test_batch_kernel_is_as_accurate_as_the_march_on_moving_targets(law):
-    """The batch kernel aims its nodes at its own estimate of the turn and does not split the segment on which the
-    impactor stops: it differs from the march, but by less than the error of the march, for any number of segments."""
+    """The batch kernel aims its nodes at its own estimate of the turn, does not split the segment on which the impactor
+    stops, and takes ways of exponent 3/2 from tables: it differs from the march, but by less than its error."""
     rng = np.random.default_rng(4)
     curve = curve_of(LAWS[law]).native
     start = starts(np.exp(rng.uniform(-1.5, 3, 150)), np.exp(rng.uniform(-4, 0.3, 150)))
@@ -155,18 +157,46 @@ def test_batch_kernel_is_as_accurate_as_the_march_on_moving_targets(law):
         expected, one = alone(curve, mesh, start)
         assert np.array_equal(status, expected)
         done = status == native.EVENT
-        out = batch["lines"] - n * (batch["stage"] + 1)  # the march splits the segment on which the impactor stops
-        in_lanes = (out > 0) & (out % n == 0)
+        in_lanes = batch["lines"] % n == 0  # the march splits the segment on which the impactor stops
         assert in_lanes[done].mean() > 0.98
         error = differences(one[done], truth[done], start[done]) + 1e-12
         assert (differences(batch[done], truth[done], start[done]) <= 1.5 * error).all()
         assert (differences(batch[done], one[done], start[done]) <= 1.1 * error).all()
 
 
+def test_ways_of_exponent_three_halves_come_from_exact_tables():
+    """Against the Taylor series that the tables are made of, at random numbers; on both sides of the end of a table."""
+    tables = runpy.run_path(str(Path(__file__).parents[1] / "examples" / "map_tables.py"))
+    rng = np.random.default_rng(9)
+    gamma = np.concatenate([np.exp(rng.uniform(math.log(1e-6), math.log(30), 60)), [12.2, 12.3, 24.0, 27.0]])
+    curve, start = curve_of(LAWS["hertz"]).native, starts(np.ones(gamma.size), gamma)
+    status, found = native.batch(curve, native.mesh(native.WORK_PRESERVING, 60, 120), start)
+    assert (status == native.EVENT).all()
+    deep = 1.25**0.4
+    depth, turned = tables["way_in"](gamma * deep**1.5).astype(float) * deep
+    slowness = gamma * np.sqrt(np.sqrt(depth))
+    duration, speed, stops = tables["way_out"](slowness).astype(float)
+    clock = depth**-0.25
+    expected = {
+        "maximum_indentation": depth,
+        "maximum_force": depth**1.5,
+        "time_of_maximum_indentation": turned,
+        "contact_duration": turned + clock * duration,
+        "time_impactor_stops": turned + clock * stops,
+        "final_velocity": -(depth**1.25) * speed,
+    }
+    assert np.array_equal(found["lines"] > 0, (slowness >= 15.0) | (gamma * deep**1.5 >= 15.0))
+    for name, values in expected.items():
+        error = np.abs(found[name] / values - 1.0)
+        assert error[found["lines"] == 0].max() < 2e-14, name
+        assert error.max() < 1e-5, name
+    assert np.array_equal(found["shift"], gamma * (1.0 - found["final_velocity"]))  # momentum
+
+
 @pytest.mark.parametrize(("segments", "error"), [(7, 1e-4), (20, 1e-6)])
 def test_slow_contacts_use_more_unloading_segments_for_the_same_error(segments, error):
     gamma = np.geomspace(0.05, 3, 60)
-    curve, start = curve_of(LAWS["hertz"]).native, starts(np.ones(60), gamma)
+    curve, start = curve_of(fm.Meyer(stiffness=1e10, exponent=1.49)).native, starts(np.ones(60), gamma)
     _, truth = native.batch(curve, native.mesh(native.WORK_PRESERVING, 60, 500), start)
     _, batch = native.batch(curve, native.mesh(native.WORK_PRESERVING, 60, segments), start)
     _, one = alone(curve, native.mesh(native.WORK_PRESERVING, 60, segments), start)
@@ -238,7 +268,7 @@ def test_batches_check_the_ranges_of_scenes(given, said):
 
 
 def test_segments_can_be_given():
-    batch = fm.simulate_batch(zener_scene(0.5), velocity=["1 m/s", "2 m/s"], segments=10)
+    batch = fm.simulate_batch(scene("stronge", "plate"), velocity=["1 m/s", "2 m/s"], segments=10)
     assert batch.segments == (10, 10)
     assert 1e-7 < batch.estimated < 1e-3
 

@@ -114,6 +114,18 @@ def test_method_figures(tmp_path):
     assert min(order for case, order in orders.items() if case != ("Tsuji", "plate")) > 3.9
 
 
+def test_map_tables():
+    """The core's tables are what the script writes; without 80-bit numbers, nearly."""
+    tables = example("map_tables")
+    for name, (_, terms, _, _) in tables.TABLES.items():
+        kept = (tables.CORE / f"{name}.c").read_text(encoding="utf-8")
+        made = tables.text(name)
+        assert made == kept or np.finfo(np.longdouble).nmant < 63
+        numbers = [np.array(text.split("{")[1].split("}")[0].split(",")[:-1], float) for text in (made, kept)]
+        assert numbers[0].size == numbers[1].size and numbers[0].size % terms == 2
+        assert numbers[0] == pytest.approx(numbers[1], rel=1e-9, abs=1e-9)
+
+
 def test_figures_markers_are_independent_of_the_march():
     scene = fm.Scene.from_toml(EXAMPLES / "scenes" / "olsson_plate.toml").replace(
         {"target.impedance_formula": "paper", "effects.boundary_reflections": False}

@@ -1,15 +1,19 @@
-/* What these files share: film_impact.c, one impact; film_batch.c, which sorts impacts into blocks; film_lanes.c, which runs
- * a block. Internal. docs/method.md, section 10. */
+/* What these files share: film_impact.c, one impact; film_tables.c, what impacts of one law share; film_batch.c, which sorts
+ * impacts into blocks; film_lanes.c, which runs a block, and film_single.c, which compiles it for a block of one. Internal.
+ * docs/method.md, section 10. */
 #ifndef FILM_BATCH_H
 #define FILM_BATCH_H
 
 #include "film_law.h"
 #include "film_wide.h"
 
-enum { LANES = 32 }; /* impacts of a block */
+#ifndef FILM_LANES
+#define FILM_LANES 32
+#endif
+enum { LANES = FILM_LANES }; /* impacts of a block */
 
 /* The length of a leg to the turn below this fraction of the depth is mostly rounding: its time is then v/force, and lanes
- * leave it to film_impact. Needed by core_check.c, check_short_leg, and
+ * leave it to film_marched. Needed by core_check.c, check_short_leg, and
  * test_a_turn_just_inside_a_stage_agrees_with_the_march: times are off by up to 4e-9 without it. */
 static const double SHORT_LEG = 1e-9;
 
@@ -29,7 +33,7 @@ typedef struct {
     double exponent;
     const double *nodes; /* NULL: those of a trial */
     double peak;         /* largest force at its nodes */
-    double rest_time;    /* of a run over the power on a fixed target */
+    double rest_time;    /* of a run over the power on a fixed target; NAN: not yet computed */
     const table_row *rows; /* 0 .. segments */
 } line_table;
 
@@ -68,16 +72,30 @@ typedef struct {
     table_row rows[ROWS];
 } batch_job;
 
+/* What all impacts of j->curve on j->mesh share, but for the ends of pieces. 0: lanes cannot run this curve or mesh. */
+int film_prepare_job(batch_job *j);
+
 /* The table of a run, made when it is first asked for; there is room for all that a batch can ask for. */
-const line_table *film_lines_of(batch_job *j, int32_t stage, int32_t direction, int32_t segments, const double *nodes,
-                                double exponent);
+line_table *film_lines_of(batch_job *j, int32_t stage, int32_t direction, int32_t segments, const double *nodes, double exponent);
+
+/* rest_time of the table of a power. */
+double film_rest_time(line_table *t);
+
+/* One impact on a target that moves, as a row of film_batch; 0: lanes cannot run it, or should not. */
+int film_single(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary, int32_t *status);
+
+/* Tables of whole ways, film_way_in.c and film_way_out.c: eight pieces for each doubling of 1 + number, up to MAP_END. */
+enum { MAP_PIECES = 32, FILM_WAY_IN_TERMS = 11, FILM_WAY_IN_VALUES = 2, FILM_WAY_OUT_TERMS = 14, FILM_WAY_OUT_VALUES = 3 };
+static const double MAP_END = 15.0;
+extern const double film_way_in[MAP_PIECES * FILM_WAY_IN_TERMS * FILM_WAY_IN_VALUES + 2];
+extern const double film_way_out[MAP_PIECES * FILM_WAY_OUT_TERMS * FILM_WAY_OUT_VALUES + 2];
 
 /* For film_batch_shaped: an impact that lanes cannot run. */
 enum { LEFT_ALONE = 100 };
 
-/* Leaves an impact to film_impact: at once, or when the curve of its shape is made. */
+/* Leaves an impact to film_marched: at once, or when the curve of its shape is made. */
 static inline void leave_alone(const batch_job *j, int64_t i) {
-    j->status[i] = j->family != NULL ? LEFT_ALONE : film_impact(j->curve, j->mesh, &j->start[i], &j->summary[i]);
+    j->status[i] = j->family != NULL ? LEFT_ALONE : film_marched(j->curve, j->mesh, &j->start[i], &j->summary[i]);
 }
 
 /* The impacts that film_batch_shaped left alone, one after another. */
@@ -104,6 +122,11 @@ static inline int plain_power(const batch_job *j, int32_t stage) {
     return stage == 0 && j->simple[0] && g->constant == 0.0 && g->slope == 0.0 && g->coefficient > 0.0;
 }
 
+/* A power law from first touch on whose exponent is that of the tables of whole ways. */
+static inline int has_way_in(const batch_job *j, int32_t stage) {
+    return plain_power(j, stage) && j->curve->piece[0].force.exponent == 1.5;
+}
+
 /* W + g f (0.79 nu - 0.27 g f) - nu^2/2, which is near 0 where a target that moves turns the impactor; g f <= nu.
  * docs/method.md, section 10. */
 static inline double turn_excess(double work, double force, double nu, double gamma) {
@@ -122,17 +145,32 @@ static inline int is_undisturbed(const film_start *start) {
     return start->load == 0.0 && start->stop_velocity == 0.0 && start->time_limit == INFINITY && start->damping == 0.0;
 }
 
+/* The stage in which a target that moves should turn the impactor, by the estimate of turn_excess, or else the one that
+ * differs between impacts, and the work of those before; -1: none. */
+static inline int32_t moving_stage(const batch_job *j, double nu, double gamma, double *stored) {
+    *stored = 0.0;
+    for (int32_t k = 0; k < j->curve->stages; k++) {
+        if (k == j->shaped || !(j->whole[k] < INFINITY) || turn_excess(*stored + j->whole[k], j->end_force[k], nu, gamma) > 0.0)
+            return k;
+        *stored += j->whole[k];
+    }
+    return -1;
+}
+
+enum { FEWEST = 3 }; /* segments of a leg on targets that move: fewer are too rough to find the turn from */
+
 /* Impacts on targets that move, where they are on the law. */
 typedef struct {
     double gamma[LANES], w[LANES], time[LANES];  /* w: impactor velocity */
     double xi[LANES], force[LANES], work[LANES]; /* where each lane is, and the law there */
-    double bad[LANES];                           /* > 0: left to film_impact */
+    double bad[LANES];                           /* > 0: left to film_marched */
 } lanes;
 
 /* Impacts at their deepest: work so far, largest force, the branch that begins there, and gamma sqrt(force/depth) on it. */
 typedef struct {
     lanes at;
     double stored[LANES], peak[LANES], recovery[LANES], exponent[LANES], slowness[LANES];
+    double lines[LANES]; /* so far: 0 where a table gave the way in */
 } turned_lanes;
 
 /* Impacts that have turned and wait to unload, of one grading and stage. */
@@ -150,6 +188,8 @@ typedef struct {
     void (*fixed)(batch_job *j, int32_t stage, const int64_t *index, int count);
     /* impacts that should turn in `stage`, to the turn */
     void (*load)(batch_job *j, int32_t stage, const int64_t *index, int count, turned_lanes *t);
+    /* the whole way out from the turn, by a table, for those of exponent 3/2 and slowness below MAP_END */
+    void (*leave)(batch_job *j, const int64_t *index, int count, const turned_lanes *t);
     /* from the turn out along their branches; exponent NAN: each has its own */
     void (*unload)(batch_job *j, int32_t grading, double exponent, unloading_queue *q);
     /* from the turn in `stage` back along the law */

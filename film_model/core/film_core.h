@@ -332,9 +332,13 @@ FILM_API int film_switch(const film_curve *curve, film_state *state);
 /* The true law: force, and work since the stage began, of loading stage `stage` at xi. */
 FILM_API void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work);
 
-/* One contact: FILM_EVENT when it has ended, FILM_OK at the time limit, FILM_ENDLESS, or a failure. */
+/* One contact: FILM_EVENT when it has ended, FILM_OK at the time limit, FILM_ENDLESS, or a failure. On a target that moves, and
+ * without load, damping and limit, it is film_batch's row, faster than film_marched. */
 FILM_API int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start,
                          film_summary *summary);
+
+/* The same by the lines that film_record records. */
+FILM_API int film_marched(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary);
 
 /* count contacts, side by side where possible, on less than 400 kB of stack; status[i] is what film_impact returns for
  * start[i]. The result of an impact does not depend on the others. docs/method.md, section 10. */

@@ -1,5 +1,5 @@
-/* One contact from its start to its end: the march's way, and a shorter one for a fixed target without a load, where
- * energy gives the velocity at every node. docs/method.md, sections 3 and 10. */
+/* One contact from its start to its end: the march's way, a shorter one for a fixed target without a load, where energy gives
+ * the velocity at every node, and for one that moves that of a batch. docs/method.md, sections 3 and 10. */
 #include "film_batch.h"
 
 #include "film_line.h"
@@ -114,7 +114,7 @@ static void clear_summary(film_summary *summary) {
     summary->final_velocity = NAN;
 }
 
-int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
+int film_marched(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
     film_state s;
     clear_summary(summary);
     if (!(start->nu > 0.0 || (start->nu == 0.0 && start->load > 0.0)) || start->nu == INFINITY) return FILM_BAD_NUMBER;
@@ -149,6 +149,13 @@ int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start
         summary->final_velocity = s.nu;
     }
     return status;
+}
+
+int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
+    int32_t status;
+    int in_lanes = start->gamma > 0.0 && start->gamma < INFINITY && start->nu > 0.0 && start->nu < INFINITY && is_undisturbed(start);
+    if (in_lanes && film_single(curve, mesh, start, summary, &status)) return status;
+    return film_marched(curve, mesh, start, summary);
 }
 
 void film_impacts_left(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,

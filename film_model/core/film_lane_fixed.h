@@ -97,7 +97,7 @@ static void run_to_turn(batch_job *j, int32_t stage, int32_t segments, const dou
                         const double *restrict xi, const double *restrict force, const double *restrict work,
                         double *restrict time, double *restrict peak) {
     if (plain_power(j, stage)) {
-        double rest = film_lines_of(j, UNIT_POWER, 1, segments, nodes, j->curve->piece[0].force.exponent)->rest_time;
+        double rest = film_rest_time(film_lines_of(j, UNIT_POWER, 1, segments, nodes, j->curve->piece[0].force.exponent));
         EACH(l) time[l] += rest * sqrt(xi[l] / force[l]);
     } else if (j->simple[stage]) {
         run_power_to_turn(j, stage, segments, nodes, v, xi, time);
@@ -166,7 +166,8 @@ static void unload_fixed(batch_job *j, int32_t stage, fixed_block *b) {
     double exponent[LANES], time[LANES];
     open_lanes(j, stage, b->xi, b->force, b->recovery, exponent);
     if (j->exponent[stage] == j->exponent[stage]) {
-        double rest = film_lines_of(j, UNIT_POWER, 1, m, j->mesh->unloading_nodes[FILM_COSINE], j->exponent[stage])->rest_time;
+        const double *nodes = j->mesh->unloading_nodes[FILM_COSINE];
+        double rest = film_rest_time(film_lines_of(j, UNIT_POWER, 1, m, nodes, j->exponent[stage]));
         EACH(l) time[l] = rest;
     } else {
         run_from_rest(j->mesh, exponent, time);

@@ -142,7 +142,10 @@ static int cross_alone(double gamma, double h, double phi, double kappa, double 
 static void cross_again(lanes *restrict s, lines *restrict n, double d, int from_rest,
                         const double *restrict unserved, double *restrict w1) {
     double tau[LANES], end[LANES], left[LANES];
-    EACH(l) left[l] = 1.0;
+    EACH(l) {
+        left[l] = 1.0;
+        tau[l] = end[l] = 0.0;
+    }
     if (!from_rest) {
         memcpy(tau, n->tau, sizeof tau);
         cross_lines(s->gamma, n->h, n->phi, n->kappa, d, 0, 1, s->w, tau, end, left);

@@ -3,10 +3,10 @@
 #define FILM_LANE_LOAD_H
 
 #include "film_lane_line.h"
+#include "film_lane_map.h"
 
 enum { AIM_STEPS = 8 };
 static const double AIM_TOLERANCE = 5e-3; /* fraction of the energy: less than the error of turn_excess. Cost only */
-static const double HERTZ_AIM = 1e-5;     /* fraction of the depth: error of hertz_aim. Cost only */
 
 /* Along a loading stage towards aim, up to the node before it. nodes NULL: those of a trial. */
 static void run_towards(batch_job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict aim,
@@ -86,24 +86,6 @@ static void turn_near(batch_job *j, int32_t stage, const double *restrict x1, la
     }
 }
 
-/* Where the impacts turn on Hertz's law, within 1e-5 for gamma nu^{1/5} up to 60: a fixed target turns them at the depth X
- * that energy gives; this one at X P^(-2/3), where P is a function of gamma f(X)/nu alone, fitted to the march. */
-static void hertz_aim(const batch_job *j, const double *restrict nu, const double *restrict gamma, double *restrict aim) {
-    double k = j->curve->piece[0].force.coefficient, power[LANES], e[LANES], x[LANES], p[LANES], share[LANES];
-    EACH(l) {
-        power[l] = 1.25 * (nu[l] * nu[l]) / k;
-        e[l] = 0.4;
-    }
-    power_lanes(power, e, x);
-    EACH(l) {
-        double s = gamma[l] * k * x[l] * sqrt(x[l]) / nu[l];
-        p[l] = (1.0 + s * (1.1872359 + s * (0.28208004 + s * 0.0117072))) / (1.0 + s * (0.27930149 + s * 0.01171541));
-        e[l] = -2.0 / 3;
-    }
-    power_lanes(p, e, share);
-    EACH(l) aim[l] = x[l] * share[l];
-}
-
 /* About where the impacts turn, within 2 % on Hertz's law: turn_excess = 0 by false position, the value at the older end
  * halved. A fixed target would stop them later. */
 static void first_aim(batch_job *j, int32_t stage, double stored, const double *restrict nu, const double *restrict gamma,
@@ -179,23 +161,13 @@ static double cross_before(batch_job *j, int32_t stage, lanes *restrict s, doubl
     return stored;
 }
 
-/* Aims at the turn in `stage`: a formula, then trial legs of 4, 16 ... segments, each aimed by the one before. 1 if the aim
- * is good enough for the last line without another trial. docs/method.md, section 5. */
-static int aim_lanes(batch_job *j, int32_t stage, double stored, const double *restrict nu, const lanes *restrict s,
-                     double *restrict aim) {
-    const double *nodes = j->mesh->loading_nodes[FILM_PLATE_IN];
+/* Aims at the turn in `stage`: an estimate, then trial legs of 4, 16 ... segments, each aimed by the one before.
+ * docs/method.md, section 5. */
+static void aim_lanes(batch_job *j, int32_t stage, double stored, const double *restrict nu, const lanes *restrict s,
+                      double *restrict aim) {
     double end = reach_of(j, stage), tau[LANES];
-    int32_t segments = j->mesh->loading, m = AIMING_SEGMENTS;
-    int sure = 0;
-    if (plain_power(j, stage) && j->curve->piece[0].force.exponent == 1.5) {
-        hertz_aim(j, nu, s->gamma, aim);
-        EACH(l) aim[l] = aim[l] < end ? aim[l] : end;
-        m *= 4;
-        sure = 1.0 - nodes[segments - 1] > 100.0 * HERTZ_AIM;
-    } else {
-        first_aim(j, stage, stored, nu, s->gamma, aim);
-    }
-    for (; m == AIMING_SEGMENTS || 3 * m <= segments; m *= 4) {
+    first_aim(j, stage, stored, nu, s->gamma, aim);
+    for (int32_t m = AIMING_SEGMENTS; m == AIMING_SEGMENTS || 3 * m <= j->mesh->loading; m *= 4) {
         lanes trial = *s;
         run_towards(j, stage, m, NULL, aim, &trial);
         turn_near(j, stage, aim, &trial, 0, 1, tau);
@@ -204,38 +176,94 @@ static int aim_lanes(batch_job *j, int32_t stage, double stored, const double *r
             aim[l] = fabs(trial.xi[l] - aim[l]) < 0.1 * aim[l] ? to : aim[l];
         }
     }
-    return sure;
 }
 
 /* Along `stage` to the turn near `aim`. Lanes whose turn is too far from their aim are bad. */
-static void run_to_aim(batch_job *j, int32_t stage, int sure, double *restrict aim, lanes *restrict s) {
-    const double *nodes = j->mesh->loading_nodes[FILM_PLATE_IN];
+static void run_to_aim(batch_job *j, int32_t stage, double *restrict aim, lanes *restrict s) {
     double end = reach_of(j, stage), last[LANES], tau[LANES];
-    run_towards(j, stage, j->mesh->loading, nodes, aim, s);
+    run_towards(j, stage, j->mesh->loading, j->mesh->loading_nodes[FILM_PLATE_IN], aim, s);
     EACH(l) last[l] = s->xi[l];
-    if (!sure) {
-        lanes trial = *s;
-        turn_near(j, stage, aim, &trial, 0, 1, tau);
-        EACH(l) {
-            s->bad[l] = fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? s->bad[l] : 1.0;
-            aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
-        }
+    lanes trial = *s;
+    turn_near(j, stage, aim, &trial, 0, 1, tau);
+    EACH(l) {
+        s->bad[l] = fabs(trial.xi[l] - aim[l]) < aim[l] - last[l] ? s->bad[l] : 1.0;
+        aim[l] = trial.xi[l] < end ? trial.xi[l] : end;
     }
-    turn_near(j, stage, aim, s, !sure, 3, tau);
+    turn_near(j, stage, aim, s, 1, 3, tau);
     EACH(l) {
         s->bad[l] = s->xi[l] <= end ? s->bad[l] : 1.0;
         s->bad[l] = fabs(s->xi[l] - aim[l]) < 0.1 * (s->xi[l] - last[l]) ? s->bad[l] : 1.0;
     }
 }
 
+/* To the turn in `stage` by lines. Returns the work of the stages before; *largest: their largest force. */
+static double load_by_lines(batch_job *j, int32_t stage, const double *restrict nu, turned_lanes *restrict t, double *largest) {
+    double aim[LANES], stored = cross_before(j, stage, &t->at, largest);
+    aim_lanes(j, stage, stored, nu, &t->at, aim);
+    run_to_aim(j, stage, aim, &t->at);
+    EACH(l) t->lines[l] = (double)j->mesh->loading * (stage + 1);
+    return stored;
+}
+
+/* To the turn on a power law of exponent 3/2, by film_way_in. A fixed target would turn the impactor at the depth X that energy
+ * gives. beyond: 1 for the lanes beyond the table. */
+static void load_by_table(const batch_job *j, const double *restrict nu, turned_lanes *restrict t, double *restrict beyond) {
+    double k = j->curve->piece[0].force.coefficient, power[LANES], e[LANES], x[LANES], number[LANES], way[LANES][4];
+    lanes *restrict s = &t->at;
+    EACH(l) {
+        power[l] = 1.25 * (nu[l] * nu[l]) / k;
+        e[l] = 0.4;
+    }
+    power_lanes(power, e, x);
+    EACH(l) {
+        double r = x[l];
+        x[l] = r + 0.4 * r * (power[l] / (r * r * sqrt(r)) - 1.0); /* power_lanes errs by some ulps */
+        number[l] = s->gamma[l] * k * x[l] * sqrt(x[l]) / nu[l];
+        beyond[l] = number[l] < MAP_END ? 0.0 : 1.0;
+    }
+    map_lanes(film_way_in, FILM_WAY_IN_TERMS, FILM_WAY_IN_VALUES, number, way);
+    EACH(l) {
+        double depth = x[l] * way[l][0];
+        s->time[l] = x[l] / nu[l] * way[l][1];
+        s->xi[l] = depth;
+        s->force[l] = k * (depth * sqrt(depth));
+        s->work[l] = 0.4 * s->force[l] * depth;
+        s->w[l] = s->gamma[l] * s->force[l];
+        s->bad[l] = depth <= j->curve->stage[0].end ? 0.0 : 1.0;
+        t->lines[l] = 0.0;
+    }
+}
+
+/* Marches the lanes beyond the table. */
+static void load_beyond(batch_job *j, const double *restrict nu, const int64_t *index, int count, turned_lanes *restrict t,
+                        const double *restrict beyond) {
+    turned_lanes by_lines;
+    double largest = 0.0, again[LANES];
+    start_lanes(j, index, count, &by_lines.at, again);
+    load_by_lines(j, 0, nu, &by_lines, &largest);
+    EACH(l) {
+        int lined = beyond[l] > 0.0;
+        t->at.time[l] = lined ? by_lines.at.time[l] : t->at.time[l];
+        t->at.xi[l] = lined ? by_lines.at.xi[l] : t->at.xi[l];
+        t->at.force[l] = lined ? by_lines.at.force[l] : t->at.force[l];
+        t->at.work[l] = lined ? by_lines.at.work[l] : t->at.work[l];
+        t->at.w[l] = lined ? by_lines.at.w[l] : t->at.w[l];
+        t->at.bad[l] = lined ? by_lines.at.bad[l] : t->at.bad[l];
+        t->lines[l] = lined ? by_lines.lines[l] : t->lines[l];
+    }
+}
+
 /* A block of impacts that should turn in `stage`, from first touch to the turn, and the branches from there. */
 static void load_lanes(batch_job *j, int32_t stage, const int64_t *index, int count, turned_lanes *restrict t) {
     lanes *restrict s = &t->at;
-    double nu[LANES], aim[LANES], largest = 0.0;
+    double nu[LANES], beyond[LANES], largest = 0.0, stored = 0.0;
     start_lanes(j, index, count, s, nu);
-    double stored = cross_before(j, stage, s, &largest);
-    int sure = aim_lanes(j, stage, stored, nu, s, aim);
-    run_to_aim(j, stage, sure, aim, s);
+    if (has_way_in(j, stage)) {
+        load_by_table(j, nu, t, beyond);
+        if (any(beyond)) load_beyond(j, nu, index, count, t, beyond);
+    } else {
+        stored = load_by_lines(j, stage, nu, t, &largest);
+    }
     double exponent = plain_power(j, stage) ? j->exponent[stage] : 1.0; /* 1: retraced, not used */
     EACH(l) {
         t->stored[l] = stored + s->work[l];

@@ -4,6 +4,7 @@
 #define FILM_LANE_UNLOAD_H
 
 #include "film_lane_line.h"
+#include "film_lane_map.h"
 
 /* Below this fraction of the way that is left, a mean force, a difference of works, is rounding, and the cubic's guess is as
  * good. Accuracy only, below the lines' error. */
@@ -143,7 +144,7 @@ static void stop_times(const batch_job *j, const stops *restrict n, lanes *restr
     }
 }
 
-/* The summary of one lane, or film_impact's where the lane is bad. */
+/* The summary of one lane, or film_marched's where the lane is bad. */
 static void report_lane(batch_job *j, const lanes *s, double stopped, int l, int64_t index, double left, double stored,
                        double given) {
     film_summary *out = &j->summary[index];
@@ -157,6 +158,25 @@ static void report_lane(batch_job *j, const lanes *s, double stopped, int l, int
     int whole = s->bad[l] == 0.0 && s->time[l] < INFINITY && fabs(s->w[l]) < INFINITY;
     if (whole) j->status[index] = FILM_EVENT;
     else leave_alone(j, index);
+}
+
+/* ---------------------------------------------------------------- the whole way out */
+
+/* From rest at the deepest point to the end of a branch of exponent 3/2, by film_way_out; lanes of a slowness beyond the table
+ * are left out. */
+static void leave_lanes(batch_job *j, const int64_t *index, int count, const turned_lanes *t) {
+    double way[LANES][4], stopped[LANES];
+    lanes s = t->at;
+    map_lanes(film_way_out, FILM_WAY_OUT_TERMS, FILM_WAY_OUT_VALUES, t->slowness, way);
+    EACH(l) {
+        double clock = sqrt(t->recovery[l] / s.force[l]);
+        stopped[l] = s.time[l] + clock * way[l][2];
+        s.time[l] += clock * way[l][0];
+        s.w[l] = -sqrt(t->recovery[l] * s.force[l]) * way[l][1];
+    }
+    for (int l = 0; l < count; l++)
+        if (t->slowness[l] < MAP_END)
+            report_lane(j, &s, stopped[l], l, index[l], s.xi[l] - t->recovery[l], t->stored[l], 0.4 * s.force[l] * t->recovery[l]);
 }
 
 /* ---------------------------------------------------------------- along branches */

@@ -1,4 +1,4 @@
-/* Runs blocks of impacts, side by side in lanes: see film_batch.h. film_avx2.c and film_avx512.c compile it too.
+/* Runs blocks of impacts, side by side in lanes: see film_batch.h. film_avx2.c, film_avx512.c and film_single.c compile it too.
  * docs/method.md, section 10. */
 #include "film_lane_fixed.h"
 #include "film_lane_load.h"
@@ -6,6 +6,9 @@
 
 #ifndef FILM_ROUTINES
 #define FILM_ROUTINES film_plain
+#endif
+#ifndef FILM_OWN
+#define FILM_OWN
 #endif
 
 /* The numbers that differ, of the first pieces of the last stage: as film_shape has them. */
@@ -29,4 +32,4 @@ static void shape_lanes(const batch_job *j, int32_t pieces, const double (*of)[L
     law_lanes(j, j->shaped, at, force, own->whole);
 }
 
-const block_routines FILM_ROUTINES = {shape_lanes, fixed_lanes, load_lanes, unload_lanes, retrace_lanes};
+FILM_OWN const block_routines FILM_ROUTINES = {shape_lanes, fixed_lanes, load_lanes, leave_lanes, unload_lanes, retrace_lanes};

@@ -168,10 +168,7 @@ class Summary(c.Structure):
     _fields_ = [(name, _D) for name in SUMMARY] + [("stage", _I), ("lines", _I)]
 
 
-START_DTYPE = np.dtype(Start)
-LINE_DTYPE = np.dtype(Line)
-STATE_DTYPE = np.dtype(State)
-SUMMARY_DTYPE = np.dtype(Summary)
+START_DTYPE, LINE_DTYPE, STATE_DTYPE, SUMMARY_DTYPE = (np.dtype(kind) for kind in (Start, Line, State, Summary))
 
 
 def _library_path() -> Path:
@@ -209,6 +206,7 @@ def library() -> Any:
         "film_switch": ([pointer, pointer], c.c_int),
         "film_law": ([pointer, _I, _D, pointer, pointer], None),
         "film_impact": ([pointer, pointer, pointer, pointer], c.c_int),
+        "film_marched": ([pointer, pointer, pointer, pointer], c.c_int),
         "film_instructions": ([], c.c_int),
         "film_batch_shaped": ([c.c_int, pointer, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
         "film_compare": ([i64, pointer, pointer, pointer, pointer], None),
@@ -306,9 +304,18 @@ def sample(
 
 
 def impact(curve: Curve, cut: Mesh, start: Start) -> tuple[int, Summary]:
-    """Status and summary of one contact."""
+    """Status and summary of one contact; on targets that move, those of a batch of one."""
+    return _contact(library().film_impact, curve, cut, start)
+
+
+def marched(curve: Curve, cut: Mesh, start: Start) -> tuple[int, Summary]:
+    """As `impact`, by the lines that `record` records."""
+    return _contact(library().film_marched, curve, cut, start)
+
+
+def _contact(function: Any, curve: Curve, cut: Mesh, start: Start) -> tuple[int, Summary]:
     summary = Summary()
-    return library().film_impact(c.byref(curve), c.byref(cut), c.byref(start), c.byref(summary)), summary
+    return function(c.byref(curve), c.byref(cut), c.byref(start), c.byref(summary)), summary
 
 
 @lru_cache(maxsize=1)

@@ -307,10 +307,13 @@ class Problem:
         return start
 
     def march(self, mesh: native.Mesh) -> tuple[Any, Any]:
-        """The core's status and summary of the impact on a mesh; of many impacts, an array and :class:`Columns`."""
+        """The core's status and summary of the impact on a mesh; of many impacts, an array and :class:`Columns`.
+
+        One impact by the lines that are recorded: the meshes are compared to find the error of its history.
+        """
         refuse_relaxation(self, "a march on lines")
         if not self.impacts.many:
-            return native.impact(self.curve.native, mesh, self.start)
+            return native.marched(self.curve.native, mesh, self.start)
         page = self.curve.page
         if self.varied is not None:
             status, table = families.batch_varied(self.curve.native, mesh, self.start, *self.varied)

@@ -1,0 +1,129 @@
+/* What impacts of one law and mesh share: its stages, and the lines that scale with the depth. docs/method.md, section 10. */
+#include "film_batch.h"
+
+/* ---------------------------------------------------------------- tables of lines
+ * On a stage that is one power from its beginning on, and on an unloading branch, nodes are the same fractions at every
+ * depth, and the lines between them scale; across a whole stage they are the same for every impact. */
+
+static void table_law(const batch_job *j, const line_table *t, double x, double *force, double *work) {
+    if (t->stage != UNIT_POWER) {
+        stage_law(j->curve, t->stage, x, force, work);
+        return;
+    }
+    *force = power_of(x, t->exponent);
+    *work = *force * x * work_factor(t->exponent);
+}
+
+/* The same lines as film_make_line's. docs/method.md, section 2. */
+static void make_rows(const batch_job *j, line_table *t, table_row *rows) {
+    double begin = 0.0, end = 1.0, f0 = 0.0, w0 = 0.0;
+    int unit = t->stage == UNIT_POWER;
+    if (!unit) {
+        begin = j->curve->stage[t->stage].begin;
+        end = j->curve->stage[t->stage].end;
+    }
+    for (int32_t i = 0; i <= t->segments; i++) {
+        double s = (double)i / t->segments, f1, w1;
+        s = t->nodes != NULL ? t->nodes[i] : s * s * (3.0 - 2.0 * s);
+        table_row *r = &rows[i];
+        r->x = t->direction > 0 ? begin + (end - begin) * s : end + (begin - end) * s;
+        if (i == t->segments) r->x = t->direction > 0 ? end : begin;
+        table_law(j, t, r->x, &f1, &w1);
+        r->force = f1;
+        r->work = unit ? 2.0 * (work_factor(t->exponent) - w1) : 2.0 * w1;
+        if (i > 0) {
+            double h = r->x - rows[i - 1].x, mean = (w1 - w0) / h, kappa = (f1 - f0) / h;
+            if (unit && t->direction > 0 && i == t->segments) kappa = 2.0 * (f1 - mean) / h; /* the law's force at the turn */
+            if (unit && t->direction < 0 && i == 1) kappa = 2.0 * (mean - f0) / h;
+            r->h = fabs(h);
+            r->kappa = kappa;
+            r->phi = mean - 0.5 * kappa * h;
+            if (f1 > t->peak) t->peak = f1;
+        } else {
+            r->h = r->kappa = r->phi = 0.0;
+        }
+        f0 = f1;
+        w0 = w1;
+    }
+}
+
+line_table *film_lines_of(batch_job *j, int32_t stage, int32_t direction, int32_t segments, const double *nodes, double exponent) {
+    for (int32_t i = 0; i < j->table_count; i++) {
+        line_table *t = &j->tables[i];
+        if (t->nodes == nodes && t->stage == stage && t->direction == direction && t->segments == segments &&
+            (stage != UNIT_POWER || t->exponent == exponent))
+            return t;
+    }
+    line_table *t = &j->tables[j->table_count++];
+    table_row *rows = &j->rows[j->row_count];
+    j->row_count += segments + 1;
+    *t = (line_table){stage, direction, segments, exponent, nodes, 0.0, NAN, rows};
+    make_rows(j, t, rows);
+    return t;
+}
+
+double film_rest_time(line_table *t) {
+    if (t->rest_time == t->rest_time) return t->rest_time;
+    t->rest_time = 0.0;
+    for (const table_row *r = t->rows + 1; r <= t->rows + t->segments; r++) {
+        double per = r->h / (sqrt(r[-1].work) + sqrt(r->work));
+        t->rest_time += 2.0 * per * arc(r->kappa * per * per);
+    }
+    return t->rest_time;
+}
+
+/* ---------------------------------------------------------------- what all impacts share */
+
+/* The exponent of a stage's branches where it is one number, else NAN. */
+static double branch_exponent(const film_curve *curve, int32_t stage) {
+    const film_piece *piece = &curve->piece[curve->stage[stage].first];
+    for (int32_t p = 0; p < curve->stage[stage].count; p++) {
+        const film_function *g = &piece[p].exponent;
+        if (g->form != FILM_POWER || g->slope != 0.0 || g->coefficient != 0.0) return NAN;
+        if (g->constant != piece->exponent.constant) return NAN;
+    }
+    return piece->exponent.constant;
+}
+
+/* Adds an exponent to the known ones; returns how many there are. */
+static int32_t add_exponent(double exponent, double *known, int32_t count) {
+    for (int32_t i = 0; i < count; i++)
+        if (known[i] == exponent) return count;
+    known[count] = exponent;
+    return count + 1;
+}
+
+/* 0: lanes cannot run this stage. */
+static int prepare_stage(batch_job *j, int32_t k) {
+    const film_curve *curve = j->curve;
+    const film_stage *stage = &curve->stage[k];
+    const film_function *g = &curve->piece[stage->first].force;
+    int rising = force_rises(curve, k), reversible = stage->unloading == FILM_RETRACE;
+    if (!reversible && stage->unloading == FILM_SHIFTED) return 0; /* it may creep out for ever: only the march sees that */
+    j->simple[k] = rising && g->origin == stage->begin;
+    j->exponent[k] = reversible ? NAN : branch_exponent(curve, k);
+    j->whole[k] = j->end_force[k] = INFINITY;
+    if (stage->end < INFINITY) stage_law(curve, k, stage->end, &j->end_force[k], &j->whole[k]);
+    else if (!rising) return 0;
+    if (reversible && plain_power(j, k)) j->exponent[k] = g->exponent;
+    return 1;
+}
+
+int film_prepare_job(batch_job *j) {
+    const film_curve *curve = j->curve;
+    int32_t n = j->mesh->loading, m = j->mesh->unloading, back = 0, powers = 0, branches = 0;
+    double power[FILM_MAX_STAGES], branch[FILM_MAX_STAGES];
+    j->table_count = j->row_count = 0;
+    if (curve->compliance != 0.0 || curve->pull != 0.0 || j->mesh->linearisation != FILM_WORK_PRESERVING || n > ROWS || m > ROWS) return 0;
+    for (int32_t k = 0; k < curve->stages; k++) {
+        if (!prepare_stage(j, k)) return 0;
+        if (curve->stage[k].unloading == FILM_RETRACE && k > 0) back = k;
+        powers = add_exponent(j->simple[k] ? curve->piece[curve->stage[k].first].force.exponent : ANY_POWER, power, powers);
+        if (j->exponent[k] == j->exponent[k]) branches = add_exponent(j->exponent[k], branch, branches);
+    }
+    /* of each stage's exponent: loading, graded and by cosines, and by trials (together less than n/2 + 12), and by as
+     * many cosines as unloading; of each branch's: every grading and cosines; of each stage: across and back */
+    int64_t rows = (int64_t)powers * (2 * (n + 1) + n / 2 + 12 + m + 1) + (int64_t)branches * (8 * m + 4) +
+                   (int64_t)curve->stages * 2 * (n + 1) + (int64_t)back * (m + 1);
+    return rows <= ROWS && 8 * powers + 4 * branches + 3 * curve->stages <= TABLES;
+}

@@ -22,13 +22,13 @@ sys.path.insert(0, str(Path(__file__).parent))
 from fmu_wrapper import platforms
 
 CORE = platforms.CORE
-ONE_IMPACT = tuple(f"{CORE}/film_{name}.c" for name in ("impact", "single", "tables", "way_in", "way_out"))
+ONE_IMPACT = tuple(f"{CORE}/film_{name}.c" for name in ("marched", "modal_impact", "compare"))
 SOURCES = (
     *platforms.MARCH,
-    *ONE_IMPACT,
-    *(f"{CORE}/film_{name}.c" for name in ("batch", "batch_shape", "many", "compare", "lanes", "avx2", "avx512")),
+    *(f"{CORE}/film_{name}.c" for name in ("impact", "single", "tables", "way_in", "way_out")),
+    *(f"{CORE}/film_{name}.c" for name in ("batch", "batch_shape", "many", "lanes", "avx2", "avx512")),
     *platforms.MODES,
-    f"{CORE}/film_modal_impact.c",
+    *ONE_IMPACT,
     *(f"{CORE}/film_relax{part}.c" for part in ("", "_step")),
 )
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
@@ -36,10 +36,7 @@ FLAGS = platforms.FLAGS
 SHARED = ("-shared",) if sys.platform == "win32" else ("-shared", "-fPIC")
 LINK = () if sys.platform == "win32" else ("-lm",)
 WASM = "film_model/explorer/_film_core.wasm"
-WASM_SOURCES = (
-    *(*platforms.MARCH, *platforms.MODES, *ONE_IMPACT),
-    *(f"{CORE}/film_{name}.c" for name in ("modal_impact", "compare")),
-)
+WASM_SOURCES = (*platforms.MARCH, *platforms.MODES, *ONE_IMPACT)
 WASM_FLAGS = (
     *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-O2", "-s"),
     *("-Wl,--export-dynamic", "-Wl,--export=__heap_base"),

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* A turn counts as deeper than those before only beyond this factor, as in film_impact.c. */
+/* A turn counts as deeper than those before only beyond this factor, as in film_marched.c. */
 static const double DEEPER = 1.0 + 1e-10;
 
 enum { MOST_EVENTS = 1000000 }; /* of one impact */

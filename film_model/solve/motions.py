@@ -4,8 +4,9 @@ in contact of viscoelastic bodies."""
 from __future__ import annotations
 
 import struct
+from abc import ABC, abstractmethod
 from dataclasses import replace
-from typing import TypeAlias
+from typing import Generic, TypeAlias, TypeVar
 
 from film_model.core import modal, native, relaxing
 from film_model.problem.problem import Problem
@@ -73,7 +74,48 @@ class OnLines:
         self._state = native.State.from_buffer_copy(saved)
 
 
-class OnModes:
+Motion = TypeVar("Motion", modal.Motion, relaxing.Motion)
+
+
+class _InOneMotion(ABC, Generic[Motion]):
+    """A contact that the core advances as a whole, `_motion`, which saves itself."""
+
+    _motion: Motion
+
+    def step(self, dt: float) -> int:
+        """Forward by dt or to the next event; the core's status."""
+        return self._motion.step(dt)
+
+    def set_input(self, load: float, nu_change: float, stop_velocity: float) -> int:
+        """Change load, velocity (by a step of the support) and stop velocity; the core's status."""
+        return self._motion.set_input(load, nu_change, stop_velocity)
+
+    @property
+    @abstractmethod
+    def time(self) -> float:
+        """Time since the start."""
+
+    @property
+    @abstractmethod
+    def contact(self) -> native.State | relaxing.State:
+        """The contact's state: the latest event, the law's branch after it, the phase."""
+
+    def now(self) -> Now:
+        """The motion now."""
+        xi, rate, force, nu, shift = self._motion.values().tolist()
+        contact = self.contact
+        return self.time, xi, nu, nu - rate, shift, force, contact.phase, contact.contacts
+
+    def save(self) -> bytes:
+        """The whole state."""
+        return self._motion.save()
+
+    def restore(self, saved: bytes) -> None:
+        """Return to a saved state."""
+        self._motion.restore(saved)
+
+
+class OnModes(_InOneMotion[modal.Motion]):
     """A contact on a target's natural vibrations: as many, and in steps as short, as the impact `found` needs."""
 
     clock = 1.0
@@ -89,14 +131,6 @@ class OnModes:
         start.nu = nu
         self._motion = modal.Motion(self._tables, self._curve, start, gap)
 
-    def step(self, dt: float) -> int:
-        """Forward by dt or to the next event; the core's status."""
-        return self._motion.step(dt)
-
-    def set_input(self, load: float, nu_change: float, stop_velocity: float) -> int:
-        """Change load, velocity (by a step of the support) and stop velocity; the core's status."""
-        return self._motion.set_input(load, nu_change, stop_velocity)
-
     @property
     def time(self) -> float:
         """Time since the start, s."""
@@ -107,22 +141,8 @@ class OnModes:
         """The contact's state: the latest event, the law's branch after it, the phase."""
         return self._motion.state.contact
 
-    def now(self) -> Now:
-        """The motion now."""
-        xi, rate, force, nu, shift = self._motion.values().tolist()
-        contact = self.contact
-        return self.time, xi, nu, nu - rate, shift, force, contact.phase, contact.contacts
 
-    def save(self) -> bytes:
-        """The whole state."""
-        return self._motion.save()
-
-    def restore(self, saved: bytes) -> None:
-        """Return to a saved state."""
-        self._motion.restore(saved)
-
-
-class OnMemory:
+class OnMemory(_InOneMotion[relaxing.Motion]):
     """A contact of viscoelastic bodies, in steps. clock: the unit of its times, s."""
 
     def __init__(self, problem: Problem, tolerance: float) -> None:
@@ -136,14 +156,6 @@ class OnMemory:
         start.nu = nu
         self._motion = relaxing.Motion(self._law, start, self._tolerance, gap)
 
-    def step(self, dt: float) -> int:
-        """Forward by dt or to the next event; the core's status."""
-        return self._motion.step(dt)
-
-    def set_input(self, load: float, nu_change: float, stop_velocity: float) -> int:
-        """Change load, velocity (by a step of the support) and stop velocity; the core's status."""
-        return self._motion.set_input(load, nu_change, stop_velocity)
-
     @property
     def time(self) -> float:
         """Time since the start."""
@@ -153,20 +165,6 @@ class OnMemory:
     def contact(self) -> relaxing.State:
         """The contact's state: the latest event, the branch after it, the phase."""
         return self._motion.state
-
-    def now(self) -> Now:
-        """The motion now."""
-        xi, rate, force, nu, shift = self._motion.values().tolist()
-        contact = self.contact
-        return self.time, xi, nu, nu - rate, shift, force, contact.phase, contact.contacts
-
-    def save(self) -> bytes:
-        """The whole state."""
-        return self._motion.save()
-
-    def restore(self, saved: bytes) -> None:
-        """Return to a saved state."""
-        self._motion.restore(saved)
 
 
 def modes_for(problem: Problem, accuracy: float, warnings: list[str]) -> Vibration:

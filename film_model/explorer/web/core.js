@@ -143,7 +143,7 @@ class Core {
   /** @param {any} p problem @param {number} curve address @param {number} mesh address @returns {Impact} */
   impact(p, curve, mesh) {
     this.writeStart(p);
-    const status = this.c.film_impact(curve, mesh, this.start, this.result);
+    const status = this.c.film_marched(curve, mesh, this.start, this.result);
     return { status, ...this.read("summary", this.result, ["stage", "lines"]) };
   }
 

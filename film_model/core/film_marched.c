@@ -1,0 +1,152 @@
+/* One contact from its start to its end by the lines of the march, and a shorter way for a fixed target without a load, where
+ * energy gives the velocity at every node. docs/method.md, section 3. */
+#include "film_batch.h"
+
+#include "film_line.h"
+
+#include <string.h>
+
+/* The time from `from`, where the velocity is v, to `to`. tan(omega tau/2) = omega h/(v0 + v1) on each line; the first
+ * line of a run from rest and the last one of a run that turns meet the law's force there. docs/method.md, section 3. */
+static double crossing_time(const film_curve *curve, const film_line *run, double from, double to, double v, int turns,
+                            int32_t segments, const double *nodes, double *peak) {
+    double f0, w0, f1, w1, x0 = from, v0 = v, time = 0.0;
+    law_at(curve, run, from, &f0, &w0);
+    double total = v * v + 2.0 * w0;
+    for (int32_t i = 1; i <= segments; i++) {
+        double x1 = i < segments ? from + (to - from) * nodes[i] : to, h = x1 - x0;
+        law_at(curve, run, x1, &f1, &w1);
+        double square = total - 2.0 * w1, per_h = 1.0 / h, mean = (w1 - w0) * per_h, kappa = (f1 - f0) * per_h;
+        double v1 = square > 0.0 && !(turns && i == segments) ? sqrt(square) : 0.0;
+        if (turns && i == segments) kappa = 2.0 * (f1 - mean) * per_h;
+        else if (i == 1 && v == 0.0) kappa = 2.0 * (mean - f0) * per_h;
+        double r = fabs(h) / (v0 + v1);
+        time += 2.0 * r * arc(kappa * r * r);
+        if (f1 > *peak) *peak = f1;
+        x0 = x1;
+        f0 = f1;
+        w0 = w1;
+        v0 = v1;
+    }
+    return time;
+}
+
+/* Where a contact with a fixed target is, by energy. */
+typedef struct {
+    film_line run; /* its branch: the stage */
+    double xi, force, stored, time;
+} progress;
+
+/* Through the loading stages to the turn. */
+static int load_to_turn(const film_curve *curve, const film_mesh *mesh, double nu, progress *at, film_summary *summary) {
+    double v = nu, to, work, peak = 0.0;
+    for (int status = FILM_OK; status != FILM_EVENT; at->run.branch++) {
+        if (at->run.branch >= curve->stages) return FILM_BEYOND_LAW;
+        status = film_turning_point(curve, &at->run, at->xi, 0.0, v, 0.0, curve->stage[at->run.branch].end, &to);
+        if (status < 0) return status;
+        law_at(curve, &at->run, to, &at->force, &work);
+        if (status == FILM_EVENT && to - at->xi <= SHORT_LEG * to) { /* the way is mostly rounding, the velocity is not */
+            at->time += at->force > 0.0 ? v / at->force : 0.0;
+            if (at->force > peak) peak = at->force;
+        } else {
+            at->time += crossing_time(curve, &at->run, at->xi, to, v, status == FILM_EVENT, mesh->loading,
+                                      mesh->loading_nodes[FILM_COSINE], &peak);
+        }
+        summary->lines += mesh->loading;
+        at->stored += work;
+        at->xi = to;
+        v = speed_after(v, work);
+    }
+    summary->stage = --at->run.branch;
+    summary->maximum_force = peak;
+    summary->maximum_indentation = at->xi - curve->compliance * at->force;
+    summary->time_of_maximum_indentation = summary->time_impactor_stops = at->time;
+    return FILM_EVENT;
+}
+
+/* Back along the unloading branch or, of a reversible stage, along the law; *given_back: the work of the way. */
+static int unload_to_end(const film_curve *curve, const film_mesh *mesh, progress *at, film_summary *summary, double *given_back) {
+    const double *nodes = mesh->unloading_nodes[FILM_COSINE];
+    double work, peak = 0.0, v = 0.0;
+    int status = film_open_branch(curve, &at->run, at->xi, at->force);
+    if (status < 0) return status;
+    *given_back = at->stored;
+    if (at->run.branch == FILM_BRANCH) {
+        law_at(curve, &at->run, at->xi, &at->force, given_back);
+        at->time += crossing_time(curve, &at->run, at->xi, at->run.xi_free, 0.0, 0, mesh->unloading, nodes, &peak);
+        at->xi = at->run.xi_free;
+        summary->lines += mesh->unloading;
+        return FILM_EVENT;
+    }
+    for (; at->run.branch >= 0; at->run.branch--) {
+        double to = curve->stage[at->run.branch].begin;
+        law_at(curve, &at->run, at->xi, &at->force, &work);
+        at->time += crossing_time(curve, &at->run, at->xi, to, v, 0, mesh->unloading, nodes, &peak);
+        summary->lines += mesh->unloading;
+        v = speed_after(v, -work);
+        at->xi = to;
+    }
+    return FILM_EVENT;
+}
+
+/* A contact with a fixed target, by energy. docs/method.md, section 3. */
+static int impact_by_energy(const film_curve *curve, const film_mesh *mesh, double nu, film_summary *summary) {
+    progress at;
+    double given_back;
+    memset(&at, 0, sizeof at);
+    int status = load_to_turn(curve, mesh, nu, &at, summary);
+    if (status >= 0) status = unload_to_end(curve, mesh, &at, summary, &given_back);
+    if (status < 0) return status;
+    summary->contact_duration = at.time;
+    summary->permanent_indentation = at.run.branch == FILM_BRANCH ? at.run.xi_free : 0.0;
+    summary->final_velocity = -sqrt(2.0 * given_back);
+    summary->work = at.stored - given_back;
+    return FILM_EVENT;
+}
+
+/* A turn counts as deeper than those before only beyond this factor: a contact that swings on its weight turns at the same
+ * depth again and again, but for rounding. Needed by tests/test_one_and_many.py. */
+static const double DEEPER = 1.0 + 1e-10;
+
+static void clear_summary(film_summary *summary) {
+    memset(summary, 0, sizeof *summary);
+    summary->time_impactor_stops = summary->contact_duration = summary->permanent_indentation = NAN;
+    summary->final_velocity = NAN;
+}
+
+int film_marched(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
+    film_state s;
+    clear_summary(summary);
+    if (!(start->nu > 0.0 || (start->nu == 0.0 && start->load > 0.0)) || start->nu == INFINITY) return FILM_BAD_NUMBER;
+    if (start->gamma == 0.0 && is_undisturbed(start) && mesh->linearisation == FILM_WORK_PRESERVING && curve->pull == 0.0) {
+        int status = impact_by_energy(curve, mesh, start->nu, summary);
+        if (status < 0 || summary->contact_duration < INFINITY) return status;
+        clear_summary(summary); /* the energy is lost in the rounding of the law's work: march instead */
+    }
+    int status = film_init(curve, &s, 0.0, start->nu, start->gamma, start->load, start->stop_velocity);
+    if (status >= 0) status = film_damp(&s, start->damping);
+    for (int32_t events = 0; status >= 0; events++) {
+        status = film_step(curve, mesh, &s, start->time_limit - s.time);
+        if (status != FILM_EVENT || s.event == FILM_CONTACT_ENDS) break;
+        if (events >= FILM_MAX_EVENTS || s.lines > FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
+        double indentation = s.xi - curve->compliance * s.force;
+        if (s.event == FILM_MAXIMUM_INDENTATION && indentation > DEEPER * summary->maximum_indentation) {
+            summary->maximum_indentation = indentation;
+            summary->time_of_maximum_indentation = s.time;
+            summary->stage = s.stage_max;
+        } else if (s.event == FILM_IMPACTOR_STOPS && isnan(summary->time_impactor_stops)) {
+            summary->time_impactor_stops = s.time;
+        }
+    }
+    if (status < 0) return status;
+    summary->maximum_force = fmax(s.force_peak, s.force); /* s.force where the time limit comes on the way in */
+    summary->shift = s.shift;
+    summary->work = s.spent;
+    summary->lines = s.lines;
+    if (status == FILM_EVENT) {
+        summary->contact_duration = s.time;
+        summary->permanent_indentation = s.xi;
+        summary->final_velocity = s.nu;
+    }
+    return status;
+}

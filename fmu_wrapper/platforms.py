@@ -94,16 +94,18 @@ def built_library() -> str:
 
 
 def prefixed_sources(identifier: str, fmi_version: int) -> dict[str, bytes]:
-    """The C sources of one FMI version by file name; functions begin with the model identifier, to link FMUs together.
+    """The C sources of one FMI version by file name; names begin with the model identifier, to link FMUs together.
 
     The names of FMI's own functions are changed by FMI2_FUNCTION_PREFIX or FMI3_FUNCTION_PREFIX, as the standards say.
     """
     texts = {Path(name).name: (ROOT / name).read_bytes() for name in (*SOURCES, *HEADERS)}
     del texts["fmi3.c" if fmi_version == 2 else "fmi2.c"]
-    functions = sorted({one for text in texts.values() for one in re.findall(rb"\b(?:%s)_\w+(?=\()" % _OWN, text)})
+    together = b"\n".join(texts.values())
+    tables = b", ".join(re.findall(rb"\bextern const \w+ ([\w, ]+);", together)).split(b", ")
+    names = sorted({*re.findall(rb"\b(?:%s)_\w+(?=\()" % _OWN, together), *tables})
     made = {name: b'#include "prefix.h"\n' + text if name.endswith(".c") else text for name, text in texts.items()}
-    lines = [b"#define %s %s_%s\n" % (one, identifier.encode(), one) for one in functions]
-    return {**made, "prefix.h": b"/* Function names of this FMU. */\n" + b"".join(lines)}
+    lines = [b"#define %s %s_%s\n" % (one, identifier.encode(), one) for one in names]
+    return {**made, "prefix.h": b"/* Names of functions and tables in this FMU. */\n" + b"".join(lines)}
 
 
 def license_text() -> bytes:

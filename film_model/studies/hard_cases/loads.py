@@ -141,7 +141,9 @@ def _accuracy(value: float) -> Callable[[], Finding]:
     return run
 
 
-def _rejected(make: Callable[[], object]) -> Callable[[], Finding]:
+def rejected(make: Callable[[], object]) -> Callable[[], Finding]:
+    """An examination that passes if `make` is refused with a message."""
+
     def run() -> Finding:
         try:
             make()
@@ -164,7 +166,7 @@ def loads() -> Iterator[HardCase]:
         yield HardCase(f"external force {change}", why, _force_that(change))
     yield HardCase("a thousand reloadings", "partial unloading and reloading on one branch, a thousand times", _reloads)
     yield HardCase(
-        "no velocity and no force", "there is no motion to simulate", _rejected(lambda: simulate_quietly(_resting()))
+        "no velocity and no force", "there is no motion to simulate", rejected(lambda: simulate_quietly(_resting()))
     )
     yield HardCase(
         "steps of 1e-18 s", "steps smaller than one ulp of the time they are added to", _steps_of(1e-18, 1000)
@@ -181,15 +183,13 @@ def loads() -> Iterator[HardCase]:
         yield HardCase(
             f"accuracy {value:g}",
             "an accuracy outside the range",
-            _rejected(lambda value=value: Solver(accuracy=value)),
+            rejected(lambda value=value: Solver(accuracy=value)),
         )
     yield HardCase(
-        "too many segments", "more than the core supports", _rejected(lambda: Solver(segments=MOST_SEGMENTS * 1000))
+        "too many segments", "more than the core supports", rejected(lambda: Solver(segments=MOST_SEGMENTS * 1000))
     )
-    yield HardCase("velocity that is no number", "not a number", _rejected(lambda: ball_on_steel("nan m/s")))
-    yield HardCase(
-        "mass of zero", "no inertia", _rejected(lambda: Sphere(radius="1 mm", velocity="1 m/s", mass="0 kg"))
-    )
+    yield HardCase("velocity that is no number", "not a number", rejected(lambda: ball_on_steel("nan m/s")))
+    yield HardCase("mass of zero", "no inertia", rejected(lambda: Sphere(radius="1 mm", velocity="1 m/s", mass="0 kg")))
 
 
 def _resting() -> Scene:

@@ -76,7 +76,7 @@ class Derivatives:
 
         >>> history = fm.simulate(scene, derivatives=["impactor.velocity"])
         >>> print(f"{history.derivatives.of('maximum_force', 'impactor.velocity').to('N*s/m'):.1f~P}")
-        1277.8 N·s/m
+        1322.9 N·s/m
         """
         value = self.values[quantity][path]
         if value is None:

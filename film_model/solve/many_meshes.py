@@ -21,6 +21,9 @@ FIRST_SEGMENTS = 4
 SAMPLE_LEAST, SAMPLE_SHARE = 64, 256
 """The shared mesh is found from at least this number and this fraction (1/256) of the impacts."""
 
+TABLES = 2e-14
+"""Relative error of the core's tables of whole ways (tests/test_batch.py), which no mesh changes."""
+
 EASY = 0.9
 """Fraction of the sample that meets the accuracy on the shared mesh; refining the others costs less than finer lines
 for all."""
@@ -110,13 +113,18 @@ def _estimate(
     found[coarse_status < 0] = 1.0
     if n <= TOO_FEW:
         found[(apart <= SAME) & (problem.load > 0.0)] = 1.0
-    rounds = rounding(problem, core)
+    rounds = _floor(problem, core)
     made.estimated[places] = np.minimum(found + rounds, 1.0)
     asked = np.flatnonzero(found > solver.accuracy - rounds)
     if (status < 0).any():
         made.estimated[places[status < 0]] = math.nan
         asked = asked[status[asked] >= 0]
     return places[asked[found[asked] > rounds[asked]]]
+
+
+def _floor(problem: Problem, core: Columns) -> NDArray[np.float64]:
+    """Error that remains on any mesh: rounding, and on targets that move the tables of whole ways."""
+    return rounding(problem, core) + TABLES * (problem.gamma > 0.0)
 
 
 def _factor(n: int, solver: Solver) -> float:
@@ -128,7 +136,7 @@ def _with_segments(problem: Problem, solver: Solver, n: int) -> Marched:
     """March with the given number of segments; the estimates are from twice as many."""
     (status, core), (other, fine) = (problem.march(mesh_of(solver, (k, k))) for k in (n, 2 * n))
     found = ORDER_FACTOR[solver.linearisation][0] * np.where(other >= 0, difference(problem, core, fine), 1.0)
-    estimated = np.where(status < 0, math.nan, np.minimum(found + rounding(problem, core), 1.0))
+    estimated = np.where(status < 0, math.nan, np.minimum(found + _floor(problem, core), 1.0))
     return Marched(status, core, np.full((status.size, 2), n, np.int32), estimated)
 
 

@@ -65,7 +65,7 @@ def _film(problem: Problem, kind: int, n: int) -> Prepared:
     curve, mesh, start = problem.curve.native, native.mesh(kind, n, ratio * n), problem.start
 
     def single() -> Result:
-        status, s = native.impact(curve, mesh, start)
+        status, s = native.marched(curve, mesh, start)  # by lines, as `simulate`
         if status != native.EVENT:
             raise RuntimeError(f"status {status}")
         times = s.time_of_maximum_indentation, s.time_impactor_stops, s.contact_duration

@@ -200,6 +200,8 @@ def library() -> Any:
         "film_step": ([pointer, pointer, pointer, _D], c.c_int),
         "film_record": ([pointer, pointer, pointer, _D, pointer, _I, pointer, pointer, _I, pointer], c.c_int),
         "film_sample": ([pointer, pointer, _I, pointer, i64, pointer, pointer, pointer], None),
+        "film_record_many": ([pointer, pointer, i64, pointer, pointer, i64, pointer, pointer, _I], i64),
+        "film_sample_many": ([pointer, i64, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
         "film_motion": ([pointer, pointer, pointer], None),
         "film_force": ([pointer, pointer, _D, _D], Force),
         "film_indicators": ([pointer, pointer, _D, pointer], None),

@@ -57,22 +57,12 @@ def _positions(begins: NDArray[np.int64], counts: NDArray[np.int32]) -> NDArray[
 def record_many(curve: native.Curve, cut: native.Mesh, start: NDArray[Any]) -> Lines:
     """The lines of each of many contacts (START_DTYPE); none for one that fails or does not begin with a velocity."""
     start, record = np.ascontiguousarray(start, native.START_DTYPE), native.library().film_record_many
-    record.restype = c.c_int64
     memory, events = np.empty(LINES, native.LINE_DTYPE), np.empty(EVENTS * native.STATE_DTYPE.itemsize, np.uint8)
     counts, found, first = np.empty(start.size, np.int32), [_words(memory[:0])], 0
     while first < start.size:
         left, own = start[first:], counts[first:]
-        done = record(
-            c.byref(curve),
-            c.byref(cut),
-            c.c_int64(left.size),
-            c.c_void_p(left.ctypes.data),
-            c.c_void_p(memory.ctypes.data),
-            c.c_int64(LINES),
-            c.c_void_p(own.ctypes.data),
-            c.c_void_p(events.ctypes.data),
-            c.c_int32(EVENTS),
-        )
+        at, rooms = (left.ctypes.data, memory.ctypes.data, LINES), (own.ctypes.data, events.ctypes.data, EVENTS)
+        done = record(c.byref(curve), c.byref(cut), left.size, *at, *rooms)
         lines = memory[: int(own[:done].sum(dtype=np.int64))]
         if done == 0:
             lines, done = _alone(curve, cut, native.Start(*left[0].tolist())), 1
@@ -91,15 +81,6 @@ def sample_many(curve: native.Curve, lines: Lines, times: NDArray[np.float64]) -
     """(contacts, times, 5) values as `native.sample` at ascending times (contacts, times); every contact has lines."""
     times, table = np.ascontiguousarray(times, np.float64), np.ascontiguousarray(lines.table)
     values, flags = np.empty((*times.shape, 5)), np.empty((2, times.shape[1]), np.int8)
-    native.library().film_sample_many(
-        c.byref(curve),
-        c.c_int64(len(times)),
-        c.c_void_p(table.ctypes.data),
-        c.c_void_p(lines.counts.ctypes.data),
-        c.c_int64(times.shape[1]),
-        c.c_void_p(times.ctypes.data),
-        c.c_void_p(values.ctypes.data),
-        c.c_void_p(flags[0].ctypes.data),
-        c.c_void_p(flags[1].ctypes.data),
-    )
+    tables = table.ctypes.data, lines.counts.ctypes.data, times.shape[1], times.ctypes.data, values.ctypes.data
+    native.library().film_sample_many(c.byref(curve), len(times), *tables, *(flag.ctypes.data for flag in flags))
     return values

@@ -12,24 +12,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define FUZZ "modal_fuzz.c"
+#include "fuzz_numbers.h"
+
 enum { MODES = 40, TABLED = 400, LEVELS = 40, CALLS = 60, EVENTS = 4000 };
 
 static const double BALANCE = 1e-6; /* of the impact energy: random steps and loads, a tolerance of 1e-8 of a step */
 
-static uint64_t seed;
-static long runs, events_seen, refused[16];
-
-static double uniform(void) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(seed >> 11) / 9007199254740992.0;
-}
-
-static double spread(double low, double high) { return low * pow(high / low, uniform()); }
-
-static void fail(const char *what) {
-    fprintf(stderr, "modal_fuzz.c: %s in run %ld\n", what, runs);
-    abort();
-}
+static long events_seen, refused[16];
 
 /* f = xi^q; with unloading along a branch or with damping, at random. */
 static film_curve random_curve(int *reversible, double *damping) {

@@ -12,26 +12,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define FUZZ "relax_fuzz.c"
+#include "fuzz_numbers.h"
+
 enum { CALLS = 60 };
 
 static const double BALANCE = 1e-9; /* of the impact energy: the work of each step is exact */
 static const double GAIN = 1e-6;    /* of the impact energy: what a contact that is all but elastic gains at a tolerance of 1e-2 */
 
-static uint64_t seed;
-static long runs, ended, refused;
+static long ended, refused;
 static film_relax_step steps[FILM_RELAX_STEPS], kept_steps[FILM_RELAX_STEPS];
-
-static double uniform(void) {
-    seed = seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(seed >> 11) / 9007199254740992.0;
-}
-
-static double spread(double low, double high) { return low * pow(high / low, uniform()); }
-
-static void fail(const char *what) {
-    fprintf(stderr, "relax_fuzz.c: %s in run %ld\n", what, runs);
-    abort();
-}
 
 static film_relaxation random_law(void) {
     film_relaxation law;

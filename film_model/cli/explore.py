@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from film_model.cli.output import DONE, add_force, check_writable, print_written
-from film_model.scene import Scene
 
 
 def add_commands(named: Any) -> None:
@@ -29,6 +28,7 @@ def explore(options: argparse.Namespace) -> int:
     import webbrowser
 
     from film_model.explorer.page import write_page
+    from film_model.scene import Scene
 
     scene = None if options.scene is None else Scene.from_toml(options.scene)
     path = Path(tempfile.mkdtemp(prefix="film-model-"), "explorer.html")
@@ -41,6 +41,7 @@ def explore(options: argparse.Namespace) -> int:
 
 def export_page(options: argparse.Namespace) -> int:
     from film_model.explorer.page import write_page
+    from film_model.scene import Scene
 
     if Path(options.output).suffix.lower() not in (".html", ".htm"):
         raise ValueError(f"--output: {options.output} must end in .html")

@@ -17,7 +17,6 @@ from film_model.cli.output import (
     check_writable,
     print_json,
 )
-from film_model.scene import Scene
 
 if TYPE_CHECKING:
     from film_model.studies.cost import Study
@@ -48,6 +47,7 @@ def add_commands(named: Any) -> None:
 
 
 def cost(options: argparse.Namespace) -> int:
+    from film_model.scene import Scene
     from film_model.studies.cost import study
     from film_model.studies.methods import FILM
     from film_model.studies.timing import one_thread

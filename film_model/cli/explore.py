@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from film_model.cli.output import DONE, add_force, check_writable, print_written
@@ -26,6 +25,7 @@ def add_commands(named: Any) -> None:
 def explore(options: argparse.Namespace) -> int:
     import tempfile
     import webbrowser
+    from pathlib import Path
 
     from film_model.explorer.page import write_page
     from film_model.scene import Scene
@@ -40,6 +40,8 @@ def explore(options: argparse.Namespace) -> int:
 
 
 def export_page(options: argparse.Namespace) -> int:
+    from pathlib import Path
+
     from film_model.explorer.page import write_page
     from film_model.scene import Scene
 

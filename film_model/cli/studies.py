@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from film_model.cli.output import (
@@ -104,6 +103,8 @@ def hard_cases(options: argparse.Namespace) -> int:
         reports.append(report(case))
     good = all(r.finding.good for r in reports)
     if options.markdown:
+        from pathlib import Path
+
         from film_model.base.files import written_whole
 
         with written_whole(Path(options.markdown)) as beside:

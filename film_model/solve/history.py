@@ -19,13 +19,14 @@ from film_model.effects.effect import Effect
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
-from film_model.solve.derivatives import Derivatives
-from film_model.solve.relaxed import Relaxed
-from film_model.solve.vibration import Vibration
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+    from film_model.solve.derivatives import Derivatives
+    from film_model.solve.relaxed import Relaxed
+    from film_model.solve.vibration import Vibration
 
 MOTION: dict[str, tuple[str, str]] = {
     "indentation": ("length", "impactor displacement less target displacement"),

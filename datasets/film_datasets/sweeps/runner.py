@@ -8,9 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from film_datasets.files import SUFFIX, ZARR, check_file, check_place, open_dataset, write
 from film_datasets.schema import SWEEP, VERSIONS
@@ -28,6 +26,9 @@ from film_datasets.tables import TABLES
 from film_model.base.errors import SimulationError
 from film_model.scene import Scene
 from film_model.version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 MOST_IN_MEMORY = 4_000_000_000
 """Bytes of a sweep without an output file."""

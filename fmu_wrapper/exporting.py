@@ -20,7 +20,7 @@ from film_model.effects.choose import Choice, choose
 from film_model.problem.problem import Problem, refuse_relaxation
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import mesh_for
-from film_model.solve.component import DEFAULT_SEGMENTS
+from film_model.solve.component import DEFAULT_SEGMENTS, ImpactComponent
 from film_model.solve.history import History
 from film_model.solve.motions import modes_for
 from film_model.solve.simulate import simulate_chosen
@@ -30,6 +30,7 @@ from fmu_wrapper.archive import zipped
 from fmu_wrapper.assumptions import segments_for_speeds, served, validity_of
 from fmu_wrapper.documentation import documentation
 from fmu_wrapper.model_description import Experiment, FmiVersion, Names, model_description, printable
+from fmu_wrapper.related import related_files
 from fmu_wrapper.terminals import terminals_and_icons
 from fmu_wrapper.variables import KINDS, VARIABLES, Kind, reference
 
@@ -150,12 +151,21 @@ def _contents(
         },
         "documentation/licenses/license.txt": platforms.license_text(),
         **terminals_and_icons(data, version, history),
+        **related_files(_component(on, data, gap) if kind == "impact" else None, experiment),
     }
     if with_sources:
         files |= {f"sources/{one}": text for one, text in code.items()}
         if version == 3:
             files["sources/buildDescription.xml"] = _build_description(names.identifier, sources)
     return files
+
+
+def _component(scene: Scene, data: resource.Data, gap: float) -> ImpactComponent:
+    """The library's component with the segments and modes of the FMU."""
+    if data.modes.count > 0:
+        return ImpactComponent(scene, initial_gap=gap)
+    loading, unloading = (int(data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
+    return ImpactComponent(scene, initial_gap=gap, segments=(loading, unloading))
 
 
 def _simulated(scene: Scene) -> tuple[Choice, tuple[int, int], History | None]:

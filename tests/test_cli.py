@@ -99,7 +99,7 @@ def test_impossible_outputs_are_refused_before_the_simulation(arguments, said, c
     monkeypatch.chdir(tmp_path)
     for folder in ("folder.nc", "folder.svg"):
         (tmp_path / folder).mkdir()
-    for work in ("cli.run.simulate_quietly", "studies.cost.study", "studies.hard_cases.report"):
+    for work in ("solve.simulate.simulate_quietly", "studies.cost.study", "studies.hard_cases.report"):
         monkeypatch.setattr(f"film_model.{work}", lambda *_, **__: pytest.fail("the work had begun"))
     status, out, err = run(capsys, *arguments)
     assert (status, out) == (3, "") and said in err

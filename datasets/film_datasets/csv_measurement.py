@@ -9,10 +9,9 @@ import os
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.provenance import provenance
 from film_datasets.schema import MEASUREMENT, TABLE, Variable, content_sha256
@@ -20,6 +19,9 @@ from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all,
 from film_model.base.units import DIMENSIONS, to_si
 from film_model.scene import STANDARD_GRAVITY
 from film_model.scene.toml import read_text
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 NAMES = {
     **{"time": "t", "force": "contact_force", "velocity": "impactor_velocity", "displacement": "impactor_displacement"},
@@ -73,8 +75,8 @@ def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str
     opposite. `drop_height` and `rebound_height` are stored as the velocities √(2 g h) of a fall without drag.
 
     columns: headings of the file for the quantities that are to be read, {"time": "t [us]", "force": "CH1 [2.2 kN]"}; a
-    unit there, also with a factor, such as that of a sensor, replaces that in the file. Other columns, and lines before the heading, such as those of an
-    oscilloscope, are then ignored.
+    unit there replaces that in the file, and may have the factor of a sensor. Other columns, and lines before the
+    heading, such as those of an oscilloscope, are then ignored.
 
     Raises SceneError with all mistakes and their lines.
 
@@ -251,6 +253,8 @@ def _values(
 def _dataset(
     path: Path, text: str, title: str, kind: str, values: dict[str, tuple[Variable, np.ndarray]], along: str
 ) -> xr.Dataset:
+    import xarray as xr
+
     data = {name: (v.dims, array, v.attributes()) for name, (v, array) in values.items()}
     order = [variable.name for variable in TABLE[f"{MEASUREMENT} {kind}"] if variable.name in data]
     ds = xr.Dataset({name: data[name] for name in order}).set_coords(along)

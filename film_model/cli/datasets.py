@@ -6,7 +6,6 @@ import argparse
 import os
 from typing import TYPE_CHECKING, Any
 
-from film_model.base.units import format_si
 from film_model.cli.output import (
     DONE,
     FAILED,
@@ -21,9 +20,9 @@ from film_model.cli.output import (
     print_warnings,
     print_written,
 )
-from film_model.laws import LAWS
-from film_model.scene import Scene
-from film_model.solve.history import SUMMARY
+
+if TYPE_CHECKING:
+    from film_model.scene import Scene
 
 if TYPE_CHECKING:
     from film_datasets.sweeps import Sweep
@@ -155,6 +154,9 @@ def _shard(options: argparse.Namespace, asked: Sweep) -> int:
 
 def _sweep_table(report: dict[str, Any]) -> str:
     """Counts of outcomes, and the range of every summary quantity that has a value."""
+    from film_model.base.units import format_si
+    from film_model.problem.summary import SUMMARY
+
     ended = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in report["statuses"].items())
     lines = [report["title"], f"{report['impacts']} impacts: {ended}", ""]
     if report["failed"] == report["impacts"]:
@@ -191,6 +193,7 @@ def _variable(path: str) -> str:
 
 def identify(options: argparse.Namespace) -> int:
     import film_datasets
+    from film_model.scene import Scene
 
     check_picture(options.plot, options.force)
     scene = Scene.from_toml(options.scene)
@@ -215,6 +218,7 @@ def identify(options: argparse.Namespace) -> int:
 def _compare(options: argparse.Namespace, measured: Any, scene: Scene, given: dict[str, Any]) -> int:
     """Fit with several laws; the picture is that of the best."""
     from film_datasets.identification import compare_laws, comparison_table
+    from film_model.laws import LAWS
 
     laws = list(LAWS) if options.law == "all" else listed(options.law)
     found = compare_laws(measured, scene, listed(options.fit), laws, options.confidence, **given)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.identification.model import ACCURACY, Array, Case
@@ -18,6 +17,9 @@ from film_datasets.identification.result import FittedParameter, Identification
 from film_datasets.schema import MEASUREMENT, kind_of
 from film_model.base.errors import SceneError, SimulationError, shown
 from film_model.scene import Scene, Solver
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 STEP = 1e-4
 """Step of the central differences for the Jacobian, in the scaled parameters."""
@@ -88,7 +90,7 @@ def identify(
     >>> found.scene.contact.yield_strength > 200e6
     True
     """
-    datasets = [measured] if isinstance(measured, xr.Dataset) else list(measured)
+    datasets: list[xr.Dataset] = list(measured) if isinstance(measured, list | tuple) else [cast("Any", measured)]
     if not datasets or any(kind_of(one) != MEASUREMENT for one in datasets):
         raise ValueError("a measurement is needed: see film_datasets.from_csv")
     if isinstance(confidence, bool) or not 0.5 <= confidence < 1.0:

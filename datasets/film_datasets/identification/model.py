@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.csv_measurement import measured_over
@@ -15,6 +15,9 @@ from film_datasets.schema import MEASURED_MOTION
 from film_model.scene import Scene
 from film_model.solve.history import SUMMARY, Samples
 from film_model.solve.simulate import simulate_quietly
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from film_datasets.identification.result import TIME_OFFSET
 from film_model.base.errors import Mistake, SceneError, raise_all
@@ -19,6 +17,9 @@ from film_model.scene.paths import field_at, number_text, unit_of
 
 STIFFNESS, EXPONENT = "contact.stiffness", "contact.exponent"
 """Numbers of which the second is in the unit of the first, so that it is fitted with it only."""
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 LARGEST = 1e30
 """Bound for parameters without one."""

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.files import DEFLATE_FROM, NEEDS_ZARR, ZARR
 from film_datasets.schema import TEXT, Variable
@@ -107,6 +106,8 @@ class MemoryWriter:
         self._pieces[name].append(values)
 
     def close(self, attributes: Mapping[str, Any]) -> None:
+        import xarray as xr
+
         arrays = {**self._arrays, **{name: np.concatenate(pieces) for name, pieces in self._pieces.items()}}
         coordinates = {
             word for _, attrs in self._variables.values() for word in str(attrs.get("coordinates", "")).split()

@@ -5,9 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from film_datasets.files import SUFFIX, ZARR, check_file, check_no_link, check_place, open_dataset, write
 from film_datasets.schema import SWEEP, VERSIONS
@@ -26,6 +24,9 @@ from film_datasets.sweeps.storage import Storage
 from film_datasets.tables import TABLES
 from film_model.scene import Scene
 from film_model.version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 MOST_IN_MEMORY = 4_000_000_000
 """Bytes of a sweep without an output file."""

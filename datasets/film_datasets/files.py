@@ -145,6 +145,12 @@ def check_place(target: Path, overwrite: bool) -> None:
         raise FileExistsError(f"{target}: exists; use overwrite=True to replace it")
 
 
+def check_no_link(target: Path) -> None:
+    """Raise FileExistsError for a link, which renaming a finished file would replace."""
+    if target.is_symlink():
+        raise FileExistsError(f"{target}: is a link, which writing would replace; give the file it points to")
+
+
 def _encoding(ds: xr.Dataset) -> dict[str, Any]:
     """Per variable: compression for long ones, a fill value only for optional ones."""
     missing = {variable.name for variable in variables_of(ds) if variable.optional}

@@ -94,7 +94,7 @@ static void cycles(const resources *r) {
     for (int k = 0; k < CYCLES; k++) {
         int version = 2 + k % 2, interface = version == 3 ? k / 2 % INTERFACES : k / 2 % 2 ? EXCHANGE : COSIMULATION;
         if (r->data.kind == CONTACT && interface != EXCHANGE) interface = COSIMULATION;
-        if (on_modes(r) && interface == EXCHANGE) interface = COSIMULATION;
+        if (on_own_motion(r) && interface == EXCHANGE) interface = COSIMULATION;
         unit made = started(version, interface, r, NULL, 0.0), *u = &made;
         double values[VARIABLES];
         void *saved = NULL;

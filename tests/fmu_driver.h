@@ -125,6 +125,8 @@ static void close_resources(resources *r, int count) {
 }
 
 static inline int on_modes(const resources *r) { return r->data.modes.count > 0; }
+/* On a target that vibrates or has a static stiffness: for Co-Simulation only, and not the march of the law's curve alone. */
+static inline int on_own_motion(const resources *r) { return on_modes(r) || r->data.available[TARGET_STIFFNESS]; }
 
 /* ---------------------------------------------------------------- one interface to both versions */
 
@@ -190,7 +192,7 @@ static inline double get(unit *u, unsigned reference) {
 }
 
 static inline int has(const resources *r, unsigned reference) {
-    if (on_modes(r) && reference >= RATE_OF_INDENTATION) return 0;
+    if (on_own_motion(r) && reference >= RATE_OF_INDENTATION) return 0;
     return VARIABLE[reference].role[r->data.kind] != ABSENT && (reference >= SETTABLE || r->data.available[reference]);
 }
 

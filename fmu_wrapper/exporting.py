@@ -53,10 +53,9 @@ def export(
     kind: "impact" contains the impactor with its mass; "contact" is the force element alone. They are for
     Co-Simulation and, except on targets that vibrate or have a static stiffness, Model Exchange. initial_gap: "5 mm".
     platform: names from `fmu_wrapper.platforms.PLATFORMS`, or "all"; this machine's binary is the package's, others
-    need ziglang. The default is all where ziglang is installed, else this machine. with_sources: includes C sources,
-    for importers that compile; their names begin with the model identifier, so that several FMUs can be linked into one
-    program. name: of the model, from which the identifier is made too; the default is the scene's title, so that two
-    exports do not collide.
+    need ziglang. The default is all where ziglang is installed, else this machine. with_sources: for importers that
+    compile; C names begin with the model identifier, so that several FMUs can be linked into one program. name: of the
+    model, from which the identifier is made too; the default is the scene's title, so that two exports do not collide.
 
     The FMU serves every value of its parameters (:func:`fmu_wrapper.served`), and reports by its output `validity`
     where an assumption of the export does not hold. A parameter is left out if the law's stages depend on it, or if a

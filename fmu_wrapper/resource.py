@@ -15,40 +15,38 @@ from film_model.base.units import scene_unit
 from film_model.core import native
 from film_model.core.modal import LEVELS
 from film_model.laws.hertz import hertz_stiffness
-from film_model.laws.law import AbstractLaw, law_fields
 from film_model.problem import stresses
 from film_model.problem.curve import curve_of
-from film_model.problem.families import EDGES, Page, page_between
 from film_model.problem.problem import Problem
 from film_model.scene import STANDARD_GRAVITY
 from film_model.solve.vibration import Vibration
 from fmu_wrapper.assumptions import Validity
+from fmu_wrapper.powers import (
+    DAMPING,
+    OF_DAMPING,
+    OF_LAW,
+    RESTITUTION_TERMS,
+    SCALING,
+    SHAPED,
+    SMALLER,
+    damping_factor,
+    damping_power,
+    field_of,
+    own_page,
+    powers_of,
+    rational,
+    restitution_series,
+)
 from fmu_wrapper.variables import KINDS, RIGID, STATES, VARIABLES, Kind, Variable, reference, settable
 
 NAME, NOTES, SCENE = "model.film", "notes.json", "scene.toml"
 NAMES = (NAME, NOTES, SCENE)
-MAGIC = b"FILMFMU2"
-SCALING = (
-    *("radius", "effective_modulus", "yield_strength", "yield_pressure", "hardness", "stiffness", "power_stiffness"),
-)
-"""Parameters whose powers make up the length and force scales of the march."""
-OF_DAMPING = ("damping", "dissipation_time", "hysteresis_damping")
-"""Parameters of damped laws whose powers make up only the damping factor."""
-DAMPING = (*SCALING, "mass", "initial_velocity", *OF_DAMPING)
-"""Parameters whose powers make up the damping factor of a damped law."""
+MAGIC = b"FILMFMU3"
 EXTRAPOLATION = 1.5
 """Default of input_extrapolation: right in a master that steps all FMUs side by side and then exchanges outputs."""
 
 LIMITS = 2
 _REASON = 80  # bytes of the names of effects that end a range of validity
-
-SHAPED = SCALING[:3]
-"""Parameters whose powers make up the shape of a law with a family of curves: radius, modulus and strength."""
-AROUND = 4.0
-"""Such an FMU serves shapes from a fourth to four times that of the export."""
-WORST_FIT = 1e-9
-"""Largest relative error of the force for which it does."""
-SMALLER = 0.5
 
 MOST_MODES = 20_000
 """Largest number of natural vibrations of an FMU, limited by memory: 6 kB of address space each in every instance."""
@@ -59,8 +57,6 @@ UNUSED = {"target_impedance": RIGID}
 
 _SETTABLE = settable()
 _D, _I = c.c_double, c.c_int32
-_PROBES = (2.0, 5.0)
-"""Factors on a parameter: if both give the same exponent, the scale is a power of it."""
 
 
 class Family(c.Structure):
@@ -113,6 +109,7 @@ class Data(c.Structure):
         ("force_power", _D * len(SCALING)),
         ("damping", _D),
         ("damping_power", _D * len(DAMPING)),
+        ("restitution", _D * RESTITUTION_TERMS),
         ("speed", _D),
         ("nominal", _D * len(STATES)),
         ("valid", (_D * 2) * _SETTABLE),
@@ -152,6 +149,7 @@ def model_data(
     start |= dict(zip(("loading_segments", "unloading_segments"), segments, strict=True))
     powers = {name: powers_of(law, name, problem) for name in SCALING}
     damping = {name: damping_power(law, name, problem) for name in DAMPING}
+    series = restitution_series(law, problem)
     missing = (
         OF_HALF_SPACES if vibration else ("target_impedance",) if problem.compliance > 0.0 else ("target_stiffness",)
     )
@@ -160,10 +158,12 @@ def model_data(
         exists = kind in variable.causality and name not in missing
         if name in powers:
             exists = exists and powers[name] is not None
-            data.start[k] = getattr(law, field_of(law, name)) if exists else variable.low
         elif name in OF_DAMPING:
             exists = exists and bool(damping[name])
-            data.start[k] = getattr(law, name) if exists else variable.low
+        elif name == "restitution":
+            exists = series is not None
+        if name in OF_LAW:
+            data.start[k] = getattr(law, field_of(law, name)) if exists else variable.low
         else:
             data.start[k] = start.get(name, 0.0) if exists else UNUSED.get(name, max(variable.low or 0.0, 0.0))
         data.available[k] = exists and not (name in damping and damping[name] is None)
@@ -171,7 +171,8 @@ def model_data(
         data.valid[k][:] = (-math.inf, math.inf)
     for k, name in enumerate(SCALING):
         data.length_power[k], data.force_power[k] = powers[name] or (0.0, 0.0)
-    data.damping = _damping(law, problem)
+    data.damping = damping_factor(law, problem)
+    data.restitution[:] = [0.0] * RESTITUTION_TERMS if series is None else series
     for k, name in enumerate(DAMPING):
         data.damping_power[k] = damping[name] or 0.0 if data.available[reference(name)] else 0.0
     _put_validity(data, validity)
@@ -252,19 +253,9 @@ def _put_family(data: Data, problem: Problem) -> None:
     family.nodes, family.varying = page.family.nodes, page.family.varying
     for k, name in enumerate(SHAPED):
         probe: Any = replace(law, **{name: getattr(law, name) * SMALLER}) if name in law.shaped_by else law  # type: ignore[type-var]
-        family.power[k] = _rational(math.log(probe.shape / law.shape) / math.log(SMALLER))
+        family.power[k] = rational(math.log(probe.shape / law.shape) / math.log(SMALLER))
     data.tail = bytes(page.whole) + page.family.memory.tobytes()
     data.size = c.sizeof(Data) + len(data.tail)
-
-
-def own_page(problem: Problem) -> Page | None:
-    """The curves of shapes within `AROUND` of the problem's law, if it has a family and they are exact enough."""
-    law = problem.law
-    if problem.curve.page is None:
-        return None
-    low, high = max(law.shape / AROUND, float(EDGES[0])), min(law.shape * AROUND, float(EDGES[-1]))
-    page = page_between(law.of_shape(1e-3), low, high)
-    return page if page.fit_error < WORST_FIT else None
 
 
 def mode_frequencies(data: Data) -> NDArray[np.float64]:
@@ -279,77 +270,6 @@ def check_range(variable: Variable, value: float) -> None:
     if not low <= value <= high:
         unit = f" {scene_unit(variable.dimension)}" if variable.dimension else ""
         raise ValueError(f"{variable.name}: {value:g}{unit} is out of range: from {low:g} to {high:g}{unit}")
-
-
-def field_of(law: AbstractLaw, name: str) -> str:
-    """The field of a law that a parameter sets; the unit of a power law's stiffness depends on its exponent."""
-    parameter = getattr(type(law), "parameters", {}).get("stiffness")
-    power_law = parameter is not None and parameter.dimension == "meyer_stiffness"
-    if name in ("stiffness", "power_stiffness"):
-        return "stiffness" if power_law == (name == "power_stiffness") else ""
-    return name
-
-
-def powers_of(law: AbstractLaw, name: str, problem: Problem) -> tuple[float, float] | None:
-    """Exponents of a law's parameter in the law's length and force scales.
-
-    None if the law has no such parameter, if its dimensionless stages depend on the parameter (the exported curve would
-    become wrong), or if the scales are not powers of it.
-    """
-    field = field_of(law, name)
-    value = getattr(law, field, None)
-    if field not in law_fields(type(law)) or value is None:
-        return None
-    shaped = name in law.shaped_by and own_page(problem) is not None
-    energy = 0.5 * problem.mass * max((problem.approach * problem.scales.velocity) ** 2, 1e-300)
-    base = law.scales(energy)
-    found: list[tuple[float, float]] = []
-    for factor in (SMALLER, SMALLER**2) if shaped and name == "yield_strength" else _PROBES:
-        other: AbstractLaw = replace(law, **{field: value * factor})  # type: ignore[type-var]
-        if not shaped and bytes(curve_of(other).native) != bytes(curve_of(law).native):
-            return None
-        length, force = (math.log(b / a) / math.log(factor) for a, b in zip(base, other.scales(energy), strict=True))
-        found.append((_rational(length), _rational(force)))
-    return found[0] if found[0] == found[1] else None
-
-
-def damping_power(law: AbstractLaw, name: str, problem: Problem) -> float | None:
-    """Exponent of a parameter in the damping factor; 0 if the law has no damping or no such parameter.
-
-    None if the damping factor is not a power of the parameter: then the FMU does not have the parameter.
-    """
-    base = _damping(law, problem)
-    if name in OF_DAMPING and getattr(law, name, None) is None:
-        return 0.0
-    if base == 0.0 or (name in SCALING and powers_of(law, name, problem) is None):
-        return 0.0
-    found: list[float] = []
-    for factor in _PROBES:
-        other, length = law, 1.0
-        if name in OF_DAMPING:
-            other = replace(law, **{name: getattr(law, name) * factor})  # type: ignore[type-var]
-        if name in SCALING:
-            field = field_of(law, name)
-            other = replace(law, **{field: getattr(law, field) * factor})  # type: ignore[type-var]
-            length = other.scales(1.0)[0] / law.scales(1.0)[0]
-        mass, velocity = (factor if name == one else 1.0 for one in ("mass", "initial_velocity"))
-        ratio = _damping(other, problem, mass, velocity, length) / base
-        found.append(_rational(math.log(ratio) / math.log(factor)) if ratio > 0.0 else math.nan)
-    return found[0] if found[0] == found[1] else None
-
-
-def _damping(
-    law: AbstractLaw, problem: Problem, mass: float = 1.0, velocity: float = 1.0, length: float = 1.0
-) -> float:
-    """Damping factor, N s/m, for multiples of the problem's mass, velocity and length."""
-    speed = problem.scene.approach_velocity
-    return float(law.damping_factor(mass * problem.mass, velocity * speed, length * problem.scales.length))
-
-
-def _rational(power: float) -> float:
-    """An exponent rounded to a multiple of 1/60 if it is within 1e-12 of it, which removes rounding errors."""
-    near = round(power * 60.0) / 60.0
-    return near if abs(near - power) < 1e-12 else power
 
 
 def finished(data: Data, token: str) -> bytes:

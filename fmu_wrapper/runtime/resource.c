@@ -13,7 +13,7 @@
 #include <windows.h>
 #endif
 
-static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '2'};
+static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '3'};
 static const char NAME[] = "model.film";
 enum { LONGEST_PATH = 4096, LARGEST_FILE = 1 << 24, MOST_VARYING = 1 << 13, MOST_MODES = 20000 };
 
@@ -63,6 +63,7 @@ static int bad_numbers(const model_data *data) {
               !(data->damping >= 0.0);
     for (unsigned k = 0; k < SETTABLE; k++)
         bad |= !(data->start[k] >= VARIABLE[k].low && data->start[k] <= VARIABLE[k].high);
+    for (int k = 0; k < RESTITUTION_TERMS; k++) bad |= !isfinite(data->restitution[k]);
     const double *number = (const double *)&data->stresses;
     for (size_t k = 0; k < sizeof data->stresses / sizeof *number; k++) bad |= !(number[k] >= 0.0 && number[k] < INFINITY);
     const model_family *family = &data->family;

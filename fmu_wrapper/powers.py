@@ -13,29 +13,15 @@ from film_model.problem.curve import curve_of
 from film_model.problem.families import EDGES, Page, page_between
 from film_model.problem.problem import Problem
 from film_model.problem.series import coefficients
+from fmu_wrapper.layout import OF_DAMPING, RESTITUTION_TERMS, SCALING
 from fmu_wrapper.variables import LEAST_RESTITUTION
 
-SCALING = (
-    *("radius", "effective_modulus", "yield_strength", "yield_pressure", "hardness", "stiffness", "power_stiffness"),
-)
-"""Parameters whose powers make up the length and force scales of the march."""
-OF_DAMPING = ("damping", "dissipation_time", "hysteresis_damping")
-"""Parameters of damped laws whose powers make up only the damping factor."""
-DAMPING = (*SCALING, "mass", "initial_velocity", *OF_DAMPING)
-"""Parameters whose powers make up the damping factor of a damped law."""
-OF_LAW = (*SCALING, *OF_DAMPING, "restitution")
-"""The law's own parameters."""
-
-SHAPED = SCALING[:3]
-"""Parameters whose powers make up the shape of a law with a family of curves: radius, modulus and strength."""
 AROUND = 4.0
 """Such an FMU serves shapes from a fourth to four times that of the export."""
 WORST_FIT = 1e-9
 """Largest relative error of the force for which it does."""
 SMALLER = 0.5
 
-RESTITUTION_TERMS = 48
-"""Terms of ln(damping factor/(1 − e)) over ln e."""
 _REFERENCE = 0.5
 """Restitution at which the powers of the damping factor are probed: at 1 it is 0."""
 _TRIED = (0.011, 0.07, 0.4, 0.83, 0.97, 0.999)

@@ -124,9 +124,11 @@ static void close_resources(resources *r, int count) {
     free(r);
 }
 
-static inline int on_modes(const resources *r) { return r->data.modes.count > 0; }
-/* On a target that vibrates or has a static stiffness: for Co-Simulation only, and not the march of the law's curve alone. */
-static inline int on_own_motion(const resources *r) { return on_modes(r) || r->data.available[TARGET_STIFFNESS]; }
+static inline int relaxing(const resources *r) { return r->data.relaxation.tolerance > 0.0; }
+
+/* On a target that vibrates or has a static stiffness, or of viscoelastic bodies: for Co-Simulation only, and not the march of
+ * the law's curve alone. */
+static inline int beside(const resources *r) { return r->data.modes.count > 0 || relaxing(r) || r->data.available[TARGET_STIFFNESS]; }
 
 /* ---------------------------------------------------------------- one interface to both versions */
 
@@ -192,7 +194,7 @@ static inline double get(unit *u, unsigned reference) {
 }
 
 static inline int has(const resources *r, unsigned reference) {
-    if (on_own_motion(r) && reference >= RATE_OF_INDENTATION) return 0;
+    if (beside(r) && reference >= RATE_OF_INDENTATION) return 0;
     return VARIABLE[reference].role[r->data.kind] != ABSENT && (reference >= SETTABLE || r->data.available[reference]);
 }
 

@@ -12,7 +12,7 @@ import zipfile
 from dataclasses import replace
 from pathlib import Path
 
-from cases import STEEL, scene
+from cases import STEEL, TARGETS, scene
 
 import film_model as fm
 from fmu_wrapper import export
@@ -31,6 +31,17 @@ def on_spring(law: str) -> fm.Scene:
     """The ball on a beam that follows by its static stiffness."""
     beam = fm.Beam(STEEL, "300 mm", "30 mm", "10 mm", static_stiffness="2e7 N/m")
     return replace(scene(law), target=beam, effects=fm.Effects(gravity=True, target_inertia=False))
+
+
+def viscoelastic(target: str = "half-space") -> fm.Scene:
+    """A ball of a viscoelastic material."""
+    series = [[0.4, "0.2 ms"], [0.2, "3 ms"]]
+    rubber = fm.Material(youngs_modulus="50 MPa", poissons_ratio=0.49, density="1100 kg/m^3", prony=series)
+    return fm.Scene(
+        fm.Sphere("10 mm", "0.25 m/s", material=rubber),
+        TARGETS[target],
+        effects=fm.Effects(target_motion=target != "half-space"),
+    )
 
 
 CASES = {
@@ -52,6 +63,8 @@ CASES = {
         replace(on_structure("big-alabo", damping_ratio=0.05), effects=fm.Effects(gravity=True)),
         "2 um",
     ),
+    "viscoelastic, on a rod": ("impact", viscoelastic("rod"), "2 um"),
+    "viscoelastic, dropped": ("impact", viscoelastic(), "0.05 mm"),
     "vibrations, hunt-crossley": ("impact", on_structure("hunt-crossley"), 0.0),
     "static stiffness, hertz": ("impact", on_spring("hertz"), "1 um"),
     "static stiffness, stronge": ("impact", on_spring("stronge"), 0.0),

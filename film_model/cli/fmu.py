@@ -6,9 +6,7 @@ import argparse
 import sys
 from typing import Any
 
-from film_model.base.units import to_si
 from film_model.cli.output import DONE, FAILED, add_force, add_json, check_writable, print_json, print_written
-from film_model.scene import Scene
 
 
 def add_commands(named: Any) -> None:
@@ -49,6 +47,8 @@ def add_commands(named: Any) -> None:
 
 def export_fmu(options: argparse.Namespace) -> int:
     import fmu_wrapper
+    from film_model.base.units import to_si
+    from film_model.scene import Scene
 
     try:
         gap = to_si(options.initial_gap, "length")
@@ -87,6 +87,7 @@ def _say_if_alone(options: argparse.Namespace) -> None:
 
 def export_ssp(options: argparse.Namespace) -> int:
     import fmu_wrapper
+    from film_model.scene import Scene
 
     check_writable(options.output, options.force)
     scene = Scene.from_toml(options.scene)

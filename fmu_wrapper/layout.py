@@ -16,7 +16,7 @@ OF_DAMPING = ("damping", "dissipation_time", "hysteresis_damping")
 """Parameters of damped laws whose powers make up only the damping factor."""
 DAMPING = (*SCALING, "mass", "initial_velocity", *OF_DAMPING)
 """Parameters whose powers make up the damping factor of a damped law."""
-OF_LAW = (*SCALING, *OF_DAMPING, "restitution")
+OF_LAW = (*SCALING, "exponent", *OF_DAMPING, "restitution")
 """The law's own parameters."""
 RESTITUTION_TERMS = 48
 """Terms of ln(damping factor/(1 − e)) over ln e."""

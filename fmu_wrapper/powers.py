@@ -71,7 +71,7 @@ def powers_of(law: AbstractLaw, name: str, problem: Problem) -> tuple[float, flo
             return None
         length, force = (math.log(b / a) / math.log(factor) for a, b in zip(base, other.scales(energy), strict=True))
         found.append((rational(length), rational(force)))
-    return found[0] if found[0] == found[1] else None
+    return found[0] if np.allclose(*found, rtol=0.0, atol=1e-12) else None
 
 
 def damping_power(law: AbstractLaw, name: str, problem: Problem) -> float | None:
@@ -140,6 +140,30 @@ def restitution_series(law: AbstractLaw, problem: Problem) -> Array | None:
         if not abs((1.0 - e) * math.exp(summed) - factor(e)) <= _WORST_SERIES * factor(e):
             return None
     return series
+
+
+def exponent_is_free(law: AbstractLaw) -> bool:
+    """Whether a law's force is K δ^q in all its stages, and nothing else in them depends on the field `exponent` q.
+
+    Then the FMU may change q: its curve has another exponent, and its force scale is K δ_s^q with the same δ_s.
+    """
+    if "exponent" not in law_fields(type(law)):
+        return False
+    q, own = float(getattr(law, "exponent", 0.0)), curve_of(law).native
+    if any(own.piece[k].force.constant or own.piece[k].force.slope for k in range(own.pieces)):
+        return False
+    for other in (replace(law, exponent=part * q) for part in (0.9, 0.8)):  # type: ignore[type-var]
+        made, scales = curve_of(other).native, [one.scales(1.0) for one in (law, other)]
+        changed = type(own).from_buffer_copy(own)
+        for k in range(own.pieces):
+            changed.piece[k].work_at_begin = made.piece[k].work_at_begin
+            if own.piece[k].force.coefficient:
+                changed.piece[k].force.exponent = other.exponent  # type: ignore[attr-defined]
+        stiffness = [force / length**power for (length, force), power in zip(scales, (q, other.exponent), strict=True)]  # type: ignore[attr-defined]
+        same = math.isclose(*stiffness, rel_tol=1e-12) and (own.pieces == 1 or scales[0][0] == scales[1][0])
+        if not same or bytes(changed) != bytes(made):
+            return False
+    return True
 
 
 def rational(power: float) -> float:

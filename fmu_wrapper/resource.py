@@ -39,6 +39,7 @@ from fmu_wrapper.powers import (
     SMALLER,
     damping_factor,
     damping_power,
+    exponent_is_free,
     field_of,
     own_page,
     powers_of,
@@ -99,8 +100,8 @@ def model_data(
             exists = exists and powers[name] is not None
         elif name in OF_DAMPING:
             exists = exists and bool(damping[name])
-        elif name == "restitution":
-            exists = series is not None
+        elif name in ("restitution", "exponent"):
+            exists = series is not None if name == "restitution" else exponent_is_free(law)
         if name in OF_LAW:
             data.start[k] = getattr(law, field_of(law, name)) if exists else variable.low
         else:

@@ -149,6 +149,9 @@ VARIABLES: tuple[Variable, ...] = (
         *("power_stiffness", "dimensionless", 1e-30, 1e30),
         *("stiffness K in N/m^q of a law with the force K times indentation to the power of q", *_BOTH),
     ),
+    _parameter(
+        "exponent", "dimensionless", 0.1, 10.0, "exponent q of a law whose force is a power of indentation", *_BOTH
+    ),
     _parameter("damping", "impedance", 1e-30, 1e30, "damping coefficient of the law", *_BOTH),
     _parameter("dissipation_time", "time", 1e-30, 1e10, "dissipation time of the law", *_BOTH),
     _parameter("hysteresis_damping", "inverse_velocity", 1e-30, 1e30, "damping over the elastic force", *_BOTH),

@@ -126,6 +126,7 @@ int model_initialize(model *m, double time) {
     int contact = m->data->kind == CONTACT;
     now->length = model_scaled(m, m->data->length_scale, m->data->length_power, SCALINGS);
     now->force = model_scaled(m, m->data->force_scale, m->data->force_power, SCALINGS);
+    if (m->data->available[EXPONENT]) now->force *= pow(now->length, value[EXPONENT] - m->data->start[EXPONENT]); /* K length^q */
     now->time_scale = contact ? 1.0 : sqrt(value[MASS] * now->length / now->force);
     now->velocity = now->length / now->time_scale;
     if (!(now->length > 0.0 && now->length < INFINITY && now->force > 0.0 && now->force < INFINITY && now->time_scale > 0.0 &&

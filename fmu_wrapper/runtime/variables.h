@@ -14,6 +14,7 @@ enum {
     HARDNESS,
     STIFFNESS,
     POWER_STIFFNESS,
+    EXPONENT,
     DAMPING,
     DISSIPATION_TIME,
     HYSTERESIS_DAMPING,
@@ -73,7 +74,7 @@ enum {
     EVENT_INDICATOR_4,
     EVENT_INDICATOR_5,
     VARIABLES,
-    SETTABLE = 25 /* parameters and inputs come before this one */
+    SETTABLE = 26 /* parameters and inputs come before this one */
 };
 
 enum { IMPACT, CONTACT, KINDS };
@@ -100,6 +101,7 @@ static const film_variable VARIABLE[VARIABLES] = {
     {"hardness", "Pa", REAL, {PARAMETER, PARAMETER}, 1.0, 10000000000000.0},
     {"stiffness", "N/m", REAL, {PARAMETER, PARAMETER}, 1e-12, 1e+18},
     {"power_stiffness", "", REAL, {PARAMETER, PARAMETER}, 1e-30, 1e+30},
+    {"exponent", "", REAL, {PARAMETER, PARAMETER}, 0.1, 10.0},
     {"damping", "N*s/m", REAL, {PARAMETER, PARAMETER}, 1e-30, 1e+30},
     {"dissipation_time", "s", REAL, {PARAMETER, PARAMETER}, 1e-30, 10000000000.0},
     {"hysteresis_damping", "s/m", REAL, {PARAMETER, PARAMETER}, 1e-30, 1e+30},

@@ -42,7 +42,7 @@ class State(c.Structure):
         [("law", Law)]
         + [(name, _D) for name in ("gamma", "load", "stop_velocity", "tolerance", "speed")]
         + [(name, _D) for name in ("time", "xi", "nu", "shift", "tau", "stop_at")]
-        + [("q", _TERMS), ("p", _TERMS)]
+        + [("q", _TERMS), ("p", _TERMS), ("old", _TERMS)]
         + [(name, _D) for name in ("next_h", "begun", "turned", "match", "peak", "spent")]
         + [(name, _I) for name in ("approach", "steps", "ends", "moving_in", "has_step")]
         + [(name, _I) for name in ("branch", "phase", "event", "contacts", "reserved")]
@@ -64,6 +64,7 @@ def _library() -> Any:
         "film_relax_impact": ([pointer, pointer, _D, pointer, pointer, pointer], c.c_int),
         "film_relax_batch": ([i64, pointer, pointer, _D, pointer, pointer, pointer, pointer], None),
         "film_relax_sample": ([pointer, pointer, pointer, i64, pointer, pointer], None),
+        "film_relax_left": ([pointer, pointer], _D),
         "film_relax_sizes": ([pointer], None),
     }
     for name, (arguments, result) in signatures.items():
@@ -127,6 +128,11 @@ class Motion:
         """ξ, ξ', f, ν and target displacement now."""
         _library().film_relax_motion(c.byref(self.state), self._steps, self._values.ctypes.data)
         return self._values
+
+    @property
+    def left(self) -> float:
+        """Depth that the surface has not yet recovered from the contacts before; 0 during a contact."""
+        return _library().film_relax_left(c.byref(self.state), self._steps)
 
     @property
     def time(self) -> float:

@@ -63,7 +63,7 @@ def _check(scene: Scene, fit: Sequence[str], history: bool) -> None:
             if path == TIME_OFFSET:
                 if not history:
                     raise ValueError("is for measured histories")
-            elif field_at(scene, path) is None:
+            elif field_at(scene, path, "contact.stiffness" in fit) is None:
                 raise ValueError("is not a number that can be fitted")
             elif path == "impactor.velocity" and not history:
                 raise ValueError("is measured")
@@ -89,7 +89,7 @@ def _parameter(scene: Scene, path: str, measured: xr.Dataset) -> Parameter:
     if value is None:
         message = "the scene has no value to begin with: give one"
         raise SceneError([Mistake(None, None, f"fit: {path}", message)])
-    field = field_at(scene, path)
+    field = field_at(scene, path, with_stiffness=True)
     assert field is not None and field.low is not None and field.high is not None
     start, unit = float(value), unit_of(scene, field)
     low, high = max(float(field.low), -LARGEST), min(float(field.high), LARGEST)

@@ -84,7 +84,7 @@ def test_a_separator_at_the_end_and_a_dash_for_no_unit(tmp_path: Path) -> None:
         ("time [us],farce [N]\n0,1\n1,2\n", 1, 'did you mean "force"?'),
         ("time [us],force [N],force [N]\n0,1,1\n1,2,2\n", 1, "is given twice"),
         ("time [us]\n0\n1\n", 1, "a column beside t is needed"),
-        ("restitution\n0.5\n0.4\n", 1, 'a column "time [us]" or "velocity [m/s]" is needed'),
+        ("restitution\n0.5\n0.4\n", 1, 'a column "time [us]", "velocity [m/s]" or'),
         ("velocity [m/s],restitution\n1,0.5\n0,0.4\n", 3, "the velocity must be > 0"),
     ],
 )
@@ -239,12 +239,20 @@ def bracket(law: str, **parameters: object) -> fm.Scene:
 @pytest.mark.parametrize(
     ("contact", "start"),
     [
-        ({"law": "meyer", "stiffness": "2e9 N/m^1.5", "exponent": 1.5}, {"contact.stiffness": "1e10 N/m^1.5"}),
+        pytest.param(
+            {"law": "meyer", "stiffness": "2e9 N/m^1.5", "exponent": 1.5},
+            {"contact.stiffness": "1e10 N/m^1.5"},
+            marks=pytest.mark.slow,
+        ),
         (
             {"law": "meyer", "stiffness": "2e9 N/m^1.5", "exponent": 1.5},
             {"contact.stiffness": "4e9 N/m^1.4", "contact.exponent": 1.4},
         ),
-        ({"law": "stronge", "yield_strength": "300 MPa"}, {"contact.yield_strength": "120 MPa"}),
+        pytest.param(
+            {"law": "stronge", "yield_strength": "300 MPa"},
+            {"contact.yield_strength": "120 MPa"},
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_a_vibrating_structure_from_bad_starts(
@@ -261,8 +269,6 @@ def test_a_vibrating_structure_from_bad_starts(
         assert one.high - one.low < 0.25 * true or len(start) > 1
     if len(start) > 1:
         assert found.parameters[0].unit == power_stiffness_unit(found.parameters[1].value) != "N/m^1.4"
-        with pytest.raises(fm.SceneError, match=r"is in the unit of the stiffness.* or fit both"):
-            fd.identify(measured, scene, ["contact.exponent"])
 
 
 @pytest.mark.slow

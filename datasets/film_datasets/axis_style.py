@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.schema import dimension_of, flag_meanings, holds_text, words_of
 from film_model.plot.style import prefixed_unit
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure
 
 MOST_POINTS = 20_000
@@ -67,7 +67,7 @@ def format_axis(panel: Any, which: str, array: xr.DataArray, scaled: xr.DataArra
     axis = getattr(panel, f"{which}axis")
     meanings = words_of(array) if holds_text(array) else flag_meanings(array)
     if meanings:
-        axis.set_ticks(range(len(meanings)), meanings)
+        axis.set_ticks(range(len(meanings)), [plain(word) for word in meanings])
         return
     array = array if scaled is None else scaled
     values = np.asarray(array.values[:: max(1, array.size // MOST_POINTS)], np.float64)

@@ -16,18 +16,9 @@ _IN_PLACE_OF = {"impactor.velocity": "drop_height", "impactor.drop_height": "vel
 SECTIONS = ("impactor", "target", "contact", "effects", "solver")
 
 
-EXPONENT = "contact.exponent"
-
-
-def power_stiffness(field: Field) -> bool:
-    """Whether the unit of a number is N/m^q with the exponent of the contact."""
-    return field.dimension == "meyer_stiffness"
-
-
-def field_at(scene: Scene, path: str, with_stiffness: bool = False) -> Field | None:
+def field_at(scene: Scene, path: str) -> Field | None:
     """The scene's field at a path; None if the path is valid but does not hold a plain number with a range.
 
-    with_stiffness: whether the stiffness, which has the exponent in its unit, changes together with the exponent.
     Raises ValueError for a path that the scene does not have.
     """
     *sections, name = path.split(".")
@@ -42,8 +33,8 @@ def field_at(scene: Scene, path: str, with_stiffness: bool = False) -> Field | N
         fields |= parameter_fields(owner)
     if head == "target" and name == "kind" and len(sections) == 1:
         return None
-    if path == EXPONENT and not with_stiffness and any(map(power_stiffness, fields.values())):
-        raise ValueError("is in the unit of the stiffness: list [contact] sections that give both, or fit both")
+    if name == "exponent" and any(field.dimension == "meyer_stiffness" for field in fields.values()):
+        raise ValueError("is in the unit of the stiffness: list [contact] sections that give both")
     if name not in fields:
         raise ValueError(f"unknown key{_meant(path, fields) or did_you_mean(path, _paths(scene))}")
     other = _IN_PLACE_OF.get(path)
@@ -64,7 +55,7 @@ def _meant(path: str, fields: dict[str, Field]) -> str:
 
 def unit_of(scene: Scene, field: Field) -> str:
     """The SI unit of a field as scene files write it."""
-    if power_stiffness(field):
+    if field.dimension == "meyer_stiffness":
         return stiffness_unit(scene.contact)
     return scene_unit(field.dimension)
 

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.csv_measurement import measured_over
 from film_datasets.impacts import simulate_impacts
+from film_datasets.schema import MEASURED_MOTION
 from film_model.effects.choose import problem_of
 from film_model.scene import Scene
-from film_model.solve.history import MOTION, SUMMARY
+from film_model.solve.history import SUMMARY, Samples
 from film_model.solve.simulate import simulate_quietly
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -38,13 +42,32 @@ ON_MODES = Numerics(1e-4, 1e-2, 1e-5, 1e-7)
 """For a target that vibrates, where 1e-7 takes up to a second an impact. Derivatives are then known to about 1 %, which
 is enough for steps of the search and for intervals; the result is that of the impacts themselves."""
 
-DIMENSIONS_OF_QUANTITIES = {name: dimension for name, (dimension, _) in (*MOTION.items(), *SUMMARY.items())}
+DIMENSIONS_OF_QUANTITIES = {name: dimension for name, (dimension, _) in (*MEASURED_MOTION.items(), *SUMMARY.items())}
 """Dimension of every quantity that can be measured."""
 
 
 def numerics_of(scene: Scene) -> Numerics:
     """How precisely the impacts of a scene are simulated for a fit."""
     return ON_MODES if problem_of(scene).vibrates else NUMERICS
+
+
+@dataclass(frozen=True)
+class Case:
+    """A measurement with the entries of the scene that are its own, and its time of first touch, s."""
+
+    measured: xr.Dataset
+    changes: Mapping[str, str]
+    time_offset: float = 0.0
+
+    @property
+    def names(self) -> list[str]:
+        """The measured quantities."""
+        return measured_over(self.measured)[1]
+
+    def predict(self, scene: Scene, points: Array | None = None) -> dict[str, Array]:
+        """The measured quantities of this scene with the case's own entries; see `predict`."""
+        own = scene.replace(dict(self.changes)) if self.changes else scene
+        return predict(own, self.measured, self.names, self.time_offset, points)
 
 
 def predict(
@@ -60,7 +83,13 @@ def predict(
         return simulate_impacts(scene, {"impactor.velocity": points}).summary
     t = points - time_offset
     samples = simulate_quietly(scene).sample_si(np.maximum(t, 0.0))
-    return {name: _before_first_touch(getattr(samples, name), t, scene, name) for name in names}
+    return {name: _before_first_touch(_motion(samples, scene, name), t, scene, name) for name in names}
+
+
+def _motion(samples: Samples, scene: Scene, name: str) -> Array:
+    if name == "impactor_acceleration":
+        return -samples.contact_force / scene.mass
+    return getattr(samples, name)
 
 
 def _before_first_touch(values: Array, t: Array, scene: Scene, name: str) -> Array:

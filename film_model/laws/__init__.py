@@ -22,6 +22,7 @@ from film_model.laws.stronge import Stronge
 from film_model.laws.tabulated import Tabulated
 from film_model.laws.tan_sun import TanSun
 from film_model.laws.thornton import Thornton
+from film_model.laws.thornton_ning import ThorntonNing
 from film_model.laws.tsuji import Tsuji
 from film_model.laws.unloading import BrakeUnloading, Retrace
 from film_model.laws.walton_braun import WaltonBraun
@@ -32,7 +33,7 @@ LAWS: dict[str, type[AbstractLaw]] = {
     for law in (
         *(Hertz, Meyer, BigAlabo, Stronge, Thornton, KogutEtsion, JacksonGreen, YigitChristoforou),
         *(RigidPlastic, WaltonBraun, Luding, TanSun, Tabulated),
-        *(LinearDashpot, Tsuji, HuntCrossley, KuwabaraKono, Jkr, Dmt),
+        *(LinearDashpot, Tsuji, HuntCrossley, KuwabaraKono, Jkr, Dmt, ThorntonNing),
     )
 }
 """Every named law, in the order of lists, pictures and pages. All of these, and the tests, are made from it."""
@@ -61,6 +62,7 @@ __all__ = [
     "Tabulated",
     "TanSun",
     "Thornton",
+    "ThorntonNing",
     "Tsuji",
     "Unloading",
     "WaltonBraun",

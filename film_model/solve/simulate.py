@@ -19,7 +19,7 @@ from film_model.problem.summary import energy_warning, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.solve.accuracy import Linearisation, estimate, mesh_of, raise_failure, refine, solver_for
 from film_model.solve.derivatives import derivatives_of, entries_of
-from film_model.solve.history import Accuracy, Event, History, stage_names
+from film_model.solve.history import Accuracy, Event, History, stage_name
 from film_model.solve.relaxed import relax
 from film_model.solve.vibration import Moment, unused_options, vibrate
 
@@ -200,9 +200,9 @@ def _at_events(problem: Problem, states: Any) -> list[_AtEvent]:
 
 def _events(problem: Problem, found: Iterable[_AtEvent | Moment]) -> tuple[Event, ...]:
     """Events in SI."""
-    names, clock = stage_names(problem), problem.scales.time
+    clock = problem.scales.time
     return tuple(
-        Event(event.name, t := event.time * clock, names[event.branch], **problem.motion(t, event.values))
+        Event(event.name, t := event.time * clock, stage_name(problem, event.branch), **problem.motion(t, event.values))
         for event in found
     )
 

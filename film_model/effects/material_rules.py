@@ -20,7 +20,8 @@ def adhesion(case: Case, rule: Rule) -> Effect:
     """Work to separate the surfaces: e² falls by (V_s/V)², V_s = √(2 · 7.0922 (Γ⁵R⁴/E²)^{1/3}/m) (Thornton & Ning).
 
     Γ is work_of_adhesion in [contact], or 2 √(γ₁ γ₂) from the surface energies of the materials: an upper bound, which
-    clean and smooth surfaces reach. The laws jkr and dmt compute it, without plastic deformation.
+    clean and smooth surfaces reach. The laws jkr and dmt compute it without plastic deformation, thornton-ning with it:
+    a dent has a larger radius R_p, and takes (R_p/R)^{4/3} times the work to separate.
     """
     scene = case.scene
     modulus, work = scene.effective_modulus, scene.work_of_adhesion

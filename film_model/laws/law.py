@@ -108,9 +108,9 @@ class Stage:
     root: the force is smooth in √(ξ − begin) rather than in ξ (used only for functions that are fitted). knots: points
     inside the stage where a derivative of the force jumps; the fit is made piecewise between them.
     damping: c(ξ) divided by the law's `damping_factor`, for F = f + c ξ̇; only for a law of one reversible stage.
-    pulls: the force may be negative; only for a law whose stages are reversible or, after those, unload by `similar`. Its
-    first stage may begin below 0: contact then begins at 0 and ends where that stage begins. reach: how far the force of
-    the last reversible stage is known beyond its end, for the branches of the stages after it.
+    pulls: the force may be negative; only for a law whose stages are reversible or, after those, unload by `similar`.
+    Its first stage may begin below 0: contact then begins at 0 and ends where that stage begins. reach: how far the
+    force of the last reversible stage is known beyond its end, for the branches of the stages after it.
     """
 
     name: str

@@ -99,7 +99,8 @@ def checked(law: str, given: tuple[Stage, ...]) -> list[Stage]:
         raise ValueError(f"{law}: a damped law must have one stage, and no unloading")
     pulls = any(stage.pulls for stage in stages)
     rules = ["" if stage.unloading is None else stage.unloading.rule[0] for stage in stages]
-    if pulls and (any(stage.damping is not None for stage in stages) or rules != sorted(rules) or {*rules} > {"", "similar"}):
+    damped = any(stage.damping is not None for stage in stages)
+    if pulls and (damped or rules != sorted(rules) or not {*rules} <= {"", "similar"}):
         raise ValueError(f"{law}: a law that pulls has no damping, and its stages unload reversibly, then by similar")
     if "similar" in rules and not (pulls and rules[0] == ""):
         raise ValueError(f"{law}: only a law that pulls unloads by similar, after reversible stages")

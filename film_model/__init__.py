@@ -1,43 +1,30 @@
-"""Impacts of compact bodies by the force–indentation linearisation method (FILM)."""
+"""Impacts of compact bodies by the force–indentation linearisation method (FILM).
 
-import film_model.laws as laws
-import film_model.targets as targets
-from film_model.base.errors import ImpactWarning, Outcome, SceneError, SimulationError
-from film_model.base.materials import Material, material
-from film_model.laws import *  # noqa: F403
-from film_model.methods import add_methods
-from film_model.scene import Contact, Effects, Scene, Solver, Sphere
-from film_model.solve.batch import BatchResult, simulate_batch
-from film_model.solve.component import ImpactComponent
-from film_model.solve.derivatives import Derivatives
-from film_model.solve.history import Event, History, Samples
-from film_model.solve.simulate import simulate
-from film_model.targets import *  # noqa: F403
-from film_model.version import __version__
+The public names are those of `film_model.face`. They are loaded when the first of them is used, because most commands
+of the command line need few of them.
+"""
 
-add_methods()
+from __future__ import annotations
 
-__all__ = [
-    "BatchResult",
-    "Contact",
-    "Derivatives",
-    "Effects",
-    "Event",
-    "History",
-    "ImpactComponent",
-    "ImpactWarning",
-    "Material",
-    "Outcome",
-    "Samples",
-    "Scene",
-    "SceneError",
-    "SimulationError",
-    "Solver",
-    "Sphere",
-    "__version__",
-    "material",
-    "simulate",
-    "simulate_batch",
-]
-__all__ += laws.__all__  # a new law is listed there only
-__all__ += targets.__all__  # likewise a new kind of target
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from film_model.version import __version__ as __version__
+
+if TYPE_CHECKING:
+    from film_model.face import *  # noqa: F403
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, or a package of this one such as `film_model.laws`."""
+    if not name.startswith("__") or name == "__all__":  # Python's own tools ask for many other names with underscores
+        face = import_module("film_model.face")
+        public = {known: getattr(face, known) for known in face.__all__}
+        globals().update(public, __all__=[*face.__all__, "__version__"])
+    if name not in globals():
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return globals()[name]
+
+
+def __dir__() -> list[str]:
+    return sorted({*__getattr__("__all__"), *globals()})

@@ -1,7 +1,6 @@
 """Methods of histories and scenes that use packages above theirs: pictures, explanations, datasets, notebooks.
 
-`film_model/__init__.py` adds them, so that they exist wherever a history does. The classes
-declare them, for editors.
+The classes have them as `film_model.base.late.Late`, which imports this module when one is used.
 """
 
 from __future__ import annotations
@@ -21,15 +20,6 @@ from film_model.solve.history import History
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
-
-
-def add_methods() -> None:
-    """Add the methods below to their classes."""
-    of_history = {"plot": plot, "to_dataset": to_dataset, "_repr_html_": history_as_html}
-    of_scene = {"explain": explain, "_repr_html_": scene_as_html}
-    for owner, methods in ((History, of_history), (Scene, of_scene)):
-        for name, method in methods.items():
-            setattr(owner, name, method)
 
 
 def plot(self: History, path: str | os.PathLike[str] | None = None) -> Figure:

@@ -14,8 +14,9 @@ from film_model.effects.edge_effects import edged
 from film_model.effects.effect import NOT_MODELLED
 from film_model.effects.trial import change
 from film_model.laws.yielding import yield_point, yield_velocity
-from film_model.problem.law_of_scene import YIELDING, can_yield, reaches_yield, yielding_entries
+from film_model.problem.law_of_scene import ELASTIC, YIELDING, can_yield, reaches_yield, yielding_entries
 from film_model.problem.problem import Problem
+from film_model.problem.relaxation import relaxation_of
 from film_model.problem.summary import differences
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.scene.columns import scene_of_columns
@@ -69,14 +70,19 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
     """The scene as an FMU simulates it: without the decisions that "auto" makes for the velocity of the scene.
 
     Law "auto" becomes the law that yields, which is elastic below yield; gravity is simulated, and so is the motion of
-    the target, unless the scene switches them off. A contact contains neither weight nor target.
+    the target, unless the scene switches them off. A contact contains neither weight nor target. An impact whose
+    viscoelasticity matters at the scene's velocity has it at all velocities, with Hertz's law.
 
     >>> fmu_wrapper.served(scene).contact.law_name
     'jackson-green'
     """
-    effects, contact = scene.effects, scene.contact
+    effects = scene.effects
+    if kind == "impact" and relaxation_of(scene) is not None and choose(scene).problem.relaxation is not None:
+        effects = effects.changed(viscoelasticity=True)
+        if scene.contact.law == "auto":
+            scene = scene.replace({"contact.law": ELASTIC})
     known = reaches_yield(scene) is not None and can_yield(scene)
-    if contact.law == "auto" and effects.plasticity is not False and known:
+    if scene.contact.law == "auto" and effects.plasticity is not False and known:
         scene = scene.replace(yielding_entries(scene))
     gravity, motion = effects.gravity, effects.target_motion
     if kind == "contact":
@@ -198,8 +204,6 @@ def _failing(choice: Choice, highest: float | None) -> frozenset[str]:
     highest: frequency up to which the FMU contains vibrations, rad/s; None if it contains none.
     """
     missing = {effect.name.replace("_", " ") for effect in choice.effects if effect.state == NOT_MODELLED}
-    if choice.problem.relaxation is not None:
-        missing.add("viscoelasticity")
     if highest is not None:
         missing.discard("boundary reflections")
         if _needs_more(choice, highest):

@@ -6,30 +6,38 @@ import math
 import os
 from collections.abc import Collection
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from film_model.base.errors import DamagedFile
 from film_model.base.units import format_si
 from film_model.core import native
 from film_model.effects.choose import choose
-from film_model.scene import Scene
+from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import mesh_for
 from film_model.solve.component import DEFAULT_SEGMENTS, ImpactComponent, Outputs
 from film_model.solve.history import MOTION, Event
+from film_model.solve.relaxed import tolerance_for
+from fmu_wrapper import related
 from fmu_wrapper.assumptions import served
 from fmu_wrapper.checking_contact import compared_contact
 from fmu_wrapper.cosimulation import EXCHANGE_SOLVER, run
 from fmu_wrapper.findings import STEPS_TOLERANCE, Finding
-from fmu_wrapper.instance import opened
+from fmu_wrapper.instance import Fmu, opened
 from fmu_wrapper.resource import has_exchange
 from fmu_wrapper.variables import KINDS, reference
 
 MODES_TOLERANCE = 1e-8
 """The same on a vibrating target: later contacts amplify rounding errors, and where a damped contact ends the force
 falls to 0 from a value that is 0 to 1e-9 of the largest."""
+
+RELAXING_TOLERANCE = 1e-9
+"""The same for viscoelastic bodies: the time at which the contact was as wide before is found to 1e-8 and its force
+corrected for that, so that rounding of the time moves the force by 3e-11."""
 
 RATES_TOLERANCE = 1e-5
 """The same of the rate of indentation there and on a static stiffness: at the end of a contact it changes with the root
@@ -85,21 +93,28 @@ def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
         if KINDS[fmu.data.kind] == "contact":
             return Report(str(path), problems, tuple(compared_contact(fmu)))
         scene = fmu.scene() if scene is None else scene
-        stop, version = float(fmu.description.defaultExperiment.stopTime), fmu.version
+        experiment, version = fmu.description.defaultExperiment, fmu.version
+        stop, usual = float(experiment.stopTime), float(experiment.stepSize)
+        stored = _stored_results(fmu)
         start = {name: fmu.data.start[reference(name)] for name in ("initial_gap", *_SEGMENTS)}
         modes, exchange = fmu.data.modes.count, has_exchange(fmu.data)
+        tolerance = fmu.data.relaxation.tolerance
     gap, counts = start["initial_gap"], (int(start[_SEGMENTS[0]]), int(start[_SEGMENTS[1]]))
     on = served(scene)
     if modes > 0:
         component = ImpactComponent(on, initial_gap=gap)
         findings = [Finding("vibrations", abs(component.modes - modes), 0.0, f"the library uses {component.modes}")]
+    elif tolerance > 0.0:
+        component, findings = ImpactComponent(on, initial_gap=gap), [_compared_tolerance(on, tolerance)]
     else:
         component = ImpactComponent(on, initial_gap=gap, segments=counts)
         findings = [_compared_segments(on, counts)]
-    allowed = STEPS_TOLERANCE if modes == 0 else MODES_TOLERANCE
-    for step in (stop / 200.0, stop / 13.7, stop):
-        what = f"steps of {format_si(step, 'time', 3)}"
-        findings += _compared(what, run(path, step_size=step), component, step, allowed)
+    allowed = MODES_TOLERANCE if modes > 0 else RELAXING_TOLERANCE if tolerance > 0.0 else STEPS_TOLERANCE
+    for step in (usual, stop / 13.7, stop):
+        what, ds = f"steps of {format_si(step, 'time', 3)}", run(path, step_size=step)
+        findings += _compared(what, ds, component, step, allowed)
+        if step == usual and stored is not None:
+            findings += _compared_stored(ds, stored, component, allowed)
     if version == 3:
         step = stop / 20.0
         ds = run(path, mode="events", step_size=step)
@@ -119,6 +134,12 @@ def _compared_segments(on: Scene, counts: tuple[int, int]) -> Finding:
     return Finding("segments", max(short, 0), 0.0, f"the library uses {least}")
 
 
+def _compared_tolerance(on: Scene, tolerance: float) -> Finding:
+    """Whether the steps of viscoelastic bodies in an FMU are as short as the library's."""
+    ours = tolerance_for(choose(on).problem, on.solver.accuracy or DEFAULT_ACCURACY)
+    return Finding("steps", max(tolerance / ours - 1.0, 0.0), 0.0, f"the library uses a tolerance of {ours:g}")
+
+
 def _compared(what: str, ds: xr.Dataset, component: ImpactComponent, step: float, allowed: float) -> list[Finding]:
     """Findings from a run of the FMU and the library's component, from its beginning, at the same times."""
     component.reset()
@@ -130,28 +151,68 @@ def _compared(what: str, ds: xr.Dataset, component: ImpactComponent, step: float
         results.append(result.outputs)
         events += result.events
     events += component.step(1e-6 * max(touch, step)).events  # those after the last point by rounding
-    findings: list[Finding] = []
-    roots = component.modes > 0 or component.problem.compliance > 0.0
     motion = {name: np.array([getattr(outputs, name) for outputs in results]) for name in MOTION}
-    for name, ours in motion.items():
-        # the rounding error of a difference of velocities is relative to the larger one
-        larger = "impactor_velocity" if name == "relative_velocity" or (roots and name == "target_velocity") else name
-        size = max(float(np.abs(motion[n]).max()) for n in {name, larger})
-        off = np.abs(ours - ds[name].values) / (size if size > 0.0 else 1.0)
-        if name in _JUMP and component.problem.curve.pulls:
-            off[_near(times + touch, events, ("contact_begins", "contact_ends"))] = 0.0
-        if name in _RATES and component.problem.compliance > 0.0:
-            off[_near(times + touch, events, native.EVENTS)] = 0.0
-        limit = RATES_TOLERANCE if roots and name in _RATES else allowed
-        findings.append(Finding(f"{what}: {name}", float(off.max()), limit, f"t = {times[off.argmax()]:.6g} s"))
+    of_events = [(event.time, event.name) for event in events]
+    theirs = {name: ds[name].values for name in MOTION}
+    findings = _compared_motion(what, times + touch, theirs, motion, of_events, component, allowed)
     known = _reproducible(events, component) if allowed == EXCHANGE_TOLERANCE else len(events)
     return findings + _compared_events(what, ds, events, known, allowed)
 
 
-def _near(times: NDArray[np.float64], events: list[Event], kinds: Collection[str]) -> NDArray[np.bool_]:
+def _stored_results(fmu: Fmu) -> dict[str, NDArray[np.float64]] | None:
+    """The reference results inside an FMU; None without them. Raises DamagedFile."""
+    path = Path(fmu.folder, related.FOLDER, related.RESULTS)
+    if not path.is_file():
+        return None
+    try:
+        return related.reference_results(path.read_text("utf-8"))
+    except ValueError as error:
+        raise DamagedFile(f"{fmu.path}: {error}") from None
+
+
+def _compared_stored(
+    ds: xr.Dataset, stored: dict[str, NDArray[np.float64]], component: ImpactComponent, allowed: float
+) -> list[Finding]:
+    """Findings from a run in the steps of the default experiment and the reference results inside the FMU."""
+    times = ds["t"].values - float(ds["t"][0])
+    rows = np.abs(times[:, None] - stored["time"]).argmin(axis=0)
+    theirs = {name: ds[name].values[rows] for name in MOTION}
+    kinds = [native.EVENTS[kind] for kind in ds["event_kind"].values.tolist()]
+    events = list(zip((ds["event_time"].values - float(ds["t"][0])).tolist(), kinds, strict=True))
+    ours = {name: stored[name] for name in MOTION}
+    return _compared_motion("reference results", stored["time"], theirs, ours, events, component, allowed)
+
+
+def _compared_motion(
+    what: str,
+    times: NDArray[np.float64],
+    theirs: dict[str, NDArray[np.float64]],
+    motion: dict[str, NDArray[np.float64]],
+    events: list[tuple[float, str]],
+    component: ImpactComponent,
+    allowed: float,
+) -> list[Finding]:
+    """Findings from values of the FMU (`theirs`) and of the library (`motion`) at times from the start of the run."""
+    findings: list[Finding] = []
+    roots = component.modes > 0 or component.problem.compliance > 0.0
+    for name, ours in motion.items():
+        # the rounding error of a difference of velocities is relative to the larger one
+        larger = "impactor_velocity" if name == "relative_velocity" or (roots and name == "target_velocity") else name
+        size = max(float(np.abs(motion[n]).max()) for n in {name, larger})
+        off = np.abs(ours - theirs[name]) / (size if size > 0.0 else 1.0)
+        if name in _JUMP and component.problem.curve.pulls:
+            off[_near(times, events, ("contact_begins", "contact_ends"))] = 0.0
+        if name in _RATES and component.problem.compliance > 0.0:
+            off[_near(times, events, native.EVENTS)] = 0.0
+        limit = RATES_TOLERANCE if roots and name in _RATES else allowed
+        findings.append(Finding(f"{what}: {name}", float(off.max()), limit, f"t = {times[off.argmax()]:.6g} s"))
+    return findings
+
+
+def _near(times: NDArray[np.float64], events: list[tuple[float, str]], kinds: Collection[str]) -> NDArray[np.bool_]:
     """Times, but for rounding, of such events. The force of a law that pulls jumps where a contact begins or ends; on a
     static stiffness the rate of indentation jumps where the stiffness of the contact changes."""
-    jumps = np.array([event.time for event in events if event.name in kinds])
+    jumps = np.array([time for time, name in events if name in kinds])
     return (np.abs(times[:, None] - jumps) <= JUMP * times[-1]).any(axis=1)
 
 

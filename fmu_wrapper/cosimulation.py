@@ -72,7 +72,9 @@ def run(
         if mode == "events" and fmu.version == 2:
             raise ValueError(f"{path}: mode 'events' needs FMI 3.0, this is FMI 2.0")
         if mode == "exchange" and not resource.has_exchange(fmu.data):
-            raise ValueError(f"{path}: its target vibrates or has a static stiffness: there is no mode 'exchange'")
+            relaxes = fmu.data.relaxation.tolerance > 0.0
+            why = "its material is viscoelastic" if relaxes else "its target vibrates or has a static stiffness"
+            raise ValueError(f"{path}: {why}: there is no mode 'exchange'")
         experiment = fmu.description.defaultExperiment
         stop = _positive("stop_time", float(experiment.stopTime) if stop_time is None else stop_time)
         step = _positive("step_size", float(experiment.stepSize) if step_size is None else step_size)

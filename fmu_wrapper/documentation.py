@@ -9,6 +9,7 @@ from inspect import cleandoc
 import numpy as np
 
 from film_model.base.units import format_si, scene_unit
+from film_model.core.relaxing import MOST_STEPS
 from film_model.effects.choose import Choice
 from film_model.laws.law import AbstractLaw
 from film_model.plot import check_picture, plot_history
@@ -80,6 +81,15 @@ smaller radius or mass, or a much larger velocity, needs more of them. The struc
 support_velocity moves it as a whole and does not make it vibrate.</p>
 <p>This FMU is for Co-Simulation: in Model Exchange the vibrations would be {states} states of an integrator,
 whose steps could not be longer than the shortest period, {shortest}.</p>"""
+
+_RELAXING_STEPS = """\
+<p>The bodies are viscoelastic: the contact modulus falls with time under load to {rest:.3g} % of the instantaneous one,
+which is <code>effective_modulus</code>. That parameter multiplies the modulus at all times; the relaxation times belong
+to the export. The contact is solved by Ting's solution in steps of its own, to the accuracy of the scene; a saved state
+contains those of the latest contact, at most {most}. A step is refused with an error where the indentation grows again
+before contact ends, or where a contact begins before the material has forgotten the one before.</p>
+<p>This FMU is for Co-Simulation: in Model Exchange an importer's integrator has no memory of how the contact
+grew.</p>"""
 
 _CONTACT_STEPS = """\
 <p>Any force element whose force is exchanged only at communication points adds or removes energy. Error of the
@@ -157,6 +167,8 @@ def _chosen(kind: str, scene: Scene, problem: Problem) -> list[str]:
     if scene.contact.law != "auto":
         return []
     text = f'The scene has law = "auto": the FMU contains {problem.law.name}'
+    if problem.relaxation is not None:
+        return [f"<p>{html.escape(text)}, the law of which the modulus can relax.</p>"]
     if problem.law.name == YIELDING:
         return [f"<p>{html.escape(text)}, which is elastic below yield, for slow impacts and fast ones.</p>"]
     why = "the scene has plasticity = false" if scene.effects.plasticity is False else "no strength is known for it"
@@ -215,11 +227,14 @@ def _steps(kind: str, data: Data, history: History | None, experiment: Experimen
         whole = ""
         if history is not None:
             lasts = format_si(history.duration, "time", 4)
-            whole = f"The contact lasts {lasts} and has {history.accuracy.lines} linear force segments."
+            parts = "steps" if data.relaxation.tolerance > 0.0 else "linear force segments"
+            whole = f"The contact lasts {lasts} and has {history.accuracy.lines} {parts}."
             whole = whole if history.vibration is None else f"The first contact and those that follow it last {lasts}."
         steps = [_IMPACT_STEPS.format(whole=whole)]
         if data.modes.count > 0:
             return [*steps, _modes(data)]
+        if data.relaxation.tolerance > 0.0:
+            return [*steps, _RELAXING_STEPS.format(rest=100.0 * data.relaxation.law.rest, most=MOST_STEPS)]
         loading, unloading = (int(data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
         moves = _EXCHANGE.format(tolerance=experiment.tolerance) if has_exchange(data) else _STATIC
         return [*steps, moves, _MESH.format(loading=loading, unloading=unloading)]

@@ -17,12 +17,13 @@ from film_model.base import units
 from film_model.base.errors import Outcome, SimulationError
 from film_model.base.files import written_whole
 from film_model.effects.choose import Choice, choose
-from film_model.problem.problem import Problem, refuse_relaxation
+from film_model.problem.problem import Problem
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import mesh_for
-from film_model.solve.component import DEFAULT_SEGMENTS
+from film_model.solve.component import DEFAULT_SEGMENTS, ImpactComponent
 from film_model.solve.history import History
 from film_model.solve.motions import modes_for
+from film_model.solve.relaxed import tolerance_for
 from film_model.solve.simulate import simulate_chosen
 from film_model.solve.vibration import Vibration
 from fmu_wrapper import platforms, resource
@@ -30,6 +31,7 @@ from fmu_wrapper.archive import zipped
 from fmu_wrapper.assumptions import segments_for_speeds, served, validity_of
 from fmu_wrapper.documentation import documentation
 from fmu_wrapper.model_description import Experiment, FmiVersion, Names, model_description, printable
+from fmu_wrapper.related import related_files
 from fmu_wrapper.terminals import terminals_and_icons
 from fmu_wrapper.variables import KINDS, VARIABLES, Kind, reference
 
@@ -51,18 +53,18 @@ def export(
     """Write a scene as an FMU, which runs without Python. Returns the path of the file.
 
     kind: "impact" contains the impactor with its mass; "contact" is the force element alone. They are for
-    Co-Simulation and, except on targets that vibrate or have a static stiffness, Model Exchange. initial_gap: "5 mm".
-    platform: names from `fmu_wrapper.platforms.PLATFORMS`, or "all", which need ziglang; the default is this machine,
-    which needs no compiler. with_sources: includes the C sources, for importers that compile; their names begin with
-    the model identifier, so that several FMUs can be linked into one program. name: of the model, from which the
-    identifier is made too; the default is the scene's title, so that two exports do not collide.
+    Co-Simulation and, except on targets that vibrate or have a static stiffness and for viscoelastic bodies, Model
+    Exchange. initial_gap: "5 mm". platform: names from `fmu_wrapper.platforms.PLATFORMS`, or "all", which need ziglang;
+    the default is this machine, which needs no compiler. with_sources: includes the C sources, for importers that
+    compile; their names begin with the model identifier, so that several FMUs can be linked into one program. name: of
+    the model, from which the identifier is made too; the default is the scene's title.
 
     The FMU serves every value of its parameters (:func:`fmu_wrapper.served`), and reports by its output `validity`
     where an assumption of the export does not hold. A parameter is left out if the law's stages depend on it, or if a
     user's law has a damping that is not a power of it.
 
-    Raises ValueError for an invalid argument; FileExistsError; SimulationError as `simulate` does, and for an impact on
-    a free body; ImportError if matplotlib (for the pictures) or ziglang (for other platforms) is missing.
+    Raises ValueError for an invalid argument; FileExistsError; SimulationError as `simulate` does, for an impact on a
+    free body and for a contact of viscoelastic bodies; ImportError if matplotlib or ziglang is missing.
     """
     target = Path(path)
     if fmi_version not in (2, 3):
@@ -121,12 +123,15 @@ def _contents(
     """All files except the binaries."""
     scene = replace(scene, title=printable(scene.title))
     on = served(scene, kind)
-    choice, segments, history = _simulated(on)
+    choice, segments, history = _simulated(on, kind)
     problem = choice.problem
     vibration = _vibration(problem, history)
     if vibration is None:
         segments = segments_for_speeds(scene, problem, segments)
-    data = resource.model_data(problem, kind, gap, segments, _nominals(problem, history), validity_of(on), vibration)
+    nominals, tolerance = _nominals(problem, history), 0.0
+    if problem.relaxation is not None:
+        tolerance = tolerance_for(problem, on.solver.accuracy or DEFAULT_ACCURACY)
+    data = resource.model_data(problem, kind, gap, segments, nominals, validity_of(on), vibration, tolerance)
     experiment = _experiment(problem, history, gap)
     title = scene.title or f"Impact on a {scene.target.kind}"
     description = title if kind == "impact" else f"Contact force. {title}"
@@ -150,6 +155,7 @@ def _contents(
         },
         "documentation/licenses/license.txt": platforms.license_text(),
         **terminals_and_icons(data, version, history),
+        **related_files(_component(on, data, gap) if kind == "impact" else None, experiment),
     }
     if with_sources:
         files |= {f"sources/{one}": text for one, text in code.items()}
@@ -158,13 +164,26 @@ def _contents(
     return files
 
 
-def _simulated(scene: Scene) -> tuple[Choice, tuple[int, int], History | None]:
+def _component(scene: Scene, data: resource.Data, gap: float) -> ImpactComponent:
+    """The library's component with the segments and modes of the FMU."""
+    if data.modes.count > 0 or data.relaxation.tolerance > 0.0:
+        return ImpactComponent(scene, initial_gap=gap)
+    loading, unloading = (int(data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
+    return ImpactComponent(scene, initial_gap=gap, segments=(loading, unloading))
+
+
+def _simulated(scene: Scene, kind: Kind) -> tuple[Choice, tuple[int, int], History | None]:
     """The choice of effects, segments for loading and unloading, and the history, or None if nothing moves."""
     choice = choose(scene)
     problem = choice.problem
-    refuse_relaxation(problem, "an FMU")
+    if problem.relaxation is not None and kind == "contact":
+        raise SimulationError(
+            "kind contact is not supported for a viscoelastic material: its force depends on all of the motion before, "
+            "of which a contact knows the communication points only; export kind impact, or take the instantaneous "
+            "modulus by viscoelasticity = false in [effects]"
+        )
     history = simulate_chosen(choice, scene.solver) if problem.approach > 0.0 or problem.load > 0.0 else None
-    if problem.vibrates:
+    if problem.vibrates or problem.relaxation is not None:
         segments = (0, 0)
     elif history is None or problem.approach == 0.0:
         segments, _ = mesh_for(scene, problem, None, None, None, fallback=DEFAULT_SEGMENTS)

@@ -32,21 +32,27 @@ MODES = (
         for part in ("", "_table", "_loops", "_avx2", "_avx512", "_root", "_force", "_contact", "_flight")
     ),
 )
+RELAXING = tuple(f"{CORE}/film_relax{part}.c" for part in ("", "_step"))
 SOURCES = (
     *MARCH,
     *MODES,
+    *RELAXING,
     *(
         f"{RUNTIME}/model{part}.c"
-        for part in ("", "_events", "_contact", "_curve", "_outputs", "_validity", "_exchange", "_modes", "_stresses")
+        for part in (
+            *("", "_events", "_contact", "_curve", "_outputs", "_validity", "_exchange", "_modes", "_beside"),
+            "_stresses",
+        )
     ),
     *(f"{RUNTIME}/{name}.c" for name in ("resource", "instance", "fmi2", "fmi3")),
 )
 HEADERS = (
-    *(f"{CORE}/film_{name}.h" for name in ("core", "law", "line", "march", "wide", "modal", "modal_parts")),
+    *(f"{CORE}/film_{name}.h" for name in ("core", "law", "line", "march", "wide")),
+    *(f"{CORE}/film_{name}.h" for name in ("modal", "modal_parts", "relax", "relax_parts")),
     *(f"{RUNTIME}/{name}.h" for name in ("model", "model_parts", "instance", "variables", "failures")),
 )
 INCLUDES = (CORE, RUNTIME)
-_OWN = b"film|model|instance|contact|modes"  # how the names of all functions begin that are not static
+_OWN = b"film|model|instance|contact|modes|relaxing"  # how the names of all functions begin that are not static
 DEFINITIONS = {"FILM_API": ""}  # not exported: one process may load FMUs of several versions
 
 # No fused multiply-adds, so that every compiler gives the same bits; the last two flags allow loops to vectorise.

@@ -23,27 +23,25 @@ from film_model.problem.problem import Problem
 from film_model.scene import STANDARD_GRAVITY
 from film_model.solve.vibration import Vibration
 from fmu_wrapper.assumptions import Validity
-from fmu_wrapper.variables import KINDS, RIGID, STATES, VARIABLES, Kind, Variable, reference, settable
+from fmu_wrapper.layout import (
+    DAMPING,
+    MAGIC,
+    OF_DAMPING,
+    REASON,
+    SCALING,
+    SHAPED,
+    Data,
+    Modes,
+    Relaxing,
+    Stresses,
+)
+from fmu_wrapper.variables import KINDS, RIGID, VARIABLES, Kind, Variable, reference, settable
 
 NAME, NOTES, SCENE = "model.film", "notes.json", "scene.toml"
 NAMES = (NAME, NOTES, SCENE)
-MAGIC = b"FILMFMU2"
-SCALING = (
-    *("radius", "effective_modulus", "yield_strength", "yield_pressure", "hardness", "stiffness", "power_stiffness"),
-)
-"""Parameters whose powers make up the length and force scales of the march."""
-OF_DAMPING = ("damping", "dissipation_time", "hysteresis_damping")
-"""Parameters of damped laws whose powers make up only the damping factor."""
-DAMPING = (*SCALING, "mass", "initial_velocity", *OF_DAMPING)
-"""Parameters whose powers make up the damping factor of a damped law."""
 EXTRAPOLATION = 1.5
 """Default of input_extrapolation: right in a master that steps all FMUs side by side and then exchanges outputs."""
 
-LIMITS = 2
-_REASON = 80  # bytes of the names of effects that end a range of validity
-
-SHAPED = SCALING[:3]
-"""Parameters whose powers make up the shape of a law with a family of curves: radius, modulus and strength."""
 AROUND = 4.0
 """Such an FMU serves shapes from a fourth to four times that of the export."""
 WORST_FIT = 1e-9
@@ -52,79 +50,16 @@ SMALLER = 0.5
 
 MOST_MODES = 20_000
 """Largest number of natural vibrations of an FMU, limited by memory: 6 kB of address space each in every instance."""
-OF_HALF_SPACES = ("target_impedance", "target_stiffness", "loading_segments", "unloading_segments")
+OF_LINES = ("target_stiffness", "loading_segments", "unloading_segments")
+"""Parameters that an FMU of viscoelastic bodies does not have."""
+OF_HALF_SPACES = ("target_impedance", *OF_LINES)
 """Parameters that an FMU on a vibrating target does not have."""
 UNUSED = {"target_impedance": RIGID}
 """Start values that are not the smallest, of parameters that an FMU does not have."""
 
 _SETTABLE = settable()
-_D, _I = c.c_double, c.c_int32
 _PROBES = (2.0, 5.0)
 """Factors on a parameter: if both give the same exponent, the scale is a power of it."""
-
-
-class Family(c.Structure):
-    """model_family of runtime/model.h."""
-
-    _fields_ = (
-        ("shape", _D),
-        ("power", _D * len(SHAPED)),
-        ("low", _D),
-        ("high", _D),
-        ("nodes", _I),
-        ("varying", _I),
-    )
-
-
-class Modes(c.Structure):
-    """model_modes of runtime/model.h."""
-
-    _fields_ = (("longest", _D), ("rest", _D), ("tolerance", _D), ("count", _I), ("levels", _I))
-
-
-class Stresses(c.Structure):
-    """model_stresses of runtime/model.h."""
-
-    _fields_ = tuple(
-        (name, _D)
-        for name in (
-            *("radius", "hertz", "strain", "yield_factor", "growth", "growth_rate", "most_growth", "widest"),
-            *("elastic_limit", "hertzian", "shallow", "shear", "depth"),
-        )
-    )
-
-
-class Data(c.Structure):
-    """model_data of runtime/model.h. tail: what follows it in the file."""
-
-    _fields_ = (
-        ("magic", c.c_char * 8),
-        ("size", c.c_uint64),
-        ("checksum", c.c_uint64),
-        ("token", c.c_char * 64),
-        ("kind", _I),
-        ("linearisation", _I),
-        ("available", _I * _SETTABLE),
-        ("padding", _I),
-        ("start", _D * _SETTABLE),
-        ("length_scale", _D),
-        ("length_power", _D * len(SCALING)),
-        ("force_scale", _D),
-        ("force_power", _D * len(SCALING)),
-        ("damping", _D),
-        ("damping_power", _D * len(DAMPING)),
-        ("speed", _D),
-        ("nominal", _D * len(STATES)),
-        ("valid", (_D * 2) * _SETTABLE),
-        ("reason", (c.c_char * _REASON) * 2 * _SETTABLE),
-        ("limit", _D * LIMITS),
-        ("limit_power", (_D * len(SCALING)) * LIMITS),
-        ("stresses", Stresses),
-        ("curve", native.Curve),
-        ("family", Family),
-        ("modes", Modes),
-    )
-    tail = b""
 
 
 def model_data(
@@ -135,9 +70,10 @@ def model_data(
     nominal: tuple[float, float, float],
     validity: Validity,
     vibration: Vibration | None = None,
+    tolerance: float = 0.0,
 ) -> Data:
     """The data of an export, without its token. gap: at the start, m. nominal: of the states, SI. vibration: on a
-    vibrating target, with the modes to follow.
+    vibrating target, with the modes to follow. tolerance: of the steps of viscoelastic bodies.
 
     Raises SimulationError for more than `MOST_MODES` modes,
     ValueError for a start value outside the range of its variable.
@@ -152,9 +88,7 @@ def model_data(
     start |= dict(zip(("loading_segments", "unloading_segments"), segments, strict=True))
     powers = {name: powers_of(law, name, problem) for name in SCALING}
     damping = {name: damping_power(law, name, problem) for name in DAMPING}
-    missing = (
-        OF_HALF_SPACES if vibration else ("target_impedance",) if problem.compliance > 0.0 else ("target_stiffness",)
-    )
+    missing = _missing(problem, vibration)
     for k, variable in enumerate(VARIABLES[:_SETTABLE]):
         name = variable.name
         exists = kind in variable.causality and name not in missing
@@ -182,7 +116,18 @@ def model_data(
     _put_family(data, problem)
     if vibration is not None:
         _put_modes(data, problem, vibration)
+    if problem.relaxation is not None:
+        data.relaxation = Relaxing(problem.relaxation.law(1.0), tolerance)
     return data
+
+
+def _missing(problem: Problem, vibration: Vibration | None) -> tuple[str, ...]:
+    """Parameters of impacts that this one does not have."""
+    if vibration is not None:
+        return OF_HALF_SPACES
+    if problem.relaxation is not None:
+        return OF_LINES
+    return ("target_impedance",) if problem.compliance > 0.0 else ("target_stiffness",)
 
 
 def _of_scene(problem: Problem) -> dict[str, float]:
@@ -218,7 +163,7 @@ def _put_validity(data: Data, validity: Validity) -> None:
         k = reference(name)
         data.valid[k][:] = (found.low, found.high)
         for side, reason in enumerate((found.below, found.above)):
-            data.reason[k][side].value = reason.encode()[: _REASON - 1]
+            data.reason[k][side].value = reason.encode()[: REASON - 1]
     data.limit[:] = (validity.elastic, validity.narrow)
     for k, powers in enumerate(({"radius": 1.0, "effective_modulus": -2.0}, {"radius": 1.0})):
         for name, power in powers.items():
@@ -387,8 +332,9 @@ def has(data: Data, name: str) -> bool:
 
 
 def has_exchange(data: Data) -> bool:
-    """Whether the FMU is for Model Exchange too: not on a target that vibrates or has a static stiffness."""
-    return data.modes.count == 0 and not data.available[reference("target_stiffness")]
+    """Whether the FMU is for Model Exchange too: not on a target that vibrates or has a static stiffness, and not of
+    viscoelastic bodies."""
+    return not (data.modes.count or data.available[reference("target_stiffness")] or data.relaxation.tolerance)
 
 
 def _fnv1a(content: bytes) -> int:

@@ -1,4 +1,6 @@
-"""A system for SSP 1.0 importers: the contact FMU, a free mass for each body that moves, and parameter sets."""
+"""A system for SSP 1.0 importers: the contact FMU, a free mass for each body that moves, and parameter sets.
+
+A target that vibrates or has a static stiffness stays with its impactor, in one impact FMU."""
 
 from __future__ import annotations
 
@@ -15,7 +17,6 @@ from film_model.base.errors import SceneError, SimulationError
 from film_model.base.files import written_whole
 from film_model.base.materials import catalogue
 from film_model.effects.choose import Choice, choose
-from film_model.problem.problem import refuse_vibrations
 from film_model.scene import STANDARD_GRAVITY, Scene
 from film_model.solve.simulate import simulate_chosen
 from fmu_wrapper import resource
@@ -24,13 +25,17 @@ from fmu_wrapper.assumptions import served
 from fmu_wrapper.exporting import export
 from fmu_wrapper.resource import Data, has
 from fmu_wrapper.ssp_files import Connection, Element, parameter_set, system_structure
-from fmu_wrapper.variables import reference
+from fmu_wrapper.variables import VARIABLES, Real, reference
 
 SOFTER = 1e-12
 """The masses are impact FMUs whose own contact is softer than the scene's by this factor: its force is negligible."""
 
 STEPS = 200
 """Communication steps in a contact that the package proposes."""
+
+
+_System = tuple[list[Element], list[Connection], dict[str, bytes], dict[str, str]]
+"""Components, their connections, parameter sets of materials by file name, and materials left out with reasons."""
 
 
 @dataclass(frozen=True)
@@ -55,9 +60,11 @@ def export_ssp(
     The components are the scene's contact (`contact`), its impactor as a free mass (`impactor`), and a second mass if
     the target is a free body (`target`). A plate, beam or rod moves by its impedance Z: the impactor's
     support_velocity is contact_force / Z. A half-space does not move. The folder `materials` contains a parameter set
-    of the contact for each material of the catalogue that the target may be made of. platform: as in `export`.
+    of the contact for each material of the catalogue that the target may be made of. A target that vibrates or has a
+    static stiffness cannot be parted from its contact: the only component is then the `impact`, without such sets.
+    platform: as in `export`.
 
-    Raises as `export` does; SimulationError for a target that vibrates or has a static stiffness.
+    Raises as `export` does.
     """
     target = Path(path)
     if target.suffix != ".ssp":
@@ -65,23 +72,38 @@ def export_ssp(
     if target.exists() and not overwrite:
         raise FileExistsError(f"{target}: exists; use overwrite=True to replace it")
     choice = choose(served(scene) if not scene.target.free else served(scene, "contact"))
-    refuse_vibrations(choice.problem, "an SSP package")
-    if choice.problem.compliance > 0.0:
-        raise SimulationError("an SSP package is not supported for a target with a static stiffness; use simulate()")
     with tempfile.TemporaryDirectory() as folder:
-        contact = _exported(scene, Path(folder, "contact.fmu"), "contact", platform)
-        mass = _exported(_free_mass(scene, contact), Path(folder, "mass.fmu"), "impact", platform)
-        fmus = {f"resources/{name}": Path(folder, name).read_bytes() for name in ("contact.fmu", "mass.fmu")}
-    elements = _elements(scene, choice, contact, mass)
-    title, stop, step = scene.title or "Impact", *_times(choice)
-    sets, left_out = _materials(scene, contact)
-    text = system_structure(title, elements, _connections(scene, choice), stop, step)
+        if choice.problem.vibrates or choice.problem.compliance > 0.0:
+            elements, connections, sets, left_out = _whole(scene, Path(folder), platform)
+        else:
+            elements, connections, sets, left_out = _parted(scene, choice, Path(folder), platform)
+        fmus = {f"resources/{one.name}": one.read_bytes() for one in sorted(Path(folder).iterdir())}
+    text = system_structure(scene.title or "Impact", elements, connections, *_times(choice))
     own = {f"resources/{element.name}.ssv": parameter_set(element.name, element.values) for element in elements}
     with written_whole(target) as beside:
         beside.write_bytes(zipped({"SystemStructure.ssd": text, **own, **sets, **fmus}))
     return Package(
         target, tuple(element.name for element in elements), tuple(Path(path).stem for path in sets), left_out
     )
+
+
+def _parted(scene: Scene, choice: Choice, folder: Path, platform: Any) -> _System:
+    """The contact and its bodies as components."""
+    contact = _exported(scene, folder / "contact.fmu", "contact", platform)
+    mass = _exported(_free_mass(scene, contact), folder / "mass.fmu", "impact", platform)
+    return (_elements(scene, choice, contact, mass), _connections(scene, choice), *_materials(scene, contact))
+
+
+def _whole(scene: Scene, folder: Path, platform: Any) -> _System:
+    """The impact as the only component."""
+    impact = _exported(scene, folder / "impact.fmu", "impact", platform)
+    reason = "the motion of the target depends on its material, and the FMU contains it: export each"
+    values = {
+        v.name: impact.start[k]
+        for k, v in enumerate(VARIABLES)
+        if v.causality.get("impact") == "parameter" and v.type is Real and has(impact, v.name)
+    }
+    return [Element("impact", "resources/impact.fmu", impact, values)], [], {}, dict.fromkeys(catalogue(), reason)
 
 
 def _exported(scene: Scene, path: Path, kind: Any, platform: Any) -> Data:

@@ -63,7 +63,7 @@ def system_structure(
     parts = ET.SubElement(system, "ssd:Elements")
     for element in elements:
         _component(parts, element)
-    wires = ET.SubElement(system, "ssd:Connections")
+    wires = ET.SubElement(system, "ssd:Connections") if connections else system  # the schema allows no empty list
     for one in connections:
         ends = {"startElement": one.from_element, "startConnector": one.from_variable}
         ends |= {"endElement": one.to_element, "endConnector": one.to_variable}

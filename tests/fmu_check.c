@@ -142,11 +142,11 @@ int main(int count, char **path) {
         int impact = r[k].data.kind == IMPACT;
         for (int version = 2; version <= 3; version++) {
             for (int interface = COSIMULATION; interface < INTERFACES; interface++) {
-                int modes = on_modes(&r[k]);
+                int own = beside(&r[k]);
                 if ((version == 2 || !impact) && (interface == WITH_EVENTS || interface == EARLY_RETURN)) continue;
-                if (modes && interface == EXCHANGE) continue;
-                if (modes)
-                    for (int i = 0; i < 10; i++) CHECK(modes_at_any_step, &r[k], version, interface);
+                if (own && interface == EXCHANGE) continue;
+                if (own)
+                    for (int i = 0; i < 10; i++) CHECK(the_same_at_any_step, &r[k], version, interface);
                 else if (impact && interface != EXCHANGE)
                     for (int i = 0; i < 3; i++) CHECK(at_any_step, &r[k], version, interface);
                 if (!impact)
@@ -158,7 +158,7 @@ int main(int count, char **path) {
             place_is("parameters", &r[k], version, COSIMULATION);
             parameters(&r[k], version);
             place_is("Model Exchange", &r[k], version, EXCHANGE);
-            int marched = impact && !on_modes(&r[k]);
+            int marched = impact && !beside(&r[k]);
             if (marched) exchange(&r[k], version);
             if (marched) derivatives(&r[k], version);
             place_is("scaling", &r[k], version, COSIMULATION);

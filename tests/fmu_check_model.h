@@ -54,7 +54,7 @@ static void parameters(const resources *r, int version) {
         if ((k == LOADING_SEGMENTS || k == UNLOADING_SEGMENTS) && straight(r)) continue;
         for (int late = 0; late < 2; late++) {
             unit made = started(version, COSIMULATION, r, NULL, 0.0), *u = &made;
-            double value = r->data.start[k], other = value * (VARIABLE[k].type == WHOLE ? 2.0 : 0.9) + (k == GRAVITY ? 1e3 : 0.0);
+            double value = r->data.start[k], other = value * (VARIABLE[k].type == WHOLE ? 2.0 : 0.9) + (k == GRAVITY ? (relaxing(r) ? 1.0 : 1e3) : 0.0);
             if (k == INITIAL_GAP) other += 1e-6;
             if (k == TARGET_IMPEDANCE && value >= RIGID) other = 3e3;
             for (int change = 0; change < 2; change++) {
@@ -94,7 +94,7 @@ static void cycles(const resources *r) {
     for (int k = 0; k < CYCLES; k++) {
         int version = 2 + k % 2, interface = version == 3 ? k / 2 % INTERFACES : k / 2 % 2 ? EXCHANGE : COSIMULATION;
         if (r->data.kind == CONTACT && interface != EXCHANGE) interface = COSIMULATION;
-        if (on_modes(r) && interface == EXCHANGE) interface = COSIMULATION;
+        if (beside(r) && interface == EXCHANGE) interface = COSIMULATION;
         unit made = started(version, interface, r, NULL, 0.0), *u = &made;
         double values[VARIABLES];
         void *saved = NULL;
@@ -126,7 +126,7 @@ static void cycles(const resources *r) {
         if (all) break;
         HOLD(strstr(last_message, "no memory") != NULL);
     }
-    if (r->data.kind == CONTACT || on_modes(r)) return;
+    if (r->data.kind == CONTACT || beside(r)) return;
     settings s = random_settings(r);
     s.value[LOADING_SEGMENTS] = s.value[UNLOADING_SEGMENTS] = 100.0;
     unit fine = started(3, COSIMULATION, r, &s, 0.0), coarse = started(3, COSIMULATION, r, NULL, 0.0);

@@ -10,7 +10,7 @@
 static void random_step(unit *u, double typical, double values[VARIABLES]) {
     const model_data *data = &u->from->data;
     double size = typical * over_decades(1e-3, 1.0);
-    if (data->kind == IMPACT && whole(0, 3) == 0) {
+    if (data->kind == IMPACT && !relaxing(u->from) && whole(0, 3) == 0) { /* viscoelastic bodies refuse contacts that close again */
         double weight = data->force_scale * 1e-2;
         HOLD(set(u, EXTERNAL_FORCE, whole(0, 1) ? 0.0 : uniform(-0.3 * weight, weight)) == GOOD);
         if (whole(0, 1)) HOLD(set(u, SUPPORT_VELOCITY, uniform(-0.05, 0.05) * data->start[INITIAL_VELOCITY]) == GOOD);
@@ -46,8 +46,8 @@ static void random_step(unit *u, double typical, double values[VARIABLES]) {
 static double typical_time(const resources *r) {
     if (r->data.kind == CONTACT) return 1e-4;
     unit u = started(3, COSIMULATION, r, NULL, 0.0);
-    if (on_modes(r)) {
-        double several = 4.0 * inside(&u)->memory.time_scale;
+    if (beside(r)) {
+        double several = (relaxing(r) ? 0.5 : 4.0) * inside(&u)->memory.time_scale;
         dispose(&u);
         return several;
     }
@@ -62,7 +62,7 @@ static void rollback(const resources *r, int version, int interface) {
     settings s = random_settings(r);
     double typical = typical_time(r), first[REDONE][VARIABLES], again[REDONE][VARIABLES], flight;
     unit made = started(version, interface, r, &s, 0.0), *u = &made;
-    flight = r->data.kind == IMPACT && interface != EXCHANGE && !on_modes(r) ? core_march(u).touch : 0.0;
+    flight = r->data.kind == IMPACT && interface != EXCHANGE && !beside(r) ? core_march(u).touch : 0.0;
     void *saved = NULL;
     for (int k = 0; k < ROLLBACKS; k++) {
         if (k % 25 == 0) { /* a new start, because the motion ends some time */

@@ -232,8 +232,8 @@ static void at_any_step(const resources *r, int version, int interface) {
     }
 }
 
-/* On a vibrating target: the same after steps of any size as after one, to rounding, with as many events; the energies add up. */
-static void modes_at_any_step(const resources *r, int version, int interface) {
+/* On a vibrating target, and of viscoelastic bodies: the same after steps of any size as after one, to rounding, with as many events; the energies add up. */
+static void the_same_at_any_step(const resources *r, int version, int interface) {
     settings s = random_settings(r);
     unit whole_ = started(version, interface, r, &s, 0.0), made = started(version, interface, r, &s, 0.0), *u = &made;
     double end = 12.0 * inside(u)->memory.time_scale, pull = s.value[GRAVITY] * s.value[MASS], largest = r->data.force_scale;

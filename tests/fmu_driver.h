@@ -124,7 +124,10 @@ static void close_resources(resources *r, int count) {
     free(r);
 }
 
-static inline int on_modes(const resources *r) { return r->data.modes.count > 0; }
+static inline int relaxing(const resources *r) { return r->data.relaxation.tolerance > 0.0; }
+
+/* On a vibrating target, or of viscoelastic bodies: with a state of its own, for Co-Simulation only. */
+static inline int beside(const resources *r) { return r->data.modes.count > 0 || relaxing(r); }
 
 /* ---------------------------------------------------------------- one interface to both versions */
 
@@ -190,7 +193,7 @@ static inline double get(unit *u, unsigned reference) {
 }
 
 static inline int has(const resources *r, unsigned reference) {
-    if (on_modes(r) && reference >= RATE_OF_INDENTATION) return 0;
+    if (beside(r) && reference >= RATE_OF_INDENTATION) return 0;
     return VARIABLE[reference].role[r->data.kind] != ABSENT && (reference >= SETTABLE || r->data.available[reference]);
 }
 

@@ -111,7 +111,7 @@ static void damaged_file(const char *scratch, const resources *r, int kind) {
         for (int flips = whole(1, 3); flips > 0; flips--) {
             size_t at = (size_t)whole((int)head + 64, (int)used - 1);
             if (kind == 1) at = (size_t)whole(0, (int)size - 1);
-            else if (likely(40) && on_modes(r)) at = (size_t)whole((int)offsetof(model_data, family), (int)size - 1);
+            else if (likely(40) && beside(r)) at = (size_t)whole((int)offsetof(model_data, family), (int)size - 1);
             else if (likely(20) && size > tail) at = (size_t)whole((int)tail, (int)size - 1);
             ((unsigned char *)data)[at] ^= (unsigned char)(1 << whole(0, 7));
         }
@@ -123,7 +123,7 @@ static void damaged_file(const char *scratch, const resources *r, int kind) {
     free(data);
     snprintf(other.path, sizeof other.path, "%s", scratch);
     snprintf(other.uri, sizeof other.uri, "file://%s", scratch);
-    unit made = make(whole(2, 3), whole(0, 1) || on_modes(r) ? COSIMULATION : EXCHANGE, &other);
+    unit made = make(whole(2, 3), whole(0, 1) || beside(r) ? COSIMULATION : EXCHANGE, &other);
     snprintf(where, sizeof where, "a damaged file, kind %d, of %.200s", kind, r->path);
     if (!made.c) {
         HOLD(strstr(last_message, "model.film") && strncmp(last_message, "fmi", 3) == 0);

@@ -12,7 +12,7 @@ import zipfile
 from dataclasses import replace
 from pathlib import Path
 
-from cases import STEEL, scene
+from cases import STEEL, TARGETS, scene
 
 import film_model as fm
 from fmu_wrapper import export
@@ -24,6 +24,17 @@ def on_structure(law: str, **options: float | str) -> fm.Scene:
     mass = ["0.3 kg", "0.2 kg", "0.4 kg"]
     target = fm.Structure(frequency=frequency, modal_mass=mass, material=STEEL, **options)
     return replace(scene(law), target=target)
+
+
+def viscoelastic(target: str = "half-space") -> fm.Scene:
+    """A ball of a viscoelastic material."""
+    series = [[0.4, "0.2 ms"], [0.2, "3 ms"]]
+    rubber = fm.Material(youngs_modulus="50 MPa", poissons_ratio=0.49, density="1100 kg/m^3", prony=series)
+    return fm.Scene(
+        fm.Sphere("10 mm", "0.25 m/s", material=rubber),
+        TARGETS[target],
+        effects=fm.Effects(target_motion=target != "half-space"),
+    )
 
 
 CASES = {
@@ -45,6 +56,8 @@ CASES = {
         replace(on_structure("big-alabo", damping_ratio=0.05), effects=fm.Effects(gravity=True)),
         "2 um",
     ),
+    "viscoelastic, on a rod": ("impact", viscoelastic("rod"), "2 um"),
+    "viscoelastic, dropped": ("impact", viscoelastic(), "0.05 mm"),
     "vibrations, hunt-crossley": ("impact", on_structure("hunt-crossley"), 0.0),
     "contact, spring and dashpot": ("contact", scene("linear-dashpot"), 0.0),
     "contact, kuwabara-kono": ("contact", scene("kuwabara-kono"), 0.0),

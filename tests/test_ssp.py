@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from cases import TARGETS, scene
+from cases import STEEL, TARGETS, scene
 
 import film_model as fm
 import fmu_wrapper
@@ -27,6 +27,15 @@ GIVEN = {
     "thornton": {"yield_pressure": "1.6 GPa"},
     "luding": {"loading_stiffness": "2e7 N/m", "plastic_stiffness": "4e7 N/m", "plasticity_depth": 0.05},
 }
+WHOLE = {
+    "plate": fm.Scene.from_toml(SCENES / "olsson_plate.toml").replace({"effects.gravity": False}),
+    "beam": fm.Scene(
+        scene("hertz").impactor,
+        fm.Beam(STEEL, "300 mm", "30 mm", "10 mm", static_stiffness="2e7 N/m"),
+        effects=fm.Effects(gravity=False, target_inertia=False),
+    ),
+}
+"""Targets that vibrate or follow by their static stiffness."""
 
 
 def by_name(law, target="half-space"):
@@ -165,8 +174,36 @@ def test_the_command_writes_a_package(tmp_path, monkeypatch, capsys):
     assert "no parameter set for ice: why" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("name", "error"), [("a.fmu", ValueError), ("a.ssp", fm.SimulationError)])
-def test_wrong_names_and_targets_that_vibrate_are_refused(tmp_path, name, error):
-    with pytest.raises(error, match="SSP package"):
-        fmu_wrapper.export_ssp(fm.Scene.from_toml(SCENES / "olsson_plate.toml"), tmp_path / name)
+@pytest.mark.slow
+@pytest.mark.parametrize("target", sorted(WHOLE))
+def test_a_target_that_vibrates_or_bends_stays_with_its_impactor(packed, target):
+    """One component, which the schemas allow, and which libcosim runs as `simulate` does."""
+    pytest.importorskip("libcosimpy")
+    standard = pytest.importorskip("pyssp_standard")
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimObserver import CosimObserver
+    from xmlschema import XMLSchema
+
+    on = WHOLE[target]
+    package = packed(on)
+    assert package.components == ("impact",)
+    assert not package.materials and len(package.left_out) == len(catalogue())
+    structure = Path(standard.__file__).parent / "resources" / "SystemStructureDescription.xsd"
+    XMLSchema(structure).validate(io.BytesIO(read(package)["SystemStructure.ssd"]))
+    execution = CosimExecution.from_ssp_file(str(package.path))
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    summary = fm.simulate(fmu_wrapper.served(on)).summary
+    given, deepest, rebound = [reference("maximum_indentation"), reference("rebound_velocity")], 0.0, 0.0
+    for _ in range(250):
+        execution.step(1)
+        of_contact, rebound = observer.last_real_values(0, given)  # a plate is touched twice
+        deepest = max(deepest, of_contact)
+    assert deepest == pytest.approx(summary["maximum_indentation"], rel=1e-4)
+    assert rebound == pytest.approx(summary["rebound_velocity"], abs=1e-4 * on.approach_velocity)
+
+
+def test_a_wrong_name_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="SSP package"):
+        fmu_wrapper.export_ssp(scene("hertz"), tmp_path / "a.fmu")
     assert not list(tmp_path.iterdir())

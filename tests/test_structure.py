@@ -14,7 +14,7 @@ LADDER = (
 )
 """Every package, from the bottom; each imports only from itself and from those before it."""
 
-FACES = {"film_model": "methods"}
+FACES = {"film_model": "methods", "film_model.face": "methods"}
 """`import film_model`, the public face, counts as an import of the last package that it shows."""
 
 LONGEST_FILE, LONGEST_FUNCTION = 400, 60
@@ -53,10 +53,10 @@ def imported(module):
 
 def package(module):
     """The rung of a module: a package of film_model, or another package."""
+    if module in FACES:
+        return FACES[module]
     first, *rest = module.split(".")
-    if first != "film_model":
-        return first
-    return rest[0] if rest else FACES[module]
+    return rest[0] if first == "film_model" else first
 
 
 def test_every_package_is_on_the_ladder():

@@ -7,7 +7,7 @@ import pytest
 
 import film_datasets as fd
 import film_model as fm
-from film_datasets.sweeps import Sweep, runner
+from film_datasets.sweeps import Sweep, interruptions, runner
 from film_datasets.sweeps.block_columns import compute_block
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint
@@ -72,7 +72,7 @@ def test_a_finished_output_of_another_version_is_named(tmp_path, monkeypatch):
 
 def test_a_full_disk_is_called_that(tmp_path, monkeypatch):
     usage = shutil.disk_usage(tmp_path)
-    monkeypatch.setattr(runner.shutil, "disk_usage", lambda _: usage._replace(free=10))
-    assert runner._reason(PermissionError(13, "Permission denied"), tmp_path / "out.nc") == "the disk is full"
-    monkeypatch.setattr(runner.shutil, "disk_usage", lambda _: usage)
-    assert runner._reason(PermissionError(13, "Permission denied"), tmp_path / "out.nc") == "Permission denied"
+    monkeypatch.setattr(interruptions.shutil, "disk_usage", lambda _: usage._replace(free=10))
+    assert interruptions.reason_of(PermissionError(13, "Permission denied"), tmp_path / "out.nc") == "the disk is full"
+    monkeypatch.setattr(interruptions.shutil, "disk_usage", lambda _: usage)
+    assert interruptions.reason_of(PermissionError(13, "Permission denied"), tmp_path / "out.nc") == "Permission denied"

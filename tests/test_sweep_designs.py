@@ -269,7 +269,7 @@ def test_a_sweep_larger_than_the_memory_or_disk_is_refused(tmp_path: Path, monke
     with pytest.raises(MemoryError, match="1000000000 impacts take about 174 GB, at most 4 GB go into memory"):
         fd.sweep(BALL, many)
     usage = shutil.disk_usage(tmp_path)._replace(free=75 * 10**9)
-    monkeypatch.setattr("film_datasets.sweeps.runner.shutil.disk_usage", lambda _: usage)
+    monkeypatch.setattr("film_datasets.sweeps.disk_space.shutil.disk_usage", lambda _: usage)
     with pytest.raises(OSError, match=r"1000000000 impacts need about 2.. GB of disk.* GB in the end; 75 GB are free"):
         fd.sweep(BALL, many, output=tmp_path / "out.nc")
     assert list(tmp_path.iterdir()) == []

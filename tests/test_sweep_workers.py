@@ -68,7 +68,7 @@ def test_an_interrupted_sweep_is_resumed(monkeypatch: pytest.MonkeyPatch, tmp_pa
         computed.append(block.first)
         return compute_block(sweep, block)
 
-    monkeypatch.setattr("film_datasets.sweeps.runner.compute_block", counted)
+    monkeypatch.setattr("film_datasets.sweeps.computed_blocks.compute_block", counted)
     with run_sweep(made, path, command="test", resume=True) as ds:
         same(ds, run_sweep(made, command="test"))
     assert len(computed) == 6 + (6 - len(kept)) + 1

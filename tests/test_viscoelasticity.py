@@ -14,7 +14,6 @@ from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_MODELLED, NOT_NEEDED, SIMULATED
 from film_model.problem.relaxation import Relaxation, relaxation_of
 from film_model.solve.batch import simulate_many
-from fmu_wrapper import export
 
 OUT = 299
 """Steps of 5 µs after which a contact that began after 1 ms is on the way out."""
@@ -308,9 +307,7 @@ def test_a_sweep_of_a_modulus_gives_each_impact_its_own_relaxation():
     assert (found.status == native.EVENT).all()
 
 
-def test_exports_are_refused(tmp_path):
-    with pytest.raises(fm.SimulationError, match="an FMU is not supported for a viscoelastic material"):
-        export(scene(), tmp_path / "impact.fmu")
+def test_derivatives_are_refused():
     with pytest.raises(fm.SimulationError, match="a derivative is not supported for a viscoelastic material"):
         fm.simulate(scene(), derivatives=["impactor.velocity"])
 

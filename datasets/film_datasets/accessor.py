@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.dataset_plots import plot
@@ -25,8 +24,10 @@ from film_model.scene.paths import number_text
 from film_model.solve.history import MOTION, SUMMARY, History
 from film_model.solve.simulate import simulate
 
+if TYPE_CHECKING:
+    import xarray as xr
 
-@xr.register_dataset_accessor("film")
+
 class Film:
     """Histories, and each impact of a sweep, can be sampled, plotted and run again from their file.
 
@@ -89,6 +90,8 @@ class Film:
         times: ["10 us", "20 us"], a pint quantity, or plain seconds; not before first touch. Of a sweep, `where`
         selects the impact, and segments must have been kept.
         """
+        import xarray as xr
+
         t = np.atleast_1d(units.array_to_si(times, "time", bare=True))
         if t.ndim > 1:
             raise ValueError(f"times must be one list, not of shape {t.shape}")

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.schema import dimension_of, flag_meanings, holds_text, words_of
 from film_model.plot.style import prefixed_unit
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure
 
 MOST_POINTS = 20_000

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-import xarray as xr
+from typing import TYPE_CHECKING
 
 from film_datasets.cost_dataset import cost_dataset
 from film_datasets.history_dataset import history_dataset
 from film_model.solve.history import History
 from film_model.studies.cost import Study
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def to_dataset(result: History | Study, samples: int = 201, command: str = "film_datasets.to_dataset") -> xr.Dataset:

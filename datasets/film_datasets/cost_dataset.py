@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.provenance import PROGRAM, choice_of, provenance, text_and_hash
 from film_datasets.schema import COST, TABLE, content_sha256, flag_words
@@ -14,6 +13,9 @@ from film_model.effects.choose import problem_of
 from film_model.studies.cost import CostRun, Study
 from film_model.studies.reference import COMPARED
 from film_model.studies.timing import Timing
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 COMMENT = (
     "Each run is one method at one setting; errors are relative to the reference values, which do not use the march. "
@@ -23,6 +25,8 @@ COMMENT = (
 
 def cost_dataset(study: Study, command: str = "film-model cost") -> xr.Dataset:
     """A study of a scene as a dataset of kind impact_cost_study, SI."""
+    import xarray as xr
+
     runs = study.runs
     methods = list(dict.fromkeys(run.method for run in runs))
     columns: dict[str, Any] = {

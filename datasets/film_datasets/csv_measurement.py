@@ -9,15 +9,18 @@ import os
 import re
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.provenance import provenance
 from film_datasets.schema import MEASUREMENT, TABLE, Variable, content_sha256
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.units import DIMENSIONS, to_si
 from film_model.scene.toml import read_text
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 NAMES = {
     **{"time": "t", "force": "contact_force", "velocity": "impactor_velocity", "displacement": "impactor_displacement"},
@@ -190,6 +193,8 @@ def _values(
 def _dataset(
     path: Path, text: str, title: str, kind: str, values: dict[str, tuple[Variable, np.ndarray]], along: str
 ) -> xr.Dataset:
+    import xarray as xr
+
     data = {name: (v.dims, array, v.attributes()) for name, (v, array) in values.items()}
     order = [variable.name for variable in TABLE[f"{MEASUREMENT} {kind}"] if variable.name in data]
     ds = xr.Dataset({name: data[name] for name in order}).set_coords(along)

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.axis_style import finite, format_axis, label, set_title
 from film_datasets.cost_dataset import study_of
@@ -23,6 +22,7 @@ from film_model.plot.history import plot_history
 from film_model.plot.style import COLOURS, picture, prefixed_unit
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure
 
 SIZE = (7.2, 4.6)  # inches

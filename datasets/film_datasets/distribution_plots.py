@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.axis_style import MOST_POINTS, format_axis, set_title, thinned, values_and_label
 from film_datasets.schema import dimension_of, has_failed, require_impacts, swept_name
@@ -17,6 +16,7 @@ from film_model.plot.style import COLOURS
 from film_model.solve.history import SUMMARY
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure
 
 TORNADO = "tornado"
@@ -71,6 +71,8 @@ def _known(name: str, numbers: Sequence[str]) -> str:
 
 def _one(figure: Figure, array: xr.DataArray, kind: str, notes: list[str]) -> None:
     """A histogram or empirical distribution, with quantiles."""
+    import xarray as xr
+
     panel = figure.add_subplot()
     flat = xr.DataArray(array.values.ravel(), name=array.name, attrs=array.attrs)
     flat = flat[np.isfinite(flat.values)]
@@ -99,6 +101,8 @@ def _bins(values: Any) -> int:
 
 def _scatter(figure: Figure, ds: xr.Dataset, x: str, y: str, notes: list[str]) -> None:
     """A point for each impact."""
+    import xarray as xr
+
     panel = figure.add_subplot()
     pair: list[xr.DataArray] = []
     for name in (x, y):

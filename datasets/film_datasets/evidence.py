@@ -5,15 +5,17 @@ from __future__ import annotations
 import csv
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.provenance import provenance
 from film_datasets.schema import MEASUREMENT, TABLE, content_sha256, flag_meanings, flag_words
 from film_datasets.schema.tables import EVIDENCE_KINDS, EVIDENCE_QUANTITIES, EVIDENCE_SURENESS
 from film_model.studies.validation import Row
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 NUMBERS = (
     *("value", "uncertainty", "radius", "mass", "velocity", "effective_modulus"),
@@ -30,6 +32,8 @@ def evidence_from_csv(path: str | os.PathLike[str], references: str | os.PathLik
 
     Raises ValueError for a word that is not known.
     """
+    import xarray as xr
+
     with open(references, encoding="utf-8", newline="") as file:
         sources = {row["source"]: row["reference"] for row in csv.DictReader(file)}
     lines = [line for line in Path(path).read_text(encoding="utf-8").splitlines() if not line.startswith("#")]

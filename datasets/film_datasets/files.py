@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.quantities import in_numbers
 from film_datasets.schema import HISTORY, holds_text, kind_of, variables_of
 from film_datasets.tables import TABLES, check_parquet, write_table
 from film_model.base.files import written_whole
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SUFFIX, ZARR = ".nc", ".zarr"
 
@@ -46,6 +48,8 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     >>> fd.read(path).attrs["outcome"]
     'contact ended'
     """
+    import xarray as xr
+
     if not isinstance(ds, xr.Dataset):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"write takes a dataset, not a {type(ds).__name__}: to_dataset converts a history")
     target = Path(path)
@@ -81,6 +85,8 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     ...     print(ds.attrs["outcome"])
     contact ended
     """
+    import xarray as xr
+
     source = Path(path)
     if not source.exists():
         raise FileNotFoundError(f"{source}: there is no such file")
@@ -137,6 +143,12 @@ def check_place(target: Path, overwrite: bool) -> None:
         raise FileNotFoundError(f"{target}: there is no folder {folder}")
     if not overwrite and target.exists():
         raise FileExistsError(f"{target}: exists; use overwrite=True to replace it")
+
+
+def check_no_link(target: Path) -> None:
+    """Raise FileExistsError for a link, which renaming a finished file would replace."""
+    if target.is_symlink():
+        raise FileExistsError(f"{target}: is a link, which writing would replace; give the file it points to")
 
 
 def _encoding(ds: xr.Dataset) -> dict[str, Any]:

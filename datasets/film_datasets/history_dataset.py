@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.provenance import (
@@ -36,6 +35,9 @@ from film_model.plot.history import Trace
 from film_model.solve.history import MOTION, SUMMARY, Accuracy, Event, History, Samples, stage_names
 from film_model.solve.simulate import simulate_chosen
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 NEAREST_SAMPLE = 1e-9
 """Even samples closer to an event than this fraction of the contact are omitted: over so short a time the difference
 of two samples is rounding error."""
@@ -52,6 +54,8 @@ COMMENT = (
 
 def history_dataset(history: History, samples: int = 201, command: str = "film_datasets.history_dataset") -> xr.Dataset:
     """A history as a dataset of kind impact_history; see `film_datasets.to_dataset`."""
+    import xarray as xr
+
     if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ValueError(f"samples: {samples!r} must be a whole number, 2 or more")
     columns = {

@@ -5,9 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 from datetime import UTC, datetime
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from film_datasets.scene_constants import check_scene_key, scene_key
 from film_datasets.schema import HISTORY, VERSIONS, kind_of
@@ -15,6 +13,9 @@ from film_model.base.errors import SceneError
 from film_model.effects.choose import Choice, choose
 from film_model.scene import Scene
 from film_model.version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 PROGRAM = f"film-model {__version__}"
 

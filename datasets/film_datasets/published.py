@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-
-import xarray as xr
+from typing import TYPE_CHECKING
 
 from film_datasets.files import SUFFIX, read
 from film_model.base.errors import did_you_mean, shown
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 HERE = Path(__file__).parent
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import importlib
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from film_datasets.schema import dimension_of, dimension_of_unit, variables_of
 from film_model.base.units import DIMENSIONS, quantity, scene_unit
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def quantified(ds: xr.Dataset) -> xr.Dataset:
@@ -35,6 +36,8 @@ def _without_units(array: xr.DataArray) -> dict[Any, Any]:
 
 def in_numbers(ds: xr.Dataset) -> xr.Dataset:
     """The dataset with quantities of any unit converted to SI numbers; `ds` itself if it has no quantities."""
+    import xarray as xr
+
     found: dict[Any, xr.Variable] = {}
     units = {v.name: v.unit for v in variables_of(ds)}
     for name, array in ds.variables.items():

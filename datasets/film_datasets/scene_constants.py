@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_model.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def constants_of(scene: Scene) -> dict[str, Any]:

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.axis_style import (
     MOST_POINTS,
@@ -27,6 +26,7 @@ from film_model.plot.style import COLOURS, prefixed_unit
 from film_model.solve.history import SUMMARY
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure
 
 DEFAULT_QUANTITY = "coefficient_of_restitution"

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.schema import (
     COST,
@@ -28,6 +27,7 @@ from film_model.solve.history import SUMMARY
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 TABLES = (".csv", ".parquet", ".mat")
 """Suffixes of the files that hold a table."""

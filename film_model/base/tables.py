@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import re
 from collections.abc import Iterator
 
@@ -14,6 +13,8 @@ HEADING = re.compile(r"\s*(\w+)\s*(?:[(\[]\s*(.*?)\s*[)\]])?\s*")
 
 def rows_of(path: str, text: str) -> Iterator[tuple[int, list[str]]]:
     """Line number and cells of every row that is not empty or a comment."""
+    import csv
+
     lines = text.splitlines()
     first = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
     separator = next((mark for mark in "\t;," if mark in first), ",")

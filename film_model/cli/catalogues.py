@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from film_model.base.materials import Material, catalogue, material, search, synonyms
-from film_model.base.units import format_si
 from film_model.cli.output import (
     DONE,
     add_force,
@@ -17,9 +15,10 @@ from film_model.cli.output import (
     print_warnings,
     print_written,
 )
-from film_model.laws import LAWS, AbstractLaw
-from film_model.laws.unloading import UNLOADINGS
-from film_model.scene import Scene
+
+if TYPE_CHECKING:
+    from film_model.base.materials import Material
+    from film_model.laws import AbstractLaw
 
 
 def add_commands(named: Any) -> None:
@@ -49,6 +48,7 @@ def add_commands(named: Any) -> None:
 
 
 def explain(options: argparse.Namespace) -> int:
+    from film_model.scene import Scene
     from film_model.studies import explain as explaining
 
     check_picture(options.plot, options.force)
@@ -70,6 +70,9 @@ def explain(options: argparse.Namespace) -> int:
 
 
 def laws(options: argparse.Namespace) -> int:
+    from film_model.laws import LAWS
+    from film_model.laws.unloading import UNLOADINGS
+
     if options.plot:
         from film_model.plot.laws import plot_laws
 
@@ -116,6 +119,9 @@ def _print_law(row: dict[str, Any]) -> None:
 
 
 def materials(options: argparse.Namespace) -> int:
+    from film_model.base.materials import Material, catalogue, material, search, synonyms
+    from film_model.base.units import format_si
+
     if options.name is not None and options.search is not None:
         raise ValueError("give a name or --search, not both")
     chosen = list(catalogue().values())
@@ -142,6 +148,9 @@ def materials(options: argparse.Namespace) -> int:
 
 def _print_material(found: Material) -> None:
     """One material, a value on each line, and the sources."""
+    from film_model.base.materials import Material, synonyms
+    from film_model.base.units import format_si
+
     print(found.name)
     if words := synonyms(found.name):
         print(f"  {'also called':26}{', '.join(words)}")

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from film_model.base.units import format_si
 from film_model.cli.output import (
     DONE,
     FAILED,
@@ -21,9 +20,12 @@ from film_model.cli.output import (
     print_warnings,
     print_written,
 )
-from film_model.laws import LAWS
-from film_model.scene import Scene
-from film_model.solve.history import SUMMARY
+
+if TYPE_CHECKING:
+    from film_model.scene import Scene
+
+if TYPE_CHECKING:
+    from film_datasets.sweeps import Sweep
 
 
 def add_commands(named: Any) -> None:
@@ -79,27 +81,37 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", type=int, metavar="N", help="number of threads (default: all cores)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler whose workers compute instead")
-    parser.add_argument("--resume", action="store_true", help="continue an interrupted run")
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument("--resume", action="store_true", help="continue an interrupted run")
+    how.add_argument("--shard", metavar="K/N", help="compute only part K of N into FILE.zarr; K is a number from 1")
+    how.add_argument("--finish", action="store_true", help="check that all parts are there, and complete FILE.zarr")
     add_force(parser, "overwrite an existing output and start again")
     add_json(parser)
     parser.set_defaults(command=sweep)
 
 
 def sweep(options: argparse.Namespace) -> int:
-    from film_datasets.sweeps import ProgressBar, read_sweep, run_sweep, sweep_report
+    from film_datasets.sweeps import ProgressBar, finish_shards, read_sweep, run_sweep, sweep_report
 
     asked = read_sweep(options.sweep, options.keep, listed(options.derivatives))
-    dataset = run_sweep(
-        asked,
-        options.output,
-        command=f"film-model sweep {options.sweep} --output {options.output} --keep {options.keep}"
-        + (f" --derivatives {options.derivatives}" if options.derivatives else ""),
-        workers=options.workers,
-        scheduler=options.scheduler,
-        resume=options.resume,
-        overwrite=options.force,
-        progress=ProgressBar(),
+    if options.shard:
+        return _shard(options, asked)
+    command = f"film-model sweep {options.sweep} --output {options.output} --keep {options.keep}" + (
+        f" --derivatives {options.derivatives}" if options.derivatives else ""
     )
+    if options.finish:
+        dataset = finish_shards(asked, options.output, command=command, overwrite=options.force)
+    else:
+        dataset = run_sweep(
+            asked,
+            options.output,
+            command=command,
+            workers=options.workers,
+            scheduler=options.scheduler,
+            resume=options.resume,
+            overwrite=options.force,
+            progress=ProgressBar(),
+        )
     with dataset:
         report = sweep_report(dataset)
     if options.json:
@@ -111,8 +123,26 @@ def sweep(options: argparse.Namespace) -> int:
     return FAILED if report["failed"] == report["impacts"] else DONE
 
 
+def _shard(options: argparse.Namespace, asked: Sweep) -> int:
+    """Compute one shard of a sweep."""
+    from film_datasets.sweeps import ProgressBar, run_shard
+
+    if options.force:
+        raise ValueError("--force: a shard replaces nothing; use it with --finish")
+    where: dict[str, Any] = {"workers": options.workers, "scheduler": options.scheduler}
+    missing = run_shard(asked, options.output, options.shard, **where, progress=ProgressBar())
+    if options.json:
+        return print_json({"output": options.output, "shard": options.shard, "missing": missing})
+    left = f"{len(missing)} missing" if missing else "all are there: complete them with --finish"
+    print(f"shard {options.shard} is finished; {left}")
+    return DONE
+
+
 def _sweep_table(report: dict[str, Any]) -> str:
     """Counts of outcomes, and the range of every summary quantity that has a value."""
+    from film_model.base.units import format_si
+    from film_model.problem.summary import SUMMARY
+
     ended = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in report["statuses"].items())
     lines = [report["title"], f"{report['impacts']} impacts: {ended}", ""]
     if report["failed"] == report["impacts"]:
@@ -149,6 +179,7 @@ def _variable(path: str) -> str:
 
 def identify(options: argparse.Namespace) -> int:
     import film_datasets
+    from film_model.scene import Scene
 
     check_picture(options.plot, options.force)
     scene = Scene.from_toml(options.scene)
@@ -171,6 +202,7 @@ def identify(options: argparse.Namespace) -> int:
 def _compare(options: argparse.Namespace, measured: Any, scene: Scene) -> int:
     """Fit with several laws; the picture is that of the best."""
     from film_datasets.identification import compare_laws, comparison_table
+    from film_model.laws import LAWS
 
     laws = list(LAWS) if options.law == "all" else listed(options.law)
     found = compare_laws(measured, scene, listed(options.fit), laws, options.confidence)

@@ -15,9 +15,9 @@ from film_model.cli.output import (
     print_warnings,
     print_written,
 )
-from film_model.scene import Scene
 
 if TYPE_CHECKING:
+    from film_model.scene import Scene
     from film_model.translate import Translation
 
 WIDTH = 20
@@ -45,6 +45,7 @@ def add_commands(named: Any) -> None:
 
 def contact_for(options: argparse.Namespace) -> int:
     from film_model import translate
+    from film_model.scene import Scene
 
     check_picture(options.plot, options.force)
     engine = translate.engine_named(options.engine)

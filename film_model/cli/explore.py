@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from film_model.cli.output import DONE, add_force, check_writable, print_written
-from film_model.scene import Scene
 
 
 def add_commands(named: Any) -> None:
@@ -27,8 +25,10 @@ def add_commands(named: Any) -> None:
 def explore(options: argparse.Namespace) -> int:
     import tempfile
     import webbrowser
+    from pathlib import Path
 
     from film_model.explorer.page import write_page
+    from film_model.scene import Scene
 
     scene = None if options.scene is None else Scene.from_toml(options.scene)
     path = Path(tempfile.mkdtemp(prefix="film-model-"), "explorer.html")
@@ -40,7 +40,10 @@ def explore(options: argparse.Namespace) -> int:
 
 
 def export_page(options: argparse.Namespace) -> int:
+    from pathlib import Path
+
     from film_model.explorer.page import write_page
+    from film_model.scene import Scene
 
     if Path(options.output).suffix.lower() not in (".html", ".htm"):
         raise ValueError(f"--output: {options.output} must end in .html")

@@ -6,9 +6,7 @@ import argparse
 import sys
 from typing import Any
 
-from film_model.base.units import to_si
 from film_model.cli.output import DONE, FAILED, add_force, add_json, check_writable, print_json, print_written
-from film_model.scene import Scene
 
 
 def add_commands(named: Any) -> None:
@@ -49,6 +47,8 @@ def add_commands(named: Any) -> None:
 
 def export_fmu(options: argparse.Namespace) -> int:
     import fmu_wrapper
+    from film_model.base.units import to_si
+    from film_model.scene import Scene
     from fmu_wrapper import platforms
 
     try:
@@ -79,6 +79,7 @@ def export_fmu(options: argparse.Namespace) -> int:
 
 def export_ssp(options: argparse.Namespace) -> int:
     import fmu_wrapper
+    from film_model.scene import Scene
 
     check_writable(options.output, options.force)
     scene = Scene.from_toml(options.scene)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from film_model.base.files import written_whole
@@ -93,6 +92,8 @@ def new(options: argparse.Namespace) -> int:
         print(text, end="")
         return DONE
     check_writable(options.output, options.force)
+    from pathlib import Path
+
     with written_whole(Path(options.output)) as beside:
         beside.write_text(text, "utf-8")
     print_written(options.output)

@@ -6,7 +6,6 @@ import argparse
 import os
 import sys
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 DONE, WRONG, FAILED = 0, 2, 3
@@ -85,6 +84,8 @@ def check_picture(path: str | None, force: bool) -> None:
 def check_outputs(options: argparse.Namespace) -> None:
     """Check --output, a dataset, and --plot."""
     if options.output:
+        from pathlib import Path
+
         from film_datasets.files import check_file
 
         check_writable(options.output, options.force)

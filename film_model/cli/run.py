@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from film_model.base.units import format_si
 from film_model.cli.output import (
     DONE,
     add_force,
@@ -17,10 +16,9 @@ from film_model.cli.output import (
     print_warnings,
     print_written,
 )
-from film_model.effects.effect import COMPUTED
-from film_model.scene import Scene
-from film_model.solve.history import SUMMARY, History
-from film_model.solve.simulate import simulate_quietly
+
+if TYPE_CHECKING:
+    from film_model.solve.history import History
 
 MOST_EVENTS = 24
 """Events in a table; JSON and files contain all of them."""
@@ -49,6 +47,9 @@ def add_commands(named: Any) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
+    from film_model.scene import Scene
+    from film_model.solve.simulate import simulate_quietly
+
     check_outputs(options)
     scene = Scene.from_toml(options.scene)
     history = simulate_quietly(
@@ -79,6 +80,10 @@ def run(options: argparse.Namespace) -> int:
 
 def _table(history: History) -> str:
     """Summary, events and computed effects as text."""
+    from film_model.base.units import format_si
+    from film_model.effects.effect import COMPUTED
+    from film_model.problem.summary import SUMMARY
+
     problem, accuracy = history.problem, history.accuracy
     lines = [history.scene.title or "Impact", f"law {problem.law.name}; {history.outcome.value}", ""]
     for name, (dimension, _) in SUMMARY.items():
@@ -108,6 +113,8 @@ def _table(history: History) -> str:
 
 def _derivatives(history: History) -> str:
     """The derivatives as text, those by each number together: in SI, and as per cent of the value for 1 %."""
+    from film_model.problem.summary import SUMMARY
+
     found, lines = history.derivatives, list[str]()
     if found is None:
         return ""

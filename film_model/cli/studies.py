@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from film_model.cli.output import (
@@ -17,7 +16,6 @@ from film_model.cli.output import (
     check_writable,
     print_json,
 )
-from film_model.scene import Scene
 
 if TYPE_CHECKING:
     from film_model.studies.cost import Study
@@ -48,6 +46,7 @@ def add_commands(named: Any) -> None:
 
 
 def cost(options: argparse.Namespace) -> int:
+    from film_model.scene import Scene
     from film_model.studies.cost import study
     from film_model.studies.methods import FILM
     from film_model.studies.timing import one_thread
@@ -104,6 +103,8 @@ def hard_cases(options: argparse.Namespace) -> int:
         reports.append(report(case))
     good = all(r.finding.good for r in reports)
     if options.markdown:
+        from pathlib import Path
+
         from film_model.base.files import written_whole
 
         with written_whole(Path(options.markdown)) as beside:

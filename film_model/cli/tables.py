@@ -16,7 +16,6 @@ from film_model.cli.output import (
     print_warnings,
     print_written,
 )
-from film_model.scene import Scene
 
 SHOWN = ("coefficient_of_restitution", "maximum_force", "maximum_indentation", "contact_duration")
 """Quantities that `summarise` prints unless others are asked for."""
@@ -82,6 +81,7 @@ def summarise(options: argparse.Namespace) -> int:
 
 def table(options: argparse.Namespace) -> int:
     import film_datasets
+    from film_model.scene import Scene
 
     if options.output:
         check_writable(options.output, options.force)

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from film_model.cli.output import DONE, add_force, add_json, add_plot, check_picture, check_writable, print_json
@@ -39,6 +36,8 @@ def validate(options: argparse.Namespace) -> int:
     rows = evidence_rows(load("measured_impacts"))
     reports = compare(rows, TESTED if options.law == "all" else (options.law,))
     if options.output:
+        from pathlib import Path
+
         from film_model.base.files import written_whole
 
         with written_whole(Path(options.output)) as beside:
@@ -57,6 +56,9 @@ def validate(options: argparse.Namespace) -> int:
 
 
 def _rows_as_csv(reports: list[LawReport]) -> str:
+    import csv
+    import io
+
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["source", "quantity", "published", "uncertainty", "kind", *(report.law for report in reports)])

@@ -114,11 +114,12 @@ static void stop_step(const film_structure *structure, const film_curve *curve, 
     }
     film_ball_at(s, t, &x, &v);
     s->shift = s->rate = 0.0;
+    double *now = waves + begins_at(structure, s);
     for (int32_t i = 0; i < n; i++) {
         double w, u;
         film_moved_mode(structure, s, waves, i, t, &w, &u);
-        waves[i] = w;
-        waves[n + i] = u;
+        now[i] = w;
+        now[n + i] = u;
         s->shift += w;
         s->rate += u;
     }
@@ -147,7 +148,7 @@ int film_modal_input(const film_structure *structure, const film_curve *curve, f
 /* ---------------------------------------------------------------- steps */
 
 /* To the end of the step. */
-static void finish_step(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves) {
+static void finish_step(const film_curve *curve, film_modal *s) {
     if (s->kind == FILM_STEP_CONTACT && s->h > 0.0) {
         s->spent += work_of_step(s, 1.0);
         raise_peak(curve, s, 1.0);
@@ -163,7 +164,7 @@ static void finish_step(const film_structure *structure, const film_curve *curve
     s->shift = s->end_shift;
     s->rate = s->end_rate;
     if (s->v > s->stop) s->moving_in = 1;
-    memcpy(waves, waves + 2 * (size_t)structure->modes, 2 * sizeof(double) * (size_t)structure->modes);
+    s->half = !s->half;
 }
 
 /* Ends the run where the step has ended. */
@@ -221,7 +222,7 @@ int film_advance(const film_structure *structure, const film_curve *curve, film_
         if (is_damped(curve, &s->contact)) raise_peak(curve, s, to / s->h);
         return film_soft_event(curve, s);
     }
-    finish_step(structure, curve, s, waves);
+    finish_step(curve, s);
     return s->ends == ENDS_NODE ? FILM_OK : end_run(structure, curve, s);
 }
 
@@ -302,8 +303,9 @@ double film_modal_work(const film_modal *s, double force) {
 
 void film_modal_energies(const film_structure *structure, const film_modal *s, const double *waves, double *energies) {
     double per = s->unit * s->unit / s->mass;
+    const double *begin = waves + begins_at(structure, s);
     for (int32_t i = 0; i < structure->modes; i++) {
-        double w = waves[i], u = waves[structure->modes + i];
+        double w = begin[i], u = begin[structure->modes + i];
         if (s->has_step && s->tau > 0.0) film_moved_mode(structure, s, waves, i, s->tau, &w, &u);
         energies[i] = 0.5 * (u * u + structure->square[i] * w * w) * per / structure->share[i];
     }

@@ -45,7 +45,7 @@ typedef struct {
     double stop;          /* velocity in delta_s/t_s at which FILM_IMPACTOR_STOPS is reported */
 } film_modal_start;
 
-/* The state; waves[4 n] beside it holds w_n and w_n' at the beginning of the step, then both at its end. */
+/* The state; of waves[4 n] beside it one half holds w_n and w_n' at the beginning of the step, the other both at its end. */
 typedef struct {
     film_state contact;               /* branch, dent and direction; xi and nu (rate of xi) at the last event */
     double time, time_low;            /* when the step began, and what rounding drops */
@@ -64,7 +64,8 @@ typedef struct {
     double reach;                     /* in flight: the most that the modes can move the struck point */
     double blur[FILM_FLIGHTS];        /* in flight: error of the interpolation over steps of 2^k times the shortest */
     int32_t event_kind, ends;         /* of that event; how the step ends: ENDS_... in film_march.h */
-    int32_t end_direction, reserved;  /* in which the contact then moves */
+    int32_t end_direction;            /* in which the contact then moves */
+    int32_t half;                     /* of waves[] that holds the beginning of the step: 0 or 1 */
     int32_t level, flight_level;      /* of the next step; of the shortest steps in flight, -1 before they are known */
     int32_t kind, has_step;           /* FILM_STEP_... */
     int32_t short_steps, steps;       /* steps of duration 0 in sequence; steps of this call or impact */

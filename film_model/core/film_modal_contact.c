@@ -179,7 +179,7 @@ static void stay(const film_structure *structure, film_modal *s, double *waves) 
     s->end_v = s->v;
     s->end_shift = s->shift;
     s->end_rate = s->rate;
-    memcpy(waves + 2 * (size_t)structure->modes, waves, 2 * sizeof(double) * (size_t)structure->modes);
+    memcpy(waves + ends_at(structure, s), waves + begins_at(structure, s), 2 * sizeof(double) * (size_t)structure->modes);
 }
 
 /* The step again, so long that it ends where find_end says. */
@@ -220,8 +220,9 @@ static int is_resting(const film_structure *structure, const film_curve *curve, 
     film_at at = film_law_on(curve, &s->contact.line, xi, 0.0);
     double excess = at.force - s->load, speed = s->v * s->unit;
     double energy = speed * speed + excess * excess * (1.0 / at.by_xi + s->rest);
+    const double *begin = waves + begins_at(structure, s);
     for (int32_t i = 0; i < structure->modes; i++) {
-        double w = waves[i] - static_wave(structure, s, i), u = waves[structure->modes + i];
+        double w = begin[i] - static_wave(structure, s, i), u = begin[structure->modes + i];
         energy += (u * u + structure->square[i] * w * w) * per / structure->share[i];
     }
     return at.by_xi > 0.0 && 0.5 * energy <= REST_ENERGY * s->load * (xi - s->contact.xi_free);
@@ -229,7 +230,7 @@ static int is_resting(const film_structure *structure, const film_curve *curve, 
 
 /* The contact in equilibrium, from now on. */
 static void rest(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves) {
-    double xi = film_indentation(curve, &s->contact.line, s->rest, s->x - s->shift);
+    double xi = film_indentation(curve, &s->contact.line, s->rest, s->x - s->shift), *begin = waves + begins_at(structure, s);
     for (int k = 0; k < REST_STEPS; k++) {
         film_at at = film_law_on(curve, &s->contact.line, xi, 0.0);
         xi -= (at.force - s->load) / at.by_xi;
@@ -238,9 +239,9 @@ static void rest(const film_structure *structure, const film_curve *curve, film_
     s->h = s->event_at = INFINITY;
     s->v = s->rate = s->shift = s->contact.nu = 0.0;
     for (int32_t i = 0; i < structure->modes; i++) {
-        waves[i] = static_wave(structure, s, i);
-        waves[structure->modes + i] = 0.0;
-        s->shift += waves[i];
+        begin[i] = static_wave(structure, s, i);
+        begin[structure->modes + i] = 0.0;
+        s->shift += begin[i];
     }
     s->x = xi + s->rest * s->load + s->shift;
     s->last_force = s->load;

@@ -30,12 +30,13 @@ static double blur_of(const film_structure *structure, const double *amplitude, 
 }
 
 /* The bound on the motion of all modes, and the shortest steps: those whose interpolation errs by less than a touch that
- * would matter is deep. The second half of waves, which the next step writes, holds the amplitudes. */
+ * would matter is deep. The half of waves that the next step writes holds the amplitudes. */
 static void start_flight(const film_structure *structure, film_modal *s, double *waves) {
-    double shallow = pow(s->tolerance, GRAZING) * s->speed * s->unit, *amplitude = waves + 2 * (size_t)structure->modes;
+    double shallow = pow(s->tolerance, GRAZING) * s->speed * s->unit, *amplitude = waves + ends_at(structure, s);
+    const double *begin = waves + begins_at(structure, s);
     s->reach = 0.0;
     for (int32_t i = structure->rigid; i < structure->modes; i++) {
-        amplitude[i] = hypot(waves[i], waves[structure->modes + i] / structure->frequency[i]);
+        amplitude[i] = hypot(begin[i], begin[structure->modes + i] / structure->frequency[i]);
         s->reach += amplitude[i];
     }
     for (int k = 0; k < FILM_FLIGHTS; k++) s->blur[k] = INFINITY;
@@ -50,9 +51,10 @@ static void start_flight(const film_structure *structure, film_modal *s, double 
 /* The first time at which the modes could bring the struck point to the impactor: INFINITY if never. */
 static double earliest(const film_structure *structure, const film_modal *s, const double *waves) {
     double x = s->x, v = s->v, a = s->load / (s->unit * s->unit);
+    const double *begin = waves + begins_at(structure, s);
     for (int32_t i = 0; i < structure->rigid; i++) {
-        x -= waves[i];
-        v -= waves[structure->modes + i];
+        x -= begin[i];
+        v -= begin[structure->modes + i];
     }
     double gap = fmax(s->contact.xi_free - x - s->reach, 0.0), root = v * v + 2.0 * a * gap;
     if (gap == 0.0 && s->reach > 0.0) return 0.0; /* a structure at rest may be touched without ever being pressed */
@@ -62,17 +64,17 @@ static double earliest(const film_structure *structure, const film_modal *s, con
     return a > 0.0 ? (sqrt(root) - v) / a : INFINITY;
 }
 
-/* The modes after `h` of flight into the second half of waves, and the state's end with them. */
+/* The modes after `h` of flight, and the state's end with them. */
 static void jump(const film_structure *structure, film_modal *s, double *waves, double h) {
     int32_t n = structure->modes;
+    double *end = waves + ends_at(structure, s);
     s->kind = FILM_STEP_JUMP;
     s->h = h;
     s->end_shift = s->end_rate = 0.0;
     for (int32_t i = 0; i < n; i++) {
-        double *w = waves + 2 * (size_t)n + i;
-        film_moved_mode(structure, s, waves, i, h, w, w + n);
-        s->end_shift += w[0];
-        s->end_rate += w[n];
+        film_moved_mode(structure, s, waves, i, h, &end[i], &end[n + i]);
+        s->end_shift += end[i];
+        s->end_rate += end[n + i];
     }
     film_ball_at(s, h, &s->end_x, &s->end_v);
 }

@@ -134,11 +134,11 @@ void film_depth_polynomial(const film_modal *s, double bernstein[DEGREE + 1]) {
 /* ---------------------------------------------------------------- the step */
 
 /* Sums of w_n', if they are asked for, and w_n at the nodes without a force. */
-static void free_modes(const film_structure *structure, const film_table *table, const double *waves, int rates,
+static void free_modes(const film_structure *structure, const film_table *table, const double *begin, int rates,
                        double moved[NODES], double rate[NODES]) {
     int32_t n = structure->modes;
-    const double *w = waves, *u = waves + n;
-    film_loops_of(structure)->free_sums(structure, table, waves, moved);
+    const double *w = begin, *u = begin + n;
+    film_loops_of(structure)->free_sums(structure, table, begin, moved);
     for (int at = 0; at < NODES; at++) {
         const double *c = table->node_cos + (size_t)at * (size_t)n, *s = table->node_sin + (size_t)at * (size_t)n;
         rate[at] = 0.0;
@@ -147,11 +147,11 @@ static void free_modes(const film_structure *structure, const film_table *table,
     }
 }
 
-/* w_n and w_n' at the end of the step into the second half of waves, and their sums into the state. */
+/* w_n and w_n' at the end of the step, and their sums into the state. */
 static void end_modes(const film_structure *structure, const film_table *table, film_modal *s, double *waves) {
     double p[NODES], sums[2];
     film_force_cubic(s, p);
-    film_loops_of(structure)->move(structure, table, waves, p, sums);
+    film_loops_of(structure)->move(structure, table, waves + begins_at(structure, s), waves + ends_at(structure, s), p, sums);
     s->end_shift = sums[0];
     s->end_rate = sums[1];
 }
@@ -180,7 +180,7 @@ static int solve_four(double a[NODES][NODES + 1]) {
 static void set_equations(const film_structure *structure, const film_modal *s, const double *waves, const film_table *table,
                           double h, film_equations *e) {
     double w[NODES], u[NODES], per = 1.0 / (s->unit * s->unit);
-    free_modes(structure, table, waves, s->contact.damper > 0.0, w, u);
+    free_modes(structure, table, waves + begins_at(structure, s), s->contact.damper > 0.0, w, u);
     for (int i = 0; i < NODES; i++) {
         double t = NODE_AT[i] * h;
         e->depth[i] = s->x + t * (s->v + 0.5 * per * s->load * t) - w[i];

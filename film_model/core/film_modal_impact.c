@@ -41,7 +41,7 @@ static void record_segment(const film_structure *structure, const film_modal *s,
     }
     size_t size = 2 * (size_t)structure->modes;
     to->flight = record->flight_count++;
-    memcpy(record->flights + (size_t)to->flight * size, waves, size * sizeof(double));
+    memcpy(record->flights + (size_t)to->flight * size, waves + begins_at(structure, s), size * sizeof(double));
 }
 
 /* The event just met, in the record and in the summary. */

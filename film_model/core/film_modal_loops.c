@@ -27,9 +27,9 @@ static double total(const lanes parts[PARTS]) {
 
 /* ---------------------------------------------------------------- a step */
 
-static void free_sums(const film_structure *structure, const film_table *table, const double *waves, double moved[NODES]) {
+static void free_sums(const film_structure *structure, const film_table *table, const double *begin, double moved[NODES]) {
     size_t n = (size_t)structure->modes, whole = n - n % WIDE;
-    const double *w = waves, *u = waves + n, *c = table->node_cos, *s = table->node_sin;
+    const double *w = begin, *u = begin + n, *c = table->node_cos, *s = table->node_sin;
     lanes sum[NODES][PARTS] = {{{0.0}}};
     for (size_t i = 0; i < whole; i += WIDE) {
         for (int k = 0; k < PARTS; k++) {
@@ -46,11 +46,12 @@ static void free_sums(const film_structure *structure, const film_table *table, 
         for (size_t i = whole, k = (size_t)at * n + whole; i < n; i++, k++) moved[at] += w[i] * c[k] + u[i] * s[k];
 }
 
-static void move(const film_structure *structure, const film_table *table, double *waves, const double p[NODES], double sums[2]) {
+static void move(const film_structure *structure, const film_table *table, const double *begin, double *end, const double p[NODES],
+                 double sums[2]) {
     size_t n = (size_t)structure->modes, whole = n - n % WIDE;
-    const double *w = waves, *u = waves + n, *c = table->end_cos, *s = table->end_sin, *rc = table->rate_cos, *rs = table->rate_sin;
+    const double *w = begin, *u = begin + n, *c = table->end_cos, *s = table->end_sin, *rc = table->rate_cos, *rs = table->rate_sin;
     const double *y1 = table->push, *y2 = y1 + n, *y3 = y2 + n, *y4 = y3 + n, *y5 = y4 + n;
-    double *w_end = waves + 2 * n, *u_end = w_end + n, p0 = p[0], p1 = p[1], p2 = p[2], p3 = p[3];
+    double *w_end = end, *u_end = end + n, p0 = p[0], p1 = p[1], p2 = p[2], p3 = p[3];
     lanes sum[2][PARTS] = {{{0.0}}};
     for (size_t i = 0; i < whole; i += WIDE) {
         for (int k = 0; k < PARTS; k++) {

@@ -41,10 +41,11 @@ typedef struct {
 } film_table;
 
 /* film_modal_loops.c, for one instruction set. free_sums: sum of w_n at the nodes without a force. move: w_n and w_n' at the
- * end of the step under the force sum p_k theta^k/k!, into the second half of waves; their sums. fill: a table. */
+ * end of the step under the force sum p_k theta^k/k!, from `begin` to `end`; their sums. fill: a table. */
 typedef struct {
-    void (*free_sums)(const film_structure *structure, const film_table *table, const double *waves, double moved[NODES]);
-    void (*move)(const film_structure *structure, const film_table *table, double *waves, const double p[NODES], double sums[2]);
+    void (*free_sums)(const film_structure *structure, const film_table *table, const double *begin, double moved[NODES]);
+    void (*move)(const film_structure *structure, const film_table *table, const double *begin, double *end, const double p[NODES],
+                 double sums[2]);
     void (*fill)(const film_structure *structure, const film_table *table, double h);
 } film_loops;
 extern const film_loops film_loops_plain;
@@ -52,6 +53,14 @@ extern const film_loops film_loops_plain;
 extern const film_loops film_loops_avx2, film_loops_avx512;
 #endif
 const film_loops *film_loops_of(const film_structure *structure);
+
+/* Where in waves[] the modes at the beginning and at the end of the step are. */
+static inline size_t begins_at(const film_structure *structure, const film_modal *s) {
+    return s->half ? 2 * (size_t)structure->modes : 0;
+}
+static inline size_t ends_at(const film_structure *structure, const film_modal *s) {
+    return s->half ? 0 : 2 * (size_t)structure->modes;
+}
 
 /* film_modal_table.c. responses[k + 2]: of w at time t to the force theta^k/k!, k = 0 .. 3; at 0 and 1 (k = -2, -1) the
  * derivatives w' and w of the response to an impulse. */

@@ -76,7 +76,8 @@ void film_force_cubic(const film_modal *s, double p[NODES]) {
 void film_moved_mode(const film_structure *structure, const film_modal *s, const double *waves, int32_t n, double t, double *w,
                      double *u) {
     double y[RESPONSES], square = structure->square[n], drag = structure->drag[n];
-    double w0 = waves[n], u0 = waves[structure->modes + n], pushed = 0.0, pushed_rate = 0.0;
+    const double *begin = waves + begins_at(structure, s);
+    double w0 = begin[n], u0 = begin[structure->modes + n], pushed = 0.0, pushed_rate = 0.0;
     *w = w0;
     *u = u0;
     if (s->kind == FILM_STEP_REST) return;

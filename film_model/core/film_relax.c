@@ -71,13 +71,17 @@ void film_relax_motion(const film_relax *s, const film_relax_step *steps, double
     values[1] = s->nu - s->gamma * values[2];
 }
 
+double film_relax_spent(const film_relax *s, const film_relax_step *steps) {
+    return s->spent + (s->has_step ? film_relax_work(&steps[s->steps - 1], s->tau) : 0.0);
+}
+
 /* Ends the step, or the flight, where the motion is now. */
 static void close_here(film_relax *s, film_relax_step *steps) {
     double values[5];
     film_relax_motion(s, steps, values);
+    s->spent = film_relax_spent(s, steps);
     if (s->has_step) {
         film_relax_step *step = &steps[s->steps - 1];
-        s->spent += film_relax_work(step, s->tau);
         if (s->branch == 0) s->peak = fmax(s->peak, film_relax_peak(s, steps, s->steps - 1, s->tau)); /* the way out only falls */
         if (s->tau < step->length) {
             film_relax_memory(&s->law, step, s->tau, s->branch == 0, s->q, s->p);

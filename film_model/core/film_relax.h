@@ -65,6 +65,9 @@ FILM_API int film_relax_advance(film_relax *state, film_relax_step *steps, doubl
 /* The five values of film_motion, now. */
 FILM_API void film_relax_motion(const film_relax *state, const film_relax_step *steps, double values[5]);
 
+/* Work done on the indentation since the first contact, up to now. */
+FILM_API double film_relax_spent(const film_relax *state, const film_relax_step *steps);
+
 /* One contact, from first touch: as film_impact. State and steps hold its record. */
 FILM_API int film_relax_impact(const film_relaxation *law, const film_start *start, double tolerance, film_relax *state,
                                film_relax_step *steps, film_summary *summary);

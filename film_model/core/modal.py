@@ -63,7 +63,7 @@ class Modal(c.Structure):
         + [("force", _D * _NODES), ("bend", _D * _BENDS)]
         + [(name, _D) for name in ("end_x", "end_v", "end_shift", "end_rate", "event_at", "reach")]
         + [("blur", _D * _FLIGHTS)]
-        + [(name, _I) for name in ("event_kind", "ends", "end_direction", "reserved", "level", "flight_level")]
+        + [(name, _I) for name in ("event_kind", "ends", "end_direction", "half", "level", "flight_level")]
         + [(name, _I) for name in ("kind", "has_step", "short_steps", "steps", "moving_in", "flight_size")]
     )
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import ctypes as c
+import os
 import sys
 from collections.abc import Callable
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -170,18 +170,18 @@ class Summary(c.Structure):
 START_DTYPE, LINE_DTYPE, STATE_DTYPE, SUMMARY_DTYPE = (np.dtype(kind) for kind in (Start, Line, State, Summary))
 
 
-def _library_path() -> Path:
+def _library_path() -> str:
     suffix = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
-    return Path(__file__).with_name("_film_core" + suffix)
+    return os.path.join(os.path.dirname(__file__), "_film_core" + suffix)
 
 
 @lru_cache(maxsize=1)
 def library() -> Any:
     """The shared library, loaded once; ImportError, with how to build it, if it is missing or of other sources."""
     path = _library_path()
-    if not path.exists():
+    if not os.path.exists(path):
         raise ImportError(f"{path} is missing: install the package (pip install .), which compiles it")
-    lib = c.CDLL(str(path))
+    lib = c.CDLL(path)
     sizes = (c.c_int64 * 5)()
     lib.film_sizes(sizes)
     if list(sizes) != [c.sizeof(t) for t in (Curve, Mesh, Line, State, Summary)]:

@@ -14,6 +14,7 @@ import numpy as np
 from film_model.base.arrays import either, endless, lesser, root
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.fields import build, key_text, mistake, table_of
+from film_model.base.late import Late
 from film_model.base.materials import Material
 from film_model.base.text import Text
 from film_model.base.units import format_si
@@ -42,10 +43,13 @@ class Scene:
     solver: Solver = field(default_factory=Solver)
     title: str = ""
 
-    if TYPE_CHECKING:  # added by film_model/methods.py
+    if TYPE_CHECKING:
 
         def explain(self, *, verbose: bool = False) -> Text: ...
         def _repr_html_(self) -> str: ...
+    else:
+        explain = Late("film_model.methods:explain")
+        _repr_html_ = Late("film_model.methods:scene_as_html")
 
     def __post_init__(self) -> None:
         raise_all(self._wrong_types() or self._mistakes())

@@ -12,19 +12,21 @@ from numpy.typing import NDArray
 
 from film_model.base import units
 from film_model.base.errors import Outcome
+from film_model.base.late import Late
 from film_model.core import native
 from film_model.effects.choose import Choice
 from film_model.effects.effect import Effect
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
-from film_model.solve.derivatives import Derivatives
-from film_model.solve.relaxed import Relaxed
-from film_model.solve.vibration import Vibration
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+    from film_model.solve.derivatives import Derivatives
+    from film_model.solve.relaxed import Relaxed
+    from film_model.solve.vibration import Vibration
 
 MOTION: dict[str, tuple[str, str]] = {
     "indentation": ("length", "impactor displacement less target displacement"),
@@ -147,12 +149,16 @@ class History:
     relaxed: Relaxed | None = field(default=None, repr=False, compare=False)
     derivatives: Derivatives | None = field(default=None, repr=False, compare=False)
 
-    if TYPE_CHECKING:  # the summary values, added below the class, and the methods of film_model/methods.py
+    if TYPE_CHECKING:
 
-        def __getattr__(self, name: str) -> Any: ...
+        def __getattr__(self, name: str) -> Any: ...  # the summary values, added below the class
         def plot(self, path: str | os.PathLike[str] | None = None) -> Figure: ...
         def to_dataset(self, samples: int = 201) -> xr.Dataset: ...
         def _repr_html_(self) -> str: ...
+    else:
+        plot = Late("film_model.methods:plot")
+        to_dataset = Late("film_model.methods:to_dataset")
+        _repr_html_ = Late("film_model.methods:history_as_html")
 
     def __repr__(self) -> str:
         shown = (

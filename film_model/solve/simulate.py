@@ -6,7 +6,7 @@ import math
 import warnings as python_warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,10 +18,10 @@ from film_model.problem.problem import Problem
 from film_model.problem.summary import energy_warning, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.solve.accuracy import Linearisation, estimate, mesh_of, raise_failure, refine, solver_for
-from film_model.solve.derivatives import derivatives_of, entries_of
 from film_model.solve.history import Accuracy, Event, History, stage_name
-from film_model.solve.relaxed import relax
-from film_model.solve.vibration import Moment, unused_options, vibrate
+
+if TYPE_CHECKING:
+    from film_model.solve.vibration import Moment
 
 GRAZING = 1e-12
 """Kinetic energy over the work of the load that is rounding, if both the impact and the end of contact have less."""
@@ -92,6 +92,8 @@ def simulate_quietly(
     solver = solver_for(scene.solver, accuracy, segments, linearisation)
     if not derivatives:
         return simulate_chosen(choose(scene), solver)
+    from film_model.solve.derivatives import derivatives_of, entries_of
+
     entries, choice = entries_of(scene, derivatives), choose(scene)
     return replace(simulate_chosen(choice, solver), derivatives=derivatives_of(choice, solver, entries))
 
@@ -215,6 +217,8 @@ def _outcome(status: int) -> Outcome:
 
 def _on_modes(scene: Scene, choice: Choice, warnings: list[str]) -> History:
     """The history of an impact on a vibrating target."""
+    from film_model.solve.vibration import unused_options, vibrate
+
     target, solver, problem = scene.target, scene.solver, choice.problem
     asked = solver.accuracy or DEFAULT_ACCURACY
     warnings.extend(unused_options(solver))
@@ -246,6 +250,9 @@ def _on_modes(scene: Scene, choice: Choice, warnings: list[str]) -> History:
 
 def _relaxing(scene: Scene, choice: Choice, warnings: list[str]) -> History:
     """The history of an impact of viscoelastic bodies."""
+    from film_model.solve.relaxed import relax
+    from film_model.solve.vibration import unused_options
+
     solver, problem = scene.solver, choice.problem
     warnings.extend(unused_options(solver, "the contact of viscoelastic bodies is solved"))
     relaxed, estimated, _ = relax(problem, solver.accuracy or DEFAULT_ACCURACY, warnings)

@@ -14,7 +14,7 @@ import numpy as np
 
 from film_model.base.errors import TooManyModes
 from film_model.targets.line_functions import line, polynomials
-from film_model.targets.modes import Array, Modes, check_count, sorted_modes
+from film_model.targets.modes import Array, Modes, check_count, projected, sorted_modes
 
 MOST_WAVES = 450
 """Most half-waves of a beam that is not simply supported: their vibrations take two seconds."""
@@ -132,13 +132,13 @@ def _timoshenko(beam: Line, position: float, degree: int) -> tuple[Array, Array]
     bent = space[:, 2:] @ space[:, 2:].T  # each function of the series has the energy ½ J
     shift = beam.bending / (beam.mass * length**4)
     root = np.linalg.inv(np.linalg.cholesky(bent + shift * mass))
+    at = np.polynomial.legendre.legvander(np.array([2.0 * position / length - 1.0]), degree + 3)[0]
     inverse, shapes = np.linalg.eigh(root @ mass @ root.T)
+    seen = projected(root @ (moved @ at), inverse, shapes)
     kept = inverse > 1e-14 * inverse[-1]
-    inverse, shapes = inverse[kept][::-1], shapes[:, kept][:, ::-1]
+    inverse, seen = inverse[kept][::-1], seen[kept][::-1]
     square = 1.0 / inverse - shift
     square[: beam.rigid] = 0.0
-    at = np.polynomial.legendre.legvander(np.array([2.0 * position / length - 1.0]), degree + 3)[0]
-    seen = (moved @ at) @ (root.T @ shapes)
     return np.sqrt(np.maximum(square, 0.0)), seen**2 / inverse
 
 

@@ -19,6 +19,9 @@ RESOLVED = 10.0
 EQUAL = 1e-13
 """Relative difference of frequencies that is rounding: square plates have vibrations in pairs."""
 
+BLURRED = 1e-5
+"""Largest component, over the norm, that is taken for rounding however close two eigenvalues are."""
+
 MOST_MODES = 10_000_000
 """Largest number of modes, limited by memory: 240 MB."""
 
@@ -78,6 +81,20 @@ def check_count(count: float) -> None:
             f"about {count:.1e} natural vibrations would be needed: the contact ends long before waves return from the "
             "edges, so set boundary_reflections = false in [effects]"
         )
+
+
+def projected(seen: Array, values: Array, vectors: Array) -> Array:
+    """The components of `seen` along eigenvectors, one per column, of a symmetric matrix; `values`: ascending.
+
+    An eigenvector is wrong by ε ‖A‖ over the distance to the next eigenvalue (Davis and Kahan 1970). A component that
+    is not larger than this error times |seen| is rounding, which differs between machines: it becomes 0. Measured on
+    modes with a node at the struck point by symmetry: at most 0.3 of this bound.
+    """
+    gaps = np.concatenate([[math.inf], np.diff(values), [math.inf]])
+    rounding = float(np.finfo(np.float64).eps * np.abs(values).max())
+    blur = rounding / np.maximum(np.minimum(gaps[1:], gaps[:-1]), rounding / BLURRED)
+    found = seen @ vectors
+    return np.where(np.abs(found) > blur * np.linalg.norm(seen), found, 0.0)
 
 
 def sorted_modes(frequency: Array, share: Array, highest: float) -> Modes:

@@ -16,7 +16,7 @@ import numpy as np
 from film_model.base.arrays import Array, Index
 from film_model.base.errors import TooManyModes
 from film_model.targets.line_functions import SIMPLE, Line, line, polynomials
-from film_model.targets.modes import Modes, sorted_modes
+from film_model.targets.modes import Modes, projected, sorted_modes
 from film_model.targets.plate_statics import levy_compliance
 
 Block = tuple[Index, Index]
@@ -159,9 +159,10 @@ def _vibrations(panel: Panel, lines: list[Line], block: Block, position: tuple[f
     """Frequencies, rad/s, and shares of a group of products."""
     seen = _shape(panel, lines, position, *block)
     square, shapes = np.linalg.eigh(_energy(panel, lines, *block))
+    moved = projected(seen, square, shapes)
     square[: _loose(panel, lines, block).shape[1]] = 0.0
     frequency = np.sqrt(np.maximum(square, 0.0) / panel.mass_per_area)
-    return frequency, (seen @ shapes) ** 2 / panel.mass_per_area
+    return frequency, moved**2 / panel.mass_per_area
 
 
 def _loose(panel: Panel, lines: list[Line], block: Block) -> Array:

@@ -87,7 +87,8 @@ instance *instance_new(const char *function, const instance_options *options, co
         error = message;
     }
     if (!error && options->model_exchange && !model_has_exchange(i->data))
-        error = "this FMU is for Co-Simulation, because its target vibrates or follows the force by a static stiffness";
+        error = "this FMU is for Co-Simulation, because its target vibrates or follows the force by a static stiffness, or its "
+                "bodies are viscoelastic";
     if (error) {
         instance_error(&none, function, "%s", error);
         instance_free(i);
@@ -204,13 +205,13 @@ int instance_derivatives(instance *i, const char *function, const unsigned *unkn
 
 typedef struct {
     uint64_t checksum; /* FNV-1a of what follows */
-    uint64_t size;     /* bytes, with the state of a vibrating target that follows this structure */
+    uint64_t size;     /* bytes, with the state beside model_memory that follows this structure */
     char token[64];    /* of the FMU that saved it */
     int32_t model_exchange, event_mode; /* of the instance */
     instance_state state;
 } saved_state;
 
-static size_t saved_size(const instance *i) { return sizeof(saved_state) + model_modal_size(i->data); }
+static size_t saved_size(const instance *i) { return sizeof(saved_state) + model_beside(&i->model); }
 
 static uint64_t checksum_of(const saved_state *saved) {
     return model_checksum((const unsigned char *)saved + sizeof saved->checksum, (size_t)saved->size - sizeof saved->checksum);
@@ -220,7 +221,7 @@ int instance_save(instance *i, const char *function, void **saved) {
     ALLOW(ANY_MODE);
     if (!saved) return instance_error(i, function, "argument FMUState is NULL");
     saved_state *state = *saved;
-    if (state && state->size != saved_size(i)) free(state), *saved = state = NULL; /* of another FMU */
+    if (state && state->size != saved_size(i)) free(state), *saved = state = NULL;
     if (!state) state = calloc(1, saved_size(i));
     if (!state) return instance_error(i, function, "no memory for a state");
     state->size = saved_size(i);
@@ -229,7 +230,7 @@ int instance_save(instance *i, const char *function, void **saved) {
     state->event_mode = i->event_mode;
     memcpy(&state->state, &i->state, sizeof state->state);
     memcpy(&state->state.memory, &i->model.memory, sizeof state->state.memory);
-    if (i->model.modal) memcpy(state + 1, i->model.modal, model_modal_size(i->data));
+    model_save_beside(&i->model, state + 1);
     *saved = state;
     return GOOD;
 }
@@ -245,8 +246,8 @@ int instance_restore(instance *i, const char *function, const void *saved) {
                               state->model_exchange ? "Model Exchange" : "Co-Simulation", state->event_mode ? " with event mode" : "");
     memcpy(&i->state, &state->state, sizeof i->state);
     memcpy(&i->model.memory, &state->state.memory, sizeof i->model.memory);
-    if (model_update_mesh(&i->model) == 0 && model_update_curve(&i->model) == 0 && model_update_modes(&i->model) == 0) {
-        if (i->model.modal) memcpy(i->model.modal, state + 1, model_modal_size(i->data));
+    if (model_update(&i->model) == 0) {
+        model_restore_beside(&i->model, state + 1);
         return GOOD;
     }
     i->state.mode = FAILED; /* the mesh does not belong to the restored memory */
@@ -276,13 +277,14 @@ int instance_deserialize(instance *i, const char *function, const unsigned char 
     ALLOW(ANY_MODE);
     if (!saved || !bytes) return instance_error(i, function, "argument %s is NULL", saved ? "serializedState" : "FMUState");
     *saved = NULL;
-    if (size != saved_size(i))
-        return instance_error(i, function, "a state of this FMU has %u bytes, not %u", (unsigned)saved_size(i), (unsigned)size);
+    if (size < sizeof(saved_state))
+        return instance_error(i, function, "%u bytes are too few; a state has %u or more", (unsigned)size, (unsigned)sizeof(saved_state));
     saved_state *state = malloc(size);
     if (!state) return instance_error(i, function, "no memory for a state");
     memcpy(state, bytes, size);
     int other = memcmp(state->token, i->data->token, sizeof state->token) != 0;
-    if (other || state->size != size || state->checksum != checksum_of(state)) {
+    if (other || state->size != size || state->checksum != checksum_of(state) ||
+        !model_is_beside(i->data, state + 1, size - sizeof *state)) {
         free(state);
         return instance_error(i, function, other ? "the state was saved in another FMU" : "the state is damaged");
     }

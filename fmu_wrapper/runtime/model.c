@@ -41,9 +41,11 @@ void model_free(model *m) {
     free(m->own);
     free(m->tables);
     free(m->modal);
+    free(m->relax);
     m->nodes = m->tables = NULL;
     m->own = NULL;
     m->modal = NULL;
+    m->relax = NULL;
 }
 
 /* ---------------------------------------------------------------- parameters and inputs */
@@ -78,15 +80,31 @@ double model_scaled(const model *m, double scale, const double *power, int power
     return scale;
 }
 
-int model_update_mesh(model *m) {
+static int update_mesh(model *m) {
     int32_t loading = (int32_t)m->memory.value[LOADING_SEGMENTS], unloading = (int32_t)m->memory.value[UNLOADING_SEGMENTS];
-    if (m->data->kind == CONTACT || vibrates(m) || (m->nodes && m->mesh.loading == loading && m->mesh.unloading == unloading)) return 0;
+    if (m->data->kind == CONTACT || vibrates(m) || relaxes(m)) return 0;
+    if (m->nodes && m->mesh.loading == loading && m->mesh.unloading == unloading) return 0;
     double *nodes = malloc(film_mesh_size(loading, unloading) * sizeof *nodes);
     if (!nodes) return model_error(m, "no memory for %d and %d segments", (int)loading, (int)unloading);
     free(m->nodes);
     m->nodes = nodes;
     int status = film_mesh_init(&m->mesh, m->data->linearisation, loading, unloading, nodes);
     return status < 0 ? model_core_error(m, status) : 0;
+}
+
+int model_update(model *m) {
+    return update_mesh(m) < 0 || model_update_curve(m) < 0 || model_update_modes(m) < 0 || model_update_relaxing(m) < 0 ? -1 : 0;
+}
+
+/* The state of a target that vibrates, or of viscoelastic bodies. */
+static int begin_beside(model *m, double nu, double xi, double gamma) {
+    const model_modes *modes = &m->data->modes;
+    const model_memory *now = &m->memory;
+    double stop = -now->support / now->velocity;
+    film_modal_start on_modes = {nu, now->load, modes->rest * now->force / now->length, now->value[MASS], now->time_scale,
+                                 now->state.damper, modes->tolerance, INFINITY, stop};
+    film_start relaxing = {nu, gamma, now->load, stop, INFINITY, 0.0};
+    return vibrates(m) ? modes_begin(m, &on_modes, xi) : relaxes(m) ? relaxing_begin(m, &relaxing, xi) : FILM_OK;
 }
 
 int model_initialize(model *m, double time) {
@@ -101,7 +119,7 @@ int model_initialize(model *m, double time) {
           now->velocity < INFINITY && isfinite(time)))
         return model_error(m, "the parameters give invalid scales: length %g m, force %g N, time %g s", now->length,
                            now->force, now->time_scale);
-    if (model_update_mesh(m) < 0 || model_update_curve(m) < 0 || model_update_modes(m) < 0) return -1;
+    if (model_update(m) < 0) return -1;
     double rigid = value[TARGET_IMPEDANCE] >= RIGID, gap = contact ? 0.0 : value[INITIAL_GAP];
     double gamma = contact || rigid ? 0.0 : now->force / (value[TARGET_IMPEDANCE] * now->velocity);
     now->support = contact ? 0.0 : value[SUPPORT_VELOCITY];
@@ -116,13 +134,8 @@ int model_initialize(model *m, double time) {
         return model_error(m, "the parameters give an invalid damping of %g N*s/m; initial_velocity must be > 0 m/s if the law's "
                               "damping depends on it", damping);
     now->recoil = 0.0;
-    if (vibrates(m)) {
-        const model_modes *modes = &m->data->modes;
-        film_modal_start begin = {start, now->load, modes->rest * now->force / now->length, value[MASS], now->time_scale,
-                                  now->state.damper, modes->tolerance, INFINITY, -now->support / now->velocity};
-        status = modes_begin(m, &begin, -gap / now->length);
-        if (status < 0) return model_core_error(m, status);
-    }
+    status = begin_beside(m, start, -gap / now->length, gamma);
+    if (status < 0) return model_core_error(m, status);
     now->start_time = now->time = time;
     memset(&now->actual, 0, sizeof now->actual);
     now->actual.stage = FILM_FREE;
@@ -144,6 +157,16 @@ int model_initialize(model *m, double time) {
 
 /* ---------------------------------------------------------------- steps */
 
+static int pass_input(model *m, double load, double nu_change, double stop) {
+    if (vibrates(m)) return modes_input(m, load, nu_change, stop);
+    return relaxes(m) ? relaxing_input(m, load, nu_change, stop) : film_input(&m->memory.state, load, nu_change, stop);
+}
+
+static int advance(model *m, double dt) {
+    if (vibrates(m)) return modes_step(m, dt);
+    return relaxes(m) ? relaxing_step(m, dt) : film_step(m->curve, &m->mesh, &m->memory.state, dt);
+}
+
 /* Pass changed inputs to the core. */
 static int apply_inputs(model *m) {
     model_memory *now = &m->memory;
@@ -151,7 +174,7 @@ static int apply_inputs(model *m) {
     if (load == now->load && support == now->support) return 0;
     double change = (now->support - support) / now->velocity, stop = -support / now->velocity;
     if (now->state.branch != FILM_FREE) now->state.force_peak = fmax(now->state.force_peak, now->state.force);
-    int status = vibrates(m) ? modes_input(m, load, change, stop) : film_input(&now->state, load, change, stop);
+    int status = pass_input(m, load, change, stop);
     if (status < 0) return model_core_error(m, status);
     now->load = load;
     now->support = support;
@@ -167,7 +190,7 @@ static int impact_step(model *m, double end, int stop_at_events, int *stopped) {
     if (!isfinite((end - now->start_time) / clock)) return model_error(m, "a step to %g s is too long", end);
     for (int events = 0;;) {
         double before = state->time, left = fmax((end - now->start_time) / clock - before, 0.0);
-        int status = vibrates(m) ? modes_step(m, left) : film_step(m->curve, &m->mesh, state, left);
+        int status = advance(m, left);
         now->support_displacement += now->support * (state->time - before) * clock;
         if (status < 0) return model_core_error(m, status);
         now->actual.phase = state->phase;

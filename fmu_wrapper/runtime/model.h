@@ -1,10 +1,11 @@
 /* The impact, and the contact alone, as components in SI units; the FMI functions only call these functions.
- * Independent of FMI. No global variables; the only memory allocated is that of the mesh's nodes, of a curve and of a
- * vibrating target. Positive directions point into the target. */
+ * Independent of FMI. No global variables; the only memory allocated is that of the mesh's nodes, of a curve, of a
+ * vibrating target, and of viscoelastic bodies 340 kB. Positive directions point into the target. */
 #ifndef FILM_MODEL_H
 #define FILM_MODEL_H
 
 #include "film_modal.h"
+#include "film_relax.h"
 #include "variables.h"
 
 enum { STATES = 3 };                   /* indentation, impactor velocity, target displacement */
@@ -27,6 +28,12 @@ typedef struct {
     int32_t count, levels;
 } model_modes;
 
+/* Viscoelastic bodies: tolerance > 0. law: rates in 1/s; tolerance: of film_relax. */
+typedef struct {
+    film_relaxation law;
+    double tolerance;
+} model_relaxation;
+
 /* What Python's film_model/problem/stresses.py computes, in numbers; 0 for what is unknown. radius: m; hertz: force over the
  * indentation to the power 1.5 of an elastic contact, N/m^1.5; strain: S_y/E; shear, depth: largest shear stress and its
  * place below the surface, over the peak pressure and the contact radius. The others are the constants there. */
@@ -35,7 +42,8 @@ typedef struct {
     double shear, depth;
 } model_stresses;
 
-/* The data of an export: resources/model.film, written by fmu_wrapper/resource.py; little endian, as all platforms are.
+/* The data of an export: resources/model.film, written by fmu_wrapper/resource.py, with fmu_wrapper/layout.py, this structure
+ * in Python; little endian, as all platforms are.
  * The scales of the march depend on the parameters p of the law (SCALES_BY in model.c):
  * length = length_scale * prod (p/start)^length_power, and force likewise. The damping factor (N s/m) is such a product
  * too, with mass, initial velocity and parameters of damping. The assumptions of the export hold for parameters within
@@ -61,6 +69,7 @@ typedef struct {
     film_curve curve;
     model_family family;
     model_modes modes;
+    model_relaxation relaxation;
 } model_data;
 
 enum { HAD_MAXIMUM = 1, HAD_STOP = 2 };         /* events in the current contact */
@@ -88,7 +97,8 @@ typedef struct {
     double committed_time, committed_indentation, committed_rate; /* contact: last accepted point of the path, SI */
     double indentation, rate;                    /* contact: at the current time, set or extrapolated, m and m/s */
     double recoil;                               /* velocity of a vibrating target's struck point, over the velocity scale */
-    film_state state;                            /* on a vibrating target: as its film_modal, with the motion now; time in s */
+    film_state state;                            /* on a vibrating target (time in s), and of viscoelastic bodies: as the state
+                                                    beside this memory, with the motion now */
     model_record actual, reported; /* after the latest event; as outputs show it, until the next model_report */
     int32_t initialized;           /* the parameters are in use */
     int32_t importer_integrates;   /* Model Exchange */
@@ -103,7 +113,8 @@ typedef struct {
     double *nodes;
     film_structure structure; /* of a vibrating target, with its memory */
     double *tables;
-    film_modal *modal;        /* its state, followed by the modes: model_modal_size bytes; saved beside model_memory */
+    film_modal *modal;        /* its state, followed by the modes; saved beside model_memory */
+    film_relax *relax;        /* state of viscoelastic bodies, followed by its FILM_RELAX_STEPS steps; saved likewise */
     char message[240]; /* of the last error */
     model_memory memory;
 } model;
@@ -140,19 +151,20 @@ int model_step(model *m, double end, int stop_at_events, int *stopped);
 /* Whether an event has happened that the outputs do not show yet (0 or 1); and update the outputs. */
 int model_has_unreported(const model *m);
 void model_report(model *m);
-/* Build the mesh for the number of segments in the memory, unless it exists already. */
-int model_update_mesh(model *m);
+/* Make what the parameters in the memory need, unless it exists already: mesh, curve, tables, room for states. */
+int model_update(model *m);
 
-/* Size of the state of a vibrating target, 0 for others, and where it is; allocates it. */
-size_t model_modal_size(const model_data *data);
-int model_update_modes(model *m);
+/* The state beside model_memory: its bytes in use, a copy of them, and that copy back (after model_update). */
+size_t model_beside(const model *m);
+void model_save_beside(const model *m, void *to);
+void model_restore_beside(model *m, const void *from);
+/* Whether `size` bytes, aligned as a double, are such a copy. */
+int model_is_beside(const model_data *data, const void *saved, size_t size);
 
 /* The next message about an assumption that does not hold and has not been announced yet: 1, or 0 if there is none. */
 int model_announce(model *m, char *text, size_t room);
-/* Put the curve for the parameters into m->curve. */
-int model_update_curve(model *m);
 
-/* Model Exchange. Not on a target that vibrates or has a static stiffness. */
+/* Model Exchange. Not on a target that vibrates or has a static stiffness, and not of viscoelastic bodies. */
 int model_has_exchange(const model_data *data);
 int model_is_state(const model *m, unsigned reference);
 int model_set_state(model *m, unsigned reference, double value);

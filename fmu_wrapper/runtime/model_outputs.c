@@ -45,6 +45,7 @@ static int compute_motion(model *m, motion *out, int with_stiffness) {
         at = film_force(m->curve, state, out->indentation / now->length, (out->velocity - support) / now->velocity);
     } else {
         double change = (now->value[SUPPORT_VELOCITY] - now->support) / now->velocity; /* of the support, in the next step */
+        if (relaxes(m)) with_stiffness = 0; /* inputs do not change a force of the past */
         if (with_stiffness || (change != 0.0 && damped(m))) {
             double rate = state->nu - now->recoil - change;
             at = vibrates(m) ? film_modal_force(m->curve, m->modal, state->xi, rate) : film_force(m->curve, state, state->xi, rate);

@@ -27,7 +27,20 @@ int modes_begin(model *m, const film_modal_start *start, double xi);
 int modes_input(model *m, double load, double nu_change, double stop_velocity);
 int modes_step(model *m, double dt);
 
+/* Viscoelastic bodies, likewise. */
+int relaxing_begin(model *m, const film_start *start, double xi);
+int relaxing_input(model *m, double load, double nu_change, double stop_velocity);
+int relaxing_step(model *m, double dt);
+
+/* What model_update makes: the curve of the law for the parameters, in m->curve; tables and state of a vibrating target; state
+ * and steps of viscoelastic bodies. */
+int model_update_curve(model *m);
+int model_update_modes(model *m);
+int model_update_relaxing(model *m);
+size_t model_modal_size(const model_data *data);
+
 static inline int vibrates(const model *m) { return m->data->kind == IMPACT && m->data->modes.count > 0; }
+static inline int relaxes(const model *m) { return m->data->relaxation.tolerance > 0.0; }
 
 /* Whether the target follows the contact force by its static stiffness: the march is that of a contact in series with a spring. */
 static inline int sprung(const model *m) { return m->data->kind == IMPACT && m->data->available[TARGET_STIFFNESS]; }

@@ -26,6 +26,10 @@ void model_record_stresses(const model *m, model_record *record) {
     double radius = s->radius * curvature, hertz = stiffness * deepest * sqrt(deepest);
     for (unsigned k = CONTACT_RADIUS; k <= DEPTH_OF_MAXIMUM_STRESS; k++) *output(record, k) = 0.0;
     if (!(hertz > 0.0)) return;
+    if (relaxes(m)) { /* on the way in, the contact is as wide as Hertz's; its largest force comes before the turn */
+        *output(record, CONTACT_RADIUS) = sqrt(radius * deepest);
+        return;
+    }
     int elastic = fabs(force - hertz) <= s->hertzian * hertz;
     double square = radius * deepest * (elastic ? 1.0 : widening(m, radius, deepest)), a = sqrt(square);
     if (!(square > 0.0)) return;

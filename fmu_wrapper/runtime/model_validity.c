@@ -36,7 +36,7 @@ int model_predict_validity(model *m) {
     if (m->data->kind == CONTACT) return 0;
     for (int k = 0; k < SETTABLE; k++)
         if (is_outside(m, k)) found = OUTSIDE;
-    if (vibrates(m)) return found; /* the rest is said when it happens */
+    if (vibrates(m) || relaxes(m)) return found; /* the rest is said when it happens */
     for (int k = 0; k < MOST_PREDICTED_EVENTS; k++) {
         if (film_step(m->curve, &m->mesh, &ahead, INFINITY) != FILM_EVENT) break;
         if (ahead.event == FILM_MAXIMUM_INDENTATION) return found | model_validity_at(m, model_indentation(m, &ahead) * m->memory.length);

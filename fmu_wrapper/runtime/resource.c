@@ -13,7 +13,7 @@
 #include <windows.h>
 #endif
 
-static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '2'};
+static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '3'};
 static const char NAME[] = "model.film";
 enum { LONGEST_PATH = 4096, LARGEST_FILE = 1 << 24, MOST_VARYING = 1 << 13, MOST_MODES = 20000 };
 
@@ -58,6 +58,19 @@ static int bad_modes(const model_data *data) {
            film_check_modes(modes->count, numbers, numbers + count, numbers + 2 * count) < 0;
 }
 
+static int bad_relaxation(const model_data *data) {
+    const model_relaxation *own = &data->relaxation;
+    static const film_start still = {0.0, 0.0, 0.0, 0.0, INFINITY, 0.0};
+    const film_function *force = &data->curve.piece[0].force;
+    film_relax state;
+    if (own->tolerance == 0.0) return 0;
+    int hertz = data->curve.stages == 1 && data->curve.pieces == 1 && force->form == FILM_POWER && force->exponent == 1.5 &&
+                !data->curve.stage[0].damped;
+    return data->kind != IMPACT || data->modes.count > 0 || data->available[TARGET_STIFFNESS] || !hertz ||
+           !(own->tolerance >= LEAST_TOLERANCE && own->tolerance <= 1.0) ||
+           film_relax_init(&state, &own->law, &still, own->tolerance, 0.0) < 0;
+}
+
 static int bad_numbers(const model_data *data) {
     int bad = data->kind < 0 || data->kind >= KINDS || !(data->length_scale > 0.0) || !(data->force_scale > 0.0) ||
               !(data->damping >= 0.0);
@@ -69,7 +82,7 @@ static int bad_numbers(const model_data *data) {
     if (family->nodes != 0)
         bad |= family->nodes < 2 || family->nodes > FILM_MAX_NODES || !(family->low > 0.0 && family->low < family->high) ||
                !(family->shape >= family->low && family->shape <= family->high) || family->varying < 1;
-    return bad || film_check_curve(&data->curve) < 0 || bad_modes(data);
+    return bad || film_check_curve(&data->curve) < 0 || bad_modes(data) || bad_relaxation(data);
 }
 
 /* Bytes of the family that follow the data. */

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.csv_measurement import measured_over
@@ -19,6 +18,9 @@ from film_datasets.schema import MEASUREMENT, kind_of
 from film_model.base.errors import SceneError, SimulationError
 from film_model.scene import Scene, Solver
 from film_model.scene.paths import number_text
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 STEP = 1e-4
 """Step of the central differences for the Jacobian, in the scaled parameters."""

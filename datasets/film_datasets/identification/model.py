@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.csv_measurement import measured_over
@@ -13,6 +13,9 @@ from film_datasets.impacts import simulate_impacts
 from film_model.scene import Scene
 from film_model.solve.history import MOTION, SUMMARY
 from film_model.solve.simulate import simulate_quietly
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 

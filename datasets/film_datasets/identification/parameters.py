@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from film_datasets.identification.result import TIME_OFFSET
 from film_model.base.errors import Mistake, SceneError, raise_all
 from film_model.base.units import scene_unit
 from film_model.scene import Scene
 from film_model.scene.paths import field_at, unit_of
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 LARGEST = 1e30
 """Bound for parameters without one."""

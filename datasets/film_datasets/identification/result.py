@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.axis_style import finite, label
 from film_datasets.csv_measurement import measured_over
@@ -21,6 +20,7 @@ from film_model.solve.history import History
 from film_model.solve.simulate import simulate
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.figure import Figure
 
 TIME_OFFSET = "time_offset"

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.schema.tables import variables_of
 from film_datasets.schema.variable import Variable
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 PIECE = 1 << 20
 """Values that are read from a file at a time."""

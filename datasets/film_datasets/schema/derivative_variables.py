@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-
-import xarray as xr
+from typing import TYPE_CHECKING
 
 from film_datasets.schema.variable import BYTE, FLOAT, Variable, swept_name
 from film_model.problem.summary import SUMMARY
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 SIDES = ((-1, "of_smaller_values"), (0, "of_both_sides"), (1, "of_larger_values"), (2, "none"))
 

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.schema.derivative_variables import derivatives_in
@@ -35,6 +34,9 @@ from film_model.core.native import EVENTS, LINE_DTYPE, PHASES, STRETCHED
 from film_model.problem.scales import Scales
 from film_model.solve.history import MOTION, SUMMARY
 from film_model.studies.reference import COMPARED
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 HISTORY, SWEEP, MEASUREMENT, COST = "impact_history", "impact_sweep", "impact_measurement", "impact_cost_study"
 _STRESSES = (

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import hashlib
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.schema.content_hash import content_sha256, pieces
 from film_datasets.schema.tables import ADDED, ATTRIBUTES, MEASUREMENT, TABLE, VERSIONS, kind_of, variables_of
 from film_datasets.schema.variable import FLOAT, TEXT, Variable, flag_meanings, holds_text
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def validate(ds: xr.Dataset) -> list[str]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_model.base.units import DIMENSIONS
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 FLOAT, BYTE, INTEGER, LONG, TEXT = (np.dtype(kind) for kind in (np.float64, np.int8, np.int32, np.int64, np.str_))
 

@@ -2,8 +2,10 @@
 
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.executor import available_cores
+from film_datasets.sweeps.interruptions import Interrupted
 from film_datasets.sweeps.progress_bar import Progress, ProgressBar
-from film_datasets.sweeps.runner import Interrupted, run_sweep, sweep
+from film_datasets.sweeps.runner import run_sweep, sweep
+from film_datasets.sweeps.shards import finish_shards, run_shard
 from film_datasets.sweeps.statistics import statistics, sweep_report
 from film_datasets.sweeps.sweep_file import read_sweep, sweep_from_text
 
@@ -13,7 +15,9 @@ __all__ = [
     "ProgressBar",
     "Sweep",
     "available_cores",
+    "finish_shards",
     "read_sweep",
+    "run_shard",
     "run_sweep",
     "statistics",
     "sweep",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -65,6 +66,35 @@ class Totals:
         self.failed.update(columns["status"][failed].tolist())
         for path, sides in self.sides.items():
             sides.update(columns[side_name(path)][~failed].tolist())
+
+    def merge(self, other: Totals) -> None:
+        """Add the totals of later blocks."""
+        self.estimated = np.maximum(self.estimated, other.estimated)
+        self.missed += other.missed
+        self.energy_gains += other.energy_gains
+        self.failed.update(other.failed)
+        for path, sides in self.sides.items():
+            sides.update(other.sides[path])
+
+    def to_plain(self) -> dict[str, Any]:
+        """Plain values for a JSON file."""
+        numbers = {name: getattr(self, name).tolist() for name in ("estimated", "missed", "energy_gains")}
+        return {
+            **numbers,
+            "failed": list(self.failed.items()),
+            "sides": {k: list(v.items()) for k, v in self.sides.items()},
+        }
+
+    @classmethod
+    def from_plain(cls, plain: Mapping[str, Any]) -> Totals:
+        """The totals that `to_plain` wrote."""
+        return cls(
+            np.array(plain["estimated"], np.float64),
+            np.array(plain["missed"], np.int64),
+            np.array(plain["energy_gains"], np.int64),
+            Counter(dict(plain["failed"])),
+            {path: Counter(dict(sides)) for path, sides in plain["sides"].items()},
+        )
 
 
 def variable_attributes(sweep: Sweep) -> list[tuple[Variable, dict[str, Any]]]:

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.files import DEFLATE_FROM, NEEDS_ZARR, ZARR
 from film_datasets.schema import TEXT, Variable
@@ -107,6 +106,8 @@ class MemoryWriter:
         self._pieces[name].append(values)
 
     def close(self, attributes: Mapping[str, Any]) -> None:
+        import xarray as xr
+
         arrays = {**self._arrays, **{name: np.concatenate(pieces) for name, pieces in self._pieces.items()}}
         coordinates = {
             word for _, attrs in self._variables.values() for word in str(attrs.get("coordinates", "")).split()
@@ -189,20 +190,20 @@ class NetCDFWriter:
 
 class ZarrWriter:
     """Writes a Zarr folder (format 3) with a chunk for each block, `SHARD_BLOCKS` of them in a file, compressed by
-    Blosc (LZ4, shuffled)."""
+    Blosc (LZ4, shuffled). existing: the variables are there already, and whole files of them are written."""
 
     parallel = True
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, existing: bool = False) -> None:
         try:
             import zarr  # lazy: an optional dependency
         except ImportError as error:
             raise ImportError(NEEDS_ZARR) from error
-        if path.exists():
+        if path.exists() and not existing:
             shutil.rmtree(path)
         self.path = path
-        self._group: Any = zarr.open_group(path, mode="w", zarr_format=3)
-        self._arrays: dict[str, Any] = {}
+        self._group: Any = zarr.open_group(path, mode="r+" if existing else "w", zarr_format=3)
+        self._arrays: dict[str, Any] = dict(self._group.arrays())
         self._pending: dict[str, list[tuple[Region, Any]]] = {}
 
     def create(

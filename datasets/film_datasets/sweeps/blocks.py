@@ -62,6 +62,12 @@ class Blocks:
         """Segments of a chunk of the file."""
         return min(max(LEAST_GROWING, math.prod(self._shape) * TYPICAL_SEGMENTS), MOST_GROWING)
 
+    def groups(self, size: int) -> list[range]:
+        """The numbers of the blocks, in groups of up to `size` that follow one another along the divided axis."""
+        parts, outers = self._parts, len(self) // self._parts
+        begins = (outer * parts + part for outer in range(outers) for part in range(0, parts, size))
+        return [range(begin, min(begin + size, (begin // parts + 1) * parts)) for begin in begins]
+
     def __getitem__(self, number: int) -> Block:
         cut, shape = self._cut, self._shape
         outer, part = divmod(number, self._parts)

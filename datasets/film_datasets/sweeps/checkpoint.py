@@ -29,7 +29,7 @@ class Checkpoint:
 
     def __init__(self, target: Path, sweep: Sweep, blocks: Blocks) -> None:
         self._target, self._sweep, self._blocks = target, sweep, blocks
-        self._fingerprint = _fingerprint(sweep, blocks)
+        self._fingerprint = fingerprint(sweep, blocks)
         self.folder = target.absolute().with_name(f".{target.name}.blocks")
 
     @contextlib.contextmanager
@@ -39,7 +39,7 @@ class Checkpoint:
         if self.folder.exists() and not resume and not overwrite:
             if (self.folder / "lock").is_file():
                 with open(self.folder / "lock") as lock:
-                    _lock(lock, self._target)
+                    lock_file(lock, self._target)
             raise FileExistsError(
                 f"{self._target}: an interrupted run left {self.summary()}; or use overwrite=True to start again"
             )
@@ -49,7 +49,7 @@ class Checkpoint:
         except OSError as error:
             raise type(error)(f"{self._target}: cannot be written: {error.strerror or error}") from error
         with lock:
-            _lock(lock, self._target)
+            lock_file(lock, self._target)
             known = {"fingerprint": self._fingerprint, "blocks": len(self._blocks)}
             if manifest.exists() and resume and not overwrite:
                 try:
@@ -130,7 +130,7 @@ class Checkpoint:
             unfinished.unlink(missing_ok=True)
 
 
-def _lock(file: Any, target: Path) -> None:
+def lock_file(file: Any, target: Path) -> None:
     """Raise FileExistsError if another process has the lock; it is released when the process ends."""
     try:
         import fcntl  # lazy: only on Unix
@@ -142,7 +142,7 @@ def _lock(file: Any, target: Path) -> None:
         raise FileExistsError(f"{target}: another process is computing it") from None
 
 
-def _fingerprint(sweep: Sweep, blocks: Blocks) -> str:
+def fingerprint(sweep: Sweep, blocks: Blocks) -> str:
     """A hash of the sweep, its division into blocks and the program: runs with the same hash make the same data."""
     texts = (PROGRAM, sweep.scene.archived_text(), str(sweep.scene.contact.law), sweep.text())
     return hashlib.sha256("\0".join((*texts, sweep.keep, str(sweep.dense), str(blocks.shape))).encode()).hexdigest()

@@ -8,10 +8,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from film_datasets.impacts import scene_with_numbers
@@ -32,6 +31,9 @@ from film_model.scene.scene import NO_FILES
 from film_model.scene.toml import toml_table
 from film_model.solve.derivatives import Entry, entries_of
 from film_model.solve.history import MOTION
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 MOST_COMBINATIONS = 10_000
 """Combinations of choices that a sweep may have: a scene is held for each."""

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.csv_measurement import split_heading
 from film_datasets.tables import NEEDS_PARQUET
@@ -17,12 +16,15 @@ from film_model.scene.toml import read_text
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
 SUFFIXES = (".csv", ".parquet")
 
 
 def is_table(given: object) -> TypeGuard[pd.DataFrame | xr.Dataset]:
     """Whether this is a DataFrame or a Dataset."""
+    import xarray as xr
+
     return isinstance(given, xr.Dataset) or type(given).__name__ == "DataFrame"
 
 
@@ -38,6 +40,7 @@ def over_of_table(table: pd.DataFrame | xr.Dataset, name: str = "table") -> dict
     are numbers in that unit, texts with units, or words.
     """
     import pandas as pd  # lazy: it takes 0.5 s
+    import xarray as xr
 
     if isinstance(table, xr.Dataset):
         if len(table.dims) != 1:

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.schema import dimension_of, swept_name, words_of
 from film_datasets.sweeps.statistics import sweep_report
 from film_model.base.units import format_si
 from film_model.solve.history import SUMMARY
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 PERCENTILES = (5, 25, 50, 75, 95)
 

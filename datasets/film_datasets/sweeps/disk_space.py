@@ -1,8 +1,10 @@
-"""How much of the disk a sweep takes, from a sample of its impacts."""
+"""How much of the disk a sweep takes, from a sample of its impacts, and whether it is there."""
 
 from __future__ import annotations
 
+import shutil
 import zlib
+from pathlib import Path
 
 import numpy as np
 
@@ -33,3 +35,20 @@ def disk_space(sweep: Sweep) -> tuple[float, float]:
     )
     each = sweep.size / SAMPLE
     return packed * each, sum(array.nbytes for array in arrays) * each
+
+
+def check_free_space(target: Path, sweep: Sweep, shards: int = 1) -> None:
+    """Raise OSError if the disk cannot hold the output, or one of its shards, and, until it is finished, the saved
+    blocks."""
+    output, blocks = (need / shards for need in disk_space(sweep))
+    free = shutil.disk_usage(target.absolute().parent).free
+    if output + blocks > free:
+        raise OSError(
+            f"{target}: {sweep.size // shards} impacts need about {bytes_text(output + blocks)} of disk while they are "
+            f"computed, {bytes_text(output)} in the end; {bytes_text(free)} are free"
+        )
+
+
+def bytes_text(count: float) -> str:
+    """Bytes as GB or MB."""
+    return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{max(count / 1e6, 0.1):.3g} MB"

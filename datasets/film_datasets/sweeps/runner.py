@@ -3,52 +3,33 @@
 from __future__ import annotations
 
 import os
-import shutil
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import Future
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import xarray as xr
-
-from film_datasets.files import SUFFIX, ZARR, check_file, check_place, open_dataset, write
+from film_datasets.files import SUFFIX, ZARR, check_file, check_no_link, check_place, open_dataset, write
 from film_datasets.schema import SWEEP, VERSIONS
 from film_datasets.sweeps.attributes import Totals, global_attributes
-from film_datasets.sweeps.block_columns import Columns, compute_block
+from film_datasets.sweeps.block_columns import Columns
 from film_datasets.sweeps.block_writers import MemoryWriter, Writer, put_in_place, writer_for
 from film_datasets.sweeps.blocks import Block, Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint
+from film_datasets.sweeps.computed_blocks import Run, computed_blocks
 from film_datasets.sweeps.definition import Sweep
-from film_datasets.sweeps.disk_space import disk_space
+from film_datasets.sweeps.disk_space import bytes_text, check_free_space
 from film_datasets.sweeps.executor import Workers, workers_of
+from film_datasets.sweeps.interruptions import explained
 from film_datasets.sweeps.progress_bar import Progress
 from film_datasets.sweeps.storage import Storage
 from film_datasets.tables import TABLES
-from film_model.base.errors import SimulationError
 from film_model.scene import Scene
 from film_model.version import __version__
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 MOST_IN_MEMORY = 4_000_000_000
 """Bytes of a sweep without an output file."""
-
-
-NO_SPACE = 1_000_000
-"""A disk with fewer free bytes than this is full."""
-
-
-@dataclass(frozen=True)
-class _Run:
-    """A sweep with its blocks. command: for the attribute `history`. progress: called after each block."""
-
-    sweep: Sweep
-    blocks: Blocks
-    command: str
-    progress: Progress | None
-
-
-class Interrupted(KeyboardInterrupt):
-    """A sweep was interrupted; the message says where its finished blocks are kept."""
 
 
 def sweep(
@@ -126,7 +107,7 @@ def run_sweep(
     """
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or not 1 <= workers <= 4096):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ValueError(f"workers: {workers!r} is not allowed: a whole number from 1 to 4096 is needed")
-    run = _Run(sweep, Blocks(sweep), command, progress)
+    run = Run(sweep, Blocks(sweep), command, progress)
     if output is None:
         return _in_memory(run, workers, scheduler)
     target = Path(output)
@@ -138,42 +119,33 @@ def run_sweep(
             raise FileExistsError(f"{target}: {difference}; use overwrite=True to replace it")
         checkpoint.remove()
         return open_dataset(target)
-    if target.is_symlink():
-        raise FileExistsError(f"{target}: is a link, which writing would replace; give the file it points to")
+    check_no_link(target)
     if target.suffix not in (SUFFIX, ZARR):
         words = ", ".join(f'"{suffix}"' for suffix in TABLES)
         raise ValueError(f'{target}: the name of a sweep\'s output must end in "{SUFFIX}", "{ZARR}", {words}')
     check_place(target, overwrite)
-    _check_free_space(target, sweep)
-    with checkpoint.locked(resume, overwrite):
-        try:
-            _write_file(run, target, checkpoint, workers, scheduler)
-        except KeyboardInterrupt:
-            raise Interrupted(f"interrupted: {checkpoint.summary()}") from None
-        except (SimulationError, FileExistsError):
-            raise
-        except (OSError, RuntimeError) as error:  # the netCDF library raises RuntimeError for a full disk
-            reason = _reason(error, target)
-            raise OSError(f"{target}: cannot be written: {reason}; {checkpoint.summary()}") from error
+    check_free_space(target, sweep)
+    with checkpoint.locked(resume, overwrite), explained(target, checkpoint.summary):
+        _write_file(run, target, checkpoint, workers, scheduler)
     checkpoint.remove()
     return open_dataset(target)
 
 
-def _in_memory(run: _Run, workers: int | None, scheduler: Any) -> xr.Dataset:
+def _in_memory(run: Run, workers: int | None, scheduler: Any) -> xr.Dataset:
     """The dataset of a sweep without an output."""
     if (need := run.sweep.size * run.sweep.bytes_per_impact) > MOST_IN_MEMORY:
         raise MemoryError(
-            f"{run.sweep.size} impacts take about {_bytes(need)}, at most {_bytes(MOST_IN_MEMORY)} go into memory: "
-            "give an output, FILE.nc or FILE.zarr"
+            f"{run.sweep.size} impacts take about {bytes_text(need)}, at most {bytes_text(MOST_IN_MEMORY)} go into "
+            "memory: give an output, FILE.nc or FILE.zarr"
         )
     writer = MemoryWriter()
     with workers_of(workers, scheduler) as pool:
-        _write_blocks(run, writer, _computed_blocks(run, pool), pool)
+        _write_blocks(run, writer, computed_blocks(run, pool), pool)
     return writer.dataset
 
 
 def _write_table(
-    run: _Run, target: Path, workers: int | None, scheduler: Any, resume: bool, overwrite: bool
+    run: Run, target: Path, workers: int | None, scheduler: Any, resume: bool, overwrite: bool
 ) -> xr.Dataset:
     """Compute the sweep in memory and write it as a table."""
     if run.sweep.keep != "summary":
@@ -186,12 +158,12 @@ def _write_table(
     return ds
 
 
-def _write_file(run: _Run, target: Path, checkpoint: Checkpoint, workers: int | None, scheduler: Any) -> None:
+def _write_file(run: Run, target: Path, checkpoint: Checkpoint, workers: int | None, scheduler: Any) -> None:
     """Write the output under another name and rename it; if that fails, keep the checkpoint if it has blocks."""
     writer = writer_for(target)
     try:
         with workers_of(workers, scheduler) as pool:
-            _write_blocks(run, writer, _computed_blocks(run, pool, checkpoint), pool)
+            _write_blocks(run, writer, computed_blocks(run, pool, checkpoint), pool)
         put_in_place(writer.path, target)
     except BaseException:
         writer.abandon()
@@ -200,10 +172,11 @@ def _write_file(run: _Run, target: Path, checkpoint: Checkpoint, workers: int | 
         raise
 
 
-def _write_blocks(run: _Run, writer: Writer, computed: Iterator[tuple[Block, Columns]], workers: Workers) -> None:
+def _write_blocks(run: Run, writer: Writer, computed: Iterator[tuple[Block, Columns]], workers: Workers) -> None:
     """Put the columns of all blocks into the writer, in order, then the attributes."""
     totals = Totals.of(run.sweep)
     with Storage(run.sweep, run.blocks, writer, workers) as storage:
+        storage.create()
         for block, columns in computed:
             storage.put(block, columns)
             totals.add(columns)
@@ -211,44 +184,6 @@ def _write_blocks(run: _Run, writer: Writer, computed: Iterator[tuple[Block, Col
                 run.progress(block.first + block.count, run.sweep.size)
     digest = storage.content.hexdigest()
     writer.close({**global_attributes(run.sweep, run.command, totals), "content_sha256": digest})
-
-
-def _computed_blocks(
-    run: _Run, workers: Workers, checkpoint: Checkpoint | None = None
-) -> Iterator[tuple[Block, Columns]]:
-    """Every block with its columns, in order. Each is saved in the checkpoint, unless there is only one."""
-    sweep, blocks = run.sweep, run.blocks
-    if workers.local and len(blocks) == 1:  # computed in this thread: there is nothing to do meanwhile
-        yield blocks[0], compute_block(sweep, blocks[0])
-        return
-    if len(blocks) == 1:
-        checkpoint = None
-    saved = checkpoint.finished() if checkpoint is not None else set[int]()
-
-    def compute_and_save(number: int) -> Columns:
-        columns = compute_block(sweep, blocks[number])
-        if checkpoint is not None:
-            checkpoint.save(number, columns)
-        return columns
-
-    def submit(number: int) -> Future[Columns]:
-        if workers.local:
-            return workers.executor.submit(compute_and_save, number)
-        return workers.executor.submit(compute_block, sweep, blocks[number])
-
-    under_way: dict[int, Future[Columns]] = {}
-    upcoming = iter(number for number in range(len(blocks)) if number not in saved)
-    for number in range(len(blocks)):
-        while len(under_way) < workers.ahead and (following := next(upcoming, None)) is not None:
-            under_way[following] = submit(following)
-        if number in under_way:
-            columns = under_way.pop(number).result()
-            if checkpoint is not None and not workers.local:
-                checkpoint.save(number, columns)
-        else:
-            assert checkpoint is not None
-            columns = checkpoint.load(number) or compute_and_save(number)
-        yield blocks[number], columns
 
 
 def _not_the_output_of(target: Path, sweep: Sweep) -> str | None:
@@ -268,25 +203,3 @@ def _not_the_output_of(target: Path, sweep: Sweep) -> str | None:
     if version != (VERSIONS[SWEEP], __version__):
         return f"was made by film-model {version[1]} (schema {version[0]}), this is {__version__} ({VERSIONS[SWEEP]})"
     return None
-
-
-def _reason(error: Exception, target: Path) -> str:
-    """Why writing failed. The netCDF library says "Permission denied" for a full disk, and RuntimeError for others."""
-    if shutil.disk_usage(target.absolute().parent).free < NO_SPACE:
-        return "the disk is full"
-    return getattr(error, "strerror", None) or str(error)
-
-
-def _check_free_space(target: Path, sweep: Sweep) -> None:
-    """Raise OSError if the disk cannot hold the output and, until it is finished, the saved blocks."""
-    output, blocks = disk_space(sweep)
-    free = shutil.disk_usage(target.absolute().parent).free
-    if output + blocks > free:
-        raise OSError(
-            f"{target}: {sweep.size} impacts need about {_bytes(output + blocks)} of disk while they are computed, "
-            f"{_bytes(output)} in the end; {_bytes(free)} are free"
-        )
-
-
-def _bytes(count: float) -> str:
-    return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{max(count / 1e6, 0.1):.3g} MB"

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from film_datasets.provenance import warnings_of
 from film_datasets.schema import flag_meanings, has_failed, pieces, require_impacts
 from film_model.base.units import si_unit
 from film_model.solve.history import SUMMARY
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def sweep_report(ds: xr.Dataset) -> dict[str, Any]:

@@ -40,6 +40,10 @@ class Storage:
             self._executor = local if workers.local else self._own.enter_context(local)
 
     def __enter__(self) -> Storage:
+        return self
+
+    def create(self) -> None:
+        """Create all variables, and write those that are not columns of the blocks."""
         sweep, blocks = self._sweep, self._blocks
         dense = {"normalised_time": sweep.dense} if sweep.dense else {}
         chunks = dict(zip(sweep.dims, blocks.shape, strict=True)) | {"normalised_time": sweep.dense or 1}
@@ -47,7 +51,6 @@ class Storage:
         sizes = dict(zip(sweep.dims, sweep.shape, strict=True)) | dense
         self._writer.create(sizes, chunks, variable_attributes(sweep))
         self._put_coordinates()
-        return self
 
     def __exit__(self, *error: object) -> None:
         with self._own:

@@ -55,8 +55,9 @@ def measure(repeats: int) -> list[dict[str, object]]:
     main = "import sys; from film_model.cli.main import main; sys.exit(main(sys.argv[1:]))"
     command = [sys.executable, "-c", main, "run", str(SCENE), "--json"]
     row("film-model run scene.toml --json, whole process", lambda: _quiet(command), 1)
-    row("python -c 'import film_model', whole process", lambda: _quiet([sys.executable, "-c", "import film_model"]), 1)
-    row("python -c 'pass', whole process", lambda: _quiet([sys.executable, "-c", "pass"]), 1)
+    row("film-model --help, whole process", lambda: _quiet([*command[:3], "--help"]), 1)
+    for code in ("import film_datasets", "import film_model; film_model.simulate", "import numpy", "pass"):
+        row(f"python -c '{code}', whole process", lambda code=code: _quiet([sys.executable, "-c", code]), 1)
     return rows
 
 

@@ -185,6 +185,8 @@ def number_at(scene: fm.Scene, path: str) -> float:
     *sections, name = path.split(".")
     for section in sections:
         owner = getattr(owner, section)
+    if path == "impactor.mass":
+        return scene.mass  # also that by the density
     return owner.parameters[name] if path.startswith("contact.") and name in owner.parameters else getattr(owner, name)
 
 

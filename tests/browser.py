@@ -6,8 +6,13 @@ import shutil
 from contextlib import contextmanager
 from urllib.parse import urlencode
 
+import pytest
+from law_cases import CONTACTS, scene_text
+
+from film_model.explorer import page as page_module
 from film_model.explorer.content import Content
-from film_model.explorer.page import examples
+from film_model.explorer.page import examples, page
+from film_model.scene import Scene
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 OPTIONS = (
@@ -24,6 +29,28 @@ SUMMARIES = """fragments => fragments.map(fragment => {
 })"""
 """JavaScript: the results of addresses, and their scene files."""
 
+BALL = (
+    '[impactor]\nradius = "5 mm"\nvelocity = "1 m/s"\nmaterial = "bearing steel"\n[target]\nmaterial = "mild steel"\n'
+)
+BEYOND = {
+    "static": (300, 'kind = "plate"\nthickness = "2 mm"\nstatic_stiffness = "1e6 N/m"'),
+    "wide-plate": (30, 'kind = "plate"\nthickness = "8 mm"\nsize = ["1 m", "1 m"]'),
+    "plate": (1, 'kind = "plate"\nthickness = "1.5 mm"\nsize = ["100 mm", "100 mm"]\ndamping_ratio = 0.02'),
+    "beam": (4, 'kind = "beam"\nlength = "200 mm"\nwidth = "20 mm"\nthickness = "5 mm"\ndamping_ratio = 0.02'),
+    "rod": (30, 'kind = "rod"\nlength = "40 mm"\ndiameter = "10 mm"\ndamping_ratio = 0.02'),
+    "structure": (40, 'kind = "structure"\nfrequency = ["1.8 kHz", "4.1 kHz"]\nmodal_mass = ["0.9 kg", "1.4 kg"]'),
+    "free-structure": (
+        20,
+        'kind = "structure"\nfrequency = ["0 Hz", "180 Hz", "410 Hz", "2 kHz"]\ndamping_ratio = 0.01\n'
+        'modal_mass = ["3 kg", "0.9 kg", "1.4 kg", "0.5 kg"]\nstatic_compliance = "2e-6 m/N"',
+    ),
+}
+"""Targets that the page's examples lack, and how often they are drawn: a vibrating one costs up to 300 ms."""
+
+OFTEN = {"ball-on-beam": 4} | {name: often for name, (often, _) in BEYOND.items()}
+USUAL = 100
+"""How often the other scenes are drawn."""
+
 MATERIALS = ("youngs_modulus", "density", "yield_strength", "poissons_ratio")
 
 
@@ -38,35 +65,52 @@ def chromium():
         browser.close()
 
 
-def random_addresses(count, seed):
-    """Addresses of scenes whose entries lie anywhere on their sliders, materials within a factor of three."""
-    table, chance = Content(examples()).table(), random.Random(seed)
-    return [_address(table, chance) for _ in range(count)]
+def page_of_everything():
+    """A page with the examples, every kind of target, and every law of a scene; and the page's data."""
+    texts = {name: BALL + text for name, (_, text) in BEYOND.items()}
+    for law in CONTACTS:
+        texts |= {f"{law}-{target}": scene_text(law, target) for target in ("half-space", "plate")}
+    scenes = (*examples(), *((f"test-{name}", Scene.from_text(text)) for name, text in texts.items()))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(page_module, "examples", lambda: scenes)
+        return page(), Content(scenes).table()
 
 
-def _address(table, chance):
-    base = chance.choice(table["scenes"])
+def random_addresses(table, count, seed):
+    """Addresses of scenes whose entries lie anywhere on their sliders, materials within a factor of three.
+
+    First each scene under its own law, for the curves that are for the bodies as given.
+    """
+    chance, scenes = random.Random(seed), table["scenes"]
+    often = [OFTEN.get(scene["name"].removeprefix("test-"), USUAL) for scene in scenes]
+    drawn = chance.choices(scenes, often, k=count - len(scenes))
+    return [_address(table, base, chance, k < len(scenes)) for k, base in enumerate([*scenes, *drawn])]
+
+
+def _address(table, base, chance, as_given):
     found = {"scene": base["name"]}
     for entry in base["inputs"]:
         name, (low, high), value = entry["path"].rsplit(".", 1)[1], entry["slider"], entry["value"]
-        if chance.random() < 0.4 or (value is None and chance.random() < 0.7) or name == "D12":
+        if as_given or chance.random() < 0.4 or (value is None and chance.random() < 0.7) or name == "D12":
             continue
         if name in MATERIALS and value is not None:
             low, high = (0.1, 0.45) if name == "poissons_ratio" else (value / 3, value * 3)
-        share = chance.random()
-        if entry["logarithmic"] and name != "poissons_ratio":
-            found[entry["path"]] = repr(low * math.exp(share * math.log(high / low)))
-        else:
-            found[entry["path"]] = repr(low + share * (high - low))
-    found["law"] = chance.choice(["auto", "auto", *(table["laws"][k]["name"] for k in base["laws"])])
+        found[entry["path"]] = _between(low, high, entry["logarithmic"] and name != "poissons_ratio", chance)
+    names = [base["law"]] if as_given else ["auto", "auto", *(table["laws"][k]["name"] for k in base["laws"])]
+    found["law"] = chance.choice(names)
     law = next((table["laws"][k] for k in base["laws"] if table["laws"][k]["name"] == found["law"]), {"live": []})
     for entry in law["live"]:
-        if chance.random() < 0.7:
-            low, high = entry["slider"]
-            found[entry["path"]] = repr(low * math.exp(chance.random() * math.log(high / low)))
+        if not as_given and chance.random() < 0.7:
+            found[entry["path"]] = _between(*entry["slider"], entry["slider"][0] > 0.0, chance)
     for switch in ("plasticity", "target_motion", "gravity"):
         found[switch] = chance.choice(["auto", "auto", "auto", "true", "false"])
-    found["accuracy"] = chance.choice(["0.0001", "0.001", "0.000001", "1e-8"])
+    vibrates = base["support"] is not None and base["support"]["modes"]
+    found["accuracy"] = chance.choice(["0.0001", "0.001", *([] if vibrates else ["0.000001", "1e-8"])])
     if chance.random() < 0.2:
         found |= {"linearisation": "chord", "accuracy": "0.001"}
     return urlencode(found)
+
+
+def _between(low, high, logarithmic, chance):
+    share = chance.random()
+    return repr(low * math.exp(share * math.log(high / low)) if logarithmic else low + share * (high - low))

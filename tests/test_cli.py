@@ -99,7 +99,7 @@ def test_impossible_outputs_are_refused_before_the_simulation(arguments, said, c
     monkeypatch.chdir(tmp_path)
     for folder in ("folder.nc", "folder.svg"):
         (tmp_path / folder).mkdir()
-    for work in ("cli.run.simulate_quietly", "studies.cost.study", "studies.hard_cases.report"):
+    for work in ("solve.simulate.simulate_quietly", "studies.cost.study", "studies.hard_cases.report"):
         monkeypatch.setattr(f"film_model.{work}", lambda *_, **__: pytest.fail("the work had begun"))
     status, out, err = run(capsys, *arguments)
     assert (status, out) == (3, "") and said in err
@@ -258,12 +258,22 @@ def test_the_package_is_a_command():
     assert done.stdout.startswith("film-model ")
 
 
-def test_an_ordinary_run_needs_neither_pint_nor_scipy_nor_xarray():
-    code = (
-        "import sys; from film_model.cli.main import main; main(sys.argv[1:]); "
-        "print([m for m in ('pint', 'scipy', 'xarray', 'matplotlib') if m in sys.modules], file=sys.stderr)"
-    )
-    done = subprocess.run([sys.executable, "-c", code, "run", str(BALL)], capture_output=True, text=True, check=True)
+@pytest.mark.parametrize(
+    ("code", "unneeded"),
+    [
+        ("from film_model.cli.main import parser; parser().format_help()", {"numpy", "pathlib", "film_model.scene"}),
+        (
+            f"from film_model.cli.main import main; main(['run', {str(BALL)!r}])",
+            {"pint", "scipy", "xarray", "matplotlib", "film_datasets", "pathlib", "csv", "film_model.face"}
+            | {"film_model.laws.tsuji", "film_model.targets.plate", "film_model.solve.vibration"},
+        ),
+        ("import film_datasets", {"xarray", "pandas", "pint", "scipy", "matplotlib", "netCDF4", "zarr"}),
+    ],
+    ids=["help", "run", "film_datasets"],
+)
+def test_what_is_not_needed_is_not_imported(code, unneeded):
+    code += f"; import sys; print(sorted({unneeded} & set(sys.modules)), file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stderr.splitlines()[-1] == "[]"
 
 

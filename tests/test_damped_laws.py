@@ -183,6 +183,15 @@ def test_linear_dashpot_in_closed_form(ratio):
     assert few["contact_duration"] == pytest.approx(duration, rel=1e-11)
 
 
+@pytest.mark.parametrize("off", [1e-6, -1e-6, 1e-10, -1e-13])
+def test_restitution_keeps_its_digits_near_critical_damping(off):
+    """The series there: ln e = −2 − (4/3)(ζ − 1) + (2/5)(ζ − 1)² − …"""
+    ratio = 1.0 + off
+    beyond = ratio - 1.0
+    series = math.exp(-2.0) * math.exp(-4.0 / 3.0 * beyond + 0.4 * beyond**2)
+    assert spring_restitution(ratio) == pytest.approx(series, rel=1e-15)
+
+
 @pytest.mark.parametrize("e", [1e-4, 0.1, math.exp(-2), 0.5, 0.9, 0.999999, 1.0])
 def test_restitution_is_inverted_exactly(e):
     assert spring_restitution(spring_ratio(e)) == pytest.approx(e, rel=1e-12)

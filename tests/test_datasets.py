@@ -348,6 +348,15 @@ def test_film_model_does_not_import_film_datasets() -> None:
     assert run.stdout == "ok\n", run.stderr
 
 
+def test_the_accessor_exists_where_xarray_is_imported_later():
+    code = (
+        "import film_datasets, importlib.util as util; util.find_spec('xarray'); import xarray; "
+        "print(xarray.Dataset.film is film_datasets.Film)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "True\n"
+
+
 @EVERY_SCENE
 def test_cf_checker_finds_nothing(path: Path, tmp_path: Path) -> None:
     pytest.importorskip("compliance_checker")

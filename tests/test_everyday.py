@@ -101,7 +101,8 @@ def test_a_history_becomes_a_dataset():
 @pytest.mark.slow
 def test_methods_from_above_import_nothing_until_they_are_called():
     code = (
-        "import sys, film_model; print({'xarray', 'matplotlib', 'film_datasets', 'film_model.plot'} & {*sys.modules})"
+        "import sys, film_model; film_model.simulate; "
+        "print({'xarray', 'matplotlib', 'film_datasets', 'film_model.plot'} & {*sys.modules})"
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout == "set()\n"

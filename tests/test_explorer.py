@@ -19,6 +19,7 @@ from film_model.explorer.content import Content, regime_map
 from film_model.explorer.page import page, scripts
 from film_model.explorer.trace import Recording
 from film_model.laws import LAWS
+from film_model.targets import TARGETS
 
 FIRST_LOAD = 200_000
 """Most bytes of the page, compressed with gzip."""
@@ -122,6 +123,16 @@ def laws_with(contact):
     """The laws of a page for a ball on steel, by name."""
     scene = fm.Scene.from_table({"impactor": BALL, "target": SLAB, "contact": contact})
     return {law["name"]: law for law in Content([("a", scene)]).table()["laws"]}
+
+
+def test_a_parameter_of_0_stays_as_it_is():
+    """A law has another curve where it is above 0."""
+    laws = laws_with({"law": "meyer", "stiffness": "2e13 N/m^2", "exponent": 2})
+    assert laws["meyer"]["live"] == [] and laws["meyer"]["own"]["initial_indentation"] == 0.0
+
+
+def test_the_page_has_an_example_of_every_kind_of_target():
+    assert {scene.target.kind for _, scene in page_module.examples()} == set(TARGETS)
 
 
 def test_a_damped_law_may_have_another_damping():

@@ -3,17 +3,20 @@
 import importlib.util
 import math
 import re
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from browser import CHROMIUM, SUMMARIES, chromium, random_addresses
+from browser import CHROMIUM, SUMMARIES, chromium, page_of_everything, random_addresses
 from cases import creeps
 
 import film_model as fm
 from film_model.base.errors import SceneError
+from film_model.core import native
 from film_model.explorer.page import WASM, page, write_page
+from film_model.problem.summary import rounding
 from film_model.studies.regimes import regimes
 
 pytestmark = [
@@ -29,11 +32,11 @@ EXAMPLES = sorted((Path(__file__).parent.parent / "examples" / "scenes").glob("*
 SAME = 1e-12
 """Largest relative difference between the page and Python: the rounding of two libraries of elementary functions."""
 
-ON_MODES = 1e-11
-"""The same on the modes of a target."""
+ON_MODES = 1e-9
+"""The same on the modes of a target, where each contact amplifies the rounding of those before."""
 
-SLOW_END = 1e-3
-"""Coefficient of restitution below which the end of contact is a small difference, and is compared less closely."""
+SEEDS = 4
+"""Parts of the comparison with Python, so that several processes share it."""
 
 FRAME = 25.0
 """Milliseconds of processor time from a slider to the new picture, at the 95th percentile. The aim is 16; other
@@ -75,9 +78,9 @@ def shown(browser):
 
 
 def off(history, found):
-    """The largest difference of two summaries, and whether it is of a contact with a slow end."""
+    """The largest difference of two summaries."""
     summary, scene = history.summary, history.scene
-    depth, restitution = summary["maximum_indentation"] or 0.0, summary["coefficient_of_restitution"] or 0.0
+    depth = summary["maximum_indentation"] or 0.0
     least = dict.fromkeys(("energy_absorbed", "energy_radiated"), scene.kinetic_energy)
     least |= {"rebound_velocity": 1e-3 * scene.approach_velocity, "coefficient_of_restitution": 1e-3}
     least |= {"permanent_indentation": 1e-3 * depth}
@@ -88,44 +91,68 @@ def off(history, found):
         if value is None or other is None:
             worst = worst if value is other or creeping else math.inf
         elif value != other:
-            worst = max(worst, abs(value - other) / max(abs(value), least.get(name, 0.0)))
-    return worst, restitution < SLOW_END
+            worst = max(worst, abs(value - other) / max(abs(value), abs(other), least.get(name, 0.0)))
+    return worst
 
 
-def test_random_scenes_equal_python(shown, address):
-    addresses = random_addresses(300, 20)
+def amplified(history):
+    """How much rounding may change the summary: most where contact ends slowly."""
+    accuracy, line = history.accuracy, history.scene.solver.linearisation
+    kind = native.CHORD if line == "chord" else native.WORK_PRESERVING
+    _, summary = history.problem.march(native.mesh(kind, accuracy.segments, accuracy.unloading_segments))
+    return rounding(history.problem, summary)
+
+
+@pytest.fixture(scope="module")
+def everything(tmp_path_factory):
+    """Address and data of a page with every kind of target and every law."""
+    text, table = page_of_everything()
+    path = tmp_path_factory.mktemp("page") / "everything.html"
+    path.write_text(text, encoding="utf-8")
+    return path.as_uri(), table
+
+
+@pytest.mark.parametrize("seed", range(SEEDS))
+def test_random_scenes_equal_python(shown, everything, seed):
+    """10⁴ scenes by all seeds."""
+    address, table = everything
+    addresses = random_addresses(table, 10_000 // SEEDS, seed)
     results = shown(address).evaluate(SUMMARIES, addresses)
-    compared = 0
+    compared = Counter()
     for fragment, (found, text) in zip(addresses, results, strict=True):
         assert found["ignored"] == [], fragment
         try:
             history = fm.simulate(fm.Scene.from_text(text)) if text else None
-        except (SceneError, fm.SimulationError, ValueError):
+        except (SceneError, fm.SimulationError):
             history = None
+        warned = found.get("edges") and found["edges"]["matter"]  # the page says that it has no edges
         if history is None:
-            assert "summary" not in found, fragment
-            continue
-        if "summary" not in found:
+            assert warned or "summary" not in found, fragment
+        elif "summary" not in found:
             assert "on this page" in found["reason"] or "is available here" in found["reason"], (fragment, found)
-            continue
-        compared += 1
-        check(history, found, fragment)
-    assert compared > 200
+        elif not (warned and (history.accuracy.modes or history.problem.compliance)):
+            compared[found["law"]] += 1
+            check(history, found, fragment)
+    assert compared.total() > 0.85 * len(addresses)
+    assert compared.keys() == {law["name"] for law in table["laws"]}
 
 
 def check(history, found, fragment):
     """The same law, the same effects and the same summary.
 
-    Contacts on a target that vibrates follow each other and amplify rounding. Where the page has too few modes, or
-    other digits of the accuracy end its search earlier, the two errors bound the difference.
+    To 1e-12, or to what rounding changes where contact ends slowly. Contacts on a target that vibrates follow each
+    other and amplify rounding. Where contact does not end, the accuracy is not reached, or other digits of it end the
+    page's search earlier, the two errors bound the difference.
     """
     assert found["law"] == history.problem.law.name
-    worst, slow = off(history, found)
-    allowed = max(1e4 * SAME, history.accuracy.estimated) if slow else SAME
+    worst = off(history, found)
     if found["modes"]:
-        same = found["modes"] == history.accuracy.modes
-        allowed = ON_MODES if same else found["error"] + history.accuracy.estimated
-    assert worst <= allowed, fragment
+        reached = not any("is not reached" in text for text in found["warnings"])
+        same = reached and found["modes"] == history.accuracy.modes
+        assert worst <= (ON_MODES if same else found["error"] + history.accuracy.estimated), fragment
+    elif worst > SAME:
+        same = found["segments"] == history.accuracy.lines and history.outcome is fm.Outcome.SEPARATED
+        assert worst <= (amplified(history) if same else found["error"] + history.accuracy.estimated), fragment
     decided = {effect.name: effect.simulated for effect in history.effects}
     for name, effect in found["effects"].items():
         assert effect["simulated"] == decided[name], (fragment, name)

@@ -244,3 +244,16 @@ def test_an_oblique_impact_that_does_not_end_still_says_so():
     soft = {**STEEL, "youngs_modulus": "1 MPa"}
     laid = scene(soft, fm.HalfSpace(soft), "0.1 mm/s", fm.Contact("hertz"), angle="45 deg")
     assert effect_of(laid, "obliqueness").state == NOT_MODELLED
+
+
+def test_an_impact_that_a_fixed_target_would_drive_beyond_the_law_is_judged():
+    """A static stiffness stops a heavy body that would crush a target that does not move."""
+    body = {"radius": "5 mm", "mass": "6.941 kg", "velocity": "3.454 m/s", "material": "bearing steel"}
+    soft = {
+        "kind": "plate",
+        "thickness": "2 mm",
+        "static_stiffness": "1e6 N/m",
+        "material": {**STEEL, "yield_strength": "114 MPa"},
+    }
+    laid = fm.Scene.from_table({"impactor": body, "target": soft})
+    assert effect_of(laid, "boundary_reflections").state == SIMULATED

@@ -101,6 +101,14 @@ def test_lines_for_words_and_few_values() -> None:
     assert {(line.get_linestyle(), line.get_marker()) for line in panel.lines} == {("None", "o")}  # words have no order
 
 
+def test_names_of_materials_are_written_with_spaces() -> None:
+    ds = fd.sweep(BALL, {"impactor.velocity": VELOCITY, "target.material": ["mild steel", "aluminium 6061-T6"]})
+    panel = fd.plot(ds, quantity="maximum_force").axes[0]
+    assert [text.get_text() for text in panel.get_legend().get_texts()] == ["mild steel", "aluminium 6061-T6"]
+    panel = fd.plot(ds, over="target_material", at={"impactor_velocity": 5.0}, quantity="maximum_force").axes[0]
+    assert [text.get_text() for text in panel.get_xticklabels()] == ["mild steel", "aluminium 6061-T6"]
+
+
 def test_heat_map_and_cloud() -> None:
     radius = {"from": "5 mm", "to": "15 mm", "count": 11}
     ds = fd.sweep(BALL, {"impactor.velocity": VELOCITY, "impactor.radius": radius, "impactor.mass": ["60 g", "70 g"]})

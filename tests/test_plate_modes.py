@@ -65,8 +65,8 @@ def test_clamped_square_plate():
 
 @pytest.mark.parametrize("letters", ["FFFF", "CFCF"])
 def test_vibrations_with_a_node_by_symmetry_are_left_out(letters):
-    """Of a square plate struck on its diagonal. They are there beside the diagonal; what rounding gives them is 1e-30 to
-    6e-11 of the largest share, and depended on the machine."""
+    """Of a square plate struck on its diagonal. They are there beside the diagonal. Rounding, which depends on the
+    machine, gives them shares of 1e-30 to 6e-11 of the largest."""
     number = {}
     for place in ((0.185, 0.185), (0.185, 0.21)):
         modes = panel_modes(panel(letters), place, 3000.0)

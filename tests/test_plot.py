@@ -118,6 +118,18 @@ def test_event_labels_stay_in_the_picture_and_apart(stem: str, changes: dict[str
         assert text.get_window_extent().x1 < figure.bbox.x1
 
 
+def test_of_many_contacts_only_the_ends_are_marked() -> None:
+    ball = {"radius": "5 mm", "velocity": "1 m/s", "material": "bearing steel"}
+    modes = {"frequency": ["2 kHz", "11 kHz"], "modal_mass": ["5 g", "6 g"], "material": "mild steel"}
+    history = fm.simulate(fm.Scene.from_table({"impactor": ball, "target": {"kind": "structure"} | modes}))
+    ends = [event for event in history.events[1:] if event.name in ("contact_begins", "contact_ends")]
+    assert len(ends) > 1 and len(history.events) > plot.MOST_MARKED
+    top = plot.plot_history(history).axes[0]
+    assert {text.get_text() for text in top.texts} == {"contact ends", "contact again"}
+    uprights = [line for line in top.lines if list(line.get_ydata()) == [0, 1]]
+    assert len(uprights) == len(ends)
+
+
 def test_legends_lie_beside_the_curves() -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 

@@ -21,6 +21,7 @@ from film_model.studies import (
     impact_ode,
     integrators,
     methods,
+    modal_methods,
     quadrature,
     reference,
     timing,
@@ -229,13 +230,13 @@ def test_unsupported_methods_are_marked():
     done = cost.study(paper("tungsten_carbide_on_steel_stronge"), methods=["heyoka"])
     assert {run.outcome for run in done.runs} == {"the force is not a polynomial in √ξ"}
     assert all(run.errors == {} and run.error == math.inf for run in done.runs)
-    assert done.sentence() == "FILM, work-preserving, was not timed."
+    assert done.sentence() == "FILM was not timed."
 
 
 @pytest.mark.slow
 def test_untimed_methods_are_not_compared():
     done = cost.study(paper("tungsten_carbide_on_steel"), methods=["solve_ivp RK45"])
-    assert done.sentence().startswith("FILM, work-preserving, was not timed; error 0.0001: solve_ivp RK45 takes ")
+    assert done.sentence().startswith("FILM was not timed; error 0.0001: solve_ivp RK45 takes ")
     assert done.sentence().endswith("s.")
     assert done.beaten() == []
 
@@ -290,6 +291,55 @@ def test_command_line(capsys, tmp_path):
     assert main([*arguments, "--plot", str(tmp_path / "cost.gif")]) == 3
     said = capsys.readouterr().err
     assert "must end in .png" in said and "timing" not in said
+
+
+def on_modes(target, law="hertz"):
+    """A ball of 50 g on a target that vibrates, which it strikes several times."""
+    ball = fm.Sphere("12 mm", "1 m/s", material="bearing steel", mass="50 g")
+    effects = fm.Effects(gravity=False, boundary_reflections=True, target_inertia=True)
+    return fm.Scene(ball, target, fm.Contact(law), effects, fm.Solver(accuracy=1e-2))
+
+
+def test_a_study_on_modes_against_their_reference(monkeypatch):
+    """A structure that moves as a whole, with damped vibrations: all methods converge to DOP853 at 1e-12."""
+    monkeypatch.setattr(modal_methods, "BATCH", 4)
+    target = fm.Structure(
+        frequency=["0 Hz", "900 Hz", "4 kHz"],
+        modal_mass=["0.2 kg", "0.1 kg", "0.05 kg"],
+        damping_ratio=[0.05, 0.02],
+        material="mild steel",
+    )
+    done = cost.study(on_modes(target))
+    assert done.film == "FILM, on modes" and done.reference["method"].startswith("DOP853 on 3 modes")
+    assert done.reference["error"] < 1e-9
+    runs = {(run.method, run.setting): run for run in done.runs}
+    assert all(run.outcome == "done" and run.force_evaluations > 20 for run in done.runs)
+    assert runs["FILM, on modes", "tolerance 1e-11"].error < 1e-9
+    assert runs["FILM, on modes", "tolerance 1e-05"].error < 1e-4
+    assert runs["solve_ivp DOP853", "rtol 1e-08"].error < 1e-5
+    assert runs["solve_ivp RK45", "rtol 1e-07"].error < 1e-4
+    rough, fine = (runs["Newmark", f"{n} steps"].error for n in (50, 800))
+    assert math.log(rough / fine, 16.0) == pytest.approx(2.0, abs=0.3)
+    assert "tolerance" in done.sentence() and "takes" in done.sentence()
+    with pytest.raises(fm.SimulationError, match="which failed: damped laws on vibrating targets are not integrated"):
+        cost.study(on_modes(target, LAWS["tsuji"]))
+
+
+@pytest.mark.slow
+def test_a_study_of_a_plate_by_command(tmp_path, capsys):
+    """As on other targets: table, picture and file; several contacts, and a law that yields."""
+    plate = fm.Plate("aluminium", "3 mm", size=["100 mm", "80 mm"], edges="clamped")
+    path, drawn, data = (tmp_path / name for name in ("scene.toml", "cost.png", "cost.nc"))
+    path.write_text(on_modes(plate, "jackson-green").to_toml(), encoding="utf-8")
+    assert main(["cost", str(path), "--plot", str(drawn), "--output", str(data), "--method", "FILM"]) == 0
+    said = capsys.readouterr().out
+    assert "reference: DOP853 on" in said and "tolerance 1e-06" in said and "us" in said
+    assert drawn.stat().st_size > 10_000
+    back = fd.open(data)
+    assert float(back["error_maximum_force"].min()) < 1e-9
+    assert main(["plot", str(data), "--output", str(tmp_path / "again.png")]) == 0
+    assert main(["cost", str(path), "--method", "magic"]) == 3
+    assert "there are FILM, on modes; solve_ivp RK45" in capsys.readouterr().err
 
 
 def test_times_are_shown_without_a_power_of_ten():

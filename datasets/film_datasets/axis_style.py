@@ -67,7 +67,7 @@ def format_axis(panel: Any, which: str, array: xr.DataArray, scaled: xr.DataArra
     axis = getattr(panel, f"{which}axis")
     meanings = words_of(array) if holds_text(array) else flag_meanings(array)
     if meanings:
-        axis.set_ticks(range(len(meanings)), meanings)
+        axis.set_ticks(range(len(meanings)), [plain(word) for word in meanings])
         return
     array = array if scaled is None else scaled
     values = np.asarray(array.values[:: max(1, array.size // MOST_POINTS)], np.float64)

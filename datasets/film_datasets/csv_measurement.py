@@ -7,9 +7,9 @@ import hashlib
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from film_datasets.provenance import provenance
 from film_datasets.schema import MEASUREMENT, TABLE, Variable, content_sha256
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.units import DIMENSIONS, to_si
+from film_model.scene import STANDARD_GRAVITY
 from film_model.scene.toml import read_text
 
 if TYPE_CHECKING:
@@ -25,26 +26,57 @@ if TYPE_CHECKING:
 NAMES = {
     **{"time": "t", "force": "contact_force", "velocity": "impactor_velocity", "displacement": "impactor_displacement"},
     **{"restitution": "coefficient_of_restitution", "e": "coefficient_of_restitution"},
+    "acceleration": "impactor_acceleration",
 }
 """Short names of columns, and the variables they stand for."""
+
+
+class Converted(NamedTuple):
+    """A column that is stored as another quantity: the variable, the dimension of the cells, and the conversion, SI."""
+
+    variable: str
+    dimension: str
+    convert: Callable[[Any], Any]
+    what: str
+
+
+CONVERTED = {
+    "drop_height": Converted(
+        *("impactor_velocity", "length", lambda height: np.sqrt(2.0 * STANDARD_GRAVITY * height)),
+        "of a fall from rest, instead of the velocity",
+    ),
+    "rebound_height": Converted(
+        *("rebound_velocity", "length", lambda height: -np.sqrt(2.0 * STANDARD_GRAVITY * height)),
+        "to which the impactor rises afterwards",
+    ),
+    "deceleration": Converted("impactor_acceleration", "acceleration", np.negative, "positive during contact"),
+}
+"""Columns that are converted as they are read."""
+
+STANDARD_GRAVITIES = ("g", "G", "gn", "g0")
+"""Words for the unit 9.80665 m/s² of accelerations, which elsewhere are grams or not known."""
 
 MOST_MISTAKES = 20
 """Wrong cells that are reported."""
 
 _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?\s*")
 
+_FACTOR = re.compile(r"[+-]?[0-9.]")
+
 
 def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str, str] | None = None) -> xr.Dataset:
     """A measured history, or measured impacts at several velocities, as a dataset of kind impact_measurement, SI.
 
     The first line that is not a comment (#) has the names of the columns, each with its unit: `time [us], force [kN]`
-    and any other quantity of a history; or `velocity [m/s], restitution` and any other summary quantity. Times count
-    from first touch (an offset can be fitted, see `identify`). Cells may be empty, except times and velocities. Columns
-    are separated by commas, semicolons or tabs; numbers have a decimal point.
+    and any other quantity of a history; or `velocity [m/s], restitution` and any other summary quantity. The units may
+    be a row of their own below it. Times count from first touch (an offset can be fitted, see `identify`). Cells may be
+    empty, except times and velocities. Columns are separated by commas, semicolons or tabs; numbers have a decimal
+    point. `acceleration [g]` is that of an accelerometer on the impactor, positive into the target; `deceleration` the
+    opposite. `drop_height` and `rebound_height` are stored as the velocities √(2 g h) of a fall without drag.
 
-    columns: headings of the file for the quantities that are to be read, {"time": "t [us]", "force": "CH1 [kN]"}; a
-    unit there replaces that in the file. Other columns, and lines before the heading, such as those of an
-    oscilloscope, are then ignored.
+    columns: headings of the file for the quantities that are to be read, {"time": "t [us]", "force": "CH1 [2.2 kN]"}; a
+    unit there replaces that in the file, and may have the factor of a sensor. Other columns, and lines before the
+    heading, such as those of an oscilloscope, are then ignored.
 
     Raises SceneError with all mistakes and their lines.
 
@@ -63,11 +95,20 @@ def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str
     if not any(row[-1].strip() for _, row in cells):  # every line ends with a separator
         cells = [(number, row[:-1]) for number, row in cells]
     (head, headings), body = cells[0], cells[1:]
-    names = [NAMES.get(_name(heading), _name(heading)) for heading in headings]
+    if not any(split_heading(heading)[1] for heading in headings) and not any(map(_is_number, body[0][1])):
+        headings, body = (
+            [f"{one} [{unit.strip(' []()')}]" for one, unit in zip(headings, body[0][1], strict=False)],
+            body[1:],
+        )
+    names = [_variable(heading) for heading in headings]
     kind = "history" if "t" in names else "impacts"
     known = {variable.name: variable for variable in TABLE[f"{MEASUREMENT} {kind}"]}
     units = _columns(name, head, headings, names, known)
     values = _values(name, body, names, units)
+    for one in (CONVERTED[_name(heading)] for heading in headings if _name(heading) in CONVERTED):
+        if one.dimension == "length" and (wrong := np.flatnonzero(values[one.variable] < 0)).size:
+            raise SceneError([Mistake(name, body[int(wrong[0])][0], "", "a height must not be negative")])
+        values[one.variable] = one.convert(values[one.variable])
     along = next(iter(known))
     if kind == "history" and not (np.diff(values[along]) > 0).all():
         late = int(np.flatnonzero(~(np.diff(values[along]) > 0))[0]) + 1
@@ -94,10 +135,16 @@ def _name(heading: str) -> str:
     return split_heading(heading)[0].lower().replace(" ", "_")
 
 
+def _variable(heading: str) -> str:
+    """The variable in which a column is stored."""
+    name = _name(heading)
+    return CONVERTED[name].variable if name in CONVERTED else NAMES.get(name, name)
+
+
 def _chosen_columns(file: str, numbered: list[tuple[int, str]], columns: Mapping[str, str]) -> list[tuple[int, str]]:
     """The lines from the heading on, with the chosen columns only and under their quantities' names.
 
-    The heading is the first line that has all these columns; rows of units, without a number, may follow it.
+    The heading is the first line that has all these columns. Rows without a number may follow it, first that of units.
     """
     wanted = {quantity: split_heading(heading) for quantity, heading in columns.items()}
     for place, (number, line) in enumerate(numbered):
@@ -107,15 +154,22 @@ def _chosen_columns(file: str, numbered: list[tuple[int, str]], columns: Mapping
         if not all(name in names or name in cells for name, _ in wanted.values()):
             continue
         places = [(cells if name in cells else names).index(name) for name, _ in wanted.values()]
-        units = [unit or split_heading(cells[k])[1] for k, (_, unit) in zip(places, wanted.values(), strict=True)]
-        heading = [f"{name} [{unit}]" for name, unit in zip(wanted, units, strict=True)]
         body = numbered[place + 1 :]
         rows = [(n, next(csv.reader([text], delimiter=separator))) for n, text in body]
         first = next((k for k, (_, row) in enumerate(rows) if any(map(_is_number, row))), len(rows))
+        below = [*(rows[0][1] if first else ()), *[""] * len(cells)]  # a row of units
+        own = [split_heading(cells[k])[1] or below[k].strip(" []()") for k in places]
+        units = [unit or mine for (_, unit), mine in zip(wanted.values(), own, strict=True)]
+        heading = [f"{name} [{unit}]" for name, unit in zip(wanted, units, strict=True)]
         picked = [(n, [row[k].strip() if k < len(row) else "" for k in places]) for n, row in rows[first:]]
         return [(number, ",".join(heading)), *((n, ",".join(map(_quoted, row))) for n, row in picked)]
     missing = ", ".join(shown(heading) for heading in columns.values())
     raise SceneError([Mistake(file, None, "", f"no line has the columns {missing}")])
+
+
+def _size(unit: str) -> str:
+    """What a cell of 1 means: the unit may have a factor, such as "2.2 kN" for the volts of a sensor."""
+    return unit if _FACTOR.match(unit) else f"1 {unit}"
 
 
 def _is_number(cell: str) -> bool:
@@ -138,24 +192,30 @@ def _columns(
     columns: dict[str, tuple[str, str]] = {}
     for heading, name in zip(headings, names, strict=True):
         if name not in known:
-            hint = did_you_mean(name, [*known, *NAMES]) or f"; there are {', '.join(known)}"
+            hint = did_you_mean(name, [*known, *NAMES, *CONVERTED]) or f"; there are {', '.join(known)}"
             mistakes.append(Mistake(file, line, "", f"column {shown(heading.strip())} is not known{hint}"))
             continue
         if name in columns:
             mistakes.append(Mistake(file, line, "", f"column {shown(heading.strip())} is given twice"))
         unit = split_heading(heading)[1]
         dimension = next(key for key, value in DIMENSIONS.items() if value.unit == known[name].unit)
+        if _name(heading) in CONVERTED:
+            dimension = CONVERTED[_name(heading)].dimension
+        if dimension == "acceleration" and unit in STANDARD_GRAVITIES:
+            unit = "standard_gravity"
         if dimension == "dimensionless" and unit in ("-", "1"):
             unit = ""
         try:
-            to_si(f"1 {unit}", dimension)
+            to_si(_size(unit), dimension)
         except ValueError as error:
             what = str(error).replace(f'"1 {unit}"', f"unit {shown(unit)}" if unit else "no unit:")
             mistakes.append(Mistake(file, line, "", f"column {shown(heading.strip())}: {what}"))
         columns[name] = dimension, unit
     along, *others = known
     if along not in names:
-        mistakes.append(Mistake(file, line, "", 'a column "time [us]" or "velocity [m/s]" is needed'))
+        mistakes.append(
+            Mistake(file, line, "", 'a column "time [us]", "velocity [m/s]" or "drop_height [mm]" is needed')
+        )
     elif not set(others) & set(names):
         mistakes.append(Mistake(file, line, "", f"a column beside {along} is needed: {', '.join(others)}"))
     raise_all(mistakes)
@@ -186,7 +246,7 @@ def _values(
                     Mistake(file, line, "", f"{names[column]}: {shown(cell.strip())} is not a number{hint}")
                 )
     raise_all(mistakes[:MOST_MISTAKES])
-    sizes = [to_si(f"1 {unit}", dimension) for dimension, unit in (columns[name] for name in names)]
+    sizes = [to_si(_size(unit), dimension) for dimension, unit in (columns[name] for name in names)]
     return {name: table[:, k] * sizes[k] for k, name in enumerate(names)}
 
 

@@ -175,7 +175,9 @@ def _draw_scatter(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str]
     else:
         y_values, y_label = values_and_label(ds[over[1]])
         area, colours = 25 if few else 4, array.values / size
-        points = panel.scatter(x_values, y_values, area, colours, cmap=COLOUR_MAP, rasterized=True)
+        points = panel.scatter(
+            x_values, y_values, area, colours, cmap=COLOUR_MAP, edgecolors="0.5", linewidths=0.3, rasterized=True
+        )
         figure.colorbar(points, ax=panel, label=label(quantity, unit))
         panel.set(xlabel=x_label, ylabel=y_label)
         format_axis(panel, "y", ds[over[1]])
@@ -233,7 +235,7 @@ def _select(ds: xr.Dataset, quantity: str, free: list[str], at: dict[str, Any]) 
 def _legend_texts(array: xr.DataArray) -> list[str]:
     """The values of a swept quantity as texts."""
     if words_of(array):
-        return words_of(array)
+        return [plain(word) for word in words_of(array)]
     size, unit = prefixed_unit(array.values, dimension_of(array))
     return [f"{value:.4g} {unit}".rstrip() for value in (array.values / size).tolist()]
 

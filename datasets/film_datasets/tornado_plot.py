@@ -58,7 +58,7 @@ def _fill(figure: Figure, sweep: Sweep, quantity: str, swings: Sequence[Swing], 
                 text, (middle + length, place), (gap, 0), textcoords="offset points", ha=side, va="center", fontsize=7
             )
     panel.axvline(middle, color="0.3", linewidth=0.8)
-    panel.set_yticks(range(len(swings)), [plain(swing.path) for swing in swings])
+    panel.set_yticks(range(len(swings)), [plain(swing.path).replace(".", " ") for swing in swings])
     panel.invert_yaxis()
     panel.margins(x=0.24)
     panel.set_xlabel(label(quantity, unit))

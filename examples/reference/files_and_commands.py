@@ -4,13 +4,14 @@ import argparse
 from collections.abc import Mapping
 
 from examples.reference.markdown import MADE, table, unit, words
-from film_datasets.csv_measurement import NAMES
+from film_datasets.csv_measurement import CONVERTED, NAMES
+from film_datasets.schema import MEASURED_MOTION
 from film_datasets.sweeps.axis_reading import SPACINGS
 from film_datasets.sweeps.definition import DESIGNS
 from film_datasets.sweeps.designs import MOST_SAMPLES
 from film_datasets.sweeps.distributions import DISTRIBUTIONS, EMPIRICAL
 from film_model.cli.main import parser
-from film_model.solve.history import MOTION, SUMMARY
+from film_model.solve.history import SUMMARY
 
 COMMANDS = {
     "new": "film-model new --kind plate --output scene.toml",
@@ -107,6 +108,10 @@ def csv_page() -> str:
     short: dict[str, list[str]] = {}
     for word, name in NAMES.items():
         short.setdefault(name, []).append(word)
+    converted = table(
+        ("column", "stored as", "unit, e.g.", "meaning"),
+        ((f"`{word}`", f"`{one.variable}`", unit(one.dimension), one.what) for word, one in CONVERTED.items()),
+    )
 
     def rows(quantities: Mapping[str, tuple[str, str]]) -> str:
         return table(
@@ -120,18 +125,20 @@ def csv_page() -> str:
     return f"""# CSV files
 
 {MADE}All are UTF-8 text. The first line names the columns, each with its unit in brackets:
-`time [us], force [kN]`. Columns are separated by commas, semicolons or tabs, numbers have a decimal point, and lines
-that begin with `#` are comments. Mistakes are reported with their line.
+`time [us], force [kN]`; in measurements the units may be a row of their own below it. Columns are separated by commas,
+semicolons or tabs, numbers have a decimal point, and lines that begin with `#` are comments. Mistakes are reported with
+their line.
 
 Measurements in files with other headings, or with lines of an oscilloscope before them, are read by
-`film-model identify … --columns time="TIME [s]" force="CH1 [kN]"`: the heading of each quantity in the file, with the
-unit that its numbers have. Other columns are ignored.
+`film-model identify … --columns time=TIME force="CH1 [2.2 kN]"`: the heading of each quantity in the file, with the
+unit that its numbers have, unless the file says so; a factor is that of the sensor, here 2.2 kN/V. Other columns are
+ignored. `examples/measurements` has a file of drop heights and one of an oscilloscope.
 
 ## A measured history
 
 For `film-model identify` and `film_datasets.from_csv`. Times increase and count from first touch.
 
-{rows({"t": ("time", "time since first touch; required"), **MOTION})}
+{rows({"t": ("time", "time since first touch; required"), **MEASURED_MOTION})}
 ```text
 time [us], force [N]
 0, 0
@@ -148,6 +155,18 @@ For the same commands: one row for each impact. Cells may be empty, except veloc
 velocity [m/s], restitution
 0.2, 0.61
 0.5, 0.50
+```
+
+## Columns that are converted
+
+{converted}
+Accelerations may be in `g`, 9.80665 m/s². `rebound_height` and `drop_height` take falls without drag.
+
+```text
+drop_height, rebound_height
+mm, mm
+100, 31
+500, 112
 ```
 
 ## A contact law as a table

@@ -1,10 +1,58 @@
-"""Methods of a class whose functions are in a package above that of the class."""
+"""What is imported when it is first used: the classes of a list, and methods of packages above a class."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, MutableMapping
 from importlib import import_module
 from types import MethodType
-from typing import Any
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+
+
+class LateClasses(MutableMapping[str, type[T]]):
+    """Classes by their names in scene files, each in a file of its own in `package`.
+
+    The file and the class are named alike: "half-space" is `HalfSpace` in `half_space.py`. An import takes as long as a
+    simulation, and a scene needs few of them.
+    """
+
+    def __init__(self, package: str, names: tuple[str, ...]) -> None:
+        self._package = package
+        self._loaded: dict[str, type[T] | None] = dict.fromkeys(names)
+
+    def __getitem__(self, name: str) -> type[T]:
+        found = self._loaded[name]
+        if found is None:
+            module = import_module(f"{self._package}.{name.replace('-', '_')}")
+            found = self._loaded[name] = getattr(module, _class_name(name))
+        return found
+
+    def __setitem__(self, name: str, value: type[T]) -> None:
+        self._loaded[name] = value
+
+    def __delitem__(self, name: str) -> None:
+        del self._loaded[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._loaded)
+
+    def __len__(self) -> int:
+        return len(self._loaded)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._loaded
+
+    def called(self, class_name: str) -> type[T]:
+        """The class of this name, for a package's `__getattr__`; AttributeError if there is none."""
+        for name in self:
+            if _class_name(name) == class_name:
+                return self[name]
+        raise AttributeError(f"module {self._package!r} has no attribute {class_name!r}")
+
+
+def _class_name(name: str) -> str:
+    return "".join(word.capitalize() for word in name.split("-"))
 
 
 class Late:

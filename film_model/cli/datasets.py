@@ -47,7 +47,9 @@ def add_commands(named: Any) -> None:
     parser.set_defaults(command=plot)
 
     parser = named.add_parser("identify", help="fit parameters of a scene to a measurement")
-    parser.add_argument("measured", help="CSV file: time and force, or velocity and restitution, with units")
+    parser.add_argument(
+        "measured", nargs="+", help="CSV files: time and force, or velocity and restitution, with units"
+    )
     parser.add_argument("scene", help="scene file (TOML), with initial values")
     parser.add_argument("--fit", required=True, metavar="NAME[,NAME]", help="e.g. contact.yield_strength,time_offset")
     parser.add_argument(
@@ -56,8 +58,20 @@ def add_commands(named: Any) -> None:
         nargs="+",
         help='headings of the file, e.g. time="t [us]" force="CH1 [kN]"; lines before them are ignored',
     )
+    parser.add_argument(
+        "--each",
+        metavar="KEY=VALUE[,VALUE]",
+        action="append",
+        help='an entry of the scene that differs between the files, e.g. impactor.velocity="1 m/s,2 m/s"',
+    )
     parser.add_argument("--law", metavar="NAME[,NAME]", help="compare these laws, or all, instead of the scene's")
     parser.add_argument("--confidence", type=float, default=0.99, help="level of the intervals (default: 0.99)")
+    parser.add_argument(
+        "--intervals",
+        choices=("curvature", "profile"),
+        default="curvature",
+        help="how they are found; profile: exactly",
+    )
     add_plot(parser, "draw measurement and fit")
     add_force(parser, "overwrite an existing picture")
     add_json(parser)
@@ -184,10 +198,12 @@ def identify(options: argparse.Namespace) -> int:
     check_picture(options.plot, options.force)
     scene = Scene.from_toml(options.scene)
     columns = dict(pair.partition("=")[::2] for pair in options.columns or ())
-    measured = film_datasets.from_csv(options.measured, columns=columns)
+    measured = [film_datasets.from_csv(path, columns=columns) for path in options.measured]
+    pairs = (pair.partition("=")[::2] for pair in options.each or ())
+    given: dict[str, Any] = {"each": {key: listed(values) for key, values in pairs}, "intervals": options.intervals}
     if options.law:
-        return _compare(options, measured, scene)
-    found = film_datasets.identify(measured, scene, listed(options.fit), options.confidence)
+        return _compare(options, measured, scene, given)
+    found = film_datasets.identify(measured, scene, listed(options.fit), options.confidence, **given)
     if options.plot:
         found.plot(options.plot)
     if options.json:
@@ -199,13 +215,13 @@ def identify(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _compare(options: argparse.Namespace, measured: Any, scene: Scene) -> int:
+def _compare(options: argparse.Namespace, measured: Any, scene: Scene, given: dict[str, Any]) -> int:
     """Fit with several laws; the picture is that of the best."""
     from film_datasets.identification import compare_laws, comparison_table
     from film_model.laws import LAWS
 
     laws = list(LAWS) if options.law == "all" else listed(options.law)
-    found = compare_laws(measured, scene, listed(options.fit), laws, options.confidence)
+    found = compare_laws(measured, scene, listed(options.fit), laws, options.confidence, **given)
     best = found[0].fit
     if options.plot and best is not None:
         best.plot(options.plot)

@@ -14,13 +14,12 @@ static const double LONGEST_STEP = 0.5;
  * ends there. */
 static const double TURNED = 1e-12, ENDED = 1e-13;
 
-/* Velocity over the reference velocity from which the way out turns again, and up to which the impactor stops at the turn. */
-static const double INWARDS = 1e-9;
+/* Velocity over the reference velocity from which the way out turns again, and up to which the impactor stops at the turn.
+ * Between two steps of the way out, whose forces differ in their last digits there, it turns again from JUMPED. */
+static const double INWARDS = 1e-9, JUMPED = 1e-5;
 
-/* Longest relaxation times of free flight, at least, after which a body has forgotten a contact: exp(-16) is 1e-7. */
-static const double FORGOTTEN = 16.0;
-
-enum { TRIES = 60, MOST_EVENTS = 64 };
+/* RECOVERY: implicit steps in which a free surface is followed; more of them leave less. */
+enum { TRIES = 60, MOST_EVENTS = 64, RECOVERY = 64 };
 
 /* ---------------------------------------------------------------- states */
 
@@ -180,10 +179,12 @@ static int plan_step(film_relax *s, film_relax_step *steps) {
     s->steps++;
     s->has_step = 1;
     s->tau = 0.0;
-    if (s->branch == 0) return FILM_OK;
-    double rate[5];
-    film_relax_at(to, s->gamma, to->length, rate);
-    return rate[1] > INWARDS * s->speed ? FILM_TURNS_AGAIN : FILM_OK;
+    for (int k = 1; k <= 4 && s->branch == FILM_BRANCH; k++) { /* not at the beginning: the cubic is extrapolated there */
+        double now[5];
+        film_relax_at(to, s->gamma, 0.25 * k * to->length, now);
+        if (now[1] > INWARDS * s->speed) return FILM_TURNS_AGAIN;
+    }
+    return FILM_OK;
 }
 
 /* When in the step nu falls to the stop velocity; INFINITY if it does not. */
@@ -204,13 +205,30 @@ static int report(film_relax *s, int32_t event) {
     return FILM_EVENT;
 }
 
-/* Whether a body at the time `now` has forgotten the contact before. */
-static int has_forgotten(const film_relax *s, double now) {
-    double slowest = INFINITY;
-    if (s->contacts == 0) return 1;
-    for (int32_t i = 0; i < s->law.terms; i++) slowest = fmin(slowest, s->law.rate[i]);
-    return s->law.rest * slowest * (now - s->time) > FORGOTTEN; /* slower than that, no part of the surface returns */
+/* Under no force rest w + sum of share_i p_i stays 0, and p_i' = w' - rate_i p_i. w is a sum of falling exponentials, each of
+ * which an implicit Euler step makes fall more slowly. */
+double film_relax_left(const film_relax *s, const film_relax_step *steps) {
+    double p[FILM_RELAXATIONS], w = 0.0, since;
+    if (s->branch != FILM_FREE || s->contacts == 0 || s->steps == 0) return 0.0;
+    since = s->time + s->tau - (steps[s->steps - 1].time + steps[s->steps - 1].length);
+    memcpy(p, s->p, sizeof p);
+    for (int32_t i = 0; i < s->law.terms; i++) w -= s->law.share[i] * p[i] / s->law.rest;
+    for (int k = 0; k < RECOVERY && since > 0.0; k++) {
+        double force = s->law.rest * w, stiffness = s->law.rest;
+        for (int32_t i = 0; i < s->law.terms; i++) {
+            p[i] /= 1.0 + s->law.rate[i] * since / RECOVERY;
+            force += s->law.share[i] * p[i];
+            stiffness += s->law.share[i] / (1.0 + s->law.rate[i] * since / RECOVERY);
+        }
+        w -= force / stiffness;
+        for (int32_t i = 0; i < s->law.terms; i++) p[i] -= force / stiffness / (1.0 + s->law.rate[i] * since / RECOVERY);
+    }
+    return w;
 }
+
+/* Of a contact that begins with a velocity and a load, a depth; the elastic one of the velocity alone. */
+static double speed_of(double nu, double load) { return fmax(fabs(nu), pow(fabs(load), 5.0 / 6.0)); }
+static double depth_of(double speed) { return pow(1.25 * speed * speed, 0.4); }
 
 static int begin_contact(film_relax *s) {
     s->xi = 0.0;
@@ -220,7 +238,7 @@ static int begin_contact(film_relax *s) {
     s->approach = s->steps = 0;
     s->next_h = s->peak = 0.0;
     s->moving_in = s->nu > s->stop_velocity;
-    s->speed = fmax(fabs(s->nu), pow(fabs(s->load), 5.0 / 6.0));
+    s->speed = speed_of(s->nu, s->load);
     memset(s->q, 0, sizeof s->q);
     memset(s->p, 0, sizeof s->p);
     s->contacts++;
@@ -242,9 +260,24 @@ static int fly(film_relax *s, film_relax_step *steps, double dt) {
     }
     s->tau += touch;
     film_relax_motion(s, steps, now);
-    if (!has_forgotten(s, s->time + s->tau) || (s->contacts > 0 && now[0] > 1e-9)) return FILM_REMEMBERS;
+    if (film_relax_left(s, steps) > fmin(FILM_FORGOTTEN, s->tolerance) * depth_of(speed_of(now[1], s->load))) return FILM_REMEMBERS;
+    if (s->contacts > 0 && now[0] > 1e-9) return FILM_REMEMBERS;
     close_here(s, steps);
     return begin_contact(s);
+}
+
+static int turn(film_relax *s) {
+    s->branch = FILM_BRANCH;
+    s->phase = FILM_UNLOADING;
+    s->approach = s->steps;
+    s->turned = s->match = s->time;
+    return report(s, FILM_MAXIMUM_INDENTATION);
+}
+
+static int part(film_relax *s) {
+    s->branch = FILM_FREE;
+    s->phase = FILM_SEPARATED;
+    return report(s, FILM_CONTACT_ENDS);
 }
 
 /* The event at the end of the step, or none. */
@@ -252,19 +285,17 @@ static int end_step(film_relax *s, film_relax_step *steps) {
     int32_t ends = s->ends;
     close_here(s, steps);
     s->ends = FILM_NO_EVENT;
-    if (ends == FILM_MAXIMUM_INDENTATION) {
-        s->branch = FILM_BRANCH;
-        s->phase = FILM_UNLOADING;
-        s->approach = s->steps;
-        s->turned = s->match = s->time;
-        return report(s, ends);
-    }
-    if (ends == FILM_CONTACT_ENDS) {
-        s->branch = FILM_FREE;
-        s->phase = FILM_SEPARATED;
-        return report(s, ends);
-    }
+    if (ends == FILM_MAXIMUM_INDENTATION) return turn(s);
+    if (ends == FILM_CONTACT_ENDS) return part(s);
     return FILM_OK;
+}
+
+/* A jump of the velocity, between two steps, may turn the indentation: an event, a failure, or FILM_OK. */
+static int turn_by_jump(film_relax *s, const film_relax_step *steps) {
+    double now[5];
+    film_relax_motion(s, steps, now);
+    if (s->branch == 0 && now[1] < 0.0) return s->steps > 0 ? turn(s) : part(s);
+    return s->branch == FILM_BRANCH && now[1] > JUMPED * s->speed ? FILM_TURNS_AGAIN : FILM_OK;
 }
 
 int film_relax_advance(film_relax *s, film_relax_step *steps, double dt) {
@@ -277,8 +308,9 @@ int film_relax_advance(film_relax *s, film_relax_step *steps, double dt) {
             return report(s, FILM_IMPACTOR_STOPS);
         }
         if (!s->has_step) {
-            int status = plan_step(s, steps);
-            if (status < 0) return status;
+            int status = turn_by_jump(s, steps);
+            if (status == FILM_OK) status = plan_step(s, steps);
+            if (status != FILM_OK) return status;
             s->stop_at = stop_in(s, &steps[s->steps - 1]);
         }
         const film_relax_step *step = &steps[s->steps - 1];

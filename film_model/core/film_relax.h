@@ -59,11 +59,16 @@ FILM_API int film_relax_init(film_relax *state, const film_relaxation *law, cons
 FILM_API int film_relax_input(film_relax *state, film_relax_step *steps, double load, double nu_change, double stop_velocity);
 
 /* As film_step. steps: room for FILM_RELAX_STEPS. FILM_TURNS_AGAIN: the indentation grows again before contact ends;
- * FILM_REMEMBERS: the next contact begins before the body has forgotten the one before. */
+ * FILM_REMEMBERS: the next contact begins before the body has forgotten the one before: where film_relax_left is more than
+ * FILM_FORGOTTEN, and more than the tolerance, of the depth that an elastic contact would have. */
+#define FILM_FORGOTTEN 1e-4
 FILM_API int film_relax_advance(film_relax *state, film_relax_step *steps, double dt);
 
 /* The five values of film_motion, now. */
 FILM_API void film_relax_motion(const film_relax *state, const film_relax_step *steps, double values[5]);
+
+/* Depth that the middle of the surface has not yet recovered since the last contact ended, or slightly more; 0 before. */
+FILM_API double film_relax_left(const film_relax *state, const film_relax_step *steps);
 
 /* Work done on the indentation since the first contact, up to now. */
 FILM_API double film_relax_spent(const film_relax *state, const film_relax_step *steps);

@@ -64,6 +64,7 @@ def _library() -> Any:
         "film_relax_impact": ([pointer, pointer, _D, pointer, pointer, pointer], c.c_int),
         "film_relax_batch": ([i64, pointer, pointer, _D, pointer, pointer, pointer, pointer], None),
         "film_relax_sample": ([pointer, pointer, pointer, i64, pointer, pointer], None),
+        "film_relax_left": ([pointer, pointer], _D),
         "film_relax_sizes": ([pointer], None),
     }
     for name, (arguments, result) in signatures.items():
@@ -127,6 +128,11 @@ class Motion:
         """ξ, ξ', f, ν and target displacement now."""
         _library().film_relax_motion(c.byref(self.state), self._steps, self._values.ctypes.data)
         return self._values
+
+    @property
+    def left(self) -> float:
+        """Depth that the surface has not yet recovered since the last contact; 0 before it and during contact."""
+        return _library().film_relax_left(c.byref(self.state), self._steps)
 
     @property
     def time(self) -> float:

@@ -79,6 +79,8 @@ class Case:
     def seen_by_target(self) -> Impact:
         """The impact in the form that the rules of the target take."""
         problem, fixed = self.problem, self.problem.again(impedance=math.inf, compliance=0.0)
+        if not fixed.trial.ends:  # on a target that does not move, the impact is beyond the law
+            fixed = problem
         core, scales = fixed.trial.summary, fixed.scales
         softness = core.maximum_indentation * scales.length / (core.maximum_force * scales.force)
         return Impact(

@@ -157,7 +157,7 @@ class _Edges:
     def no_static(self) -> str:
         """Why the law cannot follow a static stiffness; empty if it can."""
         try:
-            self.impacts.problem(math.inf, 0.0, self.scene.target.compliance or 0.0)
+            _ = self.on_static
         except SimulationError as error:
             return str(error)
         return ""

@@ -95,7 +95,7 @@ def describe(problem: Problem, yields: bool | None, kept: bool) -> tuple[Effect,
     elif not kept:
         state = NOT_NEEDED
         reason = f"beyond the yield velocity {limit:.4g} m/s, but by less than the tolerance: law hertz"
-    elif yielding:
+    elif law.name == YIELDING:
         assumed = f", with an assumed Poisson's ratio of {ASSUMED_POISSONS_RATIO}: the scene gives none"
         state, reason = SIMULATED, f"the yield velocity is {limit:.4g} m/s: law {YIELDING}"
         reason += assumed if scene.poissons_ratio is None else ""

@@ -107,6 +107,22 @@ width = "20 mm"
 thickness = "5 mm"
 material = "mild steel"
 """,
+    "ball-on-structure": """
+title = "Steel ball on a bracket known by its vibrations"
+[impactor]
+radius = "10 mm"
+velocity = "1 m/s"
+material = "bearing steel"
+[target]
+kind = "structure"
+frequency = ["708.04 Hz", "2453.4 Hz", "4890.1 Hz", "9012.7 Hz"]
+modal_mass = ["13 g", "46.8 g", "28.6 g", "51.5 g"]
+damping_ratio = 0.002
+static_compliance = "4.2e-6 m/N"
+material = "aluminium 6061-T6"
+[contact]
+law = "hertz"
+""",
     "two-balls": """
 title = "A steel ball overtakes a larger one"
 [impactor]

@@ -18,7 +18,7 @@ from film_model.laws.example_ball import STEEL_BALL, example_ball
 from film_model.laws.law import SCENE_FIELDS, Power, law_fields
 from film_model.problem.curve import Curve, can_be_in_series, curve_of
 from film_model.problem.families import EDGES, Page, page_between, page_of
-from film_model.problem.law_of_scene import SceneLaw, law_named, law_values
+from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.scene import Scene
 
 FAMILIES = ("elastic", "yields", "damped")
@@ -76,7 +76,7 @@ class PageLaw:
         plain = isinstance(value, float) and LAWS[self.name].parameters[name].dimension in DIMENSIONS
         if name == "restitution":
             return plain and value >= LEAST_RESTITUTION
-        return plain and not _shapes(self.law, name, _OWN_PROBES)
+        return plain and value > 0.0 and not _shapes(self.law, name, _OWN_PROBES)  # a factor says nothing of 0
 
     def _inputs(self) -> Iterator[Input]:
         for name in self.live:
@@ -164,7 +164,9 @@ def _law(scene: Scene, name: str, own: bool) -> AbstractLaw:
             *(getattr(scene, entry) for entry in ("effective_modulus", "effective_radius", "yield_strength")),
             *(getattr(scene, entry) for entry in ("poissons_ratio", "effective_mass", "approach_velocity")),
         )
-        law = SceneLaw(kind, {**law_values(scene, kind), **kind.example(ball)}, None, {}).at()
+        named = law_named(scene, name)
+        rule = None if kind.damped else named.rule
+        law = SceneLaw(kind, {**named.values, **kind.example(ball)}, rule, named.sphere).at()
     law.scales(1.0)
     return law
 

@@ -28,10 +28,13 @@ from film_model.solve.vibration import (
     UNRESOLVED,
     vibrate,
 )
-from film_model.targets import AbstractTarget
+from film_model.targets import AbstractTarget, Structure
 
 SPARE = 4.0
 """Highest frequency of the page's modes over that which the scene as given needs."""
+
+ALL = 1e20
+"""Frequency above all vibrations, rad/s."""
 
 MOST_MODES = 4000
 """Largest number of modes on a page: 100 kB."""
@@ -73,7 +76,8 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
         return found, ""
     asked = choice.scene.solver.accuracy or DEFAULT_ACCURACY
     own = vibrate(choice.problem, target, asked, [])[0]
-    modes = _modes_above(target, own.highest, own.unit)
+    whole = isinstance(target, Structure)  # all of its vibrations are known
+    modes = structures.made(target, ALL, own.unit) if whole else _modes_above(target, own.highest, own.unit)
     if modes.tables.count > MOST_MODES:
         return None, f"the {target.kind} moves by {modes.tables.count} natural vibrations, too many for a page"
     found |= {"lowest": structures.lowest_frequency(target), "highest": modes.highest}

@@ -21,9 +21,9 @@ def spring_restitution(ratio: float) -> float:
 
     e = exp(−ζ/√(1 − ζ²) atan2(2ζ√(1 − ζ²), 2ζ² − 1)), e^{−2} at ζ = 1, exp(−2ζ/√(ζ² − 1) acosh ζ) above.
     """
-    if abs(ratio - 1.0) < 1e-9:
+    if ratio == 1.0:
         return math.exp(-2.0)
-    root = math.sqrt(abs(1.0 - ratio * ratio))
+    root = math.sqrt(abs((1.0 - ratio) * (1.0 + ratio)))  # 1 − ζ² would lose digits near 1
     angle = math.atan2(2.0 * ratio * root, 2.0 * ratio * ratio - 1.0) if ratio < 1.0 else 2.0 * math.acosh(ratio)
     return math.exp(-ratio / root * angle)
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from film_model.plot.style import COLOURS, HIGHLIGHT, MARKERS, picture, plain
-from film_model.studies.cost import FILM, Study
+from film_model.studies.cost import Study
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,7 +58,7 @@ def _draw(panel: Axes, study: Study, timing: str, handles: dict[str, Any]) -> No
         runs = [run for run in study.runs if run.method == name and run.errors and getattr(run, timing) is not None]
         if not runs:
             continue
-        ours = name == FILM[0]
+        ours = name == study.film
         x = [max(run.error, LEAST) for run in runs]
         y = [getattr(run, timing).median for run in runs]
         second = k > len(OTHERS)

@@ -51,7 +51,7 @@ DISPLACEMENTS = {"impactor_displacement": "-", "target_displacement": "--"}
 LINES = VELOCITIES | DISPLACEMENTS
 """Line styles of the quantities that share a panel."""
 
-MOST_MARKED = 40
+MOST_MARKED = 12
 """Beyond so many events only those at which contact begins and ends are marked."""
 
 MOST_STEPS = 5000

@@ -40,12 +40,15 @@ def plot_validation(
             xlabel="published value: coefficient of restitution, or dent in mm",
             ylabel="computed over published value",
         )
+        left.xaxis.set_major_formatter("{x:g}")
+        left.xaxis.set_minor_formatter("{x:g}")
         errors: list[Any] = [[100 * error for error in report.errors()] for report in reports]
         right.boxplot(errors, orientation="horizontal", whis=(0, 100))
         names = [f"{report.law}{'' if report.monotone else ' (not monotone)'}" for report in reports]
         right.set_yticks(range(1, len(names) + 1), names)
         right.invert_yaxis()
         right.set(xscale="symlog", xlabel="absolute error, %")
+        right.xaxis.set_major_formatter("{x:g}")
         for k, report in enumerate(reports):
             own = [100 * error for error in report.errors(measured)]
             right.plot(own, [k + 1] * len(own), "o", markersize=3.0, color=HIGHLIGHT)

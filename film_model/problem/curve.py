@@ -134,9 +134,15 @@ def _made(law: AbstractLaw, compliance: float) -> Curve:
 @lru_cache(maxsize=256)
 def _build(law: str, given: tuple[Stage, ...], compliance: float) -> Curve:
     """The curve of these stages; cached, so that laws which differ only in their scales share it."""
+    stages, made, error, steepest = _assembled(law, given)
+    return _curve(law, stages, native.Curve.from_buffer_copy(made), compliance, error, steepest)
+
+
+@lru_cache(maxsize=256)
+def _assembled(law: str, given: tuple[Stage, ...]) -> tuple[list[Stage], native.Curve, float, float]:
+    """The checked stages, and what `assemble` makes of them, which no spring has changed."""
     stages = checked(law, given)
-    made, error, steepest = assemble(law, stages)
-    return _curve(law, stages, made, compliance, error, steepest)
+    return stages, *assemble(law, stages)
 
 
 @lru_cache(maxsize=4096)

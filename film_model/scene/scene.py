@@ -250,16 +250,10 @@ class Scene:
             "solver": Solver,
             "title": str,
         }
-        targets = " or ".join(target.__name__ for target in TARGETS.values())
+        wrong = {name: kind for name, kind in kinds.items() if not isinstance(getattr(self, name), kind)}
         return [
-            mistake(
-                self,
-                name,
-                f"{shown(getattr(self, name))} is not allowed: "
-                f"{targets if name == 'target' else kind.__name__} is needed",
-            )
-            for name, kind in kinds.items()
-            if not isinstance(getattr(self, name), kind)
+            mistake(self, name, f"{shown(getattr(self, name))} is not allowed: {_class_names(kind)} is needed")
+            for name, kind in wrong.items()
         ]
 
     def _mistakes(self) -> list[Mistake]:
@@ -296,6 +290,11 @@ class Scene:
                     "missing: the material that yields needs a yield strength and a strain_rate_coefficient"
                 )
         return [Mistake(None, None, f"Scene.{key}", message) for key, message in found.items()]
+
+
+def _class_names(kind: type) -> str:
+    """The classes of which an object is needed, in words."""
+    return " or ".join(target.__name__ for target in TARGETS.values()) if kind is AbstractTarget else kind.__name__
 
 
 def _name(material: Material | None) -> str:

@@ -154,9 +154,9 @@ def _creeping(problem: Problem, mesh: native.Mesh) -> NDArray[np.float64]:
     return np.array(found)
 
 
-def raise_failure(status: int, problem: Problem) -> None:
-    """SimulationError if the core failed."""
+def raise_failure(status: int, problem: Problem, where: str = "") -> None:
+    """SimulationError if the core failed. where: added to the message."""
     if status < 0:
         law = problem.law
-        where = f" ({law.validity})" if law.validity and status == native.BEYOND_LAW else ""
-        raise CoreError(f"law {law.name}: {STATUSES[status].sentence}{where}", status)
+        valid = f" ({law.validity})" if law.validity and status == native.BEYOND_LAW else ""
+        raise CoreError(f"law {law.name}: {STATUSES[status].sentence}{valid}{where}", status)

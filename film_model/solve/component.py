@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from film_model.base import units
 from film_model.base.errors import ImpactWarning, SimulationError
+from film_model.base.units import format_si
 from film_model.core import native
 from film_model.effects.choose import Choice, choose
 from film_model.scene import DEFAULT_ACCURACY, Scene
@@ -227,7 +228,7 @@ class ImpactComponent:
             self._support_displacement += support * (motion.time - before) * motion.clock
             before = motion.time
             if status != native.EVENT:
-                raise_failure(status, self.problem)
+                raise_failure(status, self.problem, self._where() if status < 0 else "")
                 break
             events.append(self._event())
             if len(events) > MOST_EVENTS:
@@ -237,6 +238,12 @@ class ImpactComponent:
                 break
         outputs = self.outputs
         return StepResult(outputs.time, outputs, tuple(events))
+
+    def _where(self) -> str:
+        """When the motion failed; between viscoelastic contacts, how much of the surface has not recovered."""
+        left = self._motion.left * self.problem.scales.length if isinstance(self._motion, OnMemory) else 0.0
+        rest = f", with {format_si(left, 'length', 2)} of the surface not yet recovered" if left > 0.0 else ""
+        return f"; at {format_si(self.time, 'time', 5)}{rest}"
 
     def _event(self) -> Event:
         o, contact = self.outputs, self._motion.contact

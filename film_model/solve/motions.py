@@ -157,6 +157,11 @@ class OnMemory(_InOneMotion[relaxing.Motion]):
         self._motion = relaxing.Motion(self._law, start, self._tolerance, gap)
 
     @property
+    def left(self) -> float:
+        """Depth that the surface has not yet recovered since the last contact."""
+        return self._motion.left
+
+    @property
     def time(self) -> float:
         """Time since the start."""
         return self._motion.time

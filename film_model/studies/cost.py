@@ -12,10 +12,11 @@ import numpy as np
 from film_model.base.errors import SimulationError
 from film_model.base.units import format_si
 from film_model.effects.choose import problem_of
-from film_model.problem.problem import refuse_vibrations
+from film_model.problem.problem import refuse_relaxation
 from film_model.scene import Scene
+from film_model.studies import modal_methods
 from film_model.studies.impact_ode import INTEGRATED_VALUES
-from film_model.studies.methods import FILM, Prepared, methods_for
+from film_model.studies.methods import FILM, FILM_ON_MODES, Prepared, methods_for
 from film_model.studies.reference import COMPARED, QUADRATURE, reference
 from film_model.studies.timing import Timing, machine, timed
 
@@ -88,33 +89,39 @@ class Study:
                 front.append(run)
         return tuple(front)
 
+    @property
+    def film(self) -> str:
+        """The name of FILM's own method, by work-preserving lines or on modes; empty if it was not timed."""
+        return next((run.method for run in self.runs if run.method in (FILM[0], FILM_ON_MODES)), "")
+
     def sentence(self, error: float = 1e-4) -> str:
         """FILM's time for an error, compared with the fastest solve_ivp method."""
-        ours = self.cheapest(error, FILM[0])
+        ours = self.cheapest(error, self.film)
         theirs = [self.cheapest(error, f"solve_ivp {method}") for method in ("RK45", "DOP853", "LSODA", "Radau")]
         best = min((run for run in theirs if run is not None), key=lambda run: _median(run.time_single), default=None)
-        if not any(run.method == FILM[0] for run in self.runs):
+        if not self.film:
             other = "" if best is None else f"; error {error:g}: {best.method} takes {_shown(best.time_single)}"
-            return f"{FILM[0]}, was not timed{other}."
+            return f"FILM was not timed{other}."
         if ours is None:
-            finest = next(run.setting for run in reversed(self.runs) if run.method == FILM[0])
+            finest = next(run.setting for run in reversed(self.runs) if run.method == self.film)
             return f"Error {error:g}: not reached with {finest}."
-        text = f"Error {error:g}: {ours.setting} take {_shown(ours.time_single)}"
+        takes = "take" if ours.setting.endswith("s") else "takes"  # "12 segments", "tolerance 0.001"
+        text = f"Error {error:g}: {ours.setting} {takes} {_shown(ours.time_single)}"
         if ours.time_batch is not None:
             text += f" ({_shown(ours.time_batch)} per impact in a batch)"
         return text + (f"; {best.method} takes {_shown(best.time_single)}." if best is not None else ".")
 
     def beaten(self, errors: Sequence[float] = (1e-3, 1e-4, 1e-6)) -> list[str]:
-        """Errors that another method reaches faster than FILM's work-preserving lines, with the ratio of speeds."""
+        """Errors that another method reaches faster than FILM's own, with the ratio of speeds."""
         found: list[str] = []
-        if not any(run.method == FILM[0] for run in self.runs):
+        if not self.film:
             return found
         for timing, where in (("time_single", "single impact"), ("time_batch", "in a batch")):
             for error in errors:
-                ours, best = self.cheapest(error, FILM[0], timing), self.cheapest(error, None, timing)
+                ours, best = self.cheapest(error, self.film, timing), self.cheapest(error, None, timing)
                 if best is not None and ours is None:
-                    found.append(f"Error {error:g}, {where}: reached by {best.method}, not by {FILM[0]}")
-                elif best is not None and best.method not in FILM:
+                    found.append(f"Error {error:g}, {where}: reached by {best.method}, not by {self.film}")
+                elif best is not None and best.method not in (*FILM, FILM_ON_MODES):
                     ratio = _median(getattr(ours, timing, None)) / getattr(best, timing).median
                     found.append(f"Error {error:g}, {where}: {best.method} is {ratio:.2g} times as fast")
         return found
@@ -139,31 +146,35 @@ def study(
 
     Timings use one thread: the median over repeated loops after a warm-up. The reference is extended precision if the
     law allows it and mpmath is installed, else quadrature (half-space without load) or DOP853 near rounding; none of
-    them uses the core, and `reference` states the error of each. The rebound velocity is relative to a free body. The
-    scene's own accuracy is ignored. Raises SimulationError if there is no reference: for a load that prevents the end
-    of contact, damping that is not made of powers, a static stiffness, edges that matter, or a law that pulls.
+    them uses the core's march, and `reference` states the error of each. On a target that vibrates all methods and the
+    reference follow the modes that `simulate` takes at the scene's accuracy, which is ignored elsewhere; computing them
+    is not timed. The rebound velocity is relative to a free body. Raises SimulationError if there is no reference: for
+    a load that prevents the end of contact, damping that is not made of powers, damped laws on modes, a static
+    stiffness, or a law that pulls; ValueError if no method begins with one of `methods`.
     """
     problem = problem_of(scene)
-    refuse_vibrations(problem, "a study")
+    refuse_relaxation(problem, "a study")
     if problem.curve.pulls:
         raise SimulationError(f"a study is not supported for the law {problem.law.name}, which pulls")
     if problem.approach <= 0.0:
         raise SimulationError("a study needs an impact: the approach velocity is 0")
     if problem.compliance > 0.0:
         raise SimulationError(f"a study is not supported for a {scene.target.kind} with a static stiffness")
+    offered = dict(modal_methods.methods_for(problem, scene) if problem.vibrates else methods_for(problem, scene))
+    wanted = [name for name in offered if methods is None or any(name.startswith(begin) for begin in methods)]
+    if not wanted:
+        raise ValueError(f"no method begins with {' or '.join(methods or ())}; there are {'; '.join(offered)}")
     try:
-        exact, stated = reference(scene, problem)
+        exact, stated = (modal_methods.reference if problem.vibrates else reference)(scene, problem)
     except (ImportError, ValueError, RuntimeError) as error:
         raise SimulationError(f"a study needs a reference, which failed: {error}") from error
     runs: list[CostRun] = []
-    for name, settings in methods_for(problem, scene):
-        if methods is not None and not any(name.startswith(wanted) for wanted in methods):
-            continue
+    for name in wanted:
         if name == "quadrature" and stated["method"] == QUADRATURE:
             continue  # it would be compared with itself
         if progress is not None:
             progress(name)
-        runs += [_run(name, setting, make, exact) for setting, make in settings]
+        runs += [_run(name, setting, make, exact) for setting, make in offered[name]]
     return Study(scene, problem.law.name, stated, tuple(runs), machine())
 
 

@@ -20,6 +20,7 @@ STEPS = (50, 200, 800, 3200, 12800)
 HEYOKA_TOLERANCES = (1e-8, 1e-12, 1e-15)
 
 FILM = ("FILM, work-preserving", "FILM, chords")
+FILM_ON_MODES = "FILM, on modes"
 BATCH = 2048
 """Impacts of a batch, with velocities within 5 % of the scene's."""
 

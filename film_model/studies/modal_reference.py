@@ -1,8 +1,9 @@
-"""The reference for contact on modes: contact law and natural vibrations together, by SciPy's DOP853 with events.
+"""The reference for contact on modes: contact law and natural vibrations together, by SciPy's integrators with events.
 
-In the units of the march, ẍ = p − f and ẅ_n + ω_n² w_n = r_n f with r_n = m φ_n²/M_n. The omitted high modes follow the
-force statically: the indentation is x − Σ w_n − c f, so the law is in series with a spring of compliance c. Laws that
-cannot be in series with a spring are not integrated, and neither are damped modes.
+In the units of the march, ẍ = p − f and ẅ_n + 2 ζ_n ω_n ẇ_n + ω_n² w_n = r_n f with r_n = m φ_n²/M_n; a mode of
+frequency 0 is a motion of the whole structure. The omitted high modes follow the force statically: the indentation is
+x − Σ w_n − c f, so the law is in series with a spring of compliance c. The force is the core's; its march and its
+tables of modes are not used. Laws that are damped or cannot be in series with a spring are not integrated.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +24,23 @@ from film_model.solve.vibration import Moment
 
 Array = NDArray[np.float64]
 
-MOST_WORK = 300_000_000
-"""Limit of a run, about ten seconds: the sum over evaluations of the force of (number of modes + 400)."""
+MOST_WORK = 500_000_000
+"""Limit of a run, about fifteen seconds: the sum over evaluations of the force of (number of modes + 400)."""
 
 MOST_EVENTS = 10_000
 
 _LATE = 1e-3  # events are late by 1e-10 times this fraction of the depth: above rounding, invisible in samples
 _NEVER = -1e300  # velocity of the core's event "impactor stops", disabled because it is detected here
+
+
+class System(NamedTuple):
+    """Modes in the units of the march: ω_n², r_n, 2 ζ_n ω_n; the load p, and the force f(ξ) on the present branch."""
+
+    square: Array
+    share: Array
+    drag: Array
+    load: float
+    force: Callable[[float], float]
 
 
 @dataclass(frozen=True)
@@ -53,7 +64,7 @@ class ModalRun:
     outcome: Outcome
     summary: native.Summary
     energy: float
-    work: int
+    evaluations: int
     waited: bool
 
     @property
@@ -86,33 +97,51 @@ def _values(curve: native.Curve, state: native.State, y: Array) -> Array:
 
 
 def integrate(
-    problem: Problem, frequency: Array, share: Array, rest: float, depth: float, limit: float, tolerance: float
+    problem: Problem,
+    frequency: Array,
+    share: Array,
+    rest: float,
+    depth: float,
+    limit: float,
+    tolerance: float,
+    ratio: Array | float = 0.0,
+    method: Any = "DOP853",
+    step: float | None = None,
 ) -> ModalRun:
-    """The impact on these modes (ω t_s, r_n), in series with a spring of compliance `rest`, by the tolerance given.
+    """The impact on these modes (ω t_s, r_n, ζ_n), in series with a spring of compliance `rest`.
 
-    depth: scale of lengths. limit: time at which contact is no longer followed. SimulationError if it takes too long.
+    depth: scale of lengths. limit: time at which contact is no longer followed. method: of `solve_ivp`, or a solver
+    that takes fixed steps of the length `step` (`film_model.studies.modal_newmark`). Raises SimulationError if it takes
+    too long, ValueError for a damped law.
     """
     from scipy.integrate import solve_ivp
 
+    if problem.law.damped:
+        raise ValueError("damped laws on vibrating targets are not integrated")
     curve, load, count = curve_of(problem.law, rest).native, problem.load, frequency.size
     state = native.initial_state(curve, native.Start(problem.approach, 0.0, load, _NEVER, math.inf))
-    square, w, u = frequency**2, slice(3, 3 + count), slice(3 + count, 3 + 2 * count)
-    force, work = native.force_of(curve, state), 0
+    drag, w, u = 2.0 * ratio * frequency + np.zeros(count), slice(3, 3 + count), slice(3 + count, 3 + 2 * count)
+    law, evaluations = native.force_of(curve, state), 0
 
-    def rates(_: float, y: Array) -> Array:
-        nonlocal work
-        work += count + 400
-        if work > MOST_WORK:
+    def force(xi: float) -> float:
+        nonlocal evaluations
+        evaluations += 1
+        if evaluations * (count + 400) > MOST_WORK:
             raise SimulationError(
                 f"integrating {count} modes takes too long (after {len(events)} events): use a coarser accuracy, "
                 "which needs fewer modes, or target_inertia = false in [effects]"
             )
+        return law(xi)
+
+    system = System(frequency**2, share, drag, load, force)
+
+    def rates(_: float, y: Array) -> Array:
         moved, rate = y[w].sum(), y[u].sum()
         f = force(y[0] - moved)
         dy = np.empty_like(y)
         dy[0], dy[1], dy[2] = y[1], load - f, f * (y[1] - rate)
         dy[w] = y[u]
-        dy[u] = share * f - square * y[w]
+        dy[u] = share * f - system.square * y[w] - drag * y[u]
         return dy
 
     def set_state(y: Array) -> None:
@@ -138,7 +167,8 @@ def integrate(
     y[1] = problem.approach
     speed = max(problem.approach, math.sqrt(depth))
     sizes = [[depth, speed, speed**2], np.full(count, depth), np.full(count, speed)]
-    options: Any = {"method": "DOP853", "rtol": tolerance, "atol": 1e-2 * tolerance * np.concatenate(sizes)}
+    options: Any = {"method": method, "rtol": tolerance, "atol": 1e-2 * tolerance * np.concatenate(sizes)}
+    options |= {} if step is None else {"system": system, "step": step}
     spans: list[Span] = []
     events: list[Moment] = []
     while True:
@@ -153,7 +183,7 @@ def integrate(
         held, free = native.State.from_buffer_copy(state), state.branch == native.FREE
         until, waits = (limit, True) if not free else _wait(t, y, load, state.xi_free, frequency, limit)
         if free:
-            spans.append(Span(t, _Flight(t, y, load, frequency), held))
+            spans.append(Span(t, _Flight(t, y, load, frequency, drag), held))
         if not t < until:
             break
         solution: Any = solve_ivp(rates, (t, until), y, events=watched, dense_output=True, **options)
@@ -169,24 +199,26 @@ def integrate(
         if solution.status == 0:
             break
     outcome = Outcome.SEPARATED if free else Outcome.TIME_LIMIT
-    energy = float(np.sum((y[u] ** 2 + square * y[w] ** 2) / share)) / 2.0
+    energy = float(np.sum((y[u] ** 2 + system.square * y[w] ** 2) / share)) / 2.0
     summary = _summary(events, y, problem.approach, outcome)
     return ModalRun(
-        curve, frequency, share, tuple(spans), tuple(events), outcome, summary, energy, work, free and waits
+        curve, frequency, share, tuple(spans), tuple(events), outcome, summary, energy, evaluations, free and waits
     )
 
 
 def _wait(t: float, y: Array, load: float, xi_free: float, frequency: Array, limit: float) -> tuple[float, bool]:
     """Time until which another contact is waited for, and whether it may still happen later.
 
-    The wait is the larger of the contact time so far and the longest period; it ends when the impactor is farther away
-    than all modes together can move.
+    The wait is the larger of the contact time so far and the longest period; it ends when the impactor is farther from
+    the structure, which may move as a whole, than all modes together can move: damped ones move less.
     """
-    count = frequency.size
-    reach = float(np.sum(np.hypot(y[3 : 3 + count], y[3 + count :] / frequency)))
-    until = t + max(t, 2.0 * math.pi / float(frequency[0]))
-    if load <= 0.0 and y[1] < 0.0:
-        out = t + max(0.0, (float(y[0]) + reach - xi_free) / -float(y[1]))
+    count, bends = frequency.size, frequency > 0.0
+    w, u = y[3 : 3 + count], y[3 + count :]
+    reach = float(np.sum(np.hypot(w[bends], u[bends] / frequency[bends])))
+    away, speed = float(y[0] - w[~bends].sum()), float(y[1] - u[~bends].sum())
+    until = t + max(t, 2.0 * math.pi / float(frequency[bends][0]) if bends.any() else 0.0)
+    if load <= 0.0 and speed < 0.0:
+        out = t + max(0.0, (away + reach - xi_free) / -speed)
         if out <= until:
             return out, False
     return min(until, max(limit, t)), load <= 0.0
@@ -194,20 +226,24 @@ def _wait(t: float, y: Array, load: float, xi_free: float, frequency: Array, lim
 
 @dataclass(frozen=True)
 class _Flight:
-    """The motion without contact, from y at `begin`."""
+    """The motion without contact, from y at `begin`. drag: 2 ζ_n ω_n."""
 
     begin: float
     y: Array
     load: float
     frequency: Array
+    drag: Array
 
     def __call__(self, times: Any) -> Array:
-        y, count, rate = self.y, self.frequency.size, self.frequency[:, None]
+        y, count = self.y, self.frequency.size
         w, u = y[3 : 3 + count, None], y[3 + count :, None]
-        tau = np.asarray(times, dtype=np.float64) - self.begin
-        cos, sin = np.cos(rate * tau), np.sin(rate * tau)
+        tau, fades = np.asarray(times, dtype=np.float64) - self.begin, 0.5 * self.drag[:, None]
+        rate = np.sqrt(np.maximum(self.frequency[:, None] ** 2 - fades**2, 0.0))
+        cos, sin = np.cos(rate * tau), tau * np.sinc(rate * tau / math.pi)  # sin(ωτ)/ω, which is τ at ω = 0
+        decay, falls = np.exp(-fades * tau), self.frequency[:, None] ** 2 * w
         slow = [y[0] + tau * (y[1] + 0.5 * self.load * tau), y[1] + self.load * tau, np.full_like(tau, y[2])]
-        return np.concatenate([np.stack(slow), w * cos + u / rate * sin, u * cos - w * rate * sin])
+        moved, rates = w * (cos + fades * sin) + u * sin, u * (cos - fades * sin) - falls * sin
+        return np.concatenate([np.stack(slow), decay * moved, decay * rates])
 
 
 def _summary(events: list[Moment], y: Array, approach: float, outcome: Outcome) -> native.Summary:

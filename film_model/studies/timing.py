@@ -1,4 +1,4 @@
-"""Computing times: repeated timing loops on one processor, and the machine they were measured on."""
+"""Processor times: repeated timing loops on one processor, and the machine they were measured on."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ from typing import NamedTuple
 SHORTEST, MOST_TIME, MOST_REPEATS = 2e-3, 0.15, 25
 """Shortest timing loop [s], time for all loops of a setting [s], and largest number of loops."""
 
+LONG = 0.5
+"""Seconds of a call that is long enough to be timed once."""
+
 PACKAGES = ("film-model", "numpy", "scipy", "numba", "scikit-sundae", "heyoka")
 
 
@@ -25,21 +28,26 @@ class Timing(NamedTuple):
 
 
 def timed(call: Callable[[], object]) -> Timing:
-    """Seconds per call: median over loops after a warm-up."""
-    call()
-    begun = time.perf_counter()
-    call()
-    once = max(time.perf_counter() - begun, 1e-9)
+    """Seconds of processor time per call, other programs left out: median over loops after a warm-up.
+
+    A call of more than LONG is timed once, with no spread.
+    """
+    once = _seconds(call)
+    if once > LONG:
+        return Timing(once, 0.0)
+    once = max(_seconds(call), 1e-9)
     calls = max(1, math.ceil(SHORTEST / once))
     repeats = max(3, min(MOST_REPEATS, int(MOST_TIME / (calls * once))))
-    found: list[float] = []
-    for _ in range(repeats):
-        begun = time.perf_counter()
-        for _ in range(calls):
-            call()
-        found.append((time.perf_counter() - begun) / calls)
+    found = [_seconds(call, calls) / calls for _ in range(repeats)]
     lower, _, upper = statistics.quantiles(found, n=4)
     return Timing(statistics.median(found), 0.5 * (upper - lower))
+
+
+def _seconds(call: Callable[[], object], times: int = 1) -> float:
+    begun = time.process_time()
+    for _ in range(times):
+        call()
+    return time.process_time() - begun
 
 
 def one_thread() -> None:

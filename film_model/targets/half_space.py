@@ -11,7 +11,7 @@ from film_model.base.errors import raise_all
 from film_model.base.fields import Field
 from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, format_si
-from film_model.targets.plate import plate_impedance, plate_stiffness
+from film_model.targets.plate_waves import plate_impedance, plate_stiffness
 from film_model.targets.target import RADIUS, AbstractTarget, Estimate, Impact, fill_target, missing
 from film_model.targets.waves import HERTZ_SQUARE, radiated_energy
 

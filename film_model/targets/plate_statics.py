@@ -16,7 +16,6 @@ def anisotropy(d11: float, d12: float, d22: float, d66: float) -> float:
     return (d12 + 2 * d66) / root(d11 * d22)
 
 
-@lru_cache(maxsize=64)
 def plate_compliance(
     stiffness: tuple[float, float, float, float], size: tuple[float, float], position: tuple[float, float]
 ) -> float:
@@ -26,10 +25,18 @@ def plate_compliance(
     fractions. The terms of the sum over i approach those of Σ sin²(iπx/a)/i³ exponentially; that sum is known, and the
     remainder is added up to rounding. The result is 0.0116008 L²/D at the centre of a square isotropic plate.
     """
-    (d11, _, d22, _), (a, b), (x, y) = stiffness, size, position
-    ratio = anisotropy(*stiffness)
+    (d11, _, d22, _), (a, b) = stiffness, size
+    total = _navier_sum(anisotropy(*stiffness), d11 / d22, size, position)
+    return float(4 * b**3 / (math.pi**4 * a * d22) * total)
+
+
+@lru_cache(maxsize=64)
+def _navier_sum(ratio: float, stiffer: float, size: tuple[float, float], position: tuple[float, float]) -> float:
+    """The double series over π⁴ j⁴ D22/b⁴, for the anisotropy `ratio` and stiffer = D11/D22: the same for all isotropic
+    materials."""
+    (a, b), (x, y) = size, position
     i = np.arange(1.0, 10_001.0)
-    mean = (d11 / d22) ** 0.5 * (b / a) ** 2 * i**2  # p², q² = mean (A ± √(A² − 1)), the roots in −j²
+    mean = stiffer**0.5 * (b / a) ** 2 * i**2  # p², q² = mean (A ± √(A² − 1)), the roots in −j²
     spread = np.emath.sqrt(complex(ratio**2 - 1))
     theta = 2 * math.pi * y / b
 
@@ -42,11 +49,10 @@ def plate_compliance(
         inner = ((g(mean * (ratio + spread)) - g(mean * (ratio - spread))) / (-4 * mean * spread)).real
     else:  # the derivative, by a complex step
         inner = -g(mean * ratio * (1 + 1e-8j)).imag / (2e-8 * mean * ratio)
-    limit = math.pi / (4 * math.sqrt(2 * (1 + ratio))) * ((d11 / d22) ** 0.5 * (b / a) ** 2) ** -1.5
+    limit = math.pi / (4 * math.sqrt(2 * (1 + ratio))) * (stiffer**0.5 * (b / a) ** 2) ** -1.5
     waves = np.sin(i * math.pi * x / a) ** 2
     cosines = float(np.sum(np.cos(2 * math.pi * x / a * i) / i**3))
-    total = float(np.sum(waves * (inner - limit / i**3))) + limit * (_ZETA_3 - cosines) / 2
-    return float(4 * b**3 / (math.pi**4 * a * d22) * total)
+    return float(np.sum(waves * (inner - limit / i**3))) + limit * (_ZETA_3 - cosines) / 2
 
 
 def levy_compliance(

@@ -192,7 +192,7 @@ static int impact_step(model *m, double end, int stop_at_events, int *stopped) {
         double before = state->time, left = fmax((end - now->start_time) / clock - before, 0.0);
         int status = advance(m, left);
         now->support_displacement += now->support * (state->time - before) * clock;
-        if (status < 0) return model_core_error(m, status);
+        if (status < 0) return model_error(m, "%s (status %d); at %g s", film_failure(status), status, now->start_time + state->time * clock);
         now->actual.phase = state->phase;
         now->actual.stage = state->branch;
         if (status != FILM_EVENT) {

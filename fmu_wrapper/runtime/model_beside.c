@@ -74,6 +74,7 @@ int relaxing_input(model *m, double load, double nu_change, double stop_velocity
 
 int relaxing_step(model *m, double dt) {
     int status = film_relax_advance(m->relax, steps_of(m), dt);
+    m->memory.state.time = m->relax->time + m->relax->tau; /* of a failure, too */
     if (status >= 0) show(m);
     return status;
 }

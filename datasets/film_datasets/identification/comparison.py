@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from film_datasets.identification.least_squares import identify
 from film_datasets.identification.result import Identification
 from film_model.base.errors import SceneError, SimulationError
@@ -39,32 +37,39 @@ class LawFit:
 
 
 def compare_laws(
-    measured: xr.Dataset, scene: Scene, fit: Sequence[str], laws: Sequence[str], confidence: float = 0.99
+    measured: xr.Dataset | Sequence[xr.Dataset],
+    scene: Scene,
+    fit: Sequence[str],
+    laws: Sequence[str],
+    confidence: float = 0.99,
+    **options: Any,
 ) -> list[LawFit]:
-    """Fit the parameters `fit` with each of the laws (see `identify`); the best law first, those that cannot last.
+    """Fit the parameters `fit` with each of the laws (see `identify`, also for the options); the best law first, those
+    that cannot last.
 
     A law's own parameters that are not fitted are those of the scene. AICc = n ln(S/n) + 2 k + 2 k (k + 1)/(n - k - 1)
     for n points, the sum of squares S and k parameters, the variance among them (Hurvich and Tsai 1989); differences
     below about 2 decide nothing. S is at least the rounding error of the model.
     """
-    return sorted((_fit(measured, scene, fit, law, confidence) for law in laws), key=lambda one: one.criterion)
+    return sorted(
+        (_fit(measured, scene, fit, law, {"confidence": confidence, **options}) for law in laws),
+        key=lambda one: one.criterion,
+    )
 
 
 ROUNDING = 1e-7
 """Residual below which two fits are equal: the accuracy of the impacts that are compared."""
 
 
-def _fit(measured: xr.Dataset, scene: Scene, fit: Sequence[str], law: str, confidence: float) -> LawFit:
+def _fit(
+    measured: xr.Dataset | Sequence[xr.Dataset], scene: Scene, fit: Sequence[str], law: str, options: dict[str, Any]
+) -> LawFit:
     try:
-        found = identify(measured, scene.replace({"contact.law": law}), fit, confidence)
+        found = identify(measured, scene.replace({"contact.law": law}), fit, **options)
     except (SceneError, SimulationError, ValueError) as error:
         return LawFit(law, None, reason=" ".join(str(error).split("\n")))
-    square = 0.0
-    for name, rms in found.residual.items():
-        values = measured[name].values[np.isfinite(measured[name].values)]
-        square += values.size * (rms / (float(np.abs(values).max(initial=0.0)) or 1.0)) ** 2
-    n, k = found.points, len(fit) + 1
-    residual = math.sqrt(square / n)
+    n, k = found.points, len(found.parameters) + 1
+    residual = math.sqrt(found.square / n)
     correction = 2.0 * k * (k + 1) / (n - k - 1) if n > k + 1 else math.inf
     criterion = 2.0 * n * math.log(max(residual, ROUNDING)) + 2.0 * k + correction
     return LawFit(law, found, residual, criterion)

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from film_datasets.csv_measurement import measured_over
-from film_datasets.identification.model import ACCURACY, Array, predict
-from film_datasets.identification.parameters import Parameter, parameters_of
-from film_datasets.identification.result import TIME_OFFSET, FittedParameter, Identification
+from film_datasets.identification.model import ACCURACY, Array, Case
+from film_datasets.identification.parameters import Parameter, offset_name, parameters_of, scene_changes, unit_at
+from film_datasets.identification.profile import Profile
+from film_datasets.identification.result import FittedParameter, Identification
 from film_datasets.schema import MEASUREMENT, kind_of
-from film_model.base.errors import SceneError, SimulationError
+from film_model.base.errors import SceneError, SimulationError, shown
 from film_model.scene import Scene, Solver
-from film_model.scene.paths import number_text
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,8 +24,13 @@ if TYPE_CHECKING:
 STEP = 1e-4
 """Step of the central differences for the Jacobian, in the scaled parameters."""
 
-STARTS = (1.0, 0.6, 1.6)
-"""Factors on the positive parameters of the scene from which the search starts; the best result is taken."""
+TRIED, SEARCHED = 16, 2
+"""Points around the scene's values that are tried, and of which a search starts: a power of two, for Sobol's points."""
+
+AROUND = 16.0
+"""The largest factor on positive parameters that is tried; others change by their scale."""
+
+INTERVALS = ("curvature", "profile")
 
 XTOL, FTOL, GTOL = 1e-10, 1e-12, 1e-12
 """At which the search ends: of the scaled parameters, the sum of squares and its gradient."""
@@ -54,15 +58,30 @@ INFINITE_ERROR = 50.0
 """Standard error of a scaled parameter from which its interval is infinite: exp of it might overflow."""
 
 
-def identify(measured: xr.Dataset, scene: Scene, fit: Sequence[str], confidence: float = 0.99) -> Identification:
-    """Fit parameters of a scene to a measurement (`from_csv`), starting from the scene's own values.
+def identify(
+    measured: xr.Dataset | Sequence[xr.Dataset],
+    scene: Scene,
+    fit: Sequence[str],
+    confidence: float = 0.99,
+    *,
+    each: Mapping[str, Sequence[str]] | None = None,
+    intervals: str = "curvature",
+) -> Identification:
+    """Fit parameters of a scene to a measurement (`from_csv`), or to several at once, from the scene's own values.
 
-    measured: a history, of which every quantity but the time is fitted, or impacts at several velocities. fit: paths
-    of numbers such as "contact.yield_strength" or "impactor.velocity", and "time_offset", the time of first touch.
-    Residuals are divided by the largest value of their quantity, and the sum of their squares is minimised; positive
-    parameters are searched by their logarithm. Intervals are those of Student's t at the level `confidence`, from the
-    Jacobian at the result: valid if the noise is independent from point to point and the model is linear over the
-    interval. Some hundred impacts are simulated, each of which takes seconds if the target vibrates between its edges.
+    measured: histories, of which every quantity but the time is fitted, or impacts at several velocities. fit: paths
+    of numbers such as "contact.yield_strength" or "impactor.velocity", and "time_offset", the time of first touch, one
+    for each history. "contact.exponent" is fitted together with "contact.stiffness". each: entries of the scene that
+    differ between the measurements, a value for each: {"impactor.velocity": ["1 m/s", "2 m/s"]}.
+
+    Residuals are divided by the largest value of their quantity in all measurements, and the sum of their squares S is
+    minimised; positive parameters are searched by their logarithm. The search starts from the scene's own values and
+    from the best of `TRIED` others around them. intervals: "curvature", those of Student's t at the level `confidence`,
+    from the Jacobian at the result, valid if the model is linear over the interval; or "profile", the values up to
+    which S, with all other parameters fitted again, rises by the same factor 1 + t²/(n - k) for n points and k
+    parameters, where the model need not be linear. Both hold if the noise is independent from point to point and
+    equal in all points of a quantity. Some hundred impacts are simulated, for profiles some thousand, each of which
+    takes seconds if the target vibrates between its edges.
 
     Raises SceneError for parameters that cannot be fitted, SimulationError if the scene's own values give no impact,
     ValueError for other mistakes.
@@ -71,27 +90,46 @@ def identify(measured: xr.Dataset, scene: Scene, fit: Sequence[str], confidence:
     >>> found.scene.contact.yield_strength > 200e6
     True
     """
-    if kind_of(measured) != MEASUREMENT:
+    datasets: list[xr.Dataset] = list(measured) if isinstance(measured, list | tuple) else [cast("Any", measured)]
+    if not datasets or any(kind_of(one) != MEASUREMENT for one in datasets):
         raise ValueError("a measurement is needed: see film_datasets.from_csv")
     if isinstance(confidence, bool) or not 0.5 <= confidence < 1.0:
         raise ValueError(f"confidence: {confidence!r} is not allowed: a number from 0.5 to below 1 is needed")
-    fitted = _Fit(scene, measured, parameters_of(scene, fit, measured))
-    return _identification(fitted, _search(fitted), confidence)
+    if intervals not in INTERVALS:
+        raise ValueError(f'intervals: {shown(intervals)} is not allowed: "curvature" or "profile" is needed')
+    cases = _cases(datasets, each or {}, fit)
+    own = scene.replace(dict(cases[0].changes)) if cases[0].changes else scene
+    fitted = _Fit(own, cases, parameters_of(own, fit, datasets))
+    return _identification(fitted, _search(fitted), confidence, intervals)
+
+
+def _cases(datasets: Sequence[xr.Dataset], each: Mapping[str, Sequence[str]], fit: Sequence[str]) -> list[Case]:
+    """The measurements with the entries of the scene that are their own."""
+    for path, values in each.items():
+        if path in fit:
+            raise ValueError(f"each: {path} is fitted")
+        if isinstance(values, str) or len(values) != len(datasets):
+            count = 1 if isinstance(values, str) else len(values)
+            raise ValueError(f"each: {path} has {count} values for {len(datasets)} measurements")
+    return [Case(ds, {path: values[k] for path, values in each.items()}) for k, ds in enumerate(datasets)]
 
 
 class _Fit:
-    """The residuals of a measurement as a function of the scaled parameters z."""
+    """The residuals of measurements as a function of the scaled parameters z."""
 
-    def __init__(self, scene: Scene, measured: xr.Dataset, parameters: list[Parameter]) -> None:
+    def __init__(self, scene: Scene, cases: list[Case], parameters: list[Parameter]) -> None:
         self.scene, self.solver = replace(scene, solver=Solver(accuracy=ACCURACY)), scene.solver
-        self.measured, self.parameters = measured, parameters
-        _, self.names = measured_over(measured)
-        self.known = {name: np.isfinite(measured[name].values) for name in self.names}
-        largest = {n: float(np.abs(measured[n].values[self.known[n]]).max(initial=0.0)) for n in self.names}
-        if not any(largest.values()):
+        self.cases, self.parameters = cases, parameters
+        self.names = list(dict.fromkeys(name for case in cases for name in case.names))
+        self.largest = dict.fromkeys(self.names, 0.0)
+        self.known = [{n: np.isfinite(case.measured[n].values) for n in case.names} for case in cases]
+        for case, known in zip(cases, self.known, strict=True):
+            for n in case.names:
+                most = float(np.abs(case.measured[n].values[known[n]]).max(initial=0.0))
+                self.largest[n] = max(self.largest[n], most)
+        if not any(self.largest.values()):
             raise ValueError(f"{', '.join(self.names)}: zero throughout, there is nothing to fit")
-        self.size = {name: value or 1.0 for name, value in largest.items()}
-        self.points = sum(int(known.sum()) for known in self.known.values())
+        self.points = sum(int(one.sum()) for known in self.known for one in known.values())
         if self.points <= len(parameters):
             raise ValueError(f"{self.points} measured values are too few for {len(parameters)} parameters")
         self.bounds = (
@@ -99,19 +137,28 @@ class _Fit:
             np.array([p.scaled(p.high) for p in parameters]),
         )
 
-    def scene_at(self, z: Array) -> tuple[Scene, float]:
-        """The scene with these parameters, and the time offset."""
+    def at(self, z: Array) -> tuple[Scene, list[Case]]:
+        """The scene with these parameters, and the cases with their time offsets."""
         values = {p.path: p.si(float(x)) for p, x in zip(self.parameters, z, strict=True)}
-        offset = values.pop(TIME_OFFSET, 0.0)
-        units = {p.path: p.unit for p in self.parameters}
-        return self.scene.replace({path: number_text(value, units[path]) for path, value in values.items()}), offset
+        offsets = [values.pop(offset_name(k, len(self.cases)), 0.0) for k in range(len(self.cases))]
+        scene = self.scene.replace(scene_changes(values, {p.path: p.unit for p in self.parameters}))
+        return scene, [replace(case, time_offset=t) for case, t in zip(self.cases, offsets, strict=True)]
 
     def residuals(self, z: Array) -> Array:
         """Model minus measurement, over the largest measured value. Raises SimulationError if there is no impact."""
-        scene, offset = self.scene_at(z)
-        model = predict(scene, self.measured, self.names, offset)
-        differences = [(model[n] - self.measured[n].values)[self.known[n]] / self.size[n] for n in self.names]
-        return np.concatenate(differences)
+        scene, cases = self.at(z)
+        found: list[Array] = []
+        for case, known in zip(cases, self.known, strict=True):
+            model = case.predict(scene)
+            found += [(model[n] - case.measured[n].values)[known[n]] / (self.largest[n] or 1.0) for n in case.names]
+        return np.concatenate(found)
+
+    def rms(self, residuals: Array) -> dict[str, float]:
+        """Root mean square of the residuals of each quantity, SI."""
+        sizes = [(name, int(known[name].sum())) for known in self.known for name in known]
+        parts = np.split(residuals, np.cumsum([size for _, size in sizes])[:-1])
+        own = {n: np.concatenate([v for (m, _), v in zip(sizes, parts, strict=True) if m == n]) for n in self.names}
+        return {n: float(np.sqrt(np.mean(own[n] ** 2))) * (self.largest[n] or 1.0) for n in self.names}
 
     def finite_residuals(self, z: Array) -> Array:
         """As `residuals`, with `FAILED_RESIDUAL` where the model has no value."""
@@ -139,16 +186,39 @@ def _search(fit: _Fit) -> Array:
         raise SimulationError(
             "with the values of the scene an impact of the measurement fails: start from better values"
         )
-    low, high = fit.bounds
     jacobian: Any = fit.jacobian  # SciPy's annotation allows the name of a difference scheme only
-    results: list[Any] = []
-    for factor in STARTS:
-        z = np.array([math.log(factor) if p.log else 0.0 for p in fit.parameters])
-        z = np.clip(z, low + MARGIN, high - MARGIN)
-        results.append(least_squares(fit.finite_residuals, z, jacobian, fit.bounds, xtol=XTOL, ftol=FTOL, gtol=GTOL))
-        if all(not p.log for p in fit.parameters):
-            break
+    results: list[Any] = [
+        least_squares(fit.finite_residuals, z, jacobian, fit.bounds, xtol=XTOL, ftol=FTOL, gtol=GTOL)
+        for z in _starts(fit)
+    ]
     return min(results, key=lambda result: result.cost).x
+
+
+def _starts(fit: _Fit) -> list[Array]:
+    """The scene's own values, and the `SEARCHED` best of points that cover the surroundings evenly."""
+    from scipy.stats import qmc  # lazy: importing scipy.stats takes 1 s
+
+    low, high = fit.bounds[0] + MARGIN, fit.bounds[1] - MARGIN
+    width = np.array([math.log(AROUND) if p.log else 1.0 for p in fit.parameters])
+    points = qmc.Sobol(len(width), rng=1).random(TRIED)
+    around = [np.clip(width * (2.0 * point - 1.0), low, high) for point in points]
+    around.sort(key=lambda z: float(np.sum(fit.finite_residuals(z) ** 2)))
+    return [*(np.clip(z, low, high) for z in _scene_values(fit)), *around[:SEARCHED]]
+
+
+def _scene_values(fit: _Fit) -> list[Array]:
+    """The scene's own values; also with time offsets at which the peaks of model and measurement coincide: while the
+    pulses do not overlap, the sum of squares does not depend on the offset."""
+    own = np.zeros(len(fit.parameters))
+    paths = [p.path for p in fit.parameters]
+    aligned = own.copy()
+    for k, case in enumerate(fit.cases):
+        if (name := offset_name(k, len(fit.cases))) in paths:
+            t, quantity = case.measured["t"].values, case.names[0]
+            model = np.abs(case.predict(fit.scene, t - t[0])[quantity])
+            late = t[np.nanargmax(np.abs(case.measured[quantity].values))] - (t - t[0])[np.argmax(model)]
+            aligned[paths.index(name)] = fit.parameters[paths.index(name)].scaled(float(late))
+    return [own, aligned] if aligned.any() else [own]
 
 
 class _Sensitivity(NamedTuple):
@@ -175,30 +245,34 @@ def _sensitivity(fit: _Fit, z: Array, residuals: Array) -> _Sensitivity:
     return _Sensitivity(jacobian, np.where(lost, math.inf, errors), lost, directions[weak])
 
 
-def _identification(fit: _Fit, z: Array, confidence: float) -> Identification:
+def _identification(fit: _Fit, z: Array, confidence: float, intervals: str) -> Identification:
     """The parameters z with their intervals, and the residuals of each quantity."""
     from scipy.stats import t as student  # lazy: importing scipy.stats takes 1 s
 
     residuals = fit.finite_residuals(z)
     sensitivity = _sensitivity(fit, z, residuals)
     quantile = float(student.ppf(0.5 + 0.5 * confidence, fit.points - z.size))
+    rise = 1.0 + quantile**2 / (fit.points - z.size)
+    scene, cases = fit.at(z)
     parameters: list[FittedParameter] = []
     for k, p in enumerate(fit.parameters):
         value, error = float(z[k]), float(sensitivity.errors[k])
         reason = _reason(fit, k, z, sensitivity)
-        if error < INFINITE_ERROR:
+        if intervals == "profile" and not sensitivity.lost[k]:
+            profile = Profile(fit.finite_residuals, fit.jacobian, fit.bounds, z, k)
+            low, high = map(p.si, profile.interval(rise, quantile * error))
+        elif error < INFINITE_ERROR:
             low, high = p.si(value - quantile * error), p.si(value + quantile * error)
         else:
             low, high = 0.0 if p.log else -math.inf, math.inf
         width = abs(p.si(value)) if p.log else p.scale
+        unit = unit_at(scene, p)
         parameters.append(
-            FittedParameter(p.path, p.dimension, p.unit, p.si(value), error * width, low, high, not reason, reason)
+            FittedParameter(p.path, p.dimension, unit, p.si(value), error * width, low, high, not reason, reason)
         )
-    splits = np.cumsum([int(fit.known[name].sum()) for name in fit.names])[:-1]
-    each = zip(fit.names, np.split(residuals, splits), strict=True)
-    rms = {name: float(np.sqrt(np.mean(values**2))) * fit.size[name] for name, values in each}
-    scene = replace(fit.scene_at(z)[0], solver=fit.solver)
-    return Identification(scene, tuple(parameters), confidence, fit.points, rms, fit.measured)
+    rms = fit.rms(residuals)
+    scene = replace(scene, solver=fit.solver)
+    return Identification(scene, tuple(parameters), confidence, fit.points, rms, fit.largest, tuple(cases), intervals)
 
 
 def _reason(fit: _Fit, k: int, z: Array, sensitivity: _Sensitivity) -> str:

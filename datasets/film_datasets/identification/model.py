@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,8 +11,9 @@ from numpy.typing import NDArray
 
 from film_datasets.csv_measurement import measured_over
 from film_datasets.impacts import simulate_impacts
+from film_datasets.schema import MEASURED_MOTION
 from film_model.scene import Scene
-from film_model.solve.history import MOTION, SUMMARY
+from film_model.solve.history import SUMMARY, Samples
 from film_model.solve.simulate import simulate_quietly
 
 if TYPE_CHECKING:
@@ -23,8 +25,27 @@ ACCURACY = 1e-7
 """Of the impacts that are compared with the measurement: an error that changed with the parameters would disturb the
 finite differences of the fit."""
 
-DIMENSIONS_OF_QUANTITIES = {name: dimension for name, (dimension, _) in (*MOTION.items(), *SUMMARY.items())}
+DIMENSIONS_OF_QUANTITIES = {name: dimension for name, (dimension, _) in (*MEASURED_MOTION.items(), *SUMMARY.items())}
 """Dimension of every quantity that can be measured."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A measurement with the entries of the scene that are its own, and its time of first touch, s."""
+
+    measured: xr.Dataset
+    changes: Mapping[str, str]
+    time_offset: float = 0.0
+
+    @property
+    def names(self) -> list[str]:
+        """The measured quantities."""
+        return measured_over(self.measured)[1]
+
+    def predict(self, scene: Scene, points: Array | None = None) -> dict[str, Array]:
+        """The measured quantities of this scene with the case's own entries; see `predict`."""
+        own = scene.replace(dict(self.changes)) if self.changes else scene
+        return predict(own, self.measured, self.names, self.time_offset, points)
 
 
 def predict(
@@ -40,7 +61,13 @@ def predict(
         return simulate_impacts(scene, {"impactor.velocity": points}).summary
     t = points - time_offset
     samples = simulate_quietly(scene).sample_si(np.maximum(t, 0.0))
-    return {name: _before_first_touch(getattr(samples, name), t, scene, name) for name in names}
+    return {name: _before_first_touch(_motion(samples, scene, name), t, scene, name) for name in names}
+
+
+def _motion(samples: Samples, scene: Scene, name: str) -> Array:
+    if name == "impactor_acceleration":
+        return -samples.contact_force / scene.mass
+    return getattr(samples, name)
 
 
 def _before_first_touch(values: Array, t: Array, scene: Scene, name: str) -> Array:

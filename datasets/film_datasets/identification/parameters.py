@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from film_datasets.identification.result import TIME_OFFSET
 from film_model.base.errors import Mistake, SceneError, raise_all
-from film_model.base.units import scene_unit
+from film_model.base.fields import Field
+from film_model.base.units import power_stiffness_unit, scene_unit
 from film_model.scene import Scene
-from film_model.scene.paths import field_at, unit_of
+from film_model.scene.contact import parameter_fields, stiffness_unit
+from film_model.scene.paths import field_at, number_text, unit_of
+
+STIFFNESS, EXPONENT = "contact.stiffness", "contact.exponent"
+"""Numbers of which the second is in the unit of the first, so that it is fitted with it only."""
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,22 +56,60 @@ class Parameter:
         return math.log(value / self.start) if self.log else (value - self.start) / self.scale
 
 
-def parameters_of(scene: Scene, fit: Sequence[str], measured: xr.Dataset) -> list[Parameter]:
-    """The parameters at the paths `fit`. Raises SceneError for those that cannot be fitted."""
-    _check(scene, fit, measured.attrs["measured"] == "history")
-    return [_parameter(scene, path, measured) for path in fit]
+def parameters_of(scene: Scene, fit: Sequence[str], measured: Sequence[xr.Dataset]) -> list[Parameter]:
+    """The parameters at the paths `fit`; a time offset for each history. Raises SceneError for those that cannot be
+    fitted."""
+    histories = [ds.attrs["measured"] == "history" for ds in measured]
+    _check(scene, fit, histories)
+    found: list[Parameter] = []
+    for path in fit:
+        if path != TIME_OFFSET:
+            found.append(_parameter(scene, path))
+            continue
+        for number, (ds, history) in enumerate(zip(measured, histories, strict=True)):
+            if history:
+                span = float(ds["t"].values[-1] - ds["t"].values[0])
+                name = offset_name(number, len(measured))
+                found.append(Parameter(name, "time", scene_unit("time"), 0.0, span, False, -span, span))
+    return found
 
 
-def _check(scene: Scene, fit: Sequence[str], history: bool) -> None:
+def offset_name(number: int, count: int) -> str:
+    """The time offset of measurement `number` of `count`, from 0."""
+    return TIME_OFFSET if count == 1 else f"{TIME_OFFSET}[{number + 1}]"
+
+
+def scene_changes(values: Mapping[str, float], units: Mapping[str, str]) -> dict[str, Any]:
+    """The values of parameters as changes of a scene. The unit of a stiffness follows a fitted exponent."""
+    own = dict(units)
+    if EXPONENT in values:
+        own[STIFFNESS] = power_stiffness_unit(values[EXPONENT])
+    return {path: number_text(value, own[path]) for path, value in values.items()}
+
+
+def unit_at(scene: Scene, parameter: Parameter) -> str:
+    """The unit of a parameter in the fitted scene."""
+    return stiffness_unit(scene.contact) if parameter.dimension == "meyer_stiffness" else parameter.unit
+
+
+def _field(scene: Scene, path: str, fit: Sequence[str]) -> Field | None:
+    """As `field_at`; also an exponent whose stiffness is fitted, too."""
+    fields = parameter_fields(scene.contact)
+    if path == EXPONENT and STIFFNESS in fit and getattr(fields.get("stiffness"), "dimension", "") == "meyer_stiffness":
+        return fields["exponent"]
+    return field_at(scene, path)
+
+
+def _check(scene: Scene, fit: Sequence[str], histories: Sequence[bool]) -> None:
     mistakes: list[Mistake] = []
     for path in fit:
         try:
             if path == TIME_OFFSET:
-                if not history:
+                if not any(histories):
                     raise ValueError("is for measured histories")
-            elif field_at(scene, path) is None:
+            elif _field(scene, path, fit) is None:
                 raise ValueError("is not a number that can be fitted")
-            elif path == "impactor.velocity" and not history:
+            elif path == "impactor.velocity" and not any(histories):
                 raise ValueError("is measured")
             if list(fit).count(path) > 1:
                 raise ValueError("is given twice")
@@ -77,11 +120,8 @@ def _check(scene: Scene, fit: Sequence[str], history: bool) -> None:
     raise_all(list(dict.fromkeys(mistakes)))
 
 
-def _parameter(scene: Scene, path: str, measured: xr.Dataset) -> Parameter:
+def _parameter(scene: Scene, path: str) -> Parameter:
     """A parameter that starts at the scene's value; in [contact], if that has no value, at the materials'."""
-    if path == TIME_OFFSET:
-        span = float(measured["t"].values[-1] - measured["t"].values[0])
-        return Parameter(path, "time", scene_unit("time"), 0.0, span, False, -span, span)
     value: Any = scene
     for name in path.split("."):
         value = value.parameters[name] if name in getattr(value, "parameters", {}) else getattr(value, name)
@@ -90,7 +130,7 @@ def _parameter(scene: Scene, path: str, measured: xr.Dataset) -> Parameter:
     if value is None:
         message = "the scene has no value to begin with: give one"
         raise SceneError([Mistake(None, None, f"fit: {path}", message)])
-    field = field_at(scene, path)
+    field = _field(scene, path, (STIFFNESS,))
     assert field is not None and field.low is not None and field.high is not None
     start, unit = float(value), unit_of(scene, field)
     low, high = max(float(field.low), -LARGEST), min(float(field.high), LARGEST)

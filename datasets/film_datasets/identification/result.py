@@ -12,7 +12,7 @@ import numpy as np
 
 from film_datasets.axis_style import finite, label
 from film_datasets.csv_measurement import measured_over
-from film_datasets.identification.model import ACCURACY, DIMENSIONS_OF_QUANTITIES, predict
+from film_datasets.identification.model import ACCURACY, DIMENSIONS_OF_QUANTITIES, Case
 from film_model.base.units import DIMENSIONS, format_si, si_unit
 from film_model.plot.style import HIGHLIGHT, picture, prefixed_unit
 from film_model.scene import Scene
@@ -20,7 +20,6 @@ from film_model.solve.history import History
 from film_model.solve.simulate import simulate
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
 
 TIME_OFFSET = "time_offset"
@@ -53,6 +52,14 @@ class FittedParameter:
             return "?"
         return format_si(value, self.dimension, 5) if self.dimension in DIMENSIONS else f"{value:.5g} {self.unit}"
 
+    def limit(self) -> str:
+        """What is known of a parameter that is not identified: at most one end of its interval."""
+        if self.low > 0.0 and not math.isfinite(self.high):
+            return f"not identified, but at least {self.text(self.low)}"
+        if self.low <= 0.0 and math.isfinite(self.high):
+            return f"not identified, but at most {self.text(self.high)}"
+        return "not identified"
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values; None for what is not known."""
         numbers = {name: getattr(self, name) for name in ("value", "standard_error", "low", "high")}
@@ -65,8 +72,8 @@ class FittedParameter:
 class Identification:
     """A scene fitted to a measurement.
 
-    scene: with the fitted values. parameters: with intervals at the level `confidence`. residual: RMS residual of each
-    measured quantity, SI. measured: what was fitted.
+    scene: with the fitted values. parameters: with intervals at the level `confidence`, from the `intervals` asked for.
+    residual: RMS residual of each measured quantity, SI; largest: its largest measured value. cases: what was fitted.
     """
 
     scene: Scene
@@ -74,7 +81,18 @@ class Identification:
     confidence: float
     points: int
     residual: Mapping[str, float]
-    measured: xr.Dataset = field(repr=False)
+    largest: Mapping[str, float]
+    cases: tuple[Case, ...] = field(repr=False)
+    intervals: str = "curvature"
+
+    @property
+    def square(self) -> float:
+        """The sum of the squares of all residuals, each over the largest value of its quantity."""
+        return sum(self._count(name) * (rms / (self.largest[name] or 1.0)) ** 2 for name, rms in self.residual.items())
+
+    def _count(self, name: str) -> int:
+        measured = (case.measured[name].values for case in self.cases if name in case.names)
+        return sum(int(np.isfinite(values).sum()) for values in measured)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -94,6 +112,7 @@ class Identification:
         return {
             "parameters": {one.path: one.to_dict() for one in self.parameters},
             "confidence": self.confidence,
+            "intervals": self.intervals,
             "points": self.points,
             "residual": residual,
             "warnings": list(self.warnings),
@@ -101,46 +120,50 @@ class Identification:
 
     def table(self) -> str:
         """The parameters as text."""
-        lines = [f"{self.points} points; intervals at {100 * self.confidence:g} %", ""]
+        by = " by profile likelihood" if self.intervals == "profile" else ""
+        files = f" of {len(self.cases)} measurements" if len(self.cases) > 1 else ""
+        lines = [f"{self.points} points{files}; intervals at {100 * self.confidence:g} %{by}", ""]
         for one in self.parameters:
             value, low, high = map(one.text, (one.value, one.low, one.high))
-            interval = f"{low} to {high}" if one.identified else "not identified"
+            interval = f"{low} to {high}" if one.identified else one.limit()
             lines.append(f"  {one.path:32}{value:>14}   {interval}")
         lines += ["", "  RMS residual:"]
         for name, value in self.residual.items():
-            largest = float(np.nanmax(np.abs(self.measured[name].values), initial=0.0))
+            largest = self.largest[name]
             share = f"{100 * value / largest:.2g} % of the largest" if largest else ""
             text = format_si(value, DIMENSIONS_OF_QUANTITIES[name], 3)
             lines.append(f"  {name.replace('_', ' '):32}{text:>14}   {share}".rstrip())
         return "\n".join(lines)
 
     def plot(self, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
-        """Measurement and fitted model, and below them their difference; a column for every measured quantity."""
-        return picture(path, self._draw, SIZE, dpi)
+        """Measurement and fitted model, and below them their difference; a column for every measured quantity of every
+        measurement."""
+        columns = sum(len(case.names) for case in self.cases)
+        return picture(path, self._draw, (SIZE[0] * max(1.0, 0.5 * columns), SIZE[1]), dpi)
 
     def _draw(self, figure: Figure) -> None:
-        names = list(self.residual)
-        along, _ = measured_over(self.measured)
-        offset = next((one.value for one in self.parameters if one.path == TIME_OFFSET), 0.0)
-        x = self.measured[along].values
-        fine = np.linspace(x.min(), x.max(), FINE_POINTS)
-        curve, at_points = (predict(self.scene, self.measured, names, offset, points) for points in (fine, x))
-        x_size, x_unit = prefixed_unit(x, "time" if along == "t" else "velocity")
         ratios: dict[str, Any] = {"height_ratios": (3, 1), "hspace": 0.08, "wspace": 0.35}
-        panels: Any = figure.subplots(2, len(names), sharex=True, squeeze=False, gridspec_kw=ratios)
-        for column, name in enumerate(names):
-            values = self.measured[name].values
-            size, unit = prefixed_unit(finite(self.measured[name]), DIMENSIONS_OF_QUANTITIES[name])
+        pairs = [(case, name) for case in self.cases for name in case.names]
+        panels: Any = figure.subplots(2, len(pairs), sharex="col", squeeze=False, gridspec_kw=ratios)
+        for column, (case, name) in enumerate(pairs):
+            along, _ = measured_over(case.measured)
+            x, values = case.measured[along].values, case.measured[name].values
+            fine = np.linspace(x.min(), x.max(), FINE_POINTS)
+            curve, at_points = (case.predict(self.scene, points)[name] for points in (fine, x))
+            x_size, x_unit = prefixed_unit(x, "time" if along == "t" else "velocity")
+            size, unit = prefixed_unit(finite(case.measured[name]), DIMENSIONS_OF_QUANTITIES[name])
             above, below = panels[:, column]
             above.plot(x / x_size, values / size, "o", color="0.45", markersize=2.5, label="measured")
-            above.plot(fine / x_size, curve[name] / size, color=HIGHLIGHT, label="fitted")
-            below.plot(x / x_size, (values - at_points[name]) / size, "o", color="0.45", markersize=2.0)
+            above.plot(fine / x_size, curve / size, color=HIGHLIGHT, label="fitted")
+            below.plot(x / x_size, (values - at_points) / size, "o", color="0.45", markersize=2.0)
             below.axhline(0.0, color=HIGHLIGHT, linewidth=0.8)
             above.set_ylabel(label(name, unit))
+            if case.changes:
+                above.set_title(", ".join(case.changes.values()), fontsize=8)
             below.set(xlabel=label("time" if along == "t" else "velocity", x_unit), ylabel=label("difference", unit))
         panels[0, 0].legend(frameon=False, fontsize=8)
         texts: list[str] = []
         for one in self.parameters:
-            interval = f"{one.text(one.low)} to {one.text(one.high)}" if one.identified else "not identified"
+            interval = f"{one.text(one.low)} to {one.text(one.high)}" if one.identified else one.limit()
             texts.append(f"{one.path} {one.text(one.value)} ({interval})")
         figure.suptitle("\n".join(texts).replace("$", r"\$"), fontsize=9)

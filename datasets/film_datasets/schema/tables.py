@@ -47,7 +47,7 @@ _STRESSES = (
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
     HISTORY: {"1.1": (), "1.2": _STRESSES, "1.3": ()},
     SWEEP: {"1.0": (), "1.1": ("estimated_accuracy", *_STRESSES), "1.2": ("scene_key",), "1.3": ()},
-    MEASUREMENT: {"1.0": ()},
+    MEASUREMENT: {"1.0": (), "1.1": ()},
     COST: {"1.0": ()},
 }
 """Kinds of datasets (attribute film_model_schema): the versions that can be read, oldest first, each with the names of
@@ -221,11 +221,20 @@ _SWEEP_SAMPLES = (
     ),
 )
 
+MEASURED_MOTION = {
+    **MOTION,
+    "impactor_acceleration": (
+        "acceleration",
+        "as an accelerometer on the impactor reads it, positive into the target: less contact force over mass",
+    ),
+}
+"""Quantities of a measured history: dimension and description."""
+
 _MEASURED_HISTORY = (
     _number("t", ("t",), "time", "time since first touch"),
     *(
         _number(name, ("t",), dimension, f"measured {_spaced(name)}", f"{what}; {_ABSENT}", True)
-        for name, (dimension, what) in MOTION.items()
+        for name, (dimension, what) in MEASURED_MOTION.items()
     ),
 )
 

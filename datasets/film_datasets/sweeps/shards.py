@@ -9,9 +9,7 @@ import shutil
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from film_datasets.files import ZARR, check_no_link, check_place, open_dataset
 from film_datasets.provenance import PROGRAM
@@ -30,6 +28,9 @@ from film_datasets.sweeps.interruptions import explained
 from film_datasets.sweeps.progress_bar import Progress
 from film_datasets.sweeps.storage import Storage
 from film_model.base.files import written_whole
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _SHARD = re.compile(r"(\d{1,9})/(\d{1,9})")
 
@@ -147,6 +148,8 @@ class Shards:
 
     def _read(self) -> tuple[ContentHash, list[ContentHash]]:
         """The hash of the store's content, and of what each shard wrote of it."""
+        import xarray as xr
+
         sweep, count = self.sweep, self.count()
         content, parts = ContentHash(sweep.variables), [ContentHash(sweep.variables) for _ in range(count)]
         by_rows = sweep.variables[len(sweep.axes) :] if sweep.design == GRID else sweep.variables

@@ -347,7 +347,7 @@ function impact(fragment) {
   const { result, reason } = attempt(scene);
   if (!result) return { reason, ignored };
   const { summary, error, segments, modes, law, warnings, choice } = result;
-  return { summary: { ...summary }, error, segments, modes, law: law.name, warnings, effects: choice.found, ignored };
+  return { summary: { ...summary }, error, segments, modes, law: law.name, warnings, effects: choice.found, edges: choice.edges, ignored };
 }
 
 /** Draw everything again, in another size or theme. */

@@ -1,5 +1,7 @@
 // Impacts on a target that vibrates: as many of its modes as the accuracy needs, by the rules of film_model/solve/vibration.py.
 
+const TOO_MANY = -5; // status of a march with too many segments
+
 /** The power of 2^(1/4) that is not below a value. @param {number} value */
 function rounded(value) {
   return 2 ** (Math.ceil(4 * Math.log2(value)) / 4);
@@ -58,8 +60,9 @@ function followed(scene, problem, highest, tolerance, limit) {
   }
   const end = CORE.top;
   CORE.top = top;
+  if (found.status === FULL) throw new Unsupported("the motion has more segments than there is room for on this page: use film-model run");
   if (found.status < 0) throw new Failure(found.status);
-  return { ...found, structure, highest, end, top };
+  return { ...found, structure, highest, tolerance, end, top };
 }
 
 /** One impact, recorded. @param {any} structure @param {number} curve @param {number} start @param {Record<string, number>} values @param {number} room segments */
@@ -109,6 +112,11 @@ function differencesOf(problem, a, b) {
   return Object.fromEntries(names.map((/** @type {string} */ name) => [name, CORE.compare(problem.p, { ...b, [name]: a[name] }, b)]));
 }
 
+/** @param {number} accuracy @param {any} found */
+function unreached(accuracy, found) {
+  return `accuracy ${accuracy} is not reached with the ${found.structure.count} natural vibrations here`;
+}
+
 /** The impact with as many modes as the accuracy needs, and the error estimate. @param {Scene} scene @param {Problem} problem */
 function vibrate(scene, problem) {
   const { support } = scene.base;
@@ -128,16 +136,25 @@ function vibrate(scene, problem) {
   let tolerance = Math.max(accuracy * rule.step, rule.tightest);
   let coarse = follow(rule.refined * tolerance);
   let before = Object.fromEntries(DATA.constants.compared.map((/** @type {string} */ name) => [name, 1]));
+  /** @type {number|null} */
+  let error = null;
   for (;;) {
     highest *= 2;
-    const fine = follow(tolerance);
+    let fine;
+    try {
+      fine = follow(tolerance);
+    } catch (failure) { // a stiff omitted mode rattles between the impactor and the others
+      const long = failure instanceof Unsupported || (failure instanceof Failure && failure.status === TOO_MANY);
+      if (!long || error === null) throw failure;
+      return { ...followed(scene, problem, coarse.highest, coarse.tolerance, limit), error, warning: unreached(accuracy, coarse) };
+    }
     const changes = differencesOf(problem, coarse.core, fine.core);
     const factor = p.damping > 0 ? rule.damped_factor : rule.factor;
     const errors = Object.entries(changes).map(([name, change]) => factor * Math.max(change, before[name] / rule.fall) + tolerance);
-    const error = Math.max(...errors);
+    error = Math.max(...errors);
     if (error <= accuracy) return { ...fine, error, warning: "" };
     if (2 * highest > most || 4 * fine.core.lines * (fine.structure.count + 100) > rule.most_work) {
-      return { ...fine, error, warning: `accuracy ${accuracy} is not reached with the ${fine.structure.count} natural vibrations here` };
+      return { ...fine, error, warning: unreached(accuracy, fine) };
     }
     [coarse, before, tolerance] = [fine, changes, Math.max(tolerance / rule.refined, rule.tightest)];
   }

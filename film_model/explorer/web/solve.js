@@ -144,7 +144,9 @@ function choose(scene, n) {
 
   const free = lawOf(scene, n, elastic).law;
   let keeps = true;
-  if (law.dissipates && free) {
+  if (automatic && law.name === elastic) {
+    if (yields === false) found.plasticity = { simulated: false, change: 0 };
+  } else if (law.dissipates && free) {
     const without = problemOf(free, n, problem.impedance, problem.load, problem.compliance);
     const size = changeOf(problem, without);
     if (automatic && plasticity === "auto") keeps = !(size <= tolerance);
@@ -213,7 +215,7 @@ function apart(problem, line, counts, a, b) {
 
 /** Segments that meet the accuracy, doubled until two meshes agree, and the error estimate. @param {Problem} problem @param {Scene["solver"]} solver */
 function refine(problem, solver) {
-  const { first_segments: first, most_segments: most, order_factor: order, regular_fall: falls } = DATA.constants;
+  const { first_segments: first, most_segments: most, order_factor: order, regular_fall: fall } = DATA.constants;
   const line = solver.linearisation;
   const accuracy = solver.accuracy ?? DATA.constants.accuracy;
   const { damping } = problem.p;
@@ -226,12 +228,13 @@ function refine(problem, solver) {
     const here = [countsFor(problem, n / 2), countsFor(problem, n)];
     const fine = marchOrThrow(problem, line, here[1]);
     const off = apart(problem, line, here, coarse, fine);
-    const error = order[line][1] * Math.max(off, before / falls[line]);
+    const error = order[line][1] * Math.max(off, before / fall[line]);
+    const falls = off < 0.5 * before;
     before = off;
     const rounds = roundingOf(problem, fine);
     const estimated = error + rounds;
     if (estimated <= accuracy) return { counts: here[1], estimated, warning: "" };
-    if (n >= most || error < rounds || (estimated > 0.7 * last && estimated < 1e-9)) {
+    if (n >= most || (error < rounds && !falls) || (estimated > 0.7 * last && estimated < 1e-9)) {
       const reached = `the estimated relative error is ${estimated.toExponential(1)} with ${n} segments per stage`;
       return { counts: here[1], estimated, warning: `accuracy ${accuracy} is not reached: ${reached}` };
     }

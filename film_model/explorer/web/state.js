@@ -167,7 +167,7 @@ function materialTable(owner, key) {
 function setLaw(scene, contact) {
   if (scene.law !== scene.base.law) {
     for (const index of scene.base.laws) for (const key of Object.keys(DATA.laws[index].own)) delete contact[key];
-    if (scene.base.law !== "auto") delete contact.unloading;
+    if (scene.base.law !== "auto" || lawNamed(scene, scene.law)?.family === "damped") delete contact.unloading;
   }
   contact.law = scene.law;
   const n = numbersOf(scene);

@@ -356,6 +356,17 @@ def test_a_dataset_keeps_the_way_back():
     assert np.array_equal(fd.history_of(dataset).sample_si(times).contact_force, history.sample_si(times).contact_force)
 
 
+@pytest.mark.parametrize("velocity", [0.3, 1.0, 3.0])
+def test_adhesion_is_judged_with_the_radius_of_the_dent(velocity):
+    """Under thornton R_p = R F_Hertz(δ_m)/F_m, and the work of parting grows as R_p^{4/3}."""
+    dry = fm.simulate(dented_scene(velocity).replace({"contact.law": "thornton"}), accuracy=1e-6)
+    hertz = 4 / 3 * MODULUS * math.sqrt(RADIUS) * dry.summary["maximum_indentation"] ** 1.5
+    ratio = hertz / dry.summary["maximum_force"]
+    effect = next(effect for effect in dry.effects if effect.name == "adhesion")
+    assert ratio > 1.1
+    assert effect.value == pytest.approx(velocity / (STICKING * ratio ** (2 / 3)), rel=1e-3)
+
+
 def test_what_yields_by_adhesion_alone_is_refused():
     with pytest.raises(fm.SceneError, match="adhesion alone yields"):
         fm.simulate(dented_scene(pressure=1e6))

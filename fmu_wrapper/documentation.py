@@ -19,8 +19,10 @@ from film_model.problem.problem import Problem
 from film_model.scene import Scene
 from film_model.solve.history import SUMMARY, History
 from film_model.version import __version__
+from fmu_wrapper.layout import DAMPING
 from fmu_wrapper.model_description import Experiment
-from fmu_wrapper.resource import DAMPING, Data, damping_power, has, has_exchange, mode_frequencies
+from fmu_wrapper.powers import damping_power
+from fmu_wrapper.resource import Data, has, has_exchange, mode_frequencies
 from fmu_wrapper.variables import KINDS, VARIABLES, reference, settable
 
 COUPLINGS = (
@@ -208,6 +210,7 @@ def _damping(kind: str, problem: Problem, data: Data) -> list[str]:
         "as soon as the law's force is positive again."
     ]
     follows = [name for k, name in enumerate(DAMPING) if data.damping_power[k] != 0.0]
+    follows += ["restitution"] if has(data, "restitution") else []
     if follows:
         texts.append(f"The damping follows the law if {', '.join(follows)} are changed after export.")
     fixed = [name for name in DAMPING if damping_power(problem.law, name, problem) != 0.0 and not has(data, name)]

@@ -54,10 +54,10 @@ def export(
 
     kind: "impact" contains the impactor with its mass; "contact" is the force element alone. They are for
     Co-Simulation and, except on targets that vibrate or have a static stiffness and for viscoelastic bodies, Model
-    Exchange. initial_gap: "5 mm". platform: names from `fmu_wrapper.platforms.PLATFORMS`, or "all", which need ziglang;
-    the default is this machine, which needs no compiler. with_sources: includes the C sources, for importers that
-    compile; their names begin with the model identifier, so that several FMUs can be linked into one program. name: of
-    the model, from which the identifier is made too; the default is the scene's title.
+    Exchange. initial_gap: "5 mm". platform: names from `fmu_wrapper.platforms.PLATFORMS`, or "all"; this machine's
+    binary is the package's, others need ziglang. The default is all where ziglang is installed, else this machine.
+    with_sources: for importers that compile; C names begin with the model identifier, so that several FMUs link
+    into one program. name: of the model, from which the identifier is made too; the default is the scene's title.
 
     The FMU serves every value of its parameters (:func:`fmu_wrapper.served`), and reports by its output `validity`
     where an assumption of the export does not hold. A parameter is left out if the law's stages depend on it, or if a
@@ -101,20 +101,23 @@ def export(
 
 
 def _binaries(platform: str | Sequence[str] | None) -> dict[str, bytes]:
+    """Binaries by platform: this machine's from the package, others compiled or from the cache."""
+    own, everywhere = platforms.this_platform(), tuple(platforms.PLATFORMS)
     if platform is None:
-        own, library = platforms.this_platform(), platforms.ROOT / platforms.built_library()
+        platform = (own, *everywhere) if platforms.can_cross_compile() else own
+    names = list(dict.fromkeys([platform] if isinstance(platform, str) else platform))
+    if names == ["all"]:
+        names = list(everywhere)
+    unknown = [name for name in names if name not in (own, *everywhere)]
+    if unknown or not names:
+        raise ValueError(f"platform: {', '.join(unknown) or 'none'} is not allowed: all or {', '.join(everywhere)}")
+    found = platforms.cross_compiled([name for name in names if name != own])
+    if own in names:
+        library = platforms.ROOT / platforms.built_library()
         if not library.exists():
             raise ImportError(f"{library} is missing: install the package (pip install .) to compile it")
-        return {own: library.read_bytes()}
-    names = [platform] if isinstance(platform, str) else list(platform)
-    if names == ["all"]:
-        names = list(platforms.PLATFORMS)
-    unknown = [name for name in names if name not in platforms.PLATFORMS]
-    if unknown or not names:
-        raise ValueError(
-            f"platform: {', '.join(unknown) or 'none'} is not allowed: all or {', '.join(platforms.PLATFORMS)}"
-        )
-    return platforms.cross_compiled(names)
+        found[own] = library.read_bytes()
+    return {name: found[name] for name in names}
 
 
 def _contents(

@@ -16,6 +16,10 @@ OF_DAMPING = ("damping", "dissipation_time", "hysteresis_damping")
 """Parameters of damped laws whose powers make up only the damping factor."""
 DAMPING = (*SCALING, "mass", "initial_velocity", *OF_DAMPING)
 """Parameters whose powers make up the damping factor of a damped law."""
+OF_LAW = (*SCALING, *OF_DAMPING, "restitution")
+"""The law's own parameters."""
+RESTITUTION_TERMS = 48
+"""Terms of ln(damping factor/(1 − e)) over ln e."""
 LIMITS = 2
 REASON = 80  # bytes of the names of effects that end a range of validity
 SHAPED = SCALING[:3]
@@ -81,6 +85,7 @@ class Data(c.Structure):
         ("force_power", _D * len(SCALING)),
         ("damping", _D),
         ("damping_power", _D * len(DAMPING)),
+        ("restitution", _D * RESTITUTION_TERMS),
         ("speed", _D),
         ("nominal", _D * len(STATES)),
         ("valid", (_D * 2) * _SETTABLE),

@@ -52,6 +52,12 @@ HEADERS = (
     *(f"{RUNTIME}/{name}.h" for name in ("model", "model_parts", "instance", "variables", "failures")),
 )
 INCLUDES = (CORE, RUNTIME)
+WINDOWS_START = f"{RUNTIME}/windows_start.c"
+WINDOWS_PARTS = (
+    "kernel32",
+    *(f"api-ms-win-crt-{one}-l1-1-0" for one in ("math", "heap", "stdio", "string", "private")),
+)
+"""Parts of Windows that its binary imports; zig makes import libraries of them without compiling C."""
 _OWN = b"film|model|instance|contact|modes|relaxing"  # how the names of all functions begin that are not static
 DEFINITIONS = {"FILM_API": ""}  # not exported: one process may load FMUs of several versions
 
@@ -75,8 +81,8 @@ PLATFORMS: dict[str, Platform] = {
     "x86_64-linux": Platform("linux64", "x86_64-linux", "x86_64-linux-gnu.2.17", ".so"),
     "aarch64-linux": Platform("aarch64-linux", "aarch64-linux", "aarch64-linux-gnu.2.17", ".so"),
     "x86_64-windows": Platform("win64", "x86_64-windows", "x86_64-windows-gnu", ".dll"),
-    "x86_64-darwin": Platform("darwin64", "x86_64-darwin", "x86_64-macos", ".dylib"),
-    "aarch64-darwin": Platform("aarch64-darwin", "aarch64-darwin", "aarch64-macos", ".dylib"),
+    "x86_64-darwin": Platform("darwin64", "x86_64-darwin", "x86_64-macos.11.0", ".dylib"),
+    "aarch64-darwin": Platform("aarch64-darwin", "aarch64-darwin", "aarch64-macos.11.0", ".dylib"),
 }
 
 
@@ -122,10 +128,20 @@ def license_text() -> bytes:
 
 def fmi_headers() -> Path:
     """Folder of the FMI headers, which are part of FMPy. Raises ImportError without FMPy."""
-    found = importlib.util.find_spec("fmpy")
+    return package_folder("fmpy") / "c-code"
+
+
+def package_folder(name: str) -> Path:
+    """Folder of an installed package that compiling needs. Raises ImportError without it."""
+    found = importlib.util.find_spec(name)
     if found is None or found.origin is None:
-        raise ImportError('compiling FMUs needs FMPy\'s headers: pip install "film-model[cross-compile]"')
-    return Path(found.origin).parent / "c-code"
+        raise ImportError(f'compiling FMUs needs {name}: pip install "film-model[cross-compile]"')
+    return Path(found.origin).parent
+
+
+def can_cross_compile() -> bool:
+    """Whether ziglang and FMPy, which has the headers, are installed."""
+    return all(importlib.util.find_spec(name) is not None for name in ("ziglang", "fmpy"))
 
 
 def arguments(root: Path) -> list[str]:
@@ -149,8 +165,9 @@ def _cached(name: str) -> bytes:
     """A platform's binary from the user's cache folder, or compiled and put there."""
     if importlib.util.find_spec("ziglang") is None:
         return cross_compile(name)
-    inputs = [*FLAGS, version("ziglang"), PLATFORMS[name].target]
-    inputs += [hashlib.sha256((ROOT / one).read_bytes()).hexdigest() for one in (*SOURCES, *HEADERS)]
+    inputs = [version("ziglang")]
+    files = (*SOURCES, *HEADERS, WINDOWS_START, Path(__file__))  # the last contains the compiler's arguments
+    inputs += [hashlib.sha256((ROOT / one).read_bytes()).hexdigest() for one in files]
     home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     kept = home / "film-model" / f"{name}-{hashlib.sha256(' '.join(inputs).encode()).hexdigest()[:32]}"
     try:
@@ -178,14 +195,26 @@ def cross_compile(name: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         built = Path(folder, "film_fmu" + platform.suffix)
         command = [sys.executable, "-m", "ziglang", "cc", *FLAGS, "-s", "-shared", "-target", platform.target]
-        if platform.suffix != ".dll":
-            command += ["-fPIC"]
-        if platform.suffix == ".dylib":
-            command += ["-install_name", f"@rpath/{built.name}"]
-        if platform.suffix == ".so":
-            command += ["-lm"]
-        run(name, [*command, *arguments(ROOT), "-o", str(built)])
+        run(name, [*command, *_linked(platform), *arguments(ROOT), "-o", str(built)])
         return built.read_bytes()
+
+
+def _linked(platform: Platform) -> list[str]:
+    """Arguments that link against the system without compiling libraries first, of which zig has sources only.
+
+    Linux and macOS need no functions of the compiler's own library. Windows takes what its C library lacks from there
+    (sincos), and is spared that of mingw-w64, a minute of work: `WINDOWS_START` contains what this binary needs of it.
+    """
+    if platform.suffix == ".so":
+        return ["-fPIC", "-rtlib=none", "-lm"]
+    if platform.suffix == ".dylib":
+        return ["-fPIC", "-rtlib=none", "-install_name", f"@rpath/film_fmu{platform.suffix}"]
+    headers = package_folder("ziglang") / "lib" / "libc" / "include" / "any-windows-any"
+    return [
+        *("-nostdlib", "-rtlib=compiler-rt", "-Wl,-e,DllMainCRTStartup", *(f"-l{name}" for name in WINDOWS_PARTS)),
+        *("-isystem", str(headers), "-D__MSVCRT_VERSION__=0xE00", "-D_WIN32_WINNT=0x0a00"),  # as zig has them
+        str(ROOT / WINDOWS_START),
+    ]
 
 
 def run(what: str, command: Sequence[str]) -> None:

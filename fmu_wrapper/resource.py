@@ -15,10 +15,8 @@ from film_model.base.units import scene_unit
 from film_model.core import native
 from film_model.core.modal import LEVELS
 from film_model.laws.hertz import hertz_stiffness
-from film_model.laws.law import AbstractLaw, law_fields
 from film_model.problem import stresses
 from film_model.problem.curve import curve_of
-from film_model.problem.families import EDGES, Page, page_between
 from film_model.problem.problem import Problem
 from film_model.scene import STANDARD_GRAVITY
 from film_model.solve.vibration import Vibration
@@ -27,7 +25,9 @@ from fmu_wrapper.layout import (
     DAMPING,
     MAGIC,
     OF_DAMPING,
+    OF_LAW,
     REASON,
+    RESTITUTION_TERMS,
     SCALING,
     SHAPED,
     Data,
@@ -35,18 +35,22 @@ from fmu_wrapper.layout import (
     Relaxing,
     Stresses,
 )
+from fmu_wrapper.powers import (
+    SMALLER,
+    damping_factor,
+    damping_power,
+    field_of,
+    own_page,
+    powers_of,
+    rational,
+    restitution_series,
+)
 from fmu_wrapper.variables import KINDS, RIGID, VARIABLES, Kind, Variable, reference, settable
 
 NAME, NOTES, SCENE = "model.film", "notes.json", "scene.toml"
 NAMES = (NAME, NOTES, SCENE)
 EXTRAPOLATION = 1.5
 """Default of input_extrapolation: right in a master that steps all FMUs side by side and then exchanges outputs."""
-
-AROUND = 4.0
-"""Such an FMU serves shapes from a fourth to four times that of the export."""
-WORST_FIT = 1e-9
-"""Largest relative error of the force for which it does."""
-SMALLER = 0.5
 
 MOST_MODES = 20_000
 """Largest number of natural vibrations of an FMU, limited by memory: 6 kB of address space each in every instance."""
@@ -58,8 +62,6 @@ UNUSED = {"target_impedance": RIGID}
 """Start values that are not the smallest, of parameters that an FMU does not have."""
 
 _SETTABLE = settable()
-_PROBES = (2.0, 5.0)
-"""Factors on a parameter: if both give the same exponent, the scale is a power of it."""
 
 
 def model_data(
@@ -88,16 +90,19 @@ def model_data(
     start |= dict(zip(("loading_segments", "unloading_segments"), segments, strict=True))
     powers = {name: powers_of(law, name, problem) for name in SCALING}
     damping = {name: damping_power(law, name, problem) for name in DAMPING}
+    series = restitution_series(law, problem)
     missing = _missing(problem, vibration)
     for k, variable in enumerate(VARIABLES[:_SETTABLE]):
         name = variable.name
         exists = kind in variable.causality and name not in missing
         if name in powers:
             exists = exists and powers[name] is not None
-            data.start[k] = getattr(law, field_of(law, name)) if exists else variable.low
         elif name in OF_DAMPING:
             exists = exists and bool(damping[name])
-            data.start[k] = getattr(law, name) if exists else variable.low
+        elif name == "restitution":
+            exists = series is not None
+        if name in OF_LAW:
+            data.start[k] = getattr(law, field_of(law, name)) if exists else variable.low
         else:
             data.start[k] = start.get(name, 0.0) if exists else UNUSED.get(name, max(variable.low or 0.0, 0.0))
         data.available[k] = exists and not (name in damping and damping[name] is None)
@@ -105,9 +110,7 @@ def model_data(
         data.valid[k][:] = (-math.inf, math.inf)
     for k, name in enumerate(SCALING):
         data.length_power[k], data.force_power[k] = powers[name] or (0.0, 0.0)
-    data.damping = _damping(law, problem)
-    for k, name in enumerate(DAMPING):
-        data.damping_power[k] = damping[name] or 0.0 if data.available[reference(name)] else 0.0
+    _put_damping(data, problem, damping, series)
     _put_validity(data, validity)
     data.speed = max(scene.approach_velocity, 1e-9)
     data.nominal[:] = nominal
@@ -119,6 +122,16 @@ def model_data(
     if problem.relaxation is not None:
         data.relaxation = Relaxing(problem.relaxation.law(1.0), tolerance)
     return data
+
+
+def _put_damping(
+    data: Data, problem: Problem, powers: dict[str, float | None], series: NDArray[np.float64] | None
+) -> None:
+    """The damping factor, its powers and its series in the restitution."""
+    data.damping = damping_factor(problem.law, problem)
+    data.restitution[:] = [0.0] * RESTITUTION_TERMS if series is None else series
+    for k, name in enumerate(DAMPING):
+        data.damping_power[k] = powers[name] or 0.0 if data.available[reference(name)] else 0.0
 
 
 def _missing(problem: Problem, vibration: Vibration | None) -> tuple[str, ...]:
@@ -197,19 +210,9 @@ def _put_family(data: Data, problem: Problem) -> None:
     family.nodes, family.varying = page.family.nodes, page.family.varying
     for k, name in enumerate(SHAPED):
         probe: Any = replace(law, **{name: getattr(law, name) * SMALLER}) if name in law.shaped_by else law  # type: ignore[type-var]
-        family.power[k] = _rational(math.log(probe.shape / law.shape) / math.log(SMALLER))
+        family.power[k] = rational(math.log(probe.shape / law.shape) / math.log(SMALLER))
     data.tail = bytes(page.whole) + page.family.memory.tobytes()
     data.size = c.sizeof(Data) + len(data.tail)
-
-
-def own_page(problem: Problem) -> Page | None:
-    """The curves of shapes within `AROUND` of the problem's law, if it has a family and they are exact enough."""
-    law = problem.law
-    if problem.curve.page is None:
-        return None
-    low, high = max(law.shape / AROUND, float(EDGES[0])), min(law.shape * AROUND, float(EDGES[-1]))
-    page = page_between(law.of_shape(1e-3), low, high)
-    return page if page.fit_error < WORST_FIT else None
 
 
 def mode_frequencies(data: Data) -> NDArray[np.float64]:
@@ -224,77 +227,6 @@ def check_range(variable: Variable, value: float) -> None:
     if not low <= value <= high:
         unit = f" {scene_unit(variable.dimension)}" if variable.dimension else ""
         raise ValueError(f"{variable.name}: {value:g}{unit} is out of range: from {low:g} to {high:g}{unit}")
-
-
-def field_of(law: AbstractLaw, name: str) -> str:
-    """The field of a law that a parameter sets; the unit of a power law's stiffness depends on its exponent."""
-    parameter = getattr(type(law), "parameters", {}).get("stiffness")
-    power_law = parameter is not None and parameter.dimension == "meyer_stiffness"
-    if name in ("stiffness", "power_stiffness"):
-        return "stiffness" if power_law == (name == "power_stiffness") else ""
-    return name
-
-
-def powers_of(law: AbstractLaw, name: str, problem: Problem) -> tuple[float, float] | None:
-    """Exponents of a law's parameter in the law's length and force scales.
-
-    None if the law has no such parameter, if its dimensionless stages depend on the parameter (the exported curve would
-    become wrong), or if the scales are not powers of it.
-    """
-    field = field_of(law, name)
-    value = getattr(law, field, None)
-    if field not in law_fields(type(law)) or value is None:
-        return None
-    shaped = name in law.shaped_by and own_page(problem) is not None
-    energy = 0.5 * problem.mass * max((problem.approach * problem.scales.velocity) ** 2, 1e-300)
-    base = law.scales(energy)
-    found: list[tuple[float, float]] = []
-    for factor in (SMALLER, SMALLER**2) if shaped and name == "yield_strength" else _PROBES:
-        other: AbstractLaw = replace(law, **{field: value * factor})  # type: ignore[type-var]
-        if not shaped and bytes(curve_of(other).native) != bytes(curve_of(law).native):
-            return None
-        length, force = (math.log(b / a) / math.log(factor) for a, b in zip(base, other.scales(energy), strict=True))
-        found.append((_rational(length), _rational(force)))
-    return found[0] if found[0] == found[1] else None
-
-
-def damping_power(law: AbstractLaw, name: str, problem: Problem) -> float | None:
-    """Exponent of a parameter in the damping factor; 0 if the law has no damping or no such parameter.
-
-    None if the damping factor is not a power of the parameter: then the FMU does not have the parameter.
-    """
-    base = _damping(law, problem)
-    if name in OF_DAMPING and getattr(law, name, None) is None:
-        return 0.0
-    if base == 0.0 or (name in SCALING and powers_of(law, name, problem) is None):
-        return 0.0
-    found: list[float] = []
-    for factor in _PROBES:
-        other, length = law, 1.0
-        if name in OF_DAMPING:
-            other = replace(law, **{name: getattr(law, name) * factor})  # type: ignore[type-var]
-        if name in SCALING:
-            field = field_of(law, name)
-            other = replace(law, **{field: getattr(law, field) * factor})  # type: ignore[type-var]
-            length = other.scales(1.0)[0] / law.scales(1.0)[0]
-        mass, velocity = (factor if name == one else 1.0 for one in ("mass", "initial_velocity"))
-        ratio = _damping(other, problem, mass, velocity, length) / base
-        found.append(_rational(math.log(ratio) / math.log(factor)) if ratio > 0.0 else math.nan)
-    return found[0] if found[0] == found[1] else None
-
-
-def _damping(
-    law: AbstractLaw, problem: Problem, mass: float = 1.0, velocity: float = 1.0, length: float = 1.0
-) -> float:
-    """Damping factor, N s/m, for multiples of the problem's mass, velocity and length."""
-    speed = problem.scene.approach_velocity
-    return float(law.damping_factor(mass * problem.mass, velocity * speed, length * problem.scales.length))
-
-
-def _rational(power: float) -> float:
-    """An exponent rounded to a multiple of 1/60 if it is within 1e-12 of it, which removes rounding errors."""
-    near = round(power * 60.0) / 60.0
-    return near if abs(near - power) < 1e-12 else power
 
 
 def finished(data: Data, token: str) -> bytes:

@@ -23,6 +23,8 @@ from fmu_wrapper import resource
 from fmu_wrapper.archive import zipped
 from fmu_wrapper.assumptions import served
 from fmu_wrapper.exporting import export
+from fmu_wrapper.layout import OF_LAW
+from fmu_wrapper.powers import field_of
 from fmu_wrapper.resource import Data, has
 from fmu_wrapper.ssp_files import Connection, Element, parameter_set, system_structure
 from fmu_wrapper.variables import VARIABLES, Real, reference
@@ -148,7 +150,7 @@ def _elements(scene: Scene, choice: Choice, contact: Data, mass: Data) -> list[E
 
 
 def _is_parameter(name: str) -> bool:
-    return name in resource.SCALING or name in resource.OF_DAMPING or name == "input_extrapolation"
+    return name in (*OF_LAW, "input_extrapolation")
 
 
 def _connections(scene: Scene, choice: Choice) -> list[Connection]:
@@ -195,10 +197,10 @@ def _materials(scene: Scene, contact: Data) -> tuple[dict[str, bytes], dict[str,
 def _of_material(scene: Scene, name: str, contact: Data) -> dict[str, float]:
     """Parameters of the contact if the target is made of a material. Raises ValueError if the law's curve differs."""
     other = choose(served(scene.replace({"target.material": name}), "contact")).problem
-    names = [one for one in (*resource.SCALING, *resource.OF_DAMPING) if has(contact, one)]
+    names = [one for one in OF_LAW if has(contact, one)]
     values: dict[str, float] = {}
     for one in names:
-        value = getattr(other.law, resource.field_of(other.law, one), None)
+        value = getattr(other.law, field_of(other.law, one), None)
         if value is None:
             raise ValueError(f"the contact is exported with {one}, which law {other.law.name} does not have here")
         values[one] = value

@@ -16,6 +16,9 @@ KINDS: tuple[Kind, ...] = ("impact", "contact")
 RIGID = 1e30
 """A target with this impedance [N s/m] or more does not move: a half-space."""
 
+LEAST_RESTITUTION = 0.01
+"""Smallest coefficient of restitution that can be set after export."""
+
 Real, Whole, Phase, EventKind = "Real", "Whole", "Phase", "EventKind"
 """Types of variables: real number, whole number, and two enumerations."""
 
@@ -149,6 +152,10 @@ VARIABLES: tuple[Variable, ...] = (
     _parameter("damping", "impedance", 1e-30, 1e30, "damping coefficient of the law", *_BOTH),
     _parameter("dissipation_time", "time", 1e-30, 1e10, "dissipation time of the law", *_BOTH),
     _parameter("hysteresis_damping", "inverse_velocity", 1e-30, 1e30, "damping over the elastic force", *_BOTH),
+    _parameter(
+        *("restitution", "dimensionless", LEAST_RESTITUTION, 1.0),
+        *("coefficient of restitution on a fixed target, of a damped law that is given one", *_BOTH),
+    ),
     _parameter(
         "target_impedance",
         "impedance",

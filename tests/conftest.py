@@ -26,6 +26,13 @@ def pytest_unconfigure():
     gc.unfreeze()  # extension modules are freed at exit, or report leaks
 
 
+@pytest.fixture(scope="session", autouse=True)
+def binary_of_this_machine():
+    """FMUs contain the binary of this machine only, unless a test asks for others: packing five takes longer."""
+    with patch("fmu_wrapper.platforms.can_cross_compile", lambda: False):
+        yield
+
+
 BLANK = b'<svg xmlns="http://www.w3.org/2000/svg"/>'
 
 

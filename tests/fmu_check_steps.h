@@ -232,7 +232,7 @@ static void at_any_step(const resources *r, int version, int interface) {
     }
 }
 
-/* On a vibrating target, and of viscoelastic bodies: the same after steps of any size as after one, to rounding, with as many events; the energies add up. */
+/* Where the march is not that of the curve alone: the same after steps of any size as after one, to rounding, with as many events; the energies add up. */
 static void the_same_at_any_step(const resources *r, int version, int interface) {
     settings s = random_settings(r);
     unit whole_ = started(version, interface, r, &s, 0.0), made = started(version, interface, r, &s, 0.0), *u = &made;

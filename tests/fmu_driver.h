@@ -126,8 +126,9 @@ static void close_resources(resources *r, int count) {
 
 static inline int relaxing(const resources *r) { return r->data.relaxation.tolerance > 0.0; }
 
-/* On a vibrating target, or of viscoelastic bodies: with a state of its own, for Co-Simulation only. */
-static inline int beside(const resources *r) { return r->data.modes.count > 0 || relaxing(r); }
+/* On a target that vibrates or has a static stiffness, or of viscoelastic bodies: for Co-Simulation only, and not the march of
+ * the law's curve alone. */
+static inline int beside(const resources *r) { return r->data.modes.count > 0 || relaxing(r) || r->data.available[TARGET_STIFFNESS]; }
 
 /* ---------------------------------------------------------------- one interface to both versions */
 

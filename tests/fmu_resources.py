@@ -16,6 +16,7 @@ from cases import STEEL, TARGETS, scene
 
 import film_model as fm
 from fmu_wrapper import export
+from fmu_wrapper.platforms import this_platform
 
 
 def on_structure(law: str, **options: float | str) -> fm.Scene:
@@ -24,6 +25,12 @@ def on_structure(law: str, **options: float | str) -> fm.Scene:
     mass = ["0.3 kg", "0.2 kg", "0.4 kg"]
     target = fm.Structure(frequency=frequency, modal_mass=mass, material=STEEL, **options)
     return replace(scene(law), target=target)
+
+
+def on_spring(law: str) -> fm.Scene:
+    """The ball on a beam that follows by its static stiffness."""
+    beam = fm.Beam(STEEL, "300 mm", "30 mm", "10 mm", static_stiffness="2e7 N/m")
+    return replace(scene(law), target=beam, effects=fm.Effects(gravity=True, target_inertia=False))
 
 
 def viscoelastic(target: str = "half-space") -> fm.Scene:
@@ -59,6 +66,9 @@ CASES = {
     "viscoelastic, on a rod": ("impact", viscoelastic("rod"), "2 um"),
     "viscoelastic, dropped": ("impact", viscoelastic(), "0.05 mm"),
     "vibrations, hunt-crossley": ("impact", on_structure("hunt-crossley"), 0.0),
+    "static stiffness, hertz": ("impact", on_spring("hertz"), "1 um"),
+    "static stiffness, stronge": ("impact", on_spring("stronge"), 0.0),
+    "static stiffness, a shape": ("impact", on_spring("jackson-green"), 0.0),
     "contact, spring and dashpot": ("contact", scene("linear-dashpot"), 0.0),
     "contact, kuwabara-kono": ("contact", scene("kuwabara-kono"), 0.0),
     "contact, hertz": ("contact", scene("hertz"), 0.0),
@@ -71,7 +81,8 @@ def write(folder: Path) -> None:
     """Export every case and leave its resources in `folder/<case>`."""
     for k, (name, (kind, case, gap)) in enumerate(CASES.items()):
         with tempfile.TemporaryDirectory() as where:
-            fmu = export(case, Path(where) / "case.fmu", 2 + k % 2, kind=kind, initial_gap=gap)
+            path, own = Path(where) / "case.fmu", this_platform()
+            fmu = export(case, path, 2 + k % 2, kind=kind, initial_gap=gap, platform=own)
             with zipfile.ZipFile(fmu) as archive:
                 (folder / name).mkdir(parents=True, exist_ok=True)
                 (folder / name / "model.film").write_bytes(archive.read("resources/model.film"))

@@ -74,6 +74,37 @@ def test_damping_follows_what_is_set_after_export(made, name, change):
         assert abs(after - unchanged) > 1e-3
 
 
+GIVEN = [name for name in CONTACTS if "restitution" in CONTACTS[name]]
+
+
+@combinations(name=GIVEN, exported=[0.6, 1.0, 0.02], restitution=[0.01, 0.35, 0.9, 1.0], version=[2, 3], fast=8)
+def test_the_restitution_can_be_set_after_export(made, name, exported, restitution, version):
+    before = entry(name, "plate").replace({"contact.restitution": exported})
+    changed = {"contact.restitution": restitution, "impactor.velocity": "0.4 m/s", "impactor.mass": "0.05 kg"}
+    summary = fm.simulate(before.replace(changed)).summary
+    values = {"restitution": restitution, "initial_velocity": "0.4 m/s", "mass": "0.05 kg"}
+    ds = fmu_wrapper.run(made(before, version), start_values=values, stop_time="2 ms", step_size="1 ms")
+    for key in ("maximum_force", "contact_duration", "rebound_velocity", "coefficient_of_restitution"):
+        assert float(ds[key]) == pytest.approx(summary[key], rel=1e-10), key
+
+
+@combinations(name=GIVEN, version=[2, 3], fast=1)
+def test_the_restitution_of_a_contact_and_of_model_exchange(made, name, version):
+    forces = []
+    for exported in (0.6, 0.35):
+        path = made(entry(name).replace({"contact.restitution": exported}), version, kind="contact")
+        with opened(path) as fmu, started(fmu, False, {"restitution": 0.35}) as slave:
+            slave.set("indentation", 5e-6)
+            slave.set("relative_velocity", 0.1)
+            forces.append(slave.get(("contact_force",))["contact_force"])
+    assert forces[0] == pytest.approx(forces[1], rel=1e-10)
+    on = entry(name)
+    ds = fmu_wrapper.run(made(on, version), mode="exchange", start_values={"restitution": 0.35})
+    assert float(ds.coefficient_of_restitution) == pytest.approx(0.35, rel=1e-6)
+    with pytest.raises((ValueError, fm.SimulationError), match=r"restitution: .*from 0.01 to 1"):
+        fmu_wrapper.run(made(on, version), start_values={"restitution": 0.005})
+
+
 @combinations(name=CONTACTS, fast=3)
 def test_mass_velocity_radius_and_modulus_set_together_on_a_plate(made, name):
     """Mass, velocity, radius and modulus of another scene, on a moving target."""
@@ -348,8 +379,8 @@ def test_documentation_describes_the_law(made, name):
     assert ("end\ntogether, without tension" if name == "hunt-crossley" else "until F falls to zero") in page
     assert "Contact ends where the force falls to zero, without tension." in page
     follows = {
-        "linear-dashpot": "stiffness, mass",
-        "tsuji": "radius, effective_modulus, mass",
+        "linear-dashpot": "stiffness, mass, restitution",
+        "tsuji": "radius, effective_modulus, mass, restitution",
         "hunt-crossley": "radius, effective_modulus, hysteresis_damping",
         "kuwabara-kono": "radius, effective_modulus, dissipation_time",
     }

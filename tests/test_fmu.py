@@ -74,7 +74,7 @@ def test_every_variable_has_a_unit_and_a_description(made, version):
         root = ET.fromstring(archive.read("modelDescription.xml"))
     units = {unit.get("name") for unit in root.iter("Unit")}
     variables = list(root.find("ModelVariables"))
-    assert len(variables) >= len(VARIABLES) - 5 - 9  # not: parameters of other laws and targets, and of the contact
+    assert len(variables) >= len(VARIABLES) - 5 - 10  # not: parameters of other laws and targets, and of the contact
     for element in variables:
         table = VARIABLES[int(element.get("valueReference"))]
         assert element.get("name") == table.name and element.get("description")

@@ -24,7 +24,7 @@ def add_commands(named: Any) -> None:
         "--platform",
         action="append",
         metavar="NAME",
-        help="e.g. aarch64-linux, or all (default: this machine's)",
+        help="e.g. aarch64-linux, or all (default: all where zig is installed, else this machine's)",
     )
     parser.add_argument("--with-sources", action="store_true", help="include the C sources, for importers that compile")
     parser.add_argument("--name", help="name of the model (default: the kind and the scene's title)")
@@ -49,7 +49,6 @@ def export_fmu(options: argparse.Namespace) -> int:
     import fmu_wrapper
     from film_model.base.units import to_si
     from film_model.scene import Scene
-    from fmu_wrapper import platforms
 
     try:
         gap = to_si(options.initial_gap, "length")
@@ -70,11 +69,20 @@ def export_fmu(options: argparse.Namespace) -> int:
         overwrite=options.force,
     )
     print_written(path)
-    if options.platform is None:
-        print(
-            f"its binary is for {platforms.this_platform()} only: --platform all is for five systems", file=sys.stderr
-        )
+    _say_if_alone(options)
     return DONE
+
+
+def _say_if_alone(options: argparse.Namespace) -> None:
+    """Say that there is one binary only where none was asked for and the others cannot be compiled."""
+    from fmu_wrapper import platforms
+
+    if options.platform is None and not platforms.can_cross_compile():
+        print(
+            f"its binary is for {platforms.this_platform()} only: those for four other systems need "
+            'pip install "film-model[cross-compile]"',
+            file=sys.stderr,
+        )
 
 
 def export_ssp(options: argparse.Namespace) -> int:
@@ -85,6 +93,7 @@ def export_ssp(options: argparse.Namespace) -> int:
     scene = Scene.from_toml(options.scene)
     package = fmu_wrapper.export_ssp(scene, options.output, platform=options.platform, overwrite=options.force)
     print_written(options.output)
+    _say_if_alone(options)
     print(f"components: {', '.join(package.components)}; parameter sets: {len(package.materials)}", file=sys.stderr)
     by_reason: dict[str, list[str]] = {}
     for name, reason in package.left_out.items():

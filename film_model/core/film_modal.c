@@ -207,7 +207,7 @@ int film_plan_step(film_structure *structure, const film_curve *curve, film_moda
 }
 
 /* Forward by *dt at most, within the planned step; *dt becomes the rest. */
-int film_advance(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves, double *dt) {
+int film_advance(const film_structure *structure, const film_curve *curve, film_modal *s, double *dt) {
     double to = fmin(s->event_at, s->h);
     s->contact.event = FILM_NO_EVENT;
     if (s->tau + *dt < to) {
@@ -231,7 +231,7 @@ int film_modal_step(film_structure *structure, const film_curve *curve, film_mod
     s->steps = 0;
     for (int32_t k = 0; k < FILM_MAX_STEP_LINES; k++) {
         int status = s->has_step ? FILM_OK : film_plan_step(structure, curve, s, waves);
-        if (status == FILM_OK) status = film_advance(structure, curve, s, waves, &dt);
+        if (status == FILM_OK) status = film_advance(structure, curve, s, &dt);
         if (status != FILM_OK || (dt == 0.0 && s->has_step)) return status;
     }
     return FILM_TOO_MANY;

@@ -6,8 +6,9 @@
 
 enum { NEWTON_STEPS = 40, INDENTATION_STEPS = 100 };
 
-/* Newton's method has converged when its last step is below this fraction of the largest force: it converges quadratically. */
-static const double SETTLED = 1e-10;
+/* Newton's method has converged when its last step is below this fraction of the largest force, or when the next one can be
+ * expected to be: it converges quadratically. NEXT_STEP: margin of that expectation. */
+static const double SETTLED = 1e-10, NEXT_STEP = 10.0;
 
 /* How far beyond the end of its interval a series may be evaluated, as a fraction of the interval. */
 static const double SERIES_OVERRUN = 1.05;
@@ -156,24 +157,23 @@ static void end_modes(const film_structure *structure, const film_table *table, 
     s->end_rate = sums[1];
 }
 
-/* Solves a x = b in place, of four equations, with pivots; 0 if a pivot is 0 or not finite. */
-static int solve_four(double a[NODES][NODES + 1]) {
+/* Solves four equations by elimination; a[i][NODES] is the right side. 0 if a pivot is 0 or not finite. The order of the
+ * equations serves: as the step becomes short the matrix becomes diagonal, and Gauss's collocation has positive pivots. */
+static int solve_four(double a[NODES][NODES + 1], double x[NODES]) {
+    double per[NODES];
     for (int k = 0; k < NODES; k++) {
-        int best = k;
-        for (int i = k + 1; i < NODES; i++)
-            if (fabs(a[i][k]) > fabs(a[best][k])) best = i;
-        if (!(fabs(a[best][k]) > 0.0 && fabs(a[best][k]) < INFINITY)) return 0;
-        for (int j = k; j <= NODES; j++) {
-            double swap = a[k][j];
-            a[k][j] = a[best][j];
-            a[best][j] = swap;
-        }
-        for (int i = 0; i < NODES; i++) {
-            double factor = i == k ? 0.0 : a[i][k] / a[k][k];
-            for (int j = k; j <= NODES && factor != 0.0; j++) a[i][j] -= factor * a[k][j];
+        if (!(fabs(a[k][k]) > 0.0 && fabs(a[k][k]) < INFINITY)) return 0;
+        per[k] = 1.0 / a[k][k];
+        for (int i = k + 1; i < NODES; i++) {
+            double factor = a[i][k] * per[k];
+            for (int j = k + 1; j <= NODES; j++) a[i][j] -= factor * a[k][j];
         }
     }
-    for (int k = 0; k < NODES; k++) a[k][NODES] /= a[k][k];
+    for (int k = NODES - 1; k >= 0; k--) {
+        x[k] = a[k][NODES];
+        for (int j = k + 1; j < NODES; j++) x[k] -= a[k][j] * x[j];
+        x[k] *= per[k];
+    }
     return 1;
 }
 
@@ -194,9 +194,9 @@ static void set_equations(const film_structure *structure, const film_modal *s, 
 
 /* Newton's method from the forces in s; FILM_TOO_MANY: it does not converge. */
 static int solve_forces(const film_curve *curve, film_modal *s, const film_equations *e) {
-    double a[NODES][NODES + 1];
+    double a[NODES][NODES + 1], x[NODES], before = 0.0;
     for (int k = 0; k < NEWTON_STEPS; k++) {
-        double most = 0.0, step = 0.0;
+        double most = 1e-3 * s->peak, step = 0.0;
         for (int i = 0; i < NODES; i++) {
             double xi = e->depth[i] - s->rest * s->force[i], nu = e->rate[i];
             for (int j = 0; j < NODES; j++) {
@@ -208,14 +208,15 @@ static int solve_forces(const film_curve *curve, film_modal *s, const film_equat
             a[i][i] += 1.0 + s->rest * at.by_xi;
             a[i][NODES] = at.force - s->force[i];
         }
-        if (!solve_four(a)) return FILM_TOO_MANY;
+        if (!solve_four(a, x)) return FILM_TOO_MANY;
         for (int i = 0; i < NODES; i++) {
-            s->force[i] += a[i][NODES];
-            most = fmax(most, fabs(s->force[i]));
-            step = fmax(step, fabs(a[i][NODES]));
+            s->force[i] += x[i];
+            if (fabs(s->force[i]) > most) most = fabs(s->force[i]);
+            if (fabs(x[i]) > step) step = fabs(x[i]);
         }
         if (!(most < 1e200)) return FILM_TOO_MANY;
-        if (step <= SETTLED * fmax(most, 1e-3 * s->peak)) return FILM_OK;
+        if (step <= SETTLED * most || NEXT_STEP * step * step * step <= SETTLED * most * before * before) return FILM_OK;
+        before = step;
     }
     return FILM_TOO_MANY;
 }

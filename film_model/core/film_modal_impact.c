@@ -91,7 +91,7 @@ int film_modal_go_on(film_structure *structure, const film_curve *curve, double 
         }
         double dt = fmax(until - now_of(s), 0.0);
         if (s->h == INFINITY) status = FILM_ENDLESS; /* out of reach, or at rest */
-        else status = film_advance(structure, curve, s, waves, &dt);
+        else status = film_advance(structure, curve, s, &dt);
         if (status < 0 || status == FILM_ENDLESS) break;
         if (status == FILM_EVENT) {
             note_event(structure, curve, s, waves, summary, record);

@@ -100,7 +100,7 @@ int film_soft_event(const film_curve *curve, film_modal *s);
 
 /* film_modal.c */
 int film_plan_step(film_structure *structure, const film_curve *curve, film_modal *s, double *waves);
-int film_advance(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves, double *dt);
+int film_advance(const film_structure *structure, const film_curve *curve, film_modal *s, double *dt);
 
 /* film_modal_flight.c */
 int film_plan_flight(film_structure *structure, const film_curve *curve, film_modal *s, double *waves);

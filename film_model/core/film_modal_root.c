@@ -31,9 +31,9 @@ double film_bernstein(const double *bernstein, int degree, double at) {
     return sum + power * at * bernstein[degree];
 }
 
-static int all_above(const part *p, int degree) {
+static int all_above(const double *c, int degree) {
     for (int i = 0; i <= degree; i++)
-        if (p->c[i] < 0.0) return 0;
+        if (c[i] < 0.0) return 0;
     return 1;
 }
 
@@ -70,6 +70,7 @@ double film_first_below(const double *bernstein, int degree, double from) {
     part stack[DEPTH + 2], now;
     double left[DEGREE + 1] = {0.0};
     int count = 1;
+    if (from == 0.0 && bernstein[0] > 0.0 && all_above(bernstein, degree)) return 2.0;
     memset(stack, 0, sizeof(part));
     memcpy(stack[0].c, bernstein, sizeof(double) * (size_t)(degree + 1));
     stack[0].begin = from;
@@ -83,7 +84,7 @@ double film_first_below(const double *bernstein, int degree, double from) {
     }
     for (int parts = 0; count > 0 && parts < MOST_PARTS; parts++) {
         now = stack[--count];
-        if (all_above(&now, degree)) continue;
+        if (all_above(now.c, degree)) continue;
         int first = sign_change(now.c, degree);
         if (first > 0) return now.begin + now.width * only_root(now.c, degree, first);
         if (now.width <= 1e-15 || count > DEPTH - 2) return now.begin + now.width;

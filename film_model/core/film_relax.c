@@ -18,8 +18,7 @@ static const double TURNED = 1e-12, ENDED = 1e-13;
  * Between two steps of the way out, whose forces differ in their last digits there, it turns again from JUMPED. */
 static const double INWARDS = 1e-9, JUMPED = 1e-5;
 
-/* RECOVERY: implicit steps in which a free surface is followed; more of them leave less. */
-enum { TRIES = 60, MOST_EVENTS = 64, RECOVERY = 64 };
+enum { TRIES = 60, MOST_EVENTS = 64 };
 
 /* ---------------------------------------------------------------- states */
 
@@ -205,27 +204,6 @@ static int report(film_relax *s, int32_t event) {
     return FILM_EVENT;
 }
 
-/* Under no force rest w + sum of share_i p_i stays 0, and p_i' = w' - rate_i p_i. w is a sum of falling exponentials, each of
- * which an implicit Euler step makes fall more slowly. */
-double film_relax_left(const film_relax *s, const film_relax_step *steps) {
-    double p[FILM_RELAXATIONS], w = 0.0, since;
-    if (s->branch != FILM_FREE || s->contacts == 0 || s->steps == 0) return 0.0;
-    since = s->time + s->tau - (steps[s->steps - 1].time + steps[s->steps - 1].length);
-    memcpy(p, s->p, sizeof p);
-    for (int32_t i = 0; i < s->law.terms; i++) w -= s->law.share[i] * p[i] / s->law.rest;
-    for (int k = 0; k < RECOVERY && since > 0.0; k++) {
-        double force = s->law.rest * w, stiffness = s->law.rest;
-        for (int32_t i = 0; i < s->law.terms; i++) {
-            p[i] /= 1.0 + s->law.rate[i] * since / RECOVERY;
-            force += s->law.share[i] * p[i];
-            stiffness += s->law.share[i] / (1.0 + s->law.rate[i] * since / RECOVERY);
-        }
-        w -= force / stiffness;
-        for (int32_t i = 0; i < s->law.terms; i++) p[i] -= force / stiffness / (1.0 + s->law.rate[i] * since / RECOVERY);
-    }
-    return w;
-}
-
 /* Of a contact that begins with a velocity and a load, a depth; the elastic one of the velocity alone. */
 static double speed_of(double nu, double load) { return fmax(fabs(nu), pow(fabs(load), 5.0 / 6.0)); }
 static double depth_of(double speed) { return pow(1.25 * speed * speed, 0.4); }
@@ -260,8 +238,9 @@ static int fly(film_relax *s, film_relax_step *steps, double dt) {
     }
     s->tau += touch;
     film_relax_motion(s, steps, now);
-    if (film_relax_left(s, steps) > fmin(FILM_FORGOTTEN, s->tolerance) * depth_of(speed_of(now[1], s->load))) return FILM_REMEMBERS;
+    if (film_relax_left(s, steps) > FILM_FORGOTTEN * depth_of(speed_of(now[1], s->load))) return FILM_REMEMBERS;
     if (s->contacts > 0 && now[0] > 1e-9) return FILM_REMEMBERS;
+    film_relax_carry(s, steps);
     close_here(s, steps);
     return begin_contact(s);
 }

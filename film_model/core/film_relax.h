@@ -43,6 +43,7 @@ typedef struct {
     double time, xi, nu, shift;        /* when the step begins; in flight, when it began */
     double tau, stop_at;               /* time since then; time in the step at which nu falls to stop_velocity */
     double q[FILM_RELAXATIONS], p[FILM_RELAXATIONS]; /* when the step ends */
+    double old[FILM_RELAXATIONS];      /* p of the contacts before this one, free since, when it began */
     double next_h;                     /* of the next step */
     double begun, turned;              /* times of first touch and of the turn */
     double match;                      /* t1 where the last step ended */
@@ -60,14 +61,14 @@ FILM_API int film_relax_input(film_relax *state, film_relax_step *steps, double 
 
 /* As film_step. steps: room for FILM_RELAX_STEPS. FILM_TURNS_AGAIN: the indentation grows again before contact ends;
  * FILM_REMEMBERS: the next contact begins before the body has forgotten the one before: where film_relax_left is more than
- * FILM_FORGOTTEN, and more than the tolerance, of the depth that an elastic contact would have. */
-#define FILM_FORGOTTEN 1e-4
+ * FILM_FORGOTTEN of the depth that an elastic contact would have. Less changes its results by at most 0.4 of that part. */
+#define FILM_FORGOTTEN 1e-2
 FILM_API int film_relax_advance(film_relax *state, film_relax_step *steps, double dt);
 
 /* The five values of film_motion, now. */
 FILM_API void film_relax_motion(const film_relax *state, const film_relax_step *steps, double values[5]);
 
-/* Depth that the middle of the surface has not yet recovered since the last contact ended, or slightly more; 0 before. */
+/* Depth in the middle that the surface has not yet recovered from the contacts before, or slightly more; 0 during a contact. */
 FILM_API double film_relax_left(const film_relax *state, const film_relax_step *steps);
 
 /* Work done on the indentation since the first contact, up to now. */

@@ -21,6 +21,9 @@ int film_relax_try(const film_relax *s, const film_relax_step *steps, film_relax
 /* The integrals q and p at `tau` of a step. */
 void film_relax_memory(const film_relaxation *law, const film_relax_step *step, double tau, int way_in, double *q, double *p);
 
+/* Before a contact begins: what is left of the ones before goes into `old`. */
+void film_relax_carry(film_relax *s, const film_relax_step *steps);
+
 /* xi, xi', F, nu and displacement at `tau` of a step, F and xi' by the polynomials. */
 void film_relax_at(const film_relax_step *step, double gamma, double tau, double values[5]);
 

@@ -11,6 +11,9 @@ static const double SETTLED = 1e-14;
 /* Rounds of the iteration: a step for which more are needed is too long. */
 enum { ROUNDS = 25, BISECTIONS = 60 };
 
+/* Implicit steps in which a free surface is followed; more of them leave less. */
+enum { RECOVERY = 64 };
+
 /* Below this the functions come from a series, and the recursion downwards; above it from exp(), and upwards. */
 static const double SERIES_ARGUMENT = 2.0;
 
@@ -124,6 +127,41 @@ void film_relax_memory(const film_relaxation *law, const film_relax_step *step, 
         q[i] = way_in ? hat[0] * step->q[i] + grown : 0.0;
         p[i] = hat[0] * step->p[i] + step->h * gone;
     }
+}
+
+/* Depth after a time without force, and p then: rest w + sum of share_i p_i stays 0, and p_i' = w' - rate_i p_i. w is a sum of
+ * falling exponentials, each of which an implicit Euler step makes fall more slowly. */
+static double recovered(const film_relaxation *law, double *p, double time) {
+    double w = 0.0, h = time / RECOVERY;
+    for (int32_t i = 0; i < law->terms; i++) w -= law->share[i] * p[i] / law->rest;
+    for (int k = 0; k < RECOVERY && h > 0.0; k++) {
+        double force = law->rest * w, stiffness = law->rest;
+        for (int32_t i = 0; i < law->terms; i++) {
+            p[i] /= 1.0 + law->rate[i] * h;
+            force += law->share[i] * p[i];
+            stiffness += law->share[i] / (1.0 + law->rate[i] * h);
+        }
+        w -= force / stiffness;
+        for (int32_t i = 0; i < law->terms; i++) p[i] -= force / stiffness / (1.0 + law->rate[i] * h);
+    }
+    return w;
+}
+
+double film_relax_left(const film_relax *s, const film_relax_step *steps) {
+    film_relax after = *s;
+    double now = s->time + s->tau;
+    if (s->branch != FILM_FREE || s->contacts == 0) return 0.0;
+    double left = recovered(&s->law, after.old, now - s->begun);
+    if (s->steps == 0) return left;
+    return left + recovered(&s->law, after.p, now - steps[s->steps - 1].time - steps[s->steps - 1].length);
+}
+
+void film_relax_carry(film_relax *s, const film_relax_step *steps) {
+    double now = s->time + s->tau;
+    if (s->contacts == 0) return;
+    recovered(&s->law, s->old, now - s->begun);
+    if (s->steps > 0) recovered(&s->law, s->p, now - steps[s->steps - 1].time - steps[s->steps - 1].length);
+    for (int32_t i = 0; i < s->law.terms; i++) s->old[i] += s->p[i];
 }
 
 /* The step of the way in that holds a time. */

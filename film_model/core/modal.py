@@ -216,12 +216,11 @@ class _Room:
         arrays = (self.segments, self.events, self.flights)
         self.native = Record(*(array.ctypes.data for array in arrays), segments, segments, flights, 0, 0, 0)
 
-    def take(self) -> tuple[NDArray[Any], NDArray[Any], Array]:
-        """Copies of what is filled."""
+    def filled(self) -> tuple[NDArray[np.uint8], NDArray[np.uint8], Array]:
+        """What is filled: bytes of segments and events, and flights."""
         at = self.native
-        segments = self.segments[: at.segment_count * SEGMENT_DTYPE.itemsize].copy().view(SEGMENT_DTYPE)
-        events = self.events[: at.event_count * EVENT_DTYPE.itemsize].copy().view(EVENT_DTYPE)
-        return segments, events, self.flights[: at.flight_count].copy()
+        segments = self.segments[: at.segment_count * SEGMENT_DTYPE.itemsize]
+        return segments, self.events[: at.event_count * EVENT_DTYPE.itemsize], self.flights[: at.flight_count]
 
 
 def impact(tables: Tables, curve: Curve, start: Start) -> Impact:
@@ -239,7 +238,7 @@ def _impact(tables: Tables, curve: Curve, start: Start) -> Impact:
     own = c.byref(state), waves.ctypes.data, c.byref(summary)
     status = lib.film_modal_impact(*at, c.byref(start), *own, c.byref(room.native))
     while status == native.FULL:
-        parts.append(room.take())
+        parts.append(room.filled())
         size += sum(array.nbytes for array in parts[-1])
         if size > MOST_MEMORY:
             status = native.TOO_MANY
@@ -247,17 +246,16 @@ def _impact(tables: Tables, curve: Curve, start: Start) -> Impact:
         room = _Room(tables.count, min(2 * len(room.segments) // SEGMENT_DTYPE.itemsize, 1 << 16))
         status = lib.film_modal_go_on(*at, start.limit, *own, c.byref(room.native))
     else:
-        parts.append(room.take())
+        parts.append(room.filled())
     kept = 0
     for part in parts:  # flights count from 0 in each part
-        first, kept = kept, kept + len(part[2])
-        part[0]["flight"][part[0]["flight"] >= 0] += first
-    segments, events, flights = (
-        columns[0] if len(columns) == 1 else np.concatenate(columns) for columns in zip(*parts, strict=True)
-    )
+        flight = part[0].view(SEGMENT_DTYPE)["flight"]
+        flight[flight >= 0] += kept
+        kept += len(part[2])
+    segments, events, flights = (np.concatenate(columns) for columns in zip(*parts, strict=True))
     energies = np.empty(tables.count)
     lib.film_modal_energies(at[0], c.byref(state), waves.ctypes.data, energies.ctypes.data)
-    return Impact(status, summary, segments, events, flights, energies)
+    return Impact(status, summary, segments.view(SEGMENT_DTYPE), events.view(EVENT_DTYPE), flights, energies)
 
 
 class Motion:

@@ -42,7 +42,7 @@ class State(c.Structure):
         [("law", Law)]
         + [(name, _D) for name in ("gamma", "load", "stop_velocity", "tolerance", "speed")]
         + [(name, _D) for name in ("time", "xi", "nu", "shift", "tau", "stop_at")]
-        + [("q", _TERMS), ("p", _TERMS)]
+        + [("q", _TERMS), ("p", _TERMS), ("old", _TERMS)]
         + [(name, _D) for name in ("next_h", "begun", "turned", "match", "peak", "spent")]
         + [(name, _I) for name in ("approach", "steps", "ends", "moving_in", "has_step")]
         + [(name, _I) for name in ("branch", "phase", "event", "contacts", "reserved")]
@@ -131,7 +131,7 @@ class Motion:
 
     @property
     def left(self) -> float:
-        """Depth that the surface has not yet recovered since the last contact; 0 before it and during contact."""
+        """Depth that the surface has not yet recovered from the contacts before; 0 during a contact."""
         return _library().film_relax_left(c.byref(self.state), self._steps)
 
     @property

@@ -80,6 +80,19 @@ double model_scaled(const model *m, double scale, const double *power, int power
     return scale;
 }
 
+/* The damping factor at the restitution, N s/m, with the other parameters as exported. */
+static double damping_of(const model *m) {
+    double e = m->memory.value[RESTITUTION], low = VARIABLE[RESTITUTION].low, next = 0.0, after = 0.0;
+    if (!m->data->available[RESTITUTION] || e == m->data->start[RESTITUTION]) return m->data->damping;
+    double z = 2.0 * log(e) / log(low) - 1.0;
+    for (int k = RESTITUTION_TERMS - 1; k > 0; k--) {
+        double sum = m->data->restitution[k] + 2.0 * z * next - after;
+        after = next;
+        next = sum;
+    }
+    return (1.0 - e) * exp(m->data->restitution[0] + z * next - after);
+}
+
 static int update_mesh(model *m) {
     int32_t loading = (int32_t)m->memory.value[LOADING_SEGMENTS], unloading = (int32_t)m->memory.value[UNLOADING_SEGMENTS];
     if (m->data->kind == CONTACT || vibrates(m) || relaxes(m)) return 0;
@@ -129,7 +142,7 @@ int model_initialize(model *m, double time) {
     int status = film_init(m->curve, &now->state, -gap / now->length, start, gamma, now->load,
                            contact ? -1e300 : -now->support / now->velocity); /* a contact alone has no impactor that stops */
     if (status < 0) return model_core_error(m, status);
-    double damping = model_scaled(m, m->data->damping, m->data->damping_power, DAMPINGS);
+    double damping = model_scaled(m, damping_of(m), m->data->damping_power, DAMPINGS);
     if (film_damp(&now->state, damping * now->velocity / now->force) < 0)
         return model_error(m, "the parameters give an invalid damping of %g N*s/m; initial_velocity must be > 0 m/s if the law's "
                               "damping depends on it", damping);

@@ -9,7 +9,7 @@
 #include "variables.h"
 
 enum { STATES = 3 };                   /* indentation, impactor velocity, target displacement */
-enum { SCALINGS = 7, DAMPINGS = 12 };  /* parameters that scale the march, and its damping; see model_data */
+enum { SCALINGS = 7, DAMPINGS = 12, RESTITUTION_TERMS = 48 };  /* parameters that scale the march, and its damping; see model_data */
 enum { LIMITS = 2, LONGEST_REASON = 80 };
 enum { MAX_STEP_EVENTS = 1000000 }; /* per step: a ball that bounces without loss has infinitely many events */
 
@@ -46,7 +46,8 @@ typedef struct {
  * in Python; little endian, as all platforms are.
  * The scales of the march depend on the parameters p of the law (SCALES_BY in model.c):
  * length = length_scale * prod (p/start)^length_power, and force likewise. The damping factor (N s/m) is such a product
- * too, with mass, initial velocity and parameters of damping. The assumptions of the export hold for parameters within
+ * too, with mass, initial velocity and parameters of damping; at another restitution e than at the start, (1 - e) exp(series) stands
+ * for it, a Chebyshev series in 2 ln(e)/ln(least e) - 1. The assumptions of the export hold for parameters within
  * `valid`, where `reason` names what fails below and above, and for indentations up to `limit`, which is such a product. */
 typedef struct {
     char magic[8];
@@ -60,6 +61,7 @@ typedef struct {
     double length_scale, length_power[SCALINGS];
     double force_scale, force_power[SCALINGS];
     double damping, damping_power[DAMPINGS];
+    double restitution[RESTITUTION_TERMS];
     double speed; /* typical relative velocity, m/s */
     double nominal[STATES];
     double valid[SETTABLE][2];

@@ -76,6 +76,7 @@ static int bad_numbers(const model_data *data) {
               !(data->damping >= 0.0);
     for (unsigned k = 0; k < SETTABLE; k++)
         bad |= !(data->start[k] >= VARIABLE[k].low && data->start[k] <= VARIABLE[k].high);
+    for (int k = 0; k < RESTITUTION_TERMS; k++) bad |= !isfinite(data->restitution[k]);
     const double *number = (const double *)&data->stresses;
     for (size_t k = 0; k < sizeof data->stresses / sizeof *number; k++) bad |= !(number[k] >= 0.0 && number[k] < INFINITY);
     const model_family *family = &data->family;

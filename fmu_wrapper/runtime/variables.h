@@ -17,6 +17,7 @@ enum {
     DAMPING,
     DISSIPATION_TIME,
     HYSTERESIS_DAMPING,
+    RESTITUTION,
     TARGET_IMPEDANCE,
     TARGET_STIFFNESS,
     GRAVITY,
@@ -72,7 +73,7 @@ enum {
     EVENT_INDICATOR_4,
     EVENT_INDICATOR_5,
     VARIABLES,
-    SETTABLE = 24 /* parameters and inputs come before this one */
+    SETTABLE = 25 /* parameters and inputs come before this one */
 };
 
 enum { IMPACT, CONTACT, KINDS };
@@ -102,6 +103,7 @@ static const film_variable VARIABLE[VARIABLES] = {
     {"damping", "N*s/m", REAL, {PARAMETER, PARAMETER}, 1e-30, 1e+30},
     {"dissipation_time", "s", REAL, {PARAMETER, PARAMETER}, 1e-30, 10000000000.0},
     {"hysteresis_damping", "s/m", REAL, {PARAMETER, PARAMETER}, 1e-30, 1e+30},
+    {"restitution", "", REAL, {PARAMETER, PARAMETER}, 0.01, 1.0},
     {"target_impedance", "N*s/m", REAL, {PARAMETER, ABSENT}, 1e-30, 1e+30},
     {"target_stiffness", "N/m", REAL, {PARAMETER, ABSENT}, 1e-12, 1e+18},
     {"gravity", "m/s^2", REAL, {PARAMETER, ABSENT}, -1000000000.0, 1000000000.0},

@@ -153,15 +153,15 @@ function showMotion(result, other) {
   if (motion.target_velocity.some((value) => value !== 0)) bodies.push(["target_velocity", "target"]);
   showChart("chart-velocity", overTime("Velocity", "velocity", bodies), `Velocities over time: rebound at ${shown(summary.rebound_velocity, "velocity")}`);
   showChart("chart-energy", energyChart(result, time, cursor), `Energies over time: absorbed ${shown(summary.energy_absorbed, "energy")}`);
-  const loop = { name: "this scene", x: motion.indentation, y: motion.contact_force, colour: 0 };
-  const kept = other && { name: "kept", x: other.motion.motion.indentation, y: other.motion.motion.contact_force, colour: 0, dashed: true };
+  const loop = { name: "this scene", ...loopOf(result), colour: 0 };
+  const kept = other && { name: "kept", ...loopOf(other), colour: 0, dashed: true };
   const at = indexAt(motion.time, cursor);
   showChart("chart-loop", {
     title: "Force against indentation",
     x: { label: "indentation", dimension: "length" },
     y: { label: "force", dimension: "force" },
     series: kept ? [loop, kept] : [loop],
-    point: [motion.indentation[at], motion.contact_force[at]],
+    point: result.motion.stage[at] ? [motion.indentation[at], motion.contact_force[at]] : undefined,
   }, `Force against indentation: ${peak}, ${depth}`);
   const values = ["contact_force", "indentation", "impactor_velocity"].map((name) => shown(motion[name][at], DATA.motion[name][0]));
   const text = `at ${shown(motion.time[at], "time", 4)}: force ${values[0]}, indentation ${values[1]}, velocity ${values[2]}, ${result.motion.stage[at] || "no contact"}`;

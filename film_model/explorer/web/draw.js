@@ -201,12 +201,13 @@ function legendParts(entries, theme) {
 
 /** @param {Series} series @param {(value: number) => number} x @param {(value: number) => number} y */
 function pathOf(series, x, y) {
-  /** @type {string[]} */
-  const points = [];
+  let [path, next] = ["", "M"];
   for (let k = 0; k < series.x.length; k++) {
-    if (Number.isFinite(series.y[k])) points.push(`${Math.round(10 * x(series.x[k])) / 10} ${Math.round(10 * y(series.y[k])) / 10}`);
+    const drawn = Number.isFinite(series.y[k]); // the line is broken where it is not
+    if (drawn) path += `${next}${Math.round(10 * x(series.x[k])) / 10} ${Math.round(10 * y(series.y[k])) / 10}`;
+    next = drawn ? "L" : "M";
   }
-  return points.length ? `M${points.join("L")}` : "";
+  return path;
 }
 
 /** A chart as the text of an SVG file. @param {Chart} chart */

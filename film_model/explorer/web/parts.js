@@ -12,7 +12,7 @@ const STUDIES = {
     const head = ["law", "largest force", "largest indentation", "contact", "restitution"].map((text) => made("th", { scope: "col" }, text));
     byId("laws").replaceChildren(made("thead", {}, made("tr", {}, ...head)), made("tbody", {}, ...rows));
     const series = laws.flatMap(({ name, found }, colour) =>
-      found ? [{ name, x: found.motion.motion.indentation, y: found.motion.motion.contact_force, colour, dashed: colour >= DATA.colours.length }] : [],
+      found ? [{ name, ...loopOf(found), colour, dashed: colour >= DATA.colours.length }] : [],
     );
     const axes = { x: { label: "indentation", dimension: "length" }, y: { label: "force", dimension: "force" } };
     showChart("chart-laws", { title: "Every law", ...axes, series }, "Force against indentation under every law; the table has the numbers");

@@ -121,3 +121,9 @@ function regimeMap(scene, n) {
     words: `λ = ${shortNumber(value, 3)}, V/V_Y = ${ratio > 0 ? shortNumber(ratio, 3) : "0: no yield strength is known"}${beyond}`,
   };
 }
+
+/** Force over indentation, without values while the bodies do not touch. @param {{motion: {motion: Record<string, Float64Array>, stage: string[]}}} result */
+function loopOf({ motion: { motion, stage } }) {
+  const touching = (/** @type {string} */ name) => motion[name].map((value, k) => (stage[k] === "" ? NaN : value));
+  return { x: touching("indentation"), y: touching("contact_force") };
+}

@@ -124,7 +124,7 @@ def scene_of(law: str, target: str) -> fm.Scene:
 def contact_of(law: str) -> fm.Contact:
     """The contact of a law with its example's parameters."""
     own = parameters_of(law)
-    adhesion: dict[str, Any] = {"work_of_adhesion": "0.1 J/m^2"} if law in ("jkr", "dmt") else {}
+    adhesion: dict[str, Any] = {"work_of_adhesion": "0.1 J/m^2"} if law in ("jkr", "dmt", "thornton-ning") else {}
     given: dict[str, Any] = {name: value_text(law, name, value, own) for name, value in own.items()}
     return fm.Contact(law, **given, **adhesion)
 

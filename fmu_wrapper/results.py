@@ -17,6 +17,7 @@ from film_datasets.scene_constants import constants_of
 from film_datasets.schema import CONSTANTS, HISTORY, TABLE, content_sha256
 from film_model.base.errors import SceneError
 from film_model.core import native
+from film_model.core.comparison import dents
 from film_model.scene import Scene
 from film_model.solve.history import MOTION, SUMMARY
 from fmu_wrapper import resource
@@ -28,7 +29,7 @@ def dataset(fmu: Fmu, rows: list[Row], events: list[Row], interface: str, starts
     """The dataset of a run. interface: of FMI, in words. starts: parameters that were set, SI."""
     touch = next((event["time"] for event in events if event["kind"] == native.EVENTS.index("contact_begins")), 0.0)
     peak = max(row["maximum_force"] for row in rows if row["contact_count"] <= 1)
-    summary = _summary(events, touch, peak, bool(fmu.data.curve.stage[0].damped)) | _stresses(rows)
+    summary = _summary(events, touch, peak, fmu.data) | _stresses(rows)
     columns = {
         **_motion(rows, events, touch),
         **{name: math.nan if value is None else value for name, value in summary.items()},
@@ -92,7 +93,7 @@ def _scales(data: resource.Data) -> dict[str, float]:
     }
 
 
-def _summary(events: list[Row], touch: float, peak: float, damped: bool) -> dict[str, float | None]:
+def _summary(events: list[Row], touch: float, peak: float, data: resource.Data) -> dict[str, float | None]:
     """Summary of the first contact, from its events and from the output maximum_force."""
     summary: dict[str, float | None] = dict.fromkeys(SUMMARY)
     names = [native.EVENTS[int(event["kind"])] for event in events]
@@ -109,13 +110,22 @@ def _summary(events: list[Row], touch: float, peak: float, damped: bool) -> dict
         summary["time_impactor_stops"] = contact["impactor_stops"]["time"] - touch
     if begins is not None and ends is not None:
         summary["contact_duration"] = ends["time"] - touch
-        summary["permanent_indentation"] = 0.0 if damped else ends["indentation"]  # a damped law's dent closes later
+        summary["permanent_indentation"] = _dent(data, summary["maximum_indentation"] or 0.0, ends["indentation"])
         summary["rebound_velocity"] = ends["impactor_velocity"]
         # impactor velocities: at first touch the contact force may already move the target
         before, after = (event["impactor_velocity"] - event["support_velocity"] for event in (begins, ends))
         if before > 0.0:
             summary["coefficient_of_restitution"] = -after / before
     return summary
+
+
+def _dent(data: resource.Data, depth: float, end: float) -> float:
+    """The permanent indentation after a contact that turned at `depth` and ended at `end`, m."""
+    curve, length = data.curve, data.length_scale
+    yields = curve.stage[curve.stages - 1].unloading != native.RETRACE
+    if curve.stage[0].damped or (curve.pull > 0.0 and not yields):
+        return 0.0  # a damped law's dent closes later
+    return length * dents(curve, depth / length, end / length) if curve.pull > 0.0 else end
 
 
 def _stresses(rows: list[Row]) -> dict[str, float | None]:

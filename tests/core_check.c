@@ -76,6 +76,8 @@ int main(void) {
     }
     check_surface(); /* draws random numbers: after those of the hash */
     check_short_leg();
+    check_bad_stretched();
+    check_stretched();
     free(lines);
     free(events);
     printf("core_check: %ld checks, %ld contacts, %ld events, hash %016llx\n", checks, contacts, events_seen,

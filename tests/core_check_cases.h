@@ -656,4 +656,127 @@ static void check_overrun(void) {
     NEAR(after - before, 0.01 * 1.5 / 1.45, 0.01, 0.02);
 }
 
+/* A law that pulls and yields: parting, pulling, pushing, plastic; a contact that turns beyond 2 leads back along the first
+ * three, stretched. Its force at the turn is `top`, f0(x) of the third stage at x = 1 + y: 0.8 y + 0.2 y^1.5. */
+static film_curve stretched_curve(void) {
+    film_curve curve;
+    memset(&curve, 0, sizeof curve);
+    add_stage(&curve, -0.25, power(-1.0, -0.4, -0.8, 0.0, 1.0));
+    curve.stage[0].begin = -1.0;
+    add_stage(&curve, 1.0, power(-0.25, -1.0, 0.8, 0.0, 1.0));
+    add_stage(&curve, 2.0, power(1.0, 0.0, 0.8, 0.2, 1.5))->end = 100.0;
+    film_piece *piece = add_stage(&curve, INFINITY, power(2.0, 1.0, 0.9, 0.0, 1.0));
+    curve.stage[3].unloading = FILM_SIMILAR;
+    piece->recovery = power(2.0, 1.0, 0.3, 0.0, 1.0);
+    piece->exponent = power(2.0, 1.0, 0.1, 0.0, 1.0);
+    curve.pull = 1.0;
+    return curve;
+}
+
+/* Work of the reversible stages from their beginning to x > 1. */
+static double stretched_work(double x) {
+    return -0.75 * 0.7 - 1.25 * 0.5 + 0.4 * (x - 1.0) * (x - 1.0) + 0.08 * pow(x - 1.0, 2.5);
+}
+
+/* A contact that yields and sticks: on a fixed target its energy in closed form, in steps the same motion, and the next
+ * contact on the same spot begins on the branch and yields further. A ball too slow to part swings, and a pull parts it. */
+static void check_stretched(void) {
+    film_curve curve = stretched_curve();
+    HOLD(film_check_curve(&curve) == FILM_OK);
+    for (int i = 0; i < 300; i++) {
+        film_state s, cut;
+        owned_mesh own = make_mesh(FILM_WORK_PRESERVING, whole(3, 24), whole(6, 24));
+        double nu = over_decades(2.5, 12.0), gamma = i % 2 == 0 ? 0.0 : over_decades(1e-3, 0.03);
+        snprintf(where, sizeof where, "stretched stages, nu %.17g, gamma %.17g, mesh %d %d", nu, gamma, (int)own.mesh.loading, (int)own.mesh.unloading);
+        HOLD(film_init(&curve, &s, 0.0, nu, gamma, 0.0, 0.0) == FILM_OK);
+        cut = s;
+        int32_t changes = 0, out = 0;
+        while (film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT && s.event != FILM_CONTACT_ENDS) {
+            changes += s.event == FILM_STAGE_CHANGES;
+            out += s.event == FILM_STAGE_CHANGES && s.branch <= FILM_STRETCHED;
+            HOLD(s.force >= -film_pull(&curve, &s) * (1.0 + EXACT));
+        }
+        HOLD(s.event == FILM_CONTACT_ENDS && changes == 4 && out == 2 && s.stage_max == 3);
+        double r = 1.0 + 0.3 * (s.xi_max - 2.0), l = 1.0 + 0.1 * (s.xi_max - 2.0), x = (s.xi_max - s.xi_free) / l, dent;
+        NEAR(s.xi, s.xi_free - l, s.xi_max, EXACT);
+        NEAR(r * (0.8 * (x - 1.0) + 0.2 * pow(x - 1.0, 1.5)), s.f_max, s.f_max, EXACT);
+        film_dents(&curve, 1, &s.xi_max, &s.xi, &dent);
+        NEAR(dent, s.xi_free, s.xi_max, EXACT);
+        double in = stretched_work(2.0) + 0.75 * 0.7 + 0.25 * 0.9 + (s.xi_max - 2.0) * (1.0 + 0.45 * (s.xi_max - 2.0));
+        NEAR(s.spent, in - r * l * stretched_work(x), in, ENERGY);
+        if (gamma == 0.0) NEAR(0.5 * s.nu * s.nu, 0.5 * nu * nu - s.spent, in, ENERGY);
+        double step = s.time / 37.3;
+        for (int k = 0; k < 100000 && cut.phase != FILM_SEPARATED; k++) film_step(&curve, &own.mesh, &cut, step);
+        NEAR(cut.nu - s.nu, 0.0, nu, STEPS);
+        NEAR(cut.xi_free, s.xi_free, s.xi_max, STEPS);
+        /* back with more than before */
+        double deep = s.xi_max, left = s.xi_free;
+        HOLD(film_input(&s, 0.0, 1.3 * nu - s.nu, 0.0) == FILM_OK);
+        HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT && s.event == FILM_CONTACT_BEGINS);
+        HOLD(s.branch == FILM_STRETCHED - 1 && s.phase == FILM_RELOADING && s.xi == left);
+        NEAR(s.force, r * (0.8 * 0.25 - 1.0), r, EXACT);
+        while (s.event != FILM_MAXIMUM_INDENTATION) HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT);
+        HOLD(s.xi_max > deep && s.xi_free > left && s.branch == FILM_STRETCHED - 2);
+        free(own.memory);
+    }
+    /* comes to rest where two stages meet, of the force 0: without is_still it goes back and forth for ever */
+    film_curve slow = curve;
+    slow.piece[1].force = power(-0.25, -1.0, 2.4387461565717476, 0.0, 1.0);
+    slow.piece[2].force = power(1.0, 0.0, 2.4387461565717476, 0.03, 2.5);
+    slow.stage[1].end = slow.stage[2].begin = slow.piece[1].end = slow.piece[2].force.origin = -0.25 + 1.0 / 2.4387461565717476;
+    for (int i = 0; i < 2000; i++) {
+        owned_mesh own = make_mesh(FILM_WORK_PRESERVING, whole(1, 12), whole(1, 12));
+        film_start start = {over_decades(0.1, 3.0), over_decades(0.1, 3.0), 0.0, 0.0, 60.0, 0.0};
+        film_summary summary;
+        snprintf(where, sizeof where, "slow and sticky, nu %.17g, gamma %.17g, mesh %d %d", start.nu, start.gamma, (int)own.mesh.loading, (int)own.mesh.unloading);
+        int status = film_marched(&slow, &own.mesh, &start, &summary);
+        HOLD(status == FILM_OK || status == FILM_EVENT || status == FILM_ENDLESS);
+        free(own.memory);
+    }
+    /* too slow: it sticks, and swings about where the force is 0; a pull beyond the largest tension parts it */
+    film_state s;
+    owned_mesh own = make_mesh(FILM_WORK_PRESERVING, 12, 12);
+    snprintf(where, sizeof where, "a ball that sticks in its dent");
+    HOLD(film_init(&curve, &s, 0.0, 2.2, 0.2, 0.0, 0.0) == FILM_OK);
+    while (s.event != FILM_MAXIMUM_INDENTATION) HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT);
+    HOLD(s.stage_max == 3);
+    for (int k = 0; k < 4000; k++) film_step(&curve, &own.mesh, &s, 1.0);
+    HOLD(s.phase != FILM_SEPARATED && s.contacts == 1);
+    NEAR(s.force, 0.0, s.f_max, 1e-9);
+    NEAR(s.xi, s.xi_free + s.exponent, s.xi_max, 1e-9);
+    double most = film_pull(&curve, &s);
+    HOLD(film_input(&s, -0.5 * most, 0.0, 0.0) == FILM_OK);
+    for (int k = 0; k < 4000; k++) film_step(&curve, &own.mesh, &s, 1.0);
+    HOLD(s.phase != FILM_SEPARATED);
+    NEAR(s.force, -0.5 * most, most, 1e-9);
+    HOLD(film_input(&s, -1.01 * most, 0.0, 0.0) == FILM_OK);
+    for (int k = 0; k < 4000 && s.phase != FILM_SEPARATED; k++) film_step(&curve, &own.mesh, &s, 1.0);
+    HOLD(s.phase == FILM_SEPARATED);
+    free(own.memory);
+}
+
+/* Curves of which a law that pulls must not be made. */
+static void check_bad_stretched(void) {
+    film_curve good = stretched_curve(), bad;
+    snprintf(where, sizeof where, "stretched stages that are wrong");
+    bad = good, bad.pull = 0.0;
+    HOLD(film_check_curve(&bad) == FILM_BAD_CURVE);
+    bad = good, bad.stage[2].unloading = FILM_SECANT;
+    HOLD(film_check_curve(&bad) == FILM_BAD_CURVE);
+    bad = good, bad.stage[0].unloading = FILM_SIMILAR;
+    HOLD(film_check_curve(&bad) == FILM_BAD_CURVE);
+    bad = good, bad.stage[3].reload_exponent = 1.0;
+    HOLD(film_check_curve(&bad) == FILM_BAD_CURVE);
+    bad = good, bad.piece[1].end = 1.1; /* only the last reversible stage goes on */
+    HOLD(film_check_curve(&bad) == FILM_BAD_CURVE);
+    bad = good, bad.piece[3].recovery = power(2.0, -1.0, 0.0, 0.0, 1.0);
+    owned_mesh own = make_mesh(FILM_WORK_PRESERVING, 6, 6);
+    film_start start = {5.0, 0.0, 0.0, 0.0, INFINITY, 0.0};
+    film_summary summary;
+    HOLD(film_marched(&bad, &own.mesh, &start, &summary) == FILM_BAD_UNLOADING);
+    bad = good, bad.piece[2].end = 2.1; /* too short for the branch */
+    HOLD(film_marched(&bad, &own.mesh, &start, &summary) == FILM_BAD_UNLOADING);
+    free(own.memory);
+}
+
 #endif

@@ -203,9 +203,37 @@ static void any_unloading(film_stage *stage, film_piece *piece, double force) {
     }
 }
 
+/* A law that pulls: parting and pulling down to and up from its largest tension of 1, pushing, and now and then yielding, with
+ * a branch of the first three stages stretched. */
+static void pulling_curve(void) {
+    double least = -decades(1e-3, 3.0), deepest = least * fraction(), free = decades(0.1, 3.0), end = free + decades(0.1, 30.0);
+    double left = whole(0, 3) ? fraction() : 0.0, slope = 1.0 / (free - deepest), q = decades(1.01, 3.0), k = decades(1e-2, 10.0);
+    int yields = whole(0, 2) > 0, parts = least < deepest && whole(0, 3);
+    double force[] = {-left, -1.0, 0.0, slope * (end - free) + k * pow(end - free, q)}, at[] = {least, deepest, free, end};
+    curve.pull = 1.0;
+    for (int32_t i = parts ? 0 : 1; i < 3 + yields; i++) {
+        film_stage *stage = &curve.stage[curve.stages++];
+        film_piece *piece = &curve.piece[curve.pieces];
+        stage->begin = at[i];
+        stage->end = piece->end = i == 3 || (i == 2 && !yields) ? INFINITY : at[i + 1];
+        stage->first = curve.pieces++;
+        stage->count = 1;
+        if (i < 2) piece->force = power(at[i], force[i], (force[i + 1] - force[i]) / (at[i + 1] - at[i]), 0.0, 1.0);
+        else piece->force = power(at[i], force[i], i == 2 ? slope : decades(0.1, 10.0), i == 2 ? k : 0.0, i == 2 ? q : 1.0);
+        piece->exponent = power(end, 1.0, fraction(), 0.0, 1.0);
+        piece->recovery = power(end, 1.0, i == 3 ? decades(1e-3, 3.0) : 0.0, 0.0, 1.0);
+        if (i == 3) stage->unloading = FILM_SIMILAR;
+        else if (i == 2 && yields) piece->end = end + decades(1.0, 1e6);
+    }
+}
+
 /* Stages, each where the one before ends. */
 static void any_curve(void) {
     memset(&curve, 0, sizeof curve);
+    if (whole(0, 7) == 0) {
+        pulling_curve();
+        return;
+    }
     int32_t stages = whole(1, 5), damped = stages == 1 && whole(0, 1);
     int jumps = whole(0, 3) == 0; /* the way back over a jump would be a slide along it: no stage goes back as it came */
     double begin = 0.0, force = 0.0;
@@ -255,6 +283,7 @@ static void any_curve(void) {
 static int usable(void) {
     if (film_check_curve(&curve) != FILM_OK) return 0;
     none = idle = 0.0;
+    if (curve.pull > 0.0) return 1;
     for (int32_t p = 0; p < curve.pieces; p++) {
         none = fmax(none, 4e-16 * fabs(curve.piece[p].force.constant));
         idle = fmax(idle, 4e-16 * fabs(curve.piece[p].work_at_begin));
@@ -305,9 +334,9 @@ static void documented(int status) {
 static void sane(const film_state *s, int status) {
     if (status < 0) return; /* a failure leaves the state where it was met */
     HOLD(isfinite(s->time) && isfinite(s->xi) && isfinite(s->nu) && isfinite(s->shift) && isfinite(s->force) && isfinite(s->spent));
-    HOLD(s->force >= -none && s->force_peak >= 0.0 && isfinite(s->force_peak));
+    HOLD(s->force >= -none - film_pull(&curve, s) * (1.0 + EXACT) && s->force_peak >= -curve.pull * fmax(1.0, s->f_scale) && isfinite(s->force_peak));
     HOLD(s->phase >= FILM_APPROACHING && s->phase <= FILM_SEPARATED);
-    HOLD(s->branch >= FILM_FREE && s->branch < curve.stages);
+    HOLD(s->branch > FILM_STRETCHED - FILM_MAX_STAGES && s->branch < curve.stages);
     HOLD(s->gamma > 0.0 || s->shift == 0.0);
 }
 
@@ -492,6 +521,7 @@ static void check_batch(const film_start *first) {
         if (i % 3 == 2) start[i].gamma = decades(1e-4, 30.0);
         if (i % 20) start[i].load = start[i].stop_velocity = 0.0;
         if (start[i].load > 0.0) start[i].time_limit = fmin(100.0, 1000.0 * start[i].nu / start[i].load); /* it may swing for long */
+        if (curve.pull > 0.0) start[i].time_limit = 30.0;
     }
     film_batch(&curve, &mesh, count, start, summary, status);
     for (int instructions = FILM_PLAIN; instructions <= film_instructions(); instructions++) {
@@ -549,7 +579,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t count) {
     film_state s, saved;
     HOLD(film_init(&curve, &s, -gap, start.nu, start.gamma, start.load, start.stop_velocity) == FILM_OK);
     HOLD(film_damp(&s, start.damping) == FILM_OK);
-    if (start.nu > 0.0) check_record(&s, start.load > 0.0 ? 30.0 * scale : INFINITY);
+    if (start.nu > 0.0) check_record(&s, start.load > 0.0 || curve.pull > 0.0 ? 30.0 * scale : INFINITY); /* it may swing for ever */
     if (start.nu > 0.0) check_batch(&start);
     for (int k = 0, status = FILM_OK; k < CALLS && left_over > 0 && status >= 0; k++) {
         if (whole(0, 1)) HOLD(film_input(&s, any_load(&s, unit_force), any_speed(start.nu), whole(0, 7) ? s.stop_velocity : any_speed(start.nu)) == FILM_OK);

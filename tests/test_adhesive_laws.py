@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
+from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 import film_model as fm
@@ -216,3 +216,175 @@ def test_adhesion_is_not_judged_where_the_law_has_it():
     assert effects["adhesion"].state == "not needed" and "jkr" in effects["adhesion"].reason
     effects = {effect.name: effect for effect in fm.simulate(scene("hertz", 2.0)).effects}
     assert effects["adhesion"].change == pytest.approx(1 / math.sqrt(1 - 0.25) - 1, rel=0.7)
+
+
+PRESSURE = 40e6
+DENTED = 3.0  # m/s, well beyond yield
+
+
+def dented_scene(velocity=DENTED, target=None, pressure=PRESSURE, work=WORK, **effects):
+    """The bead under the law of Thornton & Ning."""
+    given = {"effective_modulus": f"{MODULUS!r} Pa", "work_of_adhesion": f"{work!r} J/m^2"}
+    ball = fm.Sphere(f"{RADIUS!r} m", f"{velocity!r} m/s", mass=f"{MASS!r} kg")
+    contact = fm.Contact("thornton-ning", yield_pressure=f"{pressure!r} Pa", **given)
+    return fm.Scene(ball, target or fm.HalfSpace(), contact, fm.Effects(**{"gravity": False, **effects}))
+
+
+class Dent:
+    """Thornton & Ning's contact in SI, from contact radii: loading, and after a turn at `depth` the way back."""
+
+    def __init__(self, depth):
+        def pressure(a):
+            return 2 * MODULUS * a / (math.pi * RADIUS) - math.sqrt(2 * WORK * MODULUS / (math.pi * a))
+
+        self.yields = brentq(lambda a: pressure(a) - PRESSURE, LEAST, RADIUS, xtol=1e-18, rtol=1e-14)
+        self.first, self.at_first = jkr_at(self.yields)
+        self.force = self.at_first + math.pi * RADIUS * PRESSURE * (depth - self.first)
+        widest = math.sqrt(self.yields**2 + RADIUS * (depth - self.first))
+        cube = MODULUS * widest**3
+        self.radius = 4 * cube / (3 * (self.force + math.sqrt(8 * math.pi * WORK * cube)))
+        self.left = depth - widest**2 / self.radius + math.sqrt(2 * math.pi * WORK * widest / MODULUS)
+        self.depth, self.widest = depth, widest
+        self.least = (math.pi * WORK * self.radius**2 / (8 * MODULUS)) ** (1 / 3)
+
+    def stored(self):
+        """Work of loading from first touch: ∫F dδ over the contact radius, then under the pressure p_y."""
+        touch = (2 * math.pi * WORK * RADIUS**2 / MODULUS) ** (1 / 3)
+        elastic = quad(lambda a: jkr_at(a)[1] * slope(a, RADIUS), touch, self.yields, epsabs=0, epsrel=1e-12)[0]
+        return elastic + 0.5 * (self.at_first + self.force) * (self.depth - self.first)
+
+    def returned(self):
+        """Work of the way back to the end of contact."""
+
+        def rate(a):
+            force = 4 * MODULUS * a**3 / (3 * self.radius) - math.sqrt(8 * math.pi * WORK * MODULUS * a**3)
+            return force * slope(a, self.radius)
+
+        return quad(rate, self.least, self.widest, epsabs=0, epsrel=1e-12)[0]
+
+
+def slope(a, radius):
+    """dδ/da of a JKR contact."""
+    return 2 * a / radius - math.sqrt(math.pi * WORK / (2 * MODULUS * a))
+
+
+@pytest.mark.parametrize("velocity", [1.0, DENTED, 20.0])
+def test_a_dent_holds_the_ball(velocity):
+    """Depth, dent, largest tension and energy of an impact beyond yield, from integrals over the contact radius."""
+    summary = fm.simulate(dented_scene(velocity), accuracy=1e-9).summary
+    dent = Dent(summary["maximum_indentation"])
+    assert dent.stored() == pytest.approx(0.5 * MASS * velocity**2, rel=1e-8)
+    assert summary["maximum_force"] == pytest.approx(dent.force, rel=1e-8)
+    assert summary["permanent_indentation"] == pytest.approx(dent.left, rel=1e-7)
+    assert summary["energy_absorbed"] == pytest.approx(dent.stored() - dent.returned(), rel=1e-7)
+    restitution = math.sqrt(dent.returned() / (0.5 * MASS * velocity**2))
+    assert summary["coefficient_of_restitution"] == pytest.approx(restitution, rel=1e-7)
+    component = fm.ImpactComponent(dented_scene(velocity))
+    tension = [component.step(summary["contact_duration"] / 4000).outputs.contact_force for _ in range(4001)]
+    assert min(tension) == pytest.approx(-1.5 * math.pi * WORK * dent.radius, rel=3e-3)
+    assert dent.radius > RADIUS
+
+
+def test_without_yield_it_is_jkr_and_without_adhesion_thornton():
+    hard = fm.simulate(dented_scene(2 * STICKING, pressure=400e6), accuracy=1e-9).summary
+    plain = fm.simulate(scene(times=2.0), accuracy=1e-9).summary
+    assert hard["contact_duration"] == pytest.approx(plain["contact_duration"], rel=1e-9)
+    assert hard["permanent_indentation"] == 0.0
+    thornton = dented_scene().replace({"contact.law": "thornton", "contact.work_of_adhesion": None})
+    dry = fm.simulate(thornton, accuracy=1e-8).summary
+    faint = fm.simulate(dented_scene(work=1e-9), accuracy=1e-8).summary
+    for name in ("maximum_force", "permanent_indentation", "coefficient_of_restitution", "contact_duration"):
+        assert faint[name] == pytest.approx(dry[name], rel=1e-5), name
+
+
+def test_yield_raises_the_sticking_velocity():
+    """Above the sticking velocity of jkr the ball stays in its dent, and says so; a soft plate brings it to rest."""
+    slow = dented_scene(1.05 * STICKING, pressure=17e6)
+    history = fm.simulate(slow)
+    assert history.outcome is fm.Outcome.TIME_LIMIT and history.summary["coefficient_of_restitution"] is None
+    assert fm.simulate(scene(times=1.05)).outcome is fm.Outcome.SEPARATED
+    for pressure in (17e6, 20e6, 30e6):
+        for times in (1.3, 2.0, 4.0):
+            yields = fm.simulate(dented_scene(times * STICKING, pressure=pressure)).summary
+            elastic = fm.simulate(scene(times=times)).summary
+            assert yields["energy_absorbed"] >= elastic["energy_absorbed"] * (1 - 1e-6), (pressure, times)
+    component = fm.ImpactComponent(dented_scene(1.05 * STICKING, plate("5 um"), 17e6, target_motion=True))
+    for _ in range(400):
+        component.step("1 us")
+    assert component.phase != "separated" and component.outputs.indentation > 0.0
+    assert component.outputs.contact_force == pytest.approx(0.0, abs=1e-6 * math.pi * WORK * RADIUS)
+
+
+@pytest.mark.parametrize("target", [None, plate("60 um")])
+def test_dents_in_steps_batches_and_sweeps(target):
+    case = dented_scene(target=target)
+    history = fm.simulate(case, accuracy=1e-6)
+    counts = history.accuracy.segments, history.accuracy.unloading_segments
+    component = fm.ImpactComponent(case, segments=counts)
+    for _ in range(200):
+        component.step(history.duration / 150)
+    assert component.outputs.impactor_velocity == pytest.approx(history.summary["rebound_velocity"], rel=1e-9)
+    names = [event.stage for event in history.events]
+    assert names[-3:] == ["unloading", "unloading", ""] and "plastic" in names
+    assert set(history.sample_si(np.linspace(0, history.duration, 50)).stage) <= {
+        "pulling",
+        "pushing",
+        "plastic",
+        "unloading",
+        "",
+    }
+    speeds = [1.0, DENTED, 20.0]
+    batch = fm.simulate_batch(case, velocity=[f"{v!r} m/s" for v in speeds], accuracy=1e-6)
+    for k, velocity in enumerate(speeds):
+        alone = fm.simulate(dented_scene(velocity, target), accuracy=1e-6).summary
+        for name in ("maximum_force", "permanent_indentation", "rebound_velocity"):
+            assert batch.summary[name][k] == pytest.approx(alone[name], rel=1e-5), (name, velocity)
+    works = np.array([0.02, 0.05, 0.08])
+    swept = simulate_many(case, {"contact.work_of_adhesion": works}).summary["rebound_velocity"]
+    alone = [fm.simulate(dented_scene(target=target, work=work)).summary["rebound_velocity"] for work in works.tolist()]
+    assert swept == pytest.approx(np.array(alone), rel=1e-3)
+
+
+def test_a_dataset_keeps_the_way_back():
+    import film_datasets as fd
+
+    history = fm.simulate(dented_scene())
+    dataset = fd.to_dataset(history)
+    assert fd.validate(dataset) == []
+    assert "unloading_along_parting" in dataset["segment_branch"].attrs["flag_meanings"]
+    times = np.linspace(0.0, history.duration, 40)
+    assert np.array_equal(fd.history_of(dataset).sample_si(times).contact_force, history.sample_si(times).contact_force)
+
+
+@pytest.mark.parametrize("velocity", [0.3, 1.0, 3.0])
+def test_adhesion_is_judged_with_the_radius_of_the_dent(velocity):
+    """Under thornton R_p = R F_Hertz(δ_m)/F_m, and the work of parting grows as R_p^{4/3}."""
+    dry = fm.simulate(dented_scene(velocity).replace({"contact.law": "thornton"}), accuracy=1e-6)
+    hertz = 4 / 3 * MODULUS * math.sqrt(RADIUS) * dry.summary["maximum_indentation"] ** 1.5
+    ratio = hertz / dry.summary["maximum_force"]
+    effect = next(effect for effect in dry.effects if effect.name == "adhesion")
+    assert ratio > 1.1
+    assert effect.value == pytest.approx(velocity / (STICKING * ratio ** (2 / 3)), rel=1e-3)
+
+
+def test_what_yields_by_adhesion_alone_is_refused():
+    with pytest.raises(fm.SceneError, match="adhesion alone yields"):
+        fm.simulate(dented_scene(pressure=1e6))
+    with pytest.raises(ValueError, match="no other rule"):
+        fm.Unloading(residual=fm.Power(), length=fm.Power())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("target", "version"), [(None, 3), (plate("60 um"), 2)])
+def test_an_fmu_leaves_the_dent(target, version, tmp_path):
+    import fmu_wrapper
+
+    case = dented_scene(target=target)
+    history = fm.simulate(case, accuracy=1e-9)
+    path = fmu_wrapper.export(case, tmp_path / "bead.fmu", version)
+    for how in ({}, {"mode": "exchange"}):
+        found = fmu_wrapper.run(path, step_size=history.duration / 20, **how)
+        for name in ("maximum_force", "contact_duration", "rebound_velocity", "permanent_indentation"):
+            assert float(found[name]) == pytest.approx(history.summary[name], rel=1e-6), (how, name)
+        assert float(found["contact_force"].min()) < -0.5 * math.pi * WORK * RADIUS
+    assert fmu_wrapper.check(path).good

@@ -23,6 +23,7 @@ from film_datasets.schema import (
     HISTORY,
     SCENE_KEY,
     TABLE,
+    branch_words,
     content_sha256,
     flag_meanings,
     flag_words,
@@ -66,7 +67,9 @@ def history_dataset(history: History, samples: int = 201, command: str = "film_d
         "contact_law_name": history.problem.law.name,
         "scene_key": scene_key(history.scene.archived_text()),
     }
-    meanings = {"stages": flag_words(history.problem.curve.stage_names, tuple(BRANCHES.values()))}
+    curve = history.problem.curve
+    stages = flag_words(curve.stage_names, tuple(BRANCHES.values()))
+    meanings = {"stages": stages, "branches": branch_words(stages, curve.pulls and not curve.reversible)}
     data: dict[str, Any] = {
         v.name: (v.dims, np.asarray(columns[v.name], dtype=v.dtype), v.attributes(meanings))
         for v in (*TABLE[HISTORY], *CONSTANTS, SCENE_KEY.over(()))

@@ -1,4 +1,4 @@
-"""How far two summaries of the same contacts differ, and what rounding does to them: `film_compare.c` from Python.
+"""How far two summaries of the same contacts differ, what rounding does to them, and dents of laws that pull.
 
 One contact has native.Start and native.Summary, and the answer is a float; many have arrays of START_DTYPE and
 SUMMARY_DTYPE, and the answer is an array.
@@ -37,6 +37,14 @@ def rounding(curve: Curve, start: Any, summary: Any, clearance: float) -> Any:
     at, table_at, off_at = _addresses(start, table, off)
     library().film_rounding(c.byref(curve), len(start), at, table_at, clearance, off_at)
     return off
+
+
+def dents(curve: Curve, depth: Any, end: Any) -> Any:
+    """What contacts leave that turned at `depth` and ended at `end` [δ_s], of a law that pulls: see film_core.h."""
+    rows = np.array(np.broadcast_arrays(np.atleast_1d(depth), end), np.float64)
+    left = np.empty(rows.shape[1:])
+    library().film_dents(c.byref(curve), left.size, *_addresses(*rows, left))
+    return left if np.ndim(depth) else float(left[0])
 
 
 def _addresses(*tables: Any) -> list[int]:

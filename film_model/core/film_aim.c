@@ -14,6 +14,10 @@ static const double TRIAL_TOLERANCE = 1e-2;
  * core_check.c, check_linear_law, at 1e-4. */
 static const double NEWTON_SETTLED = 1e-9;
 
+/* A leg shorter than this fraction of the contact's depth is straight: curvature changes the force over it by 1e-12.
+ * core_check.c, check_found: "a load at rest". */
+static const double REST_LENGTH = 1e-6;
+
 enum { BALANCE_HALVINGS = 100 };
 
 /* ---------------------------------------------------------------- a line that ends at the turn */
@@ -207,4 +211,45 @@ int film_aim_leg(const film_curve *curve, const film_mesh *mesh, film_state *s) 
     s->leg_ends = ENDS_EDGE;
     if (leaves_freely(curve, s)) return FILM_OK;
     return s->gamma == 0.0 && !is_damped(curve, s) ? aim_by_energy(curve, s) : aim_by_trial(curve, mesh, s);
+}
+
+/* ---------------------------------------------------------------- at rest */
+
+/* The force of the law at xi, near the current point; on the loading curve, of the stage that holds xi. */
+static double force_nearby(const film_curve *curve, const film_state *s, double xi) {
+    film_line line = s->line;
+    double force, work;
+    line.branch = film_branch_nearby(curve, &line, xi);
+    law_at(curve, &line, xi, &force, &work);
+    return force;
+}
+
+/* Whether a contact of a law that pulls, on a target that moves, has no speed but what rounding makes of its force. */
+static int is_still(const film_curve *curve, const film_state *s) {
+    double rounded = film_force_rounding(curve, s, s->branch >= 0 ? s->branch : s->stage_max);
+    return curve->pull > 0.0 && fabs(s->nu - s->gamma * s->elastic) <= s->gamma * rounded;
+}
+
+/* If the leg is so short that the law is straight over the whole swing around the balance, makes one line for all time to
+ * come, in both directions, and returns 1. Where two stages of different slope meet, the swing leaves the line; there only a
+ * leg between adjacent floats comes to rest. A law that pulls is in balance where two stages meet: a leg that ends there
+ * without a speed goes back and forth by rounding. docs/method.md, section 9. */
+int film_make_rest_line(const film_curve *curve, film_state *s) {
+    double depth = fmin(s->branch < 0 ? s->recovery : s->xi, fabs(s->xi - s->xi_free));
+    double least = ADJACENT * fabs(s->xi), reach = fmax(REST_LENGTH * depth, least), length = fabs(s->leg_to - s->leg_from);
+    int at_edge = s->leg_ends == ENDS_EDGE;
+    if (length >= (at_edge ? least : reach) || (at_edge && !is_still(curve, s))) return 0;
+    double f_low = force_nearby(curve, s, s->xi - 2.0 * reach), f_high = force_nearby(curve, s, s->xi + 2.0 * reach);
+    double kappa = (f_high - f_low) / (4.0 * reach), damping = damping_at(curve, &s->line, s->xi);
+    double y = s->nu - s->gamma * s->elastic, excess = s->elastic - s->load;
+    double swing = length < least ? 0.0 : sqrt(excess * excess + kappa * (1.0 + s->gamma * damping) * y * y);
+    if (!(swing < s->load - f_low && swing < f_high - s->load)) return 0;
+    film_open_line(s);
+    s->line.phi = s->elastic;
+    s->line.kappa = kappa;
+    s->line.damping = damping;
+    s->line_ends = ENDS_NEVER;
+    s->tau_end = INFINITY;
+    s->phase = s->line.phase = FILM_RESTING;
+    return 1;
 }

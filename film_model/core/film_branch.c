@@ -101,12 +101,83 @@ int film_spring(film_curve *curve, double c) {
 
 /* ---------------------------------------------------------------- unloading */
 
+/* The stage that a branch FILM_STRETCHED - k stretches. */
+static const film_stage *stretched_stage(const film_curve *curve, int32_t branch) { return &curve->stage[FILM_STRETCHED - branch]; }
+
+/* Force and work of a stretched stage: r f0(x) and r l W0(x) at x = (xi - xi_f)/l. docs/method.md, section 6. */
+void film_law_stretched(const film_curve *curve, const film_line *line, double xi, double *force, double *work) {
+    stage_law(curve, FILM_STRETCHED - line->branch, (xi - line->xi_origin) * line->per_recovery, force, work);
+    *force *= line->f_max;
+    *work *= line->f_max * line->exponent;
+}
+
+double film_slope_stretched(const film_curve *curve, const film_line *line, double xi) {
+    double x = (xi - line->xi_origin) * line->per_recovery;
+    return line->f_max * line->per_recovery * slope_at(&piece_at(curve, FILM_STRETCHED - line->branch, x)->force, x);
+}
+
+/* Its inner end is xi_max, not that of the stage. */
+int film_stretched_inmost(const film_curve *curve, int32_t branch) {
+    return stretched_stage(curve, branch)[1].unloading == FILM_SIMILAR;
+}
+
+double film_stretched_edge(const film_curve *curve, const film_state *s, int direction) {
+    const film_stage *stage = stretched_stage(curve, s->branch);
+    if (direction > 0 && film_stretched_inmost(curve, s->branch)) return s->xi_max;
+    return s->xi_origin + s->exponent * (direction > 0 ? stage->end : stage->begin);
+}
+
+/* A short line near the origin of the piece's function takes Simpson's rule. */
+double film_stretched_origin(const film_curve *curve, const film_state *s) {
+    const film_line *line = &s->line;
+    double x = (s->xi - line->xi_origin) * line->per_recovery;
+    return line->xi_origin + line->exponent * piece_at(curve, FILM_STRETCHED - s->branch, x)->force.origin;
+}
+
+/* FILM_SIMILAR: the stretched stages that go through (xi, force). The force of the last reversible stage grows with x from
+ * its beginning to the end of its pieces; there force/r is sought by Newton's method in a bracket. */
+static int stretch_stages(const film_curve *curve, film_line *run, double xi, double force) {
+    const film_piece *piece = piece_at(curve, run->branch, xi);
+    double r = value_at(&piece->recovery, xi), l = value_at(&piece->exponent, xi), wanted = force / r;
+    int32_t k = run->branch;
+    while (k > 0 && curve->stage[k].unloading == FILM_SIMILAR) k--;
+    double low = curve->stage[k].begin, high = piece_at(curve, k, INFINITY)->end;
+    if (!(r > 0.0 && r < INFINITY && l > 0.0 && l < INFINITY && high < INFINITY)) return FILM_BAD_UNLOADING;
+    if (!(wanted > value_at(&piece_at(curve, k, low)->force, low) && wanted < value_at(&piece_at(curve, k, high)->force, high)))
+        return FILM_BAD_UNLOADING;
+    double x = fmin(fmax(xi / l, low), high);
+    for (int i = 0; i < SERIES_STEPS; i++) {
+        const film_function *g = &piece_at(curve, k, x)->force;
+        double miss = value_at(g, x) - wanted, next = x - miss / slope_at(g, x);
+        if (fabs(next - x) <= 4e-16 * fabs(x)) break;
+        if (miss < 0.0) low = x; else high = x;
+        x = next > low && next < high ? next : 0.5 * (low + high);
+    }
+    run->xi_free = run->xi_origin = xi - l * x;
+    run->per_recovery = 1.0 / l;
+    run->exponent = l;
+    run->f_max = r;
+    run->f_shift = run->work_free = 0.0;
+    run->branch = FILM_STRETCHED - k;
+    return FILM_OK;
+}
+
+void film_dents(const film_curve *curve, int64_t count, const double *depth, const double *end, double *dents) {
+    for (int64_t i = 0; i < count; i++) {
+        int32_t k = curve->stages - 1;
+        while (k > 0 && !(depth[i] > curve->stage[k].begin)) k--;
+        double l = curve->stage[k].unloading == FILM_SIMILAR ? value_at(&piece_at(curve, k, depth[i])->exponent, depth[i]) : 1.0;
+        dents[i] = end[i] - l * curve->stage[0].begin;
+    }
+}
+
 /* The unloading rules of film_core.h. The branch is f_shift + f_max ((xi - xi_origin) per_recovery)^q, and its force
  * is 0 at xi_free. docs/method.md, section 6. */
 int film_open_branch(const film_curve *curve, film_line *run, double xi, double force) {
     const film_piece *piece = piece_at(curve, run->branch, xi);
     int unloading = curve->stage[run->branch].unloading;
     if (unloading == FILM_RETRACE) return FILM_OK;
+    if (unloading == FILM_SIMILAR) return stretch_stages(curve, run, xi, force);
     xi -= curve->compliance * force;
     double given = value_at(&piece->recovery, xi), q = value_at(&piece->exponent, xi), span, scale = force, origin;
     if (unloading == FILM_SHIFTED) {
@@ -145,7 +216,7 @@ int film_remember_turn(const film_curve *curve, film_state *s) {
     s->stage_max = line->branch = s->branch;
     int status = film_open_branch(curve, line, s->xi, s->elastic);
     if (status < 0 || line->branch == s->branch) return status;
-    s->branch = FILM_BRANCH;
+    s->branch = line->branch;
     s->loop = LOOP_NONE;
     s->xi_free = line->xi_free;
     s->recovery = s->xi - curve->compliance * s->elastic - s->xi_free;
@@ -154,6 +225,28 @@ int film_remember_turn(const film_curve *curve, film_state *s) {
     s->f_scale = line->f_max;
     law_at(curve, line, s->xi, &force, &s->work);
     return FILM_OK;
+}
+
+/* Where a contact begins: on the loading curve of a spot without a dent, else on the branch that leads back to its deepest
+ * point; of the stages of a law that pulls, on the one that goes on from there. docs/method.md, section 6. */
+int32_t film_branch_at_touch(const film_curve *curve, const film_state *s) {
+    film_state at = *s;
+    int unloading = s->stage_max >= 0 ? curve->stage[s->stage_max].unloading : FILM_RETRACE;
+    at.branch = unloading == FILM_RETRACE ? 0 : unloading == FILM_SIMILAR ? FILM_STRETCHED : FILM_BRANCH;
+    while (curve->pull > 0.0 && !(run_edge(curve, &at, 1) > s->xi)) at.branch += at.branch < 0 ? -1 : 1;
+    return at.branch;
+}
+
+/* The stage, or stretched stage, that holds xi near a line on one; else the line's branch. */
+int32_t film_branch_nearby(const film_curve *curve, const film_line *line, double xi) {
+    int32_t branch = line->branch;
+    while (branch > 0 && xi < curve->stage[branch].begin) branch--;
+    while (branch >= 0 && branch + 1 < curve->stages && xi > curve->stage[branch].end) branch++;
+    if (branch > FILM_STRETCHED) return branch;
+    double x = (xi - line->xi_origin) * line->per_recovery;
+    while (branch < FILM_STRETCHED && x < stretched_stage(curve, branch)->begin) branch++;
+    while (!film_stretched_inmost(curve, branch) && x > stretched_stage(curve, branch)->end) branch--;
+    return branch;
 }
 
 /* ---------------------------------------------------------------- reloading loops */
@@ -198,6 +291,10 @@ void film_open_run(const film_curve *curve, film_state *s) {
         line->f_max = s->f_scale;
         line->f_shift = s->f_scale > 0.0 ? s->f_max - s->f_scale : 0.0;
         line->work_free = (s->xi_free - s->xi_origin) * line->f_shift * (1.0 - work_factor(s->exponent));
+    }
+    if (s->branch <= FILM_STRETCHED) {
+        line->per_recovery = 1.0 / s->exponent;
+        line->f_shift = line->work_free = 0.0;
     }
 }
 

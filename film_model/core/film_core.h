@@ -52,7 +52,9 @@ enum {
     FILM_RADIUS = 1,   /* recovery() is R_d/R: xi_m - xi_f = (f_m/sqrt(R_d/R))^(1/q) */
     FILM_RESIDUAL = 2, /* recovery() is xi_f itself */
     FILM_SECANT = 3,   /* recovery() is f_m/(xi_m - xi_f), but xi_f >= 0 */
-    FILM_SHIFTED = 4   /* recovery() is c: f = f_m - c (xi_m^q - xi^q), down to f = 0 */
+    FILM_SHIFTED = 4,  /* recovery() is c: f = f_m - c (xi_m^q - xi^q), down to f = 0 */
+    FILM_SIMILAR = 5   /* of a law that pulls: its reversible stages f0, stretched: f = r f0((xi - xi_f)/l), recovery() is r,
+                        * exponent() is l, and xi_f follows from f_m */
 };
 
 typedef struct {
@@ -62,20 +64,21 @@ typedef struct {
     film_function mean;     /* of a series: its mean since x = 0, so that a small work keeps its digits; of a power: unused */
     film_function recovery; /* of xi_m */
     film_function damping;  /* c over the factor of film_damp, where the stage is damped */
-    film_function exponent; /* q of xi_m */
+    film_function exponent; /* q of xi_m; of FILM_SIMILAR, l */
 } film_piece;
 
 typedef struct {
     double begin, end; /* indentation; end may be INFINITY in the last stage, whose last piece must then be a power */
     /* within a stage the force has no jump and no extreme, and it is 0 only where the stage begins */
     int32_t first, count; /* its pieces */
-    int32_t unloading;    /* FILM_RETRACE ... FILM_SHIFTED */
+    int32_t unloading;    /* FILM_RETRACE ... FILM_SIMILAR */
     int32_t damped;       /* 1: the only stage of a reversible law with damping */
     double reload_exponent; /* r > 0: reloading follows ((xi - xi_f)/(xi_m - xi_f))^r; 0: the unloading branch */
 } film_stage;
 
 /* A law. The first stage begins at 0, or below if the law pulls: contact then begins at 0, in the stage that holds it, and
- * ends where the first stage begins. docs/method.md, section 6. With a compliance c the contact is in series with a spring: the march's xi is then the sum of the indentation and
+ * ends where the first stage begins. Stages of a law that pulls are reversible, and then FILM_SIMILAR; the pieces of the last
+ * reversible one may go on beyond its end, for the branches of the others. docs/method.md, section 6. With a compliance c the contact is in series with a spring: the march's xi is then the sum of the indentation and
  * the spring's deflection c f. Beginnings and ends of stages and pieces are values of that sum, functions take the
  * indentation. docs/method.md, section 8. */
 typedef struct {
@@ -83,7 +86,7 @@ typedef struct {
     film_stage stage[FILM_MAX_STAGES];
     film_piece piece[FILM_MAX_PIECES];
     double compliance;
-    double pull; /* the largest -f of a law that pulls, which is reversible and has no compliance; 0 for all others */
+    double pull; /* the largest -f of a law that pulls, in its reversible stages, without compliance; 0 for all others */
 } film_curve;
 
 /* The curves of a law whose stages depend on one more number, its shape (S_y/E, say), for shapes from low to high. They
@@ -184,14 +187,15 @@ typedef struct {
     double work, spent;   /* work of the true law there: since its stage began, and since contact began */
     double load, gamma;   /* p and gamma */
     /* if branch is FILM_BRANCH: f_shift + f_max ((xi - xi_origin) per_recovery)^exponent, 0 at xi_free; work_free: the work
-     * of that expression at xi_free */
+     * of that expression at xi_free. If it is FILM_STRETCHED - k: f_max times the force of stage k at
+     * (xi - xi_origin) per_recovery; exponent is 1/per_recovery */
     double xi_free, per_recovery, f_max, exponent, xi_origin, f_shift, work_free;
     double damping, damper; /* c, constant on the line; the factor of the law's c */
-    int32_t branch;         /* loading stage, or FILM_BRANCH, or FILM_FREE */
+    int32_t branch;         /* loading stage, FILM_BRANCH, FILM_FREE, or FILM_STRETCHED - k for stage k */
     int32_t phase;
 } film_line;
 
-enum { FILM_BRANCH = -1, FILM_FREE = -2 };
+enum { FILM_BRANCH = -1, FILM_FREE = -2, FILM_STRETCHED = -3 };
 
 /* A motion at one time. Lengths, velocities, forces and times in the units above. */
 typedef struct {
@@ -224,7 +228,7 @@ typedef struct {
     int32_t has_line, has_leg;
     int32_t from_turn;         /* 1: the leg begins at rest, at a turn */
     int32_t direction;         /* +1 inwards, -1 outwards */
-    int32_t branch, stage_max; /* loading stage, FILM_BRANCH or FILM_FREE; the stage of xi_max, -1 without one */
+    int32_t branch, stage_max; /* as in film_line; the stage of xi_max, -1 without one */
     int32_t moving_in;         /* 1: nu is above stop_velocity */
     int32_t loop;              /* which branch FILM_BRANCH is: LOOP_... in film_march.h */
     int32_t rising;            /* for film_switch: a damped contact's force grows on the way in */
@@ -288,6 +292,11 @@ FILM_API int film_record(const film_curve *curve, const film_mesh *mesh, film_st
                          film_line *lines, int32_t line_room, int32_t *line_count, film_state *events,
                          int32_t event_room, int32_t *event_count);
 
+/* The largest -F of the current branch. */
+static inline double film_pull(const film_curve *curve, const film_state *state) {
+    return state->branch <= FILM_STRETCHED ? curve->pull * state->f_scale : curve->pull;
+}
+
 /* values: indentation, its rate, force, nu, displacement of the struck point - of the true law. In the state, and on a
  * line, tau after its beginning. They differ from the state's own xi and shift where the curve has a compliance. */
 FILM_API void film_motion(const film_curve *curve, const film_state *state, double values[5]);
@@ -299,7 +308,8 @@ FILM_API int64_t film_record_many(const film_curve *curve, const film_mesh *mesh
                                   film_line *lines, int64_t line_room, int32_t *line_counts, film_state *events,
                                   int32_t event_room);
 
-/* Samples at count times, ascending, from lines; stages[i] the line's branch, phases[i] its phase. */
+/* Samples at count times, ascending, from lines; stages[i] the line's branch, or FILM_BRANCH of a stretched
+ * stage; phases[i] its phase. */
 FILM_API void film_sample(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times,
                           int64_t count, double *values, int8_t *stages, int8_t *phases);
 
@@ -372,6 +382,10 @@ FILM_API void film_compare(int64_t count, const film_start *start, const film_su
 /* off[i]: how much rounding may change summary[i], relative as in film_compare, at most 1. clearance: where the law's force begins. */
 FILM_API void film_rounding(const film_curve *curve, int64_t count, const film_start *start, const film_summary *summary,
                             double clearance, double *off);
+
+/* dents[i]: what a contact leaves that turned at depth[i] and ended at end[i], of a law that pulls: xi_f of its branch, since
+ * the contact ends below xi_f. */
+FILM_API void film_dents(const film_curve *curve, int64_t count, const double *depth, const double *end, double *dents);
 
 /* sizeof film_curve, film_mesh, film_line, film_state, film_summary, for callers that mirror them. */
 FILM_API void film_sizes(int64_t sizes[5]);

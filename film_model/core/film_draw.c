@@ -29,6 +29,7 @@ enum { STOP_ITERATIONS = 60, NEWTON_STEPS = 10 };
 /* Mean force over the next h: work difference over way or, for a short line, Simpson's rule. docs/method.md, section 2. */
 static double mean_force(const film_curve *curve, const film_state *s, double h) {
     double origin = s->branch >= 0 ? piece_at(curve, s->branch, s->xi)->force.origin : s->line.xi_origin;
+    if (s->branch <= FILM_STRETCHED) origin = film_stretched_origin(curve, s);
     double near = s->xi - curve->compliance * s->elastic - origin, far = s->xi + h - curve->compliance * s->force_end - origin;
     double x = fabs(near) < fabs(far) ? near : far;
     double way = (s->xi + h) - s->xi; /* h as it is represented in xi: the work difference is over the same way */

@@ -33,6 +33,11 @@ double film_force_rounding(const film_curve *curve, const film_state *s, int32_t
 static double kink_tolerance(const film_curve *curve, const film_state *s) {
     double reach = ADJACENT * fabs(s->xi);
     if (s->branch == FILM_BRANCH) return fabs(s->xi - s->xi_max) <= reach ? film_force_rounding(curve, s, s->stage_max) : 0.0;
+    if (s->branch <= FILM_STRETCHED) {
+        int meets = fabs(s->xi - run_edge(curve, s, 1)) <= reach;
+        meets |= s->branch < FILM_STRETCHED && fabs(s->xi - run_edge(curve, s, -1)) <= reach;
+        return meets ? film_force_rounding(curve, s, s->stage_max) : 0.0;
+    }
     for (int32_t k = s->branch; k <= s->branch + 1 && k < curve->stages; k++)
         if (k > 0 && fabs(s->xi - curve->stage[k].begin) <= reach) return film_force_rounding(curve, s, k);
     return 0.0;

@@ -115,20 +115,25 @@ static inline double contact_slope(const film_line *line, const film_piece *piec
     return line->f_max * line->exponent * line->per_recovery * power_of(x, line->exponent - 1.0);
 }
 
-/* law_at and law_slope in series with a spring; not inline, so that they cost other laws nothing. */
+/* law_at and law_slope in series with a spring, and along stretched stages; not inline, so that they cost other laws
+ * nothing. */
 void film_law_in_series(const film_curve *curve, const film_line *line, double x, double *force, double *work);
 double film_slope_in_series(const film_curve *curve, const film_line *line, double x);
+void film_law_stretched(const film_curve *curve, const film_line *line, double xi, double *force, double *work);
+double film_slope_stretched(const film_curve *curve, const film_line *line, double xi);
 
 /* Force and work of the true law on the curve that a line belongs to. x is the march's variable: the indentation or, in
  * series with a spring, indentation + compliance force. */
 static inline void law_at(const film_curve *curve, const film_line *line, double x, double *force, double *work) {
     if (curve->compliance != 0.0) film_law_in_series(curve, line, x, force, work);
+    else if (line->branch <= FILM_STRETCHED) film_law_stretched(curve, line, x, force, work);
     else contact_at(line, line->branch >= 0 ? piece_at(curve, line->branch, x) : 0, x, force, work);
 }
 
 /* The slope of the force that law_at gives. */
 static inline double law_slope(const film_curve *curve, const film_line *line, double x) {
     if (curve->compliance != 0.0) return film_slope_in_series(curve, line, x);
+    if (line->branch <= FILM_STRETCHED) return film_slope_stretched(curve, line, x);
     return contact_slope(line, line->branch >= 0 ? piece_at(curve, line->branch, x) : 0, x);
 }
 

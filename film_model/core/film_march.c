@@ -7,10 +7,6 @@
  * core_check.c, check_found: "out of hardly more than a spring, on a soft target". */
 static const double TURN_TOLERANCE = 1e-12;
 
-/* A leg shorter than this fraction of the contact's depth is straight: curvature changes the force over it by 1e-12.
- * core_check.c, check_found: "a load at rest". */
-static const double REST_LENGTH = 1e-6;
-
 /* ---------------------------------------------------------------- one line */
 
 /* Each line starts where the motion is now. */
@@ -74,44 +70,12 @@ void film_sample(const film_curve *curve, const film_line *lines, int32_t line_c
     for (int64_t i = 0; i < count; i++) {
         while (at + 1 < line_count && lines[at + 1].time <= times[i]) at++;
         film_evaluate(curve, &lines[at], times[i] - lines[at].time, values + 5 * i);
-        stages[i] = (int8_t)lines[at].branch;
+        stages[i] = (int8_t)(lines[at].branch < FILM_FREE ? FILM_BRANCH : lines[at].branch);
         phases[i] = (int8_t)lines[at].phase;
     }
 }
 
 /* ---------------------------------------------------------------- planning a leg */
-
-/* The force of the law at xi, near the current point; on the loading curve, of the stage that holds xi. */
-static double force_nearby(const film_curve *curve, const film_state *s, double xi) {
-    film_line line = s->line;
-    double force, work;
-    while (line.branch > 0 && xi < curve->stage[line.branch].begin) line.branch--;
-    while (line.branch >= 0 && line.branch + 1 < curve->stages && xi > curve->stage[line.branch].end) line.branch++;
-    law_at(curve, &line, xi, &force, &work);
-    return force;
-}
-
-/* If the leg is so short that the law is straight over the whole swing around the balance, makes one line for all time to
- * come, in both directions, and returns 1. Where two stages of different slope meet, the swing leaves the line; there only a
- * leg between adjacent floats comes to rest. docs/method.md, section 9. */
-static int make_rest_line(const film_curve *curve, film_state *s) {
-    double depth = fmin(s->branch == FILM_BRANCH ? s->recovery : s->xi, fabs(s->xi - s->xi_free));
-    double least = ADJACENT * fabs(s->xi), reach = fmax(REST_LENGTH * depth, least), length = fabs(s->leg_to - s->leg_from);
-    if (s->leg_ends == ENDS_EDGE || length >= reach) return 0;
-    double f_low = force_nearby(curve, s, s->xi - 2.0 * reach), f_high = force_nearby(curve, s, s->xi + 2.0 * reach);
-    double kappa = (f_high - f_low) / (4.0 * reach), damping = damping_at(curve, &s->line, s->xi);
-    double y = s->nu - s->gamma * s->elastic, excess = s->elastic - s->load;
-    double swing = length < least ? 0.0 : sqrt(excess * excess + kappa * (1.0 + s->gamma * damping) * y * y);
-    if (!(swing < s->load - f_low && swing < f_high - s->load)) return 0;
-    film_open_line(s);
-    s->line.phi = s->elastic;
-    s->line.kappa = kappa;
-    s->line.damping = damping;
-    s->line_ends = ENDS_NEVER;
-    s->tau_end = INFINITY;
-    s->phase = s->line.phase = FILM_RESTING;
-    return 1;
-}
 
 /* The direction of a run that does not begin at a turn. FILM_EVENT: it has changed, at the deepest point of the loading curve
  * or because film_input changed nu. */
@@ -140,7 +104,7 @@ static int choose_direction(const film_curve *curve, film_state *s) {
 static int32_t choose_grading(const film_curve *curve, const film_mesh *mesh, const film_state *s) {
     if (mesh->linearisation == FILM_CHORD) return FILM_EQUAL;
     if (s->gamma == 0.0) return FILM_COSINE;
-    double depth = s->branch == FILM_BRANCH ? s->recovery : s->xi;
+    double depth = s->branch < 0 ? s->recovery : s->xi;
     double slowness = s->direction > 0 ? 0.0 : s->gamma * sqrt(s->f_max / depth);
     /* the damping force is most curved where the contact begins and ends */
     if (is_damped(curve, s)) return slowness < 1.75 ? FILM_COSINE : FILM_PLATE_CREEP;
@@ -161,7 +125,7 @@ static int plan_leg(const film_curve *curve, const film_mesh *mesh, film_state *
     s->leg_nodes = s->direction > 0 ? mesh->loading : mesh->unloading;
     status = film_aim_leg(curve, mesh, s);
     if (status < 0) return status;
-    if (make_rest_line(curve, s)) return FILM_OK;
+    if (film_make_rest_line(curve, s)) return FILM_OK;
     s->leg_grading = choose_grading(curve, mesh, s);
     if (s->direction < 0) s->leg_nodes = film_unloading(mesh, s->leg_grading);
     s->has_leg = 1;
@@ -207,8 +171,7 @@ static int touch(const film_curve *curve, film_state *s) {
     s->contacts++;
     s->event = FILM_CONTACT_BEGINS;
     s->direction = 1;
-    s->branch = s->stage_max >= 0 && curve->stage[s->stage_max].unloading != FILM_RETRACE ? FILM_BRANCH : 0;
-    while (curve->pull > 0.0 && curve->stage[s->branch].end <= s->xi) s->branch++; /* ends at 0 or below */
+    s->branch = film_branch_at_touch(curve, s);
     s->phase = run_phase(s);
     s->loop = s->branch == FILM_BRANCH && film_reload_exponent(curve, s) > 0.0 ? LOOP_RELOAD : LOOP_NONE;
     s->xi_in = s->xi_free;
@@ -243,16 +206,18 @@ static int turn(const film_curve *curve, film_state *s) {
 static int change_stage(const film_curve *curve, film_state *s, int outwards) {
     double before = s->elastic;
     s->event = FILM_STAGE_CHANGES;
-    if (s->direction < 0) s->branch--;
-    else if (s->branch != FILM_BRANCH) s->branch++;
+    int stretched = s->branch <= FILM_STRETCHED;
+    if (s->direction < 0) s->branch += stretched ? 1 : -1;
+    else if (stretched && !film_stretched_inmost(curve, s->branch)) s->branch--;
+    else if (s->branch >= 0) s->branch++;
     else s->branch = s->xi >= curve->stage[s->stage_max].end ? s->stage_max + 1 : s->stage_max;
     if (s->branch >= curve->stages) return FILM_BEYOND_LAW;
-    if (s->direction > 0) s->phase = FILM_LOADING;
+    if (s->direction > 0) s->phase = run_phase(s);
     film_open_run(curve, s);
     law_at(curve, &s->line, s->xi, &s->elastic, &s->work);
     s->force = s->elastic; /* a damped law has one stage */
     if (outwards) {
-        int same = before - s->elastic <= film_force_rounding(curve, s, s->branch + 1);
+        int same = before - s->elastic <= film_force_rounding(curve, s, stretched ? s->stage_max : s->branch + 1);
         s->nu = fmin(s->nu, s->gamma * (same ? s->elastic : before));
     }
     return FILM_EVENT;
@@ -301,7 +266,8 @@ int film_finish(const film_curve *curve, const film_mesh *mesh, film_state *s) {
         film_change_loop(curve, s, LOOP_NONE);
         return FILM_OK;
     }
-    return s->direction < 0 && s->branch <= 0 ? separate(s) : change_stage(curve, s, outwards);
+    int outmost = s->branch == 0 || on_branch || s->branch == FILM_STRETCHED;
+    return s->direction < 0 && outmost ? separate(s) : change_stage(curve, s, outwards);
 }
 
 /* ---------------------------------------------------------------- steps */

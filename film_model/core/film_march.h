@@ -69,11 +69,17 @@ static inline int is_damped(const film_curve *curve, const film_state *s) {
 /* 1/h, by which a difference of forces becomes a slope; 0 if xi + h rounds to xi: that difference is rounding, too. */
 static inline double per_length(const film_state *s, double h) { return s->xi + h != s->xi ? 1.0 / h : 0.0; }
 
+/* Whether a stretched stage is the inmost, which ends at xi_max; where it ends; the singular point of its law at xi. */
+int film_stretched_inmost(const film_curve *curve, int32_t branch);
+double film_stretched_edge(const film_curve *curve, const film_state *s, int direction);
+double film_stretched_origin(const film_curve *curve, const film_state *s);
+
 /* The end of the current stage or branch, inwards (direction 1) or outwards (-1). */
 static inline double run_edge(const film_curve *curve, const film_state *s, int direction) {
     if (s->branch == FILM_BRANCH && s->loop != LOOP_NONE)
         return direction < 0 ? s->xi_in : s->loop == LOOP_INNER ? s->xi_out : s->xi_max;
     if (s->branch == FILM_BRANCH) return direction > 0 ? s->xi_max : s->xi_free;
+    if (s->branch <= FILM_STRETCHED) return film_stretched_edge(curve, s, direction);
     return direction > 0 ? curve->stage[s->branch].end : curve->stage[s->branch].begin;
 }
 
@@ -82,7 +88,7 @@ static inline double run_limit(const film_curve *curve, const film_state *s) { r
 
 /* The phase of a run along the current branch in the current direction. */
 static inline int32_t run_phase(const film_state *s) {
-    return s->direction < 0 ? FILM_UNLOADING : s->branch == FILM_BRANCH ? FILM_RELOADING : FILM_LOADING;
+    return s->direction < 0 ? FILM_UNLOADING : s->branch < 0 ? FILM_RELOADING : FILM_LOADING;
 }
 
 /* Whether nothing pushes or pulls the impactor back in: its way out then has no turn, and a line that shows one is wrong. */
@@ -107,6 +113,7 @@ int film_finish(const film_curve *curve, const film_mesh *mesh, film_state *s);
 int film_find_turn(const film_curve *curve, const film_mesh *mesh, film_state *s, double *length, double limit,
                    double tolerance, int plain);
 int film_aim_leg(const film_curve *curve, const film_mesh *mesh, film_state *s);
+int film_make_rest_line(const film_curve *curve, film_state *s);
 
 /* film_draw.c */
 void film_make_turn_line(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int plain);
@@ -130,6 +137,8 @@ void film_raise_peak(const film_curve *curve, const film_mesh *mesh, const film_
 
 /* film_branch.c */
 int film_remember_turn(const film_curve *curve, film_state *s);
+int32_t film_branch_at_touch(const film_curve *curve, const film_state *s);
+int32_t film_branch_nearby(const film_curve *curve, const film_line *line, double xi);
 double film_reload_exponent(const film_curve *curve, const film_state *s);
 void film_open_run(const film_curve *curve, film_state *s);
 void film_change_loop(const film_curve *curve, film_state *s, int32_t loop);

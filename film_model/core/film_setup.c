@@ -27,19 +27,26 @@ static int bad_function(const film_function *g) {
     return 0;
 }
 
+/* Whether a stage is the last reversible one before those of FILM_SIMILAR. */
+static int is_stretched(const film_curve *curve, const film_stage *stage) {
+    int last = stage == &curve->stage[curve->stages - 1];
+    return !last && stage->unloading == FILM_RETRACE && stage[1].unloading == FILM_SIMILAR;
+}
+
 static int bad_piece(const film_curve *curve, const film_stage *stage, const film_piece *piece) {
     int last = piece == &curve->piece[stage->first + stage->count - 1];
     if (bad_function(&piece->force) || !isfinite(piece->work_at_begin)) return 1;
     if (piece->force.form != FILM_POWER && bad_function(&piece->mean)) return 1;
     if (stage->unloading != FILM_RETRACE && (bad_function(&piece->recovery) || bad_function(&piece->exponent))) return 1;
     if (stage->damped && bad_function(&piece->damping)) return 1;
-    if (last && piece->end != stage->end) return 1;
+    if (last && piece->end != stage->end && !(piece->end > stage->end && is_stretched(curve, stage))) return 1;
     return !(piece->end < INFINITY) && !(last && stage == &curve->stage[curve->stages - 1] && piece->force.form == FILM_POWER);
 }
 
 static int bad_stage(const film_curve *curve, const film_stage *stage, int32_t pieces_before) {
     if (stage->first != pieces_before || stage->count < 1 || stage->count > FILM_MAX_PIECES - pieces_before) return 1;
-    if (stage->unloading < FILM_RETRACE || stage->unloading > FILM_SHIFTED) return 1;
+    if (stage->unloading < FILM_RETRACE || stage->unloading > FILM_SIMILAR) return 1;
+    if (stage->unloading == FILM_SIMILAR && (!(curve->pull > 0.0) || stage->reload_exponent != 0.0)) return 1;
     if (stage->damped != 0 && (stage->damped != 1 || curve->stages > 1 || stage->unloading != FILM_RETRACE)) return 1;
     if (!(stage->reload_exponent >= 0.0 && stage->reload_exponent < INFINITY)) return 1;
     double begin = stage->begin;
@@ -54,8 +61,11 @@ static int bad_beginning(const film_curve *curve) {
     double begin = curve->stage[0].begin;
     if (!(curve->pull > 0.0)) return curve->pull != 0.0 || begin != 0.0;
     if (!(curve->pull < INFINITY && begin <= 0.0 && begin > -INFINITY) || curve->compliance > 0.0) return 1;
-    for (int32_t k = 0; k < curve->stages; k++)
-        if (curve->stage[k].damped || curve->stage[k].unloading != FILM_RETRACE) return 1;
+    for (int32_t k = 0; k < curve->stages; k++) { /* reversible, then similar */
+        int before = k > 0 ? curve->stage[k - 1].unloading : FILM_RETRACE;
+        int similar = curve->stage[k].unloading == FILM_SIMILAR && k > 0 && curve->stage[k].begin > 0.0;
+        if (curve->stage[k].damped || !(similar || (curve->stage[k].unloading == FILM_RETRACE && before == FILM_RETRACE))) return 1;
+    }
     return !(curve->stage[curve->stages - 1].end > 0.0);
 }
 

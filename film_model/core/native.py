@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 MAX_STAGES, MAX_PIECES, MAX_TERMS, MAX_SEGMENTS, INDICATORS = 12, 64, 26, 4_000_000, 5
 POWER, SERIES, ROOT_SERIES = range(3)
-RETRACE, RADIUS, RESIDUAL, SECANT, SHIFTED = range(5)
+RETRACE, RADIUS, RESIDUAL, SECANT, SHIFTED, SIMILAR = range(6)
 CHORD, WORK_PRESERVING = range(2)
 INSTRUCTIONS = ("plain", "AVX2", "AVX-512")
-BRANCH, FREE = -1, -2
+BRANCH, FREE, STRETCHED = -1, -2, -3
 BRANCH_NAMES = {BRANCH: "unloading", FREE: ""}
 
 EVENTS = (
@@ -122,8 +122,7 @@ class State(c.Structure):
         [(name, _D) for name in ("time", "time_low", "xi", "nu", "shift", "force", "work", "spent", "force_peak")]
         + [(name, _D) for name in ("gamma", "load", "stop_velocity", "damper", "elastic")]
         + [(name, _D) for name in ("xi_max", "f_max", "xi_free", "recovery", "exponent")]
-        + [(name, _D) for name in ("xi_origin", "f_scale")]
-        + [(name, _D) for name in ("xi_in", "f_in", "xi_out", "f_out")]
+        + [(name, _D) for name in ("xi_origin", "f_scale", "xi_in", "f_in", "xi_out", "f_out")]
         + [("leg_from", _D), ("leg_to", _D)]
         + [(name, _I) for name in ("leg_node", "leg_nodes", "leg_grading", "leg_ends")]
         + [(name, _D) for name in ("tau", "tau_low", "tau_end")]
@@ -213,6 +212,7 @@ def library() -> Any:
         "film_batch_shaped": ([c.c_int, pointer, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
         "film_compare": ([i64, pointer, pointer, pointer, pointer], None),
         "film_rounding": ([pointer, i64, pointer, pointer, _D, pointer], None),
+        "film_dents": ([pointer, i64, pointer, pointer, pointer], None),
         "film_batch_with": ([c.c_int, pointer, pointer, i64, pointer, pointer, pointer], None),
     }
     for name, (arguments, result) in signatures.items():

@@ -138,8 +138,9 @@ class Rule(NamedTuple):
 
 
 def absorbed(problem: Problem) -> float:
-    """Fraction of the impact energy that plastic deformation absorbs; of a law that pulls, parting absorbs all."""
-    if problem.curve.pulls:
+    """Fraction of the impact energy that plastic deformation absorbs; of a reversible law that pulls, parting absorbs
+    all, and of one that yields this counts as deformation."""
+    if problem.curve.pulls and problem.curve.reversible:
         return 0.0
     return max(0.0, problem.trial.summary.work / (0.5 * problem.approach**2))
 

@@ -9,6 +9,7 @@ from film_model.base.materials import Material
 from film_model.base.units import format_si
 from film_model.effects.case import YIELDS, Case, Rule
 from film_model.effects.effect import Effect
+from film_model.laws.hertz import hertz_stiffness
 from film_model.laws.jkr import JKR_LOSS
 from film_model.problem.stresses import contact_radius, edge_tension
 
@@ -20,7 +21,9 @@ def adhesion(case: Case, rule: Rule) -> Effect:
     """Work to separate the surfaces: e² falls by (V_s/V)², V_s = √(2 · 7.0922 (Γ⁵R⁴/E²)^{1/3}/m) (Thornton & Ning).
 
     Γ is work_of_adhesion in [contact], or 2 √(γ₁ γ₂) from the surface energies of the materials: an upper bound, which
-    clean and smooth surfaces reach. The laws jkr and dmt compute it, without plastic deformation.
+    clean and smooth surfaces reach. The laws jkr and dmt compute it without plastic deformation, thornton-ning with it:
+    a dent has a larger radius R_p, and takes (R_p/R)^{4/3} times the work to separate. Under other laws that yield, R_p
+    is that of Hertz's contact with the largest force over the indentation that unloading gives back.
     """
     scene = case.scene
     modulus, work = scene.effective_modulus, scene.work_of_adhesion
@@ -28,7 +31,7 @@ def adhesion(case: Case, rule: Rule) -> Effect:
         return rule.absent(f"it is in the law {case.problem.law.name}")
     if work is None or modulus is None:
         return rule.unjudged("missing: contact.work_of_adhesion" if work is None else "missing: an effective modulus")
-    parting = JKR_LOSS * (work**5 * scene.effective_radius**4 / modulus**2) ** (1.0 / 3.0)
+    parting = JKR_LOSS * (work**5 * _radius_of_parting(case, modulus) ** 4 / modulus**2) ** (1.0 / 3.0)
     value = scene.approach_velocity / max(math.sqrt(2.0 * parting / scene.effective_mass), 1e-300)
     left = case.restitution**2 - value**-2
     size = 1.0 if left <= 0.0 else case.restitution / math.sqrt(left) - 1.0
@@ -39,6 +42,15 @@ def adhesion(case: Case, rule: Rule) -> Effect:
         origin = f"at most {work:.2g} J/m^2 from the surface energies of both materials"
     why = f"the impact is at {value:.3g} times {what}, with {origin}"
     return rule.sized(case.tolerance, value, value * math.sqrt(size / case.tolerance), size, why, below=True)
+
+
+def _radius_of_parting(case: Case, modulus: float) -> float:
+    """The radius of the contact that opens, m: R, or of a dent F = (4/3) E √R_p (δ_m − δ_f)^{3/2}."""
+    radius = case.scene.effective_radius
+    recovered = case.indentation - case.problem.trial.summary.permanent_indentation * case.problem.scales.length
+    if case.fraction <= YIELDS or not recovered > 0.0:
+        return radius
+    return max(radius, (case.force / (hertz_stiffness(modulus, 1.0) * recovered**1.5)) ** 2)
 
 
 def material_damping(case: Case, rule: Rule) -> Effect:

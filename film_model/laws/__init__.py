@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from film_model.laws.tabulated import Tabulated
     from film_model.laws.tan_sun import TanSun
     from film_model.laws.thornton import Thornton
+    from film_model.laws.thornton_ning import ThorntonNing
     from film_model.laws.tsuji import Tsuji
     from film_model.laws.walton_braun import WaltonBraun
     from film_model.laws.yigit_christoforou import YigitChristoforou
@@ -38,7 +39,7 @@ LAWS: LateClasses[AbstractLaw] = LateClasses(
     (
         *("hertz", "meyer", "big-alabo", "stronge", "thornton", "kogut-etsion", "jackson-green", "yigit-christoforou"),
         *("rigid-plastic", "walton-braun", "luding", "tan-sun", "tabulated"),
-        *("linear-dashpot", "tsuji", "hunt-crossley", "kuwabara-kono", "jkr", "dmt"),
+        *("linear-dashpot", "tsuji", "hunt-crossley", "kuwabara-kono", "jkr", "dmt", "thornton-ning"),
     ),
 )
 """Every named law, in the order of lists, pictures and pages. All of these, and the tests, are made from it."""
@@ -72,6 +73,7 @@ __all__ = [
     "Tabulated",
     "TanSun",
     "Thornton",
+    "ThorntonNing",
     "Tsuji",
     "Unloading",
     "WaltonBraun",

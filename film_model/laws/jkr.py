@@ -41,10 +41,16 @@ def _root_of_radius(indentation: Array) -> Array:
     return least + v
 
 
-def _jkr(indentation: Array) -> Array:
+def jkr_force(indentation: Array) -> Array:
     """F/F_c = α³ − 2 α^{3/2}, α = a/a_c."""
     cube = _root_of_radius(indentation) ** 3
     return cube * (cube - 2.0)
+
+
+def jkr_scales(effective_modulus: float, radius: float, work_of_adhesion: float) -> tuple[float, float]:
+    """δ_s = a_c²/(3R) [m] with a_c³ = 9π w R²/(8E), and F_c = 1.5 π w R [N]."""
+    cube = 9.0 * math.pi * work_of_adhesion * radius**2 / (8.0 * effective_modulus)
+    return cube ** (2.0 / 3.0) / (3.0 * radius), 1.5 * math.pi * work_of_adhesion * radius
 
 
 @dataclass(frozen=True)
@@ -57,7 +63,7 @@ class Jkr(AdhesiveLaw):
     end unless the target moves (Thornton & Ning 1998).
 
     work_of_adhesion: w, J/m², of both surfaces together. For soft and large bodies: (R w²/(E² z³))^{1/3} above about
-    5, with the range z ≈ 0.3 nm of the attraction; below 0.1 take dmt. Without plastic deformation.
+    5, with the range z ≈ 0.3 nm of the attraction; below 0.1 take dmt. Without plastic deformation: thornton-ning.
     """
 
     name: ClassVar[str] = "jkr"
@@ -68,12 +74,11 @@ class Jkr(AdhesiveLaw):
     )
 
     def scales(self, energy: float) -> tuple[float, float]:
-        cube = 9.0 * math.pi * self.work_of_adhesion * self.radius**2 / (8.0 * self.effective_modulus)
-        return cube ** (2.0 / 3.0) / (3.0 * self.radius), 1.5 * math.pi * self.work_of_adhesion * self.radius
+        return jkr_scales(self.effective_modulus, self.radius, self.work_of_adhesion)
 
     def stages(self) -> tuple[Stage, ...]:
         return (
-            Stage("parting", PARTING, -1.0, _jkr, root=True, pulls=True),
-            Stage("pulling", -1.0, UNLOADED, _jkr, pulls=True),
-            Stage("pushing", UNLOADED, DEEPEST, _jkr, knots=tuple(UNLOADED * 2.0**k for k in range(1, 20))),
+            Stage("parting", PARTING, -1.0, jkr_force, root=True, pulls=True),
+            Stage("pulling", -1.0, UNLOADED, jkr_force, pulls=True),
+            Stage("pushing", UNLOADED, DEEPEST, jkr_force, knots=tuple(UNLOADED * 2.0**k for k in range(1, 20))),
         )

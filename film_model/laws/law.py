@@ -61,7 +61,9 @@ class Unloading:
       force scale is F_s = K δ_s^{3/2};
     * `residual` ξ_f;
     * `secant`, the stiffness f_m/(ξ_m − ξ_f) of the chord; a negative ξ_f is replaced by 0;
-    * `shifted` c: the branch is f = f_m − c (ξ_m^q − ξ^q) down to f = 0, that is the curve c ξ^q moved down.
+    * `shifted` c: the branch is f = f_m − c (ξ_m^q − ξ^q) down to f = 0, that is the curve c ξ^q moved down;
+    * `similar` r, of a law that pulls: its reversible stages f₀, stretched, f = r f₀((ξ − ξ_f)/l), through (ξ_m, f_m);
+      `length` is l, and what the force does between ξ_f and the end of contact is as in those stages.
 
     `exponent` q may be a function of ξ_m too. `reload_exponent` r ≤ q: reloading follows
     f_m ((ξ − ξ_f)/(ξ_m − ξ_f))^r up to the turning point instead of the unloading branch.
@@ -71,12 +73,16 @@ class Unloading:
     residual: Function | None = None
     secant: Function | None = None
     shifted: Function | None = None
+    similar: Function | None = None
     exponent: Function | float = 1.5
     reload_exponent: float | None = None
+    length: Function | None = None
 
     def __post_init__(self) -> None:
         if sum(rule is not None for rule in self._rules().values()) != 1:
             raise ValueError("Unloading: give exactly one of " + ", ".join(self._rules()))
+        if (self.similar is None) != (self.length is None):
+            raise ValueError("Unloading: similar needs length, and no other rule has one")
         r, q = self.reload_exponent, self.exponent
         if r is not None and not (r > 0.0 and not (isinstance(q, float | int) and r > q)):
             raise ValueError(
@@ -84,7 +90,7 @@ class Unloading:
             )
 
     def _rules(self) -> dict[str, Function | None]:
-        names = ("radius_ratio", "residual", "secant", "shifted")
+        names = ("radius_ratio", "residual", "secant", "shifted", "similar")
         return {name: getattr(self, name) for name in names}
 
     @property
@@ -102,8 +108,9 @@ class Stage:
     root: the force is smooth in √(ξ − begin) rather than in ξ (used only for functions that are fitted). knots: points
     inside the stage where a derivative of the force jumps; the fit is made piecewise between them.
     damping: c(ξ) divided by the law's `damping_factor`, for F = f + c ξ̇; only for a law of one reversible stage.
-    pulls: the force may be negative; only for a law whose stages are all reversible. Its first stage may begin below 0:
-    contact then begins at 0 and ends where that stage begins.
+    pulls: the force may be negative; only for a law whose stages are reversible or, after those, unload by `similar`.
+    Its first stage may begin below 0: contact then begins at 0 and ends where that stage begins. reach: how far the
+    force of the last reversible stage is known beyond its end, for the branches of the stages after it.
     """
 
     name: str
@@ -116,6 +123,7 @@ class Stage:
     knots: tuple[float, ...] = ()
     damping: Function | None = None
     pulls: bool = False
+    reach: float | None = None
 
 
 def origin_of(power: Power, stage: Stage) -> float:

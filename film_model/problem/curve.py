@@ -72,6 +72,11 @@ class Curve:
         """Whether the force may be negative."""
         return self.native.pull > 0.0
 
+    @property
+    def reversible(self) -> bool:
+        """Whether unloading retraces every stage, so that no dent is left."""
+        return all(stage.unloading == native.RETRACE for stage in self.native.stage[: self.native.stages])
+
     def force(self, xi: float) -> float:
         """f(ξ) in loading, as evaluated by the core."""
         return native.stage_law(self.native, self._stage_at(xi), xi)[0]

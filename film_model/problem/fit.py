@@ -40,6 +40,7 @@ _KINDS = {
     "residual": native.RESIDUAL,
     "secant": native.SECANT,
     "shifted": native.SHIFTED,
+    "similar": native.SIMILAR,
 }
 _CLOSER = (1e-12, 1e-9, 1e-6, 1e-3)
 """Where the first piece of a stage with f(0) = 0 is split: rounding errors are relative to a piece's largest value."""
@@ -97,8 +98,12 @@ def checked(law: str, given: tuple[Stage, ...]) -> list[Stage]:
     if any(stage.damping is not None and (len(stages) > 1 or stage.unloading is not None) for stage in stages):
         raise ValueError(f"{law}: a damped law must have one stage, and no unloading")
     pulls = any(stage.pulls for stage in stages)
-    if pulls and any(stage.damping is not None or stage.unloading is not None for stage in stages):
-        raise ValueError(f"{law}: a law that pulls must be reversible, without damping")
+    rules = ["" if stage.unloading is None else stage.unloading.rule[0] for stage in stages]
+    damped = any(stage.damping is not None for stage in stages)
+    if pulls and (damped or rules != sorted(rules) or not {*rules} <= {"", "similar"}):
+        raise ValueError(f"{law}: a law that pulls has no damping, and its stages unload reversibly, then by similar")
+    if "similar" in rules and not (pulls and rules[0] == ""):
+        raise ValueError(f"{law}: only a law that pulls unloads by similar, after reversible stages")
     begin = min(stages[0].begin, 0.0) if pulls else 0.0
     for stage in stages:
         if stage.begin != begin or not stage.end > stage.begin:
@@ -131,7 +136,7 @@ def functions_of(stage: Stage) -> dict[str, Function]:
     functions: dict[str, Function] = {"force": stage.force}
     unloading = stage.unloading
     if unloading is not None:
-        exponent = unloading.exponent
+        exponent = unloading.exponent if unloading.length is None else unloading.length
         functions["recovery"] = unloading.rule[1]
         functions["exponent"] = Power(constant=float(exponent)) if isinstance(exponent, (int, float)) else exponent
     if stage.damping is not None:
@@ -179,7 +184,8 @@ def _extreme(stage: Stage, low: float, high: float, sign: float) -> float:
 def halved(stage: Stage, functions: Mapping[str, Function], room: int) -> tuple[list[Span], float]:
     """The stage in pieces (begin, end, root, series by name); the worst piece is halved while `room` allows it."""
     fitted = {name: f for name, f in functions.items() if not isinstance(f, Power)}
-    edges = [stage.begin, *(knot for knot in stage.knots if stage.begin < knot < stage.end), stage.end]
+    end = stage.end if stage.reach is None else stage.reach
+    edges = [stage.begin, *(knot for knot in stage.knots if stage.begin < knot < end), end]
     from_nothing = stage.begin == 0.0 and values_of(stage.force, np.zeros(1), stage)[0] == 0.0
     if "force" in fitted and from_nothing and not stage.root and len(edges) + len(_CLOSER) <= room:
         edges[1:1] = [part * edges[1] for part in _CLOSER]

@@ -13,7 +13,7 @@ import numpy as np
 
 from film_model.base.arrays import all_of, any_of, either, ratio
 from film_model.core import native
-from film_model.core.comparison import compare
+from film_model.core.comparison import compare, dents
 from film_model.core.comparison import rounding as rounding_of
 from film_model.problem.problem import Columns, Problem
 from film_model.problem.stresses import stresses_of
@@ -58,7 +58,10 @@ def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
     over = status == native.EVENT
     turned = core.maximum_indentation > 0.0
     absorbed = either(abs(core.work) > WORK_ROUNDING * approach**2, core.work, 0.0)
-    no_dent = (problem.damping > 0.0) | problem.curve.pulls | (problem.relaxation is not None)
+    no_dent = (problem.damping > 0.0) | (problem.relaxation is not None)
+    left = core.permanent_indentation
+    if problem.curve.pulls:
+        left = dents(problem.curve.native, core.maximum_indentation, left)
     with np.errstate(divide="ignore", invalid="ignore"):
         begun = {
             "maximum_indentation": core.maximum_indentation * s.length,
@@ -66,7 +69,7 @@ def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
         }
         whole = {
             "contact_duration": core.contact_duration * s.time,
-            "permanent_indentation": either(no_dent, 0.0, core.permanent_indentation) * s.length,
+            "permanent_indentation": either(no_dent, 0.0, left) * s.length,
             "rebound_velocity": problem.drift + problem.share * (final * s.velocity),
             "coefficient_of_restitution": ratio(-final, approach),
             "energy_absorbed": absorbed * s.energy,
@@ -128,7 +131,7 @@ def differences(problem: Problem, a: native.Summary, b: native.Summary) -> dict[
     """The same value by value, of one impact: each of `COMPARED` is taken from `a`, all others from `b`."""
     found: dict[str, float] = {}
     for name in COMPARED:
-        if name == "permanent_indentation" and (problem.damping > 0.0 or problem.curve.pulls):  # reported as 0
+        if name == "permanent_indentation" and (problem.damping > 0.0 or problem.curve.reversible):  # reported as 0
             continue
         mixed = native.Summary.from_buffer_copy(b)
         setattr(mixed, name, getattr(a, name))

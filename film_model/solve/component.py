@@ -13,7 +13,7 @@ from film_model.core import native
 from film_model.effects.choose import Choice, choose
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import Linearisation, mesh_for, mesh_of, raise_failure, solver_for
-from film_model.solve.history import Event, stage_names
+from film_model.solve.history import Event, stage_name
 from film_model.solve.motions import OnLines, OnMemory, OnModes, modes_for
 from film_model.solve.relaxed import tolerance_for
 from film_model.solve.vibration import unused_options
@@ -247,7 +247,7 @@ class ImpactComponent:
 
     def _event(self) -> Event:
         o, contact = self.outputs, self._motion.contact
-        stage = stage_names(self.problem)[contact.branch]
+        stage = stage_name(self.problem, contact.branch)
         motion = (o.indentation, o.relative_velocity, o.contact_force, o.impactor_displacement, o.impactor_velocity)
         return Event(native.EVENTS[contact.event], o.time, stage, *motion, o.target_displacement, o.target_velocity)
 

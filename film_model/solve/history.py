@@ -262,3 +262,8 @@ for _name in SUMMARY:
 def stage_names(problem: Problem) -> list[str]:
     """Names by the core's branch number: the law's stages, then no contact (index −2) and unloading (index −1)."""
     return [*problem.curve.stage_names, native.BRANCH_NAMES[native.FREE], native.BRANCH_NAMES[native.BRANCH]]
+
+
+def stage_name(problem: Problem, branch: int) -> str:
+    """Name of a branch of the core; a stretched stage is unloading."""
+    return stage_names(problem)[branch if branch >= native.FREE else native.BRANCH]

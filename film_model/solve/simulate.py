@@ -18,7 +18,7 @@ from film_model.problem.problem import Problem
 from film_model.problem.summary import energy_warning, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.solve.accuracy import Linearisation, estimate, mesh_of, raise_failure, refine, solver_for
-from film_model.solve.history import Accuracy, Event, History, stage_names
+from film_model.solve.history import Accuracy, Event, History, stage_name
 
 if TYPE_CHECKING:
     from film_model.solve.vibration import Moment
@@ -202,9 +202,9 @@ def _at_events(problem: Problem, states: Any) -> list[_AtEvent]:
 
 def _events(problem: Problem, found: Iterable[_AtEvent | Moment]) -> tuple[Event, ...]:
     """Events in SI."""
-    names, clock = stage_names(problem), problem.scales.time
+    clock = problem.scales.time
     return tuple(
-        Event(event.name, t := event.time * clock, names[event.branch], **problem.motion(t, event.values))
+        Event(event.name, t := event.time * clock, stage_name(problem, event.branch), **problem.motion(t, event.values))
         for event in found
     )
 

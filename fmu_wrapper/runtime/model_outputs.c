@@ -33,7 +33,7 @@ static int compute_motion(model *m, motion *out, int with_stiffness) {
         film_state ahead = *state;
         if (contact_follow_path(m, &ahead, NULL) < 0) return -1;
         at = film_force(m->curve, &ahead, ahead.xi, now->rate / now->velocity);
-        if (at.force < -m->curve->pull) at.force = at.by_xi = at.by_nu = 0.0; /* the event at zero force comes with the next step */
+        if (at.force < -film_pull(m->curve, &ahead)) at.force = at.by_xi = at.by_nu = 0.0; /* the event at zero force comes with the next step */
         out->indentation = now->indentation;
         out->velocity = now->value[RELATIVE_VELOCITY];
     } else if (now->importer_integrates) {
@@ -49,7 +49,7 @@ static int compute_motion(model *m, motion *out, int with_stiffness) {
         if (with_stiffness || (change != 0.0 && damped(m))) {
             double rate = state->nu - now->recoil - change;
             at = vibrates(m) ? film_modal_force(m->curve, m->modal, state->xi, rate) : film_force(m->curve, state, state->xi, rate);
-            if (change != 0.0 && at.force < -m->curve->pull) at.force = at.by_xi = at.by_nu = 0.0; /* contact ends there */
+            if (change != 0.0 && at.force < -film_pull(m->curve, state)) at.force = at.by_xi = at.by_nu = 0.0; /* contact ends there */
         }
         out->indentation = state->xi * now->length;
         out->velocity = state->nu * now->velocity + now->support;
@@ -80,7 +80,7 @@ static int get_constant(const model *m, unsigned reference, double *value) {
     case TIME: *value = now->time; return 1;
     case PHASE:
     case PHASE_CODE: *value = now->reported.phase; return 1;
-    case STAGE: *value = now->reported.stage; return 1;
+    case STAGE: *value = now->reported.stage < FILM_FREE ? FILM_BRANCH : now->reported.stage; return 1;
     case CONTACT_COUNT: *value = now->reported.contacts; return 1;
     case EVENT_COUNT: *value = now->reported.events; return 1;
     case LAST_EVENT:

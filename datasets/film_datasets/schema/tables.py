@@ -6,7 +6,7 @@ A new value in `film_model.solve.history.SUMMARY` gets its variables by itself; 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +30,7 @@ from film_datasets.schema.variable import (
 )
 from film_model.base.errors import STATUSES
 from film_model.base.units import si_unit
-from film_model.core.native import EVENTS, LINE_DTYPE, PHASES
+from film_model.core.native import EVENTS, LINE_DTYPE, PHASES, STRETCHED
 from film_model.problem.scales import Scales
 from film_model.solve.history import MOTION, SUMMARY
 from film_model.studies.reference import COMPARED
@@ -78,6 +78,12 @@ def _number(
 
 def _stage(name: str, dims: tuple[str, ...], long_name: str, comment: str = "") -> Variable:
     return Variable(name, dims, BYTE, None, long_name, comment, tuple(BRANCHES.items()), more="stages")
+
+
+def branch_words(stages: Sequence[str], stretched: bool) -> dict[int, str]:
+    """Meanings of segment_branch beside `BRANCHES`: the stages and, of a law that yields and pulls, stretched ones."""
+    along = {STRETCHED - k: f"unloading_along_{word}" for k, word in enumerate(stages)} if stretched else {}
+    return dict(enumerate(stages)) | along
 
 
 _ABSENT = "NaN if there is none"
@@ -133,7 +139,7 @@ def _segment_units(dims: tuple[str, ...], optional: bool = False) -> tuple[Varia
 
 _SEGMENTS = (
     *(_number(f"segment_{key}", ("segment",), "dimensionless", what, _LAW) for key, what in _SEGMENT.items()),
-    _stage("segment_branch", ("segment",), "stage of the contact law on the segment"),
+    replace(_stage("segment_branch", ("segment",), "stage of the contact law on the segment"), more="branches"),
     Variable("segment_phase", ("segment",), BYTE, None, "phase of the contact", flags=tuple(enumerate(PHASES))),
 )
 

@@ -24,7 +24,7 @@ class Variable:
     """One variable. unit: SI, as UDUNITS writes it; None for flags. optional: NaN where there is no value.
 
     flags: value → meaning. `more` names a list of further meanings that each dataset supplies ("stages" of the law,
-    "laws" of a sweep, quantities "out_of_range"); their values count from `more_from`.
+    "laws" of a sweep, quantities "out_of_range"); their values count from `more_from`, or the list says them.
     """
 
     name: str
@@ -38,10 +38,10 @@ class Variable:
     more_from: int = 0
     optional: bool = False
 
-    def attributes(self, meanings: Mapping[str, Sequence[str]] | None = None) -> dict[str, Any]:
+    def attributes(self, meanings: Mapping[str, Sequence[str] | Mapping[int, str]] | None = None) -> dict[str, Any]:
         """CF attributes of the variable; meanings: the lists that `more` may name."""
         own = (meanings or {}).get(self.more, ())
-        flags = [*self.flags, *enumerate(own, self.more_from)]
+        flags = [*self.flags, *(own.items() if isinstance(own, Mapping) else enumerate(own, self.more_from))]
         attributes: dict[str, Any] = {"long_name": self.long_name}
         if self.unit is not None:
             attributes["units"] = self.unit

@@ -11,14 +11,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.provenance import PROGRAM, provenance, text_and_hash
-from film_datasets.schema import IMPACT_STATUSES, OUT_OF_RANGE, SWEEP, Variable, flag_words, has_failed, side_name
+from film_datasets.schema import (
+    IMPACT_STATUSES,
+    OUT_OF_RANGE,
+    SWEEP,
+    Variable,
+    branch_words,
+    flag_words,
+    has_failed,
+    side_name,
+)
 from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, Columns
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import SAMPLED
 from film_datasets.sweeps.effect_warnings import effect_warnings, sweep_law_warnings
 from film_model.base.errors import Status
 from film_model.core.native import MAX_STAGES
-from film_model.laws import AbstractLaw
+from film_model.laws import LAWS, AbstractLaw
 from film_model.solve.slopes import NO_DERIVATIVE
 
 COMMENT = (
@@ -90,10 +99,12 @@ class Totals:
 
 def variable_attributes(sweep: Sweep) -> list[tuple[Variable, dict[str, Any]]]:
     """The variables of a sweep with their attributes."""
+    stages = [f"stage_{number}_of_the_law" for number in range(1, MAX_STAGES + 1)]
     meanings = {
         "laws": flag_words(sweep.laws),
         "out_of_range": flag_words([f"{axis.name}_out_of_range" for axis in sweep.axes]),
-        "stages": [f"stage_{number}_of_the_law" for number in range(1, MAX_STAGES + 1)],
+        "stages": stages,
+        "branches": branch_words(stages, any(LAWS[law].family == "adhesive" for law in sweep.laws if law in LAWS)),
     }
     swept = [axis.name for axis in sweep.axes]
     coordinates = {"coordinates": " ".join(swept)} if sweep.dims == ("impact",) else {}

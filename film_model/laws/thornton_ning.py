@@ -1,0 +1,175 @@
+"""Thornton & Ning: a sphere that yields and sticks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar
+
+import numpy as np
+
+from film_model.laws.adhesive import AdhesiveLaw
+from film_model.laws.jkr import PARTING, UNLOADED, jkr_force, jkr_scales
+from film_model.laws.law import Array, ExampleBall, Parameter, Power, Stage, Unloading
+
+SOFTEST = 2.0 ** (5.0 / 3.0) / 3.0
+"""Least p_y π R/(2 E a_c), at which the sphere yields where a contact without a force is: 1.0583."""
+
+WIDEST = 2.0**10
+"""The law ends where the contact radius is this many times that at yield."""
+
+_RATIO = 4.0  # of the contact's area between pieces of the fit
+_NEWTON = 60
+_HALVINGS = 60
+
+
+@dataclass(frozen=True)
+class _Plastic:
+    """A contact beyond yield: α = a/a_c, where α² = α_y² + (d − d_y)/3, f = f_y + (P/2) (d − d_y), d = δ/δ_s."""
+
+    pressure: float  # P = p_y π R/(2 E a_c)
+
+    @cached_property
+    def radius(self) -> float:
+        """α_y = u², u³ − P u − 2/3 = 0, by Newton's method from above: the cubic is convex there."""
+        u = math.sqrt(self.pressure) + 1.0
+        for _ in range(_NEWTON):
+            u -= (u**3 - self.pressure * u - 2.0 / 3.0) / (3.0 * u * u - self.pressure)
+        return u * u
+
+    @cached_property
+    def begin(self) -> float:
+        """d_y of the elastic contact."""
+        return 3.0 * self.radius**2 - 4.0 * math.sqrt(self.radius)
+
+    @cached_property
+    def force(self) -> float:
+        """f_y of the elastic contact."""
+        return self.radius**3 - 2.0 * self.radius**1.5
+
+    def curvature(self, indentation: Array) -> Array:
+        """R_p/R of unloading: the JKR contact with that radius has this contact's radius and force; at least 1."""
+        cube = self._squared(indentation) ** 1.5
+        force = self.force + 0.5 * self.pressure * (indentation - self.begin)
+        return np.maximum(cube / (force + 2.0 * np.sqrt(cube)), 1.0)
+
+    @cached_property
+    def dents(self) -> float:
+        """Where R_p begins to exceed R, by bisection: at first the contact under p_y widens more slowly than JKR's."""
+
+        def excess(beyond: float) -> float:
+            cube = self._squared(self.begin + beyond) ** 1.5
+            return cube - self.force - 0.5 * self.pressure * beyond - 2.0 * math.sqrt(cube)
+
+        low = high = math.sqrt(self.radius)
+        while excess(high) < 0.0:
+            low, high = high, 2.0 * high
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if excess(middle) < 0.0 else (low, middle)
+        return self.begin + high
+
+    def unloads(self, indentation: float) -> float:
+        """Where unloading begins on the JKR curve of R_p, over its own length scale, from a depth beyond `dents`."""
+        squared, ratio = self._squared(indentation), float(self.curvature(np.array([indentation]))[0])
+        return (3.0 * squared / ratio - 4.0 * squared**0.25) / ratio ** (1.0 / 3.0)
+
+    def _squared(self, indentation: Any) -> Any:
+        return self.radius**2 + (indentation - self.begin) / 3.0
+
+
+@dataclass(frozen=True)
+class _Curvature:
+    """r(d) = R_p/R."""
+
+    plastic: _Plastic
+
+    def __call__(self, indentation: Array) -> Array:
+        return self.plastic.curvature(indentation)
+
+
+@dataclass(frozen=True)
+class _Length:
+    """l(d) = (R_p/R)^{1/3}: the JKR length scale is (w² R/E²)^{1/3} times a number."""
+
+    plastic: _Plastic
+
+    def __call__(self, indentation: Array) -> Array:
+        return np.cbrt(self.plastic.curvature(indentation))
+
+
+@dataclass(frozen=True)
+class ThorntonNing(AdhesiveLaw):
+    """Thornton & Ning 1998, Powder Technol. 99:154: JKR's contact with the pressure cut off at p_y.
+
+    Elastic up to p_y = 2 E a_y/(π R) − √(2 w E/(π a_y)), then F = F_y + π R p_y (δ − δ_y), a² = a_y² + R (δ − δ_y).
+    Unloading from a, F is JKR's with R_p = 4 E a³/(3 (F + √(8π w E a³))), moved by the dent
+    δ_p = δ_m − a²/R_p + √(2π w a/E): tension up to 1.5 π w R_p, and contact ends at δ_p − 2.0801 δ_s (R_p/R)^{1/3},
+    where δ_s is JKR's. Without yield it is jkr, without adhesion thornton. Below a velocity the ball sticks. R_p is not
+    taken below R: close to yield a², which then grows more slowly than JKR's, would give it so, and energy with it.
+
+    yield_pressure: p_y, Pa, about 1.6 S_y at first yield; 2.5 to 3 S_y is often taken to match deep indentations.
+    work_of_adhesion: w, J/m², of both surfaces together; the law needs p_y π R/(2 E a_c) above 1.06, so that the sphere
+    does not yield by adhesion alone. For soft and large bodies as jkr; under DMT's long-ranged attraction, which does
+    the work 2π w R δ on the way in and out, adhesion takes no energy from the rebound.
+    """
+
+    name: ClassVar[str] = "thornton-ning"
+    summary: ClassVar[str] = "sphere that yields and sticks: thornton with adhesion, tension up to 1.5 π w R_p"
+    source: ClassVar[str] = "Thornton & Ning 1998, Powder Technol. 99:154"
+    validity: ClassVar[str] = (
+        "a/R below about 0.2; no strain hardening, one pressure from yield to full plasticity; "
+        "no yield by adhesion alone"
+    )
+    parameters: ClassVar[Mapping[str, Parameter]] = {
+        "yield_pressure": Parameter("limiting contact pressure p_y, about 1.6 yield strengths", dimension="pressure")
+    }
+
+    yield_pressure: float
+
+    def __post_init__(self) -> None:
+        if self._pressure < SOFTEST:
+            radius = math.sqrt(3.0 * self.radius * self.scales(0.0)[0])
+            least = SOFTEST * 2.0 * self.effective_modulus * radius / (math.pi * self.radius)
+            raise ValueError(
+                f"yield_pressure {self.yield_pressure:.4g} Pa must be at least {least:.4g} Pa at a work of adhesion of "
+                f"{self.work_of_adhesion:.4g} J/m^2 and a radius of {self.radius:.4g} m: adhesion alone yields it"
+            )
+
+    @classmethod
+    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
+        return {**super().example(ball), "yield_pressure": 1.6 * ball.yield_strength}
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        return jkr_scales(self.effective_modulus, self.radius, self.work_of_adhesion)
+
+    @property
+    def _pressure(self) -> float:
+        """p_y π R/(2 E a_c), a_c = √(3 R δ_s)."""
+        contact = (3.0 * self.radius * self.scales(0.0)[0]) ** 0.5
+        return 0.5 * math.pi * self.yield_pressure * self.radius / (self.effective_modulus * contact)
+
+    def stages(self) -> tuple[Stage, ...]:
+        plastic = _Plastic(self._pressure)
+        begin, wide = plastic.begin, 3.0 * plastic.radius**2
+        end = begin + wide * (WIDEST**2 - 1.0)
+        reach = 1.001 * plastic.unloads(end)
+        steps = range(1, int(math.log(max(WIDEST**2, reach / UNLOADED), _RATIO)) + 1)
+        grid = [begin + wide * (_RATIO**k - 1.0) for k in steps if _RATIO**k < 0.9 * WIDEST**2]
+        return (
+            Stage("parting", PARTING, -1.0, jkr_force, root=True, pulls=True),
+            Stage("pulling", -1.0, UNLOADED, jkr_force, pulls=True),
+            Stage(
+                *("pushing", UNLOADED, begin, jkr_force),
+                knots=tuple(UNLOADED * _RATIO**k for k in steps if UNLOADED * _RATIO**k < 0.9 * reach),
+                pulls=True,
+                reach=reach,
+            ),
+            Stage(
+                *("plastic", begin, end, Power(constant=plastic.force, slope=0.5 * plastic.pressure)),
+                Unloading(similar=_Curvature(plastic), length=_Length(plastic)),
+                knots=tuple(sorted([plastic.dents, *grid])),
+            ),
+        )

@@ -206,7 +206,8 @@ def _notes(choice: Choice, history: History | None) -> bytes:
     """Law, effects and warnings at the time of the export, for the attributes of datasets of runs."""
     warnings = history.warnings if history is not None else choice.warnings
     effects = [effect.line for effect in choice.effects]
-    notes = {"contact_law": str(choice.problem.law), "effects": effects, "warnings": list(warnings)}
+    law = choice.problem.law
+    notes = {"contact_law": str(law), "contact_law_name": law.name, "effects": effects, "warnings": list(warnings)}
     return json.dumps(notes, ensure_ascii=False, indent=1).encode()
 
 

@@ -13,8 +13,11 @@ import numpy as np
 import xarray as xr
 
 from film_datasets.provenance import PROGRAM, provenance, text_and_hash
-from film_datasets.schema import HISTORY, TABLE, content_sha256
+from film_datasets.scene_constants import constants_of
+from film_datasets.schema import CONSTANTS, HISTORY, TABLE, content_sha256
+from film_model.base.errors import SceneError
 from film_model.core import native
+from film_model.scene import Scene
 from film_model.solve.history import MOTION, SUMMARY
 from fmu_wrapper import resource
 from fmu_wrapper.instance import Fmu, Row
@@ -33,16 +36,39 @@ def dataset(fmu: Fmu, rows: list[Row], events: list[Row], interface: str, starts
         "drift_velocity": 0.0,
         "impactor_share": 1.0,
         "target_compliance": 0.0,
+        **_constants(fmu, events, starts),
     }
     meanings = {"stages": tuple(f"stage_{k}" for k in range(fmu.data.curve.stages))}
     arrays: dict[str, Any] = {}
-    for v in TABLE[HISTORY]:
+    for v in (*TABLE[HISTORY], *(v for v in CONSTANTS if v.name in columns)):
         values = np.zeros(0) if "segment" in v.dims else columns[v.name]
         arrays[v.name] = (v.dims, np.asarray(values, dtype=v.dtype), v.attributes(meanings))
     ds = xr.Dataset({name: value for name, value in arrays.items() if name != "t"}, coords={"t": arrays["t"]})
     ds.attrs = _attributes(fmu, interface, starts, max(int(row["validity"]) for row in rows))
     ds.attrs["content_sha256"] = content_sha256(ds)
     return ds
+
+
+def _constants(fmu: Fmu, events: list[Row], starts: Mapping[str, float]) -> dict[str, Any]:
+    """The values of `CONSTANTS` of this run, those that were set in place of the scene's; none if the scene cannot be
+    made again because its law was an object of Python."""
+    try:
+        scene = Scene.from_stored_text(_text(fmu, resource.SCENE), "scene.toml")
+    except SceneError:
+        return {}
+    own = constants_of(scene) | {"contact_law_name": json.loads(_text(fmu, resource.NOTES))["contact_law_name"]}
+    own |= {name: starts[name] for name in ("mass", "effective_modulus", "yield_strength") if name in starts}
+    if "radius" in starts:  # an FMU has the effective radius only
+        own["radius"] = 1.0 / (1.0 / starts["radius"] - 1.0 / scene.effective_radius + 1.0 / own["radius"])
+    begins = next((event for event in events if event["kind"] == native.EVENTS.index("contact_begins")), None)
+    own["approach_velocity"] = starts.get("initial_velocity", own["approach_velocity"])
+    if begins is not None:
+        own["approach_velocity"] = begins["relative_velocity"]
+    return {**own, "impact_energy": 0.5 * own["mass"] * own["approach_velocity"] ** 2}  # no target of an FMU is free
+
+
+def _text(fmu: Fmu, name: str) -> str:
+    return Path(fmu.folder, "resources", name).read_text("utf-8")
 
 
 def _motion(rows: list[Row], events: list[Row], touch: float) -> dict[str, Any]:
@@ -103,9 +129,7 @@ def _stresses(rows: list[Row]) -> dict[str, float | None]:
 
 
 def _attributes(fmu: Fmu, interface: str, starts: Mapping[str, float], validity: int) -> dict[str, Any]:
-    resources = Path(fmu.folder, "resources")
-    text = (resources / "scene.toml").read_text("utf-8")
-    notes = json.loads((resources / resource.NOTES).read_text("utf-8"))
+    text, notes = _text(fmu, resource.SCENE), json.loads(_text(fmu, resource.NOTES))
     names = ("loading_segments", "unloading_segments")
     loading, unloading = (int(starts.get(name, fmu.data.start[reference(name)])) for name in names)
     return {

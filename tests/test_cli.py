@@ -267,7 +267,10 @@ def test_the_package_is_a_command():
             {"pint", "scipy", "xarray", "matplotlib", "film_datasets", "pathlib", "csv", "film_model.face"}
             | {"film_model.laws.tsuji", "film_model.targets.plate", "film_model.solve.vibration"},
         ),
-        ("import film_datasets", {"xarray", "pandas", "pint", "scipy", "matplotlib", "netCDF4", "zarr"}),
+        (
+            "import film_datasets",
+            {"xarray", "pandas", "pint", "scipy", "matplotlib", "netCDF4", "zarr", "importlib.metadata"},
+        ),
     ],
     ids=["help", "run", "film_datasets"],
 )

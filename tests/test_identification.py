@@ -11,6 +11,7 @@ import xarray as xr
 
 import film_datasets as fd
 import film_model as fm
+from film_model.base.units import power_stiffness_unit
 from film_model.cli.main import main
 
 SCENES = Path(__file__).parents[1] / "examples" / "scenes"
@@ -219,6 +220,55 @@ def covered(trials: int, tmp_path: Path) -> tuple[int, int]:
         (one,) = fd.identify(ratios, AWAY, ["contact.yield_strength"]).parameters
         held[1] += one.low <= 1e9 <= one.high
     return held[0], held[1]
+
+
+def bracket(law: str, **parameters: object) -> fm.Scene:
+    """A ball on a bracket that is known by its vibrations, with several contacts."""
+    modes = fm.Structure(
+        frequency=["708 Hz", "2.45 kHz", "5.2 kHz", "9.1 kHz"],
+        modal_mass=["13 g", "46.8 g", "30 g", "50 g"],
+        damping_ratio=0.002,
+        static_compliance="4.6e-6 m/N",
+        material="aluminium 6061-T6",
+    )
+    effects = fm.Effects(gravity=False, boundary_reflections=True, target_inertia=True)
+    contact = fm.Contact(law, **parameters)
+    return fm.Scene(fm.Sphere("5 mm", "1 m/s", material="bearing steel"), modes, contact, effects)
+
+
+@pytest.mark.parametrize(
+    ("contact", "start"),
+    [
+        pytest.param(
+            {"law": "meyer", "stiffness": "2e9 N/m^1.5", "exponent": 1.5},
+            {"contact.stiffness": "1e10 N/m^1.5"},
+            marks=pytest.mark.slow,
+        ),
+        (
+            {"law": "meyer", "stiffness": "2e9 N/m^1.5", "exponent": 1.5},
+            {"contact.stiffness": "4e9 N/m^1.4", "contact.exponent": 1.4},
+        ),
+        pytest.param(
+            {"law": "stronge", "yield_strength": "300 MPa"},
+            {"contact.yield_strength": "120 MPa"},
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_a_vibrating_structure_from_bad_starts(
+    tmp_path: Path, contact: dict[str, object], start: dict[str, object]
+) -> None:
+    """Stiffness, stiffness with the exponent that is in its unit, and yield strength, with 0.5 % noise."""
+    scene = bracket(**contact)
+    measured = fd.from_csv(force_file(tmp_path / "m.csv", scene, 5e-3 * fm.simulate(scene).summary["maximum_force"]))
+    found = fd.identify(measured, scene.replace(start), list(start))
+    for one in found.parameters:
+        name = one.path.partition(".")[2]
+        true = scene.contact.parameters.get(name) or getattr(scene.contact, name)
+        assert one.identified and one.low < true < one.high
+        assert one.high - one.low < 0.25 * true or len(start) > 1
+    if len(start) > 1:
+        assert found.parameters[0].unit == power_stiffness_unit(found.parameters[1].value) != "N/m^1.4"
 
 
 @pytest.mark.slow

@@ -204,7 +204,7 @@ static int report(film_relax *s, int32_t event) {
     return FILM_EVENT;
 }
 
-/* Of a contact that begins with a velocity and a load, a depth; the elastic one of the velocity alone. */
+/* The velocity that makes an elastic contact as deep as a velocity, or a load, does; and that depth. */
 static double speed_of(double nu, double load) { return fmax(fabs(nu), pow(fabs(load), 5.0 / 6.0)); }
 static double depth_of(double speed) { return pow(1.25 * speed * speed, 0.4); }
 

@@ -8,7 +8,6 @@ import platform
 import statistics
 import time
 from collections.abc import Callable
-from importlib.metadata import PackageNotFoundError, version
 from typing import NamedTuple
 
 SHORTEST, MOST_TIME, MOST_REPEATS = 2e-3, 0.15, 25
@@ -58,6 +57,8 @@ def one_thread() -> None:
 
 def machine() -> dict[str, str]:
     """Processor, system and package versions."""
+    from importlib.metadata import PackageNotFoundError, version  # lazy: it takes a tenth of `import film_datasets`
+
     found = {"machine": platform.machine(), "system": platform.system(), "python": platform.python_version()}
     found["processor"] = _processor()
     for package in PACKAGES:

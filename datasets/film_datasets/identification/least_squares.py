@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from film_datasets.identification.model import ACCURACY, Array, Case
+from film_datasets.identification.model import Array, Case, numerics_of
 from film_datasets.identification.parameters import Parameter, offset_name, parameters_of, scene_changes, unit_at
 from film_datasets.identification.profile import Profile
 from film_datasets.identification.result import FittedParameter, Identification
@@ -21,9 +21,6 @@ from film_model.scene import Scene, Solver
 if TYPE_CHECKING:
     import xarray as xr
 
-STEP = 1e-4
-"""Step of the central differences for the Jacobian, in the scaled parameters."""
-
 TRIED, SEARCHED = 16, 2
 """Points around the scene's values that are tried, and of which a search starts: a power of two, for Sobol's points."""
 
@@ -32,8 +29,8 @@ AROUND = 16.0
 
 INTERVALS = ("curvature", "profile")
 
-XTOL, FTOL, GTOL = 1e-10, 1e-12, 1e-12
-"""At which the search ends: of the scaled parameters, the sum of squares and its gradient."""
+GTOL = 1e-12
+"""Gradient of the sum of squares at which the search ends."""
 
 MARGIN = 1e-9
 """Distance of a start from the bounds, in the scaled parameters."""
@@ -80,8 +77,8 @@ def identify(
     from the Jacobian at the result, valid if the model is linear over the interval; or "profile", the values up to
     which S, with all other parameters fitted again, rises by the same factor 1 + t²/(n - k) for n points and k
     parameters, where the model need not be linear. Both hold if the noise is independent from point to point and
-    equal in all points of a quantity. Some hundred impacts are simulated, for profiles some thousand, each of which
-    takes seconds if the target vibrates between its edges.
+    equal in all points of a quantity. Some hundred impacts are simulated, for profiles some thousand; on a target that
+    vibrates at an accuracy of 1e-4.
 
     Raises SceneError for parameters that cannot be fitted, SimulationError if the scene's own values give no impact,
     ValueError for other mistakes.
@@ -118,7 +115,8 @@ class _Fit:
     """The residuals of measurements as a function of the scaled parameters z."""
 
     def __init__(self, scene: Scene, cases: list[Case], parameters: list[Parameter]) -> None:
-        self.scene, self.solver = replace(scene, solver=Solver(accuracy=ACCURACY)), scene.solver
+        self.numerics = numerics_of(scene)
+        self.scene, self.solver = replace(scene, solver=Solver(accuracy=self.numerics.accuracy)), scene.solver
         self.cases, self.parameters = cases, parameters
         self.names = list(dict.fromkeys(name for case in cases for name in case.names))
         self.largest = dict.fromkeys(self.names, 0.0)
@@ -173,8 +171,8 @@ class _Fit:
         columns: list[Array] = []
         for k in range(z.size):
             step = np.zeros(z.size)
-            step[k] = STEP
-            columns.append((self.finite_residuals(z + step) - self.finite_residuals(z - step)) / (2.0 * STEP))
+            step[k] = self.numerics.step
+            columns.append((self.finite_residuals(z + step) - self.finite_residuals(z - step)) / (2.0 * step[k]))
         return np.stack(columns, axis=1)
 
 
@@ -187,10 +185,8 @@ def _search(fit: _Fit) -> Array:
             "with the values of the scene an impact of the measurement fails: start from better values"
         )
     jacobian: Any = fit.jacobian  # SciPy's annotation allows the name of a difference scheme only
-    results: list[Any] = [
-        least_squares(fit.finite_residuals, z, jacobian, fit.bounds, xtol=XTOL, ftol=FTOL, gtol=GTOL)
-        for z in _starts(fit)
-    ]
+    ends: Any = {"xtol": fit.numerics.parameters, "ftol": fit.numerics.squares, "gtol": GTOL}
+    results: list[Any] = [least_squares(fit.finite_residuals, z, jacobian, fit.bounds, **ends) for z in _starts(fit)]
     return min(results, key=lambda result: result.cost).x
 
 

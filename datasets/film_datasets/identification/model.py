@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from film_datasets.csv_measurement import measured_over
 from film_datasets.impacts import simulate_impacts
 from film_datasets.schema import MEASURED_MOTION
+from film_model.effects.choose import problem_of
 from film_model.scene import Scene
 from film_model.solve.history import SUMMARY, Samples
 from film_model.solve.simulate import simulate_quietly
@@ -21,12 +22,33 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ACCURACY = 1e-7
-"""Of the impacts that are compared with the measurement: an error that changed with the parameters would disturb the
-finite differences of the fit."""
+
+class Numerics(NamedTuple):
+    """Accuracy of the impacts that are compared with the measurement; step of the central differences for the Jacobian,
+    in the scaled parameters; and where the search ends: relative changes of parameters and of the sum of squares.
+
+    The error of an impact changes with the parameters and disturbs the differences: it must be small beside the step.
+    """
+
+    accuracy: float
+    step: float
+    parameters: float
+    squares: float
+
+
+NUMERICS = Numerics(1e-7, 1e-4, 1e-10, 1e-12)
+
+ON_MODES = Numerics(1e-4, 1e-2, 1e-5, 1e-7)
+"""For a target that vibrates, where 1e-7 takes up to a second an impact. Derivatives are then known to about 1 %, which
+is enough for steps of the search and for intervals; the result is that of the impacts themselves."""
 
 DIMENSIONS_OF_QUANTITIES = {name: dimension for name, (dimension, _) in (*MEASURED_MOTION.items(), *SUMMARY.items())}
 """Dimension of every quantity that can be measured."""
+
+
+def numerics_of(scene: Scene) -> Numerics:
+    """How precisely the impacts of a scene are simulated for a fit."""
+    return ON_MODES if problem_of(scene).vibrates else NUMERICS
 
 
 @dataclass(frozen=True)

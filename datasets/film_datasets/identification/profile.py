@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from film_datasets.identification.model import ACCURACY, Array
+from film_datasets.identification.model import NUMERICS, Array
 
 DOUBLINGS = 12
 """How often the distance from the best value is doubled until the sum of squares has risen enough."""
@@ -43,7 +43,7 @@ class Profile:
         self._ends = float(bounds[0][k]) + MARGIN, float(bounds[1][k]) - MARGIN
         self._limits: Any = (bounds[0][self._others], bounds[1][self._others])
         found = residuals(best)
-        self._least = max(float(found @ found), found.size * ACCURACY**2)
+        self._least = max(float(found @ found), found.size * NUMERICS.accuracy**2)
         self._z = best.copy()
 
     def interval(self, rise: float, step: float) -> tuple[float, float]:

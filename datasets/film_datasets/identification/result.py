@@ -12,7 +12,7 @@ import numpy as np
 
 from film_datasets.axis_style import finite, label
 from film_datasets.csv_measurement import measured_over
-from film_datasets.identification.model import ACCURACY, DIMENSIONS_OF_QUANTITIES, Case
+from film_datasets.identification.model import DIMENSIONS_OF_QUANTITIES, Case, numerics_of
 from film_model.base.units import DIMENSIONS, format_si, si_unit
 from film_model.plot.style import HIGHLIGHT, picture, prefixed_unit
 from film_model.scene import Scene
@@ -101,7 +101,7 @@ class Identification:
 
     def history(self) -> History:
         """The fitted impact."""
-        return simulate(self.scene, accuracy=ACCURACY)
+        return simulate(self.scene, accuracy=numerics_of(self.scene).accuracy)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values, SI."""

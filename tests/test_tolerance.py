@@ -106,7 +106,7 @@ def test_the_tornado_picture_of_a_sweep_and_of_an_analysis(tmp_path, found):
     ds = fd.sweep(SCENE, OVER, "sobol", samples=16)
     for figure in (fd.plot(ds, kind="tornado", quantity="maximum_force"), fd.plot_tornado(found, tmp_path / "t.svg")):
         (panel,) = figure.axes
-        assert {text.get_text() for text in panel.get_yticklabels()} == {"impactor.mass", "impactor.velocity"}
+        assert {text.get_text() for text in panel.get_yticklabels()} == {"impactor mass", "impactor velocity"}
         assert panel.get_xlabel() == "maximum force (kN)"
         assert len(panel.patches) == 4
     assert (tmp_path / "t.svg").stat().st_size > 1000

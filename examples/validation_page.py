@@ -19,8 +19,9 @@ TEXT = """# Validation
 
 Made by `python examples/validation_page.py` from `datasets/published/measured_impacts.csv`; `film-model validate`
 prints the same numbers. {count} values from {sources} sources: {kinds}. Each has its conditions, its uncertainty,
-and how it was read. Published values that could not be traced are left out, so the measured ones are few: Leeb
-hardness testers (tungsten carbide balls on steel of known hardness), and two elastic rebounds.
+and how it was read: "recollection" marks the {recollected} that could not be opened again. Measured values that could not be
+traced are left out, so they are few: Leeb hardness testers (tungsten carbide balls on steel of known hardness), and
+two elastic rebounds.
 
 ![computed over published values, and the distribution of the errors](validation.png)
 
@@ -130,6 +131,7 @@ def page() -> tuple[str, list[LawReport]]:
     text = TEXT.format(
         count=len(rows),
         sources=len({row.source for row in rows}),
+        recollected=sum(row.sureness == "recollection" for row in rows),
         kinds=", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in kinds.items()),
         laws=law_rows(reports),
         said="\n".join(said),

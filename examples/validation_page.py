@@ -19,9 +19,9 @@ TEXT = """# Validation
 
 Made by `python examples/validation_page.py` from `datasets/published/measured_impacts.csv`; `film-model validate`
 prints the same numbers. {count} values from {sources} sources: {kinds}. Each has its conditions, its uncertainty,
-and how it was read: "recollection" marks the {recollected} that could not be opened again. Measured values that could not be
-traced are left out, so they are few: Leeb hardness testers (tungsten carbide balls on steel of known hardness), and
-two elastic rebounds.
+and how it was read: "recollection" marks the {recollected} that could not be opened again. Measured values that
+could not be traced are left out, so they are few: Leeb hardness testers (tungsten carbide balls on steel of known
+hardness), and two elastic rebounds.
 
 ![computed over published values, and the distribution of the errors](validation.png)
 

@@ -49,7 +49,7 @@ def laws_page() -> str:
     """The laws and the rules of unloading as Markdown."""
     rows = "\n".join(f"| [`{name}`](#{name}) | {law.summary} | {law.source} |" for name, law in LAWS.items())
     laws = "\n".join(_section(name, law) for name, law in LAWS.items())
-    rules = "\n".join(_section(name, law) for name, law in UNLOADINGS.items())
+    rules = "\n".join(_section(name, law, "###") for name, law in UNLOADINGS.items())
     return f"""# Contact laws
 
 Made from the code by `python -m examples.reference_pages`. The name goes into a scene's `[contact]` as `law = "…"`,
@@ -63,7 +63,7 @@ with the parameters below; quantities have units. δ: indentation, F: contact fo
 {rows}
 
 {laws}
-# Rules of unloading
+## Rules of unloading
 
 `unloading = "…"` in `[contact]` replaces the unloading of a law without damping.
 
@@ -79,7 +79,7 @@ def effects_page() -> str:
     )
     rules = {name: rule for name, rule in RULES.items() if name not in COMPUTED}
     judged = "\n".join(
-        f"## {name.replace('_', ' ')}\n\n{inspect.cleandoc(judge.__doc__ or '')}\n\n{_by_target(name)}"
+        f"### {name.replace('_', ' ')}\n\n{inspect.cleandoc(judge.__doc__ or '')}\n\n{_by_target(name)}"
         f"Indicator: {rule.indicator}. Source: {rule.source}.\n"
         for name, (rule, judge) in rules.items()
     )
@@ -95,7 +95,7 @@ adds indicators, thresholds and sources.
 their own values, the dent to the maximum indentation, velocities to the approach velocity, energies to the impact
 energy. An effect matters if this error exceeds `tolerance` in `[effects]` (1 %, or the accuracy if that is larger).
 
-# Computed
+## Computed
 
 The impact is simulated on a coarse mesh with the effect and without it. `true`, `false` or `"auto"` in `[effects]`
 selects each of them except `fully_plastic`, which is part of the contact law.
@@ -110,12 +110,12 @@ selects each of them except `fully_plastic`, which is part of the contact law.
 
 Boundary reflections. {reflections}
 
-{_by_target("boundary_reflections")}# Judged
+{_by_target("boundary_reflections")}## Judged
 
 These are not simulated. Their size is estimated to first order: expect the order of magnitude, not two digits.
 
 {judged}
-# An example
+## An example
 
 `film-model explain examples/scenes/olsson_plate.toml`:
 
@@ -132,10 +132,10 @@ def _by_target(effect: str) -> str:
     return "".join(f"**{kind}** — {inspect.cleandoc(vars(target)[method].__doc__ or '')}\n\n" for kind, target in own)
 
 
-def _section(name: str, law: type[AbstractLaw]) -> str:
+def _section(name: str, law: type[AbstractLaw], heading: str = "##") -> str:
     own = "\n".join(f"- `{key}`: {_parameter(value)}" for key, value in law.parameters.items())
     from_scene = ", ".join(f"`{key}`" for key in law_fields(law) if key in SCENE_FIELDS)
-    lines = [f"## {name}", inspect.cleandoc(law.__doc__ or ""), f"Valid: {law.validity}."]
+    lines = [f"{heading} {name}", inspect.cleandoc(law.__doc__ or ""), f"Valid: {law.validity}."]
     lines += [f"Parameters:\n\n{own}"] if own else []
     lines += [f"From the scene: {from_scene}."] if from_scene and name in LAWS else []
     return "\n\n".join(lines) + "\n"

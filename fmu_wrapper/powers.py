@@ -117,10 +117,11 @@ def restitution_series(law: AbstractLaw, problem: Problem) -> Array | None:
     """c_k of the damping factor [N s/m] over the restitution e: (1 − e) exp(Σ c_k T_k(2 ln e/ln e_0 − 1)).
 
     e_0 = LEAST_RESTITUTION. The factor of a law whose contact ends at zero force is analytic in ln e, and proportional
-    to 1 − e near 1. None if the law has no restitution, if more than its damping factor depends on it, or if the series
-    is not exact.
+    to 1 − e near 1. None if the law has no restitution or a smaller one, if more than its damping factor depends on it,
+    or if the series is not exact.
     """
-    if not law.damped or "restitution" not in law_fields(type(law)) or getattr(law, "restitution", None) is None:
+    own = getattr(law, "restitution", None) if law.damped and "restitution" in law_fields(type(law)) else None
+    if own is None or own < LEAST_RESTITUTION:
         return None
 
     def factor(restitution: float) -> float:

@@ -103,7 +103,9 @@ def model_data(
         elif name in ("restitution", "exponent"):
             exists = series is not None if name == "restitution" else exponent_is_free(law)
         if name in OF_LAW:
-            data.start[k] = getattr(law, field_of(law, name)) if exists else variable.low
+            own = getattr(law, field_of(law, name)) if exists else variable.low
+            exists = exists and _in_range(variable, own)
+            data.start[k] = own if exists else variable.low
         else:
             data.start[k] = start.get(name, 0.0) if exists else UNUSED.get(name, max(variable.low or 0.0, 0.0))
         data.available[k] = exists and not (name in damping and damping[name] is None)
@@ -221,11 +223,16 @@ def mode_frequencies(data: Data) -> NDArray[np.float64]:
     return np.frombuffer(data.tail)[-3 * data.modes.count :][: data.modes.count]
 
 
+def _in_range(variable: Variable, value: float) -> bool:
+    low = -math.inf if variable.low is None else variable.low
+    return low <= value <= (math.inf if variable.high is None else variable.high)
+
+
 def check_range(variable: Variable, value: float) -> None:
     """Raise ValueError for a value (SI) outside the range of a variable."""
-    low = -math.inf if variable.low is None else variable.low
-    high = math.inf if variable.high is None else variable.high
-    if not low <= value <= high:
+    if not _in_range(variable, value):
+        low = -math.inf if variable.low is None else variable.low
+        high = math.inf if variable.high is None else variable.high
         unit = f" {scene_unit(variable.dimension)}" if variable.dimension else ""
         raise ValueError(f"{variable.name}: {value:g}{unit} is out of range: from {low:g} to {high:g}{unit}")
 

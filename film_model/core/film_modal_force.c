@@ -8,7 +8,7 @@ enum { NEWTON_STEPS = 40, INDENTATION_STEPS = 100 };
 
 /* Newton's method has converged when its last step is below this fraction of the largest force, or when the next one can be
  * expected to be: it converges quadratically. NEXT_STEP: margin of that expectation. */
-static const double SETTLED = 1e-10, NEXT_STEP = 10.0;
+static const double SETTLED = 1e-10, NEXT_STEP = 1e5;
 
 /* How far beyond the end of its interval a series may be evaluated, as a fraction of the interval. */
 static const double SERIES_OVERRUN = 1.05;

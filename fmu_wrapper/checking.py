@@ -28,7 +28,7 @@ from fmu_wrapper.checking_contact import compared_contact
 from fmu_wrapper.cosimulation import EXCHANGE_SOLVER, run
 from fmu_wrapper.findings import STEPS_TOLERANCE, Finding
 from fmu_wrapper.instance import Fmu, opened
-from fmu_wrapper.resource import has_exchange
+from fmu_wrapper.resource import component_of, has_exchange, segments_of
 from fmu_wrapper.variables import KINDS, reference
 
 MODES_TOLERANCE = 1e-8
@@ -52,8 +52,6 @@ JUMP = 1e-6
 """Fraction of a run's time from a jump of the force within which the values that jump with it are not compared."""
 
 _JUMP = ("contact_force", "relative_velocity", "target_velocity")
-
-_SEGMENTS = ("loading_segments", "unloading_segments")
 
 
 @dataclass(frozen=True)
@@ -96,18 +94,16 @@ def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
         experiment, version = fmu.description.defaultExperiment, fmu.version
         stop, usual = float(experiment.stopTime), float(experiment.stepSize)
         stored = _stored_results(fmu)
-        start = {name: fmu.data.start[reference(name)] for name in ("initial_gap", *_SEGMENTS)}
+        on = served(scene)
+        component, counts = component_of(on, fmu.data), segments_of(fmu.data)
+        gap = fmu.data.start[reference("initial_gap")]
         modes, exchange = fmu.data.modes.count, has_exchange(fmu.data)
         tolerance = fmu.data.relaxation.tolerance
-    gap, counts = start["initial_gap"], (int(start[_SEGMENTS[0]]), int(start[_SEGMENTS[1]]))
-    on = served(scene)
     if modes > 0:
-        component = ImpactComponent(on, initial_gap=gap)
         findings = [Finding("vibrations", abs(component.modes - modes), 0.0, f"the library uses {component.modes}")]
     elif tolerance > 0.0:
-        component, findings = ImpactComponent(on, initial_gap=gap), [_compared_tolerance(on, tolerance)]
+        findings = [_compared_tolerance(on, tolerance)]
     else:
-        component = ImpactComponent(on, initial_gap=gap, segments=counts)
         findings = [_compared_segments(on, counts)]
     allowed = MODES_TOLERANCE if modes > 0 else RELAXING_TOLERANCE if tolerance > 0.0 else STEPS_TOLERANCE
     for step in (usual, stop / 13.7, stop):

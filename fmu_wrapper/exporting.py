@@ -20,7 +20,7 @@ from film_model.effects.choose import Choice, choose
 from film_model.problem.problem import Problem
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import mesh_for
-from film_model.solve.component import DEFAULT_SEGMENTS, ImpactComponent
+from film_model.solve.component import DEFAULT_SEGMENTS
 from film_model.solve.history import History
 from film_model.solve.motions import modes_for
 from film_model.solve.relaxed import tolerance_for
@@ -158,21 +158,13 @@ def _contents(
         },
         "documentation/licenses/license.txt": platforms.license_text(),
         **terminals_and_icons(data, version, history),
-        **related_files(_component(on, data, gap) if kind == "impact" else None, experiment),
+        **related_files(resource.component_of(on, data) if kind == "impact" else None, experiment),
     }
     if with_sources:
         files |= {f"sources/{one}": text for one, text in code.items()}
         if version == 3:
             files["sources/buildDescription.xml"] = _build_description(names.identifier, sources)
     return files
-
-
-def _component(scene: Scene, data: resource.Data, gap: float) -> ImpactComponent:
-    """The library's component with the segments and modes of the FMU."""
-    if data.modes.count > 0 or data.relaxation.tolerance > 0.0:
-        return ImpactComponent(scene, initial_gap=gap)
-    loading, unloading = (int(data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
-    return ImpactComponent(scene, initial_gap=gap, segments=(loading, unloading))
 
 
 def _simulated(scene: Scene, kind: Kind) -> tuple[Choice, tuple[int, int], History | None]:

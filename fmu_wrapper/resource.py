@@ -18,7 +18,8 @@ from film_model.laws.hertz import hertz_stiffness
 from film_model.problem import stresses
 from film_model.problem.curve import curve_of
 from film_model.problem.problem import Problem
-from film_model.scene import STANDARD_GRAVITY
+from film_model.scene import STANDARD_GRAVITY, Scene
+from film_model.solve.component import ImpactComponent
 from film_model.solve.vibration import Vibration
 from fmu_wrapper.assumptions import Validity
 from fmu_wrapper.layout import (
@@ -103,9 +104,9 @@ def model_data(
         elif name in ("restitution", "exponent"):
             exists = series is not None if name == "restitution" else exponent_is_free(law)
         if name in OF_LAW:
-            own = getattr(law, field_of(law, name)) if exists else variable.low
-            exists = exists and _in_range(variable, own)
-            data.start[k] = own if exists else variable.low
+            own, (low, high) = getattr(law, field_of(law, name)) if exists else 0.0, _range(variable)
+            exists = exists and low <= own <= high
+            data.start[k] = own if exists else low
         else:
             data.start[k] = start.get(name, 0.0) if exists else UNUSED.get(name, max(variable.low or 0.0, 0.0))
         data.available[k] = exists and not (name in damping and damping[name] is None)
@@ -223,18 +224,32 @@ def mode_frequencies(data: Data) -> NDArray[np.float64]:
     return np.frombuffer(data.tail)[-3 * data.modes.count :][: data.modes.count]
 
 
-def _in_range(variable: Variable, value: float) -> bool:
+def _range(variable: Variable) -> tuple[float, float]:
+    """Smallest and largest value of a variable, SI."""
     low = -math.inf if variable.low is None else variable.low
-    return low <= value <= (math.inf if variable.high is None else variable.high)
+    return low, math.inf if variable.high is None else variable.high
 
 
 def check_range(variable: Variable, value: float) -> None:
     """Raise ValueError for a value (SI) outside the range of a variable."""
-    if not _in_range(variable, value):
-        low = -math.inf if variable.low is None else variable.low
-        high = math.inf if variable.high is None else variable.high
+    low, high = _range(variable)
+    if not low <= value <= high:
         unit = f" {scene_unit(variable.dimension)}" if variable.dimension else ""
         raise ValueError(f"{variable.name}: {value:g}{unit} is out of range: from {low:g} to {high:g}{unit}")
+
+
+def segments_of(data: Data) -> tuple[int, int]:
+    """Segments per stage in loading and unloading."""
+    loading, unloading = (int(data.start[reference(f"{leg}_segments")]) for leg in ("loading", "unloading"))
+    return loading, unloading
+
+
+def component_of(scene: Scene, data: Data) -> ImpactComponent:
+    """The library's component of the impact that an FMU contains, with the same gap and segments. scene: as served."""
+    gap = data.start[reference("initial_gap")]
+    if data.modes.count > 0 or data.relaxation.tolerance > 0.0:
+        return ImpactComponent(scene, initial_gap=gap)
+    return ImpactComponent(scene, initial_gap=gap, segments=segments_of(data))
 
 
 def finished(data: Data, token: str) -> bytes:

@@ -140,9 +140,9 @@ def test_random_scenes_equal_python(shown, everything, seed):
 def check(history, found, fragment):
     """The same law, the same effects and the same summary.
 
-    To 1e-12, or to what rounding changes where contact ends slowly. Contacts on a target that vibrates follow each
-    other and amplify rounding. Where contact does not end, the accuracy is not reached, or other digits of it end the
-    page's search earlier, the two errors bound the difference; errors of 1 and more say nothing.
+    To 1e-12, or to the estimated rounding error where contact ends slowly. Contacts on a target that vibrates follow
+    each other and amplify rounding. Where contact does not end, the accuracy is not reached, or other digits of it end
+    the page's search earlier, the two errors bound the difference; errors of 1 and more say nothing.
     """
     assert found["law"] == history.problem.law.name
     worst = off(history, found)

@@ -55,6 +55,26 @@ def values(content):
     return {one.get("name"): float(one[0].get("value")) for one in found}
 
 
+def running(package):
+    """A package in libcosim, and an observer of its last values."""
+    pytest.importorskip("libcosimpy")
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimObserver import CosimObserver
+
+    execution, observer = CosimExecution.from_ssp_file(str(package.path)), CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    return execution, observer
+
+
+def schema(ending):
+    """The schema of SSP 1.0 for the files with an ending."""
+    standard = pytest.importorskip("pyssp_standard")
+    from xmlschema import XMLSchema
+
+    name = {".ssd": "SystemStructureDescription", ".ssv": "SystemStructureParameterValues"}[ending]
+    return XMLSchema(Path(standard.__file__).parent / "resources" / f"{name}.xsd")
+
+
 @pytest.mark.slow
 def test_a_package_has_components_connections_and_parameter_sets(packed):
     package = packed(by_name("hertz", "body"))
@@ -109,19 +129,11 @@ def test_a_law_with_given_stiffness_has_no_parameter_sets_of_materials(packed):
 @pytest.mark.slow
 @pytest.mark.parametrize("target", ["half-space", "plate", "body"])
 def test_files_obey_the_schemas_of_ssp_1(packed, target):
-    standard = pytest.importorskip("pyssp_standard")
-    from xmlschema import XMLSchema
-
-    schemas = Path(standard.__file__).parent / "resources"
-    by_ending = {
-        ".ssd": XMLSchema(schemas / "SystemStructureDescription.xsd"),
-        ".ssv": XMLSchema(schemas / "SystemStructureParameterValues.xsd"),
-    }
+    by_ending = {ending: schema(ending) for ending in (".ssd", ".ssv")}
     checked = 0
     for name, content in read(packed(by_name("hertz", target))).items():
-        schema = by_ending.get(Path(name).suffix)
-        if schema is not None:
-            schema.validate(io.BytesIO(content))
+        if Path(name).suffix in by_ending:
+            by_ending[Path(name).suffix].validate(io.BytesIO(content))
             checked += 1
     assert checked >= 3 + len(catalogue())
 
@@ -139,16 +151,10 @@ def test_files_obey_the_schemas_of_ssp_1(packed, target):
 )
 def test_libcosim_runs_a_package_as_simulate_does(packed, law, target, force, speed):
     """Largest force, and velocity of the impactor when contact has ended, without the fall that follows."""
-    pytest.importorskip("libcosimpy")
-    from libcosimpy.CosimExecution import CosimExecution
-    from libcosimpy.CosimObserver import CosimObserver
-
     on = replace(scene(law, target), effects=fm.Effects(gravity=False))
     served = on if target == "body" else fmu_wrapper.served(on)
     summary = fm.simulate(served, accuracy=1e-6).summary
-    execution = CosimExecution.from_ssp_file(str(packed(on).path))
-    observer = CosimObserver.create_last_value()
-    execution.add_observer(observer)
+    execution, observer = running(packed(on))
     index = {info.name.decode(): info.index for info in execution.slave_infos()}
     execution.step(251)
     (largest,) = observer.last_real_values(index["contact"], [reference("maximum_force")])
@@ -178,21 +184,12 @@ def test_the_command_writes_a_package(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize("target", sorted(WHOLE))
 def test_a_target_that_vibrates_or_bends_stays_with_its_impactor(packed, target):
     """One component, which the schemas allow, and which libcosim runs as `simulate` does."""
-    pytest.importorskip("libcosimpy")
-    standard = pytest.importorskip("pyssp_standard")
-    from libcosimpy.CosimExecution import CosimExecution
-    from libcosimpy.CosimObserver import CosimObserver
-    from xmlschema import XMLSchema
-
     on = WHOLE[target]
     package = packed(on)
     assert package.components == ("impact",)
     assert not package.materials and len(package.left_out) == len(catalogue())
-    structure = Path(standard.__file__).parent / "resources" / "SystemStructureDescription.xsd"
-    XMLSchema(structure).validate(io.BytesIO(read(package)["SystemStructure.ssd"]))
-    execution = CosimExecution.from_ssp_file(str(package.path))
-    observer = CosimObserver.create_last_value()
-    execution.add_observer(observer)
+    schema(".ssd").validate(io.BytesIO(read(package)["SystemStructure.ssd"]))
+    execution, observer = running(package)
     summary = fm.simulate(fmu_wrapper.served(on)).summary
     given, deepest, rebound = [reference("maximum_indentation"), reference("rebound_velocity")], 0.0, 0.0
     for _ in range(250):

@@ -1,4 +1,4 @@
-"""How far two summaries of the same contacts differ, what rounding does to them, and dents of laws that pull.
+"""Differences of two summaries of the same contacts, their rounding errors, and dents of laws that pull.
 
 One contact has native.Start and native.Summary, and the answer is a float; many have arrays of START_DTYPE and
 SUMMARY_DTYPE, and the answer is an array.

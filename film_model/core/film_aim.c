@@ -224,7 +224,7 @@ static double force_nearby(const film_curve *curve, const film_state *s, double 
     return force;
 }
 
-/* Whether a contact of a law that pulls, on a target that moves, has no speed but what rounding makes of its force. */
+/* Whether the speed of a contact is only the rounding error of its force: under a law that pulls, on a moving target. */
 static int is_still(const film_curve *curve, const film_state *s) {
     double rounded = film_force_rounding(curve, s, s->branch >= 0 ? s->branch : s->stage_max);
     return curve->pull > 0.0 && fabs(s->nu - s->gamma * s->elastic) <= s->gamma * rounded;

@@ -1,4 +1,4 @@
-/* How far two summaries of the same contacts differ, and what rounding does to them. docs/method.md, section 12. */
+/* Differences of two summaries of the same contacts, and their rounding errors. docs/method.md, section 12. */
 #include "film_core.h"
 
 #include <float.h>

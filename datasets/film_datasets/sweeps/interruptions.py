@@ -1,4 +1,4 @@
-"""What is said of a run that is stopped from the keyboard, or because its output cannot be written."""
+"""Messages for a run that the user interrupts, or whose output cannot be written."""
 
 from __future__ import annotations
 

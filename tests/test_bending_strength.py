@@ -11,7 +11,7 @@ from film_model.targets.bending_strength import bending_stress, reach_of
 
 
 def moment_by_modes(time: float, side: float, radius: float, stiffness: float, density: float) -> float:
-    """Moment/((1 + ν) F) in the centre of a simply supported square plate, under a disc of a force that sets in at 0."""
+    """Moment/((1 + ν) F) in the centre of a simply supported square plate under a disc of a force that sets in at 0."""
     wave = np.arange(1.0, 2000.0, 2.0) * math.pi / side
     square = wave[:, None] ** 2 + wave**2
     x = np.sqrt(square) * radius
@@ -59,3 +59,10 @@ def test_glass_may_break_and_layers_are_not_judged():
     light = fm.Sphere(diameter="4 mm", velocity="1 m/s", material="bearing steel")
     effect = {e.name: e for e in choose(fm.Scene(light, layers)).effects}["bending_strength"]
     assert (effect.state, "layers" in effect.reason) == ("not judged", True)
+
+
+def test_a_ball_that_an_infinite_plate_takes_along_is_a_warning():
+    hail = fm.Sphere(diameter="20 mm", velocity="20 m/s", material="ice")
+    history = fm.simulate(fm.Scene(hail, fm.Plate("aluminium", "1 mm")), accuracy=1e-2)
+    assert history.outcome.name == "TIME_LIMIT"
+    assert any("give target.size" in warning for warning in history.warnings)

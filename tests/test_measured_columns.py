@@ -58,6 +58,16 @@ def test_mistakes_of_chosen_columns_have_their_lines(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_per_cent_and_the_way_to_name_other_headings(tmp_path: Path) -> None:
+    path = tmp_path / "rebound.csv"
+    path.write_text("v_in (mm/s);COR [%]\n200;61\n500;50.5\n", "utf-8")
+    with pytest.raises(fm.SceneError, match="headings of another program by --columns"):
+        fd.from_csv(path)
+    ds = fd.from_csv(path, columns={"velocity": "v_in", "restitution": "COR"})
+    assert ds.impactor_velocity.values == pytest.approx([0.2, 0.5])
+    assert ds.coefficient_of_restitution.values == pytest.approx([0.61, 0.505])
+
+
 def test_identify_takes_columns(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "scope.csv"
     path.write_text(SCOPE.format(rows=rows()), "utf-8")

@@ -252,6 +252,12 @@ def test_files_that_are_no_scenes(tmp_path: Path, make: Callable[[Path], None], 
     assert str(caught.value).startswith(f"{path}{said}")
 
 
+def test_a_ball_given_by_its_mass_is_told_its_diameter() -> None:
+    with pytest.raises(SceneError, match=r'a ball of 500 g of steel has "49\.55 mm"'):
+        Sphere(mass="500 g", velocity="1 m/s", material="steel")
+    assert Sphere(diameter="49.55 mm", velocity="1 m/s", material="steel").own_mass == pytest.approx(0.5, rel=1e-3)
+
+
 def test_windows_files_are_read(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     path.write_bytes(b"\xef\xbb\xbf" + GOOD.replace("\n", "\r\n").encode())

@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from sweep_cases import BALL, FILE, PLATE, RANGE, SPEEDS, cli
 
@@ -14,6 +15,8 @@ import film_datasets as fd
 import film_model as fm
 from film_datasets.sweeps import Sweep, read_sweep
 from film_datasets.sweeps.blocks import Blocks
+from film_datasets.sweeps.design_table import over_of_file
+from film_model.scene.toml import LARGEST_FILE
 
 
 def test_designs_draw_from_their_distributions() -> None:
@@ -250,6 +253,17 @@ def test_words_that_need_other_keys_can_be_sections(
     assert words[0] == "hunt-crossley" or "sections" not in str(plain.value)
     (again,) = tomllib.loads(hint.splitlines()[0]).values()  # the example itself is a sweep
     assert fd.sweep(BALL, {section: again})["maximum_force"].shape == (2,)
+
+
+def test_tables_of_pandas(tmp_path: Path) -> None:
+    """The column of the index, which has no heading, is explained; a table may be larger than a scene file."""
+    table = pd.DataFrame({"impactor.velocity [m/s]": np.linspace(1.0, 2.0, 60_000)})
+    table.to_csv(tmp_path / "index.csv")
+    with pytest.raises(fm.SceneError, match=r"column 1 has no heading.*index=False"):
+        over_of_file(tmp_path / "index.csv")
+    table.to_csv(tmp_path / "runs.csv", index=False)
+    assert (tmp_path / "runs.csv").stat().st_size > LARGEST_FILE
+    assert len(over_of_file(tmp_path / "runs.csv")["impactor.velocity"]) == 60_000
 
 
 def test_other_wrong_arguments(tmp_path: Path) -> None:

@@ -84,6 +84,12 @@ def test_a_damaged_file_gives_one_message(tmp_path: Path, content: bytes) -> Non
         fd.open(tmp_path / "y.nc")
 
 
+def test_a_table_is_no_dataset(tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_text("t [s],contact_force [N]\n0,0\n", "utf-8")
+    with pytest.raises(ValueError, match="does not hold the whole dataset"):
+        fd.open(tmp_path / "x.csv")
+
+
 def test_a_foreign_file_gives_one_message(tmp_path: Path) -> None:
     path = tmp_path / "x.nc"
     xr.Dataset({"a": ("x", [1.0])}).to_netcdf(path)

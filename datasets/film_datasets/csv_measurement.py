@@ -18,7 +18,7 @@ from film_datasets.schema import MEASUREMENT, TABLE, Variable, content_sha256
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.units import DIMENSIONS, to_si
 from film_model.scene import STANDARD_GRAVITY
-from film_model.scene.toml import read_text
+from film_model.scene.toml import LARGEST_TABLE, read_text
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -63,6 +63,9 @@ _HEADING = re.compile(r"\s*([^\[(]+?)\s*(?:\[([^\]]*)\]|\(([^)]*)\))?\s*")
 
 _FACTOR = re.compile(r"[+-]?[0-9.]")
 
+_PLAIN = {"-": "", "1": "", "%": "0.01"}
+"""Units of a number without dimension, and their sizes."""
+
 
 def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str, str] | None = None) -> xr.Dataset:
     """A measured history, or measured impacts at several velocities, as a dataset of kind impact_measurement, SI.
@@ -83,7 +86,7 @@ def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str
     >>> fd.from_csv("measured.csv").impactor_velocity.values
     array([0.2, 0.5, 1. ])
     """
-    text, name = read_text(path)
+    text, name = read_text(path, LARGEST_TABLE)
     lines = enumerate(text.splitlines(), 1)
     numbered = [(number, line) for number, line in lines if line.strip() and line.lstrip()[0] != "#"]
     if columns:
@@ -192,7 +195,7 @@ def _columns(
     columns: dict[str, tuple[str, str]] = {}
     for heading, name in zip(headings, names, strict=True):
         if name not in known:
-            hint = did_you_mean(name, [*known, *NAMES, *CONVERTED]) or f"; there are {', '.join(known)}"
+            hint = did_you_mean(name, [*known, *NAMES, *CONVERTED])
             mistakes.append(Mistake(file, line, "", f"column {shown(heading.strip())} is not known{hint}"))
             continue
         if name in columns:
@@ -203,8 +206,8 @@ def _columns(
             dimension = CONVERTED[_name(heading)].dimension
         if dimension == "acceleration" and unit in STANDARD_GRAVITIES:
             unit = "standard_gravity"
-        if dimension == "dimensionless" and unit in ("-", "1"):
-            unit = ""
+        if dimension == "dimensionless":
+            unit = _PLAIN.get(unit, unit)
         try:
             to_si(_size(unit), dimension)
         except ValueError as error:
@@ -213,11 +216,13 @@ def _columns(
         columns[name] = dimension, unit
     along, *others = known
     if along not in names:
-        mistakes.append(
-            Mistake(file, line, "", 'a column "time [us]", "velocity [m/s]" or "drop_height [mm]" is needed')
-        )
+        what = 'a column "time [us]", "velocity [m/s]" or "drop_height [mm]" is needed'
+        mistakes.append(Mistake(file, line, "", what))
     elif not set(others) & set(names):
         mistakes.append(Mistake(file, line, "", f"a column beside {along} is needed: {', '.join(others)}"))
+    if not set(names) <= set(known):
+        what = 'give the headings of another program by --columns (in Python columns): velocity="v_in [mm/s]" and so on'
+        mistakes.append(Mistake(file, line, "", f"{what}; known are {', '.join((*NAMES, *CONVERTED, *known))}"))
     raise_all(mistakes)
     return columns
 

@@ -90,6 +90,8 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     source = Path(path)
     if not source.exists():
         raise FileNotFoundError(f"{source}: there is no such file")
+    if source.suffix in TABLES:
+        raise ValueError(f"{source}: a table does not hold the whole dataset: give the .nc or .zarr it was made from")
     engine = "zarr" if source.is_dir() else "netcdf4"
     try:
         ds = _indexed(xr.open_dataset(source, engine=engine, create_default_indexes=False))

@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Protocol, TypeVar, cast
 
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
-from film_model.base.units import needed, scene_unit, to_si
+from film_model.base.units import format_si, needed, scene_unit, to_si
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,8 @@ def fill_ball(target: object, values: Mapping[str, object]) -> list[Mistake]:
     """As :func:`fill`, for a body that is given by its radius or by its diameter; the radius is stored."""
     diameter = values["diameter"]
     if diameter is None:
-        return fill(target, values)
+        mistakes = fill(target, values)
+        return [one if values["radius"] is not None else _sized(one, target) for one in mistakes]
     mistakes = one_of(target, radius=values["radius"], diameter=diameter)
     radius = 1.0
     try:
@@ -183,6 +184,18 @@ def fill_ball(target: object, values: Mapping[str, object]) -> list[Mistake]:
     except ValueError as error:
         mistakes.append(mistake(target, "diameter", str(error)))
     return mistakes + fill(target, {**values, "radius": f"{radius!r} m"})
+
+
+def _sized(missing: Mistake, ball: Any) -> Mistake:
+    """A mistake; that of a missing radius with the diameter of a ball of the given mass and material."""
+    density = getattr(ball.material, "density", None)
+    if missing.key.rpartition(".")[2] != "radius":
+        return missing
+    if ball.mass is None or density is None:
+        return replace(missing, message=f"{missing.message}, or a diameter")
+    size = format_si((6.0 * ball.mass / (math.pi * density)) ** (1.0 / 3.0), "length")
+    of = f"{format_si(ball.mass, 'mass')} of {ball.material.name or 'this material'}"
+    return replace(missing, message=f'{missing.message}, or a diameter: a ball of {of} has "{size}"')
 
 
 def build(cls: type[AnyPart], table: Mapping[str, object]) -> AnyPart:

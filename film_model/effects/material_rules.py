@@ -63,8 +63,8 @@ def material_damping(case: Case, rule: Rule) -> Effect:
     For a linear spring and dashpot this gives 1 − e = (π/2) tan δ. The loss factors of two bodies are averaged,
     weighted with their compliances. If one body has none, it is taken as 0, and the effect says so; it is not judged if
     the loss is then below the tolerance, but the body has more than a tenth of the compliance. The loss of a body with
-    a prony series is that of the effect viscoelasticity, and 0 here. A body softer than 100 MPa, a rubber or foam, never
-    rebounds without loss: if its loss factor is unknown, the effect matters. A damped law has the losses itself.
+    a prony series is that of the effect viscoelasticity, and 0 here. A body softer than 100 MPa, a rubber or foam,
+    never rebounds without loss: if its loss factor is unknown, the effect matters. A damped law has the losses itself.
     """
     if case.problem.law.damped:
         return rule.absent(f"it is in the law {case.problem.law.name}")
@@ -78,8 +78,8 @@ def material_damping(case: Case, rule: Rule) -> Effect:
     rubber = [part for part in missing if (m := bodies[part]) is not None and m.youngs_modulus < RUBBERY]
     if rubber:
         return rule.failing(
-            f"the loss factor of the {rubber[0]}, as soft as rubber, is not known, so the restitution is too high: give "
-            'loss_factor or prony, or law = "hunt-crossley" with a measured restitution'
+            f"the loss factor of the {rubber[0]}, as soft as rubber, is not known, so the restitution is too high: "
+            'give loss_factor or prony, or law = "hunt-crossley" with a measured restitution'
         )
     if not known:
         return rule.unjudged("missing: " + " and ".join(f"{part}.material.loss_factor" for part in missing))

@@ -14,17 +14,18 @@ from film_model.base.errors import Mistake, SceneError, shown
 from film_model.base.fields import key_text
 
 LARGEST_FILE = 1_000_000  # bytes; a typical scene file has 1000
+LARGEST_TABLE = 100_000_000  # bytes; a million rows of five numbers
 
 
-def read_text(path: str | os.PathLike[str]) -> tuple[str, str]:
-    """The text of a scene or sweep file, and its name as messages show it. Raises SceneError."""
+def read_text(path: str | os.PathLike[str], most: int = LARGEST_FILE) -> tuple[str, str]:
+    """The text of a file of at most `most` bytes, and its name as messages show it. Raises SceneError."""
     name = os.fspath(path)
     shown_name = name if name.isprintable() else ascii(name)
     try:
         with open(path, "rb") as file:
-            data = file.read(LARGEST_FILE + 1)
-        if len(data) > LARGEST_FILE:
-            raise ValueError(f"is larger than {LARGEST_FILE // 1_000_000} MB, and so no scene file")
+            data = file.read(most + 1)
+        if len(data) > most:
+            raise ValueError(f"is larger than {most // 1_000_000} MB, which are read at most")
         text = data.decode("utf-8-sig")
     except OSError as error:
         raise SceneError([Mistake(shown_name, None, "", f"cannot be read: {error.strerror or error}")]) from None

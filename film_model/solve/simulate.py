@@ -120,12 +120,18 @@ def simulate_chosen(choice: Choice, solver: Solver) -> History:
     values = summary_of(problem, status, _Recorded.of(found, native.State.from_buffer_copy(states[-1]), peak))
     summary = {name: None if math.isnan(value) else value for name, value in values.items()}
     warnings.extend(energy_warning(problem, summary))
+    target, outcome = scene.target, _outcome(status)
+    if outcome is Outcome.TIME_LIMIT and target.structural and not target.finite:
+        warnings.append(
+            f"contact does not end: no wave comes back to the impactor in an infinite {target.kind}; "
+            f"give target.{target.extent}"
+        )
     return History(
         scene=scene,
         choice=choice,
         lines=lines,
         events=events,
-        outcome=_outcome(status),
+        outcome=outcome,
         summary=summary,
         accuracy=Accuracy(solver.accuracy, estimated, *counts, lines.size - 1),
         remarks=tuple(warnings),

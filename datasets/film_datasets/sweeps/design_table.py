@@ -12,7 +12,7 @@ import numpy as np
 from film_datasets.csv_measurement import split_heading
 from film_datasets.tables import NEEDS_PARQUET
 from film_model.base.errors import Mistake, SceneError, raise_all, shown
-from film_model.scene.toml import read_text
+from film_model.scene.toml import LARGEST_TABLE, read_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -53,6 +53,10 @@ def over_of_table(table: pd.DataFrame | xr.Dataset, name: str = "table") -> dict
         mistakes.append(Mistake(name, None, "", "no rows: a table with at least one impact is needed"))
     for place, heading in enumerate(map(str, table.columns)):
         path, unit = split_heading(heading)
+        if path in ("", "nan") or path.startswith("Unnamed:"):
+            what = f"column {place + 1} has no heading; if it is the index that pandas writes: to_csv(…, index=False)"
+            mistakes.append(Mistake(name, None, "", what))
+            continue
         column = table.iloc[:, place]
         if path in over:
             mistakes.append(Mistake(name, None, path, "is given by two columns"))
@@ -94,7 +98,7 @@ def _read(path: Path) -> pd.DataFrame:
     if path.suffix != ".csv":
         words = " or ".join(SUFFIXES)
         raise SceneError([Mistake(None, None, "design.file", f"{shown(path.name)}: its name must end in {words}")])
-    text, name = read_text(path)
+    text, name = read_text(path, LARGEST_TABLE)
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
     if len(lines) < 2:
         raise SceneError([Mistake(name, None, "", "a heading and at least one row are needed")])

@@ -47,11 +47,11 @@ class Impact(NamedTuple):
     """An impact, as the rules of a target see it that estimate neglected effects. SI numbers.
 
     mass: of the impactor. force, indentation: maxima. turn: time of the latter. fraction: absorbed part of the impact
-    energy. back: time from the centre of the impulse to the end of contact. motion: the target's displacement over V t_c, m (1 + e)/(Z t_c).
-    by_impedance: the target moves by its impedance. by_compliance: it follows the force statically. vibrates: it moves
-    by its modes; the other numbers are then those of an impact on its impedance or compliance. tolerance: smallest
-    relative change of the summary that matters. held: on a target that does not move, the contact time, s, and the
-    indentation over the force at the maximum, m/N.
+    energy. back: time from the centre of the impulse to the end of contact. motion: the target's displacement over
+    V t_c, m (1 + e)/(Z t_c). by_impedance: the target moves by its impedance. by_compliance: it follows the force
+    statically. vibrates: it moves by its modes; the other numbers are then those of an impact on its impedance or
+    compliance. tolerance: smallest relative change of the summary that matters. held: on a target that does not move,
+    the contact time, s, and the indentation over the force at the maximum, m/N.
     """
 
     mass: float

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from film_model.problem.law_of_scene import YIELDING
-from film_model.problem.problem import Problem
+from film_model.base.arrays import Array
+from film_model.effects.many import hardened
+from film_model.laws import LAWS
+from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw
+from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
+from film_model.scene.columns import scene_of_columns
 
 
 class Decision(NamedTuple):
@@ -47,3 +52,18 @@ def decisions_of(problem: Problem) -> list[Decision]:
         Decision(bool(gravity), bool(motion), static, problem.law.name == YIELDING, bool(harder))
         for gravity, motion, harder in zip(*columns, strict=True)
     ]
+
+
+def decided_impacts(scene: Scene, columns: Mapping[str, Array], count: int) -> Impacts:
+    """Many impacts of a scene that contains a decision; columns: path → SI values. Nothing is tried again."""
+    law = scene.contact.law
+    if law == "auto":
+        law = YIELDING if scene.effects.plasticity else ELASTIC
+    made = SceneLaw.of(scene_of_columns(scene, columns), LAWS[law] if isinstance(law, str) else law)
+    return hardened(Impacts.several(scene, made, np.arange(count), columns))
+
+
+def decided_problem(impacts: Impacts) -> Problem:
+    """The problem of such impacts, which share a curve."""
+    numbers = impacts.numbers
+    return impacts.problem(numbers.impedance, numbers.weight if impacts.base.effects.gravity else impacts.column(0.0))

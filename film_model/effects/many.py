@@ -174,12 +174,12 @@ def _groups(
     """
     for law, yields, own in _laws(part, index):
         made = SceneLaw.of(part if own.size == index.size else _part(scene, columns, own), law)
-        impacts = _hardened(Impacts.several(scene, made, own, _picked(columns, own)))
+        impacts = hardened(Impacts.several(scene, made, own, _picked(columns, own)))
         for places in _shared_curves((impacts.law,), own.size):
             yield impacts if places.size == own.size else impacts.part(places), yields
 
 
-def _hardened(impacts: Impacts) -> Impacts:
+def hardened(impacts: Impacts) -> Impacts:
     """The impacts, those that call for it with the yield strength at their own strain rate."""
     static, count = impacts.law, impacts.numbers.mass.size
     coefficient, wanted = impacts.scene.strain_rate_coefficient, impacts.base.effects.rate_hardening
@@ -223,7 +223,7 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
 
 def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Index]:
     """The impacts of each curve under the laws. Most laws have stages that do not depend on the varied values."""
-    shapes = [shape for law in laws for shape in _shapes(law)]
+    shapes = [shape for law in laws for shape in curve_keys(law)]
     if not shapes:
         yield np.arange(count)
         return
@@ -236,8 +236,8 @@ def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Index]:
         yield np.sort(places)
 
 
-def _shapes(law: SceneLaw) -> list[Array]:
-    """The varied values on which the stages depend, one array each; for a family of curves, the page."""
+def curve_keys(law: SceneLaw) -> list[Array]:
+    """The varied values on which the curve depends, one array each; for a family of curves, the page."""
     shapes: list[Array] = []
     if not isinstance(law.law, AbstractLaw):
         varying = {name: value for name, value in law.values.items() if isinstance(value, np.ndarray)}

@@ -18,7 +18,8 @@ from film_model.problem.problem import refuse_vibrations
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene, Solver
 from film_model.scene.paths import field_at, unit_of
-from film_model.solve.slopes import NO_DERIVATIVE, SMOOTH, STEP, TARGET, Pairs, Slopes, slopes
+from film_model.solve.chain import slopes
+from film_model.solve.slopes import NO_DERIVATIVE, SMOOTH, STEP, TARGET, Pairs, Slopes
 
 POOR = 1e-6
 """Estimated relative error from which a warning names the derivative."""
@@ -137,13 +138,12 @@ def derivatives_of(choice: Choice, solver: Solver, entries: Sequence[Entry]) -> 
     (decision,) = decisions_of(choice.problem)
     found = slopes(pairs_of(decision.put_into(choice.scene), {}, entries, 1), solver, TARGET)
 
-    def table(columns: Mapping[str, Array]) -> dict[str, dict[str, float | None]]:
+    def table(columns: Array) -> dict[str, dict[str, float | None]]:
         return {
             name: {
-                entry.path: None if math.isnan(value) else value
-                for entry, value in zip(entries, column.tolist(), strict=True)
+                entry.path: None if math.isnan(value) else value for entry, value in zip(entries, row, strict=True)
             }
-            for name, column in columns.items()
+            for name, row in zip(SUMMARY, columns.T.tolist(), strict=True)
         }
 
     said = (*_kinks(entries, found), *_poor(entries, found), *_near_thresholds(choice))
@@ -164,7 +164,7 @@ def _kinks(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
     """Sentences about derivatives that are one-sided or do not exist."""
     for k, entry in enumerate(entries):
         side, within = int(found.side[k]), f"within {200.0 * STEP:g} % of {entry.text}"
-        names = [name.replace("_", " ") for name, kinked in found.kinks.items() if kinked[k]]
+        names = [name.replace("_", " ") for name, kinked in zip(SUMMARY, found.kinks[k], strict=True) if kinked]
         if names:
             yield f"no derivative of {', '.join(names)} by {entry.path}: there is a kink or jump {within}"
         if side == SMOOTH:
@@ -182,8 +182,8 @@ def _kinks(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
 
 def _poor(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
     for k, entry in enumerate(entries):
-        worst = max((column[k] for column in found.errors.values() if column[k] > POOR), default=0.0)
-        if worst:
+        worst = max(found.errors[k].tolist(), key=lambda error: error if error > POOR else 0.0)
+        if worst > POOR:
             yield f"derivatives by {entry.path}: estimated relative error up to {worst:.1e}"
 
 

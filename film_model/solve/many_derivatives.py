@@ -15,7 +15,8 @@ from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene, Solver
 from film_model.solve.derivatives import Entry, pairs_of
-from film_model.solve.slopes import NO_DERIVATIVE, slopes
+from film_model.solve.chain import slopes
+from film_model.solve.slopes import NO_DERIVATIVE
 
 
 class ManyDerivatives(NamedTuple):
@@ -52,11 +53,10 @@ def derivatives_of_many(
         own = {path: values[rows] for path, values in columns.items()}
         pairs = pairs_of(decision.put_into(scene), own, entries, rows.size)
         found = slopes(pairs, solver, target)
-        for name, column in found.values.items():
+        for name, column in zip(SUMMARY, found.values.T, strict=True):
             values[name][rows] = column.reshape(rows.size, -1)
         side[rows] = found.side.reshape(rows.size, -1)
-        worst = np.fmax.reduce(list(found.errors.values()))
-        error[rows] = worst.reshape(rows.size, -1)
+        error[rows] = np.fmax.reduce(found.errors, axis=1).reshape(rows.size, -1)
     return ManyDerivatives(values, error, side)
 
 

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from film_model.base.arrays import Array
-from film_model.effects.many import hardened
 from film_model.laws import LAWS
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw
 from film_model.problem.problem import Impacts, Problem
@@ -55,12 +54,12 @@ def decisions_of(problem: Problem) -> list[Decision]:
 
 
 def decided_impacts(scene: Scene, columns: Mapping[str, Array], count: int) -> Impacts:
-    """Many impacts of a scene that contains a decision; columns: path → SI values. Nothing is tried again."""
+    """Many impacts of a scene that contains a decision, with the strength of slow loading; columns: path → SI values."""
     law = scene.contact.law
     if law == "auto":
         law = YIELDING if scene.effects.plasticity else ELASTIC
     made = SceneLaw.of(scene_of_columns(scene, columns), LAWS[law] if isinstance(law, str) else law)
-    return hardened(Impacts.several(scene, made, np.arange(count), columns))
+    return Impacts.several(scene, made, np.arange(count), columns)
 
 
 def decided_problem(impacts: Impacts) -> Problem:

@@ -88,18 +88,17 @@ class Slopes:
         kinks, (other_end, other_stage) = np.zeros(values.shape, np.bool_), np.zeros((2, count), np.bool_)
         return cls(values, errors, np.full(count, NO_DERIVATIVE, np.int8), kinks, other_end, other_stage)
 
-    def put(self, places: Index, slopes: tuple[Array, Array], values: Array, number: Array, factor: float) -> Array:
-        """Set derivatives and errors, except at kinks, from those on two meshes; the largest error of each pair.
+    def put(self, places: Index, slope: Array, change: Array, values: Array, number: Array, factor: float) -> Array:
+        """Set derivatives and errors, except at kinks; the largest error of each pair.
 
-        values: of the summary, and number, by which it is differentiated. factor: bound on the error over the
-        difference.
+        change: of the derivative between two meshes. values: of the summary, and number, by which it is differentiated.
+        factor: bound on the error over the change.
         """
-        rough, fine = slopes
         with np.errstate(invalid="ignore", divide="ignore"):
-            size = np.fmax(abs(fine), abs(values / number[:, None]))
-            error = np.where(rough == fine, 0.0, factor * abs(rough - fine) / size)
+            size = np.fmax(abs(slope), abs(values / number[:, None]))
+            error = np.where(change == 0.0, 0.0, factor * abs(change) / size)
         kinked = self.kinks[places]
-        self.values[places] = np.where(kinked, np.nan, fine)
+        self.values[places] = np.where(kinked, np.nan, slope)
         self.errors[places] = error = np.where(kinked, np.nan, error)
         return np.fmax.reduce(error, axis=1, initial=0.0)
 
@@ -151,7 +150,7 @@ def differences(pairs: Pairs, solver: Solver, target: float, found: Slopes) -> N
     target: estimated error up to which meshes are refined.
     """
     left = np.flatnonzero(found.side == NO_DERIVATIVE)
-    for side, stencil in STENCILS.items():
+    for side, stencil in STENCILS.items() if left.size else ():
         tried = left[pairs.part(left).fits(stencil.offsets)]
         for first in range(0, tried.size, TOGETHER):
             places = tried[first : first + TOGETHER]
@@ -258,7 +257,7 @@ def _differentiate(
     """Set derivatives and errors at `places` from two meshes; the largest error of each pair."""
     weights, base, own = marches.stencil.weights, marches.stencil.base, marches.pairs.part(pairs)
     rough, fine = (applied(marched.summary, weights) / own.step[:, None] for marched in meshes)
-    return found.put(places, (rough, fine), meshes[1].summary[:, :, base], own.value, marches.meshes.factor)
+    return found.put(places, fine, rough - fine, meshes[1].summary[:, :, base], own.value, marches.meshes.factor)
 
 
 def _kinked(summary: Array, base: int) -> Mask:

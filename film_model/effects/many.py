@@ -174,12 +174,12 @@ def _groups(
     """
     for law, yields, own in _laws(part, index):
         made = SceneLaw.of(part if own.size == index.size else _part(scene, columns, own), law)
-        impacts = hardened(Impacts.several(scene, made, own, _picked(columns, own)))
+        impacts = _hardened(Impacts.several(scene, made, own, _picked(columns, own)))
         for places in _shared_curves((impacts.law,), own.size):
             yield impacts if places.size == own.size else impacts.part(places), yields
 
 
-def hardened(impacts: Impacts) -> Impacts:
+def _hardened(impacts: Impacts) -> Impacts:
     """The impacts, those that call for it with the yield strength at their own strain rate."""
     static, count = impacts.law, impacts.numbers.mass.size
     coefficient, wanted = impacts.scene.strain_rate_coefficient, impacts.base.effects.rate_hardening

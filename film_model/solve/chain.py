@@ -20,7 +20,7 @@ from film_model.base.errors import SimulationError
 from film_model.core import native
 from film_model.effects.decided import decided_impacts, decided_problem
 from film_model.effects.edge_effects import edged, infinite_unless_judged
-from film_model.effects.many import curve_keys, hardened
+from film_model.effects.many import curve_keys
 from film_model.effects.rate_hardening import factor_at
 from film_model.problem.law_of_scene import SceneLaw
 from film_model.problem.problem import TRIAL_SEGMENTS, Columns, Impacts, Problem
@@ -116,7 +116,7 @@ def _chains(pairs: Pairs, how: _How) -> Iterator[tuple[Index, _Chain]]:
         step[other[:, 1:].reshape(len(step), numbers, -1).any(axis=2)] = 0.0
         impacts = _beside(pairs, step, how.stencil)
         keys = _keys(impacts.law, len(step))
-    impacts, smooth = _hardened(impacts, len(step), how.stencil)
+    impacts, smooth = _hardened(impacts, pairs.strength, len(step), how.stencil)
     keys = _keys(impacts.law, len(step))
     smooth &= ~(keys != keys[:, :1]).any(axis=(1, 2))
     value, width = pairs.value.reshape(-1, numbers), 1 + numbers * how.stencil.offsets.size
@@ -157,18 +157,20 @@ def _alike(keys: Array, chosen: Mask) -> Iterator[Index]:
         yield np.flatnonzero((kind == k) & chosen)
 
 
-def _hardened(impacts: Impacts, count: int, stencil: _Stencil) -> tuple[Impacts, Mask]:
-    """The impacts with the strengths at their strain rates, if the scene has it so; and of which impacts they are known.
+def _hardened(
+    impacts: Impacts, strength: Array | None, count: int, stencil: _Stencil
+) -> tuple[Impacts, Mask]:
+    """The impacts with the strengths at their strain rates, and of which impacts these are known.
 
-    The strength of each impact itself is settled, that of those beside it follows to first order: with the factor
-    F = φ(F) on the strength, dF = ∂φ/(1 − ∂φ/∂F).
+    strength: of each impact itself, Pa; None without rate hardening. That of those beside it follows to first order:
+    with the factor F = φ(F) on the strength of slow loading, dF = ∂φ/(1 − ∂φ/∂F).
     """
     known = np.ones(count, np.bool_)
-    if not impacts.base.effects.rate_hardening:
+    if strength is None:
         return impacts, known
     width, each, every = impacts.numbers.mass.size // count, stencil.offsets.size, np.arange(count)
-    itself = impacts.part(every * width)
-    settled = hardened(itself).law.strength / itself.law.strength
+    slow = np.broadcast_to(impacts.law.strength, impacts.numbers.mass.shape)[::width]
+    settled = strength[:: strength.size // count] / slow
     places = np.concatenate([np.arange(width), np.zeros(each, np.intp)])
     factor = np.repeat(settled[:, None], places.size, axis=1)
     factor[:, width:] *= 1.0 + stencil.step * stencil.offsets

@@ -136,7 +136,8 @@ def derivatives_of(choice: Choice, solver: Solver, entries: Sequence[Entry]) -> 
     """Derivatives of the summary of an impact whose effects are chosen; SimulationError on a vibrating target."""
     refuse_vibrations(choice.problem, "a derivative")
     (decision,) = decisions_of(choice.problem)
-    found = slopes(pairs_of(decision.put_into(choice.scene), {}, entries, 1), solver, TARGET)
+    strength = np.array([choice.problem.impacts.law.strength]) if decision.hard else None
+    found = slopes(pairs_of(decision.put_into(choice.scene), {}, entries, 1, strength), solver, TARGET)
 
     def table(columns: Array) -> dict[str, dict[str, float | None]]:
         return {
@@ -150,14 +151,20 @@ def derivatives_of(choice: Choice, solver: Solver, entries: Sequence[Entry]) -> 
     return Derivatives({e.path: e for e in entries}, table(found.values), table(found.errors), said)
 
 
-def pairs_of(scene: Scene, columns: Mapping[str, Array], entries: Sequence[Entry], count: int) -> Pairs:
-    """Each of `count` impacts with each of the numbers, those of an impact together. columns: numbers that vary, SI."""
+def pairs_of(
+    scene: Scene, columns: Mapping[str, Array], entries: Sequence[Entry], count: int, strength: Array | None
+) -> Pairs:
+    """Each of `count` impacts with each of the numbers, those of an impact together.
+
+    columns: numbers that vary, SI. strength: of each impact, if the scene has rate hardening.
+    """
     given = {entry.path: np.full(count, entry.value) for entry in entries} | dict(columns)
     which = np.tile(np.arange(len(entries)), count)
     step = np.stack([entry.step(given[entry.path]) for entry in entries], axis=1).ravel()
     low, high = (np.array([getattr(entry, end) for entry in entries])[which] for end in ("low", "high"))
     repeated = {path: np.repeat(values, len(entries)) for path, values in given.items()}
-    return Pairs(scene, repeated, tuple(entry.path for entry in entries), which, step, low, high)
+    hard = None if strength is None else np.repeat(strength, len(entries))
+    return Pairs(scene, repeated, tuple(entry.path for entry in entries), which, step, low, high, hard)
 
 
 def _kinks(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:

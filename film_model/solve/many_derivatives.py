@@ -49,9 +49,12 @@ def derivatives_of_many(
     shape = count, len(entries)
     values = {name: np.full(shape, np.nan) for name in SUMMARY}
     error, side = np.full(shape, np.nan), np.full(shape, NO_DERIVATIVE, np.int8)
-    for decision, rows in _by_decision(problems).items() if entries else ():
+    given = list(problems)
+    strength = _strengths(given, count)
+    for decision, rows in _by_decision(given).items() if entries else ():
         own = {path: values[rows] for path, values in columns.items()}
-        pairs = pairs_of(decision.put_into(scene), own, entries, rows.size)
+        hard = strength[rows] if decision.hard else None
+        pairs = pairs_of(decision.put_into(scene), own, entries, rows.size, hard)
         found = slopes(pairs, solver, target)
         for name, column in zip(SUMMARY, found.values.T, strict=True):
             values[name][rows] = column.reshape(rows.size, -1)
@@ -69,3 +72,12 @@ def _by_decision(problems: Iterable[Problem]) -> dict[Decision, Index]:
         for row, decision in zip(rows_of(problem).tolist(), decisions_of(problem), strict=True):
             found.setdefault(decision, []).append(row)
     return {decision: np.array(sorted(rows), np.intp) for decision, rows in sorted(found.items())}
+
+
+def _strengths(problems: Iterable[Problem], count: int) -> Array:
+    """The yield strength of each impact's law, Pa; nan if it has none."""
+    found = np.full(count, np.nan)
+    for problem in problems:
+        strength = problem.impacts.law.strength
+        found[rows_of(problem)] = np.nan if strength is None else strength
+    return found

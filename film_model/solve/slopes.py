@@ -31,7 +31,7 @@ TARGET, STALLED = 1e-9, 0.5
 """Error to which the derivatives of one impact are refined. Refinement ends, too, where an error falls by less than the
 factor `STALLED`: the rest is rounding."""
 
-FIRST_SEGMENTS, LEAST_SEGMENTS, MOST_SEGMENTS = 48, 6, 3072
+FIRST_SEGMENTS, LEAST_SEGMENTS, MOST_SEGMENTS = 72, 6, 3072
 """Segments per stage of the coarser of the first two meshes, for `TARGET` and at least; and at most."""
 
 KINK = 1e-7
@@ -108,7 +108,8 @@ class Pairs:
     """Impacts, each with the number that is varied.
 
     scene: without decisions of "auto". columns: numbers of the impacts, one each, SI. paths: what is varied; which:
-    the place in `paths` of each pair. step: of each pair, SI. low, high: range of the varied number.
+    the place in `paths` of each pair. step: of each pair, SI. low, high: range of the varied number. strength: of each
+    impact's law at its strain rate, Pa, if the scene has rate hardening.
     """
 
     scene: Scene
@@ -118,12 +119,14 @@ class Pairs:
     step: Array
     low: Array
     high: Array
+    strength: Array | None
 
     def part(self, places: Index) -> Pairs:
         """Some of the pairs."""
         columns = {path: values[places] for path, values in self.columns.items()}
         step, low, high = (values[places] for values in (self.step, self.low, self.high))
-        return Pairs(self.scene, columns, self.paths, self.which[places], step, low, high)
+        strength = None if self.strength is None else self.strength[places]
+        return Pairs(self.scene, columns, self.paths, self.which[places], step, low, high, strength)
 
     @property
     def value(self) -> Array:

@@ -47,7 +47,8 @@ _VALUES, _DEPTH, _STOP = len(native.SUMMARY), native.SUMMARY.index("maximum_inde
 class _Stencil(NamedTuple):
     """step: over the number that is varied. offsets: of the impacts beside the one itself, in steps, the last of which
     is the nearest above it. weights: of the derivative. bend: of a difference that shows a kink, with `own` for the
-    impact itself; kink: the most of it, over the value, of a smooth value."""
+    impact itself; kink: the most of it, over the value, of a smooth value. trial: segments per stage of the march that
+    gives the strain rate."""
 
     step: float
     offsets: Array
@@ -55,6 +56,7 @@ class _Stencil(NamedTuple):
     bend: tuple[float, ...]
     own: float
     kink: float
+    trial: int
 
     def slope(self, beside: Array) -> Array:
         """The derivative per step; beside: values at the offsets, on the last axis but one."""
@@ -72,9 +74,10 @@ def _sum(beside: Array, weights: tuple[float, ...]) -> Array:
 
 
 _FINE = _Stencil(
-    1e-3, np.array([-2.0, 2.0, -1.0, 1.0]), (1 / 12, -1 / 12, -8 / 12, 8 / 12), (1.0, 1.0, -4.0, -4.0), 6.0, KINK
+    *(1e-3, np.array([-2.0, 2.0, -1.0, 1.0]), (1 / 12, -1 / 12, -8 / 12, 8 / 12)),
+    *((1.0, 1.0, -4.0, -4.0), 6.0, KINK, TRIAL_SEGMENTS),
 )
-_COARSE = _Stencil(1e-5, np.array([-1.0, 1.0]), (-0.5, 0.5), (1.0, 1.0), -2.0, 1e-7)
+_COARSE = _Stencil(1e-5, np.array([-1.0, 1.0]), (-0.5, 0.5), (1.0, 1.0), -2.0, 1e-7, TRIAL_SEGMENTS // 2)
 """With errors of about 1e-12, and of about 1e-10."""
 
 
@@ -116,9 +119,11 @@ def _chains(pairs: Pairs, how: _How) -> Iterator[tuple[Index, _Chain]]:
         step[other[:, 1:].reshape(len(step), numbers, -1).any(axis=2)] = 0.0
         impacts = _beside(pairs, step, how.stencil)
         keys = _keys(impacts.law, len(step))
-    impacts, smooth = _hardened(impacts, pairs.strength, len(step), how.stencil)
-    keys = _keys(impacts.law, len(step))
-    smooth &= ~(keys != keys[:, :1]).any(axis=(1, 2))
+    smooth = np.ones(len(step), np.bool_)
+    if pairs.strength is not None:
+        impacts, smooth = _hardened(impacts, pairs.strength[::numbers], how.stencil)
+        keys = _keys(impacts.law, len(step))
+        smooth &= ~(keys != keys[:, :1]).any(axis=(1, 2))
     value, width = pairs.value.reshape(-1, numbers), 1 + numbers * how.stencil.offsets.size
     for rows in _alike(keys, smooth):
         part = impacts if rows.size == len(step) else impacts.part(_inside(rows, width))
@@ -149,7 +154,7 @@ def _keys(law: SceneLaw, count: int) -> Array:
 
 def _alike(keys: Array, chosen: Mask) -> Iterator[Index]:
     """The chosen impacts of each curve."""
-    if keys.shape[2] == 0:
+    if (keys[:, 0] == keys[0, 0]).all():
         kind = np.zeros(len(keys), np.intp)
     else:
         kind = np.unique(keys[:, 0], axis=0, return_inverse=True)[1].ravel()
@@ -157,32 +162,27 @@ def _alike(keys: Array, chosen: Mask) -> Iterator[Index]:
         yield np.flatnonzero((kind == k) & chosen)
 
 
-def _hardened(
-    impacts: Impacts, strength: Array | None, count: int, stencil: _Stencil
-) -> tuple[Impacts, Mask]:
+def _hardened(impacts: Impacts, strength: Array, stencil: _Stencil) -> tuple[Impacts, Mask]:
     """The impacts with the strengths at their strain rates, and of which impacts these are known.
 
-    strength: of each impact itself, Pa; None without rate hardening. That of those beside it follows to first order:
-    with the factor F = φ(F) on the strength of slow loading, dF = ∂φ/(1 − ∂φ/∂F).
+    strength: of each impact itself, Pa. That of those beside it follows to first order: with the factor F = φ(F) on the
+    strength of slow loading, dF = ∂φ/(1 − ∂φ/∂F).
     """
-    known = np.ones(count, np.bool_)
-    if strength is None:
-        return impacts, known
-    width, each, every = impacts.numbers.mass.size // count, stencil.offsets.size, np.arange(count)
-    slow = np.broadcast_to(impacts.law.strength, impacts.numbers.mass.shape)[::width]
-    settled = strength[:: strength.size // count] / slow
+    count, every = strength.size, np.arange(strength.size)
+    width, each = impacts.numbers.mass.size // count, stencil.offsets.size
+    settled = strength / np.broadcast_to(impacts.law.strength, impacts.numbers.mass.shape)[::width]
     places = np.concatenate([np.arange(width), np.zeros(each, np.intp)])
     factor = np.repeat(settled[:, None], places.size, axis=1)
     factor[:, width:] *= 1.0 + stencil.step * stencil.offsets
     wide = impacts.part((every[:, None] * width + places).ravel())
     wide = wide.under(wide.law.strengthened(factor.ravel()))
     keys = _keys(wide.law, count)
-    known &= ~(keys != keys[:, :1]).any(axis=(1, 2))
+    known = ~(keys != keys[:, :1]).any(axis=(1, 2))
     for rows in _alike(keys, known):
         part = wide if rows.size == count else wide.part(_inside(rows, places.size))
         problem = part.problem(part.numbers.impedance, part.column(0.0))
         core, all_ = _Core(problem, rows.size, stencil), np.arange(rows.size)
-        segments = problem.curve.segments(TRIAL_SEGMENTS)
+        segments = problem.curve.segments(stencil.trial)
         gradient = core.gradient(native.mesh(native.WORK_PRESERVING, *segments), all_)
         table = _table(core.values(gradient, all_, slice(None)))
         found = factor_at(problem, np.repeat(gradient.status, places.size), Columns(table.ravel())).reshape(table.shape)

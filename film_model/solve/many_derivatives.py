@@ -65,13 +65,11 @@ def derivatives_of_many(
 
 def _by_decision(problems: Iterable[Problem]) -> dict[Decision, Index]:
     """The impacts of each decision, ascending; without those of viscoelastic bodies."""
-    found: dict[Decision, list[int]] = {}
+    found: dict[Decision, list[Index]] = {}
     for problem in problems:
-        if problem.relaxation is not None:
-            continue
-        for row, decision in zip(rows_of(problem).tolist(), decisions_of(problem), strict=True):
-            found.setdefault(decision, []).append(row)
-    return {decision: np.array(sorted(rows), np.intp) for decision, rows in sorted(found.items())}
+        for decision, mask in decisions_of(problem).items() if problem.relaxation is None else ():
+            found.setdefault(decision, []).append(rows_of(problem)[mask])
+    return {decision: np.sort(np.concatenate(rows)) for decision, rows in sorted(found.items())}
 
 
 def _strengths(problems: Iterable[Problem], count: int) -> Array:

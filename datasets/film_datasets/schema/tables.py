@@ -349,8 +349,9 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
         return (*(v for v in TABLE[kind] if v.name not in later), *constants)
     swept = swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
     dims = tuple(v.dims[0] for v in swept) if "impact" not in ds.sizes else ("impact",)
-    kept = sweep_variables(*(str(ds.attrs.get(name, "")).split() for name in ("kept", "variables")), dims)
-    return (*swept, *(v for v in kept if v.name not in later), *derivatives_in(ds, dims), *constants)
+    kept, chosen = (str(ds.attrs.get(name, "")).split() for name in ("kept", "variables"))
+    own = sweep_variables(kept, chosen, dims)
+    return (*swept, *(v for v in own if v.name not in later), *derivatives_in(ds, dims), *constants)
 
 
 def require(ds: xr.Dataset, names: Iterable[str]) -> None:

@@ -52,7 +52,8 @@ def test_json(capsys):
 
 def test_long_lists_of_events_are_shortened(capsys, tmp_path):
     scene = tmp_path / "laid.toml"
-    text = BALL.read_text(encoding="utf-8").replace("0.25 m/s", "0 m/s")
+    text = BALL.read_text(encoding="utf-8").replace("0.25 m/s", "1 um/s")
+    text = text.replace('"half-space"', '"rod"\ndiameter = "20 mm"').replace('"big-alabo"', '"hertz"')
     scene.write_text(text + "\n[effects]\ngravity = true\n", encoding="utf-8")
     status, out, _ = run(capsys, "run", scene)
     assert status == 0 and len(out.splitlines()) < 60

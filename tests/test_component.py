@@ -332,6 +332,19 @@ def test_a_ball_at_rest_on_a_thin_plate_creeps_in_until_the_time_limit():
     assert 0.99 * on.mass * 9.80665 < last.contact_force < on.mass * 9.80665
 
 
+@pytest.mark.parametrize("law", ["hertz", "tsuji"])
+def test_a_ball_that_is_laid_down_is_followed_for_one_swing(law):
+    given = {"restitution": 0.6} if law == "tsuji" else {}
+    ball = fm.Sphere(radius="10 mm", velocity="0 m/s", material="mild steel")
+    history = fm.simulate(fm.Scene(ball, fm.HalfSpace("mild steel"), fm.Contact(law, **given)))
+    names = [event.name for event in history.events]
+    assert names == ["contact_begins", "maximum_indentation", "impactor_stops", "reloading_begins"]
+    assert history.outcome is fm.Outcome.RESTING and history.summary["contact_duration"] is None
+    if law == "hertz":  # F/W = 5/2 at the deepest point, where the work of the weight equals that of the force
+        weight = history.scene.mass * 9.80665
+        assert history.summary["maximum_force"] == pytest.approx(2.5 * weight, rel=1e-4)
+
+
 @pytest.mark.slow
 @combinations(velocity=["0 m/s", "1 um/s", "0.1 mm/s"], accuracy=[1e-4, 1e-8], fast=2)
 def test_a_creeping_contact_meets_the_requested_accuracy(velocity, accuracy):

@@ -18,6 +18,7 @@ import film_model as fm
 from film_datasets.cost_dataset import study_of
 from film_datasets.schema.tables import ADDED
 from film_model.base.units import si_unit
+from film_model.cli.main import main
 from film_model.core import native
 from film_model.effects.choose import problem_of
 from film_model.solve.history import MOTION, SUMMARY
@@ -367,3 +368,39 @@ def test_cf_checker_finds_nothing(path: Path, tmp_path: Path) -> None:
     )
     assert "All tests passed!" in run.stdout, run.stdout + run.stderr
     assert run.returncode == 0
+
+
+@pytest.mark.slow  # the import of zarr
+def test_a_history_in_a_zarr_folder_is_complete(dataset: xr.Dataset, tmp_path: Path) -> None:
+    pytest.importorskip("zarr")
+    path = fd.write(dataset, tmp_path / "impact.zarr")
+    assert fd.read(path).identical(dataset) and fd.validate(fd.read(path)) == []
+    assert [file.name for file in tmp_path.iterdir()] == ["impact.zarr"]
+    with pytest.raises(FileExistsError, match="overwrite=True"):
+        fd.write(dataset, path)
+    assert fd.read(fd.write(dataset, path, overwrite=True)).identical(dataset)
+    assert main(["run", str(TUNGSTEN), "--output", str(path), "--force"]) == 0
+
+
+def test_events_are_found_by_name(history: fm.History, dataset: xr.Dataset) -> None:
+    assert dataset.film.events() == history.events
+    (deepest,) = dataset.film.events("maximum_indentation")
+    assert deepest.indentation == history.summary["maximum_indentation"]
+    with pytest.raises(ValueError, match='"turn" is no event: there are contact_begins, stage_changes'):
+        dataset.film.events("turn")
+
+
+def test_energies_add_up_at_any_time() -> None:
+    scene = fm.Scene.from_toml(TUNGSTEN.with_name("steel_ball_on_rod.toml")).replace({"effects.gravity": False})
+    history = fm.simulate(scene, accuracy=1e-8)
+    found = fd.to_dataset(history).film.energies(["0 s", "100 us", history.summary["contact_duration"]])
+    total = (found["impactor"] + found["contact"] + found["target"]).values
+    assert total == pytest.approx(scene.kinetic_energy, rel=1e-6)
+    assert float(found["target"][-1]) == pytest.approx(history.summary["energy_radiated"], rel=1e-5)
+    assert float(found["contact"][-1]) == pytest.approx(history.summary["energy_absorbed"], abs=1e-6 * total[0])
+    assert found["contact"].attrs["units"] == "J"
+
+
+def test_a_missing_variable_is_named_by_the_hash(dataset: xr.Dataset) -> None:
+    with pytest.raises(ValueError, match="variable maximum_force missing: dropped or renamed"):
+        fd.content_sha256(dataset.drop_vars("maximum_force"))

@@ -492,3 +492,33 @@ def test_a_damped_contact_that_does_not_end_has_no_dent() -> None:
     ds = fd.sweep(thin, {"impactor.velocity": ["0.1 m/s"]})
     assert ds["status"].item() == 0 and np.isnan(ds["permanent_indentation"].item())
     assert fm.simulate(thin).summary["permanent_indentation"] is None
+
+
+def test_all_impacts_are_sampled_at_once() -> None:
+    """As each by itself from its segments; of a selection, of zipped and of failed impacts too."""
+    ds = fd.sweep(BALL, {**SPEEDS, "contact.law": ["hertz", "stronge"]}, keep="segments")
+    times = ["20 us", "0 s", "2 ms"]
+    together = ds.film.sample(times)
+    assert ds["segment_count"].attrs["sample_dimension"] == "segment" and "indentation" in ds.attrs["keywords"]
+    for law in ("hertz", "stronge"):
+        for speed in ds["impactor_velocity"].values.tolist():
+            where = {"impactor_velocity": speed, "contact_law": law}
+            alone = ds.film.sample(times, **where)
+            for name in ("contact_force", "indentation", "impactor_velocity"):
+                assert together[f"sampled_{name}"].sel(where).values.tolist() == alone[name].values.tolist()
+    some = ds.sel(contact_law="stronge").isel(impactor_velocity=[1, 2]).film.sample(times)
+    assert some["sampled_contact_force"].dims == ("impactor_velocity", "t")
+    assert float(some["sampled_contact_force"][0, 0]) == float(together["sampled_contact_force"][1, 1, 0])
+    over = {"impactor.velocity": ["1 m/s", "1 m/s"], "impactor.mass": ["1 kg", "2 kg"]}
+    zipped = fd.sweep(BALL, over, design="zip").film.sample(["20 us"])["sampled_indentation"].values
+    assert zipped[0, 0] < zipped[1, 0]
+    drawn = fd.sweep(BALL, {"impactor.velocity": {"normal": ["1 m/s", "2 m/s"]}}, design="random", samples=40)
+    force = drawn.film.sample(["5 us"])["sampled_contact_force"]
+    assert (np.isnan(force[:, 0]) == (drawn["status"] != 1)).all() and np.isnan(force).any()
+    plate = BALL.replace(
+        {"target": {"kind": "plate", "material": "mild steel", "thickness": "5 mm", "size": ["9 cm"] * 2}}
+    )
+    with pytest.raises(ValueError, match="vibrating targets have no segments"):
+        fd.sweep(plate, SPEEDS).film.sample(["5 us"])
+    with pytest.raises(ValueError, match="variable segment_phi missing"):
+        ds.drop_vars("segment_phi").film.sample(times, impactor_velocity=0.1, contact_law="hertz")

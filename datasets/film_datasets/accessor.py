@@ -14,18 +14,25 @@ from film_datasets.history_dataset import history_of, lines_of
 from film_datasets.impacts import SEGMENT_UNITS, sample_segments
 from film_datasets.provenance import scene_of
 from film_datasets.quantities import quantified
+from film_datasets.sampling import sample_all
 from film_datasets.scene_constants import check_scene_key, scene_key
-from film_datasets.schema import HISTORY, SWEEP, TABLE, dimension_of, kind_of, require_impacts, words_of
+from film_datasets.schema import HISTORY, SWEEP, TABLE, dimension_of, kind_of, require, require_impacts, words_of
 from film_datasets.sweeps import Sweep, statistics
 from film_model.base import units
+from film_model.base.errors import shown
 from film_model.base.units import to_si
+from film_model.core.native import EVENTS, LINE_DTYPE
+from film_model.plot.history import energies
 from film_model.scene import Scene
 from film_model.scene.paths import number_text
-from film_model.solve.history import MOTION, SUMMARY, History
+from film_model.solve.history import MOTION, SUMMARY, Event, History
 from film_model.solve.simulate import simulate
 
 if TYPE_CHECKING:
     import xarray as xr
+
+ENERGY_STEPS = 4000
+"""The trapezoidal rule is then within 1e-6 of the impact energy (tests/test_datasets.py)."""
 
 
 class Film:
@@ -85,24 +92,61 @@ class Film:
         return simulate(self._impact_scene(where))
 
     def sample(self, times: Any, **where: Any) -> xr.Dataset:
-        """Motion at any times, from the segments in the file: a dataset over t, SI.
+        """Motion at any times: a dataset over t, SI.
 
         times: ["10 us", "20 us"], a pint quantity, or plain seconds; not before first touch. Of a sweep, `where`
-        selects the impact, and segments must have been kept.
+        selects an impact whose segments were kept. Without it, two impacts or more, all or a selection, are simulated
+        again and sampled together: the dataset has their dimensions, too, and its variables are those of
+        `keep="samples=…"`, such as `sampled_contact_force`.
+
+        >>> ds = fd.sweep(scene, {"impactor.velocity": ["1 m/s", "2 m/s"]})
+        >>> ds.film.sample(["5 us"])["sampled_contact_force"].shape
+        (2, 1)
         """
         import xarray as xr
 
-        t = np.atleast_1d(units.array_to_si(times, "time", bare=True))
-        if t.ndim > 1:
-            raise ValueError(f"times must be one list, not of shape {t.shape}")
+        t = _read_times(times)
         if self.kind == HISTORY:
             samples = self.history(**where).sample_si(t)
             motion = {name: getattr(samples, name) for name in MOTION}
+        elif self.kind == SWEEP and not where and self._count > 1:
+            return self._sample_all(t)
         else:
             motion = self._sample_impact(t, where)
         table = {variable.name: variable.attributes() for variable in TABLE[HISTORY]}
         data = {name: ("t", values, table[name]) for name, values in motion.items()}
         return xr.Dataset(data, coords={"t": ("t", t, table["t"])})
+
+    def events(self, name: str | None = None, **where: Any) -> tuple[Event, ...]:
+        """The events of a history or of one impact, in order; name: only those, e.g. "maximum_indentation".
+
+        Raises ValueError for a name that no event has.
+
+        >>> [event.time for event in fd.load("paper_stronge").film.events("contact_begins")]
+        [0.0]
+        """
+        if name is not None and name not in EVENTS[1:]:
+            raise ValueError(f"{shown(name)} is no event: there are {', '.join(EVENTS[1:])}")
+        return tuple(event for event in self.history(**where).events if name in (None, event.name))
+
+    def energies(self, times: Any, **where: Any) -> xr.Dataset:
+        """Energies of a history or of one impact at any times, J: `impactor`, of its motion; `contact`, the work that
+        the contact force has done on the indentation; `target`, what has gone into the target.
+
+        Works are integrated by the trapezoidal rule, over `ENERGY_STEPS` steps up to the last time and all events.
+        """
+        import xarray as xr
+
+        t, history = _read_times(times), self.history(**where)
+        marks = [event.time for event in history.events if event.time <= t.max(initial=0.0)]
+        fine = np.unique(np.concatenate([np.linspace(0.0, t.max(initial=0.0), ENERGY_STEPS + 1), t, marks]))
+        at = np.searchsorted(fine, t)
+        meaning = {"impactor": "of the impactor's motion", "contact": "work done on the indentation"}
+        data = {
+            name: ("t", values[at], {"units": "J", "long_name": meaning.get(name, "gone into the target")})
+            for name, values in energies(history, history.sample_si(fine)).items()
+        }
+        return xr.Dataset(data, coords={"t": ("t", t, {"units": "s", "long_name": "time since first touch"})})
 
     def summary(self, **where: Any) -> dict[str, Any]:
         """Summary values, SI floats, None for what did not happen; of a complete sweep, their statistics.
@@ -127,6 +171,12 @@ class Film:
         `film_datasets.write` accepts it and writes SI numbers.
         """
         return quantified(self._ds)
+
+    @property
+    def _count(self) -> int:
+        """Number of impacts of a sweep."""
+        require_impacts(self._ds)
+        return self._ds["status"].size
 
     @property
     def _is_one(self) -> bool:
@@ -163,14 +213,27 @@ class Film:
             raise KeyError(f"{dim} {value}: there are {', '.join(present)}")
         return present.index(str(value))
 
+    def _sample_all(self, t: NDArray[np.float64]) -> xr.Dataset:
+        """Motion of all impacts, over their dimensions and t."""
+        import xarray as xr
+
+        sweep, status = Sweep.of_dataset(self._ds), self._ds["status"]
+        check_scene_key(self._ds, _key(self._ds, sweep))
+        order = np.argsort(t, kind="stable")
+        motion = sample_all(self._ds, sweep, t[order])
+        table = {variable.name: variable.attributes() for variable in TABLE[HISTORY]}
+        dims, back = (*status.dims, "t"), np.argsort(order, kind="stable")
+        data = {f"sampled_{name}": (dims, values[..., back], table[name]) for name, values in motion.items()}
+        swept = {axis.name: self._ds[axis.name] for axis in sweep.axes}
+        return xr.Dataset(data, coords={"t": ("t", t, table["t"]), **swept})
+
     def _sample_impact(self, t: NDArray[np.float64], where: Mapping[str, Any]) -> dict[str, Any]:
         """Motion of one impact of a sweep, from its segments."""
         if self.kind != SWEEP:
             raise ValueError(f"a dataset of kind {self.kind} has no impacts to sample")
         if "segment_count" not in self._ds.variables:
             raise ValueError('no segments were kept of this sweep (keep="segments"): use ds.film.history(…).sample')
-        if t.min(initial=0.0) < 0.0:
-            raise ValueError("times must not be before first touch (0 s)")
+        require(self._ds, ["segment_begin", *SEGMENT_UNITS, *(f"segment_{name}" for name in LINE_DTYPE.names or ())])
         impact = self._ds.isel(self._indices(where))
         begin, count = int(impact["segment_begin"]), int(impact["segment_count"])
         if not count:
@@ -180,6 +243,16 @@ class Film:
             raise ValueError("segments of this impact are missing: the dimension segment must be complete")
         units = {name: float(impact[name]) for name in SEGMENT_UNITS}
         return sample_segments(self._impact_scene(where), lines, units, t)
+
+
+def _read_times(times: Any) -> NDArray[np.float64]:
+    """Times in a list, s. Raises ValueError for another shape, or a time before first touch."""
+    t = np.atleast_1d(units.array_to_si(times, "time", bare=True))
+    if t.ndim > 1:
+        raise ValueError(f"times must be one list, not of shape {t.shape}")
+    if not (t >= 0.0).all():
+        raise ValueError("times must be finite and not before first touch (0 s)")
+    return t
 
 
 def _key(ds: xr.Dataset, sweep: Sweep) -> int:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import os
-import warnings
 from pathlib import Path
 
 from film_datasets.csv_measurement import from_csv
-from film_datasets.files import NEEDS_ZARR, WRITTEN, ZARR, check_place, open_dataset, write
-from film_datasets.sweeps.block_writers import put_in_place, temporary_path
+from film_datasets.files import SUFFIX, ZARR, check_file, open_dataset, write
 from film_datasets.tables import left_out
 
 
@@ -22,22 +20,10 @@ def convert(source: str | os.PathLike[str], target: str | os.PathLike[str], over
     []
     """
     given, wanted = Path(source), Path(target)
-    if wanted.suffix not in (*WRITTEN, ZARR):
-        raise ValueError(f"{wanted}: its name must end in {', '.join(WRITTEN)} or {ZARR}")
-    check_place(wanted, overwrite)
+    check_file(wanted, overwrite)
     if given.suffix == ".csv":
         write(from_csv(given), wanted, overwrite)
         return []
     with open_dataset(given) as ds:
-        if wanted.suffix != ZARR:
-            write(ds, wanted, overwrite)
-            return left_out(ds) if wanted.suffix != ".nc" else []
-        beside = temporary_path(wanted)
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # consolidated metadata and texts are not yet in the specification
-                ds.drop_encoding().to_zarr(beside, mode="w", zarr_format=3, consolidated=True)
-        except ImportError as error:
-            raise ImportError(f"{wanted}: {NEEDS_ZARR}") from error
-    put_in_place(beside, wanted)
-    return []
+        write(ds, wanted, overwrite)
+        return [] if wanted.suffix in (SUFFIX, ZARR) else left_out(ds)

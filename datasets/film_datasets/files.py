@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shutil
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,15 +13,15 @@ import numpy as np
 from film_datasets.quantities import in_numbers
 from film_datasets.schema import HISTORY, holds_text, kind_of, variables_of
 from film_datasets.tables import TABLES, check_parquet, write_table
-from film_model.base.files import written_whole
+from film_model.base.files import flush, written_whole
 
 if TYPE_CHECKING:
     import xarray as xr
 
 SUFFIX, ZARR = ".nc", ".zarr"
 
-WRITTEN = (SUFFIX, *TABLES)
-"""Suffixes of the files that `write` writes."""
+WRITTEN = (SUFFIX, ZARR, *TABLES)
+"""Suffixes of what `write` writes."""
 
 STORES = ("zarr.json", ".zgroup")
 """A folder that has one of these files is a Zarr store, of format 3 or 2."""
@@ -34,15 +36,16 @@ DEFLATE_FROM = 4096
 
 
 def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False) -> Path:
-    """Write `ds` to the netCDF-4 file `path`, or as a table (see `to_frame`) to a .csv, .parquet or .mat file.
+    """Write `ds` to the netCDF-4 file or Zarr folder `path`, or as a table (see `to_frame`) to a .csv, .parquet or .mat
+    file.
 
-    The file is written under another name in the same folder, flushed to the disk and renamed, so that `path` is never
+    It is written under another name in the same folder, flushed to the disk and renamed, so that `path` is never
     incomplete; the same dataset gives the same bytes. Long variables are shuffled and deflated at level 1. Quantities
     (`ds.film.quantify()`) are written as SI numbers.
 
-    Returns the path. Raises ValueError for another suffix; ImportError for Parquet without pyarrow; FileExistsError if
-    the file exists and `overwrite` is not set; IsADirectoryError, FileNotFoundError, PermissionError or OSError if the
-    file cannot be written.
+    Returns the path. Raises ValueError for another suffix; ImportError for Parquet without pyarrow or Zarr without
+    zarr; FileExistsError if the file exists and `overwrite` is not set; IsADirectoryError, FileNotFoundError,
+    PermissionError or OSError if it cannot be written.
 
     >>> path = fd.write(fd.to_dataset(fm.simulate(scene)), "impact.nc")
     >>> fd.read(path).attrs["outcome"]
@@ -55,6 +58,8 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     target = Path(path)
     check_file(target, overwrite)
     ds = in_numbers(ds)
+    if target.suffix == ZARR:
+        return _write_folder(ds, target)
     try:
         with written_whole(target) as beside:
             if target.suffix in TABLES:
@@ -63,6 +68,19 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
             ds.to_netcdf(beside, mode="w", format="NETCDF4", engine="netcdf4", encoding=_encoding(ds))
     except RuntimeError as error:  # the netCDF library raises it for a full disk
         raise OSError(f"{target}: cannot be written (is the disk full?): {error}") from error
+    return target
+
+
+def _write_folder(ds: xr.Dataset, target: Path) -> Path:
+    """Write a Zarr folder, of format 3."""
+    beside = temporary_path(target)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # consolidated metadata and texts are not yet in the specification
+            ds.drop_encoding().to_zarr(beside, mode="w", zarr_format=3, consolidated=True)
+    except ImportError as error:
+        raise ImportError(f"{target}: {NEEDS_ZARR}") from error
+    put_in_place(beside, target)
     return target
 
 
@@ -129,7 +147,10 @@ def check_file(target: Path, overwrite: bool) -> None:
     """As `check_place`, for a file that `write` writes."""
     if target.suffix not in WRITTEN:
         others = ", ".join(f'"{suffix}"' for suffix in TABLES)
-        raise ValueError(f'{target}: the name of a netCDF file must end in "{SUFFIX}", that of a table in {others}')
+        raise ValueError(
+            f'{target}: the name of a netCDF file must end in "{SUFFIX}", that of a Zarr folder in "{ZARR}", '
+            f"that of a table in {others}"
+        )
     check_parquet(target)
     check_place(target, overwrite)
 
@@ -151,6 +172,27 @@ def check_no_link(target: Path) -> None:
     """Raise FileExistsError for a link, which renaming a finished file would replace."""
     if target.is_symlink():
         raise FileExistsError(f"{target}: is a link, which writing would replace; give the file it points to")
+
+
+def temporary_path(target: Path) -> Path:
+    """Where a file or folder is written before it is renamed to `target`."""
+    return target.absolute().with_name(f".{target.name}.part")
+
+
+def put_in_place(finished: Path, target: Path) -> None:
+    """Rename a finished file (flushed to the disk) or folder to `target`, replacing an older one."""
+    if not finished.is_dir():
+        flush(finished, os.O_RDWR)
+        os.replace(finished, target)
+        return
+    old = target.absolute().with_name(f".{target.name}.old")
+    shutil.rmtree(old, ignore_errors=True)
+    if target.is_dir():
+        os.rename(target, old)
+    else:
+        target.unlink(missing_ok=True)
+    os.rename(finished, target)
+    shutil.rmtree(old, ignore_errors=True)
 
 
 def _encoding(ds: xr.Dataset) -> dict[str, Any]:

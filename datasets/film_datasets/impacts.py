@@ -82,19 +82,22 @@ class Impacts:
 
     def samples(self, count: int) -> dict[str, Array]:
         """Motion at `count` evenly spaced times of each contact: (impacts, count), NaN if the contact does not end."""
-        motion = {name: np.full((self.status.size, count), np.nan) for name in MOTION}
+        return self.motion(np.linspace(0.0, 1.0, count) * self.summary["contact_duration"][:, None])
+
+    def motion(self, times: Array) -> dict[str, Array]:
+        """Motion at ascending times [s] of each impact: (impacts, times); NaN where the times are NaN, and of impacts
+        without segments."""
+        motion = {name: np.full(times.shape, np.nan) for name in MOTION}
         for problem in self._curves():
             index, lines = rows_of(problem), self._record(problem)
-            duration = self.summary["contact_duration"][index]
-            ended = np.flatnonzero(np.isfinite(duration))
-            scales = problem.scales.part((ended, None))
-            t = np.linspace(0.0, 1.0, count) * duration[ended, None]
+            known = np.flatnonzero(np.isfinite(times[index, -1]) & (lines.counts > 0))
+            t, scales = times[index[known]], problem.scales.part((known, None))
             time: Any = scales.time
-            values = sample_many(problem.curve.native, lines.part(ended), t / time)
-            drift, share = problem.drift[ended, None], problem.share[ended, None]
+            values = sample_many(problem.curve.native, lines.part(known), t / time)
+            drift, share = problem.drift[known, None], problem.share[known, None]
             found = motion_of(scales, drift, share, problem.free, t, np.moveaxis(values, -1, 0))
             for name, column in motion.items():
-                column[index[ended]] = found[name]
+                column[index[known]] = found[name]
         return motion
 
     def _curves(self) -> Iterator[Problem]:

@@ -30,6 +30,8 @@ CONVENTIONS = (
     "place on Earth. "
 )
 
+KEYWORDS = "impact, contact mechanics, indentation, contact force, coefficient of restitution, contact law"
+
 
 def provenance(kind: str, *, title: str, summary: str, source: str, command: str, comment: str) -> dict[str, Any]:
     """Attributes of a dataset of `kind`. command: the function or command that made it, for the attribute `history`."""
@@ -38,6 +40,7 @@ def provenance(kind: str, *, title: str, summary: str, source: str, command: str
         "Conventions": "CF-1.11",
         "title": title,
         "summary": summary,
+        "keywords": KEYWORDS,
         "source": source,
         "references": REFERENCES,
         "history": f"{now} {PROGRAM}: {command}",

@@ -66,7 +66,7 @@ def check_writable(path: str, force: bool) -> None:
         raise FileNotFoundError(f"{path}: the folder {folder} does not exist")
     if not os.access(folder, os.W_OK):
         raise PermissionError(f"{path}: the folder {folder} cannot be written to")
-    if os.path.isdir(path):
+    if os.path.isdir(path) and not path.endswith(".zarr"):
         raise IsADirectoryError(f"{path} is a folder, the name of a file is needed")
     if os.path.exists(path) and not force:
         raise FileExistsError(f"{path} exists; use --force to overwrite it")

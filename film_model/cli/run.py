@@ -29,7 +29,7 @@ def add_commands(named: Any) -> None:
     parser: argparse.ArgumentParser = named.add_parser("run", help="simulate the impact of a scene file")
     parser.add_argument("scene", help="scene file (TOML)")
     parser.add_argument(
-        "--output", metavar="FILE", help="write the history: .nc (complete), .csv, .parquet or .mat (motion)"
+        "--output", metavar="FILE", help="write the history: .nc or .zarr (complete), .csv, .parquet or .mat (motion)"
     )
     add_plot(parser, "draw the history")
     how = parser.add_mutually_exclusive_group()

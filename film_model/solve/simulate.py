@@ -44,7 +44,8 @@ def simulate(
     accuracy: relative, of every summary value; or segments: number per stage; both default to the scene's. The method
     is FILM (Big-Alabo, Cartmell & Harrison 2017) with work-preserving segments on graded nodes, of fourth order in the
     number of segments; linearisation="chord" is the paper's, of second order. The error is estimated from the
-    difference of two meshes, one with twice the segments of the other.
+    difference of two meshes, one with twice the segments of the other. An impactor without velocity, which its weight
+    presses in, is followed until it moves in again: that swing repeats or fades.
 
     A target whose vibrations matter is followed by its natural modes, as many as the accuracy needs. The contact of
     viscoelastic bodies is solved by collocation in time, with steps as short as the accuracy needs.
@@ -147,6 +148,9 @@ def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[
     peak = max(state.force_peak, state.force)
     if status == native.EVENT and problem.load > 0.0 and _grazes(problem, state, states):
         status, states = native.OK, states[:-1]  # back at first touch without velocity: the load keeps contact closed
+    returns = np.flatnonzero(states["event"] == native.EVENTS.index("reloading_begins"))
+    if status == native.OK and problem.approach == 0.0 and returns.size:
+        status, states = native.ENDLESS, states[: returns[0] + 1]  # what follows repeats this swing, or fades
     return status, lines, states, peak
 
 

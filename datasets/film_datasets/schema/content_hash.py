@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from film_datasets.schema.tables import variables_of
+from film_datasets.schema.tables import require, variables_of
 from film_datasets.schema.variable import Variable
 
 if TYPE_CHECKING:
@@ -56,13 +56,14 @@ def pieces(array: xr.DataArray) -> Iterator[Any]:
 
 def content_sha256(ds: xr.Dataset) -> str:
     """SHA-256 over name and SHA-256 of every variable of the schema, in its order; numbers as little-endian bytes,
-    texts as lines in UTF-8.
+    texts as lines in UTF-8. Raises ValueError if one is missing.
 
     >>> ds = fd.load("zener")
     >>> fd.content_sha256(ds) == ds.attrs["content_sha256"]
     True
     """
     variables = variables_of(ds)
+    require(ds, (variable.name for variable in variables))
     content = ContentHash(variables)
     for variable in variables:
         for piece in pieces(ds[variable.name]):

@@ -204,6 +204,7 @@ _SWEEP_SEGMENTS = (
     Variable(
         *("segment_count", (IMPACTS,), INTEGER, "1", "number of segments of the impact"),
         comment="segments of all impacts follow each other in the order of the rows, the last dimension fastest",
+        sample_dimension="segment",
     ),
     Variable(
         *("segment_begin", (IMPACTS,), LONG, "1", "number of segments of the impacts before"),

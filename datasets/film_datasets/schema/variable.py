@@ -23,6 +23,7 @@ IMPACTS = "impacts"
 class Variable:
     """One variable. unit: SI, as UDUNITS writes it; None for flags. optional: NaN where there is no value.
 
+    sample_dimension: that along which the variable counts the samples of each impact (CF, contiguous ragged arrays).
     flags: value → meaning. `more` names a list of further meanings that each dataset supplies ("stages" of the law,
     "laws" of a sweep, quantities "out_of_range"); their values count from `more_from`, or the list says them.
     """
@@ -37,6 +38,7 @@ class Variable:
     more: str = ""
     more_from: int = 0
     optional: bool = False
+    sample_dimension: str = ""
 
     def attributes(self, meanings: Mapping[str, Sequence[str] | Mapping[int, str]] | None = None) -> dict[str, Any]:
         """CF attributes of the variable; meanings: the lists that `more` may name."""
@@ -47,6 +49,8 @@ class Variable:
             attributes["units"] = self.unit
         if self.comment:
             attributes["comment"] = self.comment
+        if self.sample_dimension:
+            attributes["sample_dimension"] = self.sample_dimension
         if flags:
             attributes["flag_values"] = np.array([value for value, _ in flags], self.dtype)
             attributes["flag_meanings"] = " ".join(meaning for _, meaning in flags)

@@ -12,9 +12,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from film_datasets.files import DEFLATE_FROM, NEEDS_ZARR, ZARR
+from film_datasets.files import DEFLATE_FROM, NEEDS_ZARR, ZARR, temporary_path
 from film_datasets.schema import TEXT, Variable
-from film_model.base.files import flush
 
 Region = tuple[slice, ...]
 
@@ -54,27 +53,6 @@ class Writer(Protocol):
 def writer_for(target: Path) -> NetCDFWriter | ZarrWriter:
     """The writer for a file name. Raises ImportError for a Zarr folder if zarr is not installed."""
     return ZarrWriter(temporary_path(target)) if target.suffix == ZARR else NetCDFWriter(temporary_path(target))
-
-
-def temporary_path(target: Path) -> Path:
-    """Where a file or folder is written before it is renamed to `target`."""
-    return target.absolute().with_name(f".{target.name}.part")
-
-
-def put_in_place(finished: Path, target: Path) -> None:
-    """Rename a finished file (flushed to the disk) or folder to `target`, replacing an older one."""
-    if not finished.is_dir():
-        flush(finished, os.O_RDWR)
-        os.replace(finished, target)
-        return
-    old = target.absolute().with_name(f".{target.name}.old")
-    shutil.rmtree(old, ignore_errors=True)
-    if target.is_dir():
-        os.rename(target, old)
-    else:
-        target.unlink(missing_ok=True)
-    os.rename(finished, target)
-    shutil.rmtree(old, ignore_errors=True)
 
 
 class MemoryWriter:

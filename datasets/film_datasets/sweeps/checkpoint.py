@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_datasets.files import temporary_path
 from film_datasets.provenance import PROGRAM
-from film_datasets.sweeps.block_writers import temporary_path
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.definition import Sweep
 

@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from film_datasets.files import SUFFIX, ZARR, check_file, check_no_link, check_place, open_dataset, write
+from film_datasets.files import SUFFIX, ZARR, check_file, check_no_link, check_place, open_dataset, put_in_place, write
 from film_datasets.schema import SWEEP, VERSIONS
 from film_datasets.sweeps.attributes import Totals, global_attributes
 from film_datasets.sweeps.block_columns import Columns
-from film_datasets.sweeps.block_writers import MemoryWriter, Writer, put_in_place, writer_for
+from film_datasets.sweeps.block_writers import MemoryWriter, Writer, writer_for
 from film_datasets.sweeps.blocks import Block, Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint
 from film_datasets.sweeps.computed_blocks import Run, computed_blocks

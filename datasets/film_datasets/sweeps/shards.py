@@ -11,12 +11,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from film_datasets.files import ZARR, check_no_link, check_place, open_dataset
+from film_datasets.files import ZARR, check_no_link, check_place, open_dataset, put_in_place
 from film_datasets.provenance import PROGRAM
 from film_datasets.schema import ContentHash, Variable
 from film_datasets.schema.content_hash import pieces
 from film_datasets.sweeps.attributes import Totals, global_attributes
-from film_datasets.sweeps.block_writers import SHARD_BLOCKS, ZarrWriter, put_in_place
+from film_datasets.sweeps.block_writers import SHARD_BLOCKS, ZarrWriter
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint, fingerprint, lock_file
 from film_datasets.sweeps.computed_blocks import Run, computed_blocks

@@ -58,7 +58,10 @@ def decisions_of(problem: Problem) -> dict[Decision, Mask]:
 
 
 def decided_impacts(scene: Scene, columns: Mapping[str, Array], count: int) -> Impacts:
-    """Many impacts of a scene that contains a decision, with the strength of slow loading; columns: path → SI values."""
+    """Many impacts of a scene that contains a decision, with the strength of slow loading.
+
+    columns: path → SI values.
+    """
     law = scene.contact.law
     if law == "auto":
         law = YIELDING if scene.effects.plasticity else ELASTIC

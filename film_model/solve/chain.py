@@ -1,9 +1,9 @@
 """Derivatives of the summary by numbers of a scene, by the chain rule through the few numbers of the core.
 
-The core's summary depends on a handful of dimensionless numbers (`AXES`). Only these are varied in marches. How they, and
-the scales of the summary, depend on the numbers of the scene is found on arrays, without a march. Impacts for which this
-does not serve, because a kink is near or every value of a number has a curve of its own, are left to the differences of
-whole impacts (:mod:`film_model.solve.slopes`).
+The core's summary depends on a handful of dimensionless numbers (`AXES`). Only these are varied in marches. How they,
+and the scales of the summary, depend on the numbers of the scene is found on arrays, without a march. Impacts for which
+this does not serve, because a kink is near or every value of a number has a curve of its own, are left to the
+differences of whole impacts (:mod:`film_model.solve.slopes`).
 """
 
 from __future__ import annotations
@@ -27,7 +27,18 @@ from film_model.problem.problem import TRIAL_SEGMENTS, Columns, Impacts, Problem
 from film_model.problem.varied import Varied
 from film_model.scene import Solver
 from film_model.solve.accuracy import mesh_of
-from film_model.solve.slopes import KINK, MOST_SEGMENTS, SMOOTH, STALLED, STEP, Meshes, Pairs, Slopes, differences, summaries
+from film_model.solve.slopes import (
+    KINK,
+    MOST_SEGMENTS,
+    SMOOTH,
+    STALLED,
+    STEP,
+    Meshes,
+    Pairs,
+    Slopes,
+    differences,
+    summaries,
+)
 
 AXES = ("approach", "gamma", "load", "damping", "stop_velocity")
 """Numbers of a problem on which the core's summary depends, beside those of its curve."""
@@ -203,7 +214,7 @@ class _Gradient(NamedTuple):
 
     def part(self, places: Index) -> _Gradient:
         """Of some of the impacts."""
-        return _Gradient(*(column[places] for column in self))
+        return _Gradient(self.status[places], self.values[places], self.by[places], self.smooth[places])
 
 
 class _Core:
@@ -240,7 +251,7 @@ class _Core:
         return _Gradient(status[:, 0], own[:, 0], by, smooth & ~kinked)
 
     def values(self, gradient: _Gradient, places: Index, beside: Any) -> Array:
-        """(impacts, those beside, values of the core's summary): those of the impact itself, changed by the gradient."""
+        """(impacts, those beside, values of the core's summary): to first order."""
         change = self._change[places][:, beside]
         values = np.repeat(gradient.values[:, None], change.shape[1], axis=1)
         for axis in range(self.axes.size):

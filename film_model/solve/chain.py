@@ -103,6 +103,13 @@ class _How(NamedTuple):
 def slopes(pairs: Pairs, solver: Solver, target: float) -> Slopes:
     """The derivatives of all numbers of some impacts; target: estimated error up to which meshes are refined."""
     found = Slopes.none(pairs.which.size)
+    chain_rule(pairs, solver, target, found)
+    differences(pairs, solver, target, found)
+    return found
+
+
+def chain_rule(pairs: Pairs, solver: Solver, target: float, found: Slopes) -> None:
+    """Set the derivatives of impacts that are smooth and share their curve with those beside them."""
     how = _How(solver, target, _FINE if target < ROUGH else _COARSE)
     numbers = len(pairs.paths)
     together = numbers * max(TOGETHER // (1 + numbers * how.stencil.offsets.size), 1)
@@ -113,8 +120,6 @@ def slopes(pairs: Pairs, solver: Solver, target: float) -> Slopes:
                 _set(found, places.reshape(-1, numbers)[rows], chain)
         except (TypeError, ValueError, SimulationError):  # a law or a target that accepts numbers only
             continue
-    differences(pairs, solver, target, found)
-    return found
 
 
 def _chains(pairs: Pairs, how: _How) -> Iterator[tuple[Index, _Chain]]:

@@ -31,7 +31,7 @@ TARGET, STALLED = 1e-9, 0.5
 """Error to which the derivatives of one impact are refined. Refinement ends, too, where an error falls by less than the
 factor `STALLED`: the rest is rounding."""
 
-FIRST_SEGMENTS, LEAST_SEGMENTS, MOST_SEGMENTS = 72, 6, 3072
+FIRST_SEGMENTS, LEAST_SEGMENTS, MOST_SEGMENTS = 72, 4, 3072
 """Segments per stage of the coarser of the first two meshes, for `TARGET` and at least; and at most."""
 
 KINK = 1e-7

@@ -244,4 +244,5 @@ def test_the_chain_rule_agrees_with_differences_of_whole_impacts(name):
     values = np.array([value or np.nan for value in fm.simulate(one, accuracy=1e-9).summary.values()])
     scale = np.fmax(abs(whole.values), abs(values / pairs.value[:, None]))
     assert np.array_equal(np.isnan(own.values), np.isnan(whole.values))
-    assert np.nanmax(abs(own.values - whole.values) / scale) < 1e-9
+    known = ~np.isnan(own.values)
+    assert (abs(own.values - whole.values) <= 1e-9 * scale)[known].all()

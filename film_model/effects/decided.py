@@ -65,7 +65,7 @@ def decided_impacts(scene: Scene, columns: Mapping[str, Array], count: int) -> I
     law = scene.contact.law
     if law == "auto":
         law = YIELDING if scene.effects.plasticity else ELASTIC
-    made = SceneLaw.of(scene_of_columns(scene, columns), LAWS[law] if isinstance(law, str) else law)
+    made = SceneLaw.of(scene_of_columns(scene, columns), LAWS[law] if isinstance(law, str) else law).reduced()
     return Impacts.several(scene, made, np.arange(count), columns)
 
 

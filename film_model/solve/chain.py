@@ -52,6 +52,9 @@ ROUGH = 1e-6
 MOVES = 1e-9
 """Relative change of a number of the core, over that of a number of the scene, below which it is rounding."""
 
+MOST_AXES = 8
+"""Numbers of the core, up to which they are varied one by one."""
+
 _VALUES, _DEPTH, _STOP = len(native.SUMMARY), native.SUMMARY.index("maximum_indentation"), AXES.index("stop_velocity")
 
 
@@ -233,6 +236,8 @@ class _Core:
         size[:, _STOP] = size[:, 0]  # it may be 0, and is a velocity as the first
         moves = (abs(change).max(axis=1) > MOVES * stencil.step * size).any(axis=0)
         self.axes = np.flatnonzero(moves)
+        if self.axes.size > MOST_AXES:
+            raise ValueError("differences of whole impacts need fewer marches")
         self._change, self._size, self._numbers = change[..., moves], size[:, moves], numbers[:, 0]
 
     def gradient(self, mesh: native.Mesh, places: Index) -> _Gradient:

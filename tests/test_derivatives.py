@@ -9,7 +9,12 @@ from cases import DAMPED, EFFECTIVE_MODULUS, LAWS, MASS, RADIUS, VELOCITY, YIELD
 import film_datasets as fd
 import film_model as fm
 from film_model.base.units import quotient_unit
+from film_model.effects.choose import choose
+from film_model.effects.decided import decisions_of
 from film_model.laws.yielding import yield_velocity
+from film_model.solve.chain import chain_rule
+from film_model.solve.derivatives import entries_of, pairs_of
+from film_model.solve.slopes import SMOOTH, TARGET, Slopes, differences
 from film_model.studies import high_precision
 
 EXACT = 1e-8
@@ -205,3 +210,39 @@ def test_derivatives_have_units_and_do_not_depend_on_each_other():
         assert row["impactor.velocity"] == (None if both is None else pytest.approx(both, rel=1e-11)), name
     assert quotient_unit("length", "length") == "1"
     assert quotient_unit("velocity", "angle") == "m s-1 rad-1"
+
+
+CHAINED = {
+    "auto, hard": (("target.material.yield_strength", "impactor.radius"), fm.HalfSpace("mild steel"), {}),
+    "auto, plate": (("target.thickness", "target.material.density"), fm.Plate("mild steel", thickness="10 mm"), {}),
+    "damped": (
+        ("contact.restitution", "impactor.velocity"),
+        fm.HalfSpace("steel"),
+        {"law": "tsuji", "restitution": 0.8},
+    ),
+    "two curves": (
+        ("contact.unloading_stiffness", "contact.loading_stiffness"),
+        fm.Body("steel", radius="15 mm", velocity="-0.1 m/s"),
+        {"law": "walton-braun", "loading_stiffness": "40 MN/m", "unloading_stiffness": "80 MN/m"},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CHAINED)
+def test_the_chain_rule_agrees_with_differences_of_whole_impacts(name):
+    paths, target, contact = CHAINED[name]
+    one = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), target, fm.Contact(**contact))
+    choice = choose(one)
+    (decision,) = decisions_of(choice.problem)
+    strength = np.array([choice.problem.impacts.law.strength]) if decision.hard else None
+    assert decision.hard == name.startswith("auto")
+    pairs = pairs_of(decision.put_into(one), {}, entries_of(one, paths), 1, strength)
+    own, whole = Slopes.none(2), Slopes.none(2)
+    differences(pairs, one.solver, TARGET, whole)
+    chain_rule(pairs, one.solver, TARGET, own)
+    assert (own.side == SMOOTH).all()
+    values = np.array([value or np.nan for value in fm.simulate(one, accuracy=1e-9).summary.values()])
+    scale = np.fmax(abs(whole.values), abs(values / pairs.value[:, None]))
+    assert np.array_equal(np.isnan(own.values), np.isnan(whole.values))
+    known = ~np.isnan(own.values)
+    assert (abs(own.values - whole.values) <= 1e-9 * scale)[known].all()

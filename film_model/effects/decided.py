@@ -58,11 +58,14 @@ def decisions_of(problem: Problem) -> dict[Decision, Mask]:
 
 
 def decided_impacts(scene: Scene, columns: Mapping[str, Array], count: int) -> Impacts:
-    """Many impacts of a scene that contains a decision, with the strength of slow loading; columns: path → SI values."""
+    """Many impacts of a scene that contains a decision, with the strength of slow loading.
+
+    columns: path → SI values.
+    """
     law = scene.contact.law
     if law == "auto":
         law = YIELDING if scene.effects.plasticity else ELASTIC
-    made = SceneLaw.of(scene_of_columns(scene, columns), LAWS[law] if isinstance(law, str) else law)
+    made = SceneLaw.of(scene_of_columns(scene, columns), LAWS[law] if isinstance(law, str) else law).reduced()
     return Impacts.several(scene, made, np.arange(count), columns)
 
 

@@ -78,6 +78,12 @@ class SceneLaw:
         kind = type(self.law) if isinstance(self.law, AbstractLaw) else self.law
         return SceneLaw(kind, {**values, "yield_strength": self.strength * factor}, self.rule, self.sphere)
 
+    def reduced(self) -> SceneLaw:
+        """The same with a number in place of every array of equal values."""
+        alike = {name: value for name, value in self.values.items() if isinstance(value, np.ndarray)}
+        alike = {name: value.flat[0].item() for name, value in alike.items() if (value == value.flat[0]).all()}
+        return SceneLaw(self.law, {**self.values, **alike}, self.rule, self.sphere)
+
     def part(self, places: Any) -> SceneLaw:
         """The law of some of the impacts."""
         return SceneLaw(self.law, _picked(self.values, places), self.rule, _picked(self.sphere, places))

@@ -1,9 +1,9 @@
 """Derivatives of the summary by numbers of a scene, by the chain rule through the few numbers of the core.
 
-The core's summary depends on a handful of dimensionless numbers (`AXES`). Only these are varied in marches. How they, and
-the scales of the summary, depend on the numbers of the scene is found on arrays, without a march. Impacts for which this
-does not serve, because a kink is near or every value of a number has a curve of its own, are left to the differences of
-whole impacts (:mod:`film_model.solve.slopes`).
+The core's summary depends on a handful of dimensionless numbers (`AXES`). Only these are varied in marches. How they,
+and the scales of the summary, depend on the numbers of the scene is found on arrays, without a march. Impacts for which
+this does not serve, because a kink is near or every value of a number has a curve of its own, are left to the
+differences of whole impacts (:mod:`film_model.solve.slopes`).
 """
 
 from __future__ import annotations
@@ -51,6 +51,9 @@ ROUGH = 1e-6
 
 MOVES = 1e-9
 """Relative change of a number of the core, over that of a number of the scene, below which it is rounding."""
+
+MOST_AXES = 8
+"""Numbers of the core, up to which they are varied one by one."""
 
 _VALUES, _DEPTH, _STOP = len(native.SUMMARY), native.SUMMARY.index("maximum_indentation"), AXES.index("stop_velocity")
 
@@ -103,6 +106,13 @@ class _How(NamedTuple):
 def slopes(pairs: Pairs, solver: Solver, target: float) -> Slopes:
     """The derivatives of all numbers of some impacts; target: estimated error up to which meshes are refined."""
     found = Slopes.none(pairs.which.size)
+    chain_rule(pairs, solver, target, found)
+    differences(pairs, solver, target, found)
+    return found
+
+
+def chain_rule(pairs: Pairs, solver: Solver, target: float, found: Slopes) -> None:
+    """Set the derivatives of impacts that are smooth and share their curve with those beside them."""
     how = _How(solver, target, _FINE if target < ROUGH else _COARSE)
     numbers = len(pairs.paths)
     together = numbers * max(TOGETHER // (1 + numbers * how.stencil.offsets.size), 1)
@@ -113,8 +123,6 @@ def slopes(pairs: Pairs, solver: Solver, target: float) -> Slopes:
                 _set(found, places.reshape(-1, numbers)[rows], chain)
         except (TypeError, ValueError, SimulationError):  # a law or a target that accepts numbers only
             continue
-    differences(pairs, solver, target, found)
-    return found
 
 
 def _chains(pairs: Pairs, how: _How) -> Iterator[tuple[Index, _Chain]]:
@@ -214,7 +222,7 @@ class _Gradient(NamedTuple):
 
     def part(self, places: Index) -> _Gradient:
         """Of some of the impacts."""
-        return _Gradient(*(column[places] for column in self))
+        return _Gradient(self.status[places], self.values[places], self.by[places], self.smooth[places])
 
 
 class _Core:
@@ -228,6 +236,8 @@ class _Core:
         size[:, _STOP] = size[:, 0]  # it may be 0, and is a velocity as the first
         moves = (abs(change).max(axis=1) > MOVES * stencil.step * size).any(axis=0)
         self.axes = np.flatnonzero(moves)
+        if self.axes.size > MOST_AXES:
+            raise ValueError("differences of whole impacts need fewer marches")
         self._change, self._size, self._numbers = change[..., moves], size[:, moves], numbers[:, 0]
 
     def gradient(self, mesh: native.Mesh, places: Index) -> _Gradient:
@@ -251,7 +261,7 @@ class _Core:
         return _Gradient(status[:, 0], own[:, 0], by, smooth & ~kinked)
 
     def values(self, gradient: _Gradient, places: Index, beside: Any) -> Array:
-        """(impacts, those beside, values of the core's summary): those of the impact itself, changed by the gradient."""
+        """(impacts, those beside, values of the core's summary): to first order."""
         change = self._change[places][:, beside]
         values = np.repeat(gradient.values[:, None], change.shape[1], axis=1)
         for axis in range(self.axes.size):

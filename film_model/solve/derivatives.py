@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -53,24 +54,26 @@ class Entry(NamedTuple):
         """The value with its unit."""
         return f"{self.value:.6g} {self.unit}".rstrip()
 
-    def step(self, value: Any) -> Any:
-        """Step of a stencil at some values."""
-        return np.where(value == 0.0, STEP * self.zero_step, STEP * np.abs(value))
-
 
 @dataclass(frozen=True)
 class Derivatives:
     """∂(summary value)/∂(number of the scene) of one impact, SI.
 
     entries: by path. values: by summary name, then by path; None where there is no derivative. errors: the same,
-    estimated, relative to the larger of the derivative and the summary value over the number. warnings: sentences
-    about kinks, one-sided derivatives and effects about to be decided otherwise.
+    estimated, relative to the larger of the derivative and the summary value over the number.
     """
 
     entries: Mapping[str, Entry]
     values: Mapping[str, Mapping[str, float | None]]
     errors: Mapping[str, Mapping[str, float | None]]
-    warnings: tuple[str, ...]
+    _slopes: Slopes = field(repr=False, compare=False)
+    _choice: Choice = field(repr=False, compare=False)
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences about kinks, one-sided derivatives, large errors, and effects about to be decided otherwise."""
+        entries, found = tuple(self.entries.values()), self._slopes
+        return (*_kinks(entries, found), *_poor(entries, found), *_near_thresholds(self._choice))
 
     def of(self, quantity: str, path: str) -> Any:
         """One derivative as a pint quantity; None if there is none. Raises KeyError for an unknown name.
@@ -115,8 +118,8 @@ def entries_of(scene: Scene, paths: Iterable[str]) -> tuple[Entry, ...]:
 def _entry(scene: Scene, path: object) -> Entry:
     if not isinstance(path, str):
         raise ValueError(f'{shown(path)} is not the key of a scene such as "impactor.velocity"')
-    field = field_at(scene, path)
-    if field is None:
+    number = field_at(scene, path)
+    if number is None:
         raise ValueError("is not a number: there is no derivative by it")
     *sections, name = path.split(".")
     owner: Any = scene
@@ -125,11 +128,11 @@ def _entry(scene: Scene, path: object) -> Entry:
     value = getattr(owner, "parameters", {}).get(name, getattr(owner, name, None))
     if value is None or not math.isfinite(value):
         raise ValueError("is not given in the scene: give it there first")
-    of_zero = {"velocity": scene.approach_velocity, "angle": 1.0, "dimensionless": 1.0}.get(field.dimension, 0.0)
+    of_zero = {"velocity": scene.approach_velocity, "angle": 1.0, "dimensionless": 1.0}.get(number.dimension, 0.0)
     if value == 0.0 and not of_zero > 0.0:
         raise ValueError("is 0: a derivative by it needs another value")
-    low, high = (math.inf * sign if end is None else end for end, sign in ((field.low, -1), (field.high, 1)))
-    return Entry(path, float(value), field.dimension, unit_of(scene, field), low, high, of_zero)
+    low, high = (math.inf * sign if end is None else end for end, sign in ((number.low, -1), (number.high, 1)))
+    return Entry(path, float(value), number.dimension, unit_of(scene, number), low, high, of_zero)
 
 
 def derivatives_of(choice: Choice, solver: Solver, entries: Sequence[Entry]) -> Derivatives:
@@ -145,8 +148,7 @@ def derivatives_of(choice: Choice, solver: Solver, entries: Sequence[Entry]) -> 
             for name, row in zip(SUMMARY, columns.T.tolist(), strict=True)
         }
 
-    said = (*_kinks(entries, found), *_poor(entries, found), *_near_thresholds(choice))
-    return Derivatives({e.path: e for e in entries}, table(found.values), table(found.errors), said)
+    return Derivatives({e.path: e for e in entries}, table(found.values), table(found.errors), found, choice)
 
 
 def pairs_of(
@@ -157,12 +159,13 @@ def pairs_of(
     columns: numbers that vary, SI. strength: of each impact, if the scene has rate hardening.
     """
     given = {entry.path: np.full(count, entry.value) for entry in entries} | dict(columns)
-    which = np.tile(np.arange(len(entries)), count)
-    step = np.stack([entry.step(given[entry.path]) for entry in entries], axis=1).ravel()
-    low, high = (np.array([getattr(entry, end) for entry in entries])[which] for end in ("low", "high"))
-    repeated = {path: np.repeat(values, len(entries)) for path, values in given.items()}
+    value = np.stack([given[entry.path] for entry in entries], axis=1)
+    step = STEP * np.where(value == 0.0, [entry.zero_step for entry in entries], abs(value))
+    low, high = (np.tile([getattr(entry, end) for entry in entries], count) for end in ("low", "high"))
+    columns = {path: np.repeat(values, len(entries)) for path, values in given.items()}
+    paths, which = tuple(entry.path for entry in entries), np.tile(np.arange(len(entries)), count)
     hard = None if strength is None else np.repeat(strength, len(entries))
-    return Pairs(scene, repeated, tuple(entry.path for entry in entries), which, step, low, high, hard)
+    return Pairs(scene, columns, paths, which, value.ravel(), step.ravel(), low, high, hard)
 
 
 def _kinks(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:

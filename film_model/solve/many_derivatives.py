@@ -14,8 +14,8 @@ from film_model.effects.many import rows_of
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene, Solver
-from film_model.solve.derivatives import Entry, pairs_of
 from film_model.solve.chain import slopes
+from film_model.solve.derivatives import Entry, pairs_of
 from film_model.solve.slopes import NO_DERIVATIVE
 
 

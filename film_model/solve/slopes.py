@@ -31,7 +31,7 @@ TARGET, STALLED = 1e-9, 0.5
 """Error to which the derivatives of one impact are refined. Refinement ends, too, where an error falls by less than the
 factor `STALLED`: the rest is rounding."""
 
-FIRST_SEGMENTS, LEAST_SEGMENTS, MOST_SEGMENTS = 72, 6, 3072
+FIRST_SEGMENTS, LEAST_SEGMENTS, MOST_SEGMENTS = 72, 4, 3072
 """Segments per stage of the coarser of the first two meshes, for `TARGET` and at least; and at most."""
 
 KINK = 1e-7
@@ -108,7 +108,7 @@ class Pairs:
     """Impacts, each with the number that is varied.
 
     scene: without decisions of "auto". columns: numbers of the impacts, one each, SI. paths: what is varied; which:
-    the place in `paths` of each pair. step: of each pair, SI. low, high: range of the varied number. strength: of each
+    the place in `paths` of each pair. value, step: of the varied number, SI; low, high: its range. strength: of each
     impact's law at its strain rate, Pa, if the scene has rate hardening.
     """
 
@@ -116,6 +116,7 @@ class Pairs:
     columns: Mapping[str, Array]
     paths: Sequence[str]
     which: Index
+    value: Array
     step: Array
     low: Array
     high: Array
@@ -124,14 +125,9 @@ class Pairs:
     def part(self, places: Index) -> Pairs:
         """Some of the pairs."""
         columns = {path: values[places] for path, values in self.columns.items()}
-        step, low, high = (values[places] for values in (self.step, self.low, self.high))
+        value, step, low, high = (column[places] for column in (self.value, self.step, self.low, self.high))
         strength = None if self.strength is None else self.strength[places]
-        return Pairs(self.scene, columns, self.paths, self.which[places], step, low, high, strength)
-
-    @property
-    def value(self) -> Array:
-        """The number that is varied, of each pair."""
-        return np.stack([self.columns[path] for path in self.paths])[self.which, np.arange(self.which.size)]
+        return Pairs(self.scene, columns, self.paths, self.which[places], value, step, low, high, strength)
 
     def fits(self, offsets: Array) -> Mask:
         """Whether a stencil is within the range of scenes."""
@@ -216,12 +212,8 @@ class _Marches:
             status[rows], core = problem.march(mesh_of(self._solver, problem.curve.segments(n)))
             stage[rows] = core.stage
             summary[:, rows] = summaries(problem, status[rows], core)
-        whole = _Marched(
-            summary.reshape(-1, count, width).transpose(1, 0, 2),
-            status.reshape(count, width),
-            stage.reshape(count, width),
-        )
-        return whole.part(places)
+        table = summary.reshape(-1, count, width).transpose(1, 0, 2)
+        return _Marched(table, status.reshape(count, width), stage.reshape(count, width)).part(places)
 
 
 def summaries(problem: Problem, status: Any, core: Any) -> Array:

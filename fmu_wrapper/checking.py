@@ -25,6 +25,7 @@ from film_model.solve.relaxed import tolerance_for
 from fmu_wrapper import related
 from fmu_wrapper.assumptions import served
 from fmu_wrapper.checking_contact import compared_contact
+from fmu_wrapper.checking_slopes import compared_slopes
 from fmu_wrapper.cosimulation import EXCHANGE_SOLVER, run
 from fmu_wrapper.findings import STEPS_TOLERANCE, Finding
 from fmu_wrapper.instance import Fmu, opened
@@ -98,7 +99,7 @@ def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
         component, counts = component_of(on, fmu.data), segments_of(fmu.data)
         gap = fmu.data.start[reference("initial_gap")]
         modes, exchange = fmu.data.modes.count, has_exchange(fmu.data)
-        tolerance = fmu.data.relaxation.tolerance
+        tolerance, slopes = fmu.data.relaxation.tolerance, list(compared_slopes(fmu, stop))
     if modes > 0:
         findings = [Finding("vibrations", abs(component.modes - modes), 0.0, f"the library uses {component.modes}")]
     elif tolerance > 0.0:
@@ -120,7 +121,7 @@ def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
         step = stop / 200.0
         ds = run(path, mode="exchange", step_size=step)
         findings += _compared("Model Exchange", ds, component, step, EXCHANGE_TOLERANCE)
-    return Report(str(path), problems, tuple(findings))
+    return Report(str(path), problems, (*findings, *slopes))
 
 
 def _compared_segments(on: Scene, counts: tuple[int, int]) -> Finding:

@@ -25,6 +25,7 @@ from film_model.solve.relaxed import tolerance_for
 from fmu_wrapper import related
 from fmu_wrapper.assumptions import served
 from fmu_wrapper.checking_contact import compared_contact
+from fmu_wrapper.checking_slopes import compared_slopes
 from fmu_wrapper.cosimulation import EXCHANGE_SOLVER, run
 from fmu_wrapper.findings import STEPS_TOLERANCE, Finding
 from fmu_wrapper.instance import Fmu, opened
@@ -98,7 +99,7 @@ def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
         component, counts = component_of(on, fmu.data), segments_of(fmu.data)
         gap = fmu.data.start[reference("initial_gap")]
         modes, exchange = fmu.data.modes.count, has_exchange(fmu.data)
-        tolerance = fmu.data.relaxation.tolerance
+        tolerance, slopes = fmu.data.relaxation.tolerance, list(compared_slopes(fmu, stop))
     if modes > 0:
         findings = [Finding("vibrations", abs(component.modes - modes), 0.0, f"the library uses {component.modes}")]
     elif tolerance > 0.0:
@@ -120,7 +121,7 @@ def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
         step = stop / 200.0
         ds = run(path, mode="exchange", step_size=step)
         findings += _compared("Model Exchange", ds, component, step, EXCHANGE_TOLERANCE)
-    return Report(str(path), problems, tuple(findings))
+    return Report(str(path), problems, (*findings, *slopes))
 
 
 def _compared_segments(on: Scene, counts: tuple[int, int]) -> Finding:
@@ -198,7 +199,7 @@ def _compared_motion(
         off = np.abs(ours - theirs[name]) / (size if size > 0.0 else 1.0)
         if name in _JUMP and component.problem.curve.pulls:
             off[_near(times, events, ("contact_begins", "contact_ends"))] = 0.0
-        if name in _RATES and component.problem.compliance > 0.0:
+        if name in _RATES and roots:
             off[_near(times, events, native.EVENTS)] = 0.0
         limit = RATES_TOLERANCE if roots and name in _RATES else allowed
         findings.append(Finding(f"{what}: {name}", float(off.max()), limit, f"t = {times[off.argmax()]:.6g} s"))
@@ -207,7 +208,7 @@ def _compared_motion(
 
 def _near(times: NDArray[np.float64], events: list[tuple[float, str]], kinds: Collection[str]) -> NDArray[np.bool_]:
     """Times, but for rounding, of such events. The force of a law that pulls jumps where a contact begins or ends; on a
-    static stiffness the rate of indentation jumps where the stiffness of the contact changes."""
+    static stiffness, also of omitted vibrations, the rate of indentation jumps where that of the contact changes."""
     jumps = np.array([time for time, name in events if name in kinds])
     return (np.abs(times[:, None] - jumps) <= JUMP * times[-1]).any(axis=1)
 

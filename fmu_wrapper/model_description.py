@@ -18,6 +18,7 @@ from fmu_wrapper.resource import Data, has, has_exchange
 from fmu_wrapper.variables import (
     EVENT_KINDS,
     KINDS,
+    LEFT,
     PHASES,
     STATES,
     VARIABLES,
@@ -280,6 +281,7 @@ def _structure(root: ET.Element, data: Data, chosen: list[Variable], version: Fm
     states = STATES if kind == "impact" and exchange else ()
     rates = [next(v for v in chosen if v.rate_of == state) for state in states]
     initial = [v for v in chosen if v in outputs or v in rates]
+    parameters = [v.name for v in chosen if v.causality[kind] == "parameter"]
 
     def place(v: Variable | str) -> str:
         name = v if isinstance(v, str) else v.name
@@ -295,7 +297,9 @@ def _structure(root: ET.Element, data: Data, chosen: list[Variable], version: Fm
 
     def unknown(v: Variable) -> dict[str, str]:
         damped = v.depends_damped.get(kind, ()) if data.curve.stage[0].damped else ()
-        names = (*v.depends.get(kind, ()), *damped)
+        left = version == 3 and kind == "impact" and data.modes.count == 0 and v.name in LEFT
+        by = parameters if left else ()  # FMI 2.0 has no parameters among the knowns of outputs
+        names = (*v.depends.get(kind, ()), *damped, *by)
         return row(v, (name for name in names if exchange or name not in STATES))
 
     def initially(v: Variable) -> dict[str, str]:

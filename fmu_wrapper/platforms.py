@@ -41,7 +41,7 @@ SOURCES = (
         f"{RUNTIME}/model{part}.c"
         for part in (
             *("", "_events", "_contact", "_curve", "_outputs", "_validity", "_exchange", "_modes", "_beside"),
-            "_stresses",
+            *("_stresses", "_slopes"),
         )
     ),
     *(f"{RUNTIME}/{name}.c" for name in ("resource", "instance", "fmi2", "fmi3")),

@@ -318,6 +318,14 @@ EVENT_TIMES = {variable.name: variable.event for variable in VARIABLES if variab
 """Outputs that are times of events, and the events, in the order of events at one time."""
 
 
+LEFT = tuple(
+    v.name
+    for v in VARIABLES
+    if v.type == Real and v.variability == "discrete" and "impact" in v.causality and v.name != "mean_contact_force"
+)
+"""Outputs that events and contacts leave: an impact in Co-Simulation has their derivatives by parameters."""
+
+
 def reference(name: str) -> int:
     """The value reference of a variable."""
     return next(k for k, variable in enumerate(VARIABLES) if variable.name == name)

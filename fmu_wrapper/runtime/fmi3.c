@@ -189,7 +189,7 @@ static fmi3Status dependencies(instance *i, const char *function, fmi3ValueRefer
                                fmi3ValueReference independents[], size_t of[], fmi3DependencyKind kinds[]) {
     *count = 0;
     if (dependent >= VARIABLES || VARIABLE[dependent].role[i->data->kind] != OUTPUT || model_depends(&i->model, dependent, TIME) < 0)
-        return (fmi3Status)instance_error(i, function, "value reference %u is not a continuous output", dependent);
+        return (fmi3Status)instance_error(i, function, "value reference %u is not a real output", dependent);
     for (unsigned known = 0; known < VARIABLES; known++) {
         if (model_depends(&i->model, dependent, known) != 1) continue;
         if (independents) {

@@ -190,13 +190,14 @@ int instance_derivatives(instance *i, const char *function, const unsigned *unkn
     NEED(knowns, known_count);
     NEED(seed, adjoint ? unknown_count : known_count);
     NEED(sensitivity, adjoint ? known_count : unknown_count);
+    model_slopes slopes = {.by = VARIABLES};
     for (size_t k = 0; k < (adjoint ? known_count : unknown_count); k++) sensitivity[k] = 0.0;
-    for (size_t row = 0; row < unknown_count; row++)
-        for (size_t column = 0; column < known_count; column++) {
+    for (size_t column = 0; column < known_count; column++)
+        for (size_t row = 0; row < unknown_count; row++) {
             double partial;
-            if (model_partial(&i->model, unknowns[row], knowns[column], &partial) < 0) return report_model_error(i, function);
-            if (adjoint) sensitivity[column] += partial * seed[row];
-            else sensitivity[row] += partial * seed[column];
+            if (model_derivative(&i->model, unknowns[row], knowns[column], i->state.mode == INITIALIZATION, &slopes, &partial) < 0)
+                return report_model_error(i, function);
+            sensitivity[adjoint ? column : row] += partial * seed[adjoint ? row : column];
         }
     return GOOD;
 }

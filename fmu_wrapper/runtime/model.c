@@ -157,6 +157,8 @@ int model_initialize(model *m, double time) {
     memcpy(&now->reported, &now->actual, sizeof now->reported);
     now->announced = 0;
     now->step_force = now->impulse = now->released = now->external = 0.0;
+    memcpy(now->first_inputs, &value[EXTERNAL_FORCE], sizeof now->first_inputs);
+    now->varied = 0;
     now->contact_speed = m->data->speed / now->velocity;
     now->states[0] = -gap;
     now->states[1] = contact ? 0.0 : value[INITIAL_VELOCITY];
@@ -192,6 +194,7 @@ static int apply_inputs(model *m) {
     if (status < 0) return model_core_error(m, status);
     now->load = load;
     now->support = support;
+    now->varied = 1;
     return 0;
 }
 

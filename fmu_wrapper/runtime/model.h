@@ -96,6 +96,7 @@ typedef struct {
     double step_force;                           /* mean contact force over the last communication step, N */
     double impulse, released, external;          /* of contact, N s; work done by the contact force on the impactor, and by
                                                     gravity and external force, J */
+    double first_inputs[2];                      /* those at the start, as `value` */
     double committed_time, committed_indentation, committed_rate; /* contact: last accepted point of the path, SI */
     double indentation, rate;                    /* contact: at the current time, set or extrapolated, m and m/s */
     double recoil;                               /* velocity of a vibrating target's struck point, over the velocity scale */
@@ -104,7 +105,8 @@ typedef struct {
     model_record actual, reported; /* after the latest event; as outputs show it, until the next model_report */
     int32_t initialized;           /* the parameters are in use */
     int32_t importer_integrates;   /* Model Exchange */
-    int32_t announced, padding;    /* of validity: what has been logged */
+    int32_t announced;             /* of validity: what has been logged */
+    int32_t varied;                /* the inputs in use have changed since the start */
 } model_memory;
 
 typedef struct {
@@ -139,10 +141,19 @@ void model_free(model *m);
 
 int model_set(model *m, unsigned reference, double value);
 int model_get(model *m, unsigned reference, double *value);
-/* Partial derivative of an output with respect to an input or state. */
-int model_partial(model *m, unsigned unknown, unsigned known, double *partial);
-/* Whether an output depends directly on a variable: 1 or 0; -1: not a continuous output. */
+/* Whether an output depends directly on a variable: 1 or 0; -1: not a real output. */
 int model_depends(const model *m, unsigned unknown, unsigned known);
+
+/* Derivatives of all outputs by one parameter, and which of them have a kink or a jump there. */
+typedef struct {
+    unsigned by; /* VARIABLES: none yet */
+    double value[VARIABLES];
+    int kinked[VARIABLES];
+} model_slopes;
+
+/* Derivative of an output with respect to an input, a state or a parameter; `slopes` keeps those by the latest parameter.
+ * initial: in Initialization Mode. */
+int model_derivative(model *m, unsigned unknown, unsigned known, int initial, model_slopes *slopes, double *derivative);
 
 /* Compute scales, mesh and state from the parameters. time: start of the simulation, s. */
 int model_initialize(model *m, double time);

@@ -139,10 +139,14 @@ static int get_output(model *m, unsigned reference, double *value) {
 /* Variables of Model Exchange only. */
 static int is_exchanged(unsigned reference) { return reference >= RATE_OF_INDENTATION; }
 
+int model_has(const model *m, unsigned reference) {
+    return reference < VARIABLES && VARIABLE[reference].role[m->data->kind] != ABSENT &&
+           (reference >= SETTABLE || m->data->available[reference]) && (model_has_exchange(m->data) || !is_exchanged(reference));
+}
+
 int model_get(model *m, unsigned reference, double *value) {
     *value = 0.0;
-    if (reference >= VARIABLES || VARIABLE[reference].role[m->data->kind] == ABSENT ||
-        (reference < SETTABLE && !m->data->available[reference]) || (!model_has_exchange(m->data) && is_exchanged(reference)))
+    if (!model_has(m, reference))
         return model_error(m, "this FMU has no variable with value reference %u", reference);
     if (get_output(m, reference, value) < 0) return -1;
     return isfinite(*value) ? 0 : model_not_finite(m, VARIABLE[reference].name);
@@ -150,6 +154,10 @@ int model_get(model *m, unsigned reference, double *value) {
 
 static int is_state(unsigned reference) {
     return reference == INDENTATION || reference == IMPACTOR_VELOCITY || reference == TARGET_DISPLACEMENT;
+}
+
+int model_is_parameter(const model *m, unsigned reference) {
+    return model_has(m, reference) && VARIABLE[reference].role[m->data->kind] == PARAMETER;
 }
 
 int model_depends(const model *m, unsigned unknown, unsigned known) {
@@ -163,11 +171,6 @@ int model_depends(const model *m, unsigned unknown, unsigned known) {
     case CONTACT_FORCE: return by_force;
     case INDENTATION: return impact && known == INDENTATION;
     case KINETIC_ENERGY: return known == IMPACTOR_VELOCITY;
-    case MEAN_CONTACT_FORCE:
-    case CONTACT_IMPULSE:
-    case CONTACT_ENERGY:
-    case TARGET_ENERGY:
-    case EXTERNAL_WORK: return 0;
     case IMPACTOR_VELOCITY:
     case TARGET_DISPLACEMENT: return known == unknown;
     case IMPACTOR_DISPLACEMENT: return known == INDENTATION || known == TARGET_DISPLACEMENT;
@@ -178,18 +181,20 @@ int model_depends(const model *m, unsigned unknown, unsigned known) {
     case TARGET_VELOCITY: return by_force || known == SUPPORT_VELOCITY;
     case RATE_OF_IMPACTOR_VELOCITY:
     case IMPACTOR_ACCELERATION: return by_force || known == EXTERNAL_FORCE;
-    default: return -1;
+    default: break;
     }
+    if (!model_is_discrete(unknown)) return -1;
+    return impact && unknown != MEAN_CONTACT_FORCE && !vibrates(m) && model_is_parameter(m, known);
 }
 
 int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
     motion current;
     *partial = 0.0;
     if (unknown >= VARIABLES || VARIABLE[unknown].role[m->data->kind] != OUTPUT || model_depends(m, unknown, known) < 0)
-        return model_error(m, "%s is not a continuous output", unknown < VARIABLES ? VARIABLE[unknown].name : "the unknown");
+        return model_error(m, "%s is not a real output", unknown < VARIABLES ? VARIABLE[unknown].name : "the unknown");
     int state = is_state(known) && model_has_exchange(m->data);
     if (known >= VARIABLES || (VARIABLE[known].role[m->data->kind] != INPUT && !(m->data->kind == IMPACT && state)))
-        return model_error(m, "%s is neither an input nor a state", known < VARIABLES ? VARIABLE[known].name : "the known");
+        return model_error(m, "%s is neither an input, a state nor a parameter", known < VARIABLES ? VARIABLE[known].name : "the known");
     if (!m->memory.initialized && model_initialize(m, m->memory.start_time) < 0) return -1;
     if (!model_depends(m, unknown, known)) return 0;
     if (compute_motion(m, &current, 1) < 0) return -1;

@@ -12,6 +12,14 @@ int model_error(model *m, const char *format, ...);
 int model_core_error(model *m, int status);
 int model_not_finite(model *m, const char *name);
 
+/* Whether this FMU has the variable; whether it is a discrete output that is a real number. */
+int model_has(const model *m, unsigned reference);
+int model_is_discrete(unsigned reference);
+int model_is_parameter(const model *m, unsigned reference);
+
+/* Partial derivative of an output with respect to an input or state. */
+int model_partial(model *m, unsigned unknown, unsigned known, double *partial);
+
 /* The indentation in a state, over the length scale, without the deflection of a static stiffness. */
 double model_indentation(const model *m, const film_state *state);
 

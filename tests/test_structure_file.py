@@ -8,6 +8,7 @@ import netCDF4
 import numpy as np
 import pytest
 
+import film_datasets as fd
 import film_model as fm
 from film_model.cli.main import main
 from film_model.effects.choose import choose
@@ -229,6 +230,22 @@ def test_a_structure_that_only_moves_as_a_whole_is_a_free_body():
     body = fm.simulate(scene(fm.Body("mild steel", radius="1 km", mass="50 g"))).summary
     for name in ("maximum_force", "contact_duration", "rebound_velocity"):
         assert found[name] == pytest.approx(body[name], rel=1e-4)
+
+
+def test_the_motion_that_a_sweep_keeps():
+    part = fm.Structure(frequency=["500 Hz"], modal_mass=["50 g"], material="mild steel")
+    speeds = {"impactor.velocity": ["0.1 m/s", "0.2 m/s"]}
+    kept = fd.sweep(scene(part), speeds, keep="samples=11")
+    for k, speed in enumerate(speeds["impactor.velocity"]):
+        one = fm.simulate(scene(part).replace({"impactor.velocity": speed}))
+        times = np.linspace(0.0, 1.0, 11) * one.summary["contact_duration"]
+        for name in ("contact_force", "target_displacement"):
+            exact = getattr(one.sample_si(times), name)
+            assert kept[f"sampled_{name}"].values[k] == pytest.approx(exact, abs=1e-3 * exact.max())
+    without = fd.sweep(scene(part), speeds, keep="segments")
+    assert "2 of 2 impacts are on targets that vibrate, whose segments are not kept" in str(without.attrs["warnings"])
+    with pytest.raises(ValueError, match="segments are not kept of a target that vibrates"):
+        without.film.sample([1e-5], impactor_velocity="0.1 m/s")
 
 
 @pytest.mark.slow

@@ -28,6 +28,7 @@ from film_model.solve.accuracy import mesh_of
 from film_model.solve.batch import simulate_many
 from film_model.solve.derivatives import Entry, entries_of
 from film_model.solve.history import MOTION
+from film_model.solve.simulate import simulate_quietly
 from film_model.solve.many_derivatives import ManyDerivatives, derivatives_of_many
 
 SEGMENT_UNITS = (*(f"scale_{scale.name}" for scale in fields(Scales)), "drift_velocity", "impactor_share")
@@ -70,9 +71,15 @@ class Impacts:
     estimated: Array
     _problems: tuple[Problem, ...] = field(repr=False)
     _segments: NDArray[np.int32] = field(repr=False)
+    _numbers: Mapping[str, Array] = field(repr=False)
+
+    @property
+    def on_modes(self) -> NDArray[np.bool_]:
+        """Which impacts are on targets that vibrate: their motion has no segments of the march."""
+        return (self._segments[:, 0] == 0) & (self.status >= 0)
 
     def segments(self) -> Iterator[Segments]:
-        """The closed-form segments of all impacts that have a contact law."""
+        """The closed-form segments of all impacts that have a contact law, except those on targets that vibrate."""
         for problem in self._curves():
             units = {f"scale_{name}": value for name, value in vars(problem.scales).items()}
             units.update(drift_velocity=problem.drift, impactor_share=problem.share)
@@ -81,7 +88,10 @@ class Impacts:
             yield Segments(index, self._record(problem), units)
 
     def samples(self, count: int) -> dict[str, Array]:
-        """Motion at `count` evenly spaced times of each contact: (impacts, count), NaN if the contact does not end."""
+        """Motion at `count` evenly spaced times of each contact: (impacts, count), NaN if the contact does not end.
+
+        On targets that vibrate, of the first contact; these impacts are simulated again, one by one.
+        """
         motion = {name: np.full((self.status.size, count), np.nan) for name in MOTION}
         for problem in self._curves():
             index, lines = rows_of(problem), self._record(problem)
@@ -95,6 +105,12 @@ class Impacts:
             found = motion_of(scales, drift, share, problem.free, t, np.moveaxis(values, -1, 0))
             for name, column in motion.items():
                 column[index[ended]] = found[name]
+        duration = self.summary["contact_duration"]
+        for row in np.flatnonzero(self.on_modes & np.isfinite(duration)).tolist():
+            own = scene_with_numbers(self.scene, {path: float(values[row]) for path, values in self._numbers.items()})
+            found = simulate_quietly(own).sample_si(np.linspace(0.0, 1.0, count) * duration[row])
+            for name, column in motion.items():
+                column[row] = getattr(found, name)
         return motion
 
     def _curves(self) -> Iterator[Problem]:
@@ -154,6 +170,7 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
         found.estimated,
         found.problems,
         found.segments,
+        numbers,
     )
 
 

@@ -28,8 +28,8 @@ from film_model.solve.accuracy import mesh_of
 from film_model.solve.batch import simulate_many
 from film_model.solve.derivatives import Entry, entries_of
 from film_model.solve.history import MOTION
-from film_model.solve.simulate import simulate_quietly
 from film_model.solve.many_derivatives import ManyDerivatives, derivatives_of_many
+from film_model.solve.simulate import simulate_quietly
 
 SEGMENT_UNITS = (*(f"scale_{scale.name}" for scale in fields(Scales)), "drift_velocity", "impactor_share")
 """Values that convert an impact's segments to SI, by the names of the schema."""

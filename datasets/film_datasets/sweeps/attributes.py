@@ -171,10 +171,8 @@ def _warnings(sweep: Sweep, totals: Totals) -> list[str]:
     ]
     warnings = [f"{totals.failed.total()} of {sweep.size} impacts failed: {', '.join(reasons)}"] if reasons else []
     if totals.unkept:
-        advice = "keep samples, or simulate these impacts again"
-        warnings.append(
-            f"{totals.unkept} of {sweep.size} impacts are on targets that vibrate, whose segments are not kept: {advice}"
-        )
+        advice = "segments of such motion are not kept: keep samples, or simulate these impacts again"
+        warnings.append(f"{totals.unkept} of {sweep.size} impacts are on targets that vibrate: {advice}")
     for law, count in zip(sweep.laws, totals.energy_gains.tolist(), strict=True):
         if count:
             warnings.append(f"law {law}: in {count} impacts its unloading returns more energy than its loading stored")

@@ -8,6 +8,7 @@ import netCDF4
 import numpy as np
 import pytest
 
+import film_datasets as fd
 import film_model as fm
 from film_model.cli.main import main
 from film_model.effects.choose import choose
@@ -28,9 +29,9 @@ def written(tmp_path):
     return write
 
 
-def scene(target, **effects):
+def scene(target, gravity=False):
     ball = fm.Sphere("10 mm", "0.1 m/s", material="mild steel")
-    return fm.Scene(ball, target, fm.Contact("hertz"), fm.Effects(gravity=False, **effects))
+    return fm.Scene(ball, target, fm.Contact("hertz"), fm.Effects(gravity=gravity))
 
 
 def test_a_csv_file(written):
@@ -210,6 +211,41 @@ def test_on_the_command_line(tmp_path, capsys, monkeypatch):
         .err.strip()
         .endswith('target.file: "modes.csv", line 2: modal_mass is "x", a number is needed')
     )
+
+
+@pytest.mark.parametrize("least", ["1e-6 Hz", "1e-4 Hz", "1 Hz"])
+def test_slow_vibrations_are_as_motions_of_the_whole_structure(least):
+    """Finite-element programs give a motion as a whole a small frequency: the ball is gone before it matters."""
+    masses = ["1 kg", "0.1 kg", "0.1 kg"]
+    lowest, steel = (least, "0 Hz"), "mild steel"
+    parts = [fm.Structure(material=steel, frequency=[f, "1 kHz", "2.5 kHz"], modal_mass=masses) for f in lowest]
+    slow, free = (fm.simulate(scene(part, gravity="auto")) for part in parts)
+    assert slow.outcome is fm.Outcome.SEPARATED and slow.vibration.summary.lines < free.vibration.summary.lines + 5
+    for name in ("maximum_force", "contact_duration", "rebound_velocity"):
+        assert slow.summary[name] == pytest.approx(free.summary[name], rel=1e-6)
+
+
+def test_a_structure_that_only_moves_as_a_whole_is_a_free_body():
+    found = fm.simulate(scene(fm.Structure(frequency=["0 Hz"], modal_mass=["50 g"], material="mild steel"))).summary
+    body = fm.simulate(scene(fm.Body("mild steel", radius="1 km", mass="50 g"))).summary
+    for name in ("maximum_force", "contact_duration", "rebound_velocity"):
+        assert found[name] == pytest.approx(body[name], rel=1e-4)
+
+
+def test_the_motion_that_a_sweep_keeps():
+    part = fm.Structure(frequency=["500 Hz"], modal_mass=["50 g"], material="mild steel")
+    speeds = {"impactor.velocity": ["0.1 m/s", "0.2 m/s"]}
+    kept = fd.sweep(scene(part), speeds, keep="samples=11")
+    for k, speed in enumerate(speeds["impactor.velocity"]):
+        one = fm.simulate(scene(part).replace({"impactor.velocity": speed}))
+        times = np.linspace(0.0, 1.0, 11) * one.summary["contact_duration"]
+        for name in ("contact_force", "target_displacement"):
+            exact = getattr(one.sample_si(times), name)
+            assert kept[f"sampled_{name}"].values[k] == pytest.approx(exact, abs=1e-3 * exact.max())
+    without = fd.sweep(scene(part), speeds, keep="segments")
+    assert "2 of 2 impacts are on targets that vibrate: segments of such" in str(without.attrs["warnings"])
+    with pytest.raises(ValueError, match="segments are not kept of a target that vibrates"):
+        without.film.sample([1e-5], impactor_velocity="0.1 m/s")
 
 
 @pytest.mark.slow

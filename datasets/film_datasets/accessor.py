@@ -16,7 +16,17 @@ from film_datasets.provenance import scene_of
 from film_datasets.quantities import quantified
 from film_datasets.sampling import sample_all
 from film_datasets.scene_constants import check_scene_key, scene_key
-from film_datasets.schema import HISTORY, SWEEP, TABLE, dimension_of, kind_of, require, require_impacts, words_of
+from film_datasets.schema import (
+    HISTORY,
+    SWEEP,
+    TABLE,
+    dimension_of,
+    has_failed,
+    kind_of,
+    require,
+    require_impacts,
+    words_of,
+)
 from film_datasets.sweeps import Sweep, statistics
 from film_model.base import units
 from film_model.base.errors import shown
@@ -236,6 +246,8 @@ class Film:
         require(self._ds, ["segment_begin", *SEGMENT_UNITS, *(f"segment_{name}" for name in LINE_DTYPE.names or ())])
         impact = self._ds.isel(self._indices(where))
         begin, count = int(impact["segment_begin"]), int(impact["segment_count"])
+        if not count and not has_failed(impact["status"].values):
+            raise ValueError("segments are not kept of a target that vibrates: use ds.film.history(…).sample")
         if not count:
             raise ValueError("this impact failed: it has no segments")
         lines = lines_of(self._ds.isel(segment=slice(begin, begin + count)))

@@ -29,6 +29,7 @@ from film_model.solve.batch import simulate_many
 from film_model.solve.derivatives import Entry, entries_of
 from film_model.solve.history import MOTION
 from film_model.solve.many_derivatives import ManyDerivatives, derivatives_of_many
+from film_model.solve.simulate import simulate_quietly
 
 SEGMENT_UNITS = (*(f"scale_{scale.name}" for scale in fields(Scales)), "drift_velocity", "impactor_share")
 """Values that convert an impact's segments to SI, by the names of the schema."""
@@ -70,9 +71,15 @@ class Impacts:
     estimated: Array
     _problems: tuple[Problem, ...] = field(repr=False)
     _segments: NDArray[np.int32] = field(repr=False)
+    _numbers: Mapping[str, Array] = field(repr=False)
+
+    @property
+    def on_modes(self) -> NDArray[np.bool_]:
+        """Which impacts are on targets that vibrate: their motion has no segments of the march."""
+        return (self._segments[:, 0] == 0) & (self.status >= 0)
 
     def segments(self) -> Iterator[Segments]:
-        """The closed-form segments of all impacts that have a contact law."""
+        """The closed-form segments of all impacts that have a contact law, except those on targets that vibrate."""
         for problem in self._curves():
             units = {f"scale_{name}": value for name, value in vars(problem.scales).items()}
             units.update(drift_velocity=problem.drift, impactor_share=problem.share)
@@ -81,12 +88,15 @@ class Impacts:
             yield Segments(index, self._record(problem), units)
 
     def samples(self, count: int) -> dict[str, Array]:
-        """Motion at `count` evenly spaced times of each contact: (impacts, count), NaN if the contact does not end."""
+        """Motion at `count` evenly spaced times of each contact: (impacts, count), NaN if the contact does not end.
+
+        On targets that vibrate, of the first contact.
+        """
         return self.motion(np.linspace(0.0, 1.0, count) * self.summary["contact_duration"][:, None])
 
     def motion(self, times: Array) -> dict[str, Array]:
         """Motion at ascending times [s] of each impact: (impacts, times); NaN where the times are NaN, and of impacts
-        without segments."""
+        that failed. Impacts on targets that vibrate have no segments: they are simulated again, one by one."""
         motion = {name: np.full(times.shape, np.nan) for name in MOTION}
         for problem in self._curves():
             index, lines = rows_of(problem), self._record(problem)
@@ -98,6 +108,11 @@ class Impacts:
             found = motion_of(scales, drift, share, problem.free, t, np.moveaxis(values, -1, 0))
             for name, column in motion.items():
                 column[index[known]] = found[name]
+        for row in np.flatnonzero(self.on_modes & np.isfinite(times[:, -1])).tolist():
+            own = scene_with_numbers(self.scene, {path: float(values[row]) for path, values in self._numbers.items()})
+            found = simulate_quietly(own).sample_si(times[row])
+            for name, column in motion.items():
+                column[row] = getattr(found, name)
         return motion
 
     def _curves(self) -> Iterator[Problem]:
@@ -157,6 +172,7 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
         found.estimated,
         found.problems,
         found.segments,
+        numbers,
     )
 
 

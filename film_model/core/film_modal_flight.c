@@ -14,6 +14,9 @@ static const double GRAZING = 2.0 / 3.0;
 /* A jump is worthwhile beyond this many steps. */
 static const double JUMP_STEPS = 2.0;
 
+/* A mode is slow that turns by less than this angle [rad] while a jump begins to be worthwhile. */
+static const double SLOW = 1e-3;
+
 /* A touch is sought to this fraction of the march's unit of time. */
 static const double LANDING = 1e-12;
 
@@ -48,20 +51,39 @@ static void start_flight(const film_structure *structure, film_modal *s, double 
     s->flight_size = FILM_FLIGHTS / 2;
 }
 
-/* The first time at which the modes could bring the struck point to the impactor: INFINITY if never. */
-static double earliest(const film_structure *structure, const film_modal *s, const double *waves) {
-    double x = s->x, v = s->v, a = s->load / (s->unit * s->unit);
-    const double *begin = waves + begins_at(structure, s);
-    for (int32_t i = 0; i < structure->rigid; i++) {
-        x -= begin[i];
-        v -= begin[structure->modes + i];
-    }
-    double gap = fmax(s->contact.xi_free - x - s->reach, 0.0), root = v * v + 2.0 * a * gap;
-    if (gap == 0.0 && s->reach > 0.0) return 0.0; /* a structure at rest may be touched without ever being pressed */
+/* The first time at which the impactor's depth x + v t + a t^2/2 reaches a structure that comes to meet it by `reach`: INFINITY
+ * if never. */
+static double meeting(const film_modal *s, double x, double v, double a, double reach) {
+    double gap = fmax(s->contact.xi_free - x - reach, 0.0), root = v * v + 2.0 * a * gap;
+    if (gap == 0.0 && reach > 0.0) return 0.0; /* a structure at rest may be touched without ever being pressed */
     if (a == 0.0) return v > 0.0 ? gap / v : INFINITY;
     if (root < 0.0) return INFINITY;
     if (v > 0.0) return 2.0 * gap / (v + sqrt(root));
     return a > 0.0 ? (sqrt(root) - v) / a : INFINITY;
+}
+
+/* A time before which the modes cannot bring the struck point to the impactor under a load; at least `enough`, if that is
+ * easily shown; INFINITY if never. A mode moves by at most its amplitude A, and from w with the velocity u by at least
+ * u t - omega^2 A t^2/2. The latter serves slow modes, whose amplitudes may be beyond all the rest: without a load, an impactor
+ * that leaves them behind is out of reach. */
+static double earliest(const film_structure *structure, const film_modal *s, const double *waves, double load, double enough) {
+    int32_t n = structure->modes, i;
+    double x = s->x, v = s->v, a = load / (s->unit * s->unit), reach = s->reach;
+    const double *begin = waves + begins_at(structure, s);
+    for (i = 0; i < structure->rigid; i++) {
+        x -= begin[i];
+        v -= begin[n + i];
+    }
+    double away = a == 0.0 && v < 0.0 ? (x + reach - s->contact.xi_free) / -v : INFINITY, wait = meeting(s, x, v, a, reach);
+    for (; i < n && wait <= enough && structure->frequency[i] * enough < SLOW; i++) {
+        double omega = structure->frequency[i], amplitude = hypot(begin[i], begin[n + i] / omega);
+        x -= begin[i];
+        v -= begin[n + i];
+        a += omega * omega * amplitude;
+        reach = i + 1 < n ? fmax(reach - amplitude, 0.0) : 0.0;
+        wait = fmax(wait, meeting(s, x, v, a, reach));
+    }
+    return wait >= away ? INFINITY : wait;
 }
 
 /* The modes after `h` of flight, and the state's end with them. */
@@ -123,6 +145,14 @@ static void land(const film_structure *structure, film_modal *s, double *waves, 
     s->ends = ENDS_EDGE;
 }
 
+static double worthwhile_jump(const film_structure *structure, const film_modal *s) {
+    return JUMP_STEPS * ldexp(structure->longest, -s->flight_level);
+}
+
+int film_leaves(const film_structure *structure, const film_modal *s, const double *waves) {
+    return earliest(structure, s, waves, 0.0, worthwhile_jump(structure, s)) == INFINITY;
+}
+
 /* Plans the next part of a flight: a jump over the time in which no touch is possible, else a step. A step is as long as it
  * surely ends before a touch; the shortest ones see every touch, and end there. */
 int film_plan_flight(film_structure *structure, const film_curve *curve, film_modal *s, double *waves) {
@@ -131,10 +161,11 @@ int film_plan_flight(film_structure *structure, const film_curve *curve, film_mo
     if (s->flight_level < 0) start_flight(structure, s, waves);
     int in_dent = s->contact.damper > 0.0 && curve->stage[0].damped && s->x - s->shift > s->contact.xi_free;
     int32_t k = in_dent ? 0 : s->flight_size;
-    double shortest = ldexp(structure->longest, -s->flight_level), wait = earliest(structure, s, waves);
+    double shortest = ldexp(structure->longest, -s->flight_level), worthwhile = worthwhile_jump(structure, s);
+    double wait = earliest(structure, s, waves, s->load, in_dent ? 0.0 : worthwhile);
     s->ends = ENDS_NODE;
     s->event_at = INFINITY;
-    if (wait > JUMP_STEPS * shortest) {
+    if (wait > worthwhile) {
         s->kind = FILM_STEP_JUMP;
         s->h = wait;
         if (wait < INFINITY) jump(structure, s, waves, wait);

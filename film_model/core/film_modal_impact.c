@@ -7,7 +7,7 @@
 /* A turn counts as deeper than those before only beyond this factor, as in film_marched.c. */
 static const double DEEPER = 1.0 + 1e-10;
 
-enum { MOST_EVENTS = 1000000 }; /* of one impact */
+enum { COSTLY_MODES = 100 }; /* a step takes twice as long, so that half as many are allowed: some seconds in all */
 
 static double now_of(const film_modal *s) { return s->time + s->tau; }
 
@@ -71,7 +71,7 @@ static void note_event(const film_structure *structure, const film_curve *curve,
     }
 }
 
-/* How long a flight is followed: as long as the impact so far, and for the longest period; not beyond the limit under a load. */
+/* How long a flight is followed: as long as the impact so far, and for the longest period. */
 static double patience(const film_structure *structure, const film_modal *s) {
     double slowest = structure->rigid < structure->modes ? 2.0 * PI / structure->frequency[structure->rigid] : 0.0;
     return now_of(s) + fmax(now_of(s), slowest);
@@ -81,16 +81,18 @@ int film_modal_go_on(film_structure *structure, const film_curve *curve, double 
                      film_modal_summary *summary, film_modal_record *record) {
     double until = s->contact.branch == FILM_FREE && summary->contacts > 0 ? patience(structure, s) : limit;
     int status = FILM_OK, in_flight = s->contact.branch == FILM_FREE;
+    int32_t most = FILM_MAX_STEP_LINES / (1 + structure->modes / COSTLY_MODES);
     for (int32_t k = 0; status >= 0; k++) {
         if (!has_room(record)) return FILM_FULL;
-        if (k >= FILM_MAX_STEP_LINES || s->steps >= FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
+        if (k >= most || s->steps >= most) return FILM_TOO_MANY;
         if (!s->has_step) {
             status = film_plan_step(structure, curve, s, waves);
             if (status < 0) break;
             if (record != NULL && !in_flight && s->h > 0.0) record_segment(structure, s, waves, s->kind, record);
         }
         double dt = fmax(until - now_of(s), 0.0);
-        if (s->h == INFINITY) status = FILM_ENDLESS; /* out of reach, or at rest */
+        int fallen = in_flight && s->load > 0.0 && summary->contacts > 0 && film_leaves(structure, s, waves);
+        if (s->h == INFINITY || fallen) status = FILM_ENDLESS; /* out of reach, or at rest; a fall back is another impact */
         else status = film_advance(structure, curve, s, &dt);
         if (status < 0 || status == FILM_ENDLESS) break;
         if (status == FILM_EVENT) {

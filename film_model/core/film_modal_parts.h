@@ -103,6 +103,9 @@ int film_plan_step(film_structure *structure, const film_curve *curve, film_moda
 int film_advance(const film_structure *structure, const film_curve *curve, film_modal *s, double *dt);
 
 /* film_modal_flight.c */
+/* Whether an impactor in a planned flight leaves the modes' reach, and only the load may bring it back. */
+int film_leaves(const film_structure *structure, const film_modal *s, const double *waves);
+
 int film_plan_flight(film_structure *structure, const film_curve *curve, film_modal *s, double *waves);
 
 #endif

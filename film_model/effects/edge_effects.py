@@ -33,6 +33,12 @@ REFLECTIONS, INERTIA = "boundary_reflections", "target_inertia"
 LARGE_MASS = 2.0
 """Impactor mass over that of a plate of unknown modes, from which the static stiffness is simulated."""
 
+SLOW = 0.1
+"""ω t_c of a vibration, t_c being the contact time, below which it does not follow the force."""
+
+CLOSE = 1e-3
+"""Relative accuracy of that contact time."""
+
 _RATIO = "vibration/static force"
 _SOURCE = "vibration of a support that a contact loads suddenly, to first order"
 
@@ -80,7 +86,7 @@ def support_of(impacts: Impacts) -> Supported:
         return edges.vibrating()
     if target.compliance is None:
         raise SimulationError(f"effects.boundary_reflections is true, but the {target.kind} has no {target.extent}")
-    static = f"a static stiffness of {1 / target.compliance:.4g} N/m"
+    static = f"a static stiffness of {1 / target.compliance:.4g} N/m" if target.compliance else "no static stiffness"
     if inertia is False and not target.held:
         raise SimulationError(
             f"effects.target_inertia is false, but nothing holds the {target.kind}: it has no static stiffness"
@@ -199,8 +205,8 @@ class _Edges:
         return Support(math.inf, self.scene.target.compliance or 0.0), (kept, self._inertia(state, reason, FREE))
 
     def vibrating(self) -> Supported:
-        """The support and effects of vibrations; other effects are tried on the softer of impedance and stiffness."""
-        infinite, compliance = self.on_infinite, 0.0 if self.no_static else self.scene.target.compliance or 0.0
+        """The support and effects of vibrations; other effects are tried on the stiffer of impedance and stiffness."""
+        infinite, compliance = self.on_infinite, 0.0 if self.no_static else felt_compliance(self.impacts)
         support = Support(math.inf, compliance, vibrates=True)
         trusted = infinite is not None and infinite.trial.ends
         if infinite and trusted and (self.no_static or not _force(infinite) < _force(self.on_static)):
@@ -213,6 +219,30 @@ class _Edges:
         value, tolerance = self.inertia, self.scene.effect_tolerance
         size = None if value is None else min(value, 1.0)
         return Effect(INERTIA, _RATIO, value, tolerance, size, state, reason, _SOURCE, cost)
+
+
+def felt_compliance(impacts: Impacts) -> float:
+    """The part of a structure's static compliance [m/N] that the contact feels; all of it if the structure has waves.
+
+    In a vibration with ω t_c below `SLOW` the struck point moves as with a free mass, though its compliance is that of
+    a soft spring: finite-element programs give motions of the whole structure such frequencies. t_c is the contact time
+    on a fixed target, lengthened by the compliance felt and shortened by these masses.
+    """
+    scene, compliance = impacts.base, impacts.base.target.compliance or 0.0
+    fixed = impacts.problem(math.inf, 0.0)
+    if not compliance or not endless(scene.target.impedance) or not fixed.trial.ends:
+        return compliance
+    core, scales = fixed.trial.summary, fixed.scales
+    shortest = core.contact_duration * scales.time
+    contact = core.maximum_indentation * scales.length / _force(fixed)
+    duration, modes = shortest, scene.target.modes(SLOW / shortest)
+    while True:
+        slow = modes.below(SLOW / duration)
+        felt = scene.target.omitted(slow, SLOW / duration)
+        lasts = shortest * math.sqrt((1.0 + felt / contact) / (1.0 + scene.mass * float(slow.share.sum())))
+        if lasts <= duration or not slow.frequency.size:
+            return felt
+        duration = lasts * (1.0 + CLOSE)
 
 
 def vibration(static: Problem, part: float) -> float | None:

@@ -11,6 +11,7 @@ from typing import Any
 from film_model.base.errors import TooManyModes
 from film_model.base.fields import measure
 from film_model.effects.choose import Choice
+from film_model.effects.edge_effects import felt_compliance
 from film_model.explorer.inputs import Input
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve import structures
@@ -74,6 +75,7 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     found: dict[str, Any] = {"compliance": target.compliance or 0.0, "modes": None}
     if not vibrates:
         return found, ""
+    found["felt"] = felt_compliance(choice.problem.impacts)
     asked = choice.scene.solver.accuracy or DEFAULT_ACCURACY
     own = vibrate(choice.problem, target, asked, [])[0]
     whole = isinstance(target, Structure)  # all of its vibrations are known

@@ -62,7 +62,7 @@ def made(target: AbstractTarget, highest: float, longest: float) -> Structure:
         tables = modal.Tables(modes.frequency, modes.share, modes.damping_ratio, longest)
     except ValueError as error:
         raise SimulationError(f"the target's natural vibrations cannot be simulated: {error}") from None
-    omitted = max((target.compliance or 0.0) - modes.compliance, 0.0)
+    omitted = target.omitted(modes, highest)
     return Structure(
         highest, tables, omitted, _with_omitted(modes, omitted, highest, longest) if omitted > 0.0 else tables
     )

@@ -43,6 +43,11 @@ class Modes:
         if self.damping_ratio.size == 0:
             object.__setattr__(self, "damping_ratio", np.zeros_like(self.frequency))
 
+    def below(self, highest: float) -> Modes:
+        """Those up to the frequency `highest`, rad/s."""
+        count = int(np.searchsorted(self.frequency, highest, side="right"))
+        return Modes(self.frequency[:count], self.share[:count], self.damping_ratio[:count])
+
     def merged(self) -> Modes:
         """The same motion of the struck point, with modes of equal frequency and damping as one."""
         if not self.frequency.size:

@@ -160,9 +160,17 @@ class Structure(AbstractTarget):
 
     def modes(self, highest: float) -> Modes:
         """The given vibrations up to the frequency `highest` [rad/s]."""
+        return damped(self._all.below(highest), self.damping_ratio)
+
+    def omitted(self, modes: Modes, highest: float) -> float:
+        """Static compliance of the vibrations above `highest` [rad/s], m/N: their sum.
+
+        The difference of two sums would be rounding where a motion of the whole structure has a frequency of 1e-5 Hz.
+        """
         own = self._all
-        kept = own.frequency <= highest
-        return damped(Modes(own.frequency[kept], own.share[kept]), self.damping_ratio)
+        lacking = 0.0 if self.static_compliance is None else max(self.static_compliance - own.compliance, 0.0)
+        above = own.frequency > highest
+        return float(np.sum(own.share[above] / own.frequency[above] ** 2)) + lacking
 
     @property
     def return_time(self) -> float:

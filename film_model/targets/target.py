@@ -187,6 +187,10 @@ class AbstractTarget(ABC):
         """Natural vibrations up to the frequency `highest`, rad/s."""
         raise SimulationError(self.modes_missing)
 
+    def omitted(self, modes: Modes, highest: float) -> float:
+        """Static compliance of the vibrations above `highest` [rad/s], m/N. modes: those up to it."""
+        return max((self.compliance or 0.0) - modes.compliance, 0.0)
+
     def reflections(self, impact: Impact) -> Estimate:
         """The effect of waves reflected from an edge or end before contact ends, if the target has no modes."""
         what = "a free body" if self.free else f"a {self.kind}"

@@ -42,13 +42,14 @@ class Totals:
     """What the attributes need of all blocks. estimated: largest error for each of `Sweep.accuracies`; missed: impacts
     that miss each. energy_gains: impacts of each of `Sweep.laws` that return more energy than their loading stored.
     failed: impacts that failed, by status. sides: by number of the scene, of how many impacts the derivatives are
-    from each side, failed impacts omitted."""
+    from each side, failed impacts omitted. unkept: impacts on targets that vibrate, whose segments are not kept."""
 
     estimated: NDArray[np.float64]
     missed: NDArray[np.int64]
     energy_gains: NDArray[np.int64]
     failed: Counter[int] = field(default_factory=Counter)
     sides: dict[str, Counter[int]] = field(default_factory=dict[str, "Counter[int]"])
+    unkept: int = 0
 
     @classmethod
     def of(cls, sweep: Sweep) -> Totals:
@@ -64,6 +65,8 @@ class Totals:
         self.energy_gains += columns[ENERGY_GAINS]
         failed = has_failed(columns["status"])
         self.failed.update(columns["status"][failed].tolist())
+        if "segment_count" in columns:
+            self.unkept += int(np.count_nonzero((columns["segment_count"] == 0) & ~failed))
         for path, sides in self.sides.items():
             sides.update(columns[side_name(path)][~failed].tolist())
 
@@ -73,6 +76,7 @@ class Totals:
         self.missed += other.missed
         self.energy_gains += other.energy_gains
         self.failed.update(other.failed)
+        self.unkept += other.unkept
         for path, sides in self.sides.items():
             sides.update(other.sides[path])
 
@@ -82,6 +86,7 @@ class Totals:
         return {
             **numbers,
             "failed": list(self.failed.items()),
+            "unkept": self.unkept,
             "sides": {k: list(v.items()) for k, v in self.sides.items()},
         }
 
@@ -94,6 +99,7 @@ class Totals:
             np.array(plain["energy_gains"], np.int64),
             Counter(dict(plain["failed"])),
             {path: Counter(dict(sides)) for path, sides in plain["sides"].items()},
+            plain["unkept"],
         )
 
 
@@ -164,6 +170,9 @@ def _warnings(sweep: Sweep, totals: Totals) -> list[str]:
         f"{count} {statuses[code].word} ({statuses[code].sentence})" for code, count in totals.failed.most_common()
     ]
     warnings = [f"{totals.failed.total()} of {sweep.size} impacts failed: {', '.join(reasons)}"] if reasons else []
+    if totals.unkept:
+        advice = "segments of such motion are not kept: keep samples, or simulate these impacts again"
+        warnings.append(f"{totals.unkept} of {sweep.size} impacts are on targets that vibrate: {advice}")
     for law, count in zip(sweep.laws, totals.energy_gains.tolist(), strict=True):
         if count:
             warnings.append(f"law {law}: in {count} impacts its unloading returns more energy than its loading stored")

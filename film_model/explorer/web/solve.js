@@ -160,7 +160,7 @@ function choose(scene, n) {
 }
 
 /**
- * How the target moves while effects are decided. One that vibrates: by the softer of its impedance and its compliance.
+ * How the target moves while effects are decided. One that vibrates: by the stiffer of its impedance and its compliance.
  * @param {Scene} scene @param {any} n @param {any} law
  */
 function supportOf(scene, n, law) {
@@ -169,13 +169,14 @@ function supportOf(scene, n, law) {
   if (scene.effects.target_motion === false) return fixed;
   if (!support) return { impedance: n.impedance, compliance: 0 };
   const follows = law.series || support.compliance === 0;
-  const bent = { impedance: Infinity, compliance: follows || !support.modes ? support.compliance : 0 };
+  const own = support.modes ? support.felt : support.compliance;
+  const bent = { impedance: Infinity, compliance: follows || !support.modes ? own : 0 };
   if (!support.modes || n.impedance === Infinity) return bent;
   const force = (/** @type {Problem} */ problem) => trial(problem).maximum_force * problem.p.force;
   const infinite = problemOf(law, n, n.impedance, 0);
   const trusted = trial(infinite).status === EVENT;
-  const softer = trusted && (!follows || !(force(infinite) < force(problemOf(law, n, Infinity, 0, bent.compliance))));
-  return softer ? { impedance: n.impedance, compliance: 0 } : bent;
+  const stiffer = trusted && (!follows || !(force(infinite) < force(problemOf(law, n, Infinity, 0, bent.compliance))));
+  return stiffer ? { impedance: n.impedance, compliance: 0 } : bent;
 }
 
 /** The change by waves from the edges of a plate, if the page can judge it; null if the plate has none. @param {Scene} scene @param {any} n @param {Problem} light @param {number} tolerance */

@@ -86,43 +86,69 @@ static void turn_near(batch_job *j, int32_t stage, const double *restrict x1, la
     }
 }
 
-/* About where the impacts turn, within 2 % on Hertz's law: turn_excess = 0 by false position, the value at the older end
- * halved. A fixed target would stop them later. */
-static void first_aim(batch_job *j, int32_t stage, double stored, const double *restrict nu, const double *restrict gamma,
-                      double *restrict aim) {
-    double begin = j->curve->stage[stage].begin, whole[LANES];
-    double low[LANES], high[LANES], below[LANES], above[LANES], f[LANES], w[LANES], energy[LANES];
-    double moving[LANES];
-    EACH(l) {
-        energy[l] = 0.5 * nu[l] * nu[l] - stored;
-        low[l] = begin;
+/* A depth in `stage` beyond the turn of impacts with the relative velocity y at its beginning, or the stage's end: that on a
+ * fixed target or, under a force that does not fall, that under the force f0 at the beginning alone. */
+static void beyond_turn(batch_job *j, int32_t stage, const double *restrict y, double f0, double *restrict high) {
+    double begin = j->curve->stage[stage].begin, end = reach_of(j, stage), energy[LANES], whole[LANES];
+    if (stage != j->shaped && f0 > 0.0 && (force_rises(j->curve, stage) || j->end_force[stage] >= f0)) {
+        EACH(l) {
+            double reach = begin + 0.5 * y[l] * y[l] / f0;
+            high[l] = reach < end ? reach : end;
+        }
+        return;
     }
     whole_lanes(j, stage, whole);
-    EACH(l) energy[l] = energy[l] < whole[l] ? energy[l] : whole[l];
+    EACH(l) {
+        energy[l] = 0.5 * y[l] * y[l];
+        energy[l] = energy[l] < whole[l] ? energy[l] : whole[l];
+    }
     depth_lanes(j, stage, energy, high);
-    law_lanes(j, stage, low, f, w);
-    EACH(l) below[l] = turn_excess(stored + w[l], f[l], nu[l], gamma[l]);
+}
+
+/* How far impacts go under a force that rises from f0 along one line of slope kappa: by energy, with two thirds of the drag that
+ * the first velocity y would cause. */
+INLINED double reach_on_line(double f0, double kappa, double gamma, double y) {
+    double resisting = f0 + (2.0 / 3) * gamma * kappa * y, square = resisting * resisting + kappa * y * y;
+    return y * y / (resisting + sqrt(square > 0.0 ? square : 0.0));
+}
+
+/* About where the impacts turn that are at the beginning of `stage`, within 2 % on Hertz's law: the root of turn_excess in what
+ * is left of the relative velocity and what the force grows by. First as if work grew as a square; then one line to there; then
+ * false position, the value at the older end halved. */
+static void first_aim(batch_job *j, int32_t stage, const lanes *restrict s, double *restrict aim) {
+    double begin = j->curve->stage[stage].begin, y[LANES], energy[LANES], guess[LANES], f[LANES], w[LANES], moving[LANES];
+    double low[LANES], high[LANES], below[LANES], above[LANES];
+    EACH(l) {
+        double left = s->w[l] - s->gamma[l] * s->force[l];
+        y[l] = left > 0.0 ? left : 0.0;
+        energy[l] = 0.5 * y[l] * y[l];
+    }
+    beyond_turn(j, stage, y, s->force[0], high);
     law_lanes(j, stage, high, f, w);
     EACH(l) {
-        above[l] = turn_excess(stored + w[l], f[l], nu[l], gamma[l]);
+        double far = high[l] - begin, kappa = (f[l] - s->force[l]) / far;
+        low[l] = begin;
+        below[l] = -energy[l];
+        above[l] = turn_excess(w[l], f[l] - s->force[l], y[l], s->gamma[l]);
         aim[l] = high[l];
         moving[l] = above[l] > 0.0 ? 1.0 : 0.0;
+        guess[l] = w[l] > 2.0 * energy[l] ? far * sqrt(energy[l] / w[l]) : reach_on_line(s->force[l], kappa, s->gamma[l], y[l]);
     }
     for (int i = 0; i < AIM_STEPS && any(moving); i++) {
-        double x[LANES];
         EACH(l) {
-            double next = low[l] - (high[l] - low[l]) * below[l] / (above[l] - below[l]);
-            x[l] = moving[l] > 0.0 ? next : aim[l];
+            double next = low[l] - (high[l] - low[l]) * below[l] / (above[l] - below[l]), guessed = begin + guess[l];
+            next = i < 2 && guessed > low[l] && guessed < high[l] ? guessed : next;
+            aim[l] = moving[l] > 0.0 ? next : aim[l];
         }
-        law_lanes(j, stage, x, f, w);
+        law_lanes(j, stage, aim, f, w);
         EACH(l) {
-            double excess = turn_excess(stored + w[l], f[l], nu[l], gamma[l]);
-            high[l] = excess > 0.0 ? x[l] : high[l];
-            low[l] = excess > 0.0 ? low[l] : x[l];
+            double excess = turn_excess(w[l], f[l] - s->force[l], y[l], s->gamma[l]);
+            high[l] = excess > 0.0 ? aim[l] : high[l];
+            low[l] = excess > 0.0 ? low[l] : aim[l];
             below[l] = excess > 0.0 ? 0.5 * below[l] : excess;
             above[l] = excess > 0.0 ? excess : 0.5 * above[l];
-            aim[l] = x[l];
-            moving[l] = fabs(excess) < AIM_TOLERANCE * (0.5 * nu[l] * nu[l]) ? 0.0 : moving[l];
+            guess[l] = reach_on_line(s->force[l], (f[l] - s->force[l]) / (aim[l] - begin), s->gamma[l], y[l]);
+            moving[l] = fabs(excess) < AIM_TOLERANCE * energy[l] ? 0.0 : moving[l];
         }
     }
 }
@@ -138,23 +164,53 @@ static void start_lanes(const batch_job *j, const int64_t *index, int count, lan
     }
 }
 
-/* Across the whole stages before `stage`, to its beginning. Returns their work; *largest: their largest force. */
-static double cross_before(batch_job *j, int32_t stage, lanes *restrict s, double *largest) {
-    const double *nodes = j->mesh->loading_nodes[FILM_PLATE_IN];
-    double stored = 0.0;
+/* Across the whole of stage k by lines, to its end. Returns the largest force. */
+static double cross_by_lines(batch_job *j, int32_t k, lanes *restrict s) {
+    const line_table *whole = film_lines_of(j, k, 1, j->mesh->loading, j->mesh->loading_nodes[FILM_PLATE_IN], 0.0);
     lines n;
-    for (int32_t k = 0; k < stage; k++) {
-        const line_table *whole = film_lines_of(j, k, 1, j->mesh->loading, nodes, 0.0);
-        for (int32_t i = 1; i <= j->mesh->loading; i++) {
-            EACH(l) {
-                n.h[l] = whole->rows[i].h;
-                n.kappa[l] = whole->rows[i].kappa;
-                n.phi[l] = whole->rows[i].phi;
-            }
-            pass_inwards(s, &n);
+    for (int32_t i = 1; i <= j->mesh->loading; i++) {
+        EACH(l) {
+            n.h[l] = whole->rows[i].h;
+            n.kappa[l] = whole->rows[i].kappa;
+            n.phi[l] = whole->rows[i].phi;
         }
+        pass_inwards(s, &n);
+    }
+    return whole->peak;
+}
+
+/* From first touch across the whole of a first stage of exponent 3/2, by film_way_through; lanes that it does not have by lines.
+ * Returns the largest force. */
+static double cross_elastic(batch_job *j, const double *restrict nu, lanes *restrict s, double *restrict by_lines) {
+    double push[LANES], share[LANES], per[LANES], velocity[LANES], time[LANES];
+    double force = j->end_force[0], stored = 2.0 * j->whole[0], length = j->curve->stage[0].end;
+    EACH(l) {
+        per[l] = 1.0 / nu[l];
+        push[l] = s->gamma[l] * force * per[l];
+        share[l] = stored * per[l] * per[l];
+    }
+    through_lanes(push, share, velocity, time, by_lines);
+    if (any(by_lines)) cross_by_lines(j, 0, s);
+    EACH(l) {
+        s->w[l] = by_lines[l] > 0.0 ? s->w[l] : nu[l] * velocity[l];
+        s->time[l] = by_lines[l] > 0.0 ? s->time[l] : length * per[l] * time[l];
+        s->bad[l] = by_lines[l] > 0.0 ? s->bad[l] : 0.0;
+    }
+    return force;
+}
+
+/* Across the whole stages before `stage`, to its beginning. Returns their work; *largest: their largest force; crossed: how
+ * many of them by lines. */
+static double cross_before(batch_job *j, int32_t stage, const double *restrict nu, lanes *restrict s, double *largest,
+                           double *restrict crossed) {
+    double stored = 0.0;
+    EACH(l) crossed[l] = 0.0;
+    for (int32_t k = 0; k < stage; k++) {
+        int elastic = has_way_in(j, k);
+        double peak = elastic ? cross_elastic(j, nu, s, crossed) : cross_by_lines(j, k, s);
+        EACH(l) crossed[l] += elastic ? 0.0 : 1.0;
         stored += j->whole[k];
-        *largest = whole->peak > *largest ? whole->peak : *largest;
+        *largest = peak > *largest ? peak : *largest;
     }
     EACH(l) s->xi[l] = j->curve->stage[stage].begin;
     law_lanes(j, stage, s->xi, s->force, s->work);
@@ -163,11 +219,11 @@ static double cross_before(batch_job *j, int32_t stage, lanes *restrict s, doubl
 
 /* Aims at the turn in `stage`: an estimate, then trial legs of 4, 16 ... segments, each aimed by the one before.
  * docs/method.md, section 5. */
-static void aim_lanes(batch_job *j, int32_t stage, double stored, const double *restrict nu, const lanes *restrict s,
-                      double *restrict aim) {
+static void aim_lanes(batch_job *j, int32_t stage, const lanes *restrict s, double *restrict aim) {
     double end = reach_of(j, stage), tau[LANES];
-    first_aim(j, stage, stored, nu, s->gamma, aim);
-    for (int32_t m = AIMING_SEGMENTS; m == AIMING_SEGMENTS || 3 * m <= j->mesh->loading; m *= 4) {
+    first_aim(j, stage, s, aim);
+    int32_t first = stage > 0 && j->mesh->loading < 2 * AIMING_SEGMENTS ? AIMING_SEGMENTS / 2 : AIMING_SEGMENTS;
+    for (int32_t m = first; m == first || 3 * m <= j->mesh->loading; m *= 4) {
         lanes trial = *s;
         run_towards(j, stage, m, NULL, aim, &trial);
         turn_near(j, stage, aim, &trial, 0, 1, tau);
@@ -198,10 +254,10 @@ static void run_to_aim(batch_job *j, int32_t stage, double *restrict aim, lanes 
 
 /* To the turn in `stage` by lines. Returns the work of the stages before; *largest: their largest force. */
 static double load_by_lines(batch_job *j, int32_t stage, const double *restrict nu, turned_lanes *restrict t, double *largest) {
-    double aim[LANES], stored = cross_before(j, stage, &t->at, largest);
-    aim_lanes(j, stage, stored, nu, &t->at, aim);
+    double aim[LANES], crossed[LANES], stored = cross_before(j, stage, nu, &t->at, largest, crossed);
+    aim_lanes(j, stage, &t->at, aim);
     run_to_aim(j, stage, aim, &t->at);
-    EACH(l) t->lines[l] = (double)j->mesh->loading * (stage + 1);
+    EACH(l) t->lines[l] = (double)j->mesh->loading * (crossed[l] + 1.0);
     return stored;
 }
 

@@ -14,6 +14,7 @@ from film_model.core import native, relaxing
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_MODELLED, NOT_NEEDED, SIMULATED
 from film_model.problem.relaxation import Relaxation, relaxation_of
+from film_model.problem.summary import SUMMARY
 from film_model.solve.batch import simulate_many
 
 OUT = 299
@@ -360,9 +361,19 @@ def test_a_sweep_of_a_modulus_gives_each_impact_its_own_relaxation():
     assert (found.status == native.EVENT).all()
 
 
-def test_derivatives_are_refused():
-    with pytest.raises(fm.SimulationError, match="a derivative is not supported for a viscoelastic material"):
-        fm.simulate(scene(), derivatives=["impactor.velocity"])
+def test_derivatives_keep_the_units():
+    """Moduli and density 1 % higher: forces and pressures are 1 % higher, and all motion is the same."""
+    paths = ["impactor.material.youngs_modulus", "target.material.youngs_modulus", "impactor.material.density"]
+    history = fm.simulate(scene(), accuracy=1e-9, derivatives=paths)
+    found = history.derivatives
+    assert found.warnings == ()
+    for name, value in history.summary.items():
+        if not value:
+            continue
+        powers = [(found.values[name][path] or 0.0) * found.entries[path].value / value for path in paths]
+        stiffer = SUMMARY[name][0] in ("force", "pressure", "energy", "impulse")
+        assert sum(powers) == pytest.approx(1.0 if stiffer else 0.0, abs=1e-8), name
+        assert max(found.errors[name][path] or 0.0 for path in paths) < 1e-8, name
 
 
 # ---------------------------------------------------------------- decisions

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from film_model.base.arrays import Array, Mask
-from film_model.laws import LAWS
+from film_model.laws import LAWS, AbstractLaw
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
@@ -41,13 +41,12 @@ class Decision(NamedTuple):
 
 
 def decisions_of(problem: Problem) -> dict[Decision, Mask]:
-    """The decisions for the impacts of a problem, and which impacts have each; its target does not vibrate and its
-    materials do not relax."""
+    """The decisions for the impacts of a problem, and which impacts have each."""
     strength, slow = problem.impacts.law.strength, problem.impacts.scene.yield_strength
     hard = False if strength is None or slow is None else strength > slow
     static = problem.curve.native.compliance > 0.0
     shape = np.shape(problem.approach) or (1,)
-    moves = np.isfinite(problem.impedance) | static
+    moves = np.isfinite(problem.impedance) | static | problem.vibrates
     gravity, motion, harder = (np.broadcast_to(column, shape) for column in (problem.load > 0.0, moves, hard))
     found: dict[Decision, Mask] = {}
     for each in product((False, True), repeat=3):
@@ -57,15 +56,20 @@ def decisions_of(problem: Problem) -> dict[Decision, Mask]:
     return found
 
 
+def law_decided(scene: Scene) -> AbstractLaw | type[AbstractLaw]:
+    """The law of a scene that contains a decision."""
+    law = scene.contact.law
+    if law == "auto":
+        law = YIELDING if scene.effects.plasticity else ELASTIC
+    return LAWS[law] if isinstance(law, str) else law
+
+
 def decided_impacts(scene: Scene, columns: Mapping[str, Array], count: int) -> Impacts:
     """Many impacts of a scene that contains a decision, with the strength of slow loading.
 
     columns: path → SI values.
     """
-    law = scene.contact.law
-    if law == "auto":
-        law = YIELDING if scene.effects.plasticity else ELASTIC
-    made = SceneLaw.of(scene_of_columns(scene, columns), LAWS[law] if isinstance(law, str) else law).reduced()
+    made = SceneLaw.of(scene_of_columns(scene, columns), law_decided(scene)).reduced()
     return Impacts.several(scene, made, np.arange(count), columns)
 
 

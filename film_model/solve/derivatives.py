@@ -15,12 +15,13 @@ from film_model.base.arrays import Array
 from film_model.base.errors import Mistake, raise_all, shown
 from film_model.effects.choose import Choice
 from film_model.effects.decided import decisions_of
-from film_model.problem.problem import refuse_vibrations
 from film_model.problem.summary import SUMMARY
-from film_model.scene import Scene, Solver
+from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.paths import field_at, unit_of
 from film_model.solve.chain import slopes
 from film_model.solve.slopes import NO_DERIVATIVE, SMOOTH, STEP, TARGET, Pairs, Slopes
+from film_model.solve.stepped_slopes import slopes_of_relaxing, slopes_on_modes
+from film_model.solve.vibration import Vibration
 
 POOR = 1e-6
 """Estimated relative error from which a warning names the derivative."""
@@ -135,12 +136,22 @@ def _entry(scene: Scene, path: object) -> Entry:
     return Entry(path, float(value), number.dimension, unit_of(scene, number), low, high, of_zero)
 
 
-def derivatives_of(choice: Choice, solver: Solver, entries: Sequence[Entry]) -> Derivatives:
-    """Derivatives of the summary of an impact whose effects are chosen; SimulationError on a vibrating target."""
-    refuse_vibrations(choice.problem, "a derivative")
+def derivatives_of(
+    choice: Choice, solver: Solver, entries: Sequence[Entry], vibration: Vibration | None
+) -> Derivatives:
+    """Derivatives of the summary of an impact whose effects are chosen. vibration: the impact on a vibrating target.
+
+    Raises SimulationError for a number with which too many natural vibrations of the target change.
+    """
     (decision,) = decisions_of(choice.problem)
     strength = np.array([choice.problem.impacts.law.strength]) if decision.hard else None
-    found = slopes(pairs_of(decision.put_into(choice.scene), {}, entries, 1, strength), solver, TARGET)
+    pairs = pairs_of(decision.put_into(choice.scene), {}, entries, 1, strength)
+    if vibration is not None:
+        found = slopes_on_modes(choice, pairs, vibration, solver.accuracy or DEFAULT_ACCURACY)
+    elif choice.problem.relaxation is not None:
+        found = slopes_of_relaxing(choice, pairs)
+    else:
+        found = slopes(pairs, solver, TARGET)
 
     def table(columns: Array) -> dict[str, dict[str, float | None]]:
         return {

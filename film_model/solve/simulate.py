@@ -96,7 +96,8 @@ def simulate_quietly(
     from film_model.solve.derivatives import derivatives_of, entries_of
 
     entries, choice = entries_of(scene, derivatives), choose(scene)
-    return replace(simulate_chosen(choice, solver), derivatives=derivatives_of(choice, solver, entries))
+    history = simulate_chosen(choice, solver)
+    return replace(history, derivatives=derivatives_of(choice, solver, entries, history.vibration))
 
 
 def simulate_chosen(choice: Choice, solver: Solver) -> History:

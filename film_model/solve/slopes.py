@@ -235,7 +235,7 @@ def _set(found: Slopes, places: Index, marches: _Marches, side: int) -> None:
         found.other_end[places], found.other_stage[places] = other_end, other_stage
     left = np.flatnonzero(~other_end & ~other_stage)
     found.side[places[left]] = side
-    found.kinks[places[left]] = _kinked(fine.summary[left], base)
+    found.kinks[places[left]] = kinked(fine.summary[left], base)
     coarse, fine = coarse.part(left), fine.part(left)
     n, last = meshes.first[1], np.full(left.size, np.inf)
     while left.size:
@@ -257,11 +257,11 @@ def _differentiate(
     return found.put(places, fine, rough - fine, meshes[1].summary[:, :, base], own.value, marches.meshes.factor)
 
 
-def _kinked(summary: Array, base: int) -> Mask:
+def kinked(summary: Array, base: int, most: float = KINK) -> Mask:
     """Whether the values of a stencil, where the impact itself has one, have a kink or a jump."""
     with np.errstate(invalid="ignore"):
-        smooth = abs(applied(summary, _FOURTH)) <= KINK * abs(summary[:, :, base])
-    return np.isfinite(summary[:, :, base]) & ~smooth
+        smooth = abs(applied(summary, _FOURTH)) <= most * abs(summary[..., base])
+    return np.isfinite(summary[..., base]) & ~smooth
 
 
 def applied(values: Array, weights: Array) -> Array:

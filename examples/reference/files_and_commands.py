@@ -127,8 +127,8 @@ def csv_page() -> str:
 
 {MADE}All are UTF-8 text. The first line names the columns, each with its unit in brackets:
 `time [us], force [kN]`; in measurements the units may be a row of their own below it. Columns are separated by commas,
-semicolons or tabs, numbers have a decimal point, and lines that begin with `#` are comments. Restitutions may be in `[%]`.
-A file has at most 100 MB. Mistakes are reported with their line.
+semicolons or tabs, numbers have a decimal point, and lines that begin with `#` are comments. Restitutions may be in
+`[%]`. A file has at most 100 MB. Mistakes are reported with their line.
 
 Measurements in files with other headings, or with lines of an oscilloscope before them, are read by
 `film-model identify … --columns time=TIME force="CH1 [2.2 kN]"`: the heading of each quantity in the file, with the

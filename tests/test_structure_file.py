@@ -7,6 +7,7 @@ import random
 import netCDF4
 import numpy as np
 import pytest
+from cases import LAWS
 
 import film_datasets as fd
 import film_model as fm
@@ -230,6 +231,14 @@ def test_a_structure_that_only_moves_as_a_whole_is_a_free_body():
     body = fm.simulate(scene(fm.Body("mild steel", radius="1 km", mass="50 g"))).summary
     for name in ("maximum_force", "contact_duration", "rebound_velocity"):
         assert found[name] == pytest.approx(body[name], rel=1e-4)
+
+
+def test_a_structure_so_soft_that_the_indentation_is_rounding():
+    """A heavy ball on a body of 1 g that hardly anything holds."""
+    soft = fm.Structure(frequency=["1e-7 Hz"], modal_mass=["1 g"], material="mild steel")
+    heavy = fm.Sphere("13 mm", "0.5 m/s", mass="70 kg", material="mild steel")
+    effects = choose(fm.Scene(heavy, soft, fm.Contact(LAWS["saturating"]), fm.Effects(gravity=False))).effects
+    assert any("too soft for an estimate" in effect.reason for effect in effects)
 
 
 def test_the_motion_that_a_sweep_keeps():

@@ -258,6 +258,17 @@ def test_the_motion_that_a_sweep_keeps():
 
 
 @pytest.mark.slow
+def test_the_spectrum_of_one_vibration(tmp_path):
+    """Its axes have no width of their own, which would be a warning of matplotlib."""
+    part = fm.Structure(frequency=["500 Hz"], modal_mass=["50 g"], material="mild steel")
+    spectrum = fm.simulate(scene(part)).plot().axes[-1]
+    assert (
+        spectrum.get_xlim()[1] > 10.0 * spectrum.get_xlim()[0]
+        and spectrum.get_ylim()[1] > 10.0 * spectrum.get_ylim()[0]
+    )
+
+
+@pytest.mark.slow
 def test_the_reader_survives_damaged_files(written, tmp_path):
     rng = random.Random(5)
     with open(

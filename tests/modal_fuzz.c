@@ -117,7 +117,8 @@ static void walk(film_structure *structure, const film_curve *curve, const film_
 
 static void run(void) {
     static double memory[1 << 17];
-    double frequency[MODES], share[MODES], ratio[MODES], waves[4 * MODES], damping, omega = uniform() < 0.2 ? 0.0 : spread(0.01, 10.0);
+    double frequency[MODES], share[MODES], ratio[MODES], waves[4 * MODES], damping, omega = spread(0.01, 10.0);
+    if (uniform() < 0.4) omega = uniform() < 0.5 ? 0.0 : spread(1e-9, 1e-3); /* a motion as a whole, or almost one */
     int reversible, modes = (int)(uniform() * (MODES + 1)), damped = uniform() < 0.3;
     film_curve curve = random_curve(&reversible, &damping);
     film_structure structure;

@@ -7,6 +7,7 @@ import random
 import netCDF4
 import numpy as np
 import pytest
+from cases import LAWS
 
 import film_datasets as fd
 import film_model as fm
@@ -232,6 +233,14 @@ def test_a_structure_that_only_moves_as_a_whole_is_a_free_body():
         assert found[name] == pytest.approx(body[name], rel=1e-4)
 
 
+def test_a_structure_so_soft_that_the_indentation_is_rounding():
+    """A heavy ball on a body of 1 g that hardly anything holds."""
+    soft = fm.Structure(frequency=["1e-7 Hz"], modal_mass=["1 g"], material="mild steel")
+    heavy = fm.Sphere("13 mm", "0.5 m/s", mass="70 kg", material="mild steel")
+    effects = choose(fm.Scene(heavy, soft, fm.Contact(LAWS["saturating"]), fm.Effects(gravity=False))).effects
+    assert any("too soft for an estimate" in effect.reason for effect in effects)
+
+
 def test_the_motion_that_a_sweep_keeps():
     part = fm.Structure(frequency=["500 Hz"], modal_mass=["50 g"], material="mild steel")
     speeds = {"impactor.velocity": ["0.1 m/s", "0.2 m/s"]}
@@ -246,6 +255,17 @@ def test_the_motion_that_a_sweep_keeps():
     assert "2 of 2 impacts are on targets that vibrate: segments of such" in str(without.attrs["warnings"])
     with pytest.raises(ValueError, match="segments are not kept of a target that vibrates"):
         without.film.sample([1e-5], impactor_velocity="0.1 m/s")
+
+
+@pytest.mark.slow
+def test_the_spectrum_of_one_vibration(tmp_path):
+    """Its axes have no width of their own, which would be a warning of matplotlib."""
+    part = fm.Structure(frequency=["500 Hz"], modal_mass=["50 g"], material="mild steel")
+    spectrum = fm.simulate(scene(part)).plot().axes[-1]
+    assert (
+        spectrum.get_xlim()[1] > 10.0 * spectrum.get_xlim()[0]
+        and spectrum.get_ylim()[1] > 10.0 * spectrum.get_ylim()[0]
+    )
 
 
 @pytest.mark.slow

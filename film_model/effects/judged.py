@@ -43,8 +43,9 @@ def judged(problem: Problem, name: str) -> Effect:
 
 
 def _case(problem: Problem, vibrates: bool) -> Case | None:
-    """What the rules judge; None if the impact does not end."""
-    return case_of(problem, vibrates) if problem.trial.ends and problem.approach > 0.0 else None
+    """What the rules judge; None if the impact does not end, or its indentation is rounding of the deflection."""
+    sound = problem.trial.ends and problem.approach > 0.0 and problem.trial.summary.maximum_indentation > 0.0
+    return case_of(problem, vibrates) if sound else None
 
 
 def _apply(name: str, problem: Problem, case: Case | None) -> Effect:
@@ -53,8 +54,8 @@ def _apply(name: str, problem: Problem, case: Case | None) -> Effect:
         return judge_case(case, rule)
     if judge_case is obliqueness:
         return oblique(problem.scene, rule, None)
-    why = "the impactor has no velocity" if problem.approach == 0.0 else "contact did not end"
-    return rule.unjudged(why)
+    ends = "the target is too soft for an estimate of the indentation" if problem.trial.ends else "contact did not end"
+    return rule.unjudged("the impactor has no velocity" if problem.approach == 0.0 else ends)
 
 
 _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {

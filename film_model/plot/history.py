@@ -190,6 +190,10 @@ def energies(history: History, samples: Samples) -> dict[str, Any]:
     }
 
 
+NARROWEST = 20.0
+"""Least ratio of the ends of the spectrum's axis of energy, so that powers of ten stand there."""
+
+
 def _work(force: Any, displacement: Any) -> Any:
     return np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(displacement))])
 
@@ -216,7 +220,9 @@ def _spectrum(panel: Axes, frequency: Any, energy: Any) -> None:
     size, unit = prefixed_unit(energy, "energy")
     panel.set(xscale="log", yscale="log", xlabel="frequency (kHz)", ylabel=f"energy ({unit})")
     if frequency.size:
-        least = 0.5 * float(energy.min()) / size
+        least = min(0.5 * float(energy.min()), float(energy.max()) / NARROWEST) / size
+        if frequency.size == 1:
+            panel.set_xlim(*(factor * float(frequency[0]) / 1e3 for factor in (0.1, 10.0)))
         panel.vlines(frequency / 1e3, least, energy / size, color=COLOURS[0], linewidth=0.8)
         panel.plot(frequency / 1e3, energy / size, ".", color=COLOURS[0], markersize=3.0)
         panel.set_ylim(least, None)

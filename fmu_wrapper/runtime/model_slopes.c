@@ -2,7 +2,7 @@
  *
  * In Initialization Mode: of all outputs, at the start. In Co-Simulation: of the discrete outputs. Each impact of a stencil is
  * marched from the start, with the inputs of the start, to the event that the outputs show now and to the time now. With
- * the same numbers of segments the results are smooth to rounding, so that the differences are exact to about 1e-11. */
+ * the same numbers of segments the results are smooth to rounding, so that the differences are exact to about 1e-10. */
 #include "model_parts.h"
 
 #include <math.h>

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from film_model.base.errors import SimulationError
 from film_model.base.units import scene_unit
 from film_model.core import native
-from film_model.core.modal import LEVELS
+from film_model.core.modal import LEVELS, Tables
 from film_model.laws.hertz import hertz_stiffness
 from film_model.problem import stresses
 from film_model.problem.curve import curve_of
@@ -250,6 +250,12 @@ def component_of(scene: Scene, data: Data) -> ImpactComponent:
     if data.modes.count > 0 or data.relaxation.tolerance > 0.0:
         return ImpactComponent(scene, initial_gap=gap)
     return ImpactComponent(scene, initial_gap=gap, segments=segments_of(data))
+
+
+def vibrations_of(data: Data) -> Tables:
+    """The vibrations of the target that an FMU contains, which end its data."""
+    frequency, share, ratio = np.frombuffer(data.tail, np.float64)[-3 * data.modes.count :].reshape(3, -1)
+    return Tables(frequency, share, ratio, data.modes.longest)
 
 
 def finished(data: Data, token: str) -> bytes:

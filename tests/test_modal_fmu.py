@@ -14,6 +14,7 @@ from test_modal_engine import OLSSON
 import film_model as fm
 import fmu_wrapper
 from film_model.cli.main import main
+from film_model.core.modal import Tables
 from film_model.solve.history import MOTION
 from fmu_wrapper import resource
 from fmu_wrapper.assumptions import FEW
@@ -183,6 +184,35 @@ def test_a_resource_with_wrong_vibrations_is_refused(made):
 @pytest.mark.slow
 def test_a_contact_alone_has_no_vibrations(made):
     assert data_of(made(OLSSON, kind="contact")).modes.count == 0
+
+
+@pytest.mark.slow
+def test_check_follows_the_vibrations_of_the_fmu(made, monkeypatch):
+    """Rounding of natural frequencies depends on the threads of the linear algebra, and later contacts amplify it."""
+    path = made(FAST)
+
+    def with_frequencies_times(factor):
+        def component(on, data):
+            changed = resource.component_of(on, data)
+            own = changed.vibrations
+            tables = Tables(own.frequency * factor, own.share, own.ratio, own.longest)
+            changed.follow(tables, data.modes.rest, data.modes.tolerance)
+            return changed
+
+        return component
+
+    for factor, good in ((1.0 + 1e-6, True), (1.01, False)):
+        monkeypatch.setattr("fmu_wrapper.checking.component_of", with_frequencies_times(factor))
+        report = fmu_wrapper.check(path)
+        assert report.findings[0].difference == pytest.approx(factor - 1.0, rel=0.02)
+        assert [f for f in report.findings if not f.good] == ([] if good else [report.findings[0]])
+
+
+def test_only_a_vibrating_target_follows_other_vibrations():
+    component = fm.ImpactComponent(fm.Scene(FAST.impactor, fm.HalfSpace("mild steel")))
+    assert component.vibrations is None
+    with pytest.raises(fm.SimulationError, match="does not vibrate"):
+        component.follow(Tables(*np.ones((3, 1)), 1.0), 0.0, 1e-6)
 
 
 def test_too_many_vibrations_are_refused(made, monkeypatch):

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from film_model.base import units
 from film_model.base.errors import ImpactWarning, SimulationError
 from film_model.base.units import format_si
-from film_model.core import native
+from film_model.core import modal, native
 from film_model.effects.choose import Choice, choose
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import Linearisation, mesh_for, mesh_of, raise_failure, solver_for
@@ -157,6 +157,24 @@ class ImpactComponent:
     def reset(self) -> None:
         """Return to the initial state: undeformed target, no contact."""
         self.initialize()
+
+    @property
+    def vibrations(self) -> modal.Tables | None:
+        """Frequencies [rad/s], shares [1/kg] and damping ratios of the vibrations in use; None without any."""
+        return self._motion.tables if isinstance(self._motion, OnModes) else None
+
+    def follow(self, vibrations: modal.Tables, rest: float, tolerance: float) -> None:
+        """Start anew with other vibrations of the target, such as those that an FMU contains.
+
+        rest: compliance of those omitted, m/N. tolerance: of the core's steps. Raises SimulationError if the target
+        does not vibrate.
+        """
+        if not isinstance(self._motion, OnModes):
+            raise SimulationError("the target of this impact does not vibrate")
+        scales = self.problem.scales
+        self._motion.follow(vibrations, rest * scales.force / scales.length, tolerance)
+        self.modes = vibrations.count
+        self.reset()
 
     def save(self) -> SavedState:
         """A copy of the state, for `restore`."""

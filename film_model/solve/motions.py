@@ -123,13 +123,17 @@ class OnModes(_InOneMotion[modal.Motion]):
     def __init__(self, problem: Problem, found: Vibration) -> None:
         self._start = modal.Start.from_buffer_copy(found.start)
         self._start.load = problem.load
-        self._tables, self._curve = found.tables, found.curve
+        self.tables, self._curve = found.tables, found.curve
+
+    def follow(self, tables: modal.Tables, rest: float, tolerance: float) -> None:
+        """From the next `begin`, other vibrations; rest: compliance of the omitted ones, in the units of the march."""
+        self.tables, self._start.rest, self._start.tolerance = tables, rest, tolerance
 
     def begin(self, nu: float, gap: float) -> None:
         """Start with a velocity at a distance to the target, which is at rest."""
         start = modal.Start.from_buffer_copy(self._start)
         start.nu = nu
-        self._motion = modal.Motion(self._tables, self._curve, start, gap)
+        self._motion = modal.Motion(self.tables, self._curve, start, gap)
 
     @property
     def time(self) -> float:

@@ -2,7 +2,7 @@
  *
  * In Initialization Mode: of all outputs, at the start. In Co-Simulation: of the discrete outputs. Each impact of a stencil is
  * marched from the start, with the inputs of the start, to the event that the outputs show now and to the time now. With
- * the same numbers of segments the results are smooth to rounding, so that the differences are exact to about 1e-11. */
+ * the same numbers of segments the results are smooth to rounding, so that the differences are exact to about 1e-10. */
 #include "model_parts.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ static const double STEP = 1e-3;
 
 /* Fourth difference over the largest value of a stencil: h^4 f'''' of a smooth value, and up to 2 h times the jump of its slope
  * at a kink, which then moves the derivative by less than 1e-6 of value over parameter. Needed by
- * test_a_kink_has_no_derivative_by_a_parameter. */
+ * test_by_parameters_of_what_an_impact_left: in Stronge's law, at a time that is just that of an event. */
 static const double KINK = 1e-9;
 
 /* Points at first, first + 1, ... steps from the value; side: sign of the step. */

@@ -331,6 +331,11 @@ int film_next_line(const film_curve *curve, const film_mesh *mesh, film_state *s
     return line_to_turn(curve, mesh, s, length, edge, turn_tolerance);
 }
 
+/* The force on the line after a way x, at the speed y. */
+static double line_force(const film_state *s, double x, double y) {
+    return s->line.phi + s->direction * (s->line.kappa * x + s->line.damping * y);
+}
+
 /* The impactor stops on the line just made: end it there, as at a node. The length for which nu at the end of the line is
  * stop_velocity, by Newton's method with dnu/dxi = (load - phi)/y in a bracket; from rest in the root of the length, since
  * nu falls with time and the way grows as its square. docs/method.md, section 5. */
@@ -365,6 +370,24 @@ void film_end_at_stop(const film_curve *curve, const film_mesh *mesh, film_state
         length = next;
     }
     *s = whole;
+}
+
+/* On the way out under a load, nu falls until the force has fallen to the load and rises afterwards: it may pass stop_velocity
+ * twice on one line, whose end does not tell. Ends the line where it passes first. docs/method.md, section 5. */
+void film_end_at_dip(const film_curve *curve, const film_mesh *mesh, film_state *s) {
+    motion m = motion_on(s, s->line.phi, s->line.kappa);
+    film_state whole = *s;
+    double low = 0.0, high = s->tau_end, x, y;
+    motion_at(&m, high, &x, &y);
+    if (!(line_force(s, 0.0, m.y0) > s->load && line_force(s, x, y) < s->load)) return;
+    for (int k = 0; k < STOP_ITERATIONS; k++) {
+        double middle = 0.5 * (low + high);
+        motion_at(&m, middle, &x, &y);
+        if (line_force(s, x, y) > s->load) low = middle; else high = middle;
+    }
+    film_set_line_end(s, x, y);
+    if (s->nu_end < s->stop_velocity) film_end_at_stop(curve, mesh, s);
+    if (s->line_ends != ENDS_STOP) *s = whole;
 }
 
 /* The flight to the next touch, at xi_free: nu t + p t^2/2 = gap under the load p. A contact that was released inside its

@@ -141,7 +141,9 @@ def derivatives_of(choice: Choice, solver: Solver, entries: Sequence[Entry]) -> 
 
     def table(columns: Array) -> dict[str, dict[str, float | None]]:
         return {
-            name: {entry.path: None if math.isnan(value) else value for entry, value in zip(entries, row, strict=True)}
+            name: {
+                entry.path: None if math.isnan(value) else value for entry, value in zip(entries, row, strict=True)
+            }
             for name, row in zip(SUMMARY, columns.T.tolist(), strict=True)
         }
 

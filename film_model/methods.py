@@ -6,20 +6,26 @@ The classes have them as `film_model.base.late.Late`, which imports this module 
 from __future__ import annotations
 
 import base64
+import math
 import os
 from collections.abc import Iterable, Mapping
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from film_model.base.text import Text, escaped
 from film_model.base.units import format_si
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
-from film_model.solve.history import History
+from film_model.solve.history import MOTION, History
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+    from film_model.solve.batch import BatchResult
+    from film_model.solve.component import ImpactComponent
 
 
 def plot(self: History, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -58,6 +64,26 @@ def history_as_html(self: History) -> str:
     )
     said = "".join(f"<li>{escaped(sentence)}</li>" for sentence in self.warnings)
     return _heading(self.scene, repr(self)) + _table(rows) + (f"<ul>{said}</ul>" if said else "") + _picture(self)
+
+
+def batch_as_html(self: BatchResult) -> str:
+    """For notebooks: what was varied, and the least and greatest of each summary value."""
+    dimensions = {name: dimension for name, (dimension, _) in SUMMARY.items()} | {
+        "velocity": "velocity",
+        "mass": "mass",
+    }
+    rows = [
+        (name.replace("_", " "), " to ".join(format_si(end(known), dimensions[name]) for end in (min, max)))
+        for name, values in (*self.varied.items(), *self.summary.items())
+        if (known := [float(value) for value in np.ravel(values) if not math.isnan(value)])
+    ]
+    return f"<p>{escaped(repr(self))}</p>" + _table(rows)
+
+
+def component_as_html(self: ImpactComponent) -> str:
+    """For notebooks: the motion now."""
+    rows = ((name.replace("_", " "), format_si(getattr(self.outputs, name), MOTION[name][0])) for name in MOTION)
+    return f"<p>{escaped(repr(self))}</p>" + _table(rows)
 
 
 def scene_as_html(self: Scene) -> str:

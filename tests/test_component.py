@@ -332,6 +332,21 @@ def test_a_ball_at_rest_on_a_thin_plate_creeps_in_until_the_time_limit():
     assert 0.99 * on.mass * 9.80665 < last.contact_force < on.mass * 9.80665
 
 
+def test_a_ball_that_stops_and_moves_in_again_on_one_line_is_seen():
+    """It turns back for 60 us of a contact that does not end: neither end of a coarse line tells."""
+    ball = fm.Sphere("10 mm", velocity="83.697 mm/s", mass="182.28 g", material="tungsten carbide")
+    law = fm.Contact("linear-dashpot", stiffness="1e8 N/m", restitution=0.6)
+    plate = fm.Plate("mild steel", "5 mm")
+    scene = fm.Scene(ball, plate, law, fm.Effects(gravity=True, boundary_reflections=False))
+    exact = fm.simulate(scene, segments=96)
+    stops = exact.summary["time_impactor_stops"]
+    after = exact.sample_si([stops + 30e-6, stops + 90e-6]).impactor_velocity
+    assert after[0] < 0.0 < after[1]
+    for segments in (2, 6):
+        found = fm.simulate(scene, segments=segments).summary["time_impactor_stops"]
+        assert found == pytest.approx(stops, rel=1e-9)
+
+
 @pytest.mark.parametrize("law", ["hertz", "tsuji"])
 def test_a_ball_that_is_laid_down_is_followed_for_one_swing(law):
     given = {"restitution": 0.6} if law == "tsuji" else {}

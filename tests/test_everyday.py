@@ -80,7 +80,11 @@ def test_notebooks_show_tables(monkeypatch):
     assert "a &lt;b&gt; ball" in shown and "<th>maximum force</th><td>416.594 N</td>" in shown and "<img" not in shown
     assert "<li>not modelled: rate hardening" in shown
     assert "<th>impactor.radius</th><td>0.01 m</td>" in scene._repr_html_()
-    assert ElementTree.fromstring(f"<div>{shown}{scene._repr_html_()}</div>") is not None
+    many = fm.simulate_batch(SCENE, velocity=["1 m/s", "2 m/s"])._repr_html_()
+    assert "<th>velocity</th><td>1 m/s to 2 m/s</td>" in many
+    component = fm.ImpactComponent(SCENE)._repr_html_()
+    assert "<th>indentation</th><td>0 m</td>" in component
+    assert ElementTree.fromstring(f"<div>{shown}{scene._repr_html_()}{many}{component}</div>") is not None
 
 
 @pytest.mark.slow

@@ -1,5 +1,5 @@
 /* Where a leg ends: at the turn that energy gives on a fixed target, at the turn of trial legs on others. Nodes are graded
- * towards that point, and the last line must meet the law's force there. docs/method.md, section 5. */
+ * towards that point, and the last line must meet the law's force there. Where the impactor stops. docs/method.md, section 5. */
 #include "film_march.h"
 
 /* A turn is known to this fraction of the depth at best: the mean force of a short line is a difference of works.
@@ -252,4 +252,67 @@ int film_make_rest_line(const film_curve *curve, film_state *s) {
     s->tau_end = INFINITY;
     s->phase = s->line.phase = FILM_RESTING;
     return 1;
+}
+
+/* ---------------------------------------------------------------- where the impactor stops */
+
+enum { STOP_ITERATIONS = 60, NEWTON_STEPS = 10 };
+
+/* The force on the line after a way x, at the speed y. */
+static double line_force(const film_state *s, double x, double y) {
+    return s->line.phi + s->direction * (s->line.kappa * x + s->line.damping * y);
+}
+
+/* The impactor stops on the line just made: end it there, as at a node. The length for which nu at the end of the line is
+ * stop_velocity, by Newton's method with dnu/dxi = (load - phi)/y in a bracket; from rest in the root of the length, since
+ * nu falls with time and the way grows as its square. docs/method.md, section 5. */
+void film_end_at_stop(const film_curve *curve, const film_mesh *mesh, film_state *s) {
+    film_state whole = *s;
+    double full = s->direction * (s->xi_end - s->xi), low = 0.0, high = full, y = 0.0;
+    double fraction = (s->nu - s->stop_velocity) / (s->nu - s->nu_end);
+    int at_rest = s->from_turn && s->leg_node == 0;
+    double length = at_rest ? full * fraction * fraction : full * fraction;
+    s->line_ends = ENDS_STOP;
+    for (int k = 0; k < STOP_ITERATIONS; k++) {
+        motion m = film_make_line(curve, mesh, s, length);
+        if (move_to(&m, length, &s->tau_end, &y) != REACHED) { /* this line turns before */
+            high = length;
+            length = 0.5 * (low + high);
+            continue;
+        }
+        film_set_line_end(s, length, y);
+        double excess = s->nu_end - s->stop_velocity, phi = s->line.phi + s->line.kappa * s->direction * length;
+        phi += s->line.damping * s->direction * y;
+        if (excess > 0.0) low = length; else high = length;
+        double step = excess * y / (phi - s->load), root = 1.0 + 0.5 * step / length;
+        double next = !at_rest ? length + step : root > 0.0 ? length * root * root : 0.0;
+        if (!(next > low && next < high) || k > NEWTON_STEPS) next = 0.5 * (low + high);
+        if (fabs(next - length) <= (at_rest ? 1e-12 * length : 1e-14 * full)) {
+            if (fabs(excess) > 1e-6 * (whole.nu - whole.nu_end)) break; /* it stops only on the line to the turn */
+            double late = excess / (phi - s->load); /* near a turn the time is known better than the way */
+            if (fabs(late) < 0.5 * s->tau_end) s->tau_end += late;
+            s->nu_end = s->stop_velocity;
+            return;
+        }
+        length = next;
+    }
+    *s = whole;
+}
+
+/* On the way out under a load, nu falls until the force has fallen to the load and rises afterwards: it may pass stop_velocity
+ * twice on one line, whose end does not tell. Ends the line where it passes first. docs/method.md, section 5. */
+void film_end_at_dip(const film_curve *curve, const film_mesh *mesh, film_state *s) {
+    motion m = motion_on(s, s->line.phi, s->line.kappa);
+    film_state whole = *s;
+    double low = 0.0, high = s->tau_end, x, y;
+    motion_at(&m, high, &x, &y);
+    if (!(line_force(s, 0.0, m.y0) > s->load && line_force(s, x, y) < s->load)) return;
+    for (int k = 0; k < STOP_ITERATIONS; k++) {
+        double middle = 0.5 * (low + high);
+        motion_at(&m, middle, &x, &y);
+        if (line_force(s, x, y) > s->load) low = middle; else high = middle;
+    }
+    film_set_line_end(s, x, y);
+    if (s->nu_end < s->stop_velocity) film_end_at_stop(curve, mesh, s);
+    if (s->line_ends != ENDS_STOP) *s = whole;
 }

@@ -22,8 +22,6 @@ static const double DIP = 1e-12;
  * way to its end is planned afresh. One line would be too long for the mesh, on every mesh. */
 static const double FAR_EDGE = 2.0;
 
-enum { STOP_ITERATIONS = 60, NEWTON_STEPS = 10 };
-
 /* ---------------------------------------------------------------- one line */
 
 /* Mean force over the next h: work difference over way or, for a short line, Simpson's rule. docs/method.md, section 2. */
@@ -329,42 +327,6 @@ int film_next_line(const film_curve *curve, const film_mesh *mesh, film_state *s
         length *= 0.5;
     }
     return line_to_turn(curve, mesh, s, length, edge, turn_tolerance);
-}
-
-/* The impactor stops on the line just made: end it there, as at a node. The length for which nu at the end of the line is
- * stop_velocity, by Newton's method with dnu/dxi = (load - phi)/y in a bracket; from rest in the root of the length, since
- * nu falls with time and the way grows as its square. docs/method.md, section 5. */
-void film_end_at_stop(const film_curve *curve, const film_mesh *mesh, film_state *s) {
-    film_state whole = *s;
-    double full = s->direction * (s->xi_end - s->xi), low = 0.0, high = full, y = 0.0;
-    double fraction = (s->nu - s->stop_velocity) / (s->nu - s->nu_end);
-    int at_rest = s->from_turn && s->leg_node == 0;
-    double length = at_rest ? full * fraction * fraction : full * fraction;
-    s->line_ends = ENDS_STOP;
-    for (int k = 0; k < STOP_ITERATIONS; k++) {
-        motion m = film_make_line(curve, mesh, s, length);
-        if (move_to(&m, length, &s->tau_end, &y) != REACHED) { /* this line turns before */
-            high = length;
-            length = 0.5 * (low + high);
-            continue;
-        }
-        film_set_line_end(s, length, y);
-        double excess = s->nu_end - s->stop_velocity, phi = s->line.phi + s->line.kappa * s->direction * length;
-        phi += s->line.damping * s->direction * y;
-        if (excess > 0.0) low = length; else high = length;
-        double step = excess * y / (phi - s->load), root = 1.0 + 0.5 * step / length;
-        double next = !at_rest ? length + step : root > 0.0 ? length * root * root : 0.0;
-        if (!(next > low && next < high) || k > NEWTON_STEPS) next = 0.5 * (low + high);
-        if (fabs(next - length) <= (at_rest ? 1e-12 * length : 1e-14 * full)) {
-            if (fabs(excess) > 1e-6 * (whole.nu - whole.nu_end)) break; /* it stops only on the line to the turn */
-            double late = excess / (phi - s->load); /* near a turn the time is known better than the way */
-            if (fabs(late) < 0.5 * s->tau_end) s->tau_end += late;
-            s->nu_end = s->stop_velocity;
-            return;
-        }
-        length = next;
-    }
-    *s = whole;
 }
 
 /* The flight to the next touch, at xi_free: nu t + p t^2/2 = gap under the load p. A contact that was released inside its

@@ -156,8 +156,10 @@ static int prepare_line(const film_curve *curve, const film_mesh *mesh, film_sta
         if (s->direction < 0 && is_damped(curve, s)) film_end_at_release(curve, mesh, s);
     }
     s->tau = s->tau_low = 0.0;
-    if (s->moving_in && s->branch != FILM_FREE && s->tau_end < INFINITY && s->nu_end < s->stop_velocity)
-        film_end_at_stop(curve, mesh, s);
+    if (s->moving_in && s->branch != FILM_FREE && s->tau_end < INFINITY) {
+        if (s->nu_end < s->stop_velocity) film_end_at_stop(curve, mesh, s);
+        else if (s->load > 0.0 && s->direction < 0) film_end_at_dip(curve, mesh, s);
+    }
     s->has_line = 1;
     s->lines++;
     return FILM_OK;

@@ -117,6 +117,7 @@ int film_make_rest_line(const film_curve *curve, film_state *s);
 
 /* film_draw.c */
 void film_make_turn_line(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int plain);
+void film_end_at_dip(const film_curve *curve, const film_mesh *mesh, film_state *s);
 motion film_make_line(const film_curve *curve, const film_mesh *mesh, film_state *s, double length);
 void film_set_line_end(film_state *s, double length, double y);
 void film_end_here(film_state *s, int ends);

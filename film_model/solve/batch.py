@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from film_model.base import errors, units
 from film_model.base.arrays import Array
 from film_model.base.errors import NO_VELOCITY, VIBRATES
+from film_model.base.late import Late
 from film_model.core import native
 from film_model.effects.law_range import law_warnings
 from film_model.effects.many import problems_of, rows_of
@@ -64,6 +65,12 @@ class BatchResult:
     segments: tuple[int, int]
     failed: NDArray[np.bool_]
     _many: ManyResult = field(repr=False, compare=False)
+
+    if TYPE_CHECKING:
+
+        def _repr_html_(self) -> str: ...
+    else:
+        _repr_html_ = Late("film_model.methods:batch_as_html")
 
     def __repr__(self) -> str:
         failed, impacts = np.count_nonzero(self.failed), " × ".join(map(str, self.failed.shape)) or "1"

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import warnings as python_warnings
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from film_model.base import units
 from film_model.base.errors import ImpactWarning, SimulationError
+from film_model.base.late import Late
 from film_model.base.units import format_si
 from film_model.core import modal, native
 from film_model.effects.choose import Choice, choose
@@ -139,6 +140,12 @@ class ImpactComponent:
         for sentence in unused_options(solver, "the contact of viscoelastic bodies is solved"):
             python_warnings.warn(sentence, ImpactWarning, stacklevel=4)
         return OnMemory(self.problem, tolerance_for(self.problem, solver.accuracy or DEFAULT_ACCURACY))
+
+    if TYPE_CHECKING:
+
+        def _repr_html_(self) -> str: ...
+    else:
+        _repr_html_ = Late("film_model.methods:component_as_html")
 
     def __repr__(self) -> str:
         return f"ImpactComponent(law {self.problem.law.name}, {self.phase} at {self.time:g} s)"

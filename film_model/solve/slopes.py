@@ -212,8 +212,10 @@ class _Marches:
             status[rows], core = problem.march(mesh_of(self._solver, problem.curve.segments(n)))
             stage[rows] = core.stage
             summary[:, rows] = summaries(problem, status[rows], core)
-        table = summary.reshape(-1, count, width).transpose(1, 0, 2)
-        return _Marched(table, status.reshape(count, width), stage.reshape(count, width)).part(places)
+        whole = _Marched(
+            summary.reshape(-1, count, width).transpose(1, 0, 2), status.reshape(count, width), stage.reshape(count, width)
+        )
+        return whole.part(places)
 
 
 def summaries(problem: Problem, status: Any, core: Any) -> Array:

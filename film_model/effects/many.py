@@ -173,7 +173,7 @@ def _groups(
     Raises ValueError where there are nearly as many curves as impacts.
     """
     for law, yields, own in _laws(part, index):
-        made = SceneLaw.of(part if own.size == index.size else _part(scene, columns, own), law)
+        made = SceneLaw.of(part if own.size == index.size else _part(scene, columns, own), law).reduced()
         impacts = _hardened(Impacts.several(scene, made, own, _picked(columns, own)))
         for places in _shared_curves((impacts.law,), own.size):
             yield impacts if places.size == own.size else impacts.part(places), yields

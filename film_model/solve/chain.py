@@ -20,11 +20,12 @@ from film_model.base.errors import SimulationError
 from film_model.core import native
 from film_model.effects.decided import decided_impacts, decided_problem
 from film_model.effects.edge_effects import edged, infinite_unless_judged
-from film_model.effects.many import curve_keys
+from film_model.effects.many import FEW, curve_keys
 from film_model.effects.rate_hardening import factor_at
+from film_model.laws import AbstractLaw
 from film_model.problem.law_of_scene import SceneLaw
 from film_model.problem.problem import TRIAL_SEGMENTS, Columns, Impacts, Problem
-from film_model.problem.varied import Varied
+from film_model.problem.varied import read_by_stages
 from film_model.scene import Solver
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.slopes import KINK, MOST_SEGMENTS, SMOOTH, STALLED, STEP, Meshes, Pairs, Slopes, differences, summaries
@@ -156,7 +157,9 @@ def _inside(rows: Index, width: int) -> Index:
 
 def _keys(law: SceneLaw, count: int) -> Array:
     """(impacts, those beside, keys): impacts with equal keys share a curve."""
-    keys = curve_keys(law)
+    keys, family = curve_keys(law), () if isinstance(law.law, AbstractLaw) else law.law.shaped_by
+    if family:  # curves that differ in more than their shape are fitted one by one
+        keys += [values for name, values in read_by_stages(law).items() if name not in family]
     return np.stack(keys, axis=-1).reshape(count, -1, len(keys)) if keys else np.zeros((count, 1, 0))
 
 
@@ -166,6 +169,8 @@ def _alike(keys: Array, chosen: Mask) -> Iterator[Index]:
         kind = np.zeros(len(keys), np.intp)
     else:
         kind = np.unique(keys[:, 0], axis=0, return_inverse=True)[1].ravel()
+        if FEW * int(kind.max()) > kind.size:
+            raise ValueError("nearly every impact has a curve of its own")
     for k in np.unique(kind[chosen]).tolist():
         yield np.flatnonzero((kind == k) & chosen)
 
@@ -316,7 +321,7 @@ def _with_numbers(problem: Problem, numbers: Array) -> Problem:
         damping=damping,
         drift=drift,
         shape=own[:, 0] if varied is None and problem.shape is not None else problem.shape,
-        varied=None if varied is None else Varied(varied.places, own),
+        varied=None if varied is None else varied._replace(values=own),
     )
 
 

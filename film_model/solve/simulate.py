@@ -55,8 +55,8 @@ def simulate(
 
     Every entry of the history's `warnings` is issued as an ImpactWarning too.
 
-    Raises SceneError for a bad option, SimulationError for a contact that the core cannot march or derivatives on a
-    vibrating target, TypeError if `scene` is not a Scene.
+    Raises SceneError for a bad option, SimulationError for a contact that the core cannot march or for a derivative by
+    a number with which the target's crowded frequencies change, TypeError if `scene` is not a Scene.
 
     >>> history = fm.simulate(scene)
     >>> print(f"{history.maximum_force.to('kN'):.3f~P}")

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, Mask
+from film_model.base.errors import SimulationError
 from film_model.core import native
 from film_model.effects.many import problems_of, rows_of
 from film_model.problem.problem import Problem
@@ -134,11 +135,11 @@ class Pairs:
         low, high = (self.value + self.step * end for end in (offsets.min(), offsets.max()))
         return (low >= self.low) & (high <= self.high) & (self.step > 0.0)
 
-    def moved(self, offsets: Array) -> dict[str, Array]:
-        """The columns of the impacts of a stencil, those of each pair together."""
-        columns = {path: np.repeat(values, offsets.size) for path, values in self.columns.items()}
+    def moved(self, offset: float) -> dict[str, Array]:
+        """The columns of the impacts with the varied number some steps off."""
+        columns = dict(self.columns)
         for k, path in enumerate(self.paths):
-            columns[path] += np.outer(np.where(self.which == k, self.step, 0.0), offsets).ravel()
+            columns[path] = columns[path] + np.where(self.which == k, offset * self.step, 0.0)
         return columns
 
 
@@ -196,19 +197,25 @@ class _Marches:
 
     def __init__(self, pairs: Pairs, solver: Solver, stencil: _Stencil, target: float) -> None:
         self.pairs, self.stencil, self._solver = pairs, stencil, solver
-        self._shape = pairs.which.size, stencil.offsets.size
-        self._problems = problems_of(pairs.scene, pairs.moved(stencil.offsets), pairs.which.size * stencil.offsets.size)
-        self.meshes = Meshes.of(self._problems, solver, target)
+        self._shape = count, _ = pairs.which.size, stencil.offsets.size
+        self._problems: list[tuple[int, Problem]] = []  # with their places in the stencil
+        for place, offset in enumerate(stencil.offsets.tolist()):  # apart, so that equal numbers share a curve
+            try:
+                found = problems_of(pairs.scene, pairs.moved(offset), count)
+            except (ValueError, SimulationError):  # at this place no impact is possible
+                continue
+            self._problems += [(place, problem) for problem in found]
+        self.meshes = Meshes.of([problem for _, problem in self._problems], solver, target)
 
     def on(self, n: int, places: Index) -> _Marched:
         """The stencils of the pairs at `places`, with n segments per stage."""
         count, width = self._shape
         summary = np.full((len(SUMMARY), count * width), np.nan)
         status, stage = np.full(count * width, native.BAD_NUMBER, np.int32), np.zeros(count * width, np.int32)
-        for problem in self._problems:
+        for place, problem in self._problems:
             if places.size < count:
-                problem = problem.part(np.flatnonzero(np.isin(rows_of(problem) // width, places)))
-            rows = rows_of(problem)
+                problem = problem.part(np.flatnonzero(np.isin(rows_of(problem), places)))
+            rows = rows_of(problem) * width + place
             status[rows], core = problem.march(mesh_of(self._solver, problem.curve.segments(n)))
             stage[rows] = core.stage
             summary[:, rows] = summaries(problem, status[rows], core)

@@ -36,7 +36,7 @@ STEPS = 1e-6
 
 NARROW = 0.2
 """Step of the stencil over that of an impact on lines: after several contacts, which magnify every difference, the
-summary bends more. Needed by tests/test_modal_derivatives.py."""
+summary bends more. Needed by tests/test_stepped_derivatives.py."""
 
 BENT = 1e-6
 """As `KINK` of impacts on lines; the differences are then exact to about 1e-7."""

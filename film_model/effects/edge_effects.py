@@ -206,8 +206,9 @@ class _Edges:
 
     def vibrating(self) -> Supported:
         """The support and effects of vibrations; other effects are tried on the stiffer of impedance and stiffness."""
-        infinite, compliance = self.on_infinite, 0.0 if self.no_static else felt_compliance(self.impacts)
-        support = Support(math.inf, compliance, vibrates=True)
+        felt, slow = felt_compliance(self.impacts)
+        infinite, compliance = self.on_infinite, 0.0 if self.no_static else felt
+        support = Support(math.inf, compliance, vibrates=True, slow=slow)
         trusted = infinite is not None and infinite.trial.ends
         if infinite and trusted and (self.no_static or not _force(infinite) < _force(self.on_static)):
             support = Support(infinite.impedance, vibrates=True)
@@ -221,8 +222,9 @@ class _Edges:
         return Effect(INERTIA, _RATIO, value, tolerance, size, state, reason, _SOURCE, cost)
 
 
-def felt_compliance(impacts: Impacts) -> float:
-    """The part of a structure's static compliance [m/N] that the contact feels; all of it if the structure has waves.
+def felt_compliance(impacts: Impacts) -> tuple[float, bool]:
+    """The part of a structure's static compliance [m/N] that the contact feels, and whether there is another part; all
+    of it if the structure has waves.
 
     In a vibration with ω t_c below `SLOW` the struck point moves as with a free mass, though its compliance is that of
     a soft spring: finite-element programs give motions of the whole structure such frequencies. t_c is the contact time
@@ -231,7 +233,7 @@ def felt_compliance(impacts: Impacts) -> float:
     scene, compliance = impacts.base, impacts.base.target.compliance or 0.0
     fixed = impacts.problem(math.inf, 0.0)
     if not compliance or not endless(scene.target.impedance) or not fixed.trial.ends:
-        return compliance
+        return compliance, False
     core, scales = fixed.trial.summary, fixed.scales
     shortest = core.contact_duration * scales.time
     contact = core.maximum_indentation * scales.length / _force(fixed)
@@ -241,7 +243,7 @@ def felt_compliance(impacts: Impacts) -> float:
         felt = scene.target.omitted(slow, SLOW / duration)
         lasts = shortest * math.sqrt((1.0 + felt / contact) / (1.0 + scene.mass * float(slow.share.sum())))
         if lasts <= duration or not slow.frequency.size:
-            return felt
+            return felt, bool(slow.frequency.size)
         duration = lasts * (1.0 + CLOSE)
 
 

@@ -31,17 +31,19 @@ FIRST_ORDER_LOSS = 2 * 1.730173
 class Support(NamedTuple):
     """How a target moves: by its impedance [N s/m], or statically with its compliance [m/N].
 
-    vibrates: by its natural vibrations instead; impedance or compliance then only serve to decide other effects.
+    vibrates: by its natural vibrations instead; impedance or compliance then only serve to decide other effects. slow:
+    some of these vibrations are so slow that the target moves as a free mass, which the compliance does not include.
     """
 
     impedance: Any
     compliance: float = 0.0
     vibrates: bool = False
+    slow: bool = False
 
     @property
     def only_vibrates(self) -> bool:
-        """Whether the target has neither impedance nor static stiffness: a trial without vibrations has it fixed."""
-        return self.vibrates and self.compliance == 0.0 and endless(self.impedance)
+        """Whether a trial without vibrations lacks a motion: it has the target fixed, or not as a free mass."""
+        return self.vibrates and (self.slow or (self.compliance == 0.0 and endless(self.impedance)))
 
     @property
     def how(self) -> str:

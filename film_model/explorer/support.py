@@ -75,7 +75,7 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     found: dict[str, Any] = {"compliance": target.compliance or 0.0, "modes": None}
     if not vibrates:
         return found, ""
-    found["felt"] = felt_compliance(choice.problem.impacts)
+    found["felt"], _ = felt_compliance(choice.problem.impacts)
     asked = choice.scene.solver.accuracy or DEFAULT_ACCURACY
     own = vibrate(choice.problem, target, asked, [])[0]
     whole = isinstance(target, Structure)  # all of its vibrations are known

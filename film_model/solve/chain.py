@@ -28,7 +28,18 @@ from film_model.problem.problem import TRIAL_SEGMENTS, Columns, Impacts, Problem
 from film_model.problem.varied import read_by_stages
 from film_model.scene import Solver
 from film_model.solve.accuracy import mesh_of
-from film_model.solve.slopes import KINK, MOST_SEGMENTS, SMOOTH, STALLED, STEP, Meshes, Pairs, Slopes, differences, summaries
+from film_model.solve.slopes import (
+    KINK,
+    MOST_SEGMENTS,
+    SMOOTH,
+    STALLED,
+    STEP,
+    Meshes,
+    Pairs,
+    Slopes,
+    differences,
+    summaries,
+)
 
 AXES = ("approach", "gamma", "load", "damping", "stop_velocity")
 """Numbers of a problem on which the core's summary depends, beside those of its curve."""

@@ -155,9 +155,7 @@ def derivatives_of(
 
     def table(columns: Array) -> dict[str, dict[str, float | None]]:
         return {
-            name: {
-                entry.path: None if math.isnan(value) else value for entry, value in zip(entries, row, strict=True)
-            }
+            name: {entry.path: None if math.isnan(value) else value for entry, value in zip(entries, row, strict=True)}
             for name, row in zip(SUMMARY, columns.T.tolist(), strict=True)
         }
 

@@ -220,7 +220,9 @@ class _Marches:
             stage[rows] = core.stage
             summary[:, rows] = summaries(problem, status[rows], core)
         whole = _Marched(
-            summary.reshape(-1, count, width).transpose(1, 0, 2), status.reshape(count, width), stage.reshape(count, width)
+            summary.reshape(-1, count, width).transpose(1, 0, 2),
+            status.reshape(count, width),
+            stage.reshape(count, width),
         )
         return whole.part(places)
 

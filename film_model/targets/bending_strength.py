@@ -15,9 +15,7 @@ PLASTIC_SECTION = 1.5
 """Bending moment of a rectangular section that yields throughout, over the moment at which it begins to yield."""
 
 
-def bending_stress(
-    force: float, reach: float, contact_radius: float, thickness: float, poissons_ratio: float
-) -> float:
+def bending_stress(force: float, reach: float, contact_radius: float, thickness: float, poissons_ratio: float) -> float:
     """Stress on the far face under the force, Pa: 6 M/h² with M = (1 + ν) F/(4π) (ln(ℓ/c) + 1/2).
 
     force: N. reach: ℓ, m, of `reach_of` on an infinite plate. contact_radius: m; c is Westergaard's radius of the same

@@ -17,6 +17,7 @@ section 10.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +26,8 @@ from numpy.typing import NDArray
 CORE = Path(__file__).resolve().parent.parent / "film_model" / "core"
 PER_OCTAVE, OCTAVES = 8, 4
 """Pieces of each doubling of 1 + Λ, and doublings: up to Λ = 15."""
-PUSH_END, PUSH_PIECES, THROUGH_TERMS, LIMIT_TERMS = 0.7, 4, 15, 14
-"""Of the way through: the largest push, its pieces, of which each has two for the margin, and terms of its polynomials."""
+PUSH_END, PUSH_PIECES, MARGINS, THROUGH_TERMS, LIMIT_TERMS = 0.7, 4, (0.0, 0.4375, 1.0), 14, 14
+"""Of the way through: the largest push, its pieces, those of the margin, and terms of the polynomials."""
 
 _ORDER, _LAST = 30, 1e-21  # the last term of a series, relative: it sets the step
 
@@ -152,8 +153,8 @@ def through() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         push = PUSH_END * (piece + (z + 1) / 2) / PUSH_PIECES
         limit = largest_share(push)
         limits.append((powers.T[:LIMIT_TERMS, :LIMIT_TERMS] @ (chebyshev @ limit)[:LIMIT_TERMS]).astype(np.float64))
-        for half in range(2):
-            margin = (half + (z + 1) / 2) / 2
+        for low, high in pairwise(MARGINS):
+            margin = low + (high - low) * (z + 1) / 2
             share = limit[:, None] * (1 - margin * margin)
             made = way_through(np.repeat(push, count), share.ravel()).reshape(2, count, count)
             made = chebyshev @ made @ chebyshev.T
@@ -189,17 +190,18 @@ def text_through() -> str:
     limits, ways = through()
     head = (
         "/* Table of the way through an elastic stage: velocity and time. Written by examples/map_tables.py, which has the",
-        " * equations. Relative error: at most 7e-15. film_lane_map.h evaluates it. docs/method.md, section 10. */",
+        " * equations. Relative error: at most 2e-14. film_lane_map.h evaluates it. docs/method.md, section 10. */",
         '#include "film_batch.h"',
         "",
         "const double film_largest_share[PUSH_PIECES * LIMIT_TERMS] = {",
     )
     then = ("};", "", "const double film_way_through[2 * PUSH_PIECES * THROUGH_NUMBERS] = {")
-    return "\n".join([*head, *_rows(limits.ravel().tolist()), *then, *_rows(ways.ravel().tolist()), "};"]) + "\n"
+    return "\n".join([*head, *_rows(limits.ravel().tolist(), 6), *then, *_rows(ways.ravel().tolist(), 6), "};"]) + "\n"
 
 
-def _rows(numbers: list[float]) -> list[str]:
-    return [f"    {', '.join(f'{number:.17g}' for number in numbers[k : k + 4])}," for k in range(0, len(numbers), 4)]
+def _rows(numbers: list[float], wide: int = 4) -> list[str]:
+    texts = [f"{number:.17g}" for number in numbers]
+    return [f"    {', '.join(texts[k : k + wide])}," for k in range(0, len(texts), wide)]
 
 
 if __name__ == "__main__":

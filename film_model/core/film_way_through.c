@@ -1,5 +1,5 @@
-/* Table of the way through an elastic stage: velocity and time. Written by examples/map_tables.py, which has the
- * equations. Relative error: at most 2e-14. film_lane_map.h evaluates it. docs/method.md, section 10. */
+/* Table of the way through an elastic stage: velocity and time. Written by examples/map_tables.py, which has
+ * the equations. Relative error: at most 2e-14. film_lane_map.h evaluates it. docs/method.md, section 10. */
 #include "film_batch.h"
 
 const double film_largest_share[PUSH_PIECES * LIMIT_TERMS] = {

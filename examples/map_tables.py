@@ -10,7 +10,8 @@ The way in starts at u = 0, w = 1 with c = 5/4 and Λ = γ f(X)/ν, X the depth 
 The way out starts at u = 1, w = Λ = γ √(F/recovery) with c = 1; it ends at u = 0. The way through starts at u = 0,
 w = 1 with Λ = γ f(Y)/ν, the push, and c = 5/4 of the share of the energy that the stage stores, 2 W(Y)/ν²; it ends at
 u = 1. A motion with the largest share, p, turns where the stage ends; √(1 − share/p) is the margin. Taylor series of
-order 30 integrate them in extended precision (the processor's 80 bits where NumPy has them). docs/method.md, section 10.
+order 30 integrate them in extended precision (the 80 bits of the processor where NumPy has them): docs/method.md,
+section 10.
 """
 
 from __future__ import annotations

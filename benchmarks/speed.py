@@ -1,4 +1,4 @@
-"""Microseconds per impact at equal accuracy: `python -m benchmarks.speed [--quick] [--json FILE]`.
+"""Microseconds per impact at equal accuracy: `python -m benchmarks.speed [--quick] [--json FILE] [--page]`.
 
 Every method computes the same impacts in one run, on one core. Its fastest setting is searched for which the largest
 relative error of six summary values over all checked impacts is below a target, and then timed. Times are the minimum
@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks import conventional, film, python_level, rivals, root_steps
+from benchmarks import conventional, film, python_level, rivals, root_steps, speed_table
 from benchmarks.cases import Array, Case, all_cases, worst_error
 from benchmarks.python_level import best_time
 from film_model.core import native
@@ -42,6 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.speed", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--quick", action="store_true", help="fewer impacts, checks and repeats")
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the rows there")
+    parser.add_argument("--page", action="store_true", help="write the table of docs/understand/accuracy_and_cost.md")
     options = parser.parse_args(arguments)
     impacts, checked, repeats = (200, 12, 3) if options.quick else (1000, 60, 9)
     if hasattr(os, "sched_setaffinity"):
@@ -54,6 +55,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         measured = measure_case(case, checked, repeats)
         rows += measured
         print_case(case, measured)
+    if options.page:
+        speed_table.write(rows)
     level = python_level.measure(repeats)
     print_python(level)
     if options.json is not None:

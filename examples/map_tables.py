@@ -7,16 +7,17 @@ function of two. In units of each way, with x = u² and dt = 2u ds,
     u' = w − Λ u³,  w' = −2 c u⁴,  t' = 2u.
 
 The way in starts at u = 0, w = 1 with c = 5/4 and Λ = γ f(X)/ν, X the depth on a fixed target; it turns where u' = 0.
-The way out starts at u = 1, w = Λ = γ √(F/recovery) with c = 1; it ends at u = 0. The way through starts at u = 0, w = 1
-with Λ = γ f(Y)/ν, the push, and c = 5/4 of the share of the energy that the stage stores, 2 W(Y)/ν²; it ends at u = 1. A
-motion with the largest share, p, that passes the stage turns where it ends; √(1 − share/p) is the margin. Taylor series
-of order 30 integrate them in extended precision (the processor's 80 bits where NumPy has them). docs/method.md,
+The way out starts at u = 1, w = Λ = γ √(F/recovery) with c = 1; it ends at u = 0. The way through starts at u = 0,
+w = 1 with Λ = γ f(Y)/ν, the push, and c = 5/4 of the share of the energy that the stage stores, 2 W(Y)/ν²; it ends at
+u = 1. A motion with the largest share, p, turns where the stage ends; √(1 − share/p) is the margin. Taylor series of
+order 30 integrate them in extended precision (the 80 bits of the processor where NumPy has them): docs/method.md,
 section 10.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +26,8 @@ from numpy.typing import NDArray
 CORE = Path(__file__).resolve().parent.parent / "film_model" / "core"
 PER_OCTAVE, OCTAVES = 8, 4
 """Pieces of each doubling of 1 + Λ, and doublings: up to Λ = 15."""
-PUSH_END, PUSH_PIECES, THROUGH_TERMS, LIMIT_TERMS = 0.7, 4, 15, 14
-"""Of the way through: the largest push, its pieces, of which each has two for the margin, and terms of its polynomials."""
+PUSH_END, PUSH_PIECES, MARGINS, THROUGH_TERMS, LIMIT_TERMS = 0.7, 4, (0.0, 0.4375, 1.0), 14, 14
+"""Of the way through: the largest push, its pieces, those of the margin, and terms of the polynomials."""
 
 _ORDER, _LAST = 30, 1e-21  # the last term of a series, relative: it sets the step
 
@@ -51,8 +52,11 @@ def way_out(number: Long) -> Long:
 
 
 def largest_share(push: Long) -> Long:
-    """The share of the energy with which the motion turns where the stage ends. With D(Λ) the depth that way_in gives, the
-    share is D^(5/2) and the push Λ D^(3/2): Newton's method, with a difference for the slope."""
+    """The share of the energy with which the motion turns where the stage ends.
+
+    With D(Λ) the depth that way_in gives, it is D^(5/2), and the push Λ D^(3/2): Newton's method, with a difference for
+    the slope.
+    """
     push = np.asarray(push, np.longdouble)
     number, power, small = push.copy(), np.longdouble(1.5), np.longdouble(1e-8)
     for _ in range(7):
@@ -89,7 +93,7 @@ def _value(series: Long, s: Long) -> Long:
 
 
 def _follow(number: Long, c: Long, start: tuple[Long, Long, Long], until: str) -> tuple[Long, Long, Long]:
-    """The motion where u' ("turn"), w ("stop") or u ("end") falls to 0, or where u rises to 1 ("pass") and turns later."""
+    """The motion where u' ("turn"), w ("stop") or u ("end") falls to 0, or where u rises to 1 ("pass")."""
     u, w, t = (values.copy() for values in start)
     left = np.ones(number.size, bool)
     for _ in range(3000):
@@ -135,9 +139,9 @@ def pieces(way: Callable[[Long], Long], terms: int) -> NDArray[np.float64]:
 def through() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Largest shares, (pieces of the push, terms), and the ways through, (pieces of the push and the margin, numbers).
 
-    A way through is a polynomial of the push, on each piece from −1 to 1, whose coefficients are polynomials of the margin,
-    so that all powers together are below `THROUGH_TERMS`: of four powers of the margin at a time, for each power of the
-    push from the highest to 0, of each of the four both values.
+    A way through is a polynomial of the push, on each piece from −1 to 1, whose coefficients are polynomials of the
+    margin, so that all powers together are below `THROUGH_TERMS`: of four powers of the margin at a time, for each
+    power of the push from the highest to 0, of each of the four both values.
     """
     count, most = 2 * THROUGH_TERMS, THROUGH_TERMS
     z = np.cos(np.pi * (np.arange(count, dtype=np.longdouble) + 0.5) / count)
@@ -152,8 +156,8 @@ def through() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         push = PUSH_END * (piece + (z + 1) / 2) / PUSH_PIECES
         limit = largest_share(push)
         limits.append((powers.T[:LIMIT_TERMS, :LIMIT_TERMS] @ (chebyshev @ limit)[:LIMIT_TERMS]).astype(np.float64))
-        for half in range(2):
-            margin = (half + (z + 1) / 2) / 2
+        for low, high in pairwise(MARGINS):
+            margin = low + (high - low) * (z + 1) / 2
             share = limit[:, None] * (1 - margin * margin)
             made = way_through(np.repeat(push, count), share.ravel()).reshape(2, count, count)
             made = chebyshev @ made @ chebyshev.T
@@ -188,18 +192,19 @@ def text_through() -> str:
     """film_way_through.c."""
     limits, ways = through()
     head = (
-        "/* Table of the way through an elastic stage: velocity and time. Written by examples/map_tables.py, which has the",
-        " * equations. Relative error: at most 7e-15. film_lane_map.h evaluates it. docs/method.md, section 10. */",
+        "/* Table of the way through an elastic stage: velocity and time. Written by examples/map_tables.py, which has",
+        " * the equations. Relative error: at most 2e-14. film_lane_map.h evaluates it. docs/method.md, section 10. */",
         '#include "film_batch.h"',
         "",
         "const double film_largest_share[PUSH_PIECES * LIMIT_TERMS] = {",
     )
     then = ("};", "", "const double film_way_through[2 * PUSH_PIECES * THROUGH_NUMBERS] = {")
-    return "\n".join([*head, *_rows(limits.ravel().tolist()), *then, *_rows(ways.ravel().tolist()), "};"]) + "\n"
+    return "\n".join([*head, *_rows(limits.ravel().tolist(), 6), *then, *_rows(ways.ravel().tolist(), 6), "};"]) + "\n"
 
 
-def _rows(numbers: list[float]) -> list[str]:
-    return [f"    {', '.join(f'{number:.17g}' for number in numbers[k : k + 4])}," for k in range(0, len(numbers), 4)]
+def _rows(numbers: list[float], wide: int = 4) -> list[str]:
+    texts = [f"{number:.17g}" for number in numbers]
+    return [f"    {', '.join(texts[k : k + wide])}," for k in range(0, len(texts), wide)]
 
 
 if __name__ == "__main__":

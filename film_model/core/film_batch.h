@@ -90,9 +90,9 @@ static const double MAP_END = 15.0;
 extern const double film_way_in[MAP_PIECES * FILM_WAY_IN_TERMS * FILM_WAY_IN_VALUES + 2];
 extern const double film_way_out[MAP_PIECES * FILM_WAY_OUT_TERMS * FILM_WAY_OUT_VALUES + 2];
 
-/* The table of the way through an elastic stage, film_way_through.c: pieces of the push, up to PUSH_END, each in two halves of the margin. */
-enum { PUSH_PIECES = 4, LIMIT_TERMS = 14, THROUGH_TERMS = 15, THROUGH_NUMBERS = 8 * (15 + 11 + 7 + 3) };
-static const double PUSH_END = 0.7;
+/* The table of the way through an elastic stage, film_way_through.c: pieces of the push up to PUSH_END, each in two at MARGIN. */
+enum { PUSH_PIECES = 4, LIMIT_TERMS = 14, THROUGH_TERMS = 14, THROUGH_NUMBERS = 8 * (14 + 10 + 6 + 2) };
+static const double PUSH_END = 0.7, MARGIN = 0.4375;
 extern const double film_largest_share[PUSH_PIECES * LIMIT_TERMS];
 extern const double film_way_through[2 * PUSH_PIECES * THROUGH_NUMBERS];
 

@@ -4,7 +4,7 @@
 
 /* The place of the largest force is sought to this fraction of the way; the force there differs by the square of that.
  * Accuracy and cost only: of core_check.c only the hash sees it. */
-static const double PEAK_TOLERANCE = 1e-8;
+static const double PEAK_TOLERANCE = 1e-6;
 
 enum { RELEASE_ITERATIONS = 120, PEAK_ITERATIONS = 60 };
 

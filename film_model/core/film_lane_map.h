@@ -59,23 +59,23 @@ static void through_lanes(const double *restrict push, const double *restrict sh
     for (int l = 0; l < LANES; l++) {
         double place = push[l] < PUSH_END ? push[l] * (PUSH_PIECES / PUSH_END) : 0.0;
         int piece = (int)place;
-        double left = 1.0 - share[l] / largest_share(place, piece), margin = 2.0 * sqrt(left > 0.0 ? left : 0.0);
-        int half = margin < 1.0 ? 0 : 1;
+        double left = 1.0 - share[l] / largest_share(place, piece), margin = sqrt(left > 0.0 ? left : 0.0);
+        int near = margin < MARGIN;
         beyond[l] = push[l] < PUSH_END && left > 0.0 ? 0.0 : 1.0;
         at[l] = 2.0 * (place - piece) - 1.0;
-        z[l] = 2.0 * (margin - half) - 1.0;
+        z[l] = 2.0 * (near ? margin * (1.0 / MARGIN) : (margin - MARGIN) * (1.0 / (1.0 - MARGIN))) - 1.0;
         fourth[l] = z[l] * z[l] * (z[l] * z[l]);
-        cell[l] = 2 * piece + half;
+        cell[l] = 2 * piece + 1 - near;
     }
     for (int l = 0; l < LANES; l++) {
-        const double *row = &film_way_through[(cell[l] + 1) * THROUGH_NUMBERS];
-        double all[8] = {0.0};
-        for (int rows = THROUGH_TERMS % 4; rows <= THROUGH_TERMS; rows += 4) { /* of four powers of the margin */
+        const double *row = &film_way_through[cell[l] * THROUGH_NUMBERS];
+        double all[8] = {0.0}, power = 1.0;
+        for (int rows = THROUGH_TERMS; rows > 0; rows -= 4) { /* of four powers of the margin */
             double four[8] = {0.0};
-            row -= 8 * rows;
-            for (int k = 0; k < rows; k++)
-                for (int i = 0; i < 8; i++) four[i] = four[i] * at[l] + row[8 * k + i];
-            for (int i = 0; i < 8; i++) all[i] = all[i] * fourth[l] + four[i];
+            for (int k = 0; k < rows; k++, row += 8)
+                for (int i = 0; i < 8; i++) four[i] = four[i] * at[l] + row[i];
+            for (int i = 0; i < 8; i++) all[i] += four[i] * power;
+            power *= fourth[l];
         }
         memcpy(sum[l], all, sizeof all);
     }

@@ -16,6 +16,8 @@ static inline double power_of(double x, double exponent) {
     if (exponent == 1.5) return x * sqrt(x);
     if (exponent == 1.0) return x;
     if (exponent == 2.0) return x * x;
+    if (exponent == 0.5) return sqrt(x);
+    if (exponent == 0.25) return sqrt(sqrt(x));
     return pow(x, exponent);
 }
 

@@ -94,7 +94,7 @@ def _refine(part: Problem, solver: Solver, made: Marched, places: Index, n: int)
     pair = before[0][known], Columns(before[1].table[known]), status[known], Columns(core.table[known])
     left = _estimate(part.part(known), solver, made, to, n, pair)
     stalled = (made.estimated[places] > STALLED * last) & (made.estimated[places] < SMALL)
-    return np.setdiff1d(left, places[stalled], assume_unique=True)
+    return np.setdiff1d(left, places[stalled], assume_unique=True) if stalled.any() else left
 
 
 def _estimate(

@@ -223,7 +223,7 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
 
 def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Index]:
     """The impacts of each curve under the laws. Most laws have stages that do not depend on the varied values."""
-    shapes = [shape for law in laws for shape in _shapes(law)]
+    shapes = [shape for law in laws for shape in curve_keys(law)]
     if not shapes:
         yield np.arange(count)
         return
@@ -236,8 +236,8 @@ def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Index]:
         yield np.sort(places)
 
 
-def _shapes(law: SceneLaw) -> list[Array]:
-    """The varied values on which the stages depend, one array each; for a family of curves, the page."""
+def curve_keys(law: SceneLaw) -> list[Array]:
+    """The varied values on which the curve depends, one array each; for a family of curves, the page."""
     shapes: list[Array] = []
     if not isinstance(law.law, AbstractLaw):
         read = read_by_stages(law)

@@ -11,14 +11,11 @@ from film_model.scene.scene import Scene
 
 def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
     """The scene with arrays [SI] in place of some of its numbers, by path: its derived values are arrays too."""
-    made = _copied(scene)
+    made = _shared(scene)
+    owners: dict[str, Any] = {"": made}
     for path, values in columns.items():
-        *sections, name = path.split(".")
-        owner: Any = made
-        for section in sections:
-            part = _copied(getattr(owner, section))
-            object.__setattr__(owner, section, part)
-            owner = part
+        section, _, name = path.rpartition(".")
+        owner = owners.get(section) or _copied(section, owners)
         if path.startswith("contact.") and name not in owner.FIELDS:
             object.__setattr__(owner, "parameters", {**owner.parameters, name: values})
         else:
@@ -26,8 +23,17 @@ def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
     return made
 
 
-def _copied(owner: Any) -> Any:
-    """A copy that shares its attributes; what copy.copy does to find them takes most of its time."""
+def _copied(section: str, owners: dict[str, Any]) -> Any:
+    """A copy of a part of the scene, put into a copy of the part that has it. owners: the copies by their paths."""
+    parent, _, name = section.rpartition(".")
+    owner = owners.get(parent) or _copied(parent, owners)
+    owners[section] = _shared(getattr(owner, name))
+    object.__setattr__(owner, name, owners[section])
+    return owners[section]
+
+
+def _shared(owner: Any) -> Any:
+    """A copy with the same attributes; what copy.copy does to find them takes most of its time."""
     made = object.__new__(type(owner))
     made.__dict__.update(owner.__dict__)
     return made

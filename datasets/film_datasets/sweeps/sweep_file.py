@@ -16,6 +16,7 @@ from film_datasets.sweeps.design_table import over_of_file
 from film_datasets.sweeps.designs import GRID, ZIP
 from film_model.base.errors import Mistake, SceneError, did_you_mean, shown
 from film_model.scene import Scene
+from film_model.scene.scene import WITH_FILES
 from film_model.scene.toml import line_of, lines_of_keys, read_text, toml_table
 
 KEYS = ("scene", "design", *OPTIONS, "over")
@@ -44,7 +45,7 @@ def sweep_from_text(
 ) -> Sweep:
     """A sweep from the text of a sweep file called `name`.
 
-    folder: where the files of tabulated laws are. instead: values that replace those of the file, by key.
+    folder: of the files that it names. instead: values that replace those of the file, by key.
     """
     given = toml_table(text, name)
     table = {_closest_key(key): value for key, value in given.items()} | given
@@ -53,8 +54,8 @@ def sweep_from_text(
     mistakes = _key_mistakes(given, table)
     has_over = isinstance(table.get("over"), Mapping)
     over = _flat(table["over"]) if has_over else {}
-    sections = over.get("contact")
-    for section in sections if isinstance(sections, list) else ():
+    sections = [section for key in WITH_FILES if isinstance(over.get(key), list) for section in over[key]]
+    for section in sections:
         if isinstance(section, dict) and isinstance(section.get("file"), str):
             section["file"] = str(folder / section["file"])
     options = {key: table[key] for key in OPTIONS if key in table} | dict(instead)

@@ -113,10 +113,11 @@ class Checkpoint:
         if written is None:
             (self.folder / WRITTEN).unlink(missing_ok=True)
             return
+        before = self.written()
         with written_whole(self.folder / WRITTEN) as beside:
             found = {"blocks": written.blocks, "content_sha256": written.content, "totals": written.totals}
             beside.write_text(json.dumps(found), encoding="utf-8")
-        for number in range(written.blocks):
+        for number in range(before.blocks if before else 0, written.blocks):
             (self.folder / f"{number}.npz").unlink(missing_ok=True)
 
     def save(self, number: int, columns: Mapping[str, NDArray[Any]]) -> None:

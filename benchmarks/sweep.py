@@ -1,4 +1,4 @@
-"""Sweeps from 10⁴ to 10⁷ impacts: `python -m benchmarks.sweep [--largest 1e7] [--json FILE]`.
+"""Sweeps from 10⁴ to 10⁷ impacts: `python -m benchmarks.sweep [--largest 1e7] [--variables NAMES]`.
 
 Each sweep runs on all cores in a separate process, which measures its largest resident memory, and the wall and CPU
 seconds of the call without imports. A sweep of two impacts measures the overhead that does not depend on the number of
@@ -41,8 +41,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.sweep", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--largest", type=float, default=1e7, help="impacts of the largest sweep")
     parser.add_argument("--workers", type=int, help="threads; all cores by default")
+    parser.add_argument("--variables", default="", help="keep only these summary values, with commas between")
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the rows there")
-    parser.add_argument("--child", nargs=5, help=argparse.SUPPRESS)
+    parser.add_argument("--child", nargs=6, help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
     if options.child:
         return child(*options.child)
@@ -53,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     rows, fixed = [], dict[tuple[str, str], float]()
     for name, count, suffix in planned(int(options.largest)):
-        row = measure(name, count, suffix, options.workers)
+        row = measure(name, count, suffix, options.workers, options.variables)
         least = fixed.setdefault((name, suffix), row["busy"])
         each, beyond = 1e6 * row["busy"] / count, 1e6 * (row["busy"] - least) / count
         rows.append({**row, "cores": cores, "each": each, "beyond_two": beyond})
@@ -80,19 +81,20 @@ def planned(largest: int) -> list[tuple[str, int, str]]:
     return [*rows, (plate, 2, "nc"), (plate, 10**5, "nc")]
 
 
-def measure(name: str, count: int, suffix: str, workers: int | None) -> dict[str, Any]:
+def measure(name: str, count: int, suffix: str, workers: int | None, variables: str) -> dict[str, Any]:
     """Seconds and megabytes of a sweep, in the best of three processes for the small ones."""
     runs = []
     for _ in range(3 if count <= 10**6 else 1):
         with tempfile.TemporaryDirectory() as folder:
-            command = [sys.executable, "-m", "benchmarks.sweep", "--child", name, str(count), folder, suffix]
-            done = subprocess.run([*command, str(workers or 0)], capture_output=True, text=True, check=True)
+            own = [name, str(count), folder, suffix, str(workers or 0), variables]
+            command = [sys.executable, "-m", "benchmarks.sweep", "--child", *own]
+            done = subprocess.run(command, capture_output=True, text=True, check=True)
             runs.append(json.loads(done.stdout))
     best = min(runs, key=lambda run: run["busy"])
     return {"case": name, "impacts": count, "file": suffix, **best}
 
 
-def child(name: str, count: str, folder: str, suffix: str, workers: str) -> int:
+def child(name: str, count: str, folder: str, suffix: str, workers: str, variables: str) -> int:
     """One sweep in this process, after one of two impacts that makes the imports; the best of ten of a small one."""
     stem, changes, low, high = CASES[name]
     scene = fm.Scene.from_toml(SCENES / f"{stem}.toml").replace(changes)
@@ -102,7 +104,8 @@ def child(name: str, count: str, folder: str, suffix: str, workers: str) -> int:
         output = None if suffix == "memory" else Path(folder) / f"{number}.{suffix}"
         begin, busy = time.perf_counter(), time.process_time()
         over = {"impactor.velocity": {**ends, "count": size}}
-        with film_datasets.sweep(scene, over, output=output, workers=int(workers) or None) as ds:
+        kept = variables.split(",") if variables else ()
+        with film_datasets.sweep(scene, over, variables=kept, output=output, workers=int(workers) or None) as ds:
             failed |= "failed" in ds.attrs["warnings"]
         if number > 0:
             best = min(best, (time.process_time() - busy, time.perf_counter() - begin))

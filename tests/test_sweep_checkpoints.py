@@ -50,6 +50,44 @@ def test_a_block_of_another_shape_is_computed_again(interrupted):
     assert np.array_equal(checkpoint.load(1)["maximum_force"], columns["maximum_force"])
 
 
+def test_blocks_in_whole_files_are_not_saved_and_a_damaged_file_is_written_again(tmp_path, monkeypatch):
+    """A Zarr folder that was interrupted keeps its whole files; what comes after them is in saved blocks."""
+    pytest.importorskip("zarr")
+    monkeypatch.setattr("film_datasets.sweeps.blocks.BLOCK_IMPACTS", 1)
+    sweep, target = Sweep.of(SCENE, OVER, variables=["maximum_force"]), tmp_path / "out.zarr"
+    computed = []
+
+    def counted(sweep, block):
+        computed.append(block.first)
+        return compute_block(sweep, block)
+
+    def stop(done, size):
+        if done == 36:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("film_datasets.sweeps.computed_blocks.compute_block", counted)
+    with pytest.raises(KeyboardInterrupt, match="blocks in"):
+        runner.run_sweep(sweep, target, command="test", workers=1, progress=stop)
+    checkpoint = Checkpoint(target, sweep, Blocks(sweep))
+    assert checkpoint.written().blocks == 32 and checkpoint.finished() >= set(range(36))
+    assert min(int(path.stem) for path in checkpoint.folder.glob("*.npz")) == 32
+    before, folder = tmp_path / "before", tmp_path / ".out.zarr.part"
+    shutil.copytree(tmp_path, before)
+    whole = fd.sweep(SCENE, OVER, variables=["maximum_force"])
+    for damaged in (False, True):
+        for name in (folder.name, checkpoint.folder.name):
+            shutil.copytree(before / name, tmp_path / name, dirs_exist_ok=True)
+        if damaged:
+            file = folder / "maximum_force" / "c" / "2"
+            file.write_bytes(file.read_bytes()[:-40] + bytes(40))
+        computed.clear()
+        with runner.run_sweep(sweep, target, command="test", resume=True) as ds:
+            assert fd.validate(ds) == [] and ds.attrs["content_sha256"] == whole.attrs["content_sha256"]
+        assert (0 in computed) is damaged and 39 in computed
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["before", "out.zarr"]
+        shutil.rmtree(target)
+
+
 def test_a_link_as_output_is_refused(tmp_path):
     (tmp_path / "elsewhere.nc").write_bytes(b"")
     link = tmp_path / "out.nc"

@@ -53,8 +53,7 @@ def varied_of(law: SceneLaw, count: int) -> Varied | None:
     if law.rule is not None or isinstance(law.law, AbstractLaw):
         return None
     if law.law.shaped_by:
-        several = read_by_stages(law).keys() - set(law.law.shaped_by)
-        return Varied(*fitted_curves(lambda places: law.at(places), count)) if several else None
+        return Varied(*fitted_curves(law.at, count)) if fitted_by(law) else None
     try:
         numbers = _numbers(law.at(slice(None)).stages())
         some = {place: _numbers(law.at(place).stages()) for place in (0, count // 2, count - 1)}
@@ -126,6 +125,13 @@ def read_by_stages(law: SceneLaw) -> dict[str, Array]:
         return {}
     varying = {name: value for name, value in law.values.items() if isinstance(value, np.ndarray)}
     return {name: value for name, value in varying.items() if not _blind(law.law, law.values, name)}
+
+
+def fitted_by(law: SceneLaw) -> dict[str, Array]:
+    """Those besides the law's shape, of a law that has one: for each of their values it is fitted again."""
+    if law.rule is not None or isinstance(law.law, AbstractLaw) or not law.law.shaped_by:
+        return {}
+    return {name: value for name, value in read_by_stages(law).items() if name not in law.law.shaped_by}
 
 
 def _blind(law: type[AbstractLaw], values: Mapping[str, Any], varied: str) -> bool:

@@ -22,10 +22,9 @@ from film_model.effects.decided import decided_impacts, decided_problem
 from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import FEW, curve_keys
 from film_model.effects.rate_hardening import factor_at
-from film_model.laws import AbstractLaw
 from film_model.problem.law_of_scene import SceneLaw
 from film_model.problem.problem import TRIAL_SEGMENTS, Columns, Impacts, Problem
-from film_model.problem.varied import read_by_stages
+from film_model.problem.varied import fitted_by
 from film_model.scene import Solver
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.slopes import (
@@ -134,7 +133,8 @@ def _chains(pairs: Pairs, how: _How) -> Iterator[tuple[Index, _Chain]]:
     step = np.where(pairs.fits(how.stencil.offsets * scale), pairs.step * scale, 0.0).reshape(-1, numbers)
     impacts = _beside(pairs, step, how.stencil)
     keys = _keys(impacts.law, len(step))
-    other = (keys != keys[:, :1]).any(axis=2)
+    own = _stacked([*curve_keys(impacts.law), *fitted_by(impacts.law).values()], len(step))
+    other = (own != own[:, :1]).any(axis=2)
     if other.any():  # stencils that need more than one curve are left out
         step[other[:, 1:].reshape(len(step), numbers, -1).any(axis=2)] = 0.0
         impacts = _beside(pairs, step, how.stencil)
@@ -167,10 +167,11 @@ def _inside(rows: Index, width: int) -> Index:
 
 
 def _keys(law: SceneLaw, count: int) -> Array:
-    """(impacts, those beside, keys): impacts with equal keys share a curve."""
-    keys, family = curve_keys(law), () if isinstance(law.law, AbstractLaw) else law.law.shaped_by
-    if family:  # curves that differ in more than their shape are fitted one by one
-        keys += [values for name, values in read_by_stages(law).items() if name not in family]
+    """(impacts, those beside, keys): impacts with equal keys share a curve, though its numbers may differ."""
+    return _stacked(curve_keys(law), count)
+
+
+def _stacked(keys: list[Array], count: int) -> Array:
     return np.stack(keys, axis=-1).reshape(count, -1, len(keys)) if keys else np.zeros((count, 1, 0))
 
 

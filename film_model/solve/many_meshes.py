@@ -33,9 +33,10 @@ COARSE_FACTOR, COARSE = 2.0, 24
 `ORDER_FACTOR`. Where errors do not yet fall with the fourth power, at kinks of the law and in slow contacts under a
 load, the two meshes may agree by chance. Needed by tests/test_sweep_accuracy.py."""
 
-SAME, TOO_FEW = 1e-12, 2 * FIRST_SEGMENTS
-"""Two meshes of up to `TOO_FEW` segments that agree to `SAME` under a load are no evidence: an impactor that turns back
-within the first lines of both has the same lines on both. Needed by tests/test_one_and_many.py."""
+SAME, TOO_FEW = 1e-6, 2 * FIRST_SEGMENTS
+"""Two meshes of up to `TOO_FEW` segments that agree to `SAME`, under a load or of a law that pulls, are no evidence:
+they agree by chance, or an impactor that turns back within the first lines of both has the same lines on both. Needed
+by tests/test_one_and_many.py."""
 
 LOADED = 0.05
 """Under a load two meshes may agree by chance, where the sign of their difference changes: an estimate is not less than
@@ -98,7 +99,7 @@ def _refine(part: Problem, solver: Solver, made: Marched, places: Index, n: int)
     pair = before[0][known], Columns(before[1].table[known]), status[known], Columns(core.table[known])
     left = _estimate(part.part(known), solver, made, to, n, pair)
     stalled = (made.estimated[places] > STALLED * last) & (made.estimated[places] < SMALL)
-    return np.setdiff1d(left, places[stalled], assume_unique=True)
+    return np.setdiff1d(left, places[stalled], assume_unique=True) if stalled.any() else left
 
 
 def _estimate(
@@ -116,7 +117,7 @@ def _estimate(
     found = _factor(n, solver) * apart
     found[coarse_status < 0] = 1.0
     if n <= TOO_FEW:
-        found[(apart <= SAME) & (problem.load > 0.0)] = 1.0
+        found[(apart <= SAME) & ((problem.load > 0.0) | problem.curve.pulls)] = 1.0
     found = np.where(problem.load > 0.0, np.maximum(found, LOADED * solver.accuracy), found)
     rounds = _floor(problem, core)
     made.estimated[places] = np.minimum(found + rounds, 1.0)

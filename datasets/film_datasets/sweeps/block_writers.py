@@ -229,6 +229,10 @@ class ZarrWriter:
             array[whole] = np.concatenate([part for _, part in pending], axis=cut)
             pending.clear()
 
+    def read(self, name: str, region: Region) -> Any:
+        """What was written to a region of a variable, in whole files."""
+        return self._arrays[name][region]
+
     def grow(self, name: str, values: Any) -> None:
         pending, length = self._pending.setdefault(name, []), self._arrays[name].shards[0]
         pending.append(((), values))

@@ -10,7 +10,7 @@ import shutil
 import zipfile
 from collections.abc import Generator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +19,27 @@ from film_datasets.files import temporary_path
 from film_datasets.provenance import PROGRAM
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.definition import Sweep
+from film_model.base.files import written_whole
 
 OWNER = "owner"
 """Entry of a block's file: the sweep's fingerprint, its first row and number of rows."""
 
 
+WRITTEN = "written.json"
+
+
+class Written(NamedTuple):
+    """The first blocks of a sweep, in whole files of the unfinished output. content: their hash. totals: as
+    `Totals.to_plain` gives them."""
+
+    blocks: int
+    content: str
+    totals: dict[str, Any]
+
+
 class Checkpoint:
-    """The finished blocks of a sweep, a file each, in a hidden folder beside the output until that is complete."""
+    """The finished blocks of a sweep, a file each, in a hidden folder beside the output until that is complete, or has
+    them in whole files."""
 
     def __init__(self, target: Path, sweep: Sweep, blocks: Blocks) -> None:
         self._target, self._sweep, self._blocks = target, sweep, blocks
@@ -80,10 +94,31 @@ class Checkpoint:
 
     def finished(self) -> set[int]:
         """Numbers of the finished blocks."""
+        begun = self.written()
+        found = set(range(begun.blocks)) if begun else set[int]()
         with contextlib.suppress(OSError):
-            found = {int(path.stem) for path in self.folder.glob("*.npz") if path.stem.isdecimal()}
-            return {number for number in found if number < len(self._blocks)}
-        return set()
+            found |= {int(path.stem) for path in self.folder.glob("*.npz") if path.stem.isdecimal()}
+        return {number for number in found if number < len(self._blocks)}
+
+    def written(self) -> Written | None:
+        """The blocks that are in whole files of the unfinished output, and need not be saved."""
+        try:
+            found = json.loads((self.folder / WRITTEN).read_text(encoding="utf-8"))
+            return Written(found["blocks"], found["content_sha256"], found["totals"])
+        except (OSError, ValueError, KeyError):
+            return None
+
+    def set_written(self, written: Written | None) -> None:
+        """Say which blocks the unfinished output holds, and delete them here; None: it is to be written again."""
+        if written is None:
+            (self.folder / WRITTEN).unlink(missing_ok=True)
+            return
+        before = self.written()
+        with written_whole(self.folder / WRITTEN) as beside:
+            found = {"blocks": written.blocks, "content_sha256": written.content, "totals": written.totals}
+            beside.write_text(json.dumps(found), encoding="utf-8")
+        for number in range(before.blocks if before else 0, written.blocks):
+            (self.folder / f"{number}.npz").unlink(missing_ok=True)
 
     def save(self, number: int, columns: Mapping[str, NDArray[Any]]) -> None:
         """Save a block: written under another name and renamed. The file has checksums, so `load` detects damage, and

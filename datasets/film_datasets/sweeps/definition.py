@@ -171,6 +171,12 @@ class Sweep:
         return (*swept, *sweep_variables(self.kept, self.chosen, self.dims), *itertools.chain(*slopes), *constants)
 
     @cached_property
+    def row_variables(self) -> tuple[Variable, ...]:
+        """The variables of the blocks: those with values for each impact."""
+        own = self.variables[len(self.axes) :] if self.design == GRID else self.variables
+        return tuple(variable for variable in own if variable.dims[: len(self.dims)] == self.dims)
+
+    @cached_property
     def constants(self) -> dict[str, Any]:
         """The values of the schema's `CONSTANTS` that are the same for all impacts."""
         scenes = (self.combination(number) for number in self.combinations_used)

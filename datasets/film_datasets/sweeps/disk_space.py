@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from film_datasets.files import ZARR
 from film_datasets.impacts import one_curve_per_impact
 from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, compute_block
-from film_datasets.sweeps.blocks import Block
+from film_datasets.sweeps.block_writers import SHARD_BLOCKS
+from film_datasets.sweeps.blocks import Block, Blocks
 from film_datasets.sweeps.definition import Sweep
 
 SAMPLE = 256
@@ -37,15 +39,17 @@ def disk_space(sweep: Sweep) -> tuple[float, float]:
     return packed * each, sum(array.nbytes for array in arrays) * each
 
 
-def check_free_space(target: Path, sweep: Sweep, shards: int = 1) -> None:
+def check_free_space(target: Path, sweep: Sweep, shards: int | None = None) -> None:
     """Raise OSError if the disk cannot hold the output, or one of its shards, and, until it is finished, the saved
-    blocks."""
-    output, blocks = (need / shards for need in disk_space(sweep))
+    blocks: all, or for a Zarr folder those of an unfinished file and of the next."""
+    output, blocks = (need / (shards or 1) for need in disk_space(sweep))
+    if target.suffix == ZARR and shards is None and sweep.keep != "segments":
+        blocks *= min(1.0, 2 * SHARD_BLOCKS / len(Blocks(sweep)))
     free = shutil.disk_usage(target.absolute().parent).free
     if output + blocks > free:
         raise OSError(
-            f"{target}: {sweep.size // shards} impacts need about {bytes_text(output + blocks)} of disk while they are "
-            f"computed, {bytes_text(output)} in the end; {bytes_text(free)} are free"
+            f"{target}: {sweep.size // (shards or 1)} impacts need about {bytes_text(output + blocks)} of disk while "
+            f"they are computed, {bytes_text(output)} in the end; {bytes_text(free)} are free"
         )
 
 

@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from film_datasets.files import SUFFIX, ZARR, check_file, check_no_link, check_place, open_dataset, put_in_place, write
-from film_datasets.schema import SWEEP, VERSIONS
+from film_datasets.schema import SWEEP, VERSIONS, ContentHash
 from film_datasets.sweeps.attributes import Totals, global_attributes
-from film_datasets.sweeps.block_columns import Columns
-from film_datasets.sweeps.block_writers import MemoryWriter, Writer, writer_for
-from film_datasets.sweeps.blocks import Block, Blocks
-from film_datasets.sweeps.checkpoint import Checkpoint
+from film_datasets.sweeps.block_writers import (
+    SHARD_BLOCKS,
+    MemoryWriter,
+    NetCDFWriter,
+    Writer,
+    ZarrWriter,
+    temporary_path,
+    writer_for,
+)
+from film_datasets.sweeps.blocks import Blocks
+from film_datasets.sweeps.checkpoint import Checkpoint, Written
 from film_datasets.sweeps.computed_blocks import Run, computed_blocks
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.disk_space import bytes_text, check_free_space
 from film_datasets.sweeps.executor import Workers, workers_of
 from film_datasets.sweeps.interruptions import explained
 from film_datasets.sweeps.progress_bar import Progress
-from film_datasets.sweeps.storage import Storage
+from film_datasets.sweeps.storage import Storage, written_content
 from film_datasets.tables import TABLES
 from film_model.scene import Scene
 from film_model.version import __version__
@@ -144,7 +152,7 @@ def _in_memory(run: Run, workers: int | None, scheduler: Any) -> xr.Dataset:
         )
     writer = MemoryWriter()
     with workers_of(workers, scheduler) as pool:
-        _write_blocks(run, writer, computed_blocks(run, pool), pool)
+        _write_blocks(run, writer, pool)
     return writer.dataset
 
 
@@ -163,25 +171,54 @@ def _write_table(
 
 
 def _write_file(run: Run, target: Path, checkpoint: Checkpoint, workers: int | None, scheduler: Any) -> None:
-    """Write the output under another name and rename it; if that fails, keep the checkpoint if it has blocks."""
-    writer = writer_for(target)
+    """Write the output under another name and rename it; if that fails, keep what was computed."""
+    writer, content = _writer(run, target, checkpoint)
     try:
         with workers_of(workers, scheduler) as pool:
-            _write_blocks(run, writer, computed_blocks(run, pool, checkpoint), pool)
+            _write_blocks(run, writer, pool, checkpoint, content)
         put_in_place(writer.path, target)
     except BaseException:
-        writer.abandon()
+        if checkpoint.written() is None:
+            writer.abandon()
         if not checkpoint.finished():
             checkpoint.remove()
         raise
 
 
-def _write_blocks(run: Run, writer: Writer, computed: Iterator[tuple[Block, Columns]], workers: Workers) -> None:
-    """Put the columns of all blocks into the writer, in order, then the attributes."""
-    totals = Totals.of(run.sweep)
-    with Storage(run.sweep, run.blocks, writer, workers) as storage:
-        storage.create()
-        for block, columns in computed:
+def _writer(run: Run, target: Path, checkpoint: Checkpoint) -> tuple[NetCDFWriter | ZarrWriter, ContentHash | None]:
+    """A writer for the output; and the hash of what an interrupted run has written with it, if that is whole."""
+    begun = checkpoint.written()
+    if begun is not None:
+        with contextlib.suppress(OSError, ValueError, KeyError, RuntimeError):  # of a damaged folder
+            writer = ZarrWriter(temporary_path(target), existing=True)
+            content = written_content(run.sweep, run.blocks, writer, begun.blocks)
+            if content.hexdigest() == begun.content:
+                return writer, content
+        checkpoint.set_written(None)
+    return writer_for(target), None
+
+
+def _write_blocks(
+    run: Run,
+    writer: Writer,
+    workers: Workers,
+    checkpoint: Checkpoint | None = None,
+    content: ContentHash | None = None,
+) -> None:
+    """Put the columns of all blocks into the writer, in order, then the attributes; or continue, after the blocks that
+    the checkpoint says are written, whose hash is `content`."""
+    begun = checkpoint.written() if checkpoint is not None else None
+    totals = Totals.of(run.sweep) if begun is None else Totals.from_plain(begun.totals)
+    numbers = range(0 if begun is None else begun.blocks, len(run.blocks))
+    in_files = isinstance(writer, ZarrWriter) and run.sweep.keep != "segments"
+    files = {group.start for group in run.blocks.groups(SHARD_BLOCKS)} if in_files else set[int]()
+    with Storage(run.sweep, run.blocks, writer, workers, content) as storage:
+        if begun is None:
+            storage.create()
+        for number, (block, columns) in zip(numbers, computed_blocks(run, workers, checkpoint, numbers), strict=True):
+            if checkpoint is not None and number in files and number > numbers.start:
+                storage.finish()
+                checkpoint.set_written(Written(number, storage.content.hexdigest(), totals.to_plain()))
             storage.put(block, columns)
             totals.add(columns)
             if run.progress is not None:

@@ -21,7 +21,6 @@ from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint, fingerprint, lock_file
 from film_datasets.sweeps.computed_blocks import Run, computed_blocks
 from film_datasets.sweeps.definition import Sweep
-from film_datasets.sweeps.designs import GRID
 from film_datasets.sweeps.disk_space import check_free_space
 from film_datasets.sweeps.executor import available_cores, workers_of
 from film_datasets.sweeps.interruptions import explained
@@ -152,11 +151,10 @@ class Shards:
 
         sweep, count = self.sweep, self.count()
         content, parts = ContentHash(sweep.variables), [ContentHash(sweep.variables) for _ in range(count)]
-        by_rows = sweep.variables[len(sweep.axes) :] if sweep.design == GRID else sweep.variables
 
         def read(variable: Variable) -> None:
             array, name = stored[variable.name], variable.name
-            if variable not in by_rows or variable.dims[: len(sweep.dims)] != sweep.dims:
+            if variable not in sweep.row_variables:
                 for piece in pieces(array):
                     content.update(name, piece)
                 return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from film_datasets.schema import ContentHash, Variable
 from film_datasets.sweeps.attributes import variable_attributes
 from film_datasets.sweeps.block_columns import Columns
-from film_datasets.sweeps.block_writers import GROWING, Writer
+from film_datasets.sweeps.block_writers import GROWING, Writer, ZarrWriter
 from film_datasets.sweeps.blocks import Block, Blocks
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.executor import Workers, available_cores
@@ -22,14 +22,17 @@ Column = tuple[Variable, NDArray[Any]]
 
 
 class Storage:
-    """A sweep on its way into a writer. content: the hash, complete when the context ends.
+    """A sweep on its way into a writer. content: the hash, complete when the context ends; when it begins, that of what
+    an earlier run has written.
 
     The writing and hashing of a block are tasks of the workers; of remote workers, of threads here. A variable's blocks
     follow one another, because the tasks of a block are submitted when those of the block before have ended.
     """
 
-    def __init__(self, sweep: Sweep, blocks: Blocks, writer: Writer, workers: Workers) -> None:
-        self.content = ContentHash(sweep.variables)
+    def __init__(
+        self, sweep: Sweep, blocks: Blocks, writer: Writer, workers: Workers, content: ContentHash | None = None
+    ) -> None:
+        self.content = content or ContentHash(sweep.variables)
         self._sweep, self._blocks, self._writer = sweep, blocks, writer
         self._segments = 0
         self._tasks: list[Future[None]] = []
@@ -50,12 +53,14 @@ class Storage:
         chunks[GROWING] = blocks.growing_chunk
         sizes = dict(zip(sweep.dims, sweep.shape, strict=True)) | dense
         self._writer.create(sizes, chunks, variable_attributes(sweep))
-        self._put_coordinates()
+        for name, region, values in _coordinates(sweep, blocks):
+            self._writer.put(name, region, values)
+            self.content.update(name, values)
 
     def __exit__(self, *error: object) -> None:
         with self._own:
             if error[0] is None:
-                self._finish()
+                self.finish()
 
     def put(self, block: Block, columns: Columns) -> None:
         """The next block; also sets its column `segment_begin`."""
@@ -67,13 +72,13 @@ class Storage:
             self._write(block, given)
             self._hash(given)
             return
-        self._finish()
+        self.finish()
         groups = [[one] for one in given] if self._writer.parallel else [given]
         self._tasks = [self._executor.submit(self._write, block, group) for group in groups]
         self._tasks += [self._executor.submit(self._hash, [one]) for one in given]
 
-    def _finish(self) -> None:
-        """Wait for the tasks."""
+    def finish(self) -> None:
+        """Wait until the blocks so far are written and hashed."""
         tasks, self._tasks = self._tasks, []
         for task in tasks:
             task.result()
@@ -89,22 +94,33 @@ class Storage:
         for variable, values in columns:
             self.content.update(variable.name, values)
 
-    def _put_coordinates(self) -> None:
-        """The coordinates that are not columns of the blocks."""
-        sweep, writer = self._sweep, self._writer
-        if sweep.dense:
-            values = np.linspace(0.0, 1.0, sweep.dense)
-            writer.put("normalised_time", (slice(None),), values)
-            self.content.update("normalised_time", values)
-        for name, value in sweep.constants.items():
-            writer.put(name, (), value)
-            self.content.update(name, value)
-        if sweep.dims == ("impact",):
-            return
-        for axis, chunk in zip(sweep.axes, self._blocks.shape, strict=True):
-            coordinate = axis.coordinate()
-            step = chunk * max(1, (1 << 20) // chunk)  # whole chunks: part of a chunk would be read and written again
-            for first in range(0, axis.count, step):
-                values = coordinate[first : first + step]
-                writer.put(axis.name, (slice(first, first + len(values)),), values)
-                self.content.update(axis.name, values)
+
+def _coordinates(sweep: Sweep, blocks: Blocks) -> Iterator[tuple[str, tuple[slice, ...], Any]]:
+    """The values that are not columns of the blocks: variable, region, values."""
+    if sweep.dense:
+        yield "normalised_time", (slice(None),), np.linspace(0.0, 1.0, sweep.dense)
+    for name, value in sweep.constants.items():
+        yield name, (), value
+    if sweep.dims == ("impact",):
+        return
+    for axis, chunk in zip(sweep.axes, blocks.shape, strict=True):
+        coordinate = axis.coordinate()
+        step = chunk * max(1, (1 << 20) // chunk)  # whole chunks: part of a chunk would be read and written again
+        for first in range(0, axis.count, step):
+            values = coordinate[first : first + step]
+            yield axis.name, (slice(first, first + len(values)),), values
+
+
+def written_content(sweep: Sweep, blocks: Blocks, writer: ZarrWriter, count: int) -> ContentHash:
+    """The hash of what an earlier run has written with a writer: of the first `count` blocks."""
+    content = ContentHash(sweep.variables)
+    for name, _, values in _coordinates(sweep, blocks):
+        content.update(name, values)
+
+    def read(variable: Variable) -> None:
+        for number in range(count):
+            content.update(variable.name, writer.read(variable.name, blocks[number].region))
+
+    with ThreadPoolExecutor(available_cores()) as pool:
+        list(pool.map(read, sweep.row_variables))
+    return content

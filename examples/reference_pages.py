@@ -26,6 +26,7 @@ TARGET_RULES = {
     "contact_width": "contact_width",
     "wave_losses": "wave_losses",
     "stretching": "stretching",
+    "bending_strength": "bending_strength",
     "cross_bending": "cross_bending",
     "omitted_modes": "omitted_modes",
 }

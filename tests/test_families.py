@@ -166,3 +166,24 @@ def test_impacts_that_vary_in_modulus_and_radius_are_marched_together():
     columns = {"impactor.radius": 0.01 * spread, "target.material.youngs_modulus": 206e9 * spread[::-1]}
     columns["target.material.yield_strength"] = 250e6 * np.roll(spread, 7)
     assert len(problems_of(scene, columns, spread.size)) == 1
+
+
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+def test_swept_poissons_ratios_and_strengths_are_fitted_together_and_are_those_of_each_alone(target):
+    """Two numbers on which the curve depends: each impact has its own numbers of one curve."""
+    base = scene("hertz", target).replace({"contact.law": "jackson-green", "contact.yield_strength": "1 GPa"})
+    ratios, strengths = np.linspace(0.0, 0.49, 300), np.geomspace(0.2e9, 3e9, 300)
+    columns = {"contact.poissons_ratio": ratios, "contact.yield_strength": strengths}
+    result = simulate_many(base, columns)
+    assert len(result.problems) <= 3 and not (result.status < 0).any()
+    for row in (0, 77, 150, 299):
+        texts = {"contact.poissons_ratio": ratios[row], "contact.yield_strength": f"{float(strengths[row])!r} Pa"}
+        alone = fm.simulate(base.replace(texts), accuracy=1e-9).summary
+        for name in ("maximum_force", "coefficient_of_restitution", "contact_duration"):
+            allowed = 1.2 * float(result.estimated[row]) + 1e-9
+            assert result.summary[name][row] == pytest.approx(alone[name], rel=allowed), (row, name)
+    few = {path: values[::60].tolist() for path, values in columns.items()}
+    few["contact.yield_strength"] = [f"{value!r} Pa" for value in few["contact.yield_strength"]]
+    ds = fd.sweep(base, few, "zip", keep="segments")
+    motion = ds.film.sample(["0 s"], impact=3)
+    assert float(motion.relative_velocity[0]) == pytest.approx(base.approach_velocity, rel=1e-12)

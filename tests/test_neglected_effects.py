@@ -36,7 +36,11 @@ def test_the_loss_factor_of_one_body_counts():
     assert "loss factor of the target is not given and taken as 0" in effect.warning
     lossy = {**STEEL, "loss_factor": 0.01}
     bare = effect_of(scene({**STEEL, "youngs_modulus": "2 MPa"}, fm.HalfSpace(lossy)), "material_damping")
-    assert bare.state == NOT_JUDGED and bare.reason.startswith("missing: impactor.material.loss_factor")
+    assert bare.state == NOT_MODELLED and "restitution is too high" in bare.warning  # rubber is never without loss
+    stiff = effect_of(scene({**STEEL, "youngs_modulus": "2 GPa"}, fm.HalfSpace(lossy)), "material_damping")
+    assert stiff.state == NOT_JUDGED and stiff.reason.startswith("missing: impactor.material.loss_factor")
+    damped = scene({**STEEL, "youngs_modulus": "2 MPa"}, contact=fm.Contact("hunt-crossley", restitution=0.8))
+    assert effect_of(damped, "material_damping").state == NOT_NEEDED
     by_modulus = fm.Scene(
         fm.Sphere("5 mm", velocity="1 m/s", material=rubber),
         fm.HalfSpace(),

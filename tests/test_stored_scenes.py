@@ -10,6 +10,7 @@ import pytest
 
 import film_datasets as fd
 import film_model as fm
+from film_datasets.sweeps import read_sweep, run_sweep
 from film_model.cli.main import main
 from fmu_wrapper.instance import Fmu
 
@@ -79,6 +80,30 @@ def test_a_path_in_a_stored_sweep_is_refused(tmp_path):
     text += '[over]\n"contact" = [{ law = "hertz" }, { law = "tabulated", file = "/etc/hostname" }]\n'
     with pytest.raises(ValueError, match="no other file is read"):
         ds.assign_attrs(sweep_toml=text).isel(contact=1).film.scene()
+
+
+MODES = "frequency [Hz], modal_mass [kg], shape\n182, 0.91, 1\n417, 1.40, 0.6\n"
+
+
+def test_the_vibrations_of_a_structure_are_inside_too(tmp_path, monkeypatch):
+    """Found beside the scene and the sweep, and kept; a stored path is refused without a word of what it holds."""
+    (tmp_path / "modes.csv").write_text(MODES, "utf-8")
+    given = '{ kind = "structure", file = "modes.csv", material = "mild steel" }'
+    text = SCENE.to_toml().partition("[target]")[0]
+    (tmp_path / "scene.toml").write_text(f"target = {given}\n{text}", "utf-8")
+    sweep = f'scene = "scene.toml"\n[over]\n"target" = [{given}, {{ kind = "half-space", material = "mild steel" }}]\n'
+    (tmp_path / "sweep.toml").write_text(sweep, "utf-8")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    scene = fm.Scene.from_toml(tmp_path / "scene.toml")
+    ds = run_sweep(read_sweep(tmp_path / "sweep.toml"), command="test")
+    (tmp_path / "modes.csv").write_text("a secret", "utf-8")
+    assert ds.isel(target=0).film.scene().target == scene.target and fd.validate(ds) == []
+    path = (tmp_path / "modes.csv").as_posix()
+    stored = scene.to_toml().partition("[target]")[0] + f'[target]\nkind = "structure"\nfile = "{path}"\n'
+    for other in (fd.sweep(SCENE, SPEEDS), fd.to_dataset(fm.simulate(SCENE))):
+        with pytest.raises(fm.SceneError, match=r"target\.file: a scene that is stored .* no other file is read$"):
+            other.assign_attrs(scene_toml=stored).film.scene()
 
 
 @pytest.mark.slow

@@ -40,7 +40,9 @@ def draw_distribution(
     require_impacts(ds)
     swept = [swept_name(path) for path in str(ds.attrs["swept"]).split()]
     numbers = [name for name in (*swept, *SUMMARY) if name in ds and ds[name].dtype.kind == "f"]
-    y = _known(quantity or DEFAULT_QUANTITY, numbers)
+    y = _known(
+        quantity or next((name for name in (DEFAULT_QUANTITY, *SUMMARY) if name in numbers), numbers[0]), numbers
+    )
     chosen = [over] if isinstance(over, str) else list(over or numbers[:1])
     if kind == "scatter" and len(chosen) != 1:
         raise ValueError("over: a scatter plot needs one quantity")

@@ -137,7 +137,8 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
     on_modes = (found.segments[:, 0] == 0) & (found.status >= 0)
     law[on_modes] = found.law[on_modes]
     for problem in found.problems:
-        index = rows_of(problem)
+        index: Any = rows_of(problem)
+        index = slice(None) if index.size == law.size else index
         law[index] = found.law[index]
         zener_number[index] = problem.impacts.zener
         energy = 0.5 * problem.mass * (problem.approach * problem.scales.velocity) ** 2

@@ -85,7 +85,7 @@ def _stored_scene(ds: xr.Dataset) -> Scene:
     try:
         scene = Scene.from_stored_text(text, "scene_toml")
     except SceneError as error:
-        if not ds.attrs.get("contact_law") or any(mistake.key == "contact.file" for mistake in error.mistakes):
+        if not ds.attrs.get("contact_law") or any(mistake.key.endswith(".file") for mistake in error.mistakes):
             raise
         raise _lost_law(str(ds.attrs.get("contact_law", ""))) from None
     if kind_of(ds) == HISTORY:

@@ -60,8 +60,8 @@ def draw_sweep(
 ) -> Callable[[Figure], None]:
     """A function that draws a sweep into a figure; for the arguments see `film_datasets.plot`."""
     require_impacts(ds)
-    quantity = quantity or DEFAULT_QUANTITY
-    known = [name for name in (*SUMMARY, "zener_number") if name in ds]
+    known = [name for name in (DEFAULT_QUANTITY, *SUMMARY, "zener_number") if name in ds]
+    quantity = quantity or next(iter(known), DEFAULT_QUANTITY)
     if quantity not in known:
         hint = did_you_mean(quantity, known) or f"; there are {', '.join(known)}"
         raise ValueError(f"quantity: {shown(quantity)} is not a summary quantity of this dataset{hint}")

@@ -64,6 +64,7 @@ def sweep_page() -> str:
                 ("`seed`", "of the random numbers", "a whole number from 0", "`1`"),
                 ("`correlation`", "of the swept quantities", "a matrix, by rows", "none"),
                 ("`derivatives`", "of the summary, by keys of the scene", '`["impactor.velocity", …]`', "none"),
+                ("`variables`", "the summary values that are kept", '`["maximum_force", …]`', "all"),
                 ("`[over]`", "the swept keys of the scene, `section.key` in quotes", "see below", "required"),
             ],
         )

@@ -61,7 +61,8 @@ any time.
 Sweeps with `derivatives` have, for each number of the scene, `d_<value>_d_<number>` for every summary value, in the
 unit of the value over that of the number; `derivative_accuracy_<number>`, the largest estimated relative error; and
 `derivative_side_<number>`: {", ".join(f"{k} `{word}`" for k, word in SIDES)}.
-The attribute `derivatives` names the numbers.
+The attribute `derivatives` names the numbers. The attribute `variables`, of a sweep that keeps only some of its values,
+names those.
 
 ## Global attributes
 

@@ -92,6 +92,11 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
         metavar="KEY[,KEY]",
         help="also those of the summary by keys of the scene, e.g. impactor.velocity",
     )
+    parser.add_argument(
+        "--variables",
+        metavar="NAME[,NAME]",
+        help="keep only these of the summary, e.g. maximum_force,contact_duration (default: all)",
+    )
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", type=int, metavar="N", help="number of threads (default: all cores)")
     where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler whose workers compute instead")
@@ -107,12 +112,12 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
 def sweep(options: argparse.Namespace) -> int:
     from film_datasets.sweeps import ProgressBar, finish_shards, read_sweep, run_sweep, sweep_report
 
-    asked = read_sweep(options.sweep, options.keep, listed(options.derivatives))
+    asked = read_sweep(options.sweep, options.keep, listed(options.derivatives), listed(options.variables))
     if options.shard:
         return _shard(options, asked)
-    command = f"film-model sweep {options.sweep} --output {options.output} --keep {options.keep}" + (
-        f" --derivatives {options.derivatives}" if options.derivatives else ""
-    )
+    command = f"film-model sweep {options.sweep} --output {options.output} --keep {options.keep}"
+    for name in ("derivatives", "variables"):
+        command += f" --{name} {getattr(options, name)}" if getattr(options, name) else ""
     if options.finish:
         dataset = finish_shards(asked, options.output, command=command, overwrite=options.force)
     else:

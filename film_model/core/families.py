@@ -73,10 +73,10 @@ def batch(
 
 def batch_varied(
     curve: native.Curve,
-    cut: native.Mesh,
-    start: NDArray[Any],
     places: NDArray[np.int32],
     values: NDArray[np.float64],
+    cut: native.Mesh,
+    start: NDArray[Any],
 ) -> tuple[NDArray[np.int32], NDArray[Any]]:
     """Statuses and summaries of many contacts (START_DTYPE) whose curves differ in doubles; the GIL is released.
 

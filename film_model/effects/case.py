@@ -89,6 +89,7 @@ class Case:
             indentation=self.indentation,
             contact_radius=self.contact_radius,
             duration=self.duration,
+            turn=self.turn,
             restitution=self.restitution,
             energy=self.energy,
             fraction=self.fraction,

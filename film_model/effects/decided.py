@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
-from film_model.problem.law_of_scene import YIELDING
-from film_model.problem.problem import Problem
+from film_model.base.arrays import Array, Mask
+from film_model.laws import LAWS
+from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw
+from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
+from film_model.scene.columns import scene_of_columns
 
 
 class Decision(NamedTuple):
@@ -35,15 +40,33 @@ class Decision(NamedTuple):
         return replace(scene, effects=scene.effects.changed(**effects))
 
 
-def decisions_of(problem: Problem) -> list[Decision]:
-    """The decision for each impact of a problem, whose target does not vibrate and whose materials do not relax."""
+def decisions_of(problem: Problem) -> dict[Decision, Mask]:
+    """The decisions for the impacts of a problem, and which impacts have each; its target does not vibrate and its
+    materials do not relax."""
     strength, slow = problem.impacts.law.strength, problem.impacts.scene.yield_strength
     hard = False if strength is None or slow is None else strength > slow
     static = problem.curve.native.compliance > 0.0
-    moves = np.isfinite(problem.impedance) | static
     shape = np.shape(problem.approach) or (1,)
-    columns = (np.broadcast_to(column, shape).tolist() for column in (problem.load > 0.0, moves, hard))
-    return [
-        Decision(bool(gravity), bool(motion), static, problem.law.name == YIELDING, bool(harder))
-        for gravity, motion, harder in zip(*columns, strict=True)
-    ]
+    moves = np.isfinite(problem.impedance) | static
+    gravity, motion, harder = (np.broadcast_to(column, shape) for column in (problem.load > 0.0, moves, hard))
+    found: dict[Decision, Mask] = {}
+    for each in product((False, True), repeat=3):
+        mask = (gravity == each[0]) & (motion == each[1]) & (harder == each[2])
+        if mask.any():
+            found[Decision(each[0], each[1], static, problem.law.name == YIELDING, each[2])] = mask
+    return found
+
+
+def decided_impacts(scene: Scene, columns: Mapping[str, Array], count: int) -> Impacts:
+    """Many impacts of a scene that contains a decision, with the strength of slow loading; columns: path → SI values."""
+    law = scene.contact.law
+    if law == "auto":
+        law = YIELDING if scene.effects.plasticity else ELASTIC
+    made = SceneLaw.of(scene_of_columns(scene, columns), LAWS[law] if isinstance(law, str) else law)
+    return Impacts.several(scene, made, np.arange(count), columns)
+
+
+def decided_problem(impacts: Impacts) -> Problem:
+    """The problem of such impacts, which share a curve."""
+    numbers = impacts.numbers
+    return impacts.problem(numbers.impedance, numbers.weight if impacts.base.effects.gravity else impacts.column(0.0))

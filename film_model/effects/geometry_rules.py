@@ -43,6 +43,11 @@ def stretching(case: Case, rule: Rule) -> Effect:
     return _by_target(case, case.scene.target.stretching, rule)
 
 
+def bending_strength(case: Case, rule: Rule) -> Effect:
+    """A plate that yields or breaks because it is bent; only its contact may yield in the simulation."""
+    return _by_target(case, case.scene.target.bending_strength, rule)
+
+
 def cross_bending(case: Case, rule: Rule) -> Effect:
     """Bending across the width of a beam; twist that is coupled with the bending of a plate of layers."""
     return _by_target(case, case.scene.target.cross_bending, rule)

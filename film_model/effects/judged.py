@@ -12,6 +12,7 @@ from collections.abc import Callable
 from film_model.effects.case import Case, Rule, case_of
 from film_model.effects.effect import Effect
 from film_model.effects.geometry_rules import (
+    bending_strength,
     contact_width,
     cross_bending,
     oblique,
@@ -64,6 +65,11 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     ),
     "thickness": ("k h", "Zener 1941; pole of Mindlin's plate (1951), to first order", thickness),
     "stretching": ("deflection/h", "Berger 1955, J. Appl. Mech. 22:465, in one term", stretching),
+    "bending_strength": (
+        "bending stress/strength",
+        "infinite plate under a sudden force; Westergaard in Timoshenko & Woinowsky-Krieger 1959",
+        bending_strength,
+    ),
     "cross_bending": ("-", "response to a half-sine; classical lamination theory", cross_bending),
     "omitted_modes": ("Ω T/π", "response to a half-sine of the contact time T on a fixed target", omitted_modes),
     "small_slope": (

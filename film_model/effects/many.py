@@ -24,7 +24,7 @@ from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
 from film_model.problem.problem import Impacts, Problem
-from film_model.problem.varied import varied_of
+from film_model.problem.varied import read_by_stages, varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -223,7 +223,7 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
 
 def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Index]:
     """The impacts of each curve under the laws. Most laws have stages that do not depend on the varied values."""
-    shapes = [shape for law in laws for shape in _shapes(law)]
+    shapes = [shape for law in laws for shape in curve_keys(law)]
     if not shapes:
         yield np.arange(count)
         return
@@ -236,45 +236,21 @@ def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Index]:
         yield np.sort(places)
 
 
-def _shapes(law: SceneLaw) -> list[Array]:
-    """The varied values on which the stages depend, one array each; for a family of curves, the page."""
+def curve_keys(law: SceneLaw) -> list[Array]:
+    """The varied values on which the curve depends, one array each; for a family of curves, the page."""
     shapes: list[Array] = []
     if not isinstance(law.law, AbstractLaw):
-        varying = {name: value for name, value in law.values.items() if isinstance(value, np.ndarray)}
-        if law.rule is None and any(name in varying for name in law.law.shaped_by):
+        read = read_by_stages(law)
+        family = law.law.shaped_by if law.rule is None else ()
+        if any(name in read for name in family):
             shape = np.asarray(law.at(slice(None)).shape)
             page = page_number(shape)
-            varying = {name: value for name, value in varying.items() if name not in law.law.shaped_by}
             inside = (page >= 0) & (page < LAST_PAGE)
             shapes.append(np.where(inside, page, shape))  # outside, each has a curve of its own
-        read = [value for name, value in varying.items() if not _stages_are_blind_to(law.law, law.values, name)]
-        if read and varied_of(law, read[0].size) is None:
-            shapes += read
+        elif read and not family and varied_of(law, next(iter(read.values())).size) is None:
+            shapes += read.values()
     if law.rule == "brake":
         made = law.at(slice(None))
         assert isinstance(made, BrakeUnloading)
         shapes += [made.ratio] if isinstance(made.ratio, np.ndarray) else []
     return shapes
-
-
-class _Seen(Exception):
-    """Raised when a law's stages read a varied value."""
-
-
-def _stages_are_blind_to(law: type[AbstractLaw], values: Mapping[str, Any], varied: str) -> bool:
-    """Whether stages() never reads a varied field, so that the stages do not depend on it."""
-
-    def look(_: AbstractLaw) -> Any:
-        raise _Seen
-
-    metaclass: Any = type(law)  # that of abstract classes
-    blind = metaclass(law.__name__, (law,), {varied: property(look)})
-    made = object.__new__(blind)
-    for name, value in values.items():
-        if name != varied:
-            object.__setattr__(made, name, value.flat[0] if isinstance(value, np.ndarray) else value)
-    try:
-        made.stages()
-    except _Seen:
-        return False
-    return True

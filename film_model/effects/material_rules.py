@@ -17,6 +17,10 @@ STEEL_HEAT = 3.6e6
 """Heat capacity of steel per volume, J/(m³ K): 460 J/(kg K) at 7850 kg/m³."""
 
 
+RUBBERY = 1e8
+"""Young's modulus below which a material is a rubber or a foam, whose losses no impact is without, Pa."""
+
+
 def adhesion(case: Case, rule: Rule) -> Effect:
     """Work to separate the surfaces: e² falls by (V_s/V)², V_s = √(2 · 7.0922 (Γ⁵R⁴/E²)^{1/3}/m) (Thornton & Ning).
 
@@ -59,8 +63,11 @@ def material_damping(case: Case, rule: Rule) -> Effect:
     For a linear spring and dashpot this gives 1 − e = (π/2) tan δ. The loss factors of two bodies are averaged,
     weighted with their compliances. If one body has none, it is taken as 0, and the effect says so; it is not judged if
     the loss is then below the tolerance, but the body has more than a tenth of the compliance. The loss of a body with
-    a prony series is that of the effect viscoelasticity, and 0 here.
+    a prony series is that of the effect viscoelasticity, and 0 here. A body softer than 100 MPa, a rubber or foam, never
+    rebounds without loss: if its loss factor is unknown, the effect matters. A damped law has the losses itself.
     """
+    if case.problem.law.damped:
+        return rule.absent(f"it is in the law {case.problem.law.name}")
     scene, modulus = case.scene, case.scene.effective_modulus
     bodies = {"impactor": scene.impactor.material, "target": scene.target.material}
     relaxing = [part for part, m in bodies.items() if m is not None and m.prony is not None]
@@ -68,6 +75,12 @@ def material_damping(case: Case, rule: Rule) -> Effect:
         return rule.absent("the effect viscoelasticity accounts for it: both materials have a prony series")
     known = {part: m for part, m in bodies.items() if m is not None and (m.loss_factor is not None or part in relaxing)}
     missing = [part for part in bodies if part not in known]
+    rubber = [part for part in missing if (m := bodies[part]) is not None and m.youngs_modulus < RUBBERY]
+    if rubber:
+        return rule.failing(
+            f"the loss factor of the {rubber[0]}, as soft as rubber, is not known, so the restitution is too high: give "
+            'loss_factor or prony, or law = "hunt-crossley" with a measured restitution'
+        )
     if not known:
         return rule.unjudged("missing: " + " and ".join(f"{part}.material.loss_factor" for part in missing))
     soft = {part: (1.0 - m.poissons_ratio**2) / m.youngs_modulus for part, m in bodies.items() if m is not None}

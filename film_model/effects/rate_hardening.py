@@ -37,7 +37,20 @@ RULE = Rule("rate_hardening", "strain rate, 1/s", "Tabor 1951; Johnson & Cook 19
 
 def strain_rate(problem: Problem) -> Any:
     """0.2 (a/R)/t_m of one impact or of many, 1/s; nan where the march failed."""
-    (status, core), scales = problem.trial, problem.scales
+    return _rate(problem, *problem.trial)
+
+
+def factor_at(problem: Problem, status: Any, core: Any) -> Any:
+    """S/S_y at the strain rate of impacts whose trial march had this status and summary."""
+    return _factor(problem.impacts.scene.strain_rate_coefficient, _rate(problem, status, core))
+
+
+def _factor(coefficient: Any, rate: Any) -> Any:
+    return 1.0 + coefficient * logarithm(greater(rate, 1.0))
+
+
+def _rate(problem: Problem, status: Any, core: Any) -> Any:
+    scales = problem.scales
     depth, turn = core.maximum_indentation * scales.length, core.time_of_maximum_indentation * scales.time
     known = (status >= 0) & (turn > 0.0)
     return either(known, 0.2 * root(depth / problem.impacts.numbers.radius) / either(known, turn, 1.0), math.nan)
@@ -47,7 +60,7 @@ def settled(rate_of: Callable[[Any], Any], coefficient: Any, factor: Any = 1.0) 
     """S/S_y from the strain rate as a function of it; nan if unknown. Each of many impacts settles by itself."""
     open_ = factor == factor
     for _ in range(MOST_ROUNDS):
-        found = 1.0 + coefficient * logarithm(greater(rate_of(factor), 1.0))
+        found = _factor(coefficient, rate_of(factor))
         moved = abs(found - factor) > SETTLED * factor
         factor = either(open_, found, factor)
         open_ = open_ & moved

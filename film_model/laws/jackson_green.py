@@ -61,7 +61,7 @@ class Plastic:
         force = self.printed(w)
         if not self.mended:
             return force
-        jump = ELASTIC_LIMIT**1.5 / self.printed(np.array([ELASTIC_LIMIT]))[0] - 1.0
+        jump = ELASTIC_LIMIT**1.5 / self.printed(np.array([ELASTIC_LIMIT])) - 1.0
         return force * (1.0 + jump * np.exp((ELASTIC_LIMIT - w) / BLENDING))
 
 

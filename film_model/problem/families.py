@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from film_model.core import native
 from film_model.core.families import Family, shaped
@@ -31,6 +33,9 @@ NODES = 20
 
 TERMS = 18
 """Chebyshev terms in ξ on a piece, whose ends differ by a factor of two."""
+
+TOGETHER, POOR = 256, 1e-9
+"""Laws that are fitted at a time, so that arrays stay in the processor's cache; relative error of a fit that fails."""
 
 _CHECKED = (-0.97, -0.31, 0.44, 0.89)  # 2 ln(shape/low)/ln(high/low) − 1, where a page is compared with the law
 
@@ -77,29 +82,14 @@ def page_between(law: AbstractLaw, low: float, high: float) -> Page:
         if stages[:-1] != first or replace(stages[-1], end=last.end, force=last.force) != last:
             raise ValueError(f"law {law.name!r}: only the force and the end of the last stage may depend on its shape")
     edges = _edges(last, max(stages[-1].end for stages in given))
-    xi = edges[:-1, None] + np.diff(edges)[:, None] * 0.5 * (1.0 + np.polynomial.chebyshev.chebpts1(TERMS))
+    xi = _nodes(edges)
     values = np.array([values_of(stages[-1].force, xi.ravel(), stages[-1]) for stages in given])
     force = _applied(series_matrix(TERMS), values.reshape(NODES, *xi.shape))
     mean = _applied(mean_matrix(), force)
     work = np.diff(edges) * mean.sum(axis=-1)
     work_before = np.cumsum(work, axis=-1) - work
-
-    def pieces(stage: Stage, functions: Mapping[str, Function], room: int) -> tuple[list[Span], float]:
-        if stage.begin != last.begin:
-            return halved(stage, functions, room)
-        others = {name: f for name, f in functions.items() if callable(f) and name != "force"}
-        spans: list[Span] = []
-        worst = 0.0
-        for k, (a, b) in enumerate(zip(edges.tolist(), edges[1:].tolist(), strict=False)):
-            series, error = fit(others, a, b, False)
-            worst = max(worst, error)
-            kept = force[:, k, : _needed(force[:, k])]
-            spans.append((a, b, False, series | {"force": kept[NODES // 2]}))
-        return spans, worst
-
-    name = f"law {law.name!r}"
-    stages = [*first, replace(last, end=float(edges[-1]))]
-    whole, error, steepest = assemble(name, checked(name, tuple(stages)), pieces)
+    kept = [force[NODES // 2, k, : _needed(force[:, k])] for k in range(edges.size - 1)]
+    whole, error, steepest = _whole(law, (*first, last), edges, kept)
     places, columns = _places(whole, -work_before, force, mean)
     ends = coefficients(np.log([stages[-1].end for stages in given]))
     table = _applied(series_matrix(NODES), np.array(columns)).T
@@ -108,11 +98,35 @@ def page_between(law: AbstractLaw, low: float, high: float) -> Page:
     return replace(page, fit_error=max(error, *(_difference(page, law, shape) for shape in tried)))
 
 
+def _whole(
+    law: AbstractLaw, stages: tuple[Stage, ...], edges: Array, force: Sequence[Array]
+) -> tuple[native.Curve, float, float]:
+    """As `assemble`: the curve whose last stage consists of the pieces between `edges`. force: the series of each."""
+    name, last = f"law {law.name!r}", replace(stages[-1], end=float(edges[-1]))
+
+    def pieces(stage: Stage, functions: Mapping[str, Function], room: int) -> tuple[list[Span], float]:
+        if stage.begin != last.begin:
+            return halved(stage, functions, room)
+        others = {name: f for name, f in functions.items() if callable(f) and name != "force"}
+        fits = [fit(others, a, b, False) for a, b in pairwise(edges.tolist())]
+        found = zip(pairwise(edges.tolist()), fits, force, strict=True)
+        return [(*ends, False, {**series, "force": own}) for ends, (series, _), own in found], max(
+            off for _, off in fits
+        )
+
+    return assemble(name, checked(name, (*stages[:-1], last)), pieces)
+
+
 def _edges(last: Stage, end: float) -> Array:
     """Ends of the pieces: each twice the one before, and the knots."""
     doublings = math.ceil(math.log2(end / last.begin) - 1e-9)
     ends = [last.begin * 2.0**k for k in range(doublings + 1)]
     return np.unique([*ends, *(knot for knot in last.knots if knot < ends[-1])])
+
+
+def _nodes(edges: Array) -> Array:
+    """Where the force is evaluated: the nodes of `TERMS` on each piece."""
+    return edges[:-1, None] + np.diff(edges)[:, None] * 0.5 * (1.0 + np.polynomial.chebyshev.chebpts1(TERMS))
 
 
 def _applied(matrix: Array, values: Array) -> Array:
@@ -166,4 +180,68 @@ def _difference(page: Page, law: AbstractLaw, shape: float) -> float:
         exact = values_of(stage.force, function.origin + part / function.per_span, stage)
         found = np.polynomial.chebyshev.chebval(2.0 * part - 1.0, np.array(function.series[: function.terms]))
         worst = max(worst, float(np.abs(found - exact).max() / np.abs(exact).max()))
+    return worst
+
+
+def fitted_curves(law_at: Callable[[Any], AbstractLaw], count: int) -> tuple[native.Curve, NDArray[np.int32], Array]:
+    """The curves of `count` laws that differ in the force of their last stage and its end, each fitted by itself.
+
+    law_at: the law at an index, or, at several indices, with arrays of their shape in its fields. Returned are a curve
+    with all pieces, the places of its doubles that differ, and their values for each law. Raises ValueError where the
+    laws differ in more, or where the fit of the first, middle or last differs from the law by more than `POOR`.
+    """
+    every, some = law_at((slice(None), None, None)).stages(), {at: law_at(at) for at in (0, count // 2, count - 1)}
+    given, law = some[0].stages(), some[0]
+    last = given[-1]
+    for stages in (every, *(one.stages() for one in some.values())):
+        if stages[:-1] != given[:-1] or replace(stages[-1], end=last.end, force=last.force) != last:
+            raise ValueError(f"law {law.name!r}: only the force and the end of the last stage may differ")
+    ends = np.broadcast_to(np.asarray(every[-1].end), (count, 1, 1)).ravel()
+    edges = _edges(last, float(ends.max()))
+    values = np.empty((count, edges.size - 1, 2 + 2 * TERMS))  # of each piece: end, work_at_begin, force, mean
+    for begin in range(0, count, TOGETHER):
+        part = slice(begin, begin + TOGETHER)
+        force: Any = law_at((part, None, None)).stages()[-1].force
+        series = _summed(force(_nodes(edges)), series_matrix(TERMS))
+        mean = _summed(series, mean_matrix())
+        work = np.diff(edges) * mean.sum(axis=-1)
+        values[part, :, 0], values[part, :, 1] = (
+            np.minimum(edges[1:], ends[part, None]),
+            work - np.cumsum(work, axis=-1),
+        )
+        values[part, :, 2 : 2 + TERMS], values[part, :, 2 + TERMS :] = series, mean
+    whole = _whole(law, given, edges, list(values[0, :, 2 : 2 + TERMS]))[0]
+    for at, one in some.items():
+        if (off := _distance(one.stages()[-1], values[at, :, 0], values[at, :, 2 : 2 + TERMS], edges)) > POOR:
+            raise ValueError(f"law {law.name!r}: the fit of its last stage differs from the law by {off:.1e}")
+    return whole, _own_places(whole), np.concatenate([ends[:, None], values.reshape(count, -1)], axis=1)
+
+
+def _summed(values: Array, matrix: Array) -> Array:
+    """As `_applied`, of many: the terms of each sum are added one after the other."""
+    total = values[..., :1] * matrix[:, 0]
+    for k in range(1, matrix.shape[1]):
+        total += values[..., k, None] * matrix[:, k]
+    return total
+
+
+def _own_places(whole: native.Curve) -> NDArray[np.int32]:
+    """Places of the doubles that `fitted_curves` writes: the end of the last stage; then those of its pieces."""
+    stage = native.Curve.stage.offset + (whole.stages - 1) * ctypes.sizeof(native.Stage) + native.Stage.end.offset
+    starts = [native.Piece.end.offset, native.Piece.work_at_begin.offset]
+    for name in ("force", "mean"):
+        begin = getattr(native.Piece, name).offset + native.Function.series.offset
+        starts += [begin + 8 * k for k in range(TERMS)]
+    first, count = whole.stage[whole.stages - 1].first, whole.stage[whole.stages - 1].count
+    pieces = native.Curve.piece.offset + ctypes.sizeof(native.Piece) * np.arange(first, first + count)
+    return np.concatenate([[stage], np.add.outer(pieces, starts).ravel()]).astype(np.int32) // 8
+
+
+def _distance(stage: Stage, ends: Array, series: Array, edges: Array) -> float:
+    """Largest relative difference between series and the force of a stage, on its pieces."""
+    worst, z = 0.0, np.linspace(-0.97, 0.97, 9)
+    for k in np.flatnonzero(edges[:-1] < ends).tolist():
+        exact = values_of(stage.force, edges[k] + 0.5 * (edges[k + 1] - edges[k]) * (1.0 + z), stage)
+        off = np.abs(np.polynomial.chebyshev.chebval(z, series[k]) - exact).max()
+        worst = max(worst, float(off / np.abs(exact).max()))
     return worst

@@ -24,7 +24,7 @@ from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.relaxation import Relaxation
 from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
-from film_model.problem.varied import Varied, varied_of
+from film_model.problem.varied import Varied, read_by_stages, varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -152,7 +152,7 @@ class Impacts:
         law = self.law.law
         if self.index is None or self.law.rule is not None or isinstance(law, AbstractLaw) or not law.shaped_by:
             return None
-        if not any(isinstance(self.law.values[name], np.ndarray) for name in law.shaped_by):
+        if not read_by_stages(self.law).keys() & law.shaped_by or self.varied is not None:
             return None
         return self.law.on_arrays(lambda law, _: (law.shape,), self.index.size)[0]
 
@@ -316,7 +316,7 @@ class Problem:
             return native.marched(self.curve.native, mesh, self.start)
         page = self.curve.page
         if self.varied is not None:
-            status, table = families.batch_varied(self.curve.native, mesh, self.start, *self.varied)
+            status, table = families.batch_varied(*self.varied, mesh, self.start)
         elif self.shape is None or page is None:
             # damped contacts are not marched in lanes, but on a fixed target most laws make them equal but for rounding
             alike = native.distinct(self.start) if any_of(self.damping > 0.0) else None
@@ -343,7 +343,9 @@ class Problem:
         for k in range(len(different)):
             places = np.flatnonzero(group.ravel() == k)
             part = self.part(places)
-            yield replace(part, law=part.impacts.one_law, curve=curve_of(part.impacts.one_law), shape=None, varied=None)
+            law = part.impacts.one_law
+            own = replace(part.curve, native=part.varied.curve_at(0)) if part.varied is not None else curve_of(law)
+            yield replace(part, law=law, curve=own, shape=None, varied=None)
 
     @cached_property
     def trial(self) -> Trial:

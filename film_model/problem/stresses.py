@@ -101,9 +101,11 @@ def shear_below(poissons_ratio: Number) -> tuple[Number, Number]:
     1985, 3.45). Von Mises' stress on the axis is 2 τ. For ν = 0.3: 0.310 p0 at 0.48 a. From 0 to 0.5 these are the
     largest of the whole body; below 0, the surface may be stressed more.
     """
-    if isinstance(poissons_ratio, np.ndarray):
-        return _shear_below(poissons_ratio)
-    return _shear_at(poissons_ratio)
+    if not isinstance(poissons_ratio, np.ndarray):
+        return _shear_at(poissons_ratio)
+    if (poissons_ratio == poissons_ratio.flat[0]).all():
+        return _shear_at(float(poissons_ratio.flat[0]))
+    return _shear_below(poissons_ratio)
 
 
 @lru_cache(maxsize=64)

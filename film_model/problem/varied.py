@@ -1,9 +1,9 @@
-"""Curves that differ only in numbers of their powers, such as a ratio of stiffnesses: the numbers of each impact."""
+"""Curves that share their pieces and differ in numbers, such as a ratio of stiffnesses: the numbers of each impact."""
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ from film_model.base.arrays import Array
 from film_model.core import native
 from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
 from film_model.problem.curve import curve_of
+from film_model.problem.families import fitted_curves
 from film_model.problem.fit import functions_of
 from film_model.problem.law_of_scene import SceneLaw
 
@@ -24,23 +25,36 @@ _CLOSE = 1e-13
 
 
 class Varied(NamedTuple):
-    """places: of the doubles of the core's curve that differ between impacts. values: of each impact, a row each."""
+    """curve: one for all impacts. places: of its doubles that differ. values: of each impact, a row each."""
 
+    curve: native.Curve
     places: NDArray[np.int32]
     values: Array
 
     def part(self, places: Any) -> Varied:
         """Of some of the impacts."""
-        return Varied(self.places, self.values[places])
+        return self._replace(values=self.values[places])
+
+    def curve_at(self, place: int) -> native.Curve:
+        """The curve of one impact."""
+        made = native.Curve.from_buffer_copy(self.curve)
+        doubles = (ctypes.c_double * (ctypes.sizeof(made) // 8)).from_buffer(made)
+        for at, value in zip(self.places.tolist(), self.values[place].tolist(), strict=True):
+            doubles[at] = value
+        return made
 
 
 def varied_of(law: SceneLaw, count: int) -> Varied | None:
-    """What differs between the curves of `count` laws with arrays; None if it is more than numbers of powers.
+    """What differs between the curves of `count` laws with arrays; None if it is more than numbers of powers or, of
+    laws with a shape, the force of the last stage.
 
     The stages are evaluated once with arrays; those of the first, middle and last impact must be the same alone.
     """
-    if law.rule is not None or isinstance(law.law, AbstractLaw) or law.law.shaped_by:
+    if law.rule is not None or isinstance(law.law, AbstractLaw):
         return None
+    if law.law.shaped_by:
+        several = read_by_stages(law).keys() - set(law.law.shaped_by)
+        return Varied(*fitted_curves(lambda places: law.at(places), count)) if several else None
     try:
         numbers = _numbers(law.at(slice(None)).stages())
         some = {place: _numbers(law.at(place).stages()) for place in (0, count // 2, count - 1)}
@@ -61,7 +75,7 @@ def varied_of(law: SceneLaw, count: int) -> Varied | None:
             for piece in range(entry.first, entry.first + entry.count):
                 places.append(_place(piece, function, name))
                 columns.append(np.broadcast_to(value, (count,)))
-    return Varied(np.array(places, np.int32), np.stack(columns, axis=-1)) if places else None
+    return Varied(curve, np.array(places, np.int32), np.stack(columns, axis=-1)) if places else None
 
 
 def _numbers(stages: tuple[Stage, ...]) -> list[dict[tuple[str, str], Any]]:
@@ -100,3 +114,34 @@ def _place(piece: int, function: str, name: str) -> int:
     """The place of a number of a power among the doubles of the core's curve."""
     begin = native.Curve.piece.offset + piece * ctypes.sizeof(native.Piece)
     return (begin + getattr(native.Piece, function).offset + getattr(native.Function, name).offset) // 8
+
+
+class _Seen(Exception):
+    """Raised when a law's stages read a varied value."""
+
+
+def read_by_stages(law: SceneLaw) -> dict[str, Array]:
+    """The varied values of a law on which its stages depend."""
+    if isinstance(law.law, AbstractLaw):
+        return {}
+    varying = {name: value for name, value in law.values.items() if isinstance(value, np.ndarray)}
+    return {name: value for name, value in varying.items() if not _blind(law.law, law.values, name)}
+
+
+def _blind(law: type[AbstractLaw], values: Mapping[str, Any], varied: str) -> bool:
+    """Whether stages() never reads a varied field, so that the stages do not depend on it."""
+
+    def look(_: AbstractLaw) -> Any:
+        raise _Seen
+
+    metaclass: Any = type(law)  # that of abstract classes
+    blind = metaclass(law.__name__, (law,), {varied: property(look)})
+    made = object.__new__(blind)
+    for name, value in values.items():
+        if name != varied:
+            object.__setattr__(made, name, value.flat[0] if isinstance(value, np.ndarray) else value)
+    try:
+        made.stages()
+    except _Seen:
+        return False
+    return True

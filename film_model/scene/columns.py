@@ -13,15 +13,21 @@ from film_model.scene.scene import Scene
 def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
     """The scene with arrays [SI] in place of some of its numbers, by path: its derived values are arrays too."""
     made = copy.copy(scene)
+    owners: dict[str, Any] = {"": made}
     for path, values in columns.items():
-        *sections, name = path.split(".")
-        owner: Any = made
-        for section in sections:
-            part = copy.copy(getattr(owner, section))
-            object.__setattr__(owner, section, part)
-            owner = part
+        section, _, name = path.rpartition(".")
+        owner = owners.get(section) or _copied(section, owners)
         if path.startswith("contact.") and name not in owner.FIELDS:
             object.__setattr__(owner, "parameters", {**owner.parameters, name: values})
         else:
             object.__setattr__(owner, name, values)
     return made
+
+
+def _copied(section: str, owners: dict[str, Any]) -> Any:
+    """A copy of a part of the scene, put into a copy of the part that has it. owners: the copies by their paths."""
+    parent, _, name = section.rpartition(".")
+    owner = owners.get(parent) or _copied(parent, owners)
+    owners[section] = copy.copy(getattr(owner, name))
+    object.__setattr__(owner, name, owners[section])
+    return owners[section]

@@ -27,6 +27,9 @@ from film_model.targets import TARGETS, AbstractTarget
 
 NO_FILES = "a scene that is stored with results has its tables inside, and no other file is read"
 
+WITH_FILES = ("contact", "target")
+"""Sections that may name the file of a table with `file`."""
+
 
 @dataclass(frozen=True)
 class Scene:
@@ -82,12 +85,13 @@ class Scene:
     def _from_text(cls, text: str, name: str, folder: str | None) -> Scene:
         """folder: of relative paths; None to refuse paths."""
         table = toml_table(text, name)
-        contact = table.get("contact")
-        if isinstance(contact, dict) and "file" in contact:
-            if folder is None:
-                raise placed([Mistake(None, None, "contact.file", NO_FILES)], text, name)
-            if isinstance(contact["file"], str):
-                contact["file"] = os.path.join(folder, contact["file"])
+        for key in WITH_FILES:
+            section = table.get(key)
+            if isinstance(section, dict) and "file" in section:
+                if folder is None:
+                    raise placed([Mistake(None, None, f"{key}.file", NO_FILES)], text, name)
+                if isinstance(section["file"], str):
+                    section["file"] = os.path.join(folder, section["file"])
         try:
             return cls.from_table(table)
         except SceneError as error:

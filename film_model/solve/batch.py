@@ -146,7 +146,8 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     segments, laws, estimated = np.zeros((count, 2), np.int32), list[str](), np.full(count, np.nan)
     problems = problems_of(scene, columns, count, status)
     for problem in problems:
-        rows, name = rows_of(problem), problem.law.name
+        rows: Any = rows_of(problem)
+        rows, name = slice(None) if rows.size == count else rows, problem.law.name
         if name not in laws:
             laws.append(name)
         made = march_many(problem, solver)

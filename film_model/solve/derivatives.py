@@ -18,7 +18,8 @@ from film_model.problem.problem import refuse_vibrations
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene, Solver
 from film_model.scene.paths import field_at, unit_of
-from film_model.solve.slopes import NO_DERIVATIVE, SMOOTH, STEP, TARGET, Pairs, Slopes, slopes
+from film_model.solve.chain import slopes
+from film_model.solve.slopes import NO_DERIVATIVE, SMOOTH, STEP, TARGET, Pairs, Slopes
 
 POOR = 1e-6
 """Estimated relative error from which a warning names the derivative."""
@@ -135,36 +136,42 @@ def derivatives_of(choice: Choice, solver: Solver, entries: Sequence[Entry]) -> 
     """Derivatives of the summary of an impact whose effects are chosen; SimulationError on a vibrating target."""
     refuse_vibrations(choice.problem, "a derivative")
     (decision,) = decisions_of(choice.problem)
-    found = slopes(pairs_of(decision.put_into(choice.scene), {}, entries, 1), solver, TARGET)
+    strength = np.array([choice.problem.impacts.law.strength]) if decision.hard else None
+    found = slopes(pairs_of(decision.put_into(choice.scene), {}, entries, 1, strength), solver, TARGET)
 
-    def table(columns: Mapping[str, Array]) -> dict[str, dict[str, float | None]]:
+    def table(columns: Array) -> dict[str, dict[str, float | None]]:
         return {
             name: {
-                entry.path: None if math.isnan(value) else value
-                for entry, value in zip(entries, column.tolist(), strict=True)
+                entry.path: None if math.isnan(value) else value for entry, value in zip(entries, row, strict=True)
             }
-            for name, column in columns.items()
+            for name, row in zip(SUMMARY, columns.T.tolist(), strict=True)
         }
 
     said = (*_kinks(entries, found), *_poor(entries, found), *_near_thresholds(choice))
     return Derivatives({e.path: e for e in entries}, table(found.values), table(found.errors), said)
 
 
-def pairs_of(scene: Scene, columns: Mapping[str, Array], entries: Sequence[Entry], count: int) -> Pairs:
-    """Each of `count` impacts with each of the numbers, those of an impact together. columns: numbers that vary, SI."""
+def pairs_of(
+    scene: Scene, columns: Mapping[str, Array], entries: Sequence[Entry], count: int, strength: Array | None
+) -> Pairs:
+    """Each of `count` impacts with each of the numbers, those of an impact together.
+
+    columns: numbers that vary, SI. strength: of each impact, if the scene has rate hardening.
+    """
     given = {entry.path: np.full(count, entry.value) for entry in entries} | dict(columns)
     which = np.tile(np.arange(len(entries)), count)
     step = np.stack([entry.step(given[entry.path]) for entry in entries], axis=1).ravel()
     low, high = (np.array([getattr(entry, end) for entry in entries])[which] for end in ("low", "high"))
     repeated = {path: np.repeat(values, len(entries)) for path, values in given.items()}
-    return Pairs(scene, repeated, tuple(entry.path for entry in entries), which, step, low, high)
+    hard = None if strength is None else np.repeat(strength, len(entries))
+    return Pairs(scene, repeated, tuple(entry.path for entry in entries), which, step, low, high, hard)
 
 
 def _kinks(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
     """Sentences about derivatives that are one-sided or do not exist."""
     for k, entry in enumerate(entries):
         side, within = int(found.side[k]), f"within {200.0 * STEP:g} % of {entry.text}"
-        names = [name.replace("_", " ") for name, kinked in found.kinks.items() if kinked[k]]
+        names = [name.replace("_", " ") for name, kinked in zip(SUMMARY, found.kinks[k], strict=True) if kinked]
         if names:
             yield f"no derivative of {', '.join(names)} by {entry.path}: there is a kink or jump {within}"
         if side == SMOOTH:
@@ -182,8 +189,8 @@ def _kinks(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
 
 def _poor(entries: Sequence[Entry], found: Slopes) -> Iterable[str]:
     for k, entry in enumerate(entries):
-        worst = max((column[k] for column in found.errors.values() if column[k] > POOR), default=0.0)
-        if worst:
+        worst = max(found.errors[k].tolist(), key=lambda error: error if error > POOR else 0.0)
+        if worst > POOR:
             yield f"derivatives by {entry.path}: estimated relative error up to {worst:.1e}"
 
 

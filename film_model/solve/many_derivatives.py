@@ -15,7 +15,8 @@ from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene, Solver
 from film_model.solve.derivatives import Entry, pairs_of
-from film_model.solve.slopes import NO_DERIVATIVE, slopes
+from film_model.solve.chain import slopes
+from film_model.solve.slopes import NO_DERIVATIVE
 
 
 class ManyDerivatives(NamedTuple):
@@ -48,24 +49,33 @@ def derivatives_of_many(
     shape = count, len(entries)
     values = {name: np.full(shape, np.nan) for name in SUMMARY}
     error, side = np.full(shape, np.nan), np.full(shape, NO_DERIVATIVE, np.int8)
-    for decision, rows in _by_decision(problems).items() if entries else ():
+    given = list(problems)
+    strength = _strengths(given, count)
+    for decision, rows in _by_decision(given).items() if entries else ():
         own = {path: values[rows] for path, values in columns.items()}
-        pairs = pairs_of(decision.put_into(scene), own, entries, rows.size)
+        hard = strength[rows] if decision.hard else None
+        pairs = pairs_of(decision.put_into(scene), own, entries, rows.size, hard)
         found = slopes(pairs, solver, target)
-        for name, column in found.values.items():
+        for name, column in zip(SUMMARY, found.values.T, strict=True):
             values[name][rows] = column.reshape(rows.size, -1)
         side[rows] = found.side.reshape(rows.size, -1)
-        worst = np.fmax.reduce(list(found.errors.values()))
-        error[rows] = worst.reshape(rows.size, -1)
+        error[rows] = np.fmax.reduce(found.errors, axis=1).reshape(rows.size, -1)
     return ManyDerivatives(values, error, side)
 
 
 def _by_decision(problems: Iterable[Problem]) -> dict[Decision, Index]:
     """The impacts of each decision, ascending; without those of viscoelastic bodies."""
-    found: dict[Decision, list[int]] = {}
+    found: dict[Decision, list[Index]] = {}
     for problem in problems:
-        if problem.relaxation is not None:
-            continue
-        for row, decision in zip(rows_of(problem).tolist(), decisions_of(problem), strict=True):
-            found.setdefault(decision, []).append(row)
-    return {decision: np.array(sorted(rows), np.intp) for decision, rows in sorted(found.items())}
+        for decision, mask in decisions_of(problem).items() if problem.relaxation is None else ():
+            found.setdefault(decision, []).append(rows_of(problem)[mask])
+    return {decision: np.sort(np.concatenate(rows)) for decision, rows in sorted(found.items())}
+
+
+def _strengths(problems: Iterable[Problem], count: int) -> Array:
+    """The yield strength of each impact's law, Pa; nan if it has none."""
+    found = np.full(count, np.nan)
+    for problem in problems:
+        strength = problem.impacts.law.strength
+        found[rows_of(problem)] = np.nan if strength is None else strength
+    return found

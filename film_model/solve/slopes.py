@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from film_model.base.arrays import Array, Index, Mask
 from film_model.core import native
 from film_model.effects.many import problems_of, rows_of
+from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY, summary_of
 from film_model.scene import Scene, Solver
 from film_model.solve.accuracy import ORDER_FACTOR, first_segments, mesh_of
@@ -30,7 +31,7 @@ TARGET, STALLED = 1e-9, 0.5
 """Error to which the derivatives of one impact are refined. Refinement ends, too, where an error falls by less than the
 factor `STALLED`: the rest is rounding."""
 
-FIRST_SEGMENTS, LEAST_SEGMENTS, MOST_SEGMENTS = 48, 6, 3072
+FIRST_SEGMENTS, LEAST_SEGMENTS, MOST_SEGMENTS = 72, 6, 3072
 """Segments per stage of the coarser of the first two meshes, for `TARGET` and at least; and at most."""
 
 KINK = 1e-7
@@ -67,18 +68,39 @@ STENCILS = {
 class Slopes:
     """Derivatives of many pairs of an impact and a number.
 
-    values: by the names of `SUMMARY`, SI, nan where there is none. errors: the same, estimated, relative to the larger
-    of the derivative and the value over the number. side: `SMOOTH`, 1 or −1, `NO_DERIVATIVE`. kinks: values with a
-    kink or a jump within the stencil, whose derivative is nan. other_end, other_stage: whether impacts of the central
-    stencil end otherwise, or reach other stages of the law.
+    values: (pairs, values of `SUMMARY`), SI, nan where there is none. errors: the same, estimated, relative to the
+    larger of the derivative and the value over the number. side: `SMOOTH`, 1 or −1, `NO_DERIVATIVE`. kinks: (pairs,
+    values), kinks or jumps within the stencil; the derivative is nan. other_end, other_stage: whether impacts of the
+    central stencil end otherwise, or reach other stages of the law.
     """
 
-    values: dict[str, Array]
-    errors: dict[str, Array]
+    values: Array
+    errors: Array
     side: NDArray[np.int8]
-    kinks: dict[str, Mask]
+    kinks: Mask
     other_end: Mask
     other_stage: Mask
+
+    @classmethod
+    def none(cls, count: int) -> Slopes:
+        """Of `count` pairs of which nothing is known yet."""
+        values, errors = np.full((2, count, len(SUMMARY)), np.nan)
+        kinks, (other_end, other_stage) = np.zeros(values.shape, np.bool_), np.zeros((2, count), np.bool_)
+        return cls(values, errors, np.full(count, NO_DERIVATIVE, np.int8), kinks, other_end, other_stage)
+
+    def put(self, places: Index, slope: Array, change: Array, values: Array, number: Array, factor: float) -> Array:
+        """Set derivatives and errors, except at kinks; the largest error of each pair.
+
+        change: of the derivative between two meshes. values: of the summary, and number, by which it is differentiated.
+        factor: bound on the error over the change.
+        """
+        with np.errstate(invalid="ignore", divide="ignore"):
+            size = np.fmax(abs(slope), abs(values / number[:, None]))
+            error = np.where(change == 0.0, 0.0, factor * abs(change) / size)
+        kinked = self.kinks[places]
+        self.values[places] = np.where(kinked, np.nan, slope)
+        self.errors[places] = error = np.where(kinked, np.nan, error)
+        return np.fmax.reduce(error, axis=1, initial=0.0)
 
 
 @dataclass(frozen=True)
@@ -86,7 +108,8 @@ class Pairs:
     """Impacts, each with the number that is varied.
 
     scene: without decisions of "auto". columns: numbers of the impacts, one each, SI. paths: what is varied; which:
-    the place in `paths` of each pair. step: of each pair, SI. low, high: range of the varied number.
+    the place in `paths` of each pair. step: of each pair, SI. low, high: range of the varied number. strength: of each
+    impact's law at its strain rate, Pa, if the scene has rate hardening.
     """
 
     scene: Scene
@@ -96,12 +119,14 @@ class Pairs:
     step: Array
     low: Array
     high: Array
+    strength: Array | None
 
     def part(self, places: Index) -> Pairs:
         """Some of the pairs."""
         columns = {path: values[places] for path, values in self.columns.items()}
         step, low, high = (values[places] for values in (self.step, self.low, self.high))
-        return Pairs(self.scene, columns, self.paths, self.which[places], step, low, high)
+        strength = None if self.strength is None else self.strength[places]
+        return Pairs(self.scene, columns, self.paths, self.which[places], step, low, high, strength)
 
     @property
     def value(self) -> Array:
@@ -121,71 +146,68 @@ class Pairs:
         return columns
 
 
-def slopes(pairs: Pairs, solver: Solver, target: float) -> Slopes:
-    """The derivatives; one-sided where the central stencil leaves the stage of the law and the other side does not.
+def differences(pairs: Pairs, solver: Solver, target: float, found: Slopes) -> None:
+    """Set the derivatives that are not yet found; one-sided ones where the central stencil leaves the stage of the law
+    and the other side does not.
 
     target: estimated error up to which meshes are refined.
     """
-    count = pairs.which.size
-    found = Slopes(
-        {name: np.full(count, np.nan) for name in SUMMARY},
-        {name: np.full(count, np.nan) for name in SUMMARY},
-        np.full(count, NO_DERIVATIVE, np.int8),
-        {name: np.zeros(count, np.bool_) for name in SUMMARY},
-        np.zeros(count, np.bool_),
-        np.zeros(count, np.bool_),
-    )
-    left = np.arange(count)
-    for side, stencil in STENCILS.items():
+    left = np.flatnonzero(found.side == NO_DERIVATIVE)
+    for side, stencil in STENCILS.items() if left.size else ():
         tried = left[pairs.part(left).fits(stencil.offsets)]
         for first in range(0, tried.size, TOGETHER):
             places = tried[first : first + TOGETHER]
             _set(found, places, _Marches(pairs.part(places), solver, stencil, target), side)
         left = left[found.side[left] == NO_DERIVATIVE]
-    return found
+
+
+class Meshes(NamedTuple):
+    """Segments per stage of the meshes from which error and derivative are taken first. factor: bound on the error of
+    the derivative over the difference of the two. target: error up to which they are refined; infinite if the scene
+    gives the number of segments."""
+
+    first: tuple[int, int]
+    factor: float
+    target: float
+
+    @classmethod
+    def of(cls, problems: Sequence[Problem], solver: Solver, target: float) -> Meshes:
+        """For some problems."""
+        of_coarse, of_fine = ORDER_FACTOR[solver.linearisation]
+        if solver.segments is not None:
+            return cls((2 * solver.segments, solver.segments), of_coarse, math.inf)
+        damping = max((float(np.max(problem.damping)) for problem in problems), default=0.0)
+        wanted = math.ceil(FIRST_SEGMENTS * (TARGET / target) ** 0.25)
+        n = first_segments(damping, max(wanted, LEAST_SEGMENTS))
+        return cls((n, 2 * n), of_fine, target)
 
 
 class _Marched(NamedTuple):
-    """The impacts of stencils on one mesh: (pairs, impacts of a stencil); nan and a negative status where one fails."""
+    """The impacts of stencils on one mesh: summary (pairs, values, impacts of a stencil), status and stage (pairs,
+    impacts); nan and a negative status where one fails."""
 
-    summary: dict[str, Array]
+    summary: Array
     status: NDArray[np.int32]
     stage: NDArray[np.int32]
+
+    def part(self, places: Index) -> _Marched:
+        """Some of the pairs."""
+        return _Marched(self.summary[places], self.status[places], self.stage[places])
 
 
 class _Marches:
     """The impacts of the stencils of some pairs, on any mesh."""
 
     def __init__(self, pairs: Pairs, solver: Solver, stencil: _Stencil, target: float) -> None:
-        self.pairs, self.stencil, self.target, self._solver = pairs, stencil, target, solver
+        self.pairs, self.stencil, self._solver = pairs, stencil, solver
         self._shape = pairs.which.size, stencil.offsets.size
         self._problems = problems_of(pairs.scene, pairs.moved(stencil.offsets), pairs.which.size * stencil.offsets.size)
-
-    @property
-    def meshes(self) -> tuple[int, int]:
-        """Segments per stage of the meshes from which error and derivative are taken first."""
-        if self._solver.segments is not None:
-            return 2 * self._solver.segments, self._solver.segments
-        damping = max((float(np.max(problem.damping)) for problem in self._problems), default=0.0)
-        wanted = math.ceil(FIRST_SEGMENTS * (TARGET / self.target) ** 0.25)
-        n = first_segments(damping, max(wanted, LEAST_SEGMENTS))
-        return n, 2 * n
-
-    @property
-    def fixed(self) -> bool:
-        """Whether the scene gives the number of segments, so that they are not refined."""
-        return self._solver.segments is not None
-
-    @property
-    def factor(self) -> float:
-        """Bound on the error of the derivative over the difference of the two meshes."""
-        coarse, fine = ORDER_FACTOR[self._solver.linearisation]
-        return coarse if self.fixed else fine
+        self.meshes = Meshes.of(self._problems, solver, target)
 
     def on(self, n: int, places: Index) -> _Marched:
         """The stencils of the pairs at `places`, with n segments per stage."""
         count, width = self._shape
-        summary = {name: np.full(count * width, np.nan) for name in SUMMARY}
+        summary = np.full((len(SUMMARY), count * width), np.nan)
         status, stage = np.full(count * width, native.BAD_NUMBER, np.int32), np.zeros(count * width, np.int32)
         for problem in self._problems:
             if places.size < count:
@@ -193,35 +215,43 @@ class _Marches:
             rows = rows_of(problem)
             status[rows], core = problem.march(mesh_of(self._solver, problem.curve.segments(n)))
             stage[rows] = core.stage
-            for name, column in summary_of(problem, status[rows], core).items():
-                summary[name][rows] = column
-        shaped = {name: column.reshape(self._shape)[places] for name, column in summary.items()}
-        return _Marched(shaped, status.reshape(self._shape)[places], stage.reshape(self._shape)[places])
+            summary[:, rows] = summaries(problem, status[rows], core)
+        whole = _Marched(
+            summary.reshape(-1, count, width).transpose(1, 0, 2), status.reshape(count, width), stage.reshape(count, width)
+        )
+        return whole.part(places)
+
+
+def summaries(problem: Problem, status: Any, core: Any) -> Array:
+    """The summaries of many impacts, (values of `SUMMARY`, impacts), SI."""
+    found = summary_of(problem, status, core)
+    table = np.empty((len(SUMMARY), status.size))
+    for k, name in enumerate(SUMMARY):
+        table[k] = found[name]
+    return table
 
 
 def _set(found: Slopes, places: Index, marches: _Marches, side: int) -> None:
     """Set the derivatives of the pairs at `places` whose impacts end alike and within one stage of the law."""
-    every, base = np.arange(places.size), marches.stencil.base
-    meshes = marches.meshes
-    coarse, fine = (marches.on(n, every) for n in meshes)
+    every, base, meshes = np.arange(places.size), marches.stencil.base, marches.meshes
+    coarse, fine = (marches.on(n, every) for n in meshes.first)
     other_end = (fine.status != fine.status[:, [base]]).any(axis=1) | (fine.status[:, base] < 0)
     other_stage = (fine.stage != fine.stage[:, [base]]).any(axis=1)
     if side == SMOOTH:
         found.other_end[places], found.other_stage[places] = other_end, other_stage
     left = np.flatnonzero(~other_end & ~other_stage)
     found.side[places[left]] = side
-    for name, column in fine.summary.items():
-        found.kinks[name][places[left]] = _kinked(column[left], base)
-    coarse, fine = (_picked(marched, left) for marched in (coarse, fine))
-    n, last = meshes[1], np.full(left.size, np.inf)
+    found.kinks[places[left]] = _kinked(fine.summary[left], base)
+    coarse, fine = coarse.part(left), fine.part(left)
+    n, last = meshes.first[1], np.full(left.size, np.inf)
     while left.size:
         worst = _differentiate(found, places[left], marches, left, (coarse, fine))
         n *= 2
-        if n > MOST_SEGMENTS or marches.fixed:
+        open_ = np.flatnonzero((worst > meshes.target) & (worst < STALLED * last))
+        if n > MOST_SEGMENTS or not open_.size:
             return
-        open_ = np.flatnonzero((worst > marches.target) & (worst < STALLED * last))
         left, last = left[open_], worst[open_]
-        coarse, fine = _picked(fine, open_), marches.on(n, left)
+        coarse, fine = fine.part(open_), marches.on(n, left)
 
 
 def _differentiate(
@@ -229,32 +259,17 @@ def _differentiate(
 ) -> Array:
     """Set derivatives and errors at `places` from two meshes; the largest error of each pair."""
     weights, base, own = marches.stencil.weights, marches.stencil.base, marches.pairs.part(pairs)
-    rough, fine = meshes
-    worst = np.zeros(pairs.size)
-    for name, column in fine.summary.items():
-        slope, other = (_applied(values, weights) / own.step for values in (column, rough.summary[name]))
-        with np.errstate(invalid="ignore", divide="ignore"):
-            size = np.fmax(abs(slope), abs(column[:, base] / own.value))
-            error = np.where(slope == other, 0.0, marches.factor * abs(slope - other) / size)
-        kinked = found.kinks[name][places]
-        found.values[name][places] = np.where(kinked, np.nan, slope)
-        found.errors[name][places] = np.where(kinked, np.nan, error)
-        worst = np.fmax(worst, found.errors[name][places])
-    return worst
+    rough, fine = (applied(marched.summary, weights) / own.step[:, None] for marched in meshes)
+    return found.put(places, fine, rough - fine, meshes[1].summary[:, :, base], own.value, marches.meshes.factor)
 
 
-def _picked(marched: _Marched, places: Index) -> _Marched:
-    summary = {name: column[places] for name, column in marched.summary.items()}
-    return _Marched(summary, marched.status[places], marched.stage[places])
-
-
-def _kinked(column: Array, base: int) -> Mask:
+def _kinked(summary: Array, base: int) -> Mask:
     """Whether the values of a stencil, where the impact itself has one, have a kink or a jump."""
     with np.errstate(invalid="ignore"):
-        smooth = abs(_applied(column, _FOURTH)) <= KINK * abs(column[:, base])
-    return np.isfinite(column[:, base]) & ~smooth
+        smooth = abs(applied(summary, _FOURTH)) <= KINK * abs(summary[:, :, base])
+    return np.isfinite(summary[:, :, base]) & ~smooth
 
 
-def _applied(column: Array, weights: Array) -> Array:
+def applied(values: Array, weights: Array) -> Array:
     """Weighted sums over stencils, without BLAS: the rounding is the same on every processor."""
-    return (column * weights).sum(axis=-1)
+    return (values * weights).sum(axis=-1)

@@ -196,6 +196,10 @@ class Beam(AbstractTarget):
         part = self.first_mode_share * self.whole_mass
         return stretching(impact, self.thickness, self.compliance, part, strain, membrane)
 
+    def bending_strength(self, impact: Impact) -> Estimate:
+        """Not estimated."""
+        return Estimate(f"the bending stress of a {self.kind} is not estimated")
+
     def cross_bending(self, impact: Impact) -> Estimate:
         """The deflection by bending across the width, if the theory neglects it.
 

@@ -14,6 +14,7 @@ from film_model.base.fields import Field, choice, measure, mistake, part, severa
 from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, format_si
 from film_model.targets.bending_stiffness import BendingStiffness
+from film_model.targets.bending_strength import bending_strength, reach_of
 from film_model.targets.layup import LAYUP, Ply, PlyLike, coupling, laminate
 from film_model.targets.modes import Modes
 from film_model.targets.plate_modes import plate_modes
@@ -378,6 +379,11 @@ class Plate(AbstractTarget):
         membrane = 0.0 if thickness is None else 12.0 * bending / thickness**2 * area
         part = self.first_mode_share * self.surface_density * area
         return stretching(impact, thickness, self.compliance, part, strain, membrane)
+
+    def bending_strength(self, impact: Impact) -> Estimate:
+        """6 M/h² on the far face against the strength: see `bending_stress` in targets/bending_strength.py."""
+        reach = reach_of(impact.turn, self.stiffness[0], self.surface_density)
+        return bending_strength(impact, self.material, self.thickness, reach, min(self.size) if self.size else None)
 
     def cross_bending(self, impact: Impact) -> Estimate:
         """Twist coupled with bending in a layup, D16 and D26: the change of the impedance of an infinite plate by

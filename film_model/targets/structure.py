@@ -173,6 +173,10 @@ class Structure(AbstractTarget):
         """Not assessed: all of the structure is simulated."""
         return no_effect("the vibrations of the structure are simulated")
 
+    def bending_strength(self, impact: Impact) -> Estimate:
+        """Not estimated."""
+        return Estimate(f"the bending stress of a {self.kind} is not estimated")
+
     def omitted_modes(self, impact: Impact) -> Estimate:
         """Vibrations above the highest that is given, Ω.
 

@@ -46,7 +46,7 @@ HELD = "the target is held fixed, so that its waves are not known"
 class Impact(NamedTuple):
     """An impact, as the rules of a target see it that estimate neglected effects. SI numbers.
 
-    mass: of the impactor. force, indentation: maxima. fraction: absorbed part of the impact energy. back: time from
+    mass: of the impactor. force, indentation: maxima. turn: time of the latter. fraction: absorbed part of the impact energy. back: time from
     the centre of the impulse to the end of contact. motion: the target's displacement over V t_c, m (1 + e)/(Z t_c).
     by_impedance: the target moves by its impedance. by_compliance: it follows the force statically. vibrates: it moves
     by its modes; the other numbers are then those of an impact on its impedance or compliance. tolerance: smallest
@@ -59,6 +59,7 @@ class Impact(NamedTuple):
     indentation: float
     contact_radius: float
     duration: float
+    turn: float
     restitution: float
     energy: float
     fraction: float
@@ -213,6 +214,10 @@ class AbstractTarget(ABC):
 
     def stretching(self, impact: Impact) -> Estimate:
         """The effect of membrane forces in a structure that is bent by more than a fraction of its thickness."""
+        return no_effect(f"does not apply to a {self.kind}")
+
+    def bending_strength(self, impact: Impact) -> Estimate:
+        """The effect of a structure that yields or breaks because it is bent."""
         return no_effect(f"does not apply to a {self.kind}")
 
     def omitted_modes(self, impact: Impact) -> Estimate:

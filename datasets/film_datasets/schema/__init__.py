@@ -11,6 +11,7 @@ from film_datasets.schema.derivative_variables import (
 from film_datasets.schema.tables import (
     ATTRIBUTES,
     BRANCHES,
+    CHOOSABLE,
     CONSTANTS,
     COST,
     HISTORY,
@@ -48,6 +49,7 @@ from film_datasets.schema.variable import (
 __all__ = [
     "ATTRIBUTES",
     "BRANCHES",
+    "CHOOSABLE",
     "CONSTANTS",
     "COST",
     "HISTORY",

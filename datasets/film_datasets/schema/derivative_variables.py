@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -31,9 +31,10 @@ def side_name(path: str) -> str:
 
 
 def derivative_variables(
-    path: str, unit_of: Callable[[str], str | None], dims: tuple[str, ...]
+    path: str, unit_of: Callable[[str], str | None], chosen: Collection[str], dims: tuple[str, ...]
 ) -> tuple[Variable, ...]:
-    """The variables for one number of the scene. unit_of: the unit of the derivative of a summary value."""
+    """The variables for one number of the scene. unit_of: the unit of the derivative of a summary value. chosen: the
+    summary values, all if empty."""
     by = path.replace(".", ", ").replace("_", " ")
     slopes = (
         Variable(
@@ -48,6 +49,7 @@ def derivative_variables(
             optional=True,
         )
         for name in SUMMARY
+        if not chosen or name in chosen
     )
     error = Variable(
         *(accuracy_name(path), dims, FLOAT, "1", f"estimated relative error of the derivatives by {by}"),
@@ -69,7 +71,9 @@ def derivatives_in(ds: xr.Dataset, dims: tuple[str, ...]) -> tuple[Variable, ...
         name = derivative_name(quantity, path)
         return ds.variables[name].attrs.get("units") if name in ds.variables else None
 
-    return tuple(v for path in differentiated(ds) for v in derivative_variables(path, partial(unit, path), dims))
+    chosen = str(ds.attrs.get("variables", "")).split()
+    paths = differentiated(ds)
+    return tuple(v for path in paths for v in derivative_variables(path, partial(unit, path), chosen, dims))
 
 
 def differentiated(ds: xr.Dataset) -> list[str]:

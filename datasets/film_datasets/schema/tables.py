@@ -22,11 +22,8 @@ from film_datasets.schema.variable import (
     LONG,
     TEXT,
     Variable,
-    flag_meanings,
-    holds_text,
     swept_name,
-    swept_variable,
-    swept_words,
+    swept_variables,
 )
 from film_model.base.errors import STATUSES
 from film_model.base.units import si_unit
@@ -46,7 +43,7 @@ _STRESSES = (
 
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
     HISTORY: {"1.1": (), "1.2": _STRESSES, "1.3": ()},
-    SWEEP: {"1.0": (), "1.1": ("estimated_accuracy", *_STRESSES), "1.2": ("scene_key",), "1.3": ()},
+    SWEEP: {"1.0": (), "1.1": ("estimated_accuracy", *_STRESSES), "1.2": ("scene_key",), "1.3": (), "1.4": ()},
     MEASUREMENT: {"1.0": (), "1.1": ()},
     COST: {"1.0": ()},
 }
@@ -200,6 +197,9 @@ _SWEEP = (
     SCENE_KEY,
 )
 
+CHOOSABLE = tuple(variable.name for variable in _SWEEP if variable.optional)
+"""The variables of which a sweep may keep some only; the others say how each impact ended and to what it belongs."""
+
 _SWEEP_SEGMENTS = (
     Variable(
         *("segment_count", (IMPACTS,), INTEGER, "1", "number of segments of the impact"),
@@ -347,10 +347,11 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
         constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
     if kind in (HISTORY, COST):
         return (*(v for v in TABLE[kind] if v.name not in later), *constants)
-    swept = _swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
+    swept = swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
     dims = tuple(v.dims[0] for v in swept) if "impact" not in ds.sizes else ("impact",)
-    kept = sweep_variables(str(ds.attrs.get("kept", "")).split(), dims)
-    return (*swept, *(v for v in kept if v.name not in later), *derivatives_in(ds, dims), *constants)
+    kept, chosen = (str(ds.attrs.get(name, "")).split() for name in ("kept", "variables"))
+    own = sweep_variables(kept, chosen, dims)
+    return (*swept, *(v for v in own if v.name not in later), *derivatives_in(ds, dims), *constants)
 
 
 def require(ds: xr.Dataset, names: Iterable[str]) -> None:
@@ -379,22 +380,11 @@ def has_failed(status: NDArray[Any]) -> NDArray[np.bool_]:
     return (status < 0) | (status >= OUT_OF_RANGE)
 
 
-def sweep_variables(kept: Iterable[str], dims: tuple[str, ...]) -> tuple[Variable, ...]:
-    """The variables of a sweep with dimensions `dims`, except the swept quantities; kept: words of `Sweep.kept`."""
+def sweep_variables(kept: Iterable[str], chosen: Sequence[str], dims: tuple[str, ...]) -> tuple[Variable, ...]:
+    """The variables of a sweep with dimensions `dims`, except the swept quantities.
+
+    kept: words of `Sweep.kept`. chosen: which of `CHOOSABLE` it has, all if empty.
+    """
+    left_out = set(CHOOSABLE).difference(chosen) if chosen else set[str]()
     keys = [SWEEP, *(f"{SWEEP} {word}" for word in kept if f"{SWEEP} {word}" in TABLE)]
-    return tuple(variable.over(dims) for key in keys for variable in TABLE[key])
-
-
-def _swept_variables(paths: list[str], ds: xr.Dataset) -> tuple[Variable, ...]:
-    """The variables of a dataset's swept quantities; their units and labels are those in the dataset."""
-    found: list[Variable] = []
-    for path in paths:
-        name = swept_name(path)
-        dims = ("impact",) if "impact" in ds.sizes else (name,)
-        if name in ds.variables and holds_text(ds[name]):
-            found.append(swept_words(path, dims))
-        elif name in ds.variables:
-            found.append(swept_variable(path, dims, ds[name].attrs.get("units"), flag_meanings(ds[name])))
-        else:
-            found.append(swept_variable(path, dims, None))
-    return tuple(found)
+    return tuple(variable.over(dims) for key in keys for variable in TABLE[key] if variable.name not in left_out)

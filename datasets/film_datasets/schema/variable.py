@@ -111,3 +111,18 @@ def words_of(array: xr.DataArray) -> list[str]:
         return [str(word) for word in np.ravel(array.values)]
     meanings = flag_meanings(array)
     return [meanings[number] for number in np.ravel(array.values).tolist()] if meanings else []
+
+
+def swept_variables(paths: list[str], ds: xr.Dataset) -> tuple[Variable, ...]:
+    """The variables of a dataset's swept quantities; their units and labels are those in the dataset."""
+    found: list[Variable] = []
+    for path in paths:
+        name = swept_name(path)
+        dims = ("impact",) if "impact" in ds.sizes else (name,)
+        if name in ds.variables and holds_text(ds[name]):
+            found.append(swept_words(path, dims))
+        elif name in ds.variables:
+            found.append(swept_variable(path, dims, ds[name].attrs.get("units"), flag_meanings(ds[name])))
+        else:
+            found.append(swept_variable(path, dims, None))
+    return tuple(found)

@@ -138,6 +138,7 @@ def global_attributes(sweep: Sweep, command: str, totals: Totals) -> dict[str, A
         "kept": " ".join(sweep.kept),
         "design": sweep.design,
         **({"derivatives": " ".join(entry.path for entry in sweep.derivatives)} if sweep.derivatives else {}),
+        **({"variables": " ".join(sweep.chosen)} if sweep.chosen else {}),
         "statuses": "\n".join(f"{code} {status.word}: {status.sentence}" for code, status in _statuses(sweep).items()),
         "warnings": "\n".join([*_warnings(sweep, totals), *effect_warnings(sweep), *sweep_law_warnings(sweep)])
         or "none",

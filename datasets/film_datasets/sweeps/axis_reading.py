@@ -14,11 +14,12 @@ from film_datasets.sweeps.axis import Axis, label
 from film_datasets.sweeps.designs import GRID, SAMPLED, ZIP
 from film_datasets.sweeps.distributions import DISTRIBUTIONS, EMPIRICAL, read_distribution
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
-from film_model.base.fields import Field, written
+from film_model.base.fields import Field, table_of, written
 from film_model.base.units import array_to_si, to_si
 from film_model.scene import Scene
 from film_model.scene.contact import contact_table
 from film_model.scene.paths import field_at, unit_of
+from film_model.scene.scene import WITH_FILES
 
 SPACINGS = ("linear", "log")
 RANGE = ("from", "to", "count", "spacing")
@@ -130,21 +131,28 @@ def _choices(scene: Scene, path: str, given: Iterable[Any], design: str) -> Axis
     if not choices:
         raise ValueError("an empty list: at least one value is needed")
     for k, choice in enumerate(choices):
-        tabulated = path == "contact" and isinstance(choice, Mapping) and "file" in choice
+        tabulated = path in WITH_FILES and isinstance(choice, Mapping) and "file" in choice
         if design == ZIP and not tabulated:
             continue  # it may be valid only with the other choices of its impact: `Sweep` tries those together
         try:
             changed = scene.replace({path: choice})
         except SceneError as error:
             raise SceneError(swept_mistakes(error, (path,))) from None
-        if tabulated:  # a dataset stores the law's table, not the name of its file
-            table = contact_table(changed.contact)
-            choices[k] = {key: value for key, value in choice.items() if key != "file"}
-            choices[k] |= {key: table[key] for key in changed.contact.parameters}
+        if tabulated:  # a dataset stores the table, not the name of its file
+            own = {key: value for key, value in choice.items() if key != "file"}
+            choices[k] = own | {key: value for key, value in _tables(changed, path).items() if key not in own}
     for k, choice in enumerate(choices):
         if design == GRID and indices.count(k) > 1:
             raise ValueError(f"{label(choice)} is given {indices.count(k)} times; each value once")
     return Axis(path, "choices", choices=tuple(choices), indices=tuple(indices), count=len(indices))
+
+
+def _tables(scene: Scene, path: str) -> dict[str, Any]:
+    """What was read from the file that a section of the scene named."""
+    if path == "target":
+        return table_of(scene.target)
+    table = contact_table(scene.contact)
+    return {key: table[key] for key in scene.contact.parameters}
 
 
 def _range_or_distribution(path: str, field: Field, given: Mapping[str, Any], design: str, unit: str) -> Axis:

@@ -84,11 +84,15 @@ def _put(
     index: NDArray[np.intp],
 ) -> None:
     """Put simulated impacts into the columns at the places `index`; add their lines, with their places, to `lines`."""
-    for name, column in impacts.summary.items():
-        columns[name][index] = column
-    columns["status"][index] = impacts.status
-    columns["zener_number"][index] = impacts.zener_number
-    columns["estimated_accuracy"][index] = impacts.estimated
+    at: Any = slice(None) if index.size == columns["status"].size else index
+    found = {
+        **impacts.summary,
+        "status": impacts.status,
+        "zener_number": impacts.zener_number,
+        "estimated_accuracy": impacts.estimated,
+    }
+    for name in found.keys() & columns.keys():
+        columns[name][at] = found[name]
     wanted = impacts.scene.solver.accuracy
     accuracy = sweep.accuracies.index(wanted)
     worst = float(np.nanmax(impacts.estimated, initial=columns[ESTIMATED][accuracy]))
@@ -117,7 +121,8 @@ def _differentiate(
     known, found = impacts.derivatives(numbers, sweep.derivatives)
     for k, entry in enumerate(known):
         for name, values in found.values.items():
-            columns[derivative_name(name, entry.path)][index] = values[:, k]
+            if (own := derivative_name(name, entry.path)) in columns:
+                columns[own][index] = values[:, k]
         columns[accuracy_name(entry.path)][index] = found.error[:, k]
         columns[side_name(entry.path)][index] = found.side[:, k]
 

@@ -20,6 +20,9 @@ LEAST_GROWING, MOST_GROWING = 256, 1 << 16
 OWN_CURVES = 1024
 """Impacts of a block if each may need a curve of its own (91 kB): on beams and static stiffnesses."""
 
+OWN_NUMBERS = 8192
+"""Impacts of a block if the curves of many may differ in all numbers of a fit (some kB each): over Poisson's ratio."""
+
 
 @dataclass(frozen=True)
 class Block:
@@ -41,6 +44,8 @@ class Blocks:
     def __init__(self, sweep: Sweep) -> None:
         scenes = (sweep.combination(number) for number in sweep.combinations_used)
         limit = OWN_CURVES if any(map(one_curve_per_impact, scenes)) else BLOCK_IMPACTS
+        if any(axis.path.endswith("poissons_ratio") for axis in sweep.axes):
+            limit = min(limit, OWN_NUMBERS)
         most = max(1, min(limit, BLOCK_BYTES // sweep.bytes_per_impact))
         shape = self._shape = sweep.shape
         fits = (k for k in range(len(shape)) if math.prod(shape[k + 1 :]) <= most)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from film_datasets.impacts import scene_with_numbers
 from film_datasets.scene_constants import common_constants, scene_key
-from film_datasets.schema import CONSTANTS, Variable, derivative_variables, sweep_variables, swept_name
+from film_datasets.schema import CHOOSABLE, CONSTANTS, Variable, derivative_variables, sweep_variables, swept_name
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.axis_reading import read_axes, swept_mistakes
 from film_datasets.sweeps.design_table import is_table, over_of_table
@@ -41,6 +41,9 @@ MOST_COMBINATIONS = 10_000
 MOST_CORNERS = 64
 """Corners of a design that are tried until one makes a valid scene."""
 
+OPTIONS = ("samples", "seed", "correlation", "derivatives", "variables")
+"""Keys of a sweep file that are optional arguments of `Sweep.of`."""
+
 TYPICAL_SEGMENTS = 32
 """Segments of an impact at the default accuracy, about: to estimate the size of a file."""
 
@@ -53,6 +56,7 @@ class Sweep:
     `samples` impacts drawn with `seed`. keep: "summary", "segments" (exact histories too) or "samples" (histories at
     `dense` normalised times too). first: the scene with the first choice of each axis that has choices. correlation:
     matrix of a Gaussian copula over the axes, or empty. derivatives: numbers by which the summary is differentiated.
+    chosen: the only ones of the schema's `CHOOSABLE` variables that are kept; empty for all.
     """
 
     scene: Scene
@@ -65,6 +69,7 @@ class Sweep:
     first: Scene = field(repr=False)
     correlation: tuple[tuple[float, ...], ...] = ()
     derivatives: tuple[Entry, ...] = ()
+    chosen: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -78,11 +83,12 @@ class Sweep:
         keep: str = "summary",
         correlation: Any = None,
         derivatives: Sequence[str] = (),
+        variables: Sequence[str] = (),
     ) -> Sweep:
         """A sweep; see `film_datasets.sweep`. Raises SceneError with all mistakes."""
         if is_table(over):
             over, design = over_of_table(over), ZIP if design == GRID else design
-        mistakes = option_mistakes(design, samples, seed)
+        mistakes = [*option_mistakes(design, samples, seed), *_variable_mistakes(variables)]
         kept, dense = _read_keep(keep)
         axes: tuple[Axis, ...] = ()
         first = scene
@@ -94,7 +100,8 @@ class Sweep:
         matrix = () if correlation is None else _read_correlation(correlation, axes, design)
         entries = _read_derivatives(derivatives, first, axes)
         drawn = samples or 0, 1 if seed is None else seed
-        sweep = cls(scene, axes, design, *drawn, kept, dense, first, matrix, entries)
+        chosen = tuple(name for name in CHOOSABLE if name in variables)
+        sweep = cls(scene, axes, design, *drawn, kept, dense, first, matrix, entries, chosen)
         count = sweep.combinations if design != ZIP else len(sweep.combinations_used)
         if count > MOST_COMBINATIONS:
             paths = " and ".join(axis.path for axis in sweep.choice_axes)
@@ -116,7 +123,7 @@ class Sweep:
             if isinstance(given, Mapping) and "listed" in given:  # too many values for sweep_toml
                 array = ds[swept_name(path)]
                 over[path] = [f"{value!r} {array.attrs.get('units', '')}" for value in array.values.tolist()]
-        options = {key: table[key] for key in ("samples", "seed", "correlation", "derivatives") if key in table}
+        options = {key: table[key] for key in OPTIONS if key in table}
         return cls.of(base, over, table["design"], **options, keep=keep)
 
     @cached_property
@@ -160,8 +167,8 @@ class Sweep:
         """The schema's variables for this sweep: swept quantities, then what is kept."""
         swept = tuple(axis.variable((axis.name,) if self.design == GRID else ("impact",)) for axis in self.axes)
         constants = (variable for variable in CONSTANTS if variable.name in self.constants)
-        slopes = (derivative_variables(entry.path, _cf_unit(entry), self.dims) for entry in self.derivatives)
-        return (*swept, *sweep_variables(self.kept, self.dims), *itertools.chain(*slopes), *constants)
+        slopes = (derivative_variables(e.path, _cf_unit(e), self.chosen, self.dims) for e in self.derivatives)
+        return (*swept, *sweep_variables(self.kept, self.chosen, self.dims), *itertools.chain(*slopes), *constants)
 
     @cached_property
     def constants(self) -> dict[str, Any]:
@@ -191,6 +198,8 @@ class Sweep:
             head.append(f"correlation = {json.dumps(self.correlation)}")
         if self.derivatives:
             head.append(f"derivatives = {json.dumps([entry.path for entry in self.derivatives])}")
+        if self.chosen:
+            head.append(f"variables = {json.dumps(self.chosen)}")
         return "\n".join([*head, "", "[over]", *(f'"{axis.path}" = {axis.text()}' for axis in self.axes), ""])
 
     def values(self, first: int, count: int) -> list[NDArray[Any]]:
@@ -299,6 +308,20 @@ def option_mistakes(design: object, samples: object, seed: object) -> list[Mista
         if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**64):
             found["seed"] = f"{shown(seed)} is not allowed: a whole number from 0 to 2^64 - 1 is needed"
     return [Mistake(None, None, key, message) for key, message in found.items()]
+
+
+def _variable_mistakes(given: Any) -> list[Mistake]:
+    """Mistakes of the variables that are to be kept."""
+    if not isinstance(given, list | tuple):
+        return [Mistake(None, None, "variables", f"{shown(given)} is not a list of names of variables")]
+    unknown = (name for name in given if name not in CHOOSABLE)
+    messages = (f"{shown(name)} is not a variable that can be chosen{_closest(name)}" for name in unknown)
+    return [Mistake(None, None, "variables", message) for message in messages]
+
+
+def _closest(name: Any) -> str:
+    hint = did_you_mean(name, CHOOSABLE) if isinstance(name, str) else ""
+    return hint or f": {', '.join(CHOOSABLE)}"
 
 
 def _read_correlation(given: Any, axes: Sequence[Axis], design: str) -> tuple[tuple[float, ...], ...]:

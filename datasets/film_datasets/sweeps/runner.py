@@ -42,6 +42,7 @@ def sweep(
     keep: str = "summary",
     correlation: Any = None,
     derivatives: Sequence[str] = (),
+    variables: Sequence[str] = (),
     output: str | os.PathLike[str] | None = None,
     workers: int | None = None,
     scheduler: Any = None,
@@ -64,6 +65,8 @@ def sweep(
     each swept quantity: of the normal deviates by whose probabilities they are drawn (Gaussian copula).
     derivatives: numbers of the scene, such as "impactor.velocity", by which the summary of every impact is
     differentiated, with its decisions about effects held fixed (d_maximum_force_d_impactor_velocity and so on).
+    variables: names of summary values, "zener_number" or "estimated_accuracy": only these are kept, with the swept
+    quantities, status, law and scene_key; all if empty.
     keep: "summary"; "segments", the exact histories too; "samples=201", histories at 201 normalised times too.
 
     output: FILE.nc or FILE.zarr, complete or not written at all, opened lazily; or a table in FILE.csv, .parquet or
@@ -82,8 +85,9 @@ def sweep(
     """
     base = scene if isinstance(scene, Scene) else Scene.from_toml(scene)
     asked = Sweep.of(
-        base, over, design, samples=samples, seed=seed, keep=keep, correlation=correlation, derivatives=derivatives
-    )
+        base, over, design, samples=samples, seed=seed, keep=keep, correlation=correlation, derivatives=derivatives,
+        variables=variables,
+    )  # fmt: skip
     return run_sweep(
         asked, output, workers=workers, scheduler=scheduler, resume=resume, overwrite=overwrite,
         command="film_datasets.sweep",

@@ -7,27 +7,32 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from film_datasets.sweeps.axis_reading import FORMS
-from film_datasets.sweeps.definition import Sweep, option_mistakes
+from film_datasets.sweeps.definition import OPTIONS, Sweep, option_mistakes
 from film_datasets.sweeps.design_table import over_of_file
 from film_datasets.sweeps.designs import GRID, ZIP
 from film_model.base.errors import Mistake, SceneError, did_you_mean, shown
 from film_model.scene import Scene
+from film_model.scene.scene import WITH_FILES
 from film_model.scene.toml import line_of, lines_of_keys, read_text, toml_table
 
-KEYS = ("scene", "design", "samples", "seed", "correlation", "derivatives", "over")
+KEYS = ("scene", "design", *OPTIONS, "over")
 
 
-def read_sweep(path: str | os.PathLike[str], keep: str = "summary", derivatives: Sequence[str] = ()) -> Sweep:
+def read_sweep(
+    path: str | os.PathLike[str], keep: str = "summary", derivatives: Sequence[str] = (), variables: Sequence[str] = ()
+) -> Sweep:
     """Read a sweep file; the scene it names is in the same folder. All mistakes are raised in one SceneError.
 
-    derivatives: in place of those in the file, unless empty.
+    derivatives, variables: in place of those in the file, unless empty.
     """
     text, name = read_text(path)
     folder = Path(path).parent
-    return sweep_from_text(text, name, lambda scene: Scene.from_toml(folder / scene), keep, folder, derivatives)
+    given = {key: names for key, names in (("derivatives", derivatives), ("variables", variables)) if names}
+    return sweep_from_text(text, name, lambda scene: Scene.from_toml(folder / scene), keep, folder, given)
 
 
 def sweep_from_text(
@@ -36,9 +41,12 @@ def sweep_from_text(
     read_scene: Callable[[str], Scene],
     keep: str = "summary",
     folder: Path = Path(),
-    derivatives: Sequence[str] = (),
+    instead: Mapping[str, Any] = MappingProxyType({}),
 ) -> Sweep:
-    """A sweep from the text of a sweep file called `name`; folder: where the files of tabulated laws are."""
+    """A sweep from the text of a sweep file called `name`.
+
+    folder: of the files that it names. instead: values that replace those of the file, by key.
+    """
     given = toml_table(text, name)
     table = {_closest_key(key): value for key, value in given.items()} | given
     if isinstance(table.get("design"), Mapping):
@@ -46,12 +54,11 @@ def sweep_from_text(
     mistakes = _key_mistakes(given, table)
     has_over = isinstance(table.get("over"), Mapping)
     over = _flat(table["over"]) if has_over else {}
-    sections = over.get("contact")
-    for section in sections if isinstance(sections, list) else ():
+    sections = [section for key in WITH_FILES if isinstance(over.get(key), list) for section in over[key]]
+    for section in sections:
         if isinstance(section, dict) and isinstance(section.get("file"), str):
             section["file"] = str(folder / section["file"])
-    options = {key: table[key] for key in ("samples", "seed", "correlation", "derivatives") if key in table}
-    options |= {"derivatives": derivatives} if derivatives else {}
+    options = {key: table[key] for key in OPTIONS if key in table} | dict(instead)
     design, scene, sweep = table.get("design", GRID), None, None
     try:
         scene = read_scene(table["scene"]) if isinstance(table.get("scene"), str) else None

@@ -107,7 +107,7 @@ def test_energy_of_a_reversible_law(mass, velocity):
 @combinations(law=["hunt-crossley", "kuwabara-kono", "tsuji", "linear-dashpot"], fast=1)
 def test_damped_laws(law):
     """What the impactor loses is absorbed by the damping or in the modes; a history has each mode's energy."""
-    history = fm.simulate(struck(FEW, "12 mm", "1 m/s", LAWS[law], "0.2 kg"), accuracy=1e-2)
+    history = fm.simulate(struck(FEW, "12 mm", "1 m/s", LAWS[law], "0.2 kg"), accuracy=5e-3)
     summary, ahead = history.summary, 0.5 * 0.2
     left = 0.5 * 0.2 * summary["rebound_velocity"] ** 2
     assert summary["energy_absorbed"] > 1e-3 * ahead
@@ -115,7 +115,7 @@ def test_damped_laws(law):
     assert history.vibration_energy_by_mode.sum() == pytest.approx(summary["energy_radiated"], rel=1e-9)
     samples = history.sample_si(np.linspace(0.0, history.duration, 201))
     assert (samples.contact_force >= 0.0).all()
-    assert samples.contact_force.max() <= summary["maximum_force"] * (1.0 + 1e-2)  # the accuracy asked for
+    assert samples.contact_force.max() <= summary["maximum_force"] * (1.0 + 5e-3)  # the accuracy asked for
 
 
 def linear_on_one_mode(tolerance):

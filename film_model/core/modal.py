@@ -23,7 +23,8 @@ MOST_MEMORY = 256 * 2**20
 
 _D, _I = c.c_double, c.c_int32
 _BENDS, _NODES, _FLIGHTS = 6, 4, 10
-_ROOM = 512  # segments that a record has room for at first
+_ROOM, _MOST_ROOM = 512, 1 << 16  # segments that a record has room for at first and at most before it is extended
+_STAYS = 1 << 20  # bytes that are not copied out of their room
 
 
 class Structure(c.Structure):
@@ -223,18 +224,18 @@ class _Room:
         return segments, self.events[: at.event_count * EVENT_DTYPE.itemsize], self.flights[: at.flight_count]
 
 
-def impact(tables: Tables, curve: Curve, start: Start) -> Impact:
-    """One impact, recorded; see :func:`_impact`."""
+def impact(tables: Tables, curve: Curve, start: Start, expected: int = _ROOM) -> Impact:
+    """One impact, recorded. native.TOO_MANY: its record would need more than `MOST_MEMORY`. expected: number of
+    segments for which there is room at once, which saves time if they are many."""
     with tables.lock:
-        return _impact(tables, curve, start)
+        return _impact(tables, curve, start, min(max(expected, _ROOM), _MOST_ROOM))
 
 
-def _impact(tables: Tables, curve: Curve, start: Start) -> Impact:
-    """One impact, recorded. native.TOO_MANY: its record would need more than `MOST_MEMORY`."""
+def _impact(tables: Tables, curve: Curve, start: Start, expected: int) -> Impact:
     lib, state, summary = _library(), Modal(), Summary()
     waves = np.empty(4 * tables.count)
     at = c.byref(tables.native), c.byref(curve)
-    room, parts, size = _Room(tables.count, _ROOM), list[tuple[Any, Any, Array]](), 0
+    room, parts, size = _Room(tables.count, expected), list[tuple[Any, Any, Array]](), 0
     own = c.byref(state), waves.ctypes.data, c.byref(summary)
     status = lib.film_modal_impact(*at, c.byref(start), *own, c.byref(room.native))
     while status == native.FULL:
@@ -243,7 +244,7 @@ def _impact(tables: Tables, curve: Curve, start: Start) -> Impact:
         if size > MOST_MEMORY:
             status = native.TOO_MANY
             break
-        room = _Room(tables.count, min(2 * len(room.segments) // SEGMENT_DTYPE.itemsize, 1 << 16))
+        room = _Room(tables.count, min(2 * room.native.segment_room, _MOST_ROOM))
         status = lib.film_modal_go_on(*at, start.limit, *own, c.byref(room.native))
     else:
         parts.append(room.filled())
@@ -252,10 +253,16 @@ def _impact(tables: Tables, curve: Curve, start: Start) -> Impact:
         flight = part[0].view(SEGMENT_DTYPE)["flight"]
         flight[flight >= 0] += kept
         kept += len(part[2])
-    segments, events, flights = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    segments, events, flights = (_joined(columns) for columns in zip(*parts, strict=True))
     energies = np.empty(tables.count)
     lib.film_modal_energies(at[0], c.byref(state), waves.ctypes.data, energies.ctypes.data)
     return Impact(status, summary, segments.view(SEGMENT_DTYPE), events.view(EVENT_DTYPE), flights, energies)
+
+
+def _joined(parts: tuple[NDArray[Any], ...]) -> NDArray[Any]:
+    """The parts as one array. A large one that is alone stays where it is: memory that is not filled costs nothing."""
+    alone = parts[0].nbytes > _STAYS and not any(len(part) for part in parts[1:])
+    return parts[0] if alone else np.concatenate(parts)
 
 
 class Motion:

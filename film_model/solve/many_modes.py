@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index
-from film_model.base.errors import VIBRATES, CoreError, SimulationError
+from film_model.base.errors import VIBRATES, CoreError, SimulationError, TooManyModes
 from film_model.core import modal, native
 from film_model.effects.choose import problem_of
 from film_model.laws import LAWS, AbstractLaw
@@ -35,7 +35,8 @@ SHARED = ("impactor.velocity", "impactor.mass")
 TRIED = 16
 """Of the impacts that share a structure, this many are followed with more and more modes, as in `simulate`."""
 
-_MARGIN = 1.5  # highest frequency of all over the largest of those tried
+MOST_RUNS = 5
+"""Runs of rows together, each with twice the highest frequency; rows that need more are simulated one by one."""
 
 
 class Vibrating(NamedTuple):
@@ -102,34 +103,55 @@ def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, a
         runs = [vibrate(problem, scene.target, accuracy, []) for problem in problems]
     except SimulationError:
         return None
-    pressed = np.empty(rows.size, np.bool_)
+    pressed = _pressed(scene, columns, rows, order, places, [problem.load > 0.0 for problem in problems])
+    tried = [run for run, _ in runs]
+    highest, tolerance = np.empty(rows.size), np.empty(rows.size)
     for k in range(places.size - 1):
-        low, high, now = int(places[k]), int(places[k + 1]), problems[k].load > 0.0
-        # where between the two does the weight begin to matter?
-        while now != (problems[k + 1].load > 0.0) and high - low > 1:
-            middle = (low + high) // 2
-            same = (_problem(scene, columns, int(rows[order[middle]])).load > 0.0) == now
-            low, high = (middle, high) if same else (low, middle)
-        pressed[order[places[k] : high]] = now
-        pressed[order[high : places[k + 1] + 1]] = problems[k + 1].load > 0.0
+        between, ends = order[places[k] : places[k + 1] + 1], tried[k : k + 2]
+        highest[between] = max(run.highest for run in ends)
+        tolerance[between] = min(run.start.tolerance for run in ends)
     law = scene.contact.law if isinstance(scene.contact.law, AbstractLaw) else LAWS[first.law.name]
-    impacts = Impacts.several(scene, SceneLaw.of(varied, law), rows, own)
-    whole = impacts.problem(impacts.column(math.inf), np.where(pressed, impacts.numbers.weight, 0.0), vibrates=True)
-    highest = _MARGIN * max(float(run.frequency[-1]) for run, _ in runs)
-    highest = structures.computable(scene.target, highest, float(np.max(whole.scales.time)))
+
+    def problem_at(at: Index) -> Problem:
+        part = {path: column[at] for path, column in own.items()}
+        impacts = Impacts.several(scene, SceneLaw.of(scene_of_columns(scene, part), law), rows[at], part)
+        weight = np.where(pressed[at], impacts.numbers.weight, 0.0)
+        return impacts.problem(impacts.column(math.inf), weight, vibrates=True)
+
     limit = max(vibration.time_limit(problem, scene.target) for problem in problems)
-    tolerance = vibration.step_tolerance(accuracy) / vibration.REFINED**2
-    before, change, (status, core) = _followed_thrice(whole, highest, tolerance, limit)
-    estimated = vibration.error_of(whole, before, change) + tolerance
+    status, core, estimated = np.empty(rows.size, np.int32), _no_summaries(rows.size), np.empty(rows.size)
+    for value in np.unique(highest):
+        at = np.flatnonzero(highest == value)
+        status[at], core[at], estimated[at] = _refined(problem_at, at, float(value), tolerance[at], limit, accuracy)
+    whole = problem_at(np.arange(rows.size))
     values = summary_of(whole, status, Columns(core))
     energy = radiated(whole, Columns(core)) * whole.scales.energy
     values["energy_radiated"] = np.where(status == native.EVENT, energy, np.nan)
-    if runs[0][0].reversible:
+    if tried[0].reversible:
         values["energy_absorbed"] = np.where(status == native.EVENT, 0.0, values["energy_absorbed"])
     poor = ~(estimated <= accuracy)
-    estimated[~poor] = np.max(estimated[~poor], initial=0.0)  # one row's runs may agree by chance
     found = Vibrating(values, status, [first.law.name] * rows.size, estimated + first.curve.fit_error)
     return _again(found, scene, columns, rows, accuracy, poor) if poor.any() else found
+
+
+def _pressed(
+    scene: Scene, columns: Mapping[str, Array], rows: Index, order: Index, places: Index, known: list[Any]
+) -> NDArray[np.bool_]:
+    """Whether the weight matters, of each row. known: at the `places` in their `order`."""
+    pressed = np.empty(rows.size, np.bool_)
+    for k in range(places.size - 1):
+        low, high = int(places[k]), int(places[k + 1])
+        while known[k] != known[k + 1] and high - low > 1:  # where between the two does it begin to matter?
+            middle = (low + high) // 2
+            same = (_problem(scene, columns, int(rows[order[middle]])).load > 0.0) == known[k]
+            low, high = (middle, high) if same else (low, middle)
+        pressed[order[places[k] : high]] = known[k]
+        pressed[order[high : places[k + 1] + 1]] = known[k + 1]
+    return pressed
+
+
+def _no_summaries(count: int) -> Table:
+    return cast("Table", np.zeros(count, native.SUMMARY_DTYPE))
 
 
 def _again(
@@ -143,16 +165,39 @@ def _again(
     return found
 
 
-def _followed_thrice(
-    whole: Problem, highest: float, tolerance: float, limit: float
-) -> tuple[Array, Array, tuple[NDArray[np.int32], Table]]:
-    """Differences with a quarter and half, and with half and all of the highest frequency; statuses and summaries."""
-    runs = [_follow(whole, highest / 2.0**k, tolerance * vibration.REFINED**k, limit) for k in (2, 1, 0)]
-    coarse, middle, fine = (Columns(core) for _, core in runs)
-    return difference(whole, coarse, middle), difference(whole, middle, fine), runs[-1]
+def _refined(
+    problem_at: Callable[[Index], Problem], rows: Index, highest: float, tolerance: Array, limit: float, accuracy: float
+) -> tuple[NDArray[np.int32], Table, Array]:
+    """Statuses, the core's summaries and estimates of some rows, by the rule of :func:`vibration.vibrate` from a
+    quarter of a highest frequency on; the estimate of rows that need more than `MOST_RUNS` is above the accuracy.
+
+    Of the rows that reach the accuracy together each gets the largest estimate: one row's runs may agree by chance.
+    """
+    status, core, estimated = np.empty(rows.size, np.int32), _no_summaries(rows.size), np.full(rows.size, np.inf)
+    left, coarse, before = np.arange(rows.size), _no_summaries(0), np.ones(rows.size)
+    for k in range(MOST_RUNS):
+        problem, steps = problem_at(rows[left]), tolerance[left] * vibration.REFINED ** (2 - k)
+        try:
+            found, fine = _follow(problem, highest * 2.0 ** (k - 2), steps, limit)
+        except TooManyModes:
+            break
+        if k > 0:
+            change = difference(problem, Columns(coarse), Columns(fine))
+            errors = vibration.error_of(problem, before, change) + steps
+            done = (errors <= accuracy) & (found >= 0)
+            status[left[done]], core[left[done]], estimated[left[done]] = (
+                found[done],
+                fine[done],
+                np.max(errors[done], initial=0.0),
+            )
+            left, fine, before = left[~done], fine[~done], change[~done]
+        if not left.size:
+            break
+        coarse = fine
+    return status, core, estimated
 
 
-def _follow(whole: Problem, highest: float, tolerance: float, limit: float) -> tuple[NDArray[np.int32], Table]:
+def _follow(whole: Problem, highest: float, tolerance: Array, limit: float) -> tuple[NDArray[np.int32], Table]:
     """Statuses and the core's summaries; each processor has tables of its own."""
     scales, target, count = whole.scales, whole.scene.target, np.size(whole.approach)
     longest = float(np.max(scales.time))

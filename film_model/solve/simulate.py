@@ -18,10 +18,10 @@ from film_model.problem.problem import Problem
 from film_model.problem.summary import energy_warning, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.solve.accuracy import Linearisation, estimate, mesh_of, raise_failure, refine, solver_for
-from film_model.solve.history import Accuracy, Event, History, stage_name
+from film_model.solve.history import MOTION, Accuracy, Event, History, stage_name, stage_names
 
 if TYPE_CHECKING:
-    from film_model.solve.vibration import Moment
+    from film_model.solve.vibration import Moment, Vibration
 
 GRAZING = 1e-12
 """Kinetic energy over the work of the load that is rounding, if both the impact and the end of contact have less."""
@@ -220,6 +220,18 @@ def _events(problem: Problem, found: Iterable[_AtEvent | Moment]) -> tuple[Event
     )
 
 
+def _events_on_modes(problem: Problem, vibration: Vibration) -> tuple[Event, ...]:
+    """The same of an impact on modes, which may have thousands of them: all at once."""
+    met, names = vibration.met, stage_names(problem)
+    times = met["time"] / vibration.unit * problem.scales.time
+    motion = problem.motion(times, met["values"].T)
+    kinds = [native.EVENTS[kind] for kind in met["event"].tolist()]
+    branches = np.where(met["branch"] < native.FREE, native.BRANCH, met["branch"])
+    columns = (motion[name].tolist() for name in MOTION)
+    stages = [names[branch] for branch in branches.tolist()]
+    return tuple(map(Event._make, zip(kinds, times.tolist(), stages, *columns, strict=True)))
+
+
 def _outcome(status: int) -> Outcome:
     if status == native.EVENT:
         return Outcome.SEPARATED
@@ -237,7 +249,7 @@ def _on_modes(scene: Scene, choice: Choice, warnings: list[str]) -> History:
     values = summary_of(problem, native.EVENT if vibration.separated else native.OK, vibration.summary)
     values |= vibration.energies_in_si(problem)
     summary = {name: None if math.isnan(value) else value for name, value in values.items()}
-    events = _events(problem, vibration.events)
+    events = _events_on_modes(problem, vibration)
     lost = [event.time for event in events if event.name == "contact_ends"]
     if len(lost) > 1:
         warnings.append(

@@ -30,8 +30,8 @@ SHARPNESS = ((2.0, 300), (1.6, 1000), (1.3, MOST_FUNCTIONS))
 Errors of the highest frequency are then up to 1e-3, 2e-3 and 4e-3; below half of it up to 1e-4, 1e-4 and 2e-4."""
 
 FEWEST = 0.6
-"""Least number of products below a frequency over that of the half-waves along both sides: π/4 in isotropic plates, 0.66
-if D12 + 2 D66 = 3 √(D11 D22). Clamped edges take away up to two of the half-waves."""
+"""Least number of products below a frequency over that of the half-waves along both sides: π/4 in isotropic plates,
+0.66 if D12 + 2 D66 = 3 √(D11 D22). Clamped edges take away up to two of the half-waves."""
 
 NODE = 1e-9
 """A function that is smaller at the struck point, in units of 2/√(a b), has a node there."""

@@ -36,10 +36,9 @@ MODES_TOLERANCE = 1e-8
 """The same on a vibrating target: later contacts amplify rounding errors, and where a damped contact ends the force
 falls to 0 from a value that is 0 to 1e-9 of the largest."""
 
-FREQUENCY_TOLERANCE = 1e-3
-"""Allowed difference of natural frequencies, over the highest: the accuracy of those of plates with free edges, whose
-rounding also depends on the number of threads of the linear algebra (by 3e-5 on a layup). The motion is compared on
-the vibrations of the FMU."""
+FREQUENCY_TOLERANCE = 1e-8
+"""Allowed difference of natural frequencies, over the highest; their rounding depends on the library of linear algebra
+and on its threads. The motion is compared on the vibrations of the FMU."""
 
 RELAXING_TOLERANCE = 1e-9
 """The same for viscoelastic bodies: the time at which the contact was as wide before is found to 1e-8 and its force

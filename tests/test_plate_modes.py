@@ -241,3 +241,15 @@ def test_response_to_a_half_sine():
         mode = Modes(np.array([rate]), np.array([0.5]))
         got = pulse_response(lambda _, mode=mode: mode, mode.compliance, 1.0)
         assert got == pytest.approx(expected, rel=2e-4)
+
+
+def test_the_lowest_vibrations_are_as_exact_as_the_highest():
+    """Against the largest eigenvalues of the inverse, which `eigh` finds to rounding; of the matrix it does not."""
+    strip, highest = panel("CFFF", (30.0, 1.0)), 300.0
+    lines = [ritz._line(strip, along, highest) for along in (0, 1)]
+    energy = ritz._energy(strip, lines, *ritz._blocks(strip, lines, highest, (29.0, 0.5))[0])
+    unit = 1.0 / np.sqrt(np.diag(energy))
+    inverse = np.linalg.inv(energy * unit[:, None] * unit) * unit[:, None] * unit
+    exact = 1.0 / np.linalg.eigvalsh(inverse)[::-1][:4]
+    np.testing.assert_allclose(ritz._eigen(energy)[0][:4], exact, rtol=1e-10)
+    assert abs(np.linalg.eigvalsh(energy)[:4] / exact - 1.0).max() > 1e-6

@@ -129,7 +129,9 @@ def test_random_scenes_equal_python(shown, everything, seed):
         if history is None:
             assert warned or "summary" not in found or found["error"] >= 1.0, fragment
         elif "summary" not in found:
-            assert "on this page" in found["reason"] or "is available here" in found["reason"], (fragment, found)
+            unreached = history.accuracy.modes and history.accuracy.estimated > history.accuracy.requested
+            here = "on this page" in found["reason"] or "is available here" in found["reason"]
+            assert here or unreached, (fragment, found)  # rounding may decide where contacts are too many
         elif not (warned and (history.accuracy.modes or history.problem.compliance)):
             compared[found["law"]] += 1
             check(history, found, fragment)

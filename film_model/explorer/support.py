@@ -17,13 +17,17 @@ from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve import structures
 from film_model.solve.vibration import (
     DAMPED_FACTOR,
+    DAMPED_FALL,
     FIRST_PHASE,
+    FOLLOWED,
     HIGHEST,
+    IMPULSES,
     LONGEST,
     MODES_FACTOR,
     MODES_FALL,
     MOST_WORK,
     REFINED,
+    SLOWEST,
     STEP,
     TIGHTEST,
     UNRESOLVED,
@@ -68,7 +72,11 @@ def damping_of(target: AbstractTarget) -> list[Input]:
 
 
 def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
-    """Compliance and modes of the target for the page, None if it has neither; and why the page cannot carry them."""
+    """Compliance and modes of the target for the page, None if it has neither; and why the page cannot carry them.
+
+    felt: compliance by which effects are decided. lacking: that of vibrations which the scene does not give; None where
+    the page has not all of those it gives.
+    """
     target, vibrates = choice.scene.target, choice.problem.vibrates
     if not vibrates and not (choice.decided[1] and choice.support.compliance > 0.0):
         return None, ""
@@ -82,6 +90,7 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     modes = structures.made(target, ALL, own.unit) if whole else _modes_above(target, own.highest, own.unit)
     if modes.tables.count > MOST_MODES:
         return None, f"the {target.kind} moves by {modes.tables.count} natural vibrations, too many for a page"
+    found["lacking"] = target.omitted(target.modes(ALL), ALL) if whole else None
     found |= {"lowest": structures.lowest_frequency(target), "highest": modes.highest}
     columns = ("frequency", "share", "ratio")
     return found | {"modes": {name: getattr(modes.tables, name).tolist() for name in columns}}, ""
@@ -102,12 +111,16 @@ def constants() -> dict[str, float]:
         "first_phase": FIRST_PHASE,
         "above": structures.ABOVE,
         "damped_factor": DAMPED_FACTOR,
+        "damped_fall": DAMPED_FALL,
         "factor": MODES_FACTOR,
         "fall": MODES_FALL,
+        "followed": FOLLOWED,
         "highest": HIGHEST,
+        "impulses": IMPULSES,
         "longest": LONGEST,
         "most_work": LIVE_WORK,
         "refined": REFINED,
+        "slowest": SLOWEST,
         "step": STEP,
         "tightest": TIGHTEST,
         "unresolved": UNRESOLVED,

@@ -22,9 +22,14 @@ function structureOf(scene, highest, longest, series) {
   CORE.tidy();
   let count = frequency.length;
   while (count > 0 && frequency[count - 1] > highest) count--;
-  let bent = 0;
-  for (let k = 0; k < count; k++) if (frequency[k] > 0) bent += share[k] / frequency[k] ** 2;
-  const omitted = Math.max(support.compliance - bent, 0);
+  const bent = (/** @type {number} */ from, /** @type {number} */ to) => {
+    let sum = 0;
+    for (let k = from; k < to; k++) if (frequency[k] > 0) sum += share[k] / frequency[k] ** 2;
+    return sum;
+  };
+  const { lacking } = support;
+  const omitted = lacking === null ? Math.max(support.compliance - bent(0, count), 0) : bent(count, frequency.length) + lacking;
+  const shares = share.slice(0, count).reduce((/** @type {number} */ sum, /** @type {number} */ value) => sum + value, 0);
   const columns = [frequency, share, ratio].map((/** @type {number[]} */ column) => column.slice(0, count));
   if (!series && omitted > 0) {
     const above = DATA.constants.vibration.above * highest;
@@ -36,7 +41,7 @@ function structureOf(scene, highest, longest, series) {
   const [place, memory] = [CORE.allocate(512), CORE.allocate(8 * CORE.c.film_structure_size(count, levels))];
   const status = CORE.c.film_structure_init(place, count, ...places, longest, levels, memory);
   if (status !== 0) throw new Failure(status);
-  const made = { place, count, omitted, damped: columns[2].some((/** @type {number} */ value) => value > 0) };
+  const made = { place, count, omitted, shares, damped: columns[2].some((/** @type {number} */ value) => value > 0) };
   CORE.structures.set(key, made);
   return made;
 }
@@ -112,6 +117,20 @@ function differencesOf(problem, a, b) {
   return Object.fromEntries(names.map((/** @type {string} */ name) => [name, CORE.compare(problem.p, { ...b, [name]: a[name] }, b)]));
 }
 
+/** Rate at which the contact of a run follows the modes up to a frequency, in 1/s. @param {Problem} problem @param {any} found @param {number} shares @param {number} highest */
+function swiftnessOf({ p }, found, shares, highest) {
+  const { maximum_force: force, maximum_indentation: indentation } = found.core;
+  return indentation > 0 ? (((force / indentation) * p.force) / p.length) * (shares / highest) : 0;
+}
+
+/** Factor of the steps' tolerance after the first run. @param {Problem} problem @param {any} found */
+function stepShare(problem, found) {
+  const rule = DATA.constants.vibration;
+  const { p } = problem;
+  const rate = swiftnessOf(problem, found, found.structure.shares, found.highest) * p.time;
+  return rate > 0 ? Math.min(1, (rule.impulses * found.core.maximum_force) / (rate * Math.max(p.approach, rule.slowest))) : 1;
+}
+
 /** @param {number} accuracy @param {any} found */
 function unreached(accuracy, found) {
   return `accuracy ${accuracy} is not reached with the ${found.structure.count} natural vibrations here`;
@@ -130,12 +149,17 @@ function vibrate(scene, problem) {
   const first = rounded(Math.max(rule.first_phase / (still.time_of_maximum_indentation * p.time), 4 * support.lowest));
   const rattles = !law.series && structureOf(scene, first, rounded(p.time), law.series).omitted > 0;
   let [highest, most] = [first, Math.min(support.highest, rattles ? rule.highest * first : Infinity)];
-  if (2 * first > support.highest) highest = support.highest / 4;
+  const cut = 2 * first > support.highest;
+  if (cut) highest = support.highest / 4;
   if (highest < rule.unresolved * first) throw new Unsupported("too few natural vibrations of the target are on this page for so short a contact");
   const follow = (/** @type {number} */ tolerance) => followed(scene, problem, highest, tolerance, limit);
   let tolerance = Math.max(accuracy * rule.step, rule.tightest);
   let coarse = follow(rule.refined * tolerance);
   let before = Object.fromEntries(DATA.constants.compared.map((/** @type {string} */ name) => [name, 1]));
+  tolerance = Math.max(tolerance * stepShare(problem, coarse), rule.tightest);
+  const shares = () => structureOf(scene, 2 * highest, rounded(p.time), law.series).shares;
+  const quick = () => swiftnessOf(problem, coarse, shares(), 2 * highest) > rule.followed * 2 * highest;
+  while (!cut && !rattles && 4 * highest <= most && quick()) highest *= 2;
   /** @type {number|null} */
   let error = null;
   for (;;) {
@@ -149,8 +173,8 @@ function vibrate(scene, problem) {
       return { ...followed(scene, problem, coarse.highest, coarse.tolerance, limit), error, warning: unreached(accuracy, coarse) };
     }
     const changes = differencesOf(problem, coarse.core, fine.core);
-    const factor = p.damping > 0 ? rule.damped_factor : rule.factor;
-    const errors = Object.entries(changes).map(([name, change]) => factor * Math.max(change, before[name] / rule.fall) + tolerance);
+    const [factor, fall] = p.damping > 0 ? [rule.damped_factor, rule.damped_fall] : [rule.factor, rule.fall];
+    const errors = Object.entries(changes).map(([name, change]) => factor * Math.max(change, before[name] / fall) + tolerance);
     error = Math.max(...errors);
     if (error <= accuracy) return { ...fine, error, warning: "" };
     if (2 * highest > most || 4 * fine.core.lines * (fine.structure.count + 100) > rule.most_work) {

@@ -36,7 +36,7 @@ def compared_slopes(fmu: Fmu, stop: float) -> Iterator[Finding]:
         slave.step(0.0, stop)
         parameters = [name for name in start_values(fmu.data) if _is_real_parameter(VARIABLES[reference(name)])]
         values = slave.get(parameters)
-        sizes = _sizes(slave.get(LEFT), values["mass"])
+        sizes = _sizes(slave.get(LEFT), fmu.data.start[reference("mass")])
         slopes = {name: _slopes(slave, name) for name in parameters if values[name] != 0.0}
     for name, slope in slopes.items():
         h = STEP * (0.1 if name == "exponent" else values[name])  # as the FMU does

@@ -180,7 +180,7 @@ def _vibrations(panel: Panel, lines: list[Line], block: Block, position: tuple[f
 
 
 def _eigen(energy: Array) -> tuple[Array, Array]:
-    """Eigenvalues, ascending, and eigenvectors; those below `LOW` times the largest are found again, in their own space.
+    """Eigenvalues, ascending, and eigenvectors; those below `LOW` times the largest are found again among themselves.
 
     `eigh` leaves errors of ε times the largest eigenvalue in all of them: of a long strip with free edges 3e-5 of the
     lowest frequency, and a percent of what the vibrations leave of the static compliance.

@@ -38,7 +38,7 @@ class Core {
     this.shapes = new Map();
     this.family = this.allocate(32);
     this.numbers = this.allocate(65536);
-    /** Modes in the core's form. @type {Map<string, {place: number, count: number, omitted: number, damped: boolean}>} */
+    /** Modes in the core's form. @type {Map<string, {place: number, count: number, omitted: number, shares: number, damped: boolean}>} */
     this.structures = new Map();
     this.sprung = Array.from({ length: SPRUNG }, () => this.allocate(layout.curve));
     this.shaped = Array.from({ length: KEPT }, () => this.allocate(layout.curve));

@@ -89,7 +89,7 @@ class Film:
         for axis in sweep.axes:
             value = impact[axis.name].item()
             if axis.kind == "choices":
-                changes[axis.path] = axis.choices[axis.words.index(value) if isinstance(value, str) else value]
+                changes[axis.path] = axis.choice_at(value)
             else:
                 changes[axis.path] = number_text(value, axis.unit)
         return scene_of(self._ds).replace(changes)

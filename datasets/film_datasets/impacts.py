@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array, Index
+from film_model.base.arrays import Array, Index, index_or_all
 from film_model.base.errors import SceneError
 from film_model.core import native
 from film_model.core.records import Lines, record_many, sample_many
@@ -76,7 +76,7 @@ class Impacts:
     @property
     def on_modes(self) -> NDArray[np.bool_]:
         """Which impacts are on targets that vibrate: their motion has no segments of the march."""
-        return (self._segments[:, 0] == 0) & (self.status >= 0)
+        return _on_modes(self._segments, self.status)
 
     def segments(self) -> Iterator[Segments]:
         """The closed-form segments of all impacts that have a contact law, except those on targets that vibrate."""
@@ -143,6 +143,10 @@ class Impacts:
         return known, derivatives_of_many(self.scene, numbers, known, self._problems, count, solver, target)
 
 
+def _on_modes(segments: NDArray[np.int32], status: NDArray[np.int32]) -> NDArray[np.bool_]:
+    return (segments[:, 0] == 0) & (status >= 0)
+
+
 def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
     """Impacts of a scene in which some numbers vary: path such as "impactor.velocity" → SI values, one per impact.
 
@@ -152,11 +156,10 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
     law = np.full(found.status.size, -1, np.int8)
     zener_number = np.full(law.size, np.nan)
     gains_energy = np.zeros(law.size, np.bool_)
-    on_modes = (found.segments[:, 0] == 0) & (found.status >= 0)
+    on_modes = _on_modes(found.segments, found.status)
     law[on_modes] = found.law[on_modes]
     for problem in found.problems:
-        index: Any = rows_of(problem)
-        index = slice(None) if index.size == law.size else index
+        index = index_or_all(rows_of(problem), law.size)
         law[index] = found.law[index]
         zener_number[index] = problem.impacts.zener
         energy = 0.5 * problem.mass * (problem.approach * problem.scales.velocity) ** 2

@@ -38,7 +38,7 @@ def sample_all(ds: xr.Dataset, sweep: Sweep, times: Array) -> dict[str, Array]:
     ran = ~has_failed(np.ravel(status.values))
     motion = {name: np.full((count, times.size), np.nan) for name in MOTION}
     for rows in _alike([swept[path] for path in choices], ran):
-        chosen = {path: axis.choices[_place(axis, swept[path][rows[0]])] for path, axis in choices.items()}
+        chosen = {path: axis.choice_at(swept[path][rows[0]]) for path, axis in choices.items()}
         numbers = {path: np.asarray(column[rows], float) for path, column in swept.items() if path not in choices}
         if not numbers:
             numbers = {"impactor.velocity": np.full(rows.size, scene_of(ds).replace(chosen).impactor.speed)}
@@ -56,8 +56,3 @@ def _alike(columns: list[Array], ran: Any) -> list[Any]:
     words = np.stack([column[places].astype(str) for column in columns], axis=1)
     _, kinds = np.unique(words, axis=0, return_inverse=True)
     return [places[np.ravel(kinds) == kind] for kind in range(int(kinds.max()) + 1)]
-
-
-def _place(axis: Any, value: Any) -> int:
-    """The number of a choice that a dataset has as a word or as that number."""
-    return axis.words.index(str(value)) if isinstance(value, str) else int(value)

@@ -16,6 +16,11 @@ Number: TypeAlias = Any
 """A float of one impact, or an array with one value for each of many."""
 
 
+def index_or_all(index: Index, count: int) -> Any:
+    """The places `index` of ascending numbers below `count`; a slice, which copies nothing, if they are all of them."""
+    return slice(None) if index.size == count else index
+
+
 def root(x: Any) -> Any:
     """√x."""
     return np.sqrt(x) if isinstance(x, np.ndarray) else math.sqrt(x)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base import errors, units
-from film_model.base.arrays import Array
+from film_model.base.arrays import Array, index_or_all
 from film_model.base.errors import NO_VELOCITY, VIBRATES
 from film_model.base.late import Late
 from film_model.core import native
@@ -153,8 +153,7 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     segments, laws, estimated = np.zeros((count, 2), np.int32), list[str](), np.full(count, np.nan)
     problems = problems_of(scene, columns, count, status)
     for problem in problems:
-        rows: Any = rows_of(problem)
-        rows, name = slice(None) if rows.size == count else rows, problem.law.name
+        rows, name = index_or_all(rows_of(problem), count), problem.law.name
         if name not in laws:
             laws.append(name)
         made = march_many(problem, solver)

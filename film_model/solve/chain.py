@@ -132,8 +132,9 @@ def _chains(pairs: Pairs, how: _How) -> Iterator[tuple[Index, _Chain]]:
     numbers, scale = len(pairs.paths), how.stencil.step / STEP
     step = np.where(pairs.fits(how.stencil.offsets * scale), pairs.step * scale, 0.0).reshape(-1, numbers)
     impacts = _beside(pairs, step, how.stencil)
-    keys = _keys(impacts.law, len(step))
-    own = _stacked([*curve_keys(impacts.law), *fitted_by(impacts.law).values()], len(step))
+    shared = curve_keys(impacts.law)
+    keys = _stacked(shared, len(step))
+    own = _stacked([*shared, *fitted_by(impacts.law).values()], len(step))
     other = (own != own[:, :1]).any(axis=2)
     if other.any():  # stencils that need more than one curve are left out
         step[other[:, 1:].reshape(len(step), numbers, -1).any(axis=2)] = 0.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -264,6 +264,12 @@ def stage_names(problem: Problem) -> list[str]:
     return [*problem.curve.stage_names, native.BRANCH_NAMES[native.FREE], native.BRANCH_NAMES[native.BRANCH]]
 
 
+def stages_at(problem: Problem, branches: Iterable[int]) -> list[str]:
+    """Names of branches of the core; a stretched stage is unloading."""
+    names = stage_names(problem)
+    return [names[branch if branch >= native.FREE else native.BRANCH] for branch in branches]
+
+
 def stage_name(problem: Problem, branch: int) -> str:
-    """Name of a branch of the core; a stretched stage is unloading."""
-    return stage_names(problem)[branch if branch >= native.FREE else native.BRANCH]
+    """Name of one branch."""
+    return stages_at(problem, (branch,))[0]

@@ -18,7 +18,7 @@ from film_model.problem.problem import Problem
 from film_model.problem.summary import energy_warning, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.solve.accuracy import Linearisation, estimate, mesh_of, raise_failure, refine, solver_for
-from film_model.solve.history import MOTION, Accuracy, Event, History, stage_name, stage_names
+from film_model.solve.history import MOTION, Accuracy, Event, History, stage_name, stages_at
 
 if TYPE_CHECKING:
     from film_model.solve.vibration import Moment, Vibration
@@ -222,13 +222,12 @@ def _events(problem: Problem, found: Iterable[_AtEvent | Moment]) -> tuple[Event
 
 def _events_on_modes(problem: Problem, vibration: Vibration) -> tuple[Event, ...]:
     """The same of an impact on modes, which may have thousands of them: all at once."""
-    met, names = vibration.met, stage_names(problem)
+    met = vibration.met
     times = met["time"] / vibration.unit * problem.scales.time
     motion = problem.motion(times, met["values"].T)
     kinds = [native.EVENTS[kind] for kind in met["event"].tolist()]
-    branches = np.where(met["branch"] < native.FREE, native.BRANCH, met["branch"])
     columns = (motion[name].tolist() for name in MOTION)
-    stages = [names[branch] for branch in branches.tolist()]
+    stages = stages_at(problem, met["branch"].tolist())
     return tuple(map(Event._make, zip(kinds, times.tolist(), stages, *columns, strict=True)))
 
 

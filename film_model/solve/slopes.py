@@ -69,10 +69,11 @@ STENCILS = {
 class Slopes:
     """Derivatives of many pairs of an impact and a number.
 
-    values: (pairs, values of `SUMMARY`), SI, nan where there is none. errors: the same, estimated, relative to the
-    larger of the derivative and the value over the number. side: `SMOOTH`, 1 or −1, `NO_DERIVATIVE`. kinks: (pairs,
-    values), kinks or jumps within the stencil; the derivative is nan. other_end, other_stage: whether impacts of the
-    central stencil end otherwise, or reach other stages of the law.
+    values: the derivatives, SI; a row for each pair, a column for each value of `SUMMARY`; nan where there is none.
+    errors: their estimated errors, over the larger of the derivative and the value divided by the number. kinks: where
+    the value has a kink or jump within the stencil, and so no derivative. Of each pair, side: `SMOOTH`, 1, −1 or
+    `NO_DERIVATIVE`; other_end, other_stage: whether impacts of the central stencil end otherwise, or reach other stages
+    of the law.
     """
 
     values: Array

@@ -63,6 +63,10 @@ class Axis:
         """The choices in a dataset, each another word."""
         return flag_words(self.labels)
 
+    def choice_at(self, value: Any) -> Any:
+        """The choice that a dataset has as a word or as its number."""
+        return self.choices[self.words.index(str(value)) if isinstance(value, str) else int(value)]
+
     @property
     def meaning(self) -> str:
         """What its values in a dataset stand for: its path, and of choices what each is."""

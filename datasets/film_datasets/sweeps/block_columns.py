@@ -13,6 +13,7 @@ from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, s
 from film_datasets.sweeps.blocks import Block
 from film_datasets.sweeps.definition import MOST_COMBINATIONS, Sweep
 from film_datasets.sweeps.designs import GRID
+from film_model.base.arrays import index_or_all
 from film_model.base.errors import NO_VELOCITY
 from film_model.core.native import LINE_DTYPE
 from film_model.core.records import Lines
@@ -84,7 +85,7 @@ def _put(
     index: NDArray[np.intp],
 ) -> None:
     """Put simulated impacts into the columns at the places `index`; add their lines, with their places, to `lines`."""
-    at: Any = slice(None) if index.size == columns["status"].size else index
+    at = index_or_all(index, columns["status"].size)
     found = {
         **impacts.summary,
         "status": impacts.status,

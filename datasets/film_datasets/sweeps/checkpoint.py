@@ -89,7 +89,7 @@ class Checkpoint:
         return (
             f"{count} of {len(self._blocks)} blocks in {self.folder}: use resume=True to continue"
             if count
-            else "no blocks"
+            else f"no block of {len(self._blocks)} is finished"
         )
 
     def finished(self) -> set[int]:

@@ -158,8 +158,7 @@ class Impacts:
     @cached_property
     def varied(self) -> Varied | None:
         """Of many impacts whose curves differ in numbers of their powers: the numbers."""
-        many = self.index is not None and any(isinstance(value, np.ndarray) for value in self.law.values.values())
-        return varied_of(self.law, self.index.size) if many and self.index is not None else None
+        return varied_of(self.law, self.index.size) if self.index is not None and self.law.read else None
 
     def _damping_factor(self, length: Any) -> Any:
         mass, approach = self.numbers.mass, self.numbers.approach

@@ -20,11 +20,11 @@ from film_model.effects.decided import decided_impacts, decided_problem
 from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import FEW, curve_keys
 from film_model.effects.rate_hardening import factor_at
-from film_model.problem.problem import Columns, Impacts
+from film_model.problem.problem import TRIAL_SEGMENTS, Columns, Impacts
 from film_model.problem.varied import fitted_by
 from film_model.scene import Solver
 from film_model.solve.accuracy import mesh_of
-from film_model.solve.core_slopes import COARSE, FINE, CoreSlopes, Gradient, Stencil, table_of
+from film_model.solve.core_slopes import AHEAD, COARSE, FINE, CoreSlopes, Gradient, Stencil, table_of
 from film_model.solve.slopes import MOST_SEGMENTS, SMOOTH, STALLED, STEP, Meshes, Pairs, Slopes, differences, summaries
 
 TOGETHER = 16384
@@ -35,11 +35,14 @@ ROUGH = 1e-6
 
 
 class _How(NamedTuple):
-    """How derivatives are computed."""
+    """How derivatives are computed. rough: of the coarser of the first two meshes. trial: segments per stage of the
+    march that gives the strain rate; 0: the finer of these meshes."""
 
     solver: Solver
     target: float
     stencil: Stencil
+    rough: Stencil
+    trial: int
 
 
 def slopes(pairs: Pairs, solver: Solver, target: float) -> Slopes:
@@ -52,7 +55,7 @@ def slopes(pairs: Pairs, solver: Solver, target: float) -> Slopes:
 
 def chain_rule(pairs: Pairs, solver: Solver, target: float, found: Slopes) -> None:
     """Set the derivatives of impacts that are smooth and share their curve with those beside them."""
-    how = _How(solver, target, FINE if target < ROUGH else COARSE)
+    how = _How(solver, target, *((FINE, FINE, TRIAL_SEGMENTS) if target < ROUGH else (COARSE, AHEAD, 0)))
     numbers = len(pairs.paths)
     together = numbers * max(TOGETHER // (1 + numbers * how.stencil.offsets.size), 1)
     for first in range(0, pairs.which.size, together):
@@ -131,42 +134,56 @@ class _Chain:
     """
 
     def __init__(self, impacts: Impacts, value: Array, step: Array, how: _How, hard: bool) -> None:
-        self.value, self.step, self.stencil, self._solver = value, step, how.stencil, how.solver
-        self._moved = decided_problem(impacts)
-        self._core = CoreSlopes(self._moved, len(step), how.stencil)
+        self.value, self.step, self.how, self._hard = value, step, how, hard
+        self._impacts, self._moved = impacts, decided_problem(impacts)
+        self._core = CoreSlopes(self._moved, len(step), how.stencil.step)
         self.meshes = Meshes.of([self._moved], how.solver, how.target)
-        self.smooth, self._by_strength = self._strengths(impacts) if hard else (np.ones(len(step), np.bool_), None)
 
-    def gradient(self, n: int, places: Index) -> Gradient:
+    def gradient(self, n: int, places: Index, stencil: Stencil | None = None) -> Gradient:
         """On a mesh with n segments per stage."""
-        return self._core.gradient(mesh_of(self._solver, self._core.curve.segments(n)), places)
+        mesh = mesh_of(self.how.solver, self._core.curve.segments(n))
+        return self._core.gradient(mesh, places, stencil or self.how.stencil)
 
-    def _strengths(self, impacts: Impacts) -> tuple[Mask, Array]:
+    def first(self) -> tuple[Index, tuple[Gradient, Gradient]]:
+        """The impacts without kinks, and their gradients on the first two meshes."""
+        every, (coarse, fine) = np.arange(len(self.step)), self.meshes.first
+        gradients = self.gradient(coarse, every, self.how.rough), self.gradient(fine, every)
+        smooth = gradients[0].smooth & gradients[1].smooth
+        if self._hard:
+            known, self._by_strength = self._strengths(every, gradients[1])
+            smooth &= known
+        if smooth.all():
+            return every, gradients
+        return np.flatnonzero(smooth), (gradients[0].part(smooth), gradients[1].part(smooth))
+
+    def _strengths(self, every: Index, gradient: Gradient) -> tuple[Mask, Array]:
         """Whether the strain rate is smooth, and the relative change of the strength by each number of the scene.
 
         The factor F on the strength of slow loading solves F = φ(F): dF = ∂φ/(1 − ∂φ/∂F).
+        gradient: on the finer of the first two meshes.
         """
-        count, every, stencil = len(self.step), np.arange(len(self.step)), self.stencil
+        how, stencil, impacts = self.how, self.how.stencil, self._impacts
         problem, core = self._moved, self._core
         if impacts.base.effects.gravity:  # the strain rate is that without weight
             problem = impacts.problem(impacts.numbers.impedance, impacts.column(0.0), fitted=False)
-            core = CoreSlopes(problem, count, stencil)
-        mesh = native.mesh(native.WORK_PRESERVING, *problem.curve.segments(stencil.trial))
-        gradient = core.gradient(mesh, every)
+            core = CoreSlopes(problem, every.size, stencil.step)
+        if how.trial or core is not self._core:
+            segments = problem.curve.segments(how.trial or self.meshes.first[1])
+            gradient = core.gradient(native.mesh(native.WORK_PRESERVING, *segments), every, stencil)
         table = table_of(core.values(gradient, every))
         rate = factor_at(problem, np.repeat(gradient.status, table.shape[1]), Columns(table.ravel()))
-        factor = rate.reshape(count, -1, 1)
-        by = stencil.slope(factor[:, 1:].reshape(count, -1, stencil.offsets.size, 1))[..., 0]
+        factor = rate.reshape(every.size, -1, 1)
+        own, beside = factor[:, :1], factor[:, 1:].reshape(every.size, -1, stencil.offsets.size, 1)
+        by = stencil.slope(own, beside)[..., 0]
         with np.errstate(invalid="ignore", divide="ignore"):
-            by[:, :-1] /= self.step
-            change = by[:, :-1] / (factor[:, 0] - by[:, -1:] / stencil.step)
+            change = by[:, :-1] / self.step / (factor[:, 0] - by[:, -1:] / stencil.step)
         return gradient.smooth & np.isfinite(factor[:, 0, 0]), change
 
     def slopes(self, places: Index, *gradients: Gradient) -> tuple[Array, Array, Mask]:
         """From the gradients on some meshes: values of `SUMMARY` on the last of them, (impacts, values); derivatives,
         (meshes, impacts, numbers, values); and which are known, (impacts, numbers)."""
-        stencil, step = self.stencil, self.step[places]
-        count, numbers, each = *step.shape, self.stencil.offsets.size
+        stencil, step = self.how.stencil, self.step[places]
+        count, numbers, each = *step.shape, stencil.offsets.size
         core = np.stack([self._core.values(gradient, places) for gradient in gradients])
         status = np.stack([np.repeat(gradient.status, core.shape[2]) for gradient in gradients])
         problem, width = self._moved, core.shape[2]
@@ -177,10 +194,10 @@ class _Chain:
         found = found.reshape(*core.shape[:3], -1)
         own, beside = found[:, :, :1], found[:, :, 1:].reshape(*found.shape[:2], -1, each, found.shape[-1])
         kinked = stencil.kinked(own[-1], beside[-1], abs(own[-1])).any(axis=-1)
-        slope = stencil.slope(beside)
+        slope = stencil.slope(own, beside)
         with np.errstate(invalid="ignore", divide="ignore"):
             by = slope[:, :, :numbers] / step[..., None]
-            if self._by_strength is not None:
+            if self._hard:
                 by += self._by_strength[places][..., None] * (slope[:, :, numbers:] / stencil.step)
         known = (step > 0.0) & ~(kinked[:, :numbers] | kinked[:, numbers:].any(axis=1, keepdims=True))
         return own[-1, :, 0], by, known
@@ -189,11 +206,7 @@ class _Chain:
 def _set(found: Slopes, pairs: Index, chain: _Chain) -> None:
     """Set the derivatives of impacts without kinks. pairs: (impacts, numbers of the scene), places in `found`."""
     n, meshes = chain.meshes.first[1], chain.meshes
-    left = np.flatnonzero(chain.smooth)
-    gradients = tuple(chain.gradient(k, left) for k in meshes.first)
-    smooth = gradients[0].smooth & gradients[1].smooth
-    if not smooth.all():
-        left, gradients = left[smooth], tuple(gradient.part(smooth) for gradient in gradients)
+    left, gradients = chain.first()
     last, before = np.full(left.size, np.inf), np.empty(0)
     while left.size:
         own, slope, known = chain.slopes(left, *gradients)

@@ -193,7 +193,7 @@ class _Chain:
         found = np.moveaxis(summaries(problem, status, Columns(table)), 0, -1)
         found = found.reshape(*core.shape[:3], -1)
         own, beside = found[:, :, :1], found[:, :, 1:].reshape(*found.shape[:2], -1, each, found.shape[-1])
-        kinked = stencil.kinked(own[-1], beside[-1], abs(own[-1])).any(axis=-1)
+        kinked = np.asarray(stencil.kinked(own[-1], beside[-1], abs(own[-1])).any(axis=-1))
         slope = stencil.slope(own, beside)
         with np.errstate(invalid="ignore", divide="ignore"):
             by = slope[:, :, :numbers] / step[..., None]

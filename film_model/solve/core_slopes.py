@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -162,7 +162,7 @@ class CoreSlopes:
         """The curve that is fitted to some values."""
         page = self.curve.page
         if values not in self._curves and page is not None:
-            law = replace(self._law, **dict(zip(self._fitted, values, strict=True))).of_shape(1e-3)
+            law = replace(cast("Any", self._law), **dict(zip(self._fitted, values, strict=True))).of_shape(1e-3)
             made = page_between(law, page.family.low, page.family.high)
             self._curves[values] = replace(self.curve, page=made)
         return self._curves.get(values, self.curve)

@@ -182,15 +182,7 @@ def derivatives_of(
 
     Raises SimulationError for a number with which too many natural vibrations of the target change.
     """
-    (decision,) = decisions_of(choice.problem)
-    strength = np.array([choice.problem.impacts.law.strength]) if decision.hard else None
-    pairs = pairs_of(decision.put_into(choice.scene), {}, entries, 1, strength)
-    if vibration is not None:
-        found = slopes_on_modes(choice, pairs, vibration, solver.accuracy or DEFAULT_ACCURACY)
-    elif choice.problem.relaxation is not None:
-        found = slopes_of_relaxing(choice, pairs)
-    else:
-        found = slopes(pairs, solver, TARGET)
+    found = slopes_of(choice, solver, entries, vibration)
 
     def table(columns: Array) -> dict[str, dict[str, float | None]]:
         return {
@@ -199,6 +191,18 @@ def derivatives_of(
         }
 
     return Derivatives({e.path: e for e in entries}, table(found.values), table(found.errors), found, choice)
+
+
+def slopes_of(choice: Choice, solver: Solver, entries: Sequence[Entry], vibration: Vibration | None) -> Slopes:
+    """As :func:`derivatives_of`, as arrays."""
+    (decision,) = decisions_of(choice.problem)
+    strength = np.array([choice.problem.impacts.law.strength]) if decision.hard else None
+    pairs = pairs_of(decision.put_into(choice.scene), {}, entries, 1, strength)
+    if vibration is not None:
+        return slopes_on_modes(choice, pairs, vibration, solver.accuracy or DEFAULT_ACCURACY)
+    if choice.problem.relaxation is not None:
+        return slopes_of_relaxing(choice, pairs)
+    return slopes(pairs, solver, TARGET)
 
 
 def pairs_of(

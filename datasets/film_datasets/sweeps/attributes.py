@@ -181,7 +181,9 @@ def _warnings(sweep: Sweep, totals: Totals) -> list[str]:
             warnings.append(f"accuracy {accuracy:g} was not reached in {missed} impacts: estimated up to {found:.1e}")
     for path, sides in totals.sides.items():
         if sides[NO_DERIVATIVE]:
-            warnings.append(f"no derivatives by {path} in {sides[NO_DERIVATIVE]} impacts: kinks, or a vibrating target")
+            warnings.append(
+                f"no derivatives by {path} in {sides[NO_DERIVATIVE]} impacts: kinks, or crowded frequencies"
+            )
         if sides[-1] + sides[1]:
             warnings.append(f"derivatives by {path} are one-sided in {sides[-1] + sides[1]} impacts, because of kinks")
     return warnings

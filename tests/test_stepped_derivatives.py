@@ -143,4 +143,6 @@ def test_rows_by_a_number_that_is_not_supported_have_none():
     ds = fd.sweep(one, {"impactor.velocity": ["1 m/s"]}, derivatives=["impactor.velocity", "target.thickness"])
     assert ds.derivative_side_impactor_velocity.values.tolist() == [0]
     assert ds.derivative_side_target_thickness.values.tolist() == [2]
-    assert "no derivatives by target.thickness in 1 impacts: kinks, or crowded frequencies" in ds.attrs["warnings"]
+    assert (
+        "no derivatives by target.thickness in 1 impacts: kinks, or crowded natural frequencies" in ds.attrs["warnings"]
+    )

@@ -229,9 +229,12 @@ class _Marches:
 
 
 def summaries(problem: Problem, status: Any, core: Any) -> Array:
-    """The summaries of many impacts, (values of `SUMMARY`, impacts), SI."""
+    """The summaries of many impacts, (values of `SUMMARY`, impacts), SI; of several meshes, (values, meshes, impacts).
+
+    core: Columns of the core's summaries.
+    """
     found = summary_of(problem, status, core)
-    table = np.empty((len(SUMMARY), status.size))
+    table = np.empty((len(SUMMARY), *status.shape))
     for k, name in enumerate(SUMMARY):
         table[k] = found[name]
     return table

@@ -13,7 +13,6 @@ from functools import cached_property
 from typing import Any, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, Number, any_of, column, either, greater
 from film_model.base.errors import STATUSES, VIBRATES, SimulationError
@@ -47,7 +46,7 @@ class Columns:
 
     __slots__ = ("table",)
 
-    def __init__(self, table: NDArray[Any]) -> None:
+    def __init__(self, table: Any) -> None:
         self.table = table
 
     def __getattr__(self, name: str) -> Any:

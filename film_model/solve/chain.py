@@ -24,7 +24,7 @@ from film_model.problem.problem import TRIAL_SEGMENTS, Columns, Impacts
 from film_model.problem.varied import fitted_by
 from film_model.scene import Solver
 from film_model.solve.accuracy import mesh_of
-from film_model.solve.core_slopes import AHEAD, COARSE, FINE, CoreSlopes, Gradient, Stencil, table_of
+from film_model.solve.core_slopes import AHEAD, COARSE, FINE, CoreSlopes, Gradient, Stencil
 from film_model.solve.slopes import MOST_SEGMENTS, SMOOTH, STALLED, STEP, Meshes, Pairs, Slopes, differences, summaries
 
 TOGETHER = 16384
@@ -170,37 +170,40 @@ class _Chain:
         if how.trial or core is not self._core:
             segments = problem.curve.segments(how.trial or self.meshes.first[1])
             gradient = core.gradient(native.mesh(native.WORK_PRESERVING, *segments), every, stencil)
-        table = table_of(core.values(gradient, every))
-        rate = factor_at(problem, np.repeat(gradient.status, table.shape[1]), Columns(table.ravel()))
-        factor = rate.reshape(every.size, -1, 1)
-        own, beside = factor[:, :1], factor[:, 1:].reshape(every.size, -1, stencil.offsets.size, 1)
-        by = stencil.slope(own, beside)[..., 0]
+        values = core.values(gradient, every)
+        status = np.repeat(gradient.status, values.shape[2])
+        factor = factor_at(problem, status, _columns(values.reshape(len(values), -1))).reshape(values.shape[1:])
+        by = stencil.slope(factor[:, :1], factor[:, 1:])
         with np.errstate(invalid="ignore", divide="ignore"):
-            change = by[:, :-1] / self.step / (factor[:, 0] - by[:, -1:] / stencil.step)
-        return gradient.smooth & np.isfinite(factor[:, 0, 0]), change
+            change = by[:, :-1] / self.step / (factor[:, :1] - by[:, -1:] / stencil.step)
+        return gradient.smooth & np.isfinite(factor[:, 0]), change
 
     def slopes(self, places: Index, *gradients: Gradient) -> tuple[Array, Array, Mask]:
-        """From the gradients on some meshes: values of `SUMMARY` on the last of them, (impacts, values); derivatives,
-        (meshes, impacts, numbers, values); and which are known, (impacts, numbers)."""
+        """From the gradients on some meshes: values of `SUMMARY` on the last of them, (values, impacts); derivatives,
+        (values, meshes, impacts, numbers); and which are known, (impacts, numbers)."""
         stencil, step = self.how.stencil, self.step[places]
-        count, numbers, each = *step.shape, stencil.offsets.size
-        core = np.stack([self._core.values(gradient, places) for gradient in gradients])
-        status = np.stack([np.repeat(gradient.status, core.shape[2]) for gradient in gradients])
-        problem, width = self._moved, core.shape[2]
+        core = np.stack([self._core.values(gradient, places) for gradient in gradients], axis=1)
+        *_, count, width = core.shape
+        status = np.stack([np.repeat(gradient.status, width) for gradient in gradients])
+        problem, numbers = self._moved, step.shape[1]
         if count < len(self.step):
             problem = problem.part((places[:, None] * width + np.arange(width)).ravel())
-        table = table_of(core).reshape(len(gradients), -1)
-        found = np.moveaxis(summaries(problem, status, Columns(table)), 0, -1)
-        found = found.reshape(*core.shape[:3], -1)
-        own, beside = found[:, :, :1], found[:, :, 1:].reshape(*found.shape[:2], -1, each, found.shape[-1])
-        kinked = np.asarray(stencil.kinked(own[-1], beside[-1], abs(own[-1])).any(axis=-1))
+        found = summaries(problem, status, _columns(core.reshape(*core.shape[:2], -1)))
+        found = found.reshape(len(found), -1, count, width)
+        own, beside = found[..., :1], found[..., 1:]
+        kinked = np.asarray(stencil.kinked(own[:, -1], beside[:, -1], abs(own[:, -1])).any(axis=0))
         slope = stencil.slope(own, beside)
         with np.errstate(invalid="ignore", divide="ignore"):
-            by = slope[:, :, :numbers] / step[..., None]
+            by = slope[..., :numbers] / step
             if self._hard:
-                by += self._by_strength[places][..., None] * (slope[:, :, numbers:] / stencil.step)
+                by += self._by_strength[places] * (slope[..., numbers:] / stencil.step)
         known = (step > 0.0) & ~(kinked[:, :numbers] | kinked[:, numbers:].any(axis=1, keepdims=True))
-        return own[-1, :, 0], by, known
+        return own[:, -1, :, 0], by, known
+
+
+def _columns(values: Array) -> Columns:
+    """The core's summaries from their values, (values, …)."""
+    return Columns(dict(zip(native.SUMMARY, values, strict=True)))
 
 
 def _set(found: Slopes, pairs: Index, chain: _Chain) -> None:
@@ -210,15 +213,16 @@ def _set(found: Slopes, pairs: Index, chain: _Chain) -> None:
     last, before = np.full(left.size, np.inf), np.empty(0)
     while left.size:
         own, slope, known = chain.slopes(left, *gradients)
-        before = slope[0] if len(slope) > 1 else before
-        places, change = pairs[left][known], (before - slope[-1])[known]
+        before = slope[:, 0] if slope.shape[1] > 1 else before
+        fine, chosen = slope[:, -1], slice(None) if known.all() else known.ravel()
+        change, values = before - fine, np.repeat(own[..., None], known.shape[1], axis=2)
+        by, change, values = (table.reshape(len(table), -1).T[chosen] for table in (fine, change, values))
+        places, worst = pairs[left].ravel()[chosen], np.zeros(known.size)
         found.side[places] = SMOOTH
-        worst = np.zeros(known.shape)
-        values = np.broadcast_to(own[:, None], slope.shape[1:])[known], chain.value[left][known]
-        worst[known] = found.put(places, slope[-1][known], change, *values, meshes.factor)
-        n, largest = 2 * n, worst.max(axis=1)
+        worst[chosen] = found.put(places, by, change, values, chain.value[left].ravel()[chosen], meshes.factor)
+        n, largest = 2 * n, worst.reshape(known.shape).max(axis=1)
         open_ = np.flatnonzero((largest > meshes.target) & (largest < STALLED * last))
         if n > MOST_SEGMENTS or not open_.size:
             return
-        left, last, before = left[open_], largest[open_], slope[-1][open_]
+        left, last, before = left[open_], largest[open_], fine[:, open_]
         gradients = (chain.gradient(n, left),)

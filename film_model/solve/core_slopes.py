@@ -40,23 +40,23 @@ class Stencil(NamedTuple):
     kink: float = 0.0
 
     def slope(self, own: Array, beside: Array) -> Array:
-        """The derivative per step; beside: values at the offsets, on the last axis but one."""
-        return _sum(own, beside, self.weights)
+        """The derivative per step; beside: on the last axis, those at the offsets of each number, one after another."""
+        return self._sum(own, beside, self.weights)
 
     def kinked(self, own: Array, beside: Array, size: Array) -> Mask:
         """Whether values have a kink or jump, where the impact itself has a value. size: of the values."""
         with np.errstate(invalid="ignore"):
-            bent = ~(abs(_sum(own, beside, self.bend)) <= self.kink * size)
+            bent = ~(abs(self._sum(own, beside, self.bend)) <= self.kink * size)
         return bent & np.isfinite(own)
 
-
-def _sum(own: Array, beside: Array, weights: tuple[float, ...]) -> Array:
-    total = weights[0] * beside[..., 0, :]
-    for k, weight in enumerate(weights[1:-1], 1):
-        total += weight * beside[..., k, :]
-    if weights[-1]:
-        total += weights[-1] * own
-    return total
+    def _sum(self, own: Array, beside: Array, weights: tuple[float, ...]) -> Array:
+        each = self.offsets.size
+        total = weights[0] * beside[..., ::each]
+        for k in range(1, each):
+            total += weights[k] * beside[..., k::each]
+        if weights[-1]:
+            total += weights[-1] * own
+        return total
 
 
 FINE = Stencil(
@@ -69,8 +69,8 @@ AHEAD = Stencil(1e-7, np.array([1.0]), (1.0, -1.0))
 
 
 class Gradient(NamedTuple):
-    """On one mesh: status; values of the core's summary, (impacts, values), and their derivatives by the numbers of the
-    core, (impacts, numbers, values); whether the impacts beside end alike, in one stage and without a kink."""
+    """On one mesh: status; values of the core's summary, (values, impacts), and their derivatives by the numbers of the
+    core, (values, impacts, numbers); whether the impacts beside end alike, in one stage and without a kink."""
 
     status: NDArray[np.int32]
     values: Array
@@ -79,7 +79,7 @@ class Gradient(NamedTuple):
 
     def part(self, places: Any) -> Gradient:
         """Of some of the impacts."""
-        return Gradient(self.status[places], self.values[places], self.by[places], self.smooth[places])
+        return Gradient(self.status[places], self.values[:, places], self.by[:, places], self.smooth[places])
 
 
 class CoreSlopes:
@@ -110,7 +110,8 @@ class CoreSlopes:
         self.axes = np.flatnonzero(moves)
         if self.axes.size > MOST_AXES:
             raise ValueError("differences of whole impacts need fewer marches")
-        self._change, self._size, self._numbers = change[..., moves], size[:, moves], numbers[:, 0]
+        self._change = np.ascontiguousarray(change[..., moves].transpose(2, 0, 1))
+        self._size, self._numbers = size[:, moves], numbers[:, 0]
 
     def gradient(self, mesh: native.Mesh, places: Index, stencil: Stencil) -> Gradient:
         """March the impacts at `places`, and those beside them in the numbers of the core."""
@@ -120,18 +121,17 @@ class CoreSlopes:
         for k, axis in enumerate(self.axes.tolist()):
             numbers[:, 1 + k * each : 1 + (k + 1) * each, axis] += step[:, k : k + 1] * stencil.offsets
         status, table = self._march(mesh, numbers, each)
-        values, stage = table.view(np.float64).reshape(count, numbers.shape[1], -1)[..., :_VALUES], table["stage"]
-        smooth = (status[:, 0] >= 0) & ((status == status[:, :1]) & (stage == stage[:, :1])).all(axis=1)
-        itself = values[:, 0]
-        if not self.axes.size:
-            return Gradient(status[:, 0], itself, np.zeros((count, 0, _VALUES)), smooth)
-        beside = values[:, 1:].reshape(count, -1, each, _VALUES)
+        smooth = (status[:, 0] >= 0) & ((status == status[:, :1]) & (table["stage"] == table["stage"][:, :1])).all(
+            axis=1
+        )
+        values = table.view(np.float64).reshape(count, numbers.shape[1], -1)[..., :_VALUES].transpose(2, 0, 1)
+        itself, beside = values[..., :1], values[..., 1:]
         with np.errstate(invalid="ignore", divide="ignore"):
-            by = stencil.slope(itself[:, None], beside) / step[:, :, None]
-        by[step == 0.0] = 0.0
-        if stencil.bend:
-            smooth &= ~stencil.kinked(itself[:, None], beside, _size(itself, own[:, 0])[:, None]).any(axis=(1, 2))
-        return Gradient(status[:, 0], itself, by, smooth)
+            by = stencil.slope(itself, beside) / step
+        by[:, step == 0.0] = 0.0
+        if stencil.bend and self.axes.size:
+            smooth &= ~stencil.kinked(itself, beside, _size(itself, own[:, :1])).any(axis=(0, 2))
+        return Gradient(status[:, 0], itself[..., 0], by, smooth)
 
     def _march(self, mesh: native.Mesh, numbers: Array, each: int) -> tuple[NDArray[np.int32], NDArray[Any]]:
         """Statuses and the core's summaries, (impacts, those beside), `each` in each number."""
@@ -168,29 +168,22 @@ class CoreSlopes:
         return self._curves.get(values, self.curve)
 
     def values(self, gradient: Gradient, places: Index) -> Array:
-        """(impacts, those beside, values of the core's summary): to first order."""
-        change = self._change[places]
-        values = np.repeat(gradient.values[:, None], change.shape[1], axis=1)
+        """(values of the core's summary, impacts, those beside): to first order."""
+        change = self._change[:, places]
+        values = np.repeat(gradient.values[..., None], self._change.shape[2], axis=2)
         for axis in range(self.axes.size):
-            values += change[..., axis, None] * gradient.by[:, None, axis]
+            values += change[axis] * gradient.by[..., axis, None]
         return values
 
 
-def table_of(values: Array) -> NDArray[Any]:
-    """The core's summaries, SUMMARY_DTYPE, of (…, values)."""
-    table = np.zeros(values.shape[:-1], native.SUMMARY_DTYPE)
-    table.view(np.float64).reshape(*table.shape, -1)[..., :_VALUES] = values
-    return table
-
-
 def _size(values: Array, approach: Array) -> Array:
-    """Size of values of the core's summary, (impacts, values): what is a difference, or a part, over the whole."""
+    """Size of values of the core's summary, (values, …): what is a difference, or a part, over the whole."""
     size = abs(values)
     for name, whole in (
-        ("permanent_indentation", values[:, _DEPTH]),
-        ("shift", values[:, _DEPTH]),
+        ("permanent_indentation", values[_DEPTH]),
+        ("shift", values[_DEPTH]),
         ("final_velocity", approach),
         ("work", approach**2),
     ):
-        size[:, native.SUMMARY.index(name)] += whole
+        size[native.SUMMARY.index(name)] += whole
     return size

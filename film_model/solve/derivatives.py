@@ -184,13 +184,13 @@ def derivatives_of(
     """
     found = slopes_of(choice, solver, entries, vibration)
 
-    def table(columns: Array) -> dict[str, dict[str, float | None]]:
-        return {
-            name: {entry.path: None if math.isnan(value) else value for entry, value in zip(entries, row, strict=True)}
-            for name, row in zip(SUMMARY, columns.T.tolist(), strict=True)
-        }
+    by_path = {entry.path: entry for entry in entries}
 
-    return Derivatives({e.path: e for e in entries}, table(found.values), table(found.errors), found, choice)
+    def table(columns: Array) -> dict[str, dict[str, float | None]]:
+        rows = np.where(np.isnan(columns), np.array(None), columns).T.tolist()
+        return {name: dict(zip(by_path, row, strict=True)) for name, row in zip(SUMMARY, rows, strict=True)}
+
+    return Derivatives(by_path, table(found.values), table(found.errors), found, choice)
 
 
 def slopes_of(choice: Choice, solver: Solver, entries: Sequence[Entry], vibration: Vibration | None) -> Slopes:

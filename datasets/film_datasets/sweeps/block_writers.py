@@ -61,7 +61,7 @@ class MemoryWriter:
 
     def __init__(self) -> None:
         self._arrays: dict[str, Any] = {}
-        self._pieces: dict[str, list[Any]] = {}
+        self._lengths: dict[str, int] = {}
         self._variables: dict[str, tuple[Variable, dict[str, Any]]] = {}
         self.dataset: Any = None
 
@@ -71,7 +71,7 @@ class MemoryWriter:
         for variable, attributes in variables:
             self._variables[variable.name] = variable, attributes
             if GROWING in variable.dims:
-                self._pieces[variable.name] = [np.empty(0, variable.dtype)]
+                self._arrays[variable.name], self._lengths[variable.name] = np.empty(0, variable.dtype), 0
             else:
                 dtype = object if variable.dtype == TEXT else variable.dtype
                 self._arrays[variable.name] = np.empty([sizes[dim] for dim in variable.dims], dtype)
@@ -80,7 +80,11 @@ class MemoryWriter:
         self._arrays[name][region] = values
 
     def grow(self, name: str, values: Any) -> None:
-        self._pieces[name].append(values)
+        array, begin = self._arrays[name], self._lengths[name]
+        self._lengths[name] = end = begin + len(values)
+        if end > array.size:  # in place where the system can: pieces and their concatenation take twice the memory
+            array.resize(end + begin // 4, refcheck=False)
+        array[begin:end] = values
 
     def commit(self) -> None:
         """Nothing is left to do: the arrays are filled."""
@@ -88,7 +92,9 @@ class MemoryWriter:
     def close(self, attributes: Mapping[str, Any]) -> None:
         import xarray as xr
 
-        arrays = {**self._arrays, **{name: np.concatenate(pieces) for name, pieces in self._pieces.items()}}
+        arrays = self._arrays
+        for name, length in self._lengths.items():
+            arrays[name].resize(length, refcheck=False)
         coordinates = {
             word for _, attrs in self._variables.values() for word in str(attrs.get("coordinates", "")).split()
         }

@@ -61,7 +61,7 @@ class MemoryWriter:
 
     def __init__(self) -> None:
         self._arrays: dict[str, Any] = {}
-        self._pieces: dict[str, list[Any]] = {}
+        self._lengths: dict[str, int] = {}
         self._variables: dict[str, tuple[Variable, dict[str, Any]]] = {}
         self.dataset: Any = None
 
@@ -70,8 +70,9 @@ class MemoryWriter:
     ) -> None:
         for variable, attributes in variables:
             self._variables[variable.name] = variable, attributes
-            if GROWING in variable.dims:
-                self._pieces[variable.name] = [np.empty(0, variable.dtype)]
+            if _grows(variable):
+                rest = [sizes[dim] for dim in variable.dims[1:]]
+                self._arrays[variable.name], self._lengths[variable.name] = np.empty((0, *rest), variable.dtype), 0
             else:
                 dtype = object if variable.dtype == TEXT else variable.dtype
                 self._arrays[variable.name] = np.empty([sizes[dim] for dim in variable.dims], dtype)
@@ -80,7 +81,11 @@ class MemoryWriter:
         self._arrays[name][region] = values
 
     def grow(self, name: str, values: Any) -> None:
-        self._pieces[name].append(values)
+        array, begin = self._arrays[name], self._lengths[name]
+        self._lengths[name] = end = begin + len(values)
+        if end > len(array):  # in place where the system can: pieces and their concatenation take twice the memory
+            array.resize((end + begin // 4, *array.shape[1:]), refcheck=False)
+        array[begin:end] = values
 
     def commit(self) -> None:
         """Nothing is left to do: the arrays are filled."""
@@ -88,7 +93,9 @@ class MemoryWriter:
     def close(self, attributes: Mapping[str, Any]) -> None:
         import xarray as xr
 
-        arrays = {**self._arrays, **{name: np.concatenate(pieces) for name, pieces in self._pieces.items()}}
+        arrays = self._arrays
+        for name, length in self._lengths.items():
+            arrays[name].resize((length, *arrays[name].shape[1:]), refcheck=False)
         coordinates = {
             word for _, attrs in self._variables.values() for word in str(attrs.get("coordinates", "")).split()
         }
@@ -129,12 +136,12 @@ class NetCDFWriter:
             file.set_fill_off()
             for dim, size in sizes.items():
                 file.createDimension(dim, size)
-            if any(GROWING in variable.dims for variable, _ in variables):
-                file.createDimension(GROWING, None)
+            for dim in dict.fromkeys(variable.dims[0] for variable, _ in variables if _grows(variable)):
+                file.createDimension(dim, None)
             for variable, attributes in variables:
-                values = math.prod(sizes.get(dim, chunks[GROWING]) for dim in variable.dims)
+                values = math.prod(sizes[dim] if dim in sizes else chunks[dim] for dim in variable.dims)
                 long = variable.dtype != TEXT and values * variable.dtype.itemsize >= DEFLATE_FROM
-                chunked = long or GROWING in variable.dims
+                chunked = long or _grows(variable)
                 created: Any = file.createVariable(
                     variable.name,
                     str if variable.dtype == TEXT else variable.dtype,
@@ -151,8 +158,8 @@ class NetCDFWriter:
                 if chunked:
                     fill = np.nan if variable.optional else 0
                     self._chunks[variable.name] = chunk_shape(variable, sizes, chunks), variable.dtype, fill, long
-                if GROWING in variable.dims:
-                    self._growth[variable.name] = _Growth(chunks[GROWING])
+                if _grows(variable):
+                    self._growth[variable.name] = _Growth(chunks[variable.dims[0]])
         self._file = h5py.File(self.path, "r+")
         self._variables = {variable.name: self._file[variable.name] for variable, _ in variables}
 
@@ -165,7 +172,7 @@ class NetCDFWriter:
 
     def grow(self, name: str, values: Any) -> None:
         for begin, whole in self._growth[name].add(values):
-            self.put(name, (slice(begin, begin + len(whole)),), whole)
+            self.put(name, _rows(begin, whole), whole)
 
     def commit(self) -> None:
         for name, ready in self._ready.items():
@@ -175,7 +182,7 @@ class NetCDFWriter:
                     variable[region] = values
                     continue
                 if name in self._growth:
-                    variable.resize((region[0].stop,))
+                    variable.resize(region[0].stop, 0)
                 variable.id.write_direct_chunk(tuple(part.start for part in region), values)
             ready.clear()
 
@@ -184,7 +191,7 @@ class NetCDFWriter:
 
         for name, growth in self._growth.items():
             for begin, rest in growth.rest():
-                self.put(name, (slice(begin, begin + len(rest)),), rest)
+                self.put(name, _rows(begin, rest), rest)
         self.commit()
         self._file.close()
         with netCDF4.Dataset(self.path, "a") as file:
@@ -245,7 +252,7 @@ class ZarrWriter:
                 attributes={key: _plain(value) for key, value in attributes.items()},
                 **packed,
             )
-            if GROWING in variable.dims:
+            if _grows(variable):
                 self._growth[variable.name] = _Growth(own[0])
 
     def put(self, name: str, region: Region, values: Any) -> None:
@@ -279,7 +286,7 @@ class ZarrWriter:
 
     def grow(self, name: str, values: Any) -> None:
         for begin, whole in self._growth[name].add(values):
-            self._write(name, (slice(begin, begin + len(whole)),), whole)
+            self._write(name, _rows(begin, whole), whole)
 
     def commit(self) -> None:
         """Nothing is left to do: each chunk has a file of its own."""
@@ -289,8 +296,8 @@ class ZarrWriter:
 
         for name, growth in self._growth.items():
             for begin, rest in growth.rest():
-                self._write(name, (slice(begin, begin + len(rest)),), rest)
-            self._arrays[name].resize((growth.length,))
+                self._write(name, _rows(begin, rest), rest)
+            self._arrays[name].resize((growth.length, *self._arrays[name].shape[1:]))
         self._group.attrs.update({key: _plain(value) for key, value in attributes.items()})
         with warnings.catch_warnings():
             warnings.simplefilter(
@@ -301,6 +308,16 @@ class ZarrWriter:
     def abandon(self) -> None:
         """Remove what was written."""
         shutil.rmtree(self.path, ignore_errors=True)
+
+
+def _grows(variable: Variable) -> bool:
+    """Whether the length of the variable is not known before the last block."""
+    return variable.dims[:1] == (GROWING,)
+
+
+def _rows(begin: int, values: NDArray[Any]) -> Region:
+    """The region of values that are appended at a place."""
+    return (slice(begin, begin + len(values)), *(slice(0, size) for size in values.shape[1:]))
 
 
 class _Growth:

@@ -77,8 +77,7 @@ class Storage:
         given = [(v, np.asarray(columns[v.name], v.dtype)) for v in self._sweep.variables if v.name in columns]
         self.finish()
         for variable, values in given:
-            self._start(self._write, block, variable, values)
-            self._start(self._hash, [variable.name], [values])
+            self._start(self._take, block, variable, values)
 
     def finish(self) -> None:
         """Wait until the blocks so far are written and hashed."""
@@ -94,7 +93,9 @@ class Storage:
         else:
             self._tasks.append(self._executor.submit(function, *arguments))
 
-    def _write(self, block: Block, variable: Variable, values: NDArray[Any]) -> None:
+    def _take(self, block: Block, variable: Variable, values: NDArray[Any]) -> None:
+        """Hash and write the values of a block."""
+        self.content.update(variable.name, values)
         if GROWING in variable.dims:
             self._writer.grow(variable.name, values)
         else:

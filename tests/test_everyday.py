@@ -85,9 +85,12 @@ def test_notebooks_show_tables(monkeypatch):
     assert "<th>impactor.radius</th><td>0.01 m</td>" in scene._repr_html_()
     many = fm.simulate_batch(SCENE, velocity=["1 m/s", "2 m/s"])._repr_html_()
     assert "<th>velocity</th><td>1 m/s to 2 m/s</td>" in many
+    slopes = fm.simulate(scene, derivatives=["impactor.velocity"]).derivatives
+    force, slopes = slopes.text_of("maximum_force", "impactor.velocity"), slopes._repr_html_()
+    assert "<td>by impactor.velocity = 0.25 m/s</td>" in slopes and f"<th>maximum force</th><td>{force}</td>" in slopes
     component = fm.ImpactComponent(SCENE)._repr_html_()
     assert "<th>indentation</th><td>0 m</td>" in component
-    assert ElementTree.fromstring(f"<div>{shown}{scene._repr_html_()}{many}{component}</div>") is not None
+    assert ElementTree.fromstring(f"<div>{shown}{scene._repr_html_()}{many}{slopes}{component}</div>") is not None
 
 
 @pytest.mark.slow

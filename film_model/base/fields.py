@@ -168,7 +168,7 @@ def fill(target: object, values: Mapping[str, object]) -> list[Mistake]:
     return mistakes
 
 
-_DIAMETER = measure("length", 2e-10, 2e3)
+DIAMETER = measure("length", 2e-10, 2e3)
 
 
 def fill_ball(target: object, values: Mapping[str, object]) -> list[Mistake]:
@@ -180,7 +180,7 @@ def fill_ball(target: object, values: Mapping[str, object]) -> list[Mistake]:
     mistakes = one_of(target, radius=values["radius"], diameter=diameter)
     radius = 1.0
     try:
-        radius = 0.5 * _DIAMETER.read(diameter)
+        radius = 0.5 * DIAMETER.read(diameter)
     except ValueError as error:
         mistakes.append(mistake(target, "diameter", str(error)))
     return mistakes + fill(target, {**values, "radius": f"{radius!r} m"})

@@ -12,7 +12,7 @@ from film_datasets.files import SUFFIX, ZARR, check_file, check_place, open_data
 from film_datasets.schema import SWEEP, VERSIONS, ContentHash
 from film_datasets.sweeps.attributes import Totals, global_attributes
 from film_datasets.sweeps.block_writers import (
-    SHARD_BLOCKS,
+    FILE_BLOCKS,
     MemoryWriter,
     NetCDFWriter,
     Writer,
@@ -209,13 +209,12 @@ def _write_blocks(
     begun = checkpoint.written() if checkpoint is not None else None
     totals = Totals.of(run.sweep) if begun is None else Totals.from_plain(begun.totals)
     numbers = range(0 if begun is None else begun.blocks, len(run.blocks))
-    in_files = isinstance(writer, ZarrWriter) and run.sweep.keep != "segments"
-    files = {group.start for group in run.blocks.groups(SHARD_BLOCKS)} if in_files else set[int]()
+    files = {group.start for group in run.blocks.groups(FILE_BLOCKS)}
     with Storage(run.sweep, run.blocks, writer, workers, content) as storage:
         if begun is None:
             storage.create()
         for number, (block, columns) in zip(numbers, computed_blocks(run, workers, checkpoint, numbers), strict=True):
-            if checkpoint is not None and number in files and number > numbers.start:
+            if checkpoint is not None and checkpoint.in_files and number in files and number > numbers.start:
                 storage.finish()
                 checkpoint.set_written(Written(number, storage.content.hexdigest(), totals.to_plain()))
             storage.put(block, columns)

@@ -92,7 +92,7 @@ def format_axis(panel: Any, which: str, array: xr.DataArray, scaled: xr.DataArra
 def worded(ds: xr.Dataset, without: Sequence[str]) -> str | None:
     """The first swept quantity that has words, and is not one of `without`."""
     swept = map(swept_name, str(ds.attrs["swept"]).split())
-    return next((name for name in swept if name not in without and ds[name].size > 1 and words_of(ds[name])), None)
+    return next((name for name in swept if name not in without and ds[name].size > 1 and words_of(ds[name][:1])), None)
 
 
 def draw_points(panel: Any, x: Any, y: Any, words: Sequence[str], title: str, **style: Any) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from film_datasets.files import SUFFIX, ZARR, check_file, check_no_link, check_place, open_dataset, put_in_place, write
+from film_datasets.files import SUFFIX, ZARR, check_file, check_place, open_dataset, put_in_place, write
 from film_datasets.schema import SWEEP, VERSIONS, ContentHash
 from film_datasets.sweeps.attributes import Totals, global_attributes
 from film_datasets.sweeps.block_writers import (
@@ -131,7 +131,6 @@ def run_sweep(
             raise FileExistsError(f"{target}: {difference}; use overwrite=True to replace it")
         checkpoint.remove()
         return open_dataset(target)
-    check_no_link(target)
     if target.suffix not in (SUFFIX, ZARR):
         words = ", ".join(f'"{suffix}"' for suffix in TABLES)
         raise ValueError(f'{target}: the name of a sweep\'s output must end in "{SUFFIX}", "{ZARR}", {words}')

@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from film_datasets.files import ZARR, check_no_link, check_place, open_dataset, put_in_place
+from film_datasets.files import ZARR, check_place, open_dataset, put_in_place
 from film_datasets.provenance import PROGRAM
 from film_datasets.schema import ContentHash, Variable
 from film_datasets.schema.content_hash import pieces
@@ -46,7 +46,6 @@ class Shards:
             raise ValueError(f"{target}: shards are written into a Zarr folder, FILE{ZARR}")
         if sweep.keep == "segments":
             raise ValueError("segments: their places depend on all impacts before; shards keep summary or samples")
-        check_no_link(target)
         self.target, self.sweep, self.blocks = target, sweep, Blocks(sweep)
         self.folder = target.absolute().with_name(f".{target.name}.shards")
         self.store = self.folder / "store"

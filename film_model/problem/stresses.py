@@ -103,13 +103,9 @@ def shear_below(poissons_ratio: Number) -> tuple[Number, Number]:
     """
     if not isinstance(poissons_ratio, np.ndarray):
         return _shear_at(poissons_ratio)
-    first = float(poissons_ratio.flat[0])
-    other = poissons_ratio != first
-    if not other.any():
-        return _shear_at(first)
-    shear, depth = (np.full(poissons_ratio.shape, value) for value in _shear_at(first))
-    shear[other], depth[other] = _shear_below(poissons_ratio[other])
-    return shear, depth
+    if (poissons_ratio == poissons_ratio.flat[0]).all():
+        return _shear_at(float(poissons_ratio.flat[0]))
+    return _shear_below(poissons_ratio)
 
 
 @lru_cache(maxsize=64)

@@ -318,11 +318,7 @@ class Problem:
         if self.varied is not None:
             status, table = families.batch_varied(*self.varied, mesh, self.start)
         elif self.shape is None or page is None:
-            # damped contacts are not marched in lanes, but on a fixed target most laws make them equal but for rounding
-            alike = native.distinct(self.start) if any_of(self.damping > 0.0) else None
-            first, kind = (slice(None), slice(None)) if alike is None else alike
-            status, table = native.batch(self.curve.native, mesh, self.start[first])
-            status, table = status[kind], table[kind]
+            status, table = native.batch(self.curve.native, mesh, self.start)
         else:
             status, table = families.batch(page.family, page.whole, mesh, self.start, self.shape)
         return status, Columns(table)

@@ -7,12 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases import LAWS, combinations, loads_straight, scene, zener_scene
+from cases import DAMPED, LAWS, combinations, loads_straight, scene, zener_scene
 from scipy.optimize import brentq
 
 import film_model as fm
 from film_model.core import native, records
-from film_model.effects.many import problems_of
 from film_model.problem.curve import curve_of
 from film_model.solve.history import SUMMARY
 
@@ -336,13 +335,31 @@ def test_contacts_recorded_together_have_the_lines_of_each_alone(monkeypatch, ro
         assert table[end - counts[row] : end].tobytes() == np.asarray(alone, native.LINE_DTYPE).tobytes()
 
 
-def test_equal_contacts_are_marched_once_and_give_the_same_bytes():
-    case = scene("tsuji").replace({"effects.gravity": False})
-    (problem,) = problems_of(case, {"impactor.velocity": np.geomspace(0.1, 10.0, 300)}, 300)
-    first, kind = native.distinct(problem.start)
-    assert first.size < 100 and (problem.start[first[kind]] == problem.start).all()
-    mesh = native.mesh(native.WORK_PRESERVING, 9, 9)
-    status, table = native.batch(problem.curve.native, mesh, problem.start)
-    found = problem.march(mesh)
-    assert (found[0] == status).all() and found[1].table.tobytes() == table.tobytes()
-    assert native.distinct(np.linspace(0.0, 1.0, 50)) is None
+@pytest.mark.parametrize("load", [0.0, 0.01])
+@pytest.mark.parametrize("law", DAMPED)
+def test_damped_contacts_in_lanes_agree_with_the_march(law, load):
+    """Over damping and target motion; errors fall fast with the segments."""
+    damping, gamma = (axis.ravel() for axis in np.meshgrid(np.geomspace(0.01, 2.0, 6), [0.0, 0.05, 0.3, 1.0]))
+    start = starts(np.full(damping.size, 1.4), gamma)
+    start["damping"], start["load"], start["time_limit"] = damping, load, 1e3
+    curve = curve_of(LAWS[law]).native
+    _, truth = alone(curve, native.mesh(native.WORK_PRESERVING, 600, 600), start)
+    meshes = [native.mesh(native.WORK_PRESERVING, n, n) for n in (5, 10, 20)]
+    coarse, middle, fine = (native.batch(curve, mesh, start)[1] for mesh in meshes)
+    assert (native.batch(curve, meshes[0], start)[0] == native.EVENT).all()
+    assert differences(middle, truth, start).max() < 1e-5
+    assert differences(fine, truth, start).max() < 5e-8
+    assert (differences(middle, fine, start) <= 0.1 * differences(coarse, fine, start) + 1e-11).all()
+
+
+def test_a_linear_dashpot_is_exact_in_a_batch():
+    """Lines of the march are exact under a linear law; the lanes' polynomials leave rounding, on any mesh."""
+    damping, gamma = (axis.ravel() for axis in np.meshgrid(np.geomspace(0.01, 5.0, 6), [0.0, 0.1, 0.9]))
+    start = starts(np.full(damping.size, 0.7), gamma)
+    start["damping"] = damping
+    curve = curve_of(LAWS["linear-dashpot"]).native
+    _, truth = alone(curve, native.mesh(native.WORK_PRESERVING, 30, 30), start)  # radiated energy by quadrature
+    for n in (1, 4, 20):
+        _, found = native.batch(curve, native.mesh(native.WORK_PRESERVING, n, n), start)
+        assert (found["lines"] > 0).all() and differences(found, truth, start)[1:].max() < 1e-12
+        assert differences(found, truth, start)[0] < 1e-10  # the march's largest force is sought to 1e-6 of the way

@@ -113,12 +113,19 @@ static void run_batch(batch *b, int instructions, int64_t count) {
     int in_lanes = film_prepare_job(j), moving = in_lanes && mesh->loading >= FEWEST && mesh->unloading >= FEWEST;
     b->run = routines[instructions];
     if (in_lanes) prepare_pieces(j);
+    film_prepare_damped(j);
+    b->damped.count = 0;
     for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b->fixed[p].count = b->moving[p].count = 0;
     for (int32_t k = 0; k < FILM_MAX_STAGES; k++)
         for (int32_t g = 0; g < 3; g++) b->unloading[k][g].count = 0;
     for (int64_t i = 0; i < count; i++) {
         const film_start *s = &j->start[i];
         int32_t stage = 0, piece = -1;
+        if (in_damped_lanes(j, s)) {
+            b->damped.index[b->damped.count++] = i;
+            if (b->damped.count == LANES) run_damped(b);
+            continue;
+        }
         if (in_lanes && s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && is_undisturbed(s)) {
             if (s->gamma == 0.0) piece = fixed_piece(j, i, &stage);
             else if (moving) piece = moving_piece(j, i, &stage);
@@ -134,6 +141,7 @@ static void run_batch(batch *b, int instructions, int64_t count) {
         else run_block(b, stage, waiting);
     }
     if (in_lanes) run_rest(b);
+    run_damped(b);
 }
 
 void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,

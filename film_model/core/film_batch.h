@@ -52,6 +52,15 @@ typedef struct {
     double value[OWN_DOUBLES][LANES];
 } own_stage;
 
+/* A damped power law as lanes run it: in z, with xi = z^root, force = stiffness z^force, c = factor z^damping; root 0: lanes
+ * cannot. */
+enum { MOST_POWER = 6 };
+typedef struct {
+    int32_t root, force, damping;
+    int32_t used[MOST_POWER + 1]; /* 1: the power of z is a product that is needed */
+    double stiffness, factor;
+} damped_form;
+
 /* A batch, and what its impacts share. */
 typedef struct {
     const film_family *family; /* NULL: all impacts share the curve */
@@ -67,6 +76,7 @@ typedef struct {
     double piece_work[FILM_MAX_PIECES], piece_force[FILM_MAX_PIECES]; /* at its end; work from its stage's beginning */
     double exponent[FILM_MAX_STAGES]; /* of the branch of a contact that turned there; NAN: it depends on the depth */
     int32_t simple[FILM_MAX_STAGES];  /* one power from its beginning on, whose force rises */
+    damped_form damped;
     int32_t table_count, row_count;
     line_table tables[TABLES];
     table_row rows[ROWS];
@@ -74,6 +84,15 @@ typedef struct {
 
 /* What all impacts of j->curve on j->mesh share, but for the ends of pieces. 0: lanes cannot run this curve or mesh. */
 int film_prepare_job(batch_job *j);
+
+/* What damped impacts of j->curve on j->mesh share: j->damped. */
+void film_prepare_damped(batch_job *j);
+
+/* Whether lanes can run a damped impact. */
+static inline int in_damped_lanes(const batch_job *j, const film_start *s) {
+    return j->damped.root > 0 && s->damping > 0.0 && s->damping < INFINITY && s->nu > 0.0 && s->nu < INFINITY && s->gamma >= 0.0 &&
+           s->gamma < INFINITY && s->load >= 0.0 && s->load < INFINITY;
+}
 
 /* The table of a run, made when it is first asked for; there is room for all that a batch can ask for. */
 line_table *film_lines_of(batch_job *j, int32_t stage, int32_t direction, int32_t segments, const double *nodes, double exponent);
@@ -200,6 +219,8 @@ typedef struct {
     void (*unload)(batch_job *j, int32_t grading, double exponent, unloading_queue *q);
     /* from the turn in `stage` back along the law */
     void (*retrace)(batch_job *j, int32_t stage, const int64_t *index, int count, lanes *s, const double *stored);
+    /* impacts under a damped power law, from first touch to the end of contact */
+    void (*damped)(batch_job *j, const int64_t *index, int count);
 } block_routines;
 
 extern const block_routines film_plain;

@@ -14,6 +14,7 @@ typedef struct {
     const block_routines *run;
     block fixed[FILM_MAX_PIECES], moving[FILM_MAX_PIECES]; /* by the piece in which they should turn */
     unloading_queue unloading[FILM_MAX_STAGES][3];         /* by stage and grading */
+    block damped;
 } batch;
 
 static void run_unloading(batch *b, int32_t stage, int32_t grading) {
@@ -41,6 +42,11 @@ static void await_unloading(batch *b, int32_t stage, const turned_lanes *t, int 
     q->exponent[at] = t->exponent[l];
     q->stored[at] = t->stored[l];
     if (q->count == LANES) run_unloading(b, stage, k);
+}
+
+static void run_damped(batch *b) {
+    if (b->damped.count > 0) b->run->damped(&b->j, b->damped.index, b->damped.count);
+    b->damped.count = 0;
 }
 
 static void run_moving(batch *b, int32_t stage, block *waiting) {

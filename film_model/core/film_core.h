@@ -343,7 +343,7 @@ FILM_API int film_switch(const film_curve *curve, film_state *state);
 FILM_API void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work);
 
 /* One contact: FILM_EVENT when it has ended, FILM_OK at the time limit, FILM_ENDLESS, or a failure. On a target that moves, and
- * without load, damping and limit, it is film_batch's row, faster than film_marched. */
+ * without load and limit, or under a damped law, it is film_batch's row, faster than film_marched. */
 FILM_API int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start,
                          film_summary *summary);
 

@@ -1,5 +1,6 @@
 /* Runs blocks of impacts, side by side in lanes: see film_batch.h. film_avx2.c, film_avx512.c and film_single.c compile it too.
  * docs/method.md, section 10. */
+#include "film_lane_damped.h"
 #include "film_lane_fixed.h"
 #include "film_lane_load.h"
 #include "film_lane_unload.h"
@@ -32,4 +33,5 @@ static void shape_lanes(const batch_job *j, int32_t pieces, const double (*of)[L
     law_lanes(j, j->shaped, at, force, own->whole);
 }
 
-FILM_OWN const block_routines FILM_ROUTINES = {shape_lanes, fixed_lanes, load_lanes, leave_lanes, unload_lanes, retrace_lanes};
+FILM_OWN const block_routines FILM_ROUTINES = {shape_lanes, fixed_lanes, load_lanes, leave_lanes, unload_lanes, retrace_lanes,
+                                          damped_contact_lanes};

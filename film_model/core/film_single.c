@@ -18,6 +18,13 @@ int film_single(const film_curve *curve, const film_mesh *mesh, const film_start
     b.j.status = status;
     b.j.family = NULL;
     b.j.shaped = -1;
+    if (start->damping != 0.0) {
+        film_prepare_damped(&b.j);
+        if (!in_damped_lanes(&b.j, start)) return 0;
+        b.damped = one;
+        run_damped(&b);
+        return 1;
+    }
     if (mesh->loading < FEWEST || mesh->unloading < FEWEST || !film_prepare_job(&b.j)) return 0;
     int32_t stage = moving_stage(&b.j, start->nu, start->gamma, &stored);
     if (stage < 0) return 0;

@@ -1,6 +1,8 @@
 /* What impacts of one law and mesh share: its stages, and the lines that scale with the depth. docs/method.md, section 10. */
 #include "film_batch.h"
 
+#include <string.h>
+
 /* ---------------------------------------------------------------- tables of lines
  * On a stage that is one power from its beginning on, and on an unloading branch, nodes are the same fractions at every
  * depth, and the lines between them scale; across a whole stage they are the same for every impact. */
@@ -126,4 +128,41 @@ int film_prepare_job(batch_job *j) {
     int64_t rows = (int64_t)powers * (2 * (n + 1) + n / 2 + 12 + m + 1) + (int64_t)branches * (8 * m + 4) +
                    (int64_t)curve->stages * 2 * (n + 1) + (int64_t)back * (m + 1);
     return rows <= ROWS && 8 * powers + 4 * branches + 3 * curve->stages <= TABLES;
+}
+
+/* A whole multiple of 1/root, up to MOST_POWER of them; -1: it is none. */
+static int32_t whole_multiple(double exponent, int32_t root) {
+    double times = exponent * root;
+    return times >= 0.0 && times <= MOST_POWER && times == (double)(int32_t)times ? (int32_t)times : -1;
+}
+
+/* The factor of a function that is one power from 0 on, and its exponent; 0: it is none. */
+static double lone_power(const film_function *g, double *exponent) {
+    if (g->form != FILM_POWER || g->origin != 0.0 || g->per_span != 1.0) return 0.0;
+    int parts = (g->constant != 0.0) + (g->slope != 0.0) + (g->coefficient != 0.0);
+    *exponent = g->coefficient != 0.0 ? g->exponent : g->slope != 0.0 ? 1.0 : 0.0;
+    return parts == 1 ? g->constant + g->slope + g->coefficient : 0.0;
+}
+
+void film_prepare_damped(batch_job *j) {
+    const film_curve *curve = j->curve;
+    const film_piece *piece = curve->piece;
+    damped_form *form = &j->damped;
+    double force, damping;
+    memset(form, 0, sizeof *form);
+    if (curve->stages != 1 || !curve->stage[0].damped || curve->stage[0].count != 1 || curve->stage[0].begin != 0.0 ||
+        curve->stage[0].end < INFINITY || curve->compliance != 0.0 || j->mesh->linearisation != FILM_WORK_PRESERVING || j->mesh->loading < 1)
+        return;
+    form->stiffness = lone_power(&piece->force, &force);
+    form->factor = lone_power(&piece->damping, &damping);
+    if (!(form->stiffness > 0.0 && form->factor > 0.0 && force >= 1.0)) return;
+    for (int32_t root = 1; root <= 4 && form->root == 0; root *= 2) {
+        form->force = whole_multiple(force, root);
+        form->damping = whole_multiple(damping, root);
+        if (form->force >= form->damping && form->damping >= 0) form->root = root;
+    }
+    if (form->root == 0) return;
+    form->used[form->force] = form->used[form->damping] = form->used[form->root - 1] = 1;
+    for (int e = MOST_POWER; e > 1; e--)
+        if (form->used[e]) form->used[e / 2] = form->used[e - e / 2] = 1;
 }

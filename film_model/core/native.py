@@ -326,21 +326,6 @@ def instructions() -> int:
     return library().film_instructions()
 
 
-def distinct(rows: NDArray[Any]) -> tuple[NDArray[np.intp], NDArray[np.intp]] | None:
-    """The first of each kind of equal rows of a table, and the kind of each row; None if most rows differ.
-
-    Rows are compared as 8-byte words: by a hash, whose result is checked.
-    """
-    words = np.ascontiguousarray(rows).view(np.uint64).reshape(rows.size, -1)
-    key = np.zeros(rows.size, np.uint64)
-    for column in words.T:
-        key = (key ^ (key >> np.uint64(29))) * np.uint64(0x9E3779B97F4A7C15) + column
-    _, first, kind = np.unique(key, return_index=True, return_inverse=True)
-    if 2 * first.size > rows.size or not (words == words[first[kind]]).all():
-        return None
-    return first, kind
-
-
 def batch(
     curve: Curve, cut: Mesh, start: NDArray[Any], using: int | None = None
 ) -> tuple[NDArray[np.int32], NDArray[Any]]:

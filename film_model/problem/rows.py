@@ -21,10 +21,4 @@ def march_rows(
         return families.batch_varied(*varied, mesh, start)
     if shape is not None and curve.page is not None:
         return families.batch(curve.page.family, curve.page.whole, mesh, start, shape)
-    # damped contacts are not marched in lanes, but on a fixed target most laws make them equal but for rounding
-    alike = native.distinct(start) if (start["damping"] > 0.0).any() else None
-    if alike is None:
-        return native.batch(curve.native, mesh, start)
-    first, kind = alike
-    status, table = native.batch(curve.native, mesh, start[first])
-    return status[kind], table[kind]
+    return native.batch(curve.native, mesh, start)

@@ -8,9 +8,10 @@ from film_datasets.schema.derivative_variables import (
     differentiated,
     side_name,
 )
+from film_datasets.schema.motion_variables import BRANCHES, MODE_ENERGY, RAGGED, SHARED, WIDE, branch_words
 from film_datasets.schema.tables import (
+    ADDED,
     ATTRIBUTES,
-    BRANCHES,
     CHOOSABLE,
     CONSTANTS,
     COST,
@@ -23,8 +24,8 @@ from film_datasets.schema.tables import (
     SWEEP,
     TABLE,
     VERSIONS,
-    branch_words,
     has_failed,
+    has_steps,
     kind_of,
     require,
     require_impacts,
@@ -47,6 +48,7 @@ from film_datasets.schema.variable import (
 )
 
 __all__ = [
+    "ADDED",
     "ATTRIBUTES",
     "BRANCHES",
     "CHOOSABLE",
@@ -56,12 +58,16 @@ __all__ = [
     "IMPACT_STATUSES",
     "MEASURED_MOTION",
     "MEASUREMENT",
+    "MODE_ENERGY",
     "OUT_OF_RANGE",
+    "RAGGED",
     "SCENE_KEY",
+    "SHARED",
     "SWEEP",
     "TABLE",
     "TEXT",
     "VERSIONS",
+    "WIDE",
     "ContentHash",
     "Variable",
     "accuracy_name",
@@ -75,6 +81,7 @@ __all__ = [
     "flag_meanings",
     "flag_words",
     "has_failed",
+    "has_steps",
     "holds_text",
     "kind_of",
     "pieces",

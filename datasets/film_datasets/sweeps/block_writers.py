@@ -13,12 +13,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from film_datasets.files import DEFLATE_FROM, NEEDS_ZARR, ZARR, temporary_path
-from film_datasets.schema import TEXT, Variable
+from film_datasets.schema import RAGGED, TEXT, Variable
 
 Region = tuple[slice, ...]
-
-GROWING = "segment"
-"""The dimension whose length is not known before the last block."""
 
 SHARD_BLOCKS = 8
 """Blocks that a file of a Zarr folder holds: 8 MB for each number of an impact are held in memory meanwhile."""
@@ -37,14 +34,14 @@ class Writer(Protocol):
     def create(
         self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
     ) -> None:
-        """Create variables with their attributes. sizes: of the dimensions. chunks: sizes of a block, and of
-        `GROWING`."""
+        """Create variables with their attributes. sizes: of the dimensions, except the ragged ones, which grow.
+        chunks: of all of them."""
 
     def put(self, name: str, region: Region, values: Any) -> None:
         """Write a region of a variable."""
 
     def grow(self, name: str, values: Any) -> None:
-        """Append values to a variable along `GROWING`."""
+        """Append values to a variable along its ragged dimension."""
 
     def close(self, attributes: Mapping[str, Any]) -> None:
         """Write the global attributes; nothing can be written afterwards."""
@@ -71,8 +68,9 @@ class MemoryWriter:
     ) -> None:
         for variable, attributes in variables:
             self._variables[variable.name] = variable, attributes
-            if GROWING in variable.dims:
-                self._pieces[variable.name] = [np.empty(0, variable.dtype)]
+            if _grows(variable):
+                rest = [sizes[dim] for dim in variable.dims[1:]]
+                self._pieces[variable.name] = [np.empty((0, *rest), variable.dtype)]
             else:
                 dtype = object if variable.dtype == TEXT else variable.dtype
                 self._arrays[variable.name] = np.empty([sizes[dim] for dim in variable.dims], dtype)
@@ -121,12 +119,12 @@ class NetCDFWriter:
     ) -> None:
         for dim, size in sizes.items():
             self._file.createDimension(dim, size)
-        if any(GROWING in variable.dims for variable, _ in variables):
-            self._file.createDimension(GROWING, None)
+        for dim in dict.fromkeys(variable.dims[0] for variable, _ in variables if _grows(variable)):
+            self._file.createDimension(dim, None)
         for variable, attributes in variables:
-            values = math.prod(sizes.get(dim, chunks[GROWING]) for dim in variable.dims)
+            values = math.prod(sizes[dim] if dim in sizes else chunks[dim] for dim in variable.dims)
             long = variable.dtype != TEXT and values * variable.dtype.itemsize >= DEFLATE_FROM
-            chunked = long or GROWING in variable.dims
+            chunked = long or _grows(variable)
             chunk_bytes = math.prod(chunks[dim] for dim in variable.dims) * variable.dtype.itemsize
             created = self._file.createVariable(
                 variable.name,
@@ -258,6 +256,11 @@ class ZarrWriter:
     def abandon(self) -> None:
         """Remove what was written."""
         shutil.rmtree(self.path, ignore_errors=True)
+
+
+def _grows(variable: Variable) -> bool:
+    """Whether the length of the variable is not known before the last block."""
+    return variable.dims[:1] != () and variable.dims[0] in RAGGED
 
 
 def _plain(value: Any) -> Any:

@@ -244,28 +244,21 @@ class Film:
             raise ValueError(f"a dataset of kind {self.kind} has no impacts to sample")
         if "segment_count" not in self._ds.variables:
             raise ValueError('no segments were kept of this sweep (keep="segments"): use ds.film.history(…).sample')
-        places = [
-            f"{dim}_{what}" for dim in TABLES for what in ("begin", "count") if f"{dim}_count" in self._ds.variables
-        ]
-        require(self._ds, ["segment_begin", *places, *SEGMENT_UNITS, "target_compliance"])
+        dims = [dim for dim in TABLES if f"{dim}_count" in self._ds.variables]
+        require(self._ds, [*(f"{dim}_begin" for dim in dims), *SEGMENT_UNITS, "target_compliance"])
         impact = self._ds.isel(self._indices(where))
-        at = {
-            dim: (int(impact[f"{dim}_begin"]), int(impact[f"{dim}_count"]))
-            for dim in TABLES
-            if f"{dim}_count" in impact
-        }
-        form = ClosedForm(
-            tables_of(self._ds.isel({dim: slice(begin, begin + count) for dim, (begin, count) in at.items()})),
-            float(impact["target_compliance"]),
-        )
-        if not any(count for _, count in at.values()):
+        counts = {dim: int(impact[f"{dim}_count"]) for dim in dims}
+        if not any(counts.values()):
             if has_failed(impact["status"].values):
                 raise ValueError("this impact failed: it has no segments")
             raise ValueError("the segments of this impact are not kept: use ds.film.history(…).sample")
-        if any(form.tables[dim].size != count for dim, (_, count) in at.items()) or any(
-            form.tables[dim]["time"][0] != 0.0 for dim in ("segment", "step") if at.get(dim, (0, 0))[1]
-        ):
+        begins = {dim: int(impact[f"{dim}_begin"]) for dim in dims}
+        rows = {dim: slice(begins[dim], begins[dim] + counts[dim]) for dim in dims}
+        tables = tables_of(self._ds.isel(rows))
+        first = tables["step" if counts.get("step") else "segment"]
+        if any(tables[dim].size != counts[dim] for dim in dims) or first["time"][0] != 0.0:
             raise ValueError("segments of this impact are missing: the dimension segment must be complete")
+        form = ClosedForm(tables, float(impact["target_compliance"]))
         units = {name: float(impact[name]) for name in SEGMENT_UNITS}
         return sample_closed_form(self._impact_scene(where), form, units, t)
 

@@ -21,6 +21,7 @@ from film_datasets.schema import (
     ADDED,
     BRANCHES,
     CONSTANTS,
+    EQUATIONS_ON_MODES,
     HISTORY,
     MODE_ENERGY,
     SCENE_KEY,
@@ -58,14 +59,7 @@ COMMENT = (
 
 STEPS_COMMENT = (
     "t counts in seconds from first touch and is no date. The steps give the motion at any time in closed form; "
-    "lengths and forces are in the units scale_*, times in s. On a step, at theta = (t - time)/h, the contact force F "
-    "is the cubic through step_force at the four Gauss nodes on 0 ... 1; the impactor follows "
-    "x'' = (load - F)/scale_time^2 from step_x and step_v; depth, x less the displacements of all modes, is the "
-    "Bernstein polynomial of degree 7 with coefficients depth + k depth_rate h/7, k = 0 ... 7, plus step_bend from "
-    "k = 2 on. The indentation xi solves xi + target_compliance f(xi) = depth, f being the contact law. In flight, F "
-    "is 0 and each mode moves freely from flight_mode_displacement and flight_mode_velocity: w'' + "
-    "2 mode_damping_ratio mode_frequency w' + mode_frequency^2 w = 0; those of flight n begin n times the number of "
-    "modes along flight_mode. The target's displacement is x - xi. scene_toml is the scene file to run again."
+    f"{EQUATIONS_ON_MODES} scene_toml is the scene file to run again."
 )
 
 

@@ -136,8 +136,8 @@ def _one_by_one(scene: Scene, columns: Mapping[str, Array], rows: Index, accurac
 
 
 def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, accuracy: float) -> Vibrating | None:
-    """The impacts on one structure; None if they need more than one law, of which each has its own where the yield
-    strength rises with the strain rate, or curve."""
+    """The impacts on one structure; None if they need more than one law or curve. Where the yield strength rises with
+    the strain rate, each impact has a law of its own."""
     own = {path: values[rows] for path, values in columns.items()}
     varied = scene_of_columns(scene, own)
     order = np.argsort(np.broadcast_to(varied.approach_velocity**2 * varied.mass, rows.shape), kind="stable")

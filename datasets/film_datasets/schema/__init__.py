@@ -8,7 +8,15 @@ from film_datasets.schema.derivative_variables import (
     differentiated,
     side_name,
 )
-from film_datasets.schema.motion_variables import BRANCHES, MODE_ENERGY, RAGGED, SHARED, WIDE, branch_words
+from film_datasets.schema.motion_variables import (
+    BRANCHES,
+    EQUATIONS_ON_MODES,
+    MODE_ENERGY,
+    RAGGED,
+    SHARED,
+    WIDE,
+    branch_words,
+)
 from film_datasets.schema.tables import (
     ADDED,
     ATTRIBUTES,
@@ -54,6 +62,7 @@ __all__ = [
     "CHOOSABLE",
     "CONSTANTS",
     "COST",
+    "EQUATIONS_ON_MODES",
     "HISTORY",
     "IMPACT_STATUSES",
     "MEASURED_MOTION",

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from film_datasets.provenance import PROGRAM, provenance, text_and_hash
 from film_datasets.schema import (
+    EQUATIONS_ON_MODES,
     IMPACT_STATUSES,
     OUT_OF_RANGE,
     SWEEP,
@@ -137,7 +138,7 @@ def global_attributes(sweep: Sweep, command: str, totals: Totals) -> dict[str, A
             summary=f"{sweep.size} impacts (target: {scene.target.kind}), design {sweep.design}.",
             source=f"{PROGRAM}, force-indentation linearisation method (FILM)",
             command=command,
-            comment=COMMENT,
+            comment=COMMENT + (f" With steps, {EQUATIONS_ON_MODES}" if "steps" in sweep.kept else ""),
         ),
         **text_and_hash("scene", scene.archived_text()),
         **text_and_hash("sweep", sweep.text()),

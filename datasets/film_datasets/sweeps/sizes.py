@@ -30,6 +30,9 @@ followed together, like those of a block."""
 OFTEN = 0.5
 """Different tables of modes over impacts of the sample, from which on each impact is taken to have its own."""
 
+PACKED = 100_000
+"""Rows of the sample that are compressed to see what remains of them."""
+
 VARIABLE = 2000.0
 """Bytes of a variable in a file besides its values."""
 
@@ -63,7 +66,7 @@ def size_of(sweep: Sweep) -> Size:
 
 def _of_sample(sweep: Sweep, own: int) -> Size:
     """From evenly spaced impacts; their tables of modes count once, or for each impact if most are different."""
-    dims, count = ragged_dims(sweep.variables), min(SAMPLE, max(sweep.size // 4, min(sweep.size, 4)))
+    dims, count = ragged_dims(sweep.variables), min(SAMPLE, max(sweep.size // 4, min(sweep.size, 8)))
     places = [(2 * k + 1) * sweep.size // (2 * count) for k in range(count)]
     values = [np.concatenate(axis) for axis in zip(*(sweep.values(place, 1) for place in places), strict=True)]
     try:
@@ -77,7 +80,7 @@ def _of_sample(sweep: Sweep, own: int) -> Size:
         tables = np.unique(columns[f"{dim}_begin"][columns[f"{dim}_count"] > 0]).size
         once += sizes.pop(dim) if tables < OFTEN * count else 0.0
     history = sum(sizes.values()) / count
-    return Size(own + history, history, rows, once, columns)
+    return Size(own + history, history, rows, once, {name: array[:PACKED].copy() for name, array in columns.items()})
 
 
 def packed(columns: Columns, suffix: str) -> int:

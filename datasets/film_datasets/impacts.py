@@ -75,6 +75,11 @@ class Impacts:
     _segments: NDArray[np.int32] = field(repr=False)
     _followed: tuple[Followed, ...] = field(repr=False)
 
+    @property
+    def on_modes(self) -> NDArray[np.bool_]:
+        """Which impacts are on targets that vibrate."""
+        return (self._segments[:, 0] == 0) & (self.status >= 0)
+
     def closed_forms(self) -> Iterator[ClosedForms]:
         """The motions of all impacts that have a contact law."""
         for problem in self._curves():
@@ -140,9 +145,9 @@ class Impacts:
         for entry in asked:
             with suppress(SceneError):
                 known += [entry] if entry.path in numbers else entries_of(self.scene, [entry.path])
-        solver, count = self.scene.solver, self.status.size
+        solver = self.scene.solver
         target = solver.accuracy or DEFAULT_ACCURACY
-        return known, derivatives_of_many(self.scene, numbers, known, self._problems, count, solver, target)
+        return known, derivatives_of_many(self.scene, numbers, known, self._problems, self.on_modes, solver, target)
 
 
 def _units(problem: Problem, compliance: Array) -> dict[str, Array]:
@@ -174,8 +179,8 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
     law = np.full(found.status.size, -1, np.int8)
     zener_number = np.full(law.size, np.nan)
     gains_energy = np.zeros(law.size, np.bool_)
-    for followed in found.followed:
-        law[followed.rows] = found.law[followed.rows]
+    on_modes = found.on_modes
+    law[on_modes] = found.law[on_modes]
     for problem in found.problems:
         index = index_or_all(rows_of(problem), law.size)
         law[index] = found.law[index]

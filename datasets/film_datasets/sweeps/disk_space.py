@@ -9,7 +9,7 @@ from film_datasets.files import ZARR
 from film_datasets.impacts import one_curve_per_impact
 from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, compute_block
-from film_datasets.sweeps.block_writers import SHARD_BLOCKS
+from film_datasets.sweeps.block_writers import FILE_BLOCKS
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.sizes import VARIABLE, packed
@@ -36,7 +36,7 @@ def check_free_space(target: Path, sweep: Sweep, blocks: Blocks, shards: int | N
     blocks: all, or for a Zarr folder those of an unfinished file and of the next. Returns the bytes of the output."""
     output, saved = (need / (shards or 1) for need in disk_space(sweep, blocks, target.suffix))
     if target.suffix == ZARR and shards is None and sweep.keep != "segments":
-        saved *= min(1.0, 2 * SHARD_BLOCKS / len(blocks))
+        saved *= min(1.0, 2 * FILE_BLOCKS / len(blocks))
     free = shutil.disk_usage(target.absolute().parent).free
     if output + saved > free:
         raise OSError(

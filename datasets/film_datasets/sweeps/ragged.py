@@ -39,7 +39,7 @@ def ragged_columns(forms: Sequence[tuple[Index, ClosedForms]], count: int, dims:
             parts = [(places, form.tables[dim]) for places, form in forms if dim in form.tables]
             table, counts = Rows.together(parts, count, TABLES[dim])
         columns[f"{dim}_count"] = counts
-        columns |= {own: table[name] for own, name in fields_of(dim).items()}
+        columns |= {own: np.ascontiguousarray(table[name]) for own, name in fields_of(dim).items()}
     return columns
 
 
@@ -104,4 +104,4 @@ class Places:
             columns[f"{dim}_begin"] = np.where((begins == begin) & (counts == count), place, columns[f"{dim}_begin"])
             kept += [rows] if is_new else []
         joined = np.concatenate(kept)
-        columns.update({own: joined[name] for own, name in names.items()})
+        columns.update({own: np.ascontiguousarray(joined[name]) for own, name in names.items()})

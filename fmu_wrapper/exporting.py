@@ -9,7 +9,7 @@ import uuid
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -189,7 +189,7 @@ def _simulated(scene: Scene, kind: Kind) -> tuple[Choice, tuple[int, int], Histo
 def _vibration(problem: Problem, history: History | None) -> Vibration | None:
     """The impact with the natural vibrations that the FMU contains; None if the target does not vibrate."""
     if history is not None or not problem.vibrates:
-        return None if history is None else history.vibration
+        return None if history is None else cast("Vibration | None", history.vibration)  # simulated, not from a file
     return modes_for(problem, problem.scene.solver.accuracy or DEFAULT_ACCURACY, [])
 
 

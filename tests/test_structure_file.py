@@ -251,10 +251,6 @@ def test_the_motion_that_a_sweep_keeps():
         for name in ("contact_force", "target_displacement"):
             exact = getattr(one.sample_si(times), name)
             assert kept[f"sampled_{name}"].values[k] == pytest.approx(exact, abs=1e-3 * exact.max())
-    without = fd.sweep(scene(part), speeds, keep="segments")
-    assert "2 of 2 impacts are on targets that vibrate: segments of such" in str(without.attrs["warnings"])
-    with pytest.raises(ValueError, match="segments are not kept of a target that vibrates"):
-        without.film.sample([1e-5], impactor_velocity="0.1 m/s")
 
 
 @pytest.mark.slow

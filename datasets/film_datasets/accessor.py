@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.dataset_plots import plot
-from film_datasets.history_dataset import history_of, lines_of
-from film_datasets.impacts import SEGMENT_UNITS, sample_segments
+from film_datasets.history_dataset import history_of, tables_of
+from film_datasets.impacts import SEGMENT_UNITS, sample_closed_form
 from film_datasets.provenance import scene_of
 from film_datasets.quantities import quantified
 from film_datasets.sampling import sample_all
@@ -31,10 +31,11 @@ from film_datasets.sweeps import Sweep, statistics
 from film_model.base import units
 from film_model.base.errors import shown
 from film_model.base.units import to_si
-from film_model.core.native import EVENTS, LINE_DTYPE
+from film_model.core.native import EVENTS
 from film_model.plot.history import energies
 from film_model.scene import Scene
 from film_model.scene.paths import number_text
+from film_model.solve.closed_form import TABLES, ClosedForm
 from film_model.solve.history import MOTION, SUMMARY, Event, History
 from film_model.solve.simulate import simulate
 
@@ -238,23 +239,28 @@ class Film:
         return xr.Dataset(data, coords={"t": ("t", t, table["t"]), **swept})
 
     def _sample_impact(self, t: NDArray[np.float64], where: Mapping[str, Any]) -> dict[str, Any]:
-        """Motion of one impact of a sweep, from its segments."""
+        """Motion of one impact of a sweep, from its segments or steps."""
         if self.kind != SWEEP:
             raise ValueError(f"a dataset of kind {self.kind} has no impacts to sample")
         if "segment_count" not in self._ds.variables:
             raise ValueError('no segments were kept of this sweep (keep="segments"): use ds.film.history(…).sample')
-        require(self._ds, ["segment_begin", *SEGMENT_UNITS, *(f"segment_{name}" for name in LINE_DTYPE.names or ())])
+        dims = [dim for dim in TABLES if f"{dim}_count" in self._ds.variables]
+        require(self._ds, [*(f"{dim}_begin" for dim in dims), *SEGMENT_UNITS, "target_compliance"])
         impact = self._ds.isel(self._indices(where))
-        begin, count = int(impact["segment_begin"]), int(impact["segment_count"])
-        if not count and not has_failed(impact["status"].values):
-            raise ValueError("segments are not kept of a target that vibrates: use ds.film.history(…).sample")
-        if not count:
-            raise ValueError("this impact failed: it has no segments")
-        lines = lines_of(self._ds.isel(segment=slice(begin, begin + count)))
-        if lines.size != count or lines["time"][0] != 0.0:
+        counts = {dim: int(impact[f"{dim}_count"]) for dim in dims}
+        if not any(counts.values()):
+            if has_failed(impact["status"].values):
+                raise ValueError("this impact failed: it has no segments")
+            raise ValueError("the segments of this impact are not kept: use ds.film.history(…).sample")
+        begins = {dim: int(impact[f"{dim}_begin"]) for dim in dims}
+        rows = {dim: slice(begins[dim], begins[dim] + counts[dim]) for dim in dims}
+        tables = tables_of(self._ds.isel(rows))
+        first = tables["step" if counts.get("step") else "segment"]
+        if any(tables[dim].size != counts[dim] for dim in dims) or first["time"][0] != 0.0:
             raise ValueError("segments of this impact are missing: the dimension segment must be complete")
+        form = ClosedForm(tables, float(impact["target_compliance"]))
         units = {name: float(impact[name]) for name in SEGMENT_UNITS}
-        return sample_segments(self._impact_scene(where), lines, units, t)
+        return sample_closed_form(self._impact_scene(where), form, units, t)
 
 
 def _read_times(times: Any) -> NDArray[np.float64]:

@@ -188,6 +188,12 @@ def put_in_place(finished: Path, target: Path) -> None:
     shutil.rmtree(old, ignore_errors=True)
 
 
+def size_of(path: str | os.PathLike[str]) -> int:
+    """Bytes of a file, or of the files in a folder."""
+    place = Path(path)
+    return sum(file.stat().st_size for file in ([place] if place.is_file() else place.rglob("*")) if file.is_file())
+
+
 def _encoding(ds: xr.Dataset) -> dict[str, Any]:
     """Per variable: compression for long ones, a fill value only for optional ones."""
     missing = {variable.name for variable in variables_of(ds) if variable.optional}

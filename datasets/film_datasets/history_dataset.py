@@ -18,21 +18,27 @@ from film_datasets.provenance import (
 )
 from film_datasets.scene_constants import constants_of, scene_key
 from film_datasets.schema import (
+    ADDED,
     BRANCHES,
     CONSTANTS,
+    EQUATIONS_ON_MODES,
     HISTORY,
+    MODE_ENERGY,
     SCENE_KEY,
     TABLE,
     branch_words,
     content_sha256,
     flag_meanings,
     flag_words,
+    has_steps,
     require,
 )
 from film_model.base.errors import Outcome
-from film_model.core.native import BRANCH_NAMES, EVENTS, LINE_DTYPE
+from film_model.core.native import BRANCH_NAMES, EVENTS
 from film_model.plot.history import Trace
+from film_model.solve.closed_form import TABLES, ClosedForm
 from film_model.solve.history import MOTION, SUMMARY, Accuracy, Event, History, Samples, stage_names
+from film_model.solve.modal_motion import ModalMotion
 from film_model.solve.simulate import simulate_chosen
 
 if TYPE_CHECKING:
@@ -51,6 +57,11 @@ COMMENT = (
     "together. A target that vibrates has no segments. scene_toml is the scene file to run again."
 )
 
+STEPS_COMMENT = (
+    "t counts in seconds from first touch and is no date. The steps give the motion at any time in closed form; "
+    f"{EQUATIONS_ON_MODES} scene_toml is the scene file to run again."
+)
+
 
 def history_dataset(history: History, samples: int = 201, command: str = "film_datasets.history_dataset") -> xr.Dataset:
     """A history as a dataset of kind impact_history; see `film_datasets.to_dataset`."""
@@ -62,7 +73,7 @@ def history_dataset(history: History, samples: int = 201, command: str = "film_d
         **_motion(history, _times(history, int(samples))),
         **_events(history),
         **{name: np.nan if value is None else value for name, value in history.summary.items()},
-        **_segments(history),
+        **_closed_form(history),
         **constants_of(history.scene),
         "contact_law_name": history.problem.law.name,
         "scene_key": scene_key(history.scene.archived_text()),
@@ -72,7 +83,7 @@ def history_dataset(history: History, samples: int = 201, command: str = "film_d
     meanings = {"stages": stages, "branches": branch_words(stages, curve.pulls and not curve.reversible)}
     data: dict[str, Any] = {
         v.name: (v.dims, np.asarray(columns[v.name], dtype=v.dtype), v.attributes(meanings))
-        for v in (*TABLE[HISTORY], *CONSTANTS, SCENE_KEY.over(()))
+        for v in (*TABLE[HISTORY], *TABLE[f"{HISTORY} steps"], *CONSTANTS, SCENE_KEY.over(()))
         if v.name in columns
     }
     ds = xr.Dataset({name: value for name, value in data.items() if name != "t"}, coords={"t": data["t"]})
@@ -81,25 +92,43 @@ def history_dataset(history: History, samples: int = 201, command: str = "film_d
     return ds
 
 
+def tables_of(ds: xr.Dataset) -> dict[str, NDArray[Any]]:
+    """The tables of the closed form that a dataset has, by `film_model.solve.closed_form.TABLES`.
+
+    Raises ValueError if a variable is missing or has another shape.
+    """
+    tables: dict[str, NDArray[Any]] = {}
+    for dim, dtype in TABLES.items():
+        names = {f"{dim}_{name}": name for name in dtype.names or ()}
+        if not names.keys() & set(ds.variables):
+            continue
+        require(ds, names)
+        tables[dim] = np.empty(ds.sizes.get(dim, 0), dtype)
+        for own, name in names.items():
+            shape = tables[dim][name].shape
+            if ds[own].dims[:1] != (dim,) or ds[own].shape != shape:
+                raise ValueError(
+                    f"variable {own} has the shape {ds[own].shape}, not {shape} along {dim}: segments of several "
+                    "datasets were joined, or the file is damaged; use the dataset that the impact came from"
+                )
+            tables[dim][name] = ds[own].values
+    return tables
+
+
 def lines_of(ds: xr.Dataset) -> NDArray[Any]:
     """The segments of a dataset as the core's lines (`native.LINE_DTYPE`), for `native.sample`.
 
     Empty if the target vibrates or the dataset is the run of an FMU.
     """
-    if ds["segment_time"].dims != ("segment",):
-        raise ValueError("segments of several datasets were joined: use the dataset that the impact came from")
-    lines: NDArray[Any] = np.empty(ds.sizes["segment"], LINE_DTYPE)
-    for name in LINE_DTYPE.names or ():
-        lines[name] = ds[f"segment_{name}"].values
-    return lines
+    return tables_of(ds)["segment"]
 
 
 def history_of(ds: xr.Dataset) -> History:
     """The history that a dataset was made from, to be sampled and plotted without another march.
 
-    A target that vibrates has no segments, nor have viscoelastic bodies: such an impact is simulated again. Raises
-    ValueError if the contact law was an object of Python, if segments are missing, and for the run of an FMU, which has
-    no segments.
+    Viscoelastic bodies have no segments, nor have targets that vibrate in files of schema 1.3 and older: such an impact
+    is simulated again. Raises ValueError if the contact law was an object of Python, if segments are missing, and for
+    the run of an FMU, which has no segments.
 
     >>> fd.history_of(fd.load("paper_stronge")).problem.law.name
     'stronge'
@@ -107,20 +136,21 @@ def history_of(ds: xr.Dataset) -> History:
     require(ds, (v.name for v in TABLE[HISTORY] if v.name not in SUMMARY))
     choice = choice_of(ds)
     scene, problem = choice.scene, choice.problem
-    if problem.vibrates or problem.relaxation is not None:
+    if problem.relaxation is not None or (problem.vibrates and not has_steps(ds) and _is_older(ds)):
         return simulate_chosen(choice, scene.solver)
-    lines, names = lines_of(ds), stage_names(problem)
-    if not lines.size:
-        raise ValueError("the run of an FMU has no segments: its motion is known at the times t only")
-    last = float(ds["event_time"].values.max(initial=0.0)) / problem.scales.time
-    if lines["time"][0] != 0.0 or lines["time"][-1] < last * (1.0 - NEAREST_SAMPLE):
-        raise ValueError("segments of this history are missing: the dimension segment must be complete")
+    form = ClosedForm(tables_of(ds), float(ds["target_compliance"]))
+    lines, names, modes = form.tables["segment"], stage_names(problem), None
+    if form.on_modes:
+        require(ds, [MODE_ENERGY.name])
+        modes = form.modal_motion(problem, problem.scales.time, ds[MODE_ENERGY.name].values / problem.scales.energy)
+    _check_complete(ds, lines, modes, problem.scales.time)
     accuracy = Accuracy(
         ds.attrs.get("requested_accuracy"),
         float(ds.attrs["estimated_accuracy"]),
         int(ds.attrs["segments"]),
         int(ds.attrs["unloading_segments"]),
-        lines.size - 1,
+        max(lines.size - 1, 0),
+        0 if modes is None else modes.modes,
     )
     remarks = warnings_of(ds)
     return History(
@@ -132,7 +162,28 @@ def history_of(ds: xr.Dataset) -> History:
         _read_summary(ds),
         accuracy,
         remarks,
+        modes,
     )
+
+
+def _is_older(ds: xr.Dataset) -> bool:
+    """Whether impacts on modes had no steps when the dataset was written."""
+    versions = list(ADDED[HISTORY])
+    return ds.attrs.get("film_model_schema_version") in versions[: versions.index("1.4")]
+
+
+def _check_complete(ds: xr.Dataset, lines: NDArray[Any], modes: ModalMotion | None, unit: float) -> None:
+    """Raise ValueError unless the motion is stored from first touch to the last event. unit: of the lines' time, s."""
+    last = float(ds["event_time"].values.max(initial=0.0)) * (1.0 - NEAREST_SAMPLE)
+    if modes is not None:
+        end = modes.segments[-1]
+        if end["time"] + end["h"] < last:
+            raise ValueError("steps of this history are missing: the dimension step must be complete")
+        return
+    if not lines.size:
+        raise ValueError("the run of an FMU has no segments: its motion is known at the times t only")
+    if lines["time"][0] != 0.0 or lines["time"][-1] < last / unit:
+        raise ValueError("segments of this history are missing: the dimension segment must be complete")
 
 
 def trace_of(ds: xr.Dataset) -> Trace:
@@ -207,14 +258,16 @@ def _events(history: History) -> dict[str, Any]:
     }
 
 
-def _segments(history: History) -> dict[str, Any]:
-    problem, lines = history.problem, history.lines
+def _closed_form(history: History) -> dict[str, Any]:
+    problem, form = history.problem, history.closed_form
+    energies = history.vibration_energy_by_mode
     return {
         **{f"scale_{name}": value for name, value in asdict(problem.scales).items()},
         "drift_velocity": problem.drift,
         "impactor_share": problem.share,
-        "target_compliance": problem.curve.native.compliance,
-        **{f"segment_{name}": lines[name] for name in LINE_DTYPE.names or ()},
+        "target_compliance": form.compliance,
+        **{f"{dim}_{name}": table[name] for dim, table in form.tables.items() for name in table.dtype.names or ()},
+        **({} if energies is None else {MODE_ENERGY.name: energies}),
     }
 
 
@@ -231,7 +284,7 @@ def _attributes(history: History, command: str) -> dict[str, Any]:
             f"events from first touch. Outcome: {history.outcome.value}.",
             source=f"{PROGRAM}, {_method(history)}",
             command=command,
-            comment=COMMENT,
+            comment=COMMENT if history.vibration is None else STEPS_COMMENT,
         ),
         **text_and_hash("scene", scene.archived_text()),
         "contact_law": str(law),

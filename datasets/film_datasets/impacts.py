@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, index_or_all
 from film_model.base.errors import SceneError
-from film_model.core import native
-from film_model.core.records import Lines, record_many, sample_many
+from film_model.core.records import Rows, record_many, sample_many
 from film_model.effects.choose import problem_of
 from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import rows_of
@@ -26,28 +25,31 @@ from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.batch import simulate_many
+from film_model.solve.closed_form import TABLES, ClosedForm
 from film_model.solve.derivatives import Entry, entries_of
 from film_model.solve.history import MOTION
 from film_model.solve.many_derivatives import ManyDerivatives, derivatives_of_many
-from film_model.solve.simulate import simulate_quietly
+from film_model.solve.many_modes import Followed, closed_forms
 
 SEGMENT_UNITS = (*(f"scale_{scale.name}" for scale in fields(Scales)), "drift_velocity", "impactor_share")
-"""Values that convert an impact's segments to SI, by the names of the schema."""
+"""Values that convert an impact's closed form to SI, by the names of the schema."""
 
 ENERGY_GAIN = 1e-9
 """Fraction of the kinetic energy: a smaller negative energy_absorbed is rounding error, not a law that gains energy."""
 
 
 @dataclass(frozen=True)
-class Segments:
-    """Segments of impacts that share a contact law.
+class ClosedForms:
+    """The motions of impacts that share a contact law and modes, in closed form.
 
-    index: of the impacts. lines: the segments of each, in the core's units.
-    units: the values of `SEGMENT_UNITS` and the target's compliance, one of each per impact.
+    index: of the impacts. tables: the rows of each, and shared: the rows that are the same for all, by the names of
+    `film_model.solve.closed_form.TABLES`. units: the values of `SEGMENT_UNITS` and the target's compliance, one of each
+    per impact.
     """
 
     index: Index
-    lines: Lines
+    tables: dict[str, Rows]
+    shared: dict[str, NDArray[Any]]
     units: dict[str, Array]
 
 
@@ -71,21 +73,22 @@ class Impacts:
     estimated: Array
     _problems: tuple[Problem, ...] = field(repr=False)
     _segments: NDArray[np.int32] = field(repr=False)
-    _numbers: Mapping[str, Array] = field(repr=False)
+    _followed: tuple[Followed, ...] = field(repr=False)
 
     @property
     def on_modes(self) -> NDArray[np.bool_]:
-        """Which impacts are on targets that vibrate: their motion has no segments of the march."""
+        """Which impacts are on targets that vibrate."""
         return (self._segments[:, 0] == 0) & (self.status >= 0)
 
-    def segments(self) -> Iterator[Segments]:
-        """The closed-form segments of all impacts that have a contact law, except those on targets that vibrate."""
+    def closed_forms(self) -> Iterator[ClosedForms]:
+        """The motions of all impacts that have a contact law."""
         for problem in self._curves():
-            units = {f"scale_{name}": value for name, value in vars(problem.scales).items()}
-            units.update(drift_velocity=problem.drift, impactor_share=problem.share)
             index = rows_of(problem)
-            units["target_compliance"] = np.full(index.size, problem.curve.native.compliance)
-            yield Segments(index, self._record(problem), units)
+            compliance = np.full(index.size, problem.curve.native.compliance)
+            yield ClosedForms(index, {"segment": self._record(problem)}, {}, _units(problem, compliance))
+        for followed in self._followed:
+            found = zip(followed.rows.tolist(), closed_forms(followed), strict=True)
+            yield _on_modes(followed, {row: form for row, form in found if form is not None})
 
     def samples(self, count: int) -> dict[str, Array]:
         """Motion at `count` evenly spaced times of each contact: (impacts, count), NaN if the contact does not end.
@@ -96,7 +99,7 @@ class Impacts:
 
     def motion(self, times: Array) -> dict[str, Array]:
         """Motion at ascending times [s] of each impact: (impacts, times); NaN where the times are NaN, and of impacts
-        that failed. Impacts on targets that vibrate have no segments: they are simulated again, one by one."""
+        that failed."""
         motion = {name: np.full(times.shape, np.nan) for name in MOTION}
         for problem in self._curves():
             index, lines = rows_of(problem), self._record(problem)
@@ -108,26 +111,30 @@ class Impacts:
             found = motion_of(scales, drift, share, problem.free, t, np.moveaxis(values, -1, 0))
             for name, column in motion.items():
                 column[index[known]] = found[name]
-        for row in np.flatnonzero(self.on_modes & np.isfinite(times[:, -1])).tolist():
-            own = scene_with_numbers(self.scene, {path: float(values[row]) for path, values in self._numbers.items()})
-            found = simulate_quietly(own).sample_si(times[row])
-            for name, column in motion.items():
-                column[row] = getattr(found, name)
+        for followed in self._followed:
+            units = _units(followed.problem, followed.start["rest"])
+            for place, (row, form) in enumerate(zip(followed.rows.tolist(), closed_forms(followed), strict=True)):
+                if form is None or not np.isfinite(times[row, -1]):
+                    continue
+                own = {name: float(column[place]) for name, column in units.items()}
+                found = motion_of_form(followed.problem, form, own, times[row])
+                for name, column in motion.items():
+                    column[row] = found[name]
         return motion
 
     def _curves(self) -> Iterator[Problem]:
         for problem in self._problems:
             yield from problem.by_curve()
 
-    def _record(self, problem: Problem) -> Lines:
+    def _record(self, problem: Problem) -> Rows:
         """The segments of each impact, on its own mesh."""
         refuse_relaxation(problem, "storing the motion of many impacts")
-        own, parts = self._segments[rows_of(problem)], list[tuple[Index, Lines]]()
+        own, parts = self._segments[rows_of(problem)], list[tuple[Index, Rows]]()
         for counts in np.unique(own, axis=0).tolist():
             places = np.flatnonzero((own == counts).all(axis=1))
             mesh = mesh_of(self.scene.solver, tuple(counts))
             parts.append((places, record_many(problem.curve.native, mesh, problem.start[places])))
-        return Lines.together(parts, len(own))
+        return Rows.together(parts, len(own))
 
     def derivatives(self, numbers: Mapping[str, Array], asked: Iterable[Entry]) -> tuple[list[Entry], ManyDerivatives]:
         """Derivatives by those of the numbers asked for that the scene has, as exact as its accuracy.
@@ -141,6 +148,26 @@ class Impacts:
         solver = self.scene.solver
         target = solver.accuracy or DEFAULT_ACCURACY
         return known, derivatives_of_many(self.scene, numbers, known, self._problems, self.on_modes, solver, target)
+
+
+def _units(problem: Problem, compliance: Array) -> dict[str, Array]:
+    """The units of the closed forms of impacts. compliance: of the target, for each."""
+    units = {f"scale_{name}": value for name, value in vars(problem.scales).items()}
+    units |= {"drift_velocity": problem.drift, "impactor_share": problem.share, "target_compliance": compliance}
+    return {name: np.broadcast_to(value, compliance.shape) for name, value in units.items()}
+
+
+def _on_modes(followed: Followed, forms: Mapping[int, ClosedForm]) -> ClosedForms:
+    """The motions of impacts on the same modes, by their rows."""
+    rows = np.array(list(forms), np.intp)
+    tables: dict[str, Rows] = {}
+    for name in ("step", "flight_mode"):
+        each = [form.tables[name] for form in forms.values()]
+        joined = np.concatenate(each) if each else np.empty(0, TABLES[name])
+        tables[name] = Rows(joined, np.array([table.size for table in each], np.int32))
+    shared = {"mode": next(iter(forms.values())).tables["mode"]} if forms else {}
+    units, kept = _units(followed.problem, followed.start["rest"]), np.isin(followed.rows, rows)
+    return ClosedForms(rows, tables, shared, {name: column[kept] for name, column in units.items()})
 
 
 def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
@@ -171,18 +198,24 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
         found.estimated,
         found.problems,
         found.segments,
-        numbers,
+        found.followed,
     )
 
 
-def sample_segments(scene: Scene, lines: NDArray[Any], units: Mapping[str, float], times: Array) -> dict[str, Array]:
-    """Motion of one impact at any times [s] from its stored segments. units: the values of `SEGMENT_UNITS`."""
+def sample_closed_form(scene: Scene, form: ClosedForm, units: Mapping[str, float], times: Array) -> dict[str, Array]:
+    """Motion of one impact at any times [s] from its stored closed form. units: the values of `SEGMENT_UNITS`.
+
+    Raises ValueError for a motion on modes that is damaged.
+    """
+    return motion_of_form(problem_of(scene), form, units, times)
+
+
+def motion_of_form(problem: Problem, form: ClosedForm, units: Mapping[str, float], times: Array) -> dict[str, Array]:
+    """The same; problem: one with the law of the impact."""
     *scales, drift, share = (units[name] for name in SEGMENT_UNITS)
-    order = np.argsort(times, kind="stable")
-    problem, units_of_lines = problem_of(scene), Scales(*scales)
-    values = np.empty((times.size, 5))
-    values[order] = native.sample(problem.curve.native, lines, times[order] / units_of_lines.time)[0]
-    return motion_of(units_of_lines, drift, share, problem.free, times, values.T)
+    own, order, values = Scales(*scales), np.argsort(times, kind="stable"), np.empty((times.size, 5))
+    values[order] = form.sample(problem, own.time, times[order] / own.time)[0]
+    return motion_of(own, drift, share, problem.free, times, values.T)
 
 
 def scene_with_numbers(scene: Scene, numbers: Mapping[str, float]) -> Scene:

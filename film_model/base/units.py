@@ -46,8 +46,11 @@ DIMENSIONS: dict[str, Dimension] = {
     "inverse_velocity": Dimension("s m-1", "an inverse velocity", "0.3 s/m"),
     "acceleration": Dimension("m s-2", "an acceleration", "9.81 m/s^2"),
     "frequency": Dimension("Hz", "a frequency", "10 kHz"),
+    "angular_frequency": Dimension("rad s-1", "an angular frequency", "100 rad/s"),
+    "rate": Dimension("s-1", "a rate", "100 s^-1"),
     "force": Dimension("N", "a force", "500 N"),
     "pressure": Dimension("Pa", "a pressure", "210 GPa"),
+    "inverse_mass": Dimension("kg-1", "an inverse mass", "2 kg^-1"),
     "density": Dimension("kg m-3", "a density", "7850 kg/m^3"),
     "mass_per_area": Dimension("kg m-2", "a mass per area", "4.1 kg/m^2"),
     "energy": Dimension("J", "an energy", "2 mJ"),
@@ -130,11 +133,14 @@ def si_unit(dimension: str) -> str:
 
 
 def scene_unit(dimension: str) -> str:
-    """The SI unit as scene files write it, e.g. "kg/m^3"; empty if dimensionless."""
+    """The SI unit as scene files write it, e.g. "kg/m^3" or "kg^-1"; empty if dimensionless."""
     above: list[str] = []
     below: list[str] = []
-    for word, power in re.findall(r"([A-Za-z]+)(-?[0-9])?", si_unit(dimension)):
+    found = re.findall(r"([A-Za-z]+)(-?[0-9])?", si_unit(dimension))
+    for word, power in found:
         (below if "-" in power else above).append(f"{word}^{power.strip('-')}" if power.strip("-1") else word)
+    if below and not above:
+        return "*".join(f"{word}^{power}" for word, power in found)
     return "/".join(["*".join(above), *below])
 
 

@@ -17,6 +17,7 @@ from film_model.cli.output import (
     check_writable,
     listed,
     print_json,
+    print_note,
     print_warnings,
     print_written,
 )
@@ -110,7 +111,8 @@ def _add_sweep(parser: argparse.ArgumentParser) -> None:
 
 
 def sweep(options: argparse.Namespace) -> int:
-    from film_datasets.sweeps import ProgressBar, finish_shards, read_sweep, run_sweep, sweep_report
+    from film_datasets.files import size_of
+    from film_datasets.sweeps import ProgressBar, finish_shards, read_sweep, run_sweep, sizes_text, sweep_report
 
     asked = read_sweep(options.sweep, options.keep, listed(options.derivatives), listed(options.variables))
     if options.shard:
@@ -130,6 +132,7 @@ def sweep(options: argparse.Namespace) -> int:
             resume=options.resume,
             overwrite=options.force,
             progress=ProgressBar(),
+            announce=print_note,
         )
     with dataset:
         report = sweep_report(dataset)
@@ -138,6 +141,9 @@ def sweep(options: argparse.Namespace) -> int:
     else:
         print(_sweep_table(report))
         print_written(options.output)
+    if "segments" in report:
+        size = sizes_text(report["segments"]["bytes"], report["impacts"], options.output, size_of(options.output))
+        print_note(f"written: {size}")
     print_warnings(report["warnings"])
     return FAILED if report["failed"] == report["impacts"] else DONE
 

@@ -50,6 +50,11 @@ def print_written(*paths: str | None) -> None:
         print(f"wrote {path}", file=sys.stderr)
 
 
+def print_note(sentence: str) -> None:
+    """Print a sentence to standard error."""
+    print(sentence, file=sys.stderr)
+
+
 def print_warnings(warnings: Iterable[str]) -> None:
     """Print warnings to standard error."""
     for warning in warnings:

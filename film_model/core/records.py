@@ -15,28 +15,30 @@ LINES, EVENTS = 1 << 14, 1 << 10
 """Lines and events that are recorded at a time; a contact with more is recorded by itself."""
 
 
-class Lines(NamedTuple):
-    """Lines of many contacts, one after the other (LINE_DTYPE), and how many each has."""
+class Rows(NamedTuple):
+    """Rows of many contacts, such as lines, one after the other, and how many each has."""
 
     table: NDArray[Any]
     counts: NDArray[np.int32]
 
-    def part(self, places: NDArray[np.intp]) -> Lines:
+    def part(self, places: NDArray[np.intp]) -> Rows:
         """Of some of the contacts."""
         counts = self.counts[places]
-        return Lines(
+        return Rows(
             _words(self.table)[_positions(_begins(self.counts)[places], counts)].view(self.table.dtype)[:, 0], counts
         )
 
     @classmethod
-    def together(cls, parts: Sequence[tuple[NDArray[np.intp], Lines]], count: int) -> Lines:
-        """Of `count` contacts, from parts and the places of their contacts; a place in no part has no lines."""
+    def together(
+        cls, parts: Sequence[tuple[NDArray[np.intp], Rows]], count: int, dtype: np.dtype[Any] = native.LINE_DTYPE
+    ) -> Rows:
+        """Of `count` contacts, from parts and the places of their contacts; a place in no part has no rows."""
         counts = np.zeros(count, np.int32)
-        for places, lines in parts:
-            counts[places] = lines.counts
-        begins, table = _begins(counts), np.empty(int(counts.sum(dtype=np.int64)), native.LINE_DTYPE)
-        for places, lines in parts:
-            _words(table)[_positions(begins[places], lines.counts)] = _words(lines.table)
+        for places, rows in parts:
+            counts[places] = rows.counts
+        begins, table = _begins(counts), np.empty(int(counts.sum(dtype=np.int64)), dtype)
+        for places, rows in parts:
+            _words(table)[_positions(begins[places], rows.counts)] = _words(rows.table)
         return cls(table, counts)
 
 
@@ -54,7 +56,7 @@ def _positions(begins: NDArray[np.int64], counts: NDArray[np.int32]) -> NDArray[
     return np.repeat(begins - _begins(counts), counts) + np.arange(int(counts.sum(dtype=np.int64)))
 
 
-def record_many(curve: native.Curve, cut: native.Mesh, start: NDArray[Any]) -> Lines:
+def record_many(curve: native.Curve, cut: native.Mesh, start: NDArray[Any]) -> Rows:
     """The lines of each of many contacts (START_DTYPE); none for one that fails or does not begin with a velocity."""
     start, record = np.ascontiguousarray(start, native.START_DTYPE), native.library().film_record_many
     memory, events = np.empty(LINES, native.LINE_DTYPE), np.empty(EVENTS * native.STATE_DTYPE.itemsize, np.uint8)
@@ -69,7 +71,7 @@ def record_many(curve: native.Curve, cut: native.Mesh, start: NDArray[Any]) -> L
             own[0] = lines.size
         found.append(_words(lines).copy())
         first += done
-    return Lines(np.concatenate(found).view(native.LINE_DTYPE)[:, 0], counts)
+    return Rows(np.concatenate(found).view(native.LINE_DTYPE)[:, 0], counts)
 
 
 def _alone(curve: native.Curve, cut: native.Mesh, begin: native.Start) -> NDArray[Any]:
@@ -77,7 +79,7 @@ def _alone(curve: native.Curve, cut: native.Mesh, begin: native.Start) -> NDArra
     return lines if status >= 0 else lines[:0]
 
 
-def sample_many(curve: native.Curve, lines: Lines, times: NDArray[np.float64]) -> NDArray[np.float64]:
+def sample_many(curve: native.Curve, lines: Rows, times: NDArray[np.float64]) -> NDArray[np.float64]:
     """(contacts, times, 5) values as `native.sample` at ascending times (contacts, times); every contact has lines."""
     times, table = np.ascontiguousarray(times, np.float64), np.ascontiguousarray(lines.table)
     values, flags = np.empty((*times.shape, 5)), np.empty((2, times.shape[1]), np.int8)

@@ -24,7 +24,7 @@ from film_model.scene import SLOWEST, Scene, Solver, Sphere
 from film_model.scene.columns import scene_of_columns
 from film_model.solve.accuracy import solver_for
 from film_model.solve.many_meshes import march_many
-from film_model.solve.many_modes import on_modes
+from film_model.solve.many_modes import Followed, on_modes
 
 STATUSES = {code: (status.word, status.sentence) for code, status in errors.STATUSES.items() if status.of_row}
 """How an impact of a batch can end: word and sentence. Negative: it failed, and its values are nan."""
@@ -37,7 +37,7 @@ class ManyResult:
     status: keys of `STATUSES`. laws: names, and law: the number of each impact's among them. segments: per loading
     stage and of unloading, for each impact, 0 if its target vibrates. estimated: bound on the relative error of every
     value, nan for an impact that failed; of vibrating targets from those impacts that were tried with two numbers of
-    modes. problems: what was marched; `rows_of` gives the impacts of each.
+    modes. problems: what was marched; `rows_of` gives the impacts of each. followed: the impacts on modes.
     """
 
     summary: dict[str, Array]
@@ -47,6 +47,7 @@ class ManyResult:
     segments: NDArray[np.int32]
     estimated: Array
     problems: tuple[Problem, ...]
+    followed: tuple[Followed, ...]
 
     @property
     def on_modes(self) -> Mask:
@@ -176,7 +177,7 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
         estimated[rows] = made.estimated + problem.curve.fit_error
         for name, column in summary_of(problem, made.status, made.core).items():
             summary[name][rows] = column
-    vibrating = np.flatnonzero(status == VIBRATES)
+    vibrating, followed = np.flatnonzero(status == VIBRATES), list[Followed]()
     if vibrating.size:
         found = on_modes(scene, columns, vibrating, solver)
         status[vibrating] = found.status
@@ -185,4 +186,5 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
         law[vibrating] = [laws.index(name) for name in found.laws]
         for name, values in found.summary.items():
             summary[name][vibrating] = values
-    return ManyResult(summary, status, tuple(laws), law, segments, estimated, tuple(problems))
+        followed = found.followed
+    return ManyResult(summary, status, tuple(laws), law, segments, estimated, tuple(problems), tuple(followed))

@@ -19,14 +19,15 @@ from film_model.effects.effect import Effect
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
+from film_model.solve.closed_form import ClosedForm
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
     from film_model.solve.derivatives import Derivatives
+    from film_model.solve.modal_motion import ModalMotion
     from film_model.solve.relaxed import Relaxed
-    from film_model.solve.vibration import Vibration
 
 MOTION: dict[str, tuple[str, str]] = {
     "indentation": ("length", "impactor displacement less target displacement"),
@@ -145,7 +146,7 @@ class History:
     summary: Mapping[str, float | None] = field(hash=False)
     accuracy: Accuracy
     remarks: tuple[str, ...]
-    vibration: Vibration | None = field(default=None, repr=False, compare=False)
+    vibration: ModalMotion | None = field(default=None, repr=False, compare=False)
     relaxed: Relaxed | None = field(default=None, repr=False, compare=False)
     derivatives: Derivatives | None = field(default=None, repr=False, compare=False)
 
@@ -190,6 +191,14 @@ class History:
     def vibration_energy_by_mode(self) -> NDArray[np.float64] | None:
         """Energy of each natural vibration at the end, J, in the order of `vibration.frequency`; None without modes."""
         return None if self.vibration is None else self.vibration.energies * self.problem.scales.energy
+
+    @property
+    def closed_form(self) -> ClosedForm:
+        """The motion as tables of plain numbers; empty for viscoelastic bodies."""
+        on = self.vibration
+        if on is not None:
+            return ClosedForm.of_modes(on.tables, on.segments, on.flights)
+        return ClosedForm.of_lines(self.lines, self.problem.curve.native.compliance)
 
     @property
     def duration(self) -> float:

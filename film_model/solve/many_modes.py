@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -18,14 +18,17 @@ from film_model.base.arrays import Array, Index
 from film_model.base.errors import VIBRATES, CoreError, SimulationError, TooManyModes
 from film_model.core import modal, native
 from film_model.effects.choose import problem_of
+from film_model.effects.many import rows_of
 from film_model.laws import LAWS, AbstractLaw
+from film_model.problem.curve import curve_of
 from film_model.problem.law_of_scene import SceneLaw
 from film_model.problem.problem import Columns, Impacts, Problem
 from film_model.problem.summary import SUMMARY, difference, radiated, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.columns import scene_of_columns
 from film_model.solve import structures, vibration
-from film_model.solve.vibration import vibrate
+from film_model.solve.closed_form import ClosedForm
+from film_model.solve.vibration import Vibration, vibrate
 
 Table = Any  # a structured array of the core
 
@@ -39,13 +42,55 @@ MOST_RUNS = 5
 """Runs of rows together, each with twice the highest frequency; rows that need more are simulated one by one."""
 
 
+Modes = tuple[Array, Array, Array, float]
+"""The arguments of `modal.Tables`."""
+
+
+class Followed(NamedTuple):
+    """How impacts on the same modes were followed, so that they can be recorded. problem: of one impact, or of all.
+    start: their starts (modal.START_DTYPE)."""
+
+    rows: Index
+    problem: Problem
+    modes: Modes
+    start: Table
+
+    @classmethod
+    def one(cls, row: int, problem: Problem, found: Vibration) -> Followed:
+        """One impact, from the impact itself."""
+        start: Table = np.array([tuple(getattr(found.start, name) for name in _START)], modal.START_DTYPE)
+        return cls(np.array([row]), problem, _modes(found.tables), start)
+
+    def without(self, rows: Index) -> Followed:
+        """The same except some rows."""
+        kept = ~np.isin(self.rows, rows)
+        return Followed(self.rows[kept], self.problem.part(kept), self.modes, self.start[kept])
+
+
+_START = modal.START_DTYPE.names or ()
+
+
+def _modes(tables: modal.Tables) -> Modes:
+    return tables.frequency, tables.share, tables.ratio, tables.longest
+
+
+def closed_forms(followed: Followed) -> Iterator[ClosedForm | None]:
+    """The motion of each impact, followed once more; None if its record takes more than `modal.MOST_MEMORY`."""
+    tables, curve = modal.Tables(*followed.modes), curve_of(followed.problem.law).native
+    for start in followed.start.tolist():
+        found = modal.impact(tables, curve, modal.Start(*start))
+        yield ClosedForm.of_modes(tables, found.segments, found.flights) if found.status >= 0 else None
+
+
 class Vibrating(NamedTuple):
-    """The results of some rows: values by the names of `SUMMARY`, status, law names; estimated: error of each row."""
+    """The results of some rows: values by the names of `SUMMARY`, status, law names; estimated: error of each row.
+    followed: the rows that did not fail, in groups."""
 
     summary: dict[str, Array]
     status: NDArray[np.int32]
     laws: list[str]
     estimated: Array
+    followed: list[Followed]
 
 
 def on_modes(scene: Scene, columns: Mapping[str, Array], rows: Index, solver: Solver) -> Vibrating:
@@ -66,7 +111,7 @@ def _problem(scene: Scene, columns: Mapping[str, Array], row: int) -> Problem:
 def _one_by_one(scene: Scene, columns: Mapping[str, Array], rows: Index, accuracy: float) -> Vibrating:
     values = {name: np.full(rows.size, np.nan) for name in SUMMARY}
     status, laws = np.full(rows.size, native.BAD_NUMBER, np.int32), list[str]()
-    errors = np.full(rows.size, np.nan)
+    errors, followed = np.full(rows.size, np.nan), list[Followed]()
     for place, row in enumerate(rows.tolist()):
         problem = _problem(scene, columns, row)
         laws.append(problem.law.name)
@@ -80,24 +125,26 @@ def _one_by_one(scene: Scene, columns: Mapping[str, Array], rows: Index, accurac
             continue
         status[place] = found.status
         errors[place] = estimated + problem.curve.fit_error
+        followed.append(Followed.one(row, problem, found))
         summary = summary_of(problem, int(status[place]), found.summary) | found.energies_in_si(problem)
         for name, value in summary.items():
             values[name][place] = value
-    return Vibrating(values, status, laws, errors)
+    return Vibrating(values, status, laws, errors, followed)
 
 
 # ---------------------------------------------------------------- one structure
 
 
 def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, accuracy: float) -> Vibrating | None:
-    """The impacts on one structure; None if they need more than one law or curve."""
+    """The impacts on one structure; None if they need more than one law or curve. Where the yield strength rises with
+    the strain rate, each impact has a law of its own."""
     own = {path: values[rows] for path, values in columns.items()}
     varied = scene_of_columns(scene, own)
     order = np.argsort(np.broadcast_to(varied.approach_velocity**2 * varied.mass, rows.shape), kind="stable")
     places = np.unique(np.linspace(0, rows.size - 1, TRIED).astype(int))
     problems = [_problem(scene, columns, int(rows[order[place]])) for place in places.tolist()]
     first = problems[0]
-    if any(p.law.name != first.law.name or p.curve is not first.curve or not p.vibrates for p in problems):
+    if any(p.law != first.law or p.curve is not first.curve or not p.vibrates for p in problems):
         return None
     try:
         runs = [vibrate(problem, scene.target, accuracy, []) for problem in problems]
@@ -120,9 +167,13 @@ def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, a
 
     limit = max(vibration.time_limit(problem, scene.target) for problem in problems)
     status, core, estimated = np.empty(rows.size, np.int32), _no_summaries(rows.size), np.empty(rows.size)
+    followed = list[Followed]()
     for value in np.unique(highest):
         at = np.flatnonzero(highest == value)
-        status[at], core[at], estimated[at] = _refined(problem_at, at, float(value), tolerance[at], limit, accuracy)
+        status[at], core[at], estimated[at], done = _refined(
+            problem_at, at, float(value), tolerance[at], limit, accuracy
+        )
+        followed += done
     whole = problem_at(np.arange(rows.size))
     values = summary_of(whole, status, Columns(core))
     energy = radiated(whole, Columns(core)) * whole.scales.energy
@@ -130,7 +181,7 @@ def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, a
     if tried[0].reversible:
         values["energy_absorbed"] = np.where(status == native.EVENT, 0.0, values["energy_absorbed"])
     poor = ~(estimated <= accuracy)
-    found = Vibrating(values, status, [first.law.name] * rows.size, estimated + first.curve.fit_error)
+    found = Vibrating(values, status, [first.law.name] * rows.size, estimated + first.curve.fit_error, followed)
     return _again(found, scene, columns, rows, accuracy, poor) if poor.any() else found
 
 
@@ -162,56 +213,68 @@ def _again(
     for name, column in found.summary.items():
         column[poor] = better.summary[name]
     found.status[poor], found.estimated[poor] = better.status, better.estimated
-    return found
+    return found._replace(followed=[*(group.without(rows[poor]) for group in found.followed), *better.followed])
 
 
 def _refined(
     problem_at: Callable[[Index], Problem], rows: Index, highest: float, tolerance: Array, limit: float, accuracy: float
-) -> tuple[NDArray[np.int32], Table, Array]:
+) -> tuple[NDArray[np.int32], Table, Array, list[Followed]]:
     """Statuses, the core's summaries and estimates of some rows, by the rule of :func:`vibration.vibrate` from a
-    quarter of a highest frequency on; the estimate of rows that need more than `MOST_RUNS` is above the accuracy.
+    quarter of a highest frequency on; the estimate of rows that need more than `MOST_RUNS` is above the accuracy, and
+    how they were followed is omitted.
 
     Of the rows that reach the accuracy together each gets the largest estimate: one row's runs may agree by chance.
     """
     status, core, estimated = np.empty(rows.size, np.int32), _no_summaries(rows.size), np.full(rows.size, np.inf)
-    left, coarse, before = np.arange(rows.size), _no_summaries(0), np.ones(rows.size)
+    left, coarse, before, followed = np.arange(rows.size), _no_summaries(0), np.ones(rows.size), list[Followed]()
     for k in range(MOST_RUNS):
         problem, steps = problem_at(rows[left]), tolerance[left] * vibration.REFINED ** (2 - k)
         try:
-            found, fine = _follow(problem, highest * 2.0 ** (k - 2), steps, limit)
+            run = _follow(problem, highest * 2.0 ** (k - 2), steps, limit)
         except TooManyModes:
             break
+        fine = run.core
         if k > 0:
             change = difference(problem, Columns(coarse), Columns(fine))
             errors = vibration.error_of(problem, before, change) + steps
-            done = (errors <= accuracy) & (found >= 0)
+            done = (errors <= accuracy) & (run.status >= 0)
             status[left[done]], core[left[done]], estimated[left[done]] = (
-                found[done],
+                run.status[done],
                 fine[done],
                 np.max(errors[done], initial=0.0),
             )
+            followed.append(Followed(rows_of(problem)[done], problem.part(done), run.modes, run.start[done]))
             left, fine, before = left[~done], fine[~done], change[~done]
         if not left.size:
             break
         coarse = fine
-    return status, core, estimated
+    return status, core, estimated, [group for group in followed if group.rows.size]
 
 
-def _follow(whole: Problem, highest: float, tolerance: Array, limit: float) -> tuple[NDArray[np.int32], Table]:
-    """Statuses and the core's summaries; each processor has tables of its own."""
+class _Run(NamedTuple):
+    """Impacts on the same modes: statuses, the core's summaries and starts."""
+
+    status: NDArray[np.int32]
+    core: Table
+    start: Table
+    modes: Modes
+
+
+def _follow(whole: Problem, highest: float, tolerance: Array, limit: float) -> _Run:
+    """The impacts on the modes up to a frequency; each processor has tables of its own."""
     scales, target, count = whole.scales, whole.scene.target, np.size(whole.approach)
     longest = float(np.max(scales.time))
-    rest = structures.omitted_compliance(target, highest, longest) * scales.force / scales.length
+    omitted = structures.omitted_compliance(target, highest, longest) * scales.force / scales.length
+    made = structures.made(target, highest, longest)
+    tables, used = structures.tables_of(whole, made, float(np.max(omitted)))
     start = cast("Table", np.zeros(count, modal.START_DTYPE))
-    start["nu"], start["load"], start["rest"], start["damping"] = whole.approach, whole.load, rest, whole.damping
+    start["nu"], start["load"], start["damping"] = whole.approach, whole.load, whole.damping
     start["mass"], start["unit"], start["tolerance"], start["limit"] = whole.mass, scales.time, tolerance, limit
+    start["rest"] = omitted * (used > 0.0)
+    modes = _modes(tables)
 
     def part(places: Index) -> tuple[NDArray[np.int32], Table]:
-        made = structures.made(target, highest, longest)
-        tables, used = structures.tables_of(whole, made, float(np.max(rest)))
-        own = start[places]
-        own["rest"] *= used > 0.0
-        return modal.batch(tables, whole.curve.native, own)
+        return modal.batch(modal.Tables(*modes), whole.curve.native, start[places])
 
     from concurrent.futures import ThreadPoolExecutor
 
@@ -221,4 +284,4 @@ def _follow(whole: Problem, highest: float, tolerance: Array, limit: float) -> t
     core = cast("Table", np.concatenate([table for _, table in found])["core"].copy())
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):
         core[name] /= scales.time
-    return np.concatenate([status for status, _ in found]), core
+    return _Run(np.concatenate([status for status, _ in found]), core, start, modes)

@@ -6,7 +6,7 @@ import math
 import warnings as python_warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -97,7 +97,8 @@ def simulate_quietly(
 
     entries, choice = entries_of(scene, derivatives), choose(scene)
     history = simulate_chosen(choice, solver)
-    return replace(history, derivatives=derivatives_of(choice, solver, entries, history.vibration))
+    vibration = cast("Vibration | None", history.vibration)  # simulated here, not read from a file
+    return replace(history, derivatives=derivatives_of(choice, solver, entries, vibration))
 
 
 def simulate_chosen(choice: Choice, solver: Solver) -> History:

@@ -19,6 +19,7 @@ from film_model.problem.summary import differences, radiated
 from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.solve import structures
 from film_model.solve.accuracy import raise_failure
+from film_model.solve.modal_motion import ModalMotion
 from film_model.targets import AbstractTarget
 
 Array = NDArray[np.float64]
@@ -89,31 +90,20 @@ class Moment(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Vibration:
-    """An impact on a vibrating target, in the units of the march. `summary` as the core's.
+class Vibration(ModalMotion):
+    """An impact on a vibrating target and how it was followed, in the units of the march. `summary` as the core's.
 
-    segments: steps in contact, and flights; flights: the modes' state at the beginning of each. A step in contact has
-    320 bytes, a flight 16 bytes per mode. met: the events, as the core records them. start: as given to the core.
-    energies: of each mode at the end. contacts: how many ended. highest: frequency up to which there are modes, rad/s.
+    highest: frequency up to which there are modes, rad/s. start: as given to the core. met: the events, as the core
+    records them. contacts: how many ended.
     """
 
-    curve: native.Curve = field(repr=False)
-    tables: modal.Tables = field(repr=False)
     highest: float
     start: modal.Start = field(repr=False)
-    segments: NDArray[Any] = field(repr=False)
-    flights: Array = field(repr=False)
     met: NDArray[Any] = field(repr=False)
     outcome: Outcome
     summary: native.Summary = field(repr=False)
-    energies: Array = field(repr=False)
     contacts: int
     waited: bool
-
-    @property
-    def unit(self) -> float:
-        """The march's unit of time, s."""
-        return self.start.unit
 
     @cached_property
     def events(self) -> tuple[Moment, ...]:
@@ -123,21 +113,6 @@ class Vibration:
             Moment(native.EVENTS[kind], time / self.unit, values, branch)
             for kind, time, values, branch in zip(*columns, strict=True)
         )
-
-    @property
-    def frequency(self) -> Array:
-        """Natural frequencies, rad/s."""
-        return self.tables.frequency
-
-    @property
-    def modes(self) -> int:
-        """Number of modes."""
-        return self.tables.count
-
-    @property
-    def energy(self) -> float:
-        """Energy of all modes at the end."""
-        return float(self.energies.sum())
 
     @property
     def status(self) -> int:
@@ -165,18 +140,9 @@ class Vibration:
         return (given | ({"energy_absorbed": 0.0} if self.reversible else {})) if self.separated else {}
 
     @property
-    def damped(self) -> bool:
-        """Whether the modes are damped."""
-        return bool(self.tables.ratio.any())
-
-    @property
     def work(self) -> int:
         """Steps times modes, as limited by `MOST_WORK`."""
         return int(self.summary.lines) * (self.modes + 100)
-
-    def sample(self, times: Array) -> tuple[Array, NDArray[np.int8]]:
-        """(count, 5) values ξ, ξ', f, ν, displacement of the struck point at ascending times, and branch of each."""
-        return modal.sample(self.tables, self.curve, self.segments, self.flights, times * self.unit)
 
 
 ModesUpTo = Callable[[float], structures.Structure]
@@ -300,23 +266,23 @@ def run(
     )
     found = modal.impact(tables, curve, start, expected)
     raise_failure(found.status, problem)
-    outcome = _OUTCOMES[found.status]
     core = found.summary.core
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):
         setattr(core, name, getattr(core, name) / scales.time)
     return Vibration(
-        curve,
-        tables,
-        structure.highest,
-        start,
-        found.segments,
-        found.flights,
-        found.events,
-        outcome,
-        core,
-        found.energies,
-        found.summary.contacts,
-        bool(found.summary.waited),
+        curve=curve,
+        tables=tables,
+        unit=scales.time,
+        segments=found.segments,
+        flights=found.flights,
+        energies=found.energies,
+        highest=structure.highest,
+        start=start,
+        met=found.events,
+        outcome=_OUTCOMES[found.status],
+        summary=core,
+        contacts=found.summary.contacts,
+        waited=bool(found.summary.waited),
     )
 
 

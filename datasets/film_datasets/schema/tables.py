@@ -7,28 +7,36 @@ A new value in `film_model.solve.history.SUMMARY` gets its variables by itself; 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.schema.derivative_variables import derivatives_in
+from film_datasets.schema.motion_variables import (
+    MODE_ENERGY,
+    SEGMENT_PLACES,
+    SEGMENTS,
+    STEP_PLACES,
+    STEPS,
+    number,
+    segment_units,
+    spaced,
+    stage,
+)
 from film_datasets.schema.variable import (
     BYTE,
     FLOAT,
     IMPACTS,
     INTEGER,
-    LONG,
     TEXT,
     Variable,
     swept_name,
     swept_variables,
 )
 from film_model.base.errors import STATUSES
-from film_model.base.units import si_unit
-from film_model.core.native import EVENTS, LINE_DTYPE, PHASES, STRETCHED
-from film_model.problem.scales import Scales
+from film_model.core.native import EVENTS
 from film_model.solve.history import MOTION, SUMMARY
 from film_model.studies.reference import COMPARED
 
@@ -41,9 +49,18 @@ _STRESSES = (
     *("maximum_von_mises_stress", "depth_of_maximum_stress"),
 )
 
+_STEPS = tuple(variable.name for variable in (*STEP_PLACES, *STEPS))
+
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
-    HISTORY: {"1.1": (), "1.2": _STRESSES, "1.3": ()},
-    SWEEP: {"1.0": (), "1.1": ("estimated_accuracy", *_STRESSES), "1.2": ("scene_key",), "1.3": (), "1.4": ()},
+    HISTORY: {"1.1": (), "1.2": _STRESSES, "1.3": (), "1.4": (*_STEPS, MODE_ENERGY.name)},
+    SWEEP: {
+        "1.0": (),
+        "1.1": ("estimated_accuracy", *_STRESSES),
+        "1.2": ("scene_key",),
+        "1.3": (),
+        "1.4": (),
+        "1.5": _STEPS,
+    },
     MEASUREMENT: {"1.0": (), "1.1": ()},
     COST: {"1.0": ()},
 }
@@ -53,9 +70,6 @@ the variables that it added, so that files written before remain valid."""
 VERSIONS = {kind: list(versions)[-1] for kind, versions in ADDED.items()}
 """The version of each kind that is written."""
 
-BRANCHES = {-2: "no_contact", -1: "unloading"}
-"""Stage numbers below the law's own, which count from 0."""
-
 IMPACT_STATUSES = {code: status for code, status in sorted(STATUSES.items()) if status.of_row}
 """The statuses that an impact of a sweep can have, besides those of values that are out of range."""
 
@@ -63,108 +77,40 @@ OUT_OF_RANGE = max(IMPACT_STATUSES) + 1
 """Status of an impact whose value of the first swept quantity is out of range, +1 for the second, and so on."""
 
 
-def _spaced(name: str) -> str:
-    return name.replace("_", " ")
-
-
-def _number(
-    name: str, dims: tuple[str, ...], dimension: str, long_name: str, comment: str = "", optional: bool = False
-) -> Variable:
-    return Variable(name, dims, FLOAT, si_unit(dimension), long_name, comment, optional=optional)
-
-
-def _stage(name: str, dims: tuple[str, ...], long_name: str, comment: str = "") -> Variable:
-    return Variable(name, dims, BYTE, None, long_name, comment, tuple(BRANCHES.items()), more="stages")
-
-
-def branch_words(stages: Sequence[str], stretched: bool) -> dict[int, str]:
-    """Meanings of segment_branch beside `BRANCHES`: the stages and, of a law that yields and pulls, stretched ones."""
-    along = {STRETCHED - k: f"unloading_along_{word}" for k, word in enumerate(stages)} if stretched else {}
-    return dict(enumerate(stages)) | along
-
-
 _ABSENT = "NaN if there is none"
-
-_SEGMENT = {
-    "time": "time at which the segment begins",
-    "xi": "indentation there",
-    "nu": "velocity of the impactor there, relative to the target if that is a free body",
-    "shift": "target displacement there",
-    "phi": "force of the straight line there",
-    "kappa": "slope of the straight line",
-    "work": "work of the contact law there since its stage began",
-    "spent": "work done on the indentation since first touch",
-    "load": "external force on the impactor",
-    "gamma": "compliance of the target, scale_force/(impedance scale_velocity)",
-    "xi_free": "indentation at which the unloading branch ends",
-    "per_recovery": "one over the indentation from xi_origin to the turning point",
-    "f_max": "scale of the force on it, the force at the turning point where f_shift is 0",
-    "exponent": "exponent of the unloading branch, f_shift + f_max ((xi - xi_origin) per_recovery)^exponent",
-    "xi_origin": "indentation from which the unloading branch is counted",
-    "f_shift": "constant part of the force on the unloading branch",
-    "work_free": "work of the unloading branch at xi_free, counted from xi_origin",
-    "damping": "damping held on the segment",
-    "damper": "factor of the contact law's damping",
-}
-
-_LAW = "see attribute comment for the equations of motion on a segment"
 
 
 def _summary_variables(dims: tuple[str, ...]) -> tuple[Variable, ...]:
     """A variable for each value of film_model's summary."""
     return tuple(
-        _number(name, dims, dimension, _spaced(name), f"{what.partition(';')[0]}; {_ABSENT}", optional=True)
+        number(name, dims, dimension, spaced(name), f"{what.partition(';')[0]}; {_ABSENT}", optional=True)
         for name, (dimension, what) in SUMMARY.items()
     )
 
 
-def _segment_units(dims: tuple[str, ...], optional: bool = False) -> tuple[Variable, ...]:
-    """The units of the segments' values; scales are named after their dimensions."""
-    table = (
-        *((f"scale_{s.name}", s.name, f"unit of {s.name} of the segments", "") for s in fields(Scales)),
-        ("drift_velocity", "velocity", "velocity of the centre of mass", "0 unless the target is a free body"),
-        ("impactor_share", "dimensionless", "share of the impactor in the motion", "1 unless the target is free"),
-        (
-            "target_compliance",
-            "dimensionless",
-            "static compliance of the target, scale_force/(static stiffness scale_length)",
-            "0 unless the target follows the force statically",
-        ),
-    )
-    return tuple(_number(name, dims, dimension, *what, optional=optional) for name, dimension, *what in table)
-
-
-_SEGMENTS = (
-    *(_number(f"segment_{key}", ("segment",), "dimensionless", what, _LAW) for key, what in _SEGMENT.items()),
-    replace(_stage("segment_branch", ("segment",), "stage of the contact law on the segment"), more="branches"),
-    Variable("segment_phase", ("segment",), BYTE, None, "phase of the contact", flags=tuple(enumerate(PHASES))),
-)
-
-assert {f"segment_{name}" for name in LINE_DTYPE.names or ()} == {v.name for v in _SEGMENTS}
-
 _HISTORY = (
-    _number("t", ("t",), "time", "time since first touch", "even samples and the times of all events"),
-    *(_number(name, ("t",), dimension, _spaced(name), what) for name, (dimension, what) in MOTION.items()),
-    _stage("stage", ("t",), "stage of the contact law"),
+    number("t", ("t",), "time", "time since first touch", "even samples and the times of all events"),
+    *(number(name, ("t",), dimension, spaced(name), what) for name, (dimension, what) in MOTION.items()),
+    stage("stage", ("t",), "stage of the contact law"),
     Variable("event_kind", ("event",), BYTE, None, "kind of event", flags=tuple(enumerate(EVENTS))[1:]),
-    _number("event_time", ("event",), "time", "time of the event since first touch", "lies exactly on t"),
+    number("event_time", ("event",), "time", "time of the event since first touch", "lies exactly on t"),
     *(
-        _number(f"event_{name}", ("event",), dimension, f"{_spaced(name)} at the event", what)
+        number(f"event_{name}", ("event",), dimension, f"{spaced(name)} at the event", what)
         for name, (dimension, what) in MOTION.items()
     ),
-    _stage("event_stage", ("event",), "stage of the contact law after the event"),
+    stage("event_stage", ("event",), "stage of the contact law after the event"),
     *_summary_variables(()),
-    *_segment_units(()),
-    *_SEGMENTS,
+    *segment_units(()),
+    *SEGMENTS,
 )
 
 CONSTANTS = (
-    _number("mass", (), "mass", "mass of the impactor"),
-    _number("radius", (), "length", "radius of the impactor"),
-    _number("approach_velocity", (), "velocity", "velocity towards the target when contact begins"),
-    _number("effective_modulus", (), "pressure", "effective contact modulus"),
-    _number("yield_strength", (), "pressure", "yield strength"),
-    _number("impact_energy", (), "energy", "kinetic energy of the approach"),
+    number("mass", (), "mass", "mass of the impactor"),
+    number("radius", (), "length", "radius of the impactor"),
+    number("approach_velocity", (), "velocity", "velocity towards the target when contact begins"),
+    number("effective_modulus", (), "pressure", "effective contact modulus"),
+    number("yield_strength", (), "pressure", "yield strength"),
+    number("impact_energy", (), "energy", "kinetic energy of the approach"),
     Variable("contact_law_name", (), TEXT, None, "contact law"),
 )
 """Values of the scene that a dataset has if they are known and, in a sweep, the same for all impacts."""
@@ -201,23 +147,15 @@ CHOOSABLE = tuple(variable.name for variable in _SWEEP if variable.optional)
 """The variables of which a sweep may keep some only; the others say how each impact ended and to what it belongs."""
 
 _SWEEP_SEGMENTS = (
-    Variable(
-        *("segment_count", (IMPACTS,), INTEGER, "1", "number of segments of the impact"),
-        comment="segments of all impacts follow each other in the order of the rows, the last dimension fastest",
-        sample_dimension="segment",
-    ),
-    Variable(
-        *("segment_begin", (IMPACTS,), LONG, "1", "number of segments of the impacts before"),
-        comment="place along segment where those of the impact begin, in a selection of impacts too",
-    ),
-    *_segment_units((IMPACTS,), optional=True),
-    *_SEGMENTS,
+    *SEGMENT_PLACES,
+    *segment_units((IMPACTS,), optional=True),
+    *SEGMENTS,
 )
 
 _SWEEP_SAMPLES = (
-    _number("normalised_time", ("normalised_time",), "dimensionless", "time over contact duration"),
+    number("normalised_time", ("normalised_time",), "dimensionless", "time over contact duration"),
     *(
-        _number(f"sampled_{name}", (IMPACTS, "normalised_time"), dimension, f"{_spaced(name)} over time", what, True)
+        number(f"sampled_{name}", (IMPACTS, "normalised_time"), dimension, f"{spaced(name)} over time", what, True)
         for name, (dimension, what) in MOTION.items()
     ),
 )
@@ -232,15 +170,15 @@ MEASURED_MOTION = {
 """Quantities of a measured history: dimension and description."""
 
 _MEASURED_HISTORY = (
-    _number("t", ("t",), "time", "time since first touch"),
+    number("t", ("t",), "time", "time since first touch"),
     *(
-        _number(name, ("t",), dimension, f"measured {_spaced(name)}", f"{what}; {_ABSENT}", True)
+        number(name, ("t",), dimension, f"measured {spaced(name)}", f"{what}; {_ABSENT}", True)
         for name, (dimension, what) in MEASURED_MOTION.items()
     ),
 )
 
 _MEASURED_IMPACTS = (
-    _number("impactor_velocity", ("impact",), "velocity", "impactor velocity at first touch"),
+    number("impactor_velocity", ("impact",), "velocity", "impactor velocity at first touch"),
     *(replace(variable, long_name=f"measured {variable.long_name}") for variable in _summary_variables(("impact",))),
 )
 
@@ -257,43 +195,43 @@ _EVIDENCE = (
         *("value", ("row",), FLOAT, None, "value of the quantity"),
         comment="SI: 1 for a coefficient of restitution, N, m and s for the others",
     ),
-    _number("uncertainty", ("row",), "dimensionless", "relative uncertainty of the value"),
+    number("uncertainty", ("row",), "dimensionless", "relative uncertainty of the value"),
     Variable("source_of_value", ("row",), BYTE, None, "source", "attribute sources has the references", more="sources"),
     Variable("kind_of_value", ("row",), BYTE, None, "where it is from", flags=tuple(enumerate(EVIDENCE_KINDS))),
     Variable("sureness", ("row",), BYTE, None, "how it was read", flags=tuple(enumerate(EVIDENCE_SURENESS))),
     Variable("law", ("row",), BYTE, None, "law that it was computed with", flags=((-1, "none"),), more="laws"),
-    _number("radius", ("row",), "length", "effective radius"),
-    _number("mass", ("row",), "mass", "effective mass"),
-    _number("velocity", ("row",), "velocity", "approach velocity"),
-    _number("effective_modulus", ("row",), "pressure", "effective contact modulus"),
-    _number("yield_strength", ("row",), "pressure", "yield strength", "NaN: elastic contact", True),
-    _number("poissons_ratio", ("row",), "dimensionless", "Poisson's ratio of the body that yields", _ABSENT, True),
-    _number("target_impedance", ("row",), "impedance", "wave impedance of the target", "NaN: a half-space", True),
+    number("radius", ("row",), "length", "effective radius"),
+    number("mass", ("row",), "mass", "effective mass"),
+    number("velocity", ("row",), "velocity", "approach velocity"),
+    number("effective_modulus", ("row",), "pressure", "effective contact modulus"),
+    number("yield_strength", ("row",), "pressure", "yield strength", "NaN: elastic contact", True),
+    number("poissons_ratio", ("row",), "dimensionless", "Poisson's ratio of the body that yields", _ABSENT, True),
+    number("target_impedance", ("row",), "impedance", "wave impedance of the target", "NaN: a half-space", True),
 )
 
 _COST = (
     Variable("method", ("run",), INTEGER, None, "method", "its setting: attribute settings", more="methods"),
     Variable("outcome", ("run",), BYTE, None, "outcome", "attribute outcomes", ((0, "done"), (1, "no_answer"))),
     *(
-        _number(f"{what}_time_{way}", ("run",), "time", f"{long} of seconds an impact, {how}", _ABSENT, optional=True)
+        number(f"{what}_time_{way}", ("run",), "time", f"{long} of seconds an impact, {how}", _ABSENT, optional=True)
         for way, how in (("single", "one call from Python"), ("batch", "in a batch"))
         for what, long in (("median", "median"), ("spread", "half the distance between the quartiles"))
     ),
     Variable("force_evaluations", ("run",), INTEGER, "1", "evaluations of the contact law", "-1 if not counted"),
     *(
-        _number(
-            f"error_{name}", ("run",), "dimensionless", f"relative error of {_spaced(name)}", _ABSENT, optional=True
-        )
+        number(f"error_{name}", ("run",), "dimensionless", f"relative error of {spaced(name)}", _ABSENT, optional=True)
         for name in COMPARED
     ),
-    *(_number(f"reference_{name}", (), SUMMARY[name][0], f"exact {_spaced(name)}") for name in COMPARED),
-    _number("reference_error", (), "dimensionless", "relative error of the reference values"),
+    *(number(f"reference_{name}", (), SUMMARY[name][0], f"exact {spaced(name)}") for name in COMPARED),
+    number("reference_error", (), "dimensionless", "relative error of the reference values"),
 )
 
 TABLE: dict[str, tuple[Variable, ...]] = {
     HISTORY: _HISTORY,
+    f"{HISTORY} steps": (*STEPS, MODE_ENERGY),
     SWEEP: _SWEEP,
     f"{SWEEP} segments": _SWEEP_SEGMENTS,
+    f"{SWEEP} steps": (*STEP_PLACES, *STEPS),
     f"{SWEEP} samples": _SWEEP_SAMPLES,
     f"{MEASUREMENT} history": _MEASURED_HISTORY,
     f"{MEASUREMENT} impacts": _MEASURED_IMPACTS,
@@ -347,12 +285,18 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     if kind == HISTORY:
         constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
     if kind in (HISTORY, COST):
-        return (*(v for v in TABLE[kind] if v.name not in later), *constants)
+        steps = TABLE[f"{HISTORY} steps"] if kind == HISTORY and has_steps(ds) else ()
+        return (*(v for v in (*TABLE[kind], *steps) if v.name not in later), *constants)
     swept = swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
     dims = tuple(v.dims[0] for v in swept) if "impact" not in ds.sizes else ("impact",)
     kept, chosen = (str(ds.attrs.get(name, "")).split() for name in ("kept", "variables"))
     own = sweep_variables(kept, chosen, dims)
     return (*swept, *(v for v in own if v.name not in later), *derivatives_in(ds, dims), *constants)
+
+
+def has_steps(ds: xr.Dataset) -> bool:
+    """Whether a history has any of the variables of an impact on modes."""
+    return any(v.name in ds.variables for v in TABLE[f"{HISTORY} steps"])
 
 
 def require(ds: xr.Dataset, names: Iterable[str]) -> None:

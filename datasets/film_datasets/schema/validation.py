@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from film_datasets.schema.content_hash import content_sha256, pieces
+from film_datasets.schema.motion_variables import RAGGED, SHARED
 from film_datasets.schema.tables import ADDED, ATTRIBUTES, MEASUREMENT, TABLE, VERSIONS, kind_of, variables_of
 from film_datasets.schema.variable import FLOAT, TEXT, Variable, flag_meanings, holds_text
 
@@ -82,11 +83,23 @@ def _inconsistencies(ds: xr.Dataset) -> list[str]:
         checks["t does not increase"] = bool((np.diff(ds["t"].values) > 0).all())
     if "event_time" in ds.variables:
         checks["an event_time is not on t"] = bool(np.isin(ds["event_time"].values, ds["t"].values).all())
-    if "segment_count" in ds.variables:
-        end, good = 0, True
-        for begins, counts in zip(pieces(ds["segment_begin"]), pieces(ds["segment_count"]), strict=True):
-            ends = end + np.cumsum(counts, dtype=np.int64)
-            good, end = good and np.array_equal(np.ravel(begins) + np.ravel(counts), ends), int(ends.max(initial=end))
-        checks["segment_begin is not the sum of the segment_count before"] = good
-        checks["segment_count does not add up to the segments"] = end == ds.sizes["segment"]
+    for dim in RAGGED:
+        if f"{dim}_count" in ds.variables:
+            checks |= _places(ds, dim)
     return [message for message, good in checks.items() if not good]
+
+
+def _places(ds: xr.Dataset, dim: str) -> dict[str, bool]:
+    """Whether the rows of the impacts of a sweep follow each other along a dimension or, if shared, are there."""
+    end, good = 0, True
+    for begins, counts in zip(pieces(ds[f"{dim}_begin"]), pieces(ds[f"{dim}_count"]), strict=True):
+        begin, ends = np.ravel(begins), np.ravel(begins) + np.ravel(counts)
+        if dim in SHARED:
+            good, end = good and bool((begin >= 0).all()), max(end, int(ends.max(initial=0)))
+            continue
+        after = end + np.cumsum(counts, dtype=np.int64)
+        good, end = good and np.array_equal(ends, after), int(after.max(initial=end))
+    return {
+        f"{dim}_begin is not the sum of the {dim}_count before": good,
+        f"{dim}_count does not add up to the {dim}s": end == ds.sizes[dim],
+    }

@@ -1,6 +1,7 @@
 """Sweeps: many impacts of a scene, computed in blocks, written to memory, netCDF or Zarr, and resumed."""
 
 from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.disk_space import sizes_text
 from film_datasets.sweeps.executor import available_cores
 from film_datasets.sweeps.interruptions import Interrupted
 from film_datasets.sweeps.progress_bar import Progress, ProgressBar
@@ -19,6 +20,7 @@ __all__ = [
     "read_sweep",
     "run_shard",
     "run_sweep",
+    "sizes_text",
     "statistics",
     "sweep",
     "sweep_from_text",

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from film_datasets.provenance import PROGRAM, provenance, text_and_hash
 from film_datasets.schema import (
+    EQUATIONS_ON_MODES,
     IMPACT_STATUSES,
     OUT_OF_RANGE,
     SWEEP,
@@ -26,6 +27,7 @@ from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import SAMPLED
 from film_datasets.sweeps.effect_warnings import effect_warnings, sweep_law_warnings
 from film_model.base.errors import Status
+from film_model.core.modal import MOST_MEMORY
 from film_model.core.native import MAX_STAGES
 from film_model.laws import LAWS, AbstractLaw
 from film_model.solve.slopes import NO_DERIVATIVE
@@ -42,7 +44,7 @@ class Totals:
     """What the attributes need of all blocks. estimated: largest error for each of `Sweep.accuracies`; missed: impacts
     that miss each. energy_gains: impacts of each of `Sweep.laws` that return more energy than their loading stored.
     failed: impacts that failed, by status. sides: by number of the scene, of how many impacts the derivatives are
-    from each side, failed impacts omitted. unkept: impacts on targets that vibrate, whose segments are not kept."""
+    from each side, failed impacts omitted. unkept: impacts that did not fail and whose motion is not kept."""
 
     estimated: NDArray[np.float64]
     missed: NDArray[np.int64]
@@ -65,8 +67,9 @@ class Totals:
         self.energy_gains += columns[ENERGY_GAINS]
         failed = has_failed(columns["status"])
         self.failed.update(columns["status"][failed].tolist())
-        if "segment_count" in columns:
-            self.unkept += int(np.count_nonzero((columns["segment_count"] == 0) & ~failed))
+        counts = [columns[name] for name in ("segment_count", "step_count") if name in columns]
+        if counts:
+            self.unkept += int(np.count_nonzero((np.sum(counts, axis=0) == 0) & ~failed))
         for path, sides in self.sides.items():
             sides.update(columns[side_name(path)][~failed].tolist())
 
@@ -135,7 +138,7 @@ def global_attributes(sweep: Sweep, command: str, totals: Totals) -> dict[str, A
             summary=f"{sweep.size} impacts (target: {scene.target.kind}), design {sweep.design}.",
             source=f"{PROGRAM}, force-indentation linearisation method (FILM)",
             command=command,
-            comment=COMMENT,
+            comment=COMMENT + (f" With steps, {EQUATIONS_ON_MODES}" if "steps" in sweep.kept else ""),
         ),
         **text_and_hash("scene", scene.archived_text()),
         **text_and_hash("sweep", sweep.text()),
@@ -171,8 +174,8 @@ def _warnings(sweep: Sweep, totals: Totals) -> list[str]:
     ]
     warnings = [f"{totals.failed.total()} of {sweep.size} impacts failed: {', '.join(reasons)}"] if reasons else []
     if totals.unkept:
-        advice = "segments of such motion are not kept: keep samples, or simulate these impacts again"
-        warnings.append(f"{totals.unkept} of {sweep.size} impacts are on targets that vibrate: {advice}")
+        advice = f"each takes more than {MOST_MEMORY / 1e6:.0f} MB; ds.film.history simulates such an impact again"
+        warnings.append(f"the segments of {totals.unkept} of {sweep.size} impacts are not kept: {advice}")
     for law, count in zip(sweep.laws, totals.energy_gains.tolist(), strict=True):
         if count:
             warnings.append(f"law {law}: in {count} impacts its unloading returns more energy than its loading stored")

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from film_datasets.impacts import Impacts, simulate_impacts
+from film_datasets.impacts import ClosedForms, Impacts, simulate_impacts
 from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, side_name
-from film_datasets.sweeps.blocks import Block
+from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.definition import MOST_COMBINATIONS, Sweep
 from film_datasets.sweeps.designs import GRID
-from film_model.base.arrays import index_or_all
+from film_datasets.sweeps.ragged import Columns, ragged_columns, ragged_dims
+from film_model.base.arrays import Index, index_or_all
 from film_model.base.errors import NO_VELOCITY
-from film_model.core.native import LINE_DTYPE
-from film_model.core.records import Lines
 from film_model.solve.slopes import NO_DERIVATIVE
-
-Columns = dict[str, NDArray[Any]]
 
 ESTIMATED, MISSED, ENERGY_GAINS = "estimated", "missed", "energy_gains"
 """Columns besides the variables: the largest estimated error for each of `Sweep.accuracies`, the number of impacts that
@@ -29,11 +26,16 @@ stored."""
 
 def compute_block(sweep: Sweep, block: Block) -> Columns:
     """The columns of a block by the names of variables, impacts in C order; `ESTIMATED`, `MISSED`, `ENERGY_GAINS`."""
-    values = sweep.values(block.first, block.count)
-    columns = _empty_columns(sweep, block.count)
+    return compute_impacts(sweep, sweep.values(block.first, block.count))
+
+
+def compute_impacts(sweep: Sweep, values: Sequence[NDArray[Any]]) -> Columns:
+    """The same of impacts that have these values along the axes, as of `Sweep.values`."""
+    count = len(values[0])
+    columns = _empty_columns(sweep, count)
     if sweep.design != GRID:
         columns |= {axis.name: value for axis, value in zip(sweep.axes, values, strict=True)}
-    in_range = np.ones(block.count, np.bool_)
+    in_range = np.ones(count, np.bool_)
     numbers: dict[str, NDArray[Any]] = {}
     for place, (axis, value) in enumerate(zip(sweep.axes, values, strict=True)):
         if axis.kind != "choices":
@@ -43,7 +45,7 @@ def compute_block(sweep: Sweep, block: Block) -> Columns:
             in_range &= ~outside
     combination = sweep.combination_numbers(values)
     few = sweep.combinations <= MOST_COMBINATIONS
-    lines: list[tuple[NDArray[np.intp], Lines]] = []
+    forms: list[tuple[Index, ClosedForms]] = []
     for number in (np.flatnonzero(np.bincount(combination)) if few else np.unique(combination)).tolist():
         index = np.flatnonzero((combination == number) & in_range)
         if index.size:
@@ -51,11 +53,11 @@ def compute_block(sweep: Sweep, block: Block) -> Columns:
             picked = {path: value[index] for path, value in numbers.items()}
             picked = picked or {"impactor.velocity": np.full(index.size, scene.impactor.speed)}
             impacts = simulate_impacts(scene, picked)
-            _put(sweep, columns, lines, impacts, index)
+            _put(sweep, columns, forms, impacts, index)
             if sweep.derivatives:
                 _differentiate(sweep, columns, impacts, picked, index)
     if sweep.keep == "segments":
-        columns |= _segment_columns(lines, block.count)
+        columns |= ragged_columns(forms, count, ragged_dims(sweep.variables))
     return columns
 
 
@@ -80,11 +82,11 @@ def _empty_columns(sweep: Sweep, count: int) -> Columns:
 def _put(
     sweep: Sweep,
     columns: Columns,
-    lines: list[tuple[NDArray[np.intp], Lines]],
+    forms: list[tuple[Index, ClosedForms]],
     impacts: Impacts,
     index: NDArray[np.intp],
 ) -> None:
-    """Put simulated impacts into the columns at the places `index`; add their lines, with their places, to `lines`."""
+    """Put simulated impacts into the columns at the places `index`; add their motions, and their places to `forms`."""
     at = index_or_all(index, columns["status"].size)
     found = {
         **impacts.summary,
@@ -105,10 +107,10 @@ def _put(
         columns["law"][index[own]] = place
         columns[ENERGY_GAINS][place] += np.count_nonzero(impacts.gains_energy[own])
     if sweep.keep == "segments":
-        for segments in impacts.segments():
-            places = index[segments.index]
-            lines.append((places, segments.lines))
-            for name, value in segments.units.items():
+        for form in impacts.closed_forms():
+            places = index[form.index]
+            forms.append((places, form))
+            for name, value in form.units.items():
                 columns[name][places] = value
     elif sweep.keep == "samples":
         for name, column in impacts.samples(sweep.dense).items():
@@ -126,10 +128,3 @@ def _differentiate(
                 columns[own][index] = values[:, k]
         columns[accuracy_name(entry.path)][index] = found.error[:, k]
         columns[side_name(entry.path)][index] = found.side[:, k]
-
-
-def _segment_columns(lines: list[tuple[NDArray[np.intp], Lines]], count: int) -> Columns:
-    """The segments of all impacts, one after the other, and how many each impact has."""
-    table, counts = Lines.together(lines, count)
-    columns = {f"segment_{name}": np.ascontiguousarray(table[name]) for name in LINE_DTYPE.names or ()}
-    return {"segment_count": counts, **columns}

@@ -14,13 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.files import DEFLATE_FROM, NEEDS_ZARR, ZARR, temporary_path
-from film_datasets.schema import TEXT, Variable
+from film_datasets.schema import RAGGED, TEXT, Variable
 from film_datasets.sweeps.deflate import deflated
 
 Region = tuple[slice, ...]
-
-GROWING = "segment"
-"""The dimension whose length is not known before the last block."""
 
 FILE_BLOCKS = 8
 """Blocks that a file of a Zarr folder holds, in one chunk: 2 MB for each number of an impact are held in memory."""
@@ -35,14 +32,14 @@ class Writer(Protocol):
     def create(
         self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
     ) -> None:
-        """Create variables with their attributes. sizes: of the dimensions. chunks: sizes of a block, and of
-        `GROWING`."""
+        """Create variables with their attributes. sizes: of the dimensions, except the ragged ones, which grow.
+        chunks: of all of them."""
 
     def put(self, name: str, region: Region, values: Any) -> None:
         """Write a region of a variable: a chunk, or a block."""
 
     def grow(self, name: str, values: Any) -> None:
-        """Append values to a variable along `GROWING`."""
+        """Append values to a variable along its ragged dimension."""
 
     def commit(self) -> None:
         """Write what was put so far, in an order that does not depend on the workers."""
@@ -312,7 +309,7 @@ class ZarrWriter:
 
 def _grows(variable: Variable) -> bool:
     """Whether the length of the variable is not known before the last block."""
-    return variable.dims[:1] == (GROWING,)
+    return variable.dims != () and variable.dims[0] in RAGGED
 
 
 def _rows(begin: int, values: NDArray[Any]) -> Region:

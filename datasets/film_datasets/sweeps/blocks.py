@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from film_datasets.impacts import one_curve_per_impact
-from film_datasets.sweeps.definition import TYPICAL_SEGMENTS, Sweep
+from film_datasets.sweeps.block import Block
+from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.sizes import size_of
 
 BLOCK_BYTES, BLOCK_IMPACTS = 6_000_000, 65_536
 """A block has about so many bytes of data and at most so many impacts; both depend on the sweep alone, so that the
 results do not depend on the workers."""
 
 LEAST_GROWING, MOST_GROWING = 256, 1 << 16
-"""Segments of a chunk of the file, by the number that are expected."""
+"""Rows of a chunk of the file along a ragged dimension, by the number that are expected."""
 
 OWN_CURVES = 1024
 """Impacts of a block if each may need a curve of its own (91 kB): on beams and static stiffnesses."""
@@ -24,29 +25,19 @@ OWN_NUMBERS = 8192
 """Impacts of a block if the curves of many may differ in all numbers of a fit (some kB each): over Poisson's ratio."""
 
 
-@dataclass(frozen=True)
-class Block:
-    """A part of a sweep: its region of the arrays, and its impacts `first` … `first + count - 1` in C order."""
-
-    region: tuple[slice, ...]
-    first: int
-    count: int
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Of the region."""
-        return tuple(part.stop - part.start for part in self.region)
-
-
 class Blocks:
-    """The blocks of a sweep, in C order: one axis is divided, later ones are complete, earlier ones have length 1."""
+    """The blocks of a sweep, in C order: one axis is divided, later ones are complete, earlier ones have length 1.
+
+    size: of its impacts, about.
+    """
 
     def __init__(self, sweep: Sweep) -> None:
         scenes = (sweep.combination(number) for number in sweep.combinations_used)
         limit = OWN_CURVES if any(map(one_curve_per_impact, scenes)) else BLOCK_IMPACTS
         if any(axis.path.endswith("poissons_ratio") for axis in sweep.axes):
             limit = min(limit, OWN_NUMBERS)
-        most = max(1, min(limit, BLOCK_BYTES // sweep.bytes_per_impact))
+        self.size = size_of(sweep)
+        most = max(1, min(limit, int(BLOCK_BYTES / self.size.each)))
         shape = self._shape = sweep.shape
         fits = (k for k in range(len(shape)) if math.prod(shape[k + 1 :]) <= most)
         cut = self._cut = next(fits, len(shape) - 1)
@@ -63,9 +54,10 @@ class Blocks:
         return (*(1,) * self._cut, self._length, *self._shape[self._cut + 1 :])
 
     @property
-    def growing_chunk(self) -> int:
-        """Segments of a chunk of the file."""
-        return min(max(LEAST_GROWING, math.prod(self._shape) * TYPICAL_SEGMENTS), MOST_GROWING)
+    def growing_chunks(self) -> dict[str, int]:
+        """Rows of a chunk of the file, by ragged dimension."""
+        expected = ((dim, int(math.prod(self._shape) * rows)) for dim, rows in self.size.rows.items())
+        return {dim: min(max(LEAST_GROWING, rows), MOST_GROWING) for dim, rows in expected}
 
     def groups(self, size: int) -> list[range]:
         """The numbers of the blocks, in groups of up to `size` that follow one another along the divided axis."""

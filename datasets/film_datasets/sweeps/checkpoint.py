@@ -159,7 +159,7 @@ class Checkpoint:
         dims = self._sweep.dims
         along = {"normalised_time": self._sweep.dense}
         for variable in self._sweep.variables[len(self._sweep.axes) :]:
-            if variable.dims[: len(dims)] == dims and variable.name != "segment_begin":
+            if variable.dims[: len(dims)] == dims:
                 shape = (count, *(along[dim] for dim in variable.dims[len(dims) :]))
                 if variable.name not in columns or columns[variable.name].shape != shape:
                     return False

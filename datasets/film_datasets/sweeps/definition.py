@@ -22,7 +22,7 @@ from film_datasets.sweeps.design_table import is_table, over_of_table
 from film_datasets.sweeps.designs import DESIGNS, GRID, MOST_SAMPLES, SAMPLED, ZIP, points
 from film_datasets.sweeps.distributions import correlated, correlation_factor
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
-from film_model.core.native import LINE_DTYPE
+from film_model.effects.edge_effects import edged
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
@@ -30,7 +30,6 @@ from film_model.scene.paths import number_text
 from film_model.scene.scene import NO_FILES
 from film_model.scene.toml import toml_table
 from film_model.solve.derivatives import Entry, entries_of
-from film_model.solve.history import MOTION
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,9 +42,6 @@ MOST_CORNERS = 64
 
 OPTIONS = ("samples", "seed", "correlation", "derivatives", "variables")
 """Keys of a sweep file that are optional arguments of `Sweep.of`."""
-
-TYPICAL_SEGMENTS = 32
-"""Segments of an impact at the default accuracy, about: to estimate the size of a file."""
 
 
 @dataclass(frozen=True)
@@ -115,7 +111,8 @@ class Sweep:
         """The sweep that a dataset was made by."""
         base = Scene.from_stored_text(str(ds.attrs["scene_toml"]), "scene_toml")
         kept = str(ds.attrs["kept"]).split()
-        keep = kept[-1] if kept[-1] != "samples" else f"samples={ds.sizes['normalised_time']}"
+        keep = kept[min(1, len(kept) - 1)]
+        keep = keep if keep != "samples" else f"samples={ds.sizes['normalised_time']}"
         table = toml_table(str(ds.attrs["sweep_toml"]), "sweep_toml")
         over = table["over"]
         _refuse_files(over)
@@ -146,7 +143,19 @@ class Sweep:
     @cached_property
     def kept(self) -> tuple[str, ...]:
         """What is kept of every impact."""
-        return tuple(dict.fromkeys(("summary", self.keep)))
+        steps = ("steps",) if self.keep == "segments" and self._may_vibrate else ()
+        return (*dict.fromkeys(("summary", self.keep)), *steps)
+
+    @cached_property
+    def _scenes_of_numbers(self) -> list[Scene]:
+        """The scene with different values of each axis of numbers, as arrays."""
+        return [scene_of_columns(self.first, {a.path: a.probes()}) for a in self.axes if a.kind != "choices"]
+
+    @cached_property
+    def _may_vibrate(self) -> bool:
+        """Whether there may be impacts on targets that vibrate."""
+        scenes = (self.combination(number) for number in self.combinations_used)
+        return any(map(edged, itertools.chain(scenes, self._scenes_of_numbers)))
 
     @cached_property
     def laws(self) -> tuple[str, ...]:
@@ -180,20 +189,12 @@ class Sweep:
     def constants(self) -> dict[str, Any]:
         """The values of the schema's `CONSTANTS` that are the same for all impacts."""
         scenes = (self.combination(number) for number in self.combinations_used)
-        probed = (scene_of_columns(self.first, {a.path: a.probes()}) for a in self.axes if a.kind != "choices")
-        return common_constants(itertools.chain(scenes, probed))
+        return common_constants(itertools.chain(scenes, self._scenes_of_numbers))
 
     @cached_property
     def scene_key(self) -> int:
         """See `film_datasets.scene_constants.scene_key`."""
         return scene_key(self.scene.archived_text(), (axis.meaning for axis in self.axes))
-
-    @property
-    def bytes_per_impact(self) -> int:
-        """In a file, about."""
-        own = sum(v.dtype.itemsize for v in self.variables if v.dims == self.dims)
-        history = {"segments": TYPICAL_SEGMENTS * LINE_DTYPE.itemsize, "samples": 8 * len(MOTION) * self.dense}
-        return own + history.get(self.keep, 0)
 
     def text(self) -> str:
         """The sweep file, except for the line that names the scene."""

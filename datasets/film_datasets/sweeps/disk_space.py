@@ -3,56 +3,56 @@
 from __future__ import annotations
 
 import shutil
-import zlib
 from pathlib import Path
-
-import numpy as np
 
 from film_datasets.files import ZARR
 from film_datasets.impacts import one_curve_per_impact
+from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, compute_block
 from film_datasets.sweeps.block_writers import FILE_BLOCKS
-from film_datasets.sweeps.blocks import Block, Blocks
+from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.sizes import VARIABLE, packed
 
 SAMPLE = 256
 """Impacts that are simulated to see how many bytes they take; of sweeps of fewer than 64 times as many none are."""
 
-COMPRESSED = 0.6
-"""Fraction that remains of an impact's bytes, where no sample is taken."""
 
-
-def disk_space(sweep: Sweep) -> tuple[float, float]:
-    """Bytes of the finished output, and of the blocks that are saved until then, about."""
-    scenes = (sweep.combination(number) for number in sweep.combinations_used)
-    if sweep.size < 64 * SAMPLE or any(map(one_curve_per_impact, scenes)):
-        blocks = float(sweep.size * sweep.bytes_per_impact)
-        return COMPRESSED * blocks, blocks
+def disk_space(sweep: Sweep, blocks: Blocks, suffix: str) -> tuple[float, float]:
+    """Bytes of the finished output, by its suffix, and of the blocks that are saved until then, about."""
+    scenes, size = (sweep.combination(number) for number in sweep.combinations_used), blocks.size
+    if sweep.size < 64 * SAMPLE or any(map(one_curve_per_impact, scenes)) or size.sample:
+        saved = sweep.size * size.each
+        output = size.compressed(suffix) * (saved + size.once) + VARIABLE * len(sweep.variables)
+        return output, saved + len(blocks) * size.once
     columns = compute_block(sweep, Block((), sweep.size // 2, SAMPLE))
-    arrays = [column for name, column in columns.items() if name not in (ESTIMATED, MISSED, ENERGY_GAINS)]
-    packed = sum(
-        len(zlib.compress(np.ascontiguousarray(array).view(np.uint8).reshape(array.size, -1).T.tobytes(), 1))
-        for array in arrays
-        if array.size
-    )
+    arrays = {name: column for name, column in columns.items() if name not in (ESTIMATED, MISSED, ENERGY_GAINS)}
     each = sweep.size / SAMPLE
-    return packed * each, sum(array.nbytes for array in arrays) * each
+    return packed(arrays, suffix) * each, sum(array.nbytes for array in arrays.values()) * each
 
 
-def check_free_space(target: Path, sweep: Sweep, shards: int | None = None) -> None:
+def check_free_space(target: Path, sweep: Sweep, blocks: Blocks, shards: int | None = None) -> float:
     """Raise OSError if the disk cannot hold the output, or one of its shards, and, until it is finished, the saved
-    blocks: all, or for a Zarr folder those of an unfinished file and of the next."""
-    output, blocks = (need / (shards or 1) for need in disk_space(sweep))
+    blocks: all, or for a Zarr folder those of an unfinished file and of the next. Returns the bytes of the output."""
+    output, saved = (need / (shards or 1) for need in disk_space(sweep, blocks, target.suffix))
     if target.suffix == ZARR and shards is None and sweep.keep != "segments":
-        blocks *= min(1.0, 2 * FILE_BLOCKS / len(Blocks(sweep)))
+        saved *= min(1.0, 2 * FILE_BLOCKS / len(blocks))
     free = shutil.disk_usage(target.absolute().parent).free
-    if output + blocks > free:
+    if output + saved > free:
         raise OSError(
-            f"{target}: {sweep.size // (shards or 1)} impacts need about {bytes_text(output + blocks)} of disk while "
+            f"{target}: {sweep.size // (shards or 1)} impacts need about {bytes_text(output + saved)} of disk while "
             f"they are computed, {bytes_text(output)} in the end; {bytes_text(free)} are free"
         )
+    return output
+
+
+def sizes_text(history: float, impacts: int, target: str, output: float) -> str:
+    """How large the segments of a sweep and its output are. history: bytes of all segments before compression."""
+    segments = f"{bytes_text(history / impacts)} of segments per impact, {bytes_text(history)} in all"
+    return f"{segments}; {target}: {bytes_text(output)}, {bytes_text(output / impacts)} per impact"
 
 
 def bytes_text(count: float) -> str:
-    """Bytes as GB or MB."""
-    return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{max(count / 1e6, 0.1):.3g} MB"
+    """Bytes as GB, MB or kB."""
+    size, unit = next((pair for pair in ((1e9, "GB"), (1e6, "MB")) if count >= pair[0]), (1e3, "kB"))
+    return f"{count / size:.3g} {unit}"

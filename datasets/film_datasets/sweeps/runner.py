@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +24,7 @@ from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint, Written
 from film_datasets.sweeps.computed_blocks import Run, computed_blocks
 from film_datasets.sweeps.definition import Sweep
-from film_datasets.sweeps.disk_space import bytes_text, check_free_space
+from film_datasets.sweeps.disk_space import bytes_text, check_free_space, sizes_text
 from film_datasets.sweeps.executor import Workers, workers_of
 from film_datasets.sweeps.interruptions import explained
 from film_datasets.sweeps.progress_bar import Progress
@@ -112,8 +112,10 @@ def run_sweep(
     resume: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
+    announce: Callable[[str], None] | None = None,
 ) -> xr.Dataset:
     """Run a sweep; see `film_datasets.sweep`. command: for the attribute `history`. progress: called after each block.
+    announce: called before the first, with the sizes that segments and output will have, if segments are kept.
 
     Raises Interrupted, a KeyboardInterrupt, if it is stopped from the keyboard with some blocks finished.
     """
@@ -135,7 +137,9 @@ def run_sweep(
         words = ", ".join(f'"{suffix}"' for suffix in TABLES)
         raise ValueError(f'{target}: the name of a sweep\'s output must end in "{SUFFIX}", "{ZARR}", {words}')
     check_place(target, overwrite)
-    check_free_space(target, sweep)
+    need = check_free_space(target, sweep, run.blocks)
+    if announce is not None and sweep.keep == "segments":
+        announce(f"expected: {sizes_text(sweep.size * run.blocks.size.history, sweep.size, str(target), need)}")
     with checkpoint.locked(resume, overwrite), explained(target, checkpoint.summary):
         _write_file(run, target, checkpoint, workers, scheduler)
     checkpoint.remove()
@@ -144,7 +148,7 @@ def run_sweep(
 
 def _in_memory(run: Run, workers: int | None, scheduler: Any) -> xr.Dataset:
     """The dataset of a sweep without an output."""
-    if (need := run.sweep.size * run.sweep.bytes_per_impact) > MOST_IN_MEMORY:
+    if (need := run.sweep.size * run.blocks.size.each) > MOST_IN_MEMORY:
         raise MemoryError(
             f"{run.sweep.size} impacts take about {bytes_text(need)}, at most {bytes_text(MOST_IN_MEMORY)} go into "
             "memory: give an output, FILE.nc or FILE.zarr"

@@ -198,7 +198,7 @@ def run_shard(
         raise FileExistsError(f"{shards.target}: exists; remove it to compute its shards again")
     check_place(shards.target, overwrite=False)
     shards.files_of(number, count)
-    check_free_space(shards.target, sweep, count)
+    check_free_space(shards.target, sweep, shards.blocks, count)
     try:
         shards.begin(count)
     except PermissionError as error:

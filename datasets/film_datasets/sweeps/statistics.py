@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from film_datasets.provenance import warnings_of
-from film_datasets.schema import flag_meanings, has_failed, pieces, require_impacts
+from film_datasets.schema import RAGGED, flag_meanings, has_failed, pieces, require_impacts
 from film_model.base.units import si_unit
 from film_model.solve.history import SUMMARY
 
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 
 def sweep_report(ds: xr.Dataset) -> dict[str, Any]:
-    """Plain values for JSON, SI: numbers of impacts, failed and by status, and the statistics of the summary.
+    """Plain values for JSON, SI: numbers of impacts, failed and by status, the statistics of the summary, and the size
+    of the segments before compression, if they are kept.
 
     Statistics, and the estimated accuracy, are None if no impact has a value. The dataset is read in pieces.
     """
@@ -29,6 +30,9 @@ def sweep_report(ds: xr.Dataset) -> dict[str, Any]:
         for code, count in zip(*np.unique(piece, return_counts=True), strict=True):
             counts[int(code)] = counts.get(int(code), 0) + int(count)
     failed = sum(count for code, count in counts.items() if has_failed(np.array(code)))
+    kept = [array for array in ds.variables.values() if array.dims[:1] and array.dims[0] in RAGGED]
+    size = sum(array.nbytes for array in kept)
+    segments = {"bytes": size, "bytes_per_impact": size / status.size} if kept else None
     return {
         "title": str(ds.attrs["title"]),
         "impacts": int(status.size),
@@ -41,6 +45,7 @@ def sweep_report(ds: xr.Dataset) -> dict[str, Any]:
             "requested": _float(ds.attrs.get("requested_accuracy")),
             "estimated": float(ds.attrs["estimated_accuracy"]) if failed < status.size else None,
         },
+        **({} if segments is None else {"segments": segments}),
         "warnings": list(warnings_of(ds)),
     }
 

@@ -11,13 +11,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from film_datasets.schema import ContentHash, Variable
+from film_datasets.schema import RAGGED, WIDE, ContentHash, Variable
 from film_datasets.sweeps.attributes import variable_attributes
+from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.block_columns import Columns
-from film_datasets.sweeps.block_writers import COORDINATE_CHUNK, FILE_BLOCKS, GROWING, Writer, ZarrWriter
-from film_datasets.sweeps.blocks import Block, Blocks
+from film_datasets.sweeps.block_writers import COORDINATE_CHUNK, FILE_BLOCKS, Writer, ZarrWriter
+from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.executor import Workers, available_cores
+from film_datasets.sweeps.ragged import Places, ragged_dims
 
 PIECES = 8
 """Pieces of coordinates, of up to 2 MB, that are written at a time."""
@@ -36,7 +38,7 @@ class Storage:
     ) -> None:
         self.content = content or ContentHash(sweep.variables)
         self._sweep, self._blocks, self._writer = sweep, blocks, writer
-        self._segments = 0
+        self._places = Places(ragged_dims(sweep.variables))
         self._tasks: list[Future[None]] = []
         self._own = contextlib.ExitStack()
         self._executor: Any = None
@@ -50,10 +52,10 @@ class Storage:
     def create(self) -> None:
         """Create all variables, and write those that are not columns of the blocks."""
         sweep, blocks = self._sweep, self._blocks
-        dense = {"normalised_time": sweep.dense} if sweep.dense else {}
-        chunks = dict(zip(sweep.dims, blocks.shape, strict=True)) | {"normalised_time": sweep.dense or 1}
-        chunks[GROWING] = blocks.growing_chunk
-        sizes = dict(zip(sweep.dims, sweep.shape, strict=True)) | dense
+        own = {"normalised_time": sweep.dense} if sweep.dense else {}
+        own |= {dim: size for variable in sweep.variables for dim, size in WIDE.items() if dim in variable.dims}
+        chunks = dict(zip(sweep.dims, blocks.shape, strict=True)) | own | blocks.growing_chunks
+        sizes = dict(zip(sweep.dims, sweep.shape, strict=True)) | own
         self._writer.create(sizes, chunks, variable_attributes(sweep))
         pieces = list(_coordinates(sweep))
         for first in range(0, len(pieces), PIECES):
@@ -70,10 +72,8 @@ class Storage:
                 self.finish()
 
     def put(self, block: Block, columns: Columns) -> None:
-        """The next block; also sets its column `segment_begin`."""
-        if "segment_count" in columns:
-            ends = self._segments + np.cumsum(columns["segment_count"], dtype=np.int64)
-            columns["segment_begin"], self._segments = ends - columns["segment_count"], int(ends[-1])
+        """The next block; also sets where the rows of its impacts begin, such as `segment_begin`."""
+        self._places.put(columns)
         given = [(v, np.asarray(columns[v.name], v.dtype)) for v in self._sweep.variables if v.name in columns]
         self.finish()
         for variable, values in given:
@@ -96,7 +96,7 @@ class Storage:
     def _take(self, block: Block, variable: Variable, values: NDArray[Any]) -> None:
         """Hash and write the values of a block."""
         self.content.update(variable.name, values)
-        if GROWING in variable.dims:
+        if variable.dims[0] in RAGGED:
             self._writer.grow(variable.name, values)
         else:
             along = values.shape[1:]  # the normalised times of each impact

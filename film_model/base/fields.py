@@ -221,13 +221,13 @@ SYNONYMS = {"speed": "velocity", "weight": "mass", "height": "drop_height", "ela
 
 
 def _instead(key: str, fields: Mapping[str, Field], allowed: Sequence[str]) -> str:
-    """What an unknown key may have meant: another entry, or one of a part such as the material."""
+    """What an unknown key may have meant: another entry, or one of a part such as the material; else all entries."""
     if SYNONYMS.get(key) in fields:
         return f'; did you mean "{SYNONYMS[key]}"?'
     for name, field in fields.items():
         if key in field.inside:
             return f"; it is an entry of {name}: {name} = {{ {key} = ..., ... }}"
-    return did_you_mean(key, allowed)
+    return did_you_mean(key, allowed) or f"; known are {', '.join(allowed)}"
 
 
 def key_text(key: str) -> str:

@@ -64,7 +64,7 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
         "fitted to sums over the modes of simply supported plates struck at the centre; one-dimensional waves in a rod",
         reflections,
     ),
-    "thickness": ("k h", "Zener 1941; pole of Mindlin's plate (1951), to first order", thickness),
+    "thickness": ("k h", "Zener 1941; three-dimensional waves of a layer, to first order", thickness),
     "stretching": ("deflection/h", "Berger 1955, J. Appl. Mech. 22:465, in one term", stretching),
     "bending_strength": (
         "bending stress/strength",

@@ -88,15 +88,15 @@ def _with_omitted(modes: Modes, omitted: float, highest: float, longest: float) 
 
 
 def computable(target: AbstractTarget, highest: float, unit: float, least: float = 0.0) -> float:
-    """The frequency, `highest` or less by powers of 2^(1/4), up to which the modes can be computed.
+    """The frequency, `highest` or less by powers of 2^(1/2), up to which the modes can be computed.
 
-    TooManyModes if it is below `least`.
+    Every second of these is known from the runs that doubled their frequency. TooManyModes if it is below `least`.
     """
     while True:
         try:
             structure_of(target, highest, unit)
         except TooManyModes:
-            highest /= 2.0**0.25
+            highest /= 2.0**0.5
             if highest < least:
                 raise
         else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal
@@ -167,8 +168,8 @@ class Beam(AbstractTarget):
     def thickness_effect(self, impact: Impact) -> Estimate:
         """The energy ½ c F² of shear deformation over the impact energy, if the theory neglects it.
 
-        c is Timoshenko's static compliance less Euler and Bernoulli's; of a wide beam, ln(w/h)/(2π κ G h) of a plate
-        is added for the shear around the load. On a beam that vibrates, contact may be lost and come back, and what
+        c is Timoshenko's static compliance less Euler and Bernoulli's; of a wide beam, that of a plate around
+        the load is added, ℓ = w/(2π). On a beam that vibrates, contact may be lost and come back, and what
         follows is sensitive to the modes: an effect below the tolerance is then not judged.
         """
         if self.sheared:
@@ -176,7 +177,7 @@ class Beam(AbstractTarget):
         shear, plain = self._timoshenko, self._line_without_shear
         soft = line_compliance(shear, self._struck) - line_compliance(plain, self._struck)
         if self.wide:
-            soft += shear_around(shear.shear / self.width, min(self.width, self.length), self.thickness)
+            soft += shear_around(self.material, min(self.width, self.length) / (2 * math.pi), self.thickness)
         size = 0.5 * soft * impact.force**2 / impact.energy if impact.by_compliance else 0.0
         slender = self.thickness / self.length
         if impact.vibrates and size <= impact.tolerance:

@@ -24,10 +24,11 @@ from film_model.targets.plate_waves import (
     paper_plate_impedance,
     plate_impedance,
     plate_stiffness,
+    reach_of_edges,
     shear_around,
 )
 from film_model.targets.ritz import Panel, loose, panel_compliance, panel_modes
-from film_model.targets.stretching import lengthening, mean_square, stretching
+from film_model.targets.stretching import lengthening, mean_square, sliding, stretching
 from film_model.targets.supports import DAMPING, EDGE_STIFFNESS, EDGES, FOUNDATION, damped, four, spring_mistakes
 from film_model.targets.target import (
     COMES_BACK,
@@ -53,7 +54,6 @@ REFLECTION_CHANGE = 0.03, 2.2
 
 MEAN_FREQUENCY = 0.7737 * math.pi
 """Mean of ω t_c over |F(ω)|² of a half-sine."""
-
 
 Edge = Literal["simply supported", "clamped", "free"]
 
@@ -213,8 +213,7 @@ class Plate(AbstractTarget):
         """
         if self.size is None:
             return math.inf
-        d11, _, d22, _ = self.stiffness
-        sides = zip(self._struck, self.size, (d11, d22), strict=True)
+        sides = zip(self._struck, self.size, self.stiffness[::2], strict=True)
         times = (0.08 * min(x, side - x) ** 2 * root(self.surface_density / d) for x, side, d in sides)
         return reduce(lesser, times)
 
@@ -308,12 +307,12 @@ class Plate(AbstractTarget):
         return Estimate(reason, value, threshold, size)
 
     def thickness_effect(self, impact: Impact) -> Estimate:
-        """Shear increases the driving-point mobility 1/Z by k² h²/(6 κ (1 − ν)), k² = ω √(ρ_A/D), κ = 5/6.
+        """Shear increases the driving-point mobility 1/Z by k² h²/5, k² = ω √(ρ_A/D).
 
-        This is the pole of Mindlin's plate, to first order (rotary inertia cancels). ω is the mean over the spectrum of
-        a half-sine, 0.77 π/t_c. The energy carried away by bending waves changes in the same proportion. If the plate
-        is bent as a whole: the energy ½ c F² of shear around the load, c = ln(L/h)/(2π κ G h) with the shorter side L,
-        over the impact energy.
+        This is the lowest wave of an elastic layer (Rayleigh & Lamb) that is pressed on its face, to first order. ω is
+        the mean over the spectrum of a half-sine, 0.77 π/t_c. The energy carried away by bending waves changes in the
+        same proportion. If the plate is bent as a whole: the energy ½ c F² over the impact energy, with the deflection
+        c F around the load that plate theory and contact law neglect (`shear_around` in targets/plate_waves.py).
         """
         thickness, material = self.thickness, self.material
         if thickness is None or material is None:
@@ -323,7 +322,7 @@ class Plate(AbstractTarget):
         if impact.duration < self._crossing(material):
             return no_effect("contact ends before a wave returns from the far side: see wave losses")
         square = MEAN_FREQUENCY / impact.duration * math.sqrt(self.surface_density / self.stiffness[0])
-        shear = square * thickness**2 / (5.0 * (1.0 - material.poissons_ratio))
+        shear = square * thickness**2 / 5.0
         carried = 1.0 - impact.restitution**2 - impact.fraction if impact.by_impedance else 0.0
         value, size = math.sqrt(square) * thickness, max(0.0, shear * carried)
         longer = f"{2.0 * math.pi / value:.2g} times as long as the plate is thick"
@@ -333,8 +332,8 @@ class Plate(AbstractTarget):
     def _shear_of_a_bent_plate(self, impact: Impact, material: Material, thickness: float) -> Estimate:
         if self.size is None:
             return missing("target.size")
-        shear = 5 / 6 * material.youngs_modulus / (2 * (1 + material.poissons_ratio)) * thickness
-        soft, slender = shear_around(shear, min(self.size), thickness), thickness / min(self.size)
+        reach = reach_of_edges(four(self.edges), self.size, self._struck)
+        soft, slender = shear_around(material, reach, thickness), thickness / min(self.size)
         size = min(0.5 * soft * impact.force**2 / impact.energy, 1.0)
         if impact.vibrates and size <= impact.tolerance:
             return Estimate(COMES_BACK, slender, indicator="h/L")
@@ -375,10 +374,11 @@ class Plate(AbstractTarget):
         lines = list(zip(ends, self.size, self._struck, strict=True))
         longer, flat = ([rule(*line) for line in lines] for rule in (lengthening, mean_square))
         strain = longer[0] * flat[1] + longer[1] * flat[0]
-        area, bending = self.size[0] * self.size[1], root(self.stiffness[0] * self.stiffness[2])
+        area, bending = math.prod(self.size), root(self.stiffness[0] * self.stiffness[2])
         membrane = 0.0 if thickness is None else 12.0 * bending / thickness**2 * area
         part = self.first_mode_share * self.surface_density * area
-        return stretching(impact, thickness, self.compliance, part, strain, membrane)
+        loose = sliding(four(self.edges), self.size)
+        return stretching(impact, thickness, self.compliance, part, strain, membrane, loose)
 
     def bending_strength(self, impact: Impact) -> Estimate:
         """6 M/h² on the far face against the strength: see `bending_stress` in targets/bending_strength.py."""

@@ -12,8 +12,9 @@ from film_model.targets.target import Estimate, Impact, missing, no_effect
 
 NOT_HELD = "no opposite edges are held, so the structure bends without stretching"
 
-BERGER = "the edges are taken as immovable"
-
+SLIDING = {"simply supported": 0.12, "clamped": 0.4}
+"""Membrane energy of a square plate whose edges move inwards freely, over Berger's: by von Kármán's equations, under a
+force at the centre, for deflections up to two thicknesses. Of immovable edges it is 0.6 and 0.9 of Berger's."""
 
 LEAST = 0.1
 """Least deflection at the struck point over the largest: closer to a support, the estimate ends."""
@@ -39,13 +40,29 @@ def _deflection(ends: tuple[str, str], place: float) -> float:
     return max(abs(float(np.polynomial.legendre.legval(2.0 * place - 1.0, first))), LEAST * float(largest))
 
 
+def sliding(edges: tuple[str, ...], size: tuple[float, float]) -> float:
+    """Membrane energy of a plate whose edges move inwards freely, over that between immovable ones.
+
+    On a side ratio r it is about r^0.7 of that of a square plate; 0 if an edge is free.
+    """
+    share = sum(SLIDING.get(edge, 0.0) for edge in edges) / len(edges)
+    return 0.0 if "free" in edges else share * (min(size) / max(size)) ** 0.7
+
+
 def stretching(
-    impact: Impact, thickness: float | None, compliance: float | None, part: float, strain: float, membrane: float
+    impact: Impact,
+    thickness: float | None,
+    compliance: float | None,
+    part: float,
+    strain: float,
+    membrane: float,
+    loose: float = 0.0,
 ) -> Estimate:
     """The force that membrane stiffness adds.
 
     thickness: m. compliance: m/N. part: mass that moves with the struck point, kg. strain: of the middle surface for a
-    deflection of 1 m, 1/m². membrane: ∂²U/∂ε² of the energy of uniform stretching, J.
+    deflection of 1 m, 1/m². membrane: ∂²U/∂ε² of the energy of uniform stretching, J. loose: part of it that is left if
+    the edges move inwards freely.
 
     The energy ½ m V² m/(m + part) bends and stretches: U = u²/(2 c) + ½ B (ε u²)². One term, edges immovable (Berger
     1955, J. Appl. Mech. 22:465); the force is compared with that of the same energy without stretching.
@@ -57,16 +74,21 @@ def stretching(
     if compliance is None:
         return missing("target.size")
     energy = impact.energy * impact.mass / (impact.mass + part)
-    quartic = 0.5 * membrane * strain**2
     linear = math.sqrt(2.0 * energy * compliance)
-    # U(u) = u²/(2c) + quartic u⁴ = energy, a quadratic equation for u²
-    bent = 0.5 / compliance
-    square = 2.0 * energy / (bent + math.sqrt(bent**2 + 4.0 * quartic * energy))
-    deflection = math.sqrt(square)
-    force, without = deflection / compliance + 4.0 * quartic * deflection**3, linear / compliance
+    quartic, without = 0.5 * membrane * strain**2, linear / compliance
+    deflection, force = _bent(energy, compliance, quartic)
+    _, less = _bent(energy, compliance, loose * quartic)
     change = (force - without) / max(without, impact.force)
     reason = (
         f"linear theory bends it by {linear / thickness:.2g} thicknesses with {without:.4g} N; with membrane "
-        f"stiffness it would be {deflection / thickness:.2g} thicknesses with about {force:.4g} N ({BERGER})"
+        f"stiffness it would be {deflection / thickness:.2g} thicknesses with about {force:.4g} N between immovable "
+        f"edges, {less:.4g} N if they move inwards"
     )
     return Estimate(reason, linear / thickness, 0.5, change, remedy="needs large deflections")
+
+
+def _bent(energy: float, compliance: float, quartic: float) -> tuple[float, float]:
+    """Deflection and force where u²/(2 c) + quartic u⁴ is the energy: a quadratic equation for u²."""
+    bent = 0.5 / compliance
+    deflection = math.sqrt(2.0 * energy / (bent + math.sqrt(bent**2 + 4.0 * quartic * energy)))
+    return deflection, deflection / compliance + 4.0 * quartic * deflection**3

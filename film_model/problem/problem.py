@@ -162,17 +162,20 @@ class Impacts:
         many = self.index is not None and any(isinstance(value, np.ndarray) for value in self.law.values.values())
         return varied_of(self.law, self.index.size) if many and self.index is not None else None
 
-    def _damping_factor(self, length: Any) -> Any:
-        mass, approach = self.numbers.mass, self.numbers.approach
-        if self.index is None:
-            return self.one_law.damping_factor(mass, approach, length)
-        if not self.law.law.damped:
-            return self.column(0.0)
+    def _damping(self, scales: Scales) -> Any:
+        """The factor of the law's damping, without units."""
+        mass, approach, length = self.numbers.mass, self.numbers.approach, scales.length
 
         def factor(law: AbstractLaw, at: Any) -> tuple[Any, ...]:
             return (law.damping_factor(mass[at], approach[at], length[at]),)
 
-        return self.law.on_arrays(factor, self.index.size)[0]
+        if self.index is None:
+            found = self.one_law.damping_factor(mass, approach, length)
+        elif self.law.law.damped:
+            found = self.law.on_arrays(factor, self.index.size)[0]
+        else:
+            return self.column(0.0)
+        return found * scales.velocity / scales.force
 
     def problem(self, impedance: Any, load: Any, compliance: float = 0.0, vibrates: bool = False) -> Problem:
         """The dimensionless problem for a target impedance [N s/m] and a load [N], which are arrays for many impacts.
@@ -195,7 +198,7 @@ class Impacts:
             scales=scales,
             gamma=scales.force / (impedance * scales.velocity),
             load=load / scales.force,
-            damping=self._damping_factor(scales.length) * scales.velocity / scales.force,
+            damping=self._damping(scales),
             approach=numbers.approach / scales.velocity,
             drift=numbers.drift,
             share=numbers.share,
@@ -318,14 +321,19 @@ class Problem:
         if self.varied is not None:
             status, table = families.batch_varied(*self.varied, mesh, self.start)
         elif self.shape is None or page is None:
-            # damped contacts are not marched in lanes, but on a fixed target most laws make them equal but for rounding
-            alike = native.distinct(self.start) if any_of(self.damping > 0.0) else None
-            first, kind = (slice(None), slice(None)) if alike is None else alike
-            status, table = native.batch(self.curve.native, mesh, self.start[first])
-            status, table = status[kind], table[kind]
+            start = self.start if self._alike is None else self.start[self._alike[0]]
+            status, table = native.batch(self.curve.native, mesh, start)
+            if self._alike is not None:
+                status, table = status[self._alike[1]], table[self._alike[1]]
         else:
             status, table = families.batch(page.family, page.whole, mesh, self.start, self.shape)
         return status, Columns(table)
+
+    @cached_property
+    def _alike(self) -> tuple[Index, Index] | None:
+        """`native.distinct` of many damped impacts: they are not marched in lanes, but on a fixed target most laws make
+        them equal but for rounding."""
+        return native.distinct(self.start) if any_of(self.damping > 0.0) else None
 
     def relax(self, tolerance: float) -> tuple[Any, Any]:
         """The same for a contact that relaxes. tolerance: of the core's steps."""

@@ -24,7 +24,7 @@ from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
 from film_model.problem.problem import Impacts, Problem
-from film_model.problem.varied import read_by_stages, varied_of
+from film_model.problem.varied import varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -241,7 +241,7 @@ def curve_keys(law: SceneLaw) -> list[Array]:
     """The varied values on which the curve depends, one array each; for a family of curves, the page."""
     shapes: list[Array] = []
     if not isinstance(law.law, AbstractLaw):
-        read = read_by_stages(law)
+        read = law.read
         family = law.law.shaped_by if law.rule is None else ()
         if any(name in read for name in family):
             shape = np.asarray(law.at(slice(None)).shape)

@@ -13,18 +13,18 @@ from functools import cached_property
 from typing import Any, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, Number, any_of, column, either, greater
 from film_model.base.errors import STATUSES, VIBRATES, SimulationError
-from film_model.core import families, native
+from film_model.core import native
 from film_model.laws.law import AbstractLaw
 from film_model.problem.curve import Curve, curve_of
 from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.relaxation import Relaxation
+from film_model.problem.rows import march_rows
 from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
-from film_model.problem.varied import Varied, read_by_stages, varied_of
+from film_model.problem.varied import Varied, varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -46,7 +46,7 @@ class Columns:
 
     __slots__ = ("table",)
 
-    def __init__(self, table: NDArray[Any]) -> None:
+    def __init__(self, table: Any) -> None:
         self.table = table
 
     def __getattr__(self, name: str) -> Any:
@@ -148,19 +148,16 @@ class Impacts:
 
     @cached_property
     def shape(self) -> Any:
-        """Of many impacts whose laws differ in their shape: the shapes; else None."""
+        """Of many impacts whose laws have a shape, and differ in the numbers of their stages: the shapes; else None."""
         law = self.law.law
         if self.index is None or self.law.rule is not None or isinstance(law, AbstractLaw) or not law.shaped_by:
             return None
-        if not read_by_stages(self.law).keys() & law.shaped_by or self.varied is not None:
-            return None
-        return self.law.on_arrays(lambda law, _: (law.shape,), self.index.size)[0]
+        return self.law.on_arrays(lambda law, _: (law.shape,), self.index.size)[0] if self.law.read else None
 
     @cached_property
     def varied(self) -> Varied | None:
         """Of many impacts whose curves differ in numbers of their powers: the numbers."""
-        many = self.index is not None and any(isinstance(value, np.ndarray) for value in self.law.values.values())
-        return varied_of(self.law, self.index.size) if many and self.index is not None else None
+        return varied_of(self.law, self.index.size) if self.index is not None and self.law.read else None
 
     def _damping(self, scales: Scales) -> Any:
         """The factor of the law's damping, without units."""
@@ -177,11 +174,13 @@ class Impacts:
             return self.column(0.0)
         return found * scales.velocity / scales.force
 
-    def problem(self, impedance: Any, load: Any, compliance: float = 0.0, vibrates: bool = False) -> Problem:
+    def problem(
+        self, impedance: Any, load: Any, compliance: float = 0.0, vibrates: bool = False, fitted: bool = True
+    ) -> Problem:
         """The dimensionless problem for a target impedance [N s/m] and a load [N], which are arrays for many impacts.
 
         compliance: of a target that follows the force statically, m/N, of one impact only: it is part of the curve.
-        vibrates: the target moves by its modes instead.
+        vibrates: the target moves by its modes instead. fitted: whether curves are fitted that many impacts need.
         """
         numbers, energy = self.numbers, self.numbers.energy
         weighed = load * 1e-3 * numbers.radius
@@ -191,6 +190,7 @@ class Impacts:
             scales = self._scales(numbers.weight * 1e-3 * numbers.radius)
         else:
             scales = self._light_scales
+        varied = self.varied if fitted or self.shape is None else None
         return Problem(
             impacts=self,
             law=self.one_law,
@@ -206,8 +206,8 @@ class Impacts:
             given=(impedance, load, compliance),
             free=self.base.target.free,
             vibrates=vibrates,
-            shape=self.shape,
-            varied=self.varied,
+            shape=self.shape if varied is None else None,
+            varied=varied,
         )
 
 
@@ -317,23 +317,8 @@ class Problem:
         refuse_relaxation(self, "a march on lines")
         if not self.impacts.many:
             return native.marched(self.curve.native, mesh, self.start)
-        page = self.curve.page
-        if self.varied is not None:
-            status, table = families.batch_varied(*self.varied, mesh, self.start)
-        elif self.shape is None or page is None:
-            start = self.start if self._alike is None else self.start[self._alike[0]]
-            status, table = native.batch(self.curve.native, mesh, start)
-            if self._alike is not None:
-                status, table = status[self._alike[1]], table[self._alike[1]]
-        else:
-            status, table = families.batch(page.family, page.whole, mesh, self.start, self.shape)
+        status, table = march_rows(self.curve, mesh, self.start, self.shape, self.varied)
         return status, Columns(table)
-
-    @cached_property
-    def _alike(self) -> tuple[Index, Index] | None:
-        """`native.distinct` of many damped impacts: they are not marched in lanes, but on a fixed target most laws make
-        them equal but for rounding."""
-        return native.distinct(self.start) if any_of(self.damping > 0.0) else None
 
     def relax(self, tolerance: float) -> tuple[Any, Any]:
         """The same for a contact that relaxes. tolerance: of the core's steps."""

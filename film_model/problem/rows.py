@@ -1,0 +1,30 @@
+"""The march of many contacts whose curves are one, belong to one family, or differ in some numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.arrays import Array
+from film_model.core import families, native
+from film_model.problem.curve import Curve
+from film_model.problem.varied import Varied
+
+
+def march_rows(
+    curve: Curve, mesh: native.Mesh, start: NDArray[Any], shape: Array | None, varied: Varied | None
+) -> tuple[NDArray[np.int32], NDArray[Any]]:
+    """Statuses and summaries (SUMMARY_DTYPE) of many contacts (START_DTYPE). shape, varied: as of :class:`Problem`."""
+    if varied is not None:
+        return families.batch_varied(*varied, mesh, start)
+    if shape is not None and curve.page is not None:
+        return families.batch(curve.page.family, curve.page.whole, mesh, start, shape)
+    # damped contacts are not marched in lanes, but on a fixed target most laws make them equal but for rounding
+    alike = native.distinct(start) if (start["damping"] > 0.0).any() else None
+    if alike is None:
+        return native.batch(curve.native, mesh, start)
+    first, kind = alike
+    status, table = native.batch(curve.native, mesh, start[first])
+    return status[kind], table[kind]

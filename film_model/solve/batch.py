@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,6 +97,14 @@ class BatchResult:
         return tuple(said)
 
 
+def _in_si(name: Literal["velocity", "mass"], values: Any) -> Array:
+    """The values of an argument, which is called as its dimension, in SI. Raises ValueError that names it."""
+    try:
+        return units.array_to_si(values, name)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
 def simulate_batch(
     scene: Scene, *, velocity: Any, mass: Any = None, accuracy: float | None = None, segments: int | None = None
 ) -> BatchResult:
@@ -112,8 +120,8 @@ def simulate_batch(
     >>> many.summary["coefficient_of_restitution"].round(3)
     array([0.758, 0.467])
     """
-    speeds = units.array_to_si(velocity, "velocity")
-    masses = None if mass is None else units.array_to_si(mass, "mass")
+    speeds = _in_si("velocity", velocity)
+    masses = None if mass is None else _in_si("mass", mass)
     shape = speeds.shape if masses is None else np.broadcast(speeds, masses).shape
     given = {"impactor.velocity": speeds, "impactor.mass": masses}
     columns = {path: _spread(values, shape) for path, values in given.items() if values is not None}

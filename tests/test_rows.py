@@ -7,11 +7,12 @@ import pytest
 from cases import LAWS, STEEL, TARGETS, combinations, scene
 
 import film_model as fm
+from film_model.base.errors import NO_VELOCITY
 from film_model.core import native
 from film_model.effects.choose import problem_of
 from film_model.effects.many import problems_of
 from film_model.problem.curve import curve_of
-from film_model.solve.batch import NO_VELOCITY, STATUSES, simulate_many
+from film_model.solve.batch import STATUSES, simulate_many
 from film_model.solve.history import SUMMARY
 
 STIFFNESS = {"D11": "154.9 N*m", "D12": "4.76 N*m", "D22": "91.4 N*m", "D66": "8.97 N*m"}

@@ -57,18 +57,22 @@ def ratio(a: Any, b: Any) -> Any:
     """a/b; nan where b is 0."""
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(b == 0.0, np.nan, a / b)
+            found, zero = a / b, b == 0.0
+        return np.where(zero, np.nan, found) if any_of(zero) else found
     return a / b if b else math.nan
 
 
 def any_of(condition: Any) -> bool:
-    """Whether the condition holds; for many impacts, whether it holds for at least one."""
-    return bool(condition.any()) if isinstance(condition, np.ndarray) else condition
+    """Whether the condition holds; for many impacts, whether it holds for at least one.
+
+    Counting takes a quarter of the time of `ndarray.any` for few impacts.
+    """
+    return bool(np.count_nonzero(condition)) if isinstance(condition, np.ndarray) else condition
 
 
 def all_of(condition: Any) -> bool:
     """Whether the condition holds; for many impacts, whether it holds for all."""
-    return bool(condition.all()) if isinstance(condition, np.ndarray) else condition
+    return bool(np.count_nonzero(condition) == condition.size) if isinstance(condition, np.ndarray) else condition
 
 
 def either(condition: Any, a: Any, b: Any) -> Any:
@@ -80,11 +84,11 @@ def column(value: Any, count: int) -> Any:
     """An array of `count` values, which must not be changed: the value itself, or a number repeated."""
     if isinstance(value, np.ndarray) and value.shape == (count,):
         return value
-    one = np.asarray(value)
+    one = np.array(value)
     if one.ndim:
         return np.broadcast_to(one, (count,))
-    made = np.ndarray((count,), one.dtype, one, strides=(0,))  # as broadcast_to, which takes ten times as long
-    made.flags.writeable = False
+    made = np.ndarray((count,), one.dtype, one, 0, (0,))  # as broadcast_to, which takes ten times as long
+    made.setflags(write=False)
     return made
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from film_model.core.native import START_DTYPE, SUMMARY_DTYPE, Curve, Summary, library
+from film_model.core.native import START_DTYPE, SUMMARY_DTYPE, Curve, Summary, at, library
 
 
 def compare(start: Any, a: Any, b: Any) -> Any:
@@ -21,8 +21,8 @@ def compare(start: Any, a: Any, b: Any) -> Any:
         library().film_compare(1, c.byref(start), c.byref(a), c.byref(b), c.byref(found))
         return found.value
     off = np.empty(len(start))
-    tables = [np.ascontiguousarray(table, SUMMARY_DTYPE) for table in (a, b)]
-    library().film_compare(len(start), *_addresses(np.ascontiguousarray(start, START_DTYPE), *tables, off))
+    start, tables = np.ascontiguousarray(start, START_DTYPE), [np.ascontiguousarray(t, SUMMARY_DTYPE) for t in (a, b)]
+    library().film_compare(len(start), start.ctypes.data, *(table.ctypes.data for table in tables), at(off))
     return off
 
 
@@ -34,8 +34,8 @@ def rounding(curve: Curve, start: Any, summary: Any, clearance: float) -> Any:
         return found.value
     off = np.empty(len(start))
     start, table = np.ascontiguousarray(start, START_DTYPE), np.ascontiguousarray(summary, SUMMARY_DTYPE)
-    at, table_at, off_at = _addresses(start, table, off)
-    library().film_rounding(c.byref(curve), len(start), at, table_at, clearance, off_at)
+    own = len(start), start.ctypes.data, table.ctypes.data, clearance, at(off)
+    library().film_rounding(c.byref(curve), *own)
     return off
 
 
@@ -43,9 +43,5 @@ def dents(curve: Curve, depth: Any, end: Any) -> Any:
     """What contacts leave that turned at `depth` and ended at `end` [δ_s], of a law that pulls: see film_core.h."""
     rows = np.array(np.broadcast_arrays(np.atleast_1d(depth), end), np.float64)
     left = np.empty(rows.shape[1:])
-    library().film_dents(c.byref(curve), left.size, *_addresses(*rows, left))
+    library().film_dents(c.byref(curve), left.size, *(row.ctypes.data for row in rows), at(left))
     return left if np.ndim(depth) else float(left[0])
-
-
-def _addresses(*tables: Any) -> list[int]:
-    return [table.ctypes.data for table in tables]

@@ -33,7 +33,7 @@ PHASES = ("approaching", "loading", "unloading", "reloading", "resting", "separa
 OK, EVENT, ENDLESS, TURNS_AGAIN, REMEMBERS = 0, 1, 2, -9, -10
 BAD_NUMBER, BAD_CURVE, BAD_MESH, BEYOND_LAW, TOO_MANY, BAD_UNLOADING, FULL, TOO_STIFF = range(-1, -9, -1)
 
-_D, _I, _GRADINGS = c.c_double, c.c_int32, 6
+_D, _I, _GRADINGS, _BEGIN = c.c_double, c.c_int32, 6, c.c_char * 0
 _MOST_ROOM, _MOST_EVENTS = 4_000_000, 200_000  # lines and events of a recorded contact, beyond which it will not end
 
 
@@ -235,6 +235,11 @@ def mesh(linearisation: int, loading: int, unloading: int) -> Mesh:
     return made
 
 
+def at(memory: Any) -> Any:
+    """Where a new array begins, for the core; `memory.ctypes` takes three times as long."""
+    return c.byref(_BEGIN.from_buffer(memory))
+
+
 def initial_state(curve: Curve, start: Start, gap: float = 0.0) -> State:
     """The state at `gap` before first touch, on a spot without a dent."""
     state = State()
@@ -265,10 +270,9 @@ def record(curve: Curve, cut: Mesh, state: State, limit: float, room: int) -> tu
     """Status, lines and event states from `state`, which is moved on, to the end of the next contact or to `limit`."""
     most, count, events_count, begun = min(room, _MOST_EVENTS), _I(), _I(), bytes(state)
     lines, events = (np.empty(n * t.itemsize, np.uint8) for n, t in ((room, LINE_DTYPE), (most, STATE_DTYPE)))
-    at, events_at = (c.byref(c.c_char.from_buffer(memory.data)) for memory in (lines, events))
     status = library().film_record(
         *(c.byref(curve), c.byref(cut), c.byref(state), limit),
-        *(at, room, c.byref(count), events_at, most, c.byref(events_count)),
+        *(at(lines), room, c.byref(count), at(events), most, c.byref(events_count)),
     )
     if status == FULL and room <= _MOST_ROOM and events_count.value < _MOST_EVENTS:
         c.memmove(c.byref(state), begun, len(begun))
@@ -334,17 +338,10 @@ def batch(
     using: instructions, at most `instructions()`, which is the default; the results are the same to the last bit.
     """
     start = np.ascontiguousarray(start, dtype=START_DTYPE)
-    summary, status = np.empty(start.size, SUMMARY_DTYPE), np.empty(start.size, np.int32)
-    library().film_batch_with(
-        instructions() if using is None else using,
-        c.byref(curve),
-        c.byref(cut),
-        start.size,
-        start.ctypes.data,
-        summary.ctypes.data,
-        status.ctypes.data,
-    )
-    return status, summary
+    memory, status = np.empty(start.size * SUMMARY_DTYPE.itemsize, np.uint8), np.empty(start.size, np.int32)
+    own = c.byref(curve), c.byref(cut), start.size, start.ctypes.data, at(memory), at(status)
+    library().film_batch_with(instructions() if using is None else using, *own)
+    return status, np.ndarray(start.size, SUMMARY_DTYPE, memory)
 
 
 def force_of(curve: Curve, state: State) -> Callable[[float], float]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, Mask, column
-from film_model.base.errors import VIBRATES, SimulationError
+from film_model.base.errors import NO_VELOCITY, VIBRATES, SimulationError
 from film_model.core import native
 from film_model.effects import rate_hardening
 from film_model.effects.case import Pulse
@@ -43,14 +43,17 @@ def problems_of(
 ) -> list[Problem]:
     """The problems of `count` impacts of a scene, some of whose numbers are columns (path → SI values, one each).
 
-    Omitted are impacts that do not approach, those whose numbers raise an error, and those whose target vibrates, which
-    have no lines; status is set to `VIBRATES` for the latter. If no impact remains because of errors, the first
-    error is raised.
+    Omitted are impacts that do not approach, those whose target vibrates, which have no lines, and those whose numbers
+    raise an error; status is set to `NO_VELOCITY` and `VIBRATES` for the first two. If no impact remains because of
+    errors, the first error is raised.
     """
     status = np.zeros(count, np.int32) if status is None else status
-    whole = scene_of_columns(scene, columns)
-    moving, found = np.flatnonzero(column(whole.approach_velocity, count) > 0.0), list[Problem]()
-    part = whole if moving.size == count else _part(scene, columns, moving)
+    part, found = scene_of_columns(scene, columns), list[Problem]()
+    approaches = column(part.approach_velocity, count) > 0.0
+    moving = approaches.nonzero()[0]
+    if moving.size < count:
+        status[~approaches] = NO_VELOCITY
+        part = _part(scene, columns, moving)
     if infinite_unless_judged(part) or not edged(part):
         try:
             groups = _groups(scene, columns, moving, part)
@@ -60,11 +63,9 @@ def problems_of(
         if edged(part) and scene.effects.boundary_reflections == "auto":
             found = [problem.part(~_edges_may_matter(problem)) for problem in found]
             found = [problem for problem in found if problem.approach.size]
-    rest = np.zeros(count, np.bool_)
-    rest[moving] = True
     for problem in found:
-        rest[rows_of(problem)] = False
-    left = np.flatnonzero(rest)
+        approaches[rows_of(problem)] = False
+    left = approaches.nonzero()[0]
     return found + (_one_by_one(scene, columns, left, status, bool(found)) if left.size else [])
 
 

@@ -18,8 +18,8 @@ LEVELS = ((1.1, 2.0, 2.0), (1.01, 1.2, 1.1), (1.001, 1.05, 1.01))
 the ratio it spans in load; and the factor by which a change, scaled with the load, must differ from the tolerance to
 decide the whole cell. Impacts that are not decided go to the next size, and at the end are tried one by one."""
 
-FEW = 2
-"""So many impacts are all extremes of their cells: each is tried itself."""
+FEW = 32
+"""Up to so many impacts are each tried: this takes less time than to sort them into cells."""
 
 
 def change(full: Problem, without: Problem) -> Any:

@@ -58,6 +58,17 @@ class SceneLaw:
 
     def at(self, places: Any = None) -> AbstractLaw:
         """The law of one impact; for several impacts, with arrays in its fields."""
+        return self._made(places) if self._varies else self._only
+
+    @cached_property
+    def _varies(self) -> bool:
+        return any(isinstance(value, np.ndarray) for value in (*self.values.values(), *self.sphere.values()))
+
+    @cached_property
+    def _only(self) -> AbstractLaw:
+        return self._made(None)
+
+    def _made(self, places: Any) -> AbstractLaw:
         try:
             law = self.law if isinstance(self.law, AbstractLaw) else self.law(**_picked(self.values, places))
         except ValueError as error:

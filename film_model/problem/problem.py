@@ -159,17 +159,20 @@ class Impacts:
         """Of many impacts whose curves differ in numbers of their powers: the numbers."""
         return varied_of(self.law, self.index.size) if self.index is not None and self.law.read else None
 
-    def _damping_factor(self, length: Any) -> Any:
-        mass, approach = self.numbers.mass, self.numbers.approach
-        if self.index is None:
-            return self.one_law.damping_factor(mass, approach, length)
-        if not self.law.law.damped:
-            return self.column(0.0)
+    def _damping(self, scales: Scales) -> Any:
+        """The factor of the law's damping, without units."""
+        mass, approach, length = self.numbers.mass, self.numbers.approach, scales.length
 
         def factor(law: AbstractLaw, at: Any) -> tuple[Any, ...]:
             return (law.damping_factor(mass[at], approach[at], length[at]),)
 
-        return self.law.on_arrays(factor, self.index.size)[0]
+        if self.index is None:
+            found = self.one_law.damping_factor(mass, approach, length)
+        elif self.law.law.damped:
+            found = self.law.on_arrays(factor, self.index.size)[0]
+        else:
+            return self.column(0.0)
+        return found * scales.velocity / scales.force
 
     def problem(
         self, impedance: Any, load: Any, compliance: float = 0.0, vibrates: bool = False, fitted: bool = True
@@ -195,7 +198,7 @@ class Impacts:
             scales=scales,
             gamma=scales.force / (impedance * scales.velocity),
             load=load / scales.force,
-            damping=self._damping_factor(scales.length) * scales.velocity / scales.force,
+            damping=self._damping(scales),
             approach=numbers.approach / scales.velocity,
             drift=numbers.drift,
             share=numbers.share,

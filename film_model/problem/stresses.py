@@ -45,9 +45,8 @@ def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tupl
     """
     scene = impacts.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius
-    unknown = force * math.nan
     if modulus is None:
-        return unknown, force != force
+        return force * math.nan, force != force
     hertz = hertz_stiffness(modulus, radius) * indentation * root(indentation)
     off = ratio(abs(force - hertz), hertz)
     elastic = off <= HERTZIAN
@@ -55,7 +54,7 @@ def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tupl
     if not any_of(off > HERTZIAN):
         return root(square), elastic
     if strength is None or poisson is None:
-        return either(elastic, root(square), unknown), elastic
+        return either(elastic, root(square), math.nan), elastic
     first = (yield_factor(poisson) * strength / modulus) ** 2 * radius
     growth = GROWTH * exponential(lesser(GROWTH_RATE * strength / modulus, MOST_GROWTH))
     wider = lesser(greater(indentation / (ELASTIC_LIMIT * first), 1.0) ** growth, WIDEST)
@@ -90,7 +89,7 @@ def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:
         "peak_pressure": peak,
         "maximum_shear_stress": shear * peak,
         "maximum_von_mises_stress": 2.0 * shear * peak,
-        "depth_of_maximum_stress": below * radius * either(elastic, 1.0, math.nan),
+        "depth_of_maximum_stress": either(elastic, below * radius, math.nan),
     }
 
 

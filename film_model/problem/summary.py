@@ -62,6 +62,8 @@ def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
     left = core.permanent_indentation
     if problem.curve.pulls:
         left = dents(problem.curve.native, core.maximum_indentation, left)
+    if any_of(no_dent):
+        left = either(no_dent, 0.0, left)
     with np.errstate(divide="ignore", invalid="ignore"):
         begun = {
             "maximum_indentation": core.maximum_indentation * s.length,
@@ -69,7 +71,7 @@ def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
         }
         whole = {
             "contact_duration": core.contact_duration * s.time,
-            "permanent_indentation": either(no_dent, 0.0, left) * s.length,
+            "permanent_indentation": left * s.length,
             "rebound_velocity": problem.drift + problem.share * (final * s.velocity),
             "coefficient_of_restitution": ratio(-final, approach),
             "energy_absorbed": absorbed * s.energy,

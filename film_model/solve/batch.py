@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from film_model.base import errors, units
 from film_model.base.arrays import Array, Mask, index_or_all
-from film_model.base.errors import NO_VELOCITY, VIBRATES
+from film_model.base.errors import VIBRATES
 from film_model.base.late import Late
 from film_model.core import native
 from film_model.effects.law_range import law_warnings
@@ -21,7 +21,6 @@ from film_model.effects.many import problems_of, rows_of
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY, summary_of
 from film_model.scene import SLOWEST, Scene, Solver, Sphere
-from film_model.scene.columns import scene_of_columns
 from film_model.solve.accuracy import solver_for
 from film_model.solve.many_meshes import march_many
 from film_model.solve.many_modes import Followed, on_modes
@@ -124,23 +123,24 @@ def simulate_batch(
     """
     speeds = _in_si("velocity", velocity)
     masses = None if mass is None else _in_si("mass", mass)
-    shape = np.broadcast_shapes(speeds.shape, () if masses is None else masses.shape)
+    shape = speeds.shape if masses is None else np.broadcast(speeds, masses).shape
     given = {"impactor.velocity": speeds, "impactor.mass": masses}
-    columns = {path: np.broadcast_to(values, shape).ravel() for path, values in given.items() if values is not None}
+    columns = {path: _spread(values, shape) for path, values in given.items() if values is not None}
     least = max(scene.target.velocity, 0.0)
     for name, values, unit, floor in (("velocity", speeds, "m/s", least), ("mass", masses, "kg", 0.0)):
         if values is None:
             continue
         if values.size == 0:
             raise ValueError(f"{name}: no values, at least one is needed")
-        if not values.min() > floor:
+        lowest, highest = values.min(), values.max()
+        if not lowest > floor:
             whose = ", the target's" if floor > 0.0 else ""
-            raise ValueError(f"{name}: {values.min():g} {unit} must be > {floor:g} {unit}{whose}")
+            raise ValueError(f"{name}: {lowest:g} {unit} must be > {floor:g} {unit}{whose}")
         field = Sphere.FIELDS[name]
         low, high = max(field.low or 0.0, SLOWEST), field.high or math.inf
-        wrong = values[(values < low) | (values > high)]
-        if wrong.size:
-            raise ValueError(f"{name}: {wrong[0]:g} {unit} is out of range: from {low:g} to {high:g} {unit}")
+        if lowest < low or highest > high:
+            wrong = lowest if lowest < low else highest
+            raise ValueError(f"{name}: {wrong:g} {unit} is out of range: from {low:g} to {high:g} {unit}")
     solver = solver_for(scene.solver, accuracy, segments, None)
     result = simulate_many(scene, columns, solver)
     shaped = {name: column.reshape(shape) for name, column in result.summary.items()}
@@ -149,6 +149,11 @@ def simulate_batch(
     each, failed = result.estimated.reshape(shape), (result.status < 0).reshape(shape)
     varied = {path.partition(".")[2]: column.reshape(shape) for path, column in columns.items()}
     return BatchResult(shaped, varied, each, worst, (counts[0], counts[1]), failed, result)
+
+
+def _spread(values: Array, shape: tuple[int, ...]) -> Array:
+    """Values broadcast to a shape, in one row."""
+    return (values if values.shape == shape else np.broadcast_to(values, shape)).ravel()
 
 
 def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | None = None) -> ManyResult:
@@ -160,9 +165,7 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     solver = solver or scene.solver
     count = len(next(iter(columns.values())))
     summary = dict(zip(SUMMARY, np.full((len(SUMMARY), count), np.nan), strict=True))
-    speed = scene_of_columns(scene, columns).approach_velocity
     status = np.full(count, native.BAD_NUMBER, np.int32)
-    status[np.broadcast_to(np.less_equal(speed, 0.0), (count,))] = NO_VELOCITY
     law = np.zeros(count, np.int8)
     segments, laws, estimated = np.zeros((count, 2), np.int32), list[str](), np.full(count, np.nan)
     problems = problems_of(scene, columns, count, status)
@@ -177,7 +180,7 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
         estimated[rows] = made.estimated + problem.curve.fit_error
         for name, column in summary_of(problem, made.status, made.core).items():
             summary[name][rows] = column
-    vibrating, followed = np.flatnonzero(status == VIBRATES), list[Followed]()
+    vibrating, followed = (status == VIBRATES).nonzero()[0], list[Followed]()
     if vibrating.size:
         found = on_modes(scene, columns, vibrating, solver)
         status[vibrating] = found.status

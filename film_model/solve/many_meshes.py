@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array, Index
+from film_model.base.arrays import Array, Index, Mask, all_of, any_of
 from film_model.problem.problem import Columns, Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import Solver
@@ -70,20 +70,15 @@ def march_many(problem: Problem, solver: Solver) -> Marched:
     if solver.segments is not None:
         return _with_segments(problem, solver, solver.segments)
     n = _shared_segments(problem, solver)
-    coarse_status, coarse = _march(problem, solver, _half(n, solver))
+    coarse = _march(problem, solver, _half(n, solver))
     status, core = _march(problem, solver, n)
-    made = Marched(
-        status,
-        core,
-        np.tile(np.array(problem.curve.segments(n), np.int32), (status.size, 1)),
-        np.full(status.size, math.nan),
-    )
-    every = np.arange(status.size)
-    left = _estimate(problem, solver, made, every, n, (coarse_status, coarse, status, core))
+    segments = np.empty((status.size, 2), np.int32)
+    segments[:] = problem.curve.segments(n)
+    made, every = Marched(status, core, segments, np.empty(status.size)), np.arange(status.size)
+    left = every[_estimate(problem, solver, made, every, n, coarse, (status, core))]
     while left.size and n < MOST_SEGMENTS:
         n *= 2
-        part = problem if left.size == every.size else problem.part(left)
-        left = _refine(part, solver, made, left, n)
+        left = _refine(problem if left.size == every.size else problem.part(left), solver, made, left, n)
     return made
 
 
@@ -91,15 +86,16 @@ def _refine(part: Problem, solver: Solver, made: Marched, places: Index, n: int)
     """March the impacts at `places` with n segments; the places whose estimates still exceed the accuracy."""
     status, core = _march(part, solver, n)
     known = status >= 0  # an impact that fails on a finer mesh only keeps its result
-    before = made.status[places], Columns(made.core.table[places])
-    last = made.estimated[places]
-    to = places[known]
-    made.status[to], made.core.table[to] = status[known], core.table[known]
-    made.segments[to] = part.curve.segments(n)
-    pair = before[0][known], Columns(before[1].table[known]), status[known], Columns(core.table[known])
-    left = _estimate(part.part(known), solver, made, to, n, pair)
-    stalled = (made.estimated[places] > STALLED * last) & (made.estimated[places] < SMALL)
-    return np.setdiff1d(left, places[stalled], assume_unique=True) if stalled.any() else left
+    if not all_of(known):
+        part, places, status, core = part.part(known), places[known], status[known], Columns(core.table[known])
+    before, last = (made.status[places], Columns(made.core.table[places])), made.estimated[places]
+    made.status[places], made.core.table[places] = status, core.table
+    made.segments[places] = part.curve.segments(n)
+    wrong = _estimate(part, solver, made, places, n, before, (status, core))
+    if any_of(wrong):
+        now = made.estimated[places]
+        wrong &= ~((now > STALLED * last) & (now < SMALL))
+    return places[wrong]
 
 
 def _estimate(
@@ -108,24 +104,24 @@ def _estimate(
     made: Marched,
     places: Index,
     n: int,
-    pair: tuple[NDArray[np.int32], Columns, NDArray[np.int32], Columns],
-) -> Index:
-    """Set the estimates at `places` from two meshes; the places to refine: more segments would make them smaller."""
+    coarser: tuple[NDArray[np.int32], Columns],
+    finer: tuple[NDArray[np.int32], Columns],
+) -> Mask:
+    """Set the estimates at `places` from two meshes; whether each is to be refined: more segments would lower it."""
     assert solver.accuracy is not None
-    coarse_status, coarse, status, core = pair
-    apart = difference(problem, coarse, core)
+    (coarse_status, coarse), (status, core) = coarser, finer
+    apart, rounds, failed = difference(problem, coarse, core), _floor(problem, core), status < 0
     found = _factor(n, solver) * apart
     found[coarse_status < 0] = 1.0
-    if n <= TOO_FEW:
-        found[(apart <= SAME) & ((problem.load > 0.0) | problem.curve.pulls)] = 1.0
-    found = np.where(problem.load > 0.0, np.maximum(found, LOADED * solver.accuracy), found)
-    rounds = _floor(problem, core)
-    made.estimated[places] = np.minimum(found + rounds, 1.0)
-    asked = np.flatnonzero(found > solver.accuracy - rounds)
-    if (status < 0).any():
-        made.estimated[places[status < 0]] = math.nan
-        asked = asked[status[asked] >= 0]
-    return places[asked[found[asked] > rounds[asked]]]
+    loaded = problem.load > 0.0
+    if n <= TOO_FEW and (problem.curve.pulls or any_of(loaded)):
+        found[(apart <= SAME) & (loaded | problem.curve.pulls)] = 1.0
+    if any_of(loaded):
+        found = np.where(loaded, np.maximum(found, LOADED * solver.accuracy), found)
+    estimated = np.minimum(found + rounds, 1.0)
+    estimated[failed] = math.nan
+    made.estimated[places] = estimated
+    return (found > solver.accuracy - rounds) & (found > rounds) & ~failed
 
 
 def _floor(problem: Problem, core: Columns) -> NDArray[np.float64]:

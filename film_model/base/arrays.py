@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, TypeAlias
 
@@ -86,6 +87,22 @@ def column(value: Any, count: int) -> Any:
     made = np.ndarray((count,), one.dtype, one, strides=(0,))  # as broadcast_to, which takes ten times as long
     made.flags.writeable = False
     return made
+
+
+def of_each(formula: Callable[..., float], *numbers: Any) -> Any:
+    """A formula of numbers only; of many impacts it is evaluated once for all those with the same numbers."""
+    if not any(isinstance(number, np.ndarray) for number in numbers):
+        return formula(*numbers)
+    rows = np.stack(np.broadcast_arrays(*numbers), axis=-1)
+    different, group = np.unique(rows, axis=0, return_inverse=True)
+    return np.array([formula(*row) for row in different.tolist()])[group.ravel()]
+
+
+def same(condition: Any) -> bool:
+    """A condition that must be the same for all of many impacts; ValueError if it is not."""
+    if isinstance(condition, np.ndarray) and condition.any() != condition.all():
+        raise ValueError("arrays serve only impacts for which a rule is the same")
+    return any_of(condition)
 
 
 def endless(x: Any) -> bool:

@@ -70,16 +70,24 @@ void film_split_off_spring(const film_curve *curve, const film_line *line, doubl
     values[4] += bent;
 }
 
+/* Whether a function is sure not to fall: d/dz of a series is at least a_1 - sum k^2 |a_k|, as T_k' <= k^2. */
+static int never_falls(const film_function *g) {
+    if (g->form == FILM_POWER) return g->slope >= 0.0 && g->coefficient >= 0.0;
+    double least = g->terms > 1 ? g->series[1] : 0.0;
+    for (int k = 2; k < g->terms; k++) least -= k * k * fabs(g->series[k]);
+    return least >= 0.0;
+}
+
 /* Whether xi + c f does not grow with xi everywhere in a piece that begins at xi = from. */
 static int snaps_through(const film_piece *piece, double from, double c) {
     double length = piece->end < INFINITY ? piece->end - from : 9.0 * from + 10.0;
-    for (int k = 1; k <= SNAP_CHECKS; k++)
+    for (int k = 1; k <= SNAP_CHECKS && !never_falls(&piece->force); k++)
         if (!(1.0 + c * slope_at(&piece->force, from + length * k / SNAP_CHECKS) > 0.0)) return 1;
     return 0;
 }
 
 /* Ends of stages and pieces become values of xi + c f, and the work counts the spring's. docs/method.md, section 8. */
-int film_spring(film_curve *curve, double c) {
+int film_put_in_series(film_curve *curve, double c) {
     double begin = 0.0, from = 0.0;
     if (curve->compliance != 0.0 || !(c > 0.0 && c < INFINITY)) return FILM_BAD_CURVE;
     for (int32_t k = 0; k < curve->stages; k++) {
@@ -96,7 +104,12 @@ int film_spring(film_curve *curve, double c) {
         stage->end = begin = last->end;
     }
     curve->compliance = c;
-    return film_check_curve(curve);
+    return FILM_OK;
+}
+
+int film_spring(film_curve *curve, double compliance) {
+    int status = film_put_in_series(curve, compliance);
+    return status < 0 ? status : film_check_curve(curve);
 }
 
 /* ---------------------------------------------------------------- unloading */

@@ -18,7 +18,8 @@ from film_model.core import native
 from film_model.effects import rate_hardening
 from film_model.effects.case import Pulse
 from film_model.effects.choose import chosen, problem_of
-from film_model.effects.edge_effects import edged, infinite_unless_judged
+from film_model.effects.edge_effects import edged, infinite_unless_judged, supports_of
+from film_model.effects.target_motion import Support
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
@@ -51,15 +52,14 @@ def problems_of(
     whole = scene_of_columns(scene, columns)
     moving, found = np.flatnonzero(column(whole.approach_velocity, count) > 0.0), list[Problem]()
     part = whole if moving.size == count else _part(scene, columns, moving)
-    if infinite_unless_judged(part) or not edged(part):
-        try:
-            groups = _groups(scene, columns, moving, part)
-            found = [problem for impacts, yields in groups for problem in chosen(impacts, yields)]
-        except (TypeError, ValueError, SimulationError):  # a law or a target that accepts numbers only
-            return _one_by_one(scene, columns, moving, status)
-        if edged(part) and scene.effects.boundary_reflections == "auto":
-            found = [problem.part(~_edges_may_matter(problem)) for problem in found]
-            found = [problem for problem in found if problem.approach.size]
+    try:
+        groups = _groups(scene, columns, moving, part)
+        found = [problem for impacts, support, yields in groups for problem in chosen(impacts, support, yields)]
+    except (TypeError, ValueError, SimulationError):  # a law or a target that accepts numbers only
+        return _one_by_one(scene, columns, moving, status)
+    if infinite_unless_judged(part) and edged(part) and scene.effects.boundary_reflections == "auto":
+        found = [problem.part(~_edges_may_matter(problem)) for problem in found]
+        found = [problem for problem in found if problem.approach.size]
     rest = np.zeros(count, np.bool_)
     rest[moving] = True
     for problem in found:
@@ -137,13 +137,13 @@ def _gathered(members: list[tuple[int, Problem]], scene: Scene, columns: Mapping
         return np.array([getattr(problem, name) for problem in problems])
 
     scales = {name: np.array([getattr(problem.scales, name) for problem in problems]) for name in vars(first.scales)}
-    impedance, load, _ = (np.array(values) for values in zip(*(problem.given for problem in problems), strict=True))
+    given = tuple(np.array(values) for values in zip(*(problem.given for problem in problems), strict=True))
     names = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
     return replace(
         first,
         impacts=Impacts.several(scene, _law_of_all(problems), index, _picked(columns, index)),
         scales=type(first.scales)(**scales),
-        given=(impedance, load, first.given[2]),
+        given=given,
         **{name: column(name) for name in names},
     )
 
@@ -167,19 +167,32 @@ def _picked(columns: Mapping[str, Array], index: Index) -> dict[str, Array]:
 
 def _groups(
     scene: Scene, columns: Mapping[str, Array], index: Index, part: Scene
-) -> Iterator[tuple[Impacts, bool | None]]:
-    """The impacts of `index` by law and curve, and whether they reach the yield point. part: has their columns.
+) -> Iterator[tuple[Impacts, Support, bool | None]]:
+    """The impacts of `index` by law and curve, how their targets move, and whether they reach the yield point.
+
+    part: has their columns. Omitted are impacts whose targets :func:`supports_of` omits.
 
     Raises ValueError where there are nearly as many curves as impacts.
     """
     for law, yields, own in _laws(part, index):
         made = SceneLaw.of(part if own.size == index.size else _part(scene, columns, own), law).reduced()
-        impacts = _hardened(Impacts.several(scene, made, own, _picked(columns, own)))
-        for places in _shared_curves((impacts.law,), own.size):
-            yield impacts if places.size == own.size else impacts.part(places), yields
+        slow = Impacts.several(scene, made, own, _picked(columns, own))
+        for places in _shared_curves((slow.law,), own.size):
+            for static, support in supports_of(slow if places.size == own.size else slow.part(places)):
+                for impacts, same in _by_curve(_hardened(static, support), static):
+                    yield impacts, support.part(same), yields
 
 
-def _hardened(impacts: Impacts) -> Impacts:
+def _by_curve(impacts: Impacts, shared: Impacts) -> Iterator[tuple[Impacts, Any]]:
+    """The impacts by curve, and their places. shared: those with the strength of slow loading, which share a curve."""
+    if impacts is shared:
+        yield impacts, slice(None)
+        return
+    for places in _shared_curves((impacts.law,), impacts.numbers.mass.size):
+        yield impacts.part(places), places
+
+
+def _hardened(impacts: Impacts, support: Support) -> Impacts:
     """The impacts, those that call for it with the yield strength at their own strain rate."""
     static, count = impacts.law, impacts.numbers.mass.size
     coefficient, wanted = impacts.scene.strain_rate_coefficient, impacts.base.effects.rate_hardening
@@ -187,8 +200,8 @@ def _hardened(impacts: Impacts) -> Impacts:
         return impacts
 
     def problem(law: SceneLaw, places: Index) -> Problem:
-        part = impacts.under(law).part(places)
-        return part.problem(part.numbers.impedance, part.column(0.0))
+        part, moves = impacts.under(law).part(places), support.part(places)
+        return part.problem(moves.impedance, part.column(0.0), moves.compliance)
 
     def rates(factor: Array) -> Array:
         law, found = static.strengthened(factor), np.empty(count)

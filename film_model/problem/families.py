@@ -37,6 +37,9 @@ TERMS = 18
 TOGETHER, POOR = 256, 1e-9
 """Laws that are fitted at a time, so that arrays stay in the processor's cache; relative error of a fit that fails."""
 
+CONTINUOUS = 1e-9
+"""Relative difference of the force up to which it does not jump between stages."""
+
 _CHECKED = (-0.97, -0.31, 0.44, 0.89)  # 2 ln(shape/low)/ln(high/low) − 1, where a page is compared with the law
 
 
@@ -223,6 +226,18 @@ def _summed(values: Array, matrix: Array) -> Array:
     for k in range(1, matrix.shape[1]):
         total += values[..., k, None] * matrix[:, k]
     return total
+
+
+def never_fall(values: Array, before: float) -> NDArray[np.bool_]:
+    """Whether the forces of `fitted_curves` are sure not to fall on any piece, and begin with `before`.
+
+    values: as given there. On a piece the slope is at least a₁ − Σ k² |a_k|, because T_k′ ≤ k².
+    """
+    series = values[:, 1:].reshape(len(values), -1, 2 + 2 * TERMS)[:, :, 2 : 2 + TERMS]
+    k = np.arange(2, TERMS)
+    rises = series[:, :, 1] >= (abs(series[:, :, 2:]) * k**2).sum(axis=-1)
+    begins = (series[:, 0] * (-1.0) ** np.arange(TERMS)).sum(axis=-1)
+    return rises.all(axis=1) & (abs(begins - before) <= CONTINUOUS * before)
 
 
 def _own_places(whole: native.Curve) -> NDArray[np.int32]:

@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, Number, any_of, column, either, greater
 from film_model.base.errors import STATUSES, VIBRATES, SimulationError
-from film_model.core import families, native
+from film_model.core import native
 from film_model.laws.law import AbstractLaw
 from film_model.problem.curve import Curve, curve_of
 from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.problem.numbers import Numbers, zener
+from film_model.problem.own_curves import OwnCurves
 from film_model.problem.relaxation import Relaxation
 from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
-from film_model.problem.varied import Varied, read_by_stages, varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -147,20 +147,9 @@ class Impacts:
         return scales_from(length, force, self.numbers.mass)
 
     @cached_property
-    def shape(self) -> Any:
-        """Of many impacts whose laws differ in their shape: the shapes; else None."""
-        law = self.law.law
-        if self.index is None or self.law.rule is not None or isinstance(law, AbstractLaw) or not law.shaped_by:
-            return None
-        if not read_by_stages(self.law).keys() & law.shaped_by or self.varied is not None:
-            return None
-        return self.law.on_arrays(lambda law, _: (law.shape,), self.index.size)[0]
-
-    @cached_property
-    def varied(self) -> Varied | None:
-        """Of many impacts whose curves differ in numbers of their powers: the numbers."""
-        many = self.index is not None and any(isinstance(value, np.ndarray) for value in self.law.values.values())
-        return varied_of(self.law, self.index.size) if many and self.index is not None else None
+    def own(self) -> OwnCurves:
+        """In what the curves of many impacts differ, without springs."""
+        return OwnCurves() if self.index is None else OwnCurves.of(self.law, self.index.size)
 
     def _damping_factor(self, length: Any) -> Any:
         mass, approach = self.numbers.mass, self.numbers.approach
@@ -174,10 +163,10 @@ class Impacts:
 
         return self.law.on_arrays(factor, self.index.size)[0]
 
-    def problem(self, impedance: Any, load: Any, compliance: float = 0.0, vibrates: bool = False) -> Problem:
+    def problem(self, impedance: Any, load: Any, compliance: Any = 0.0, vibrates: bool = False) -> Problem:
         """The dimensionless problem for a target impedance [N s/m] and a load [N], which are arrays for many impacts.
 
-        compliance: of a target that follows the force statically, m/N, of one impact only: it is part of the curve.
+        compliance: of a target that follows the force statically, m/N, for many impacts an array, or 0 of all.
         vibrates: the target moves by its modes instead.
         """
         numbers, energy = self.numbers, self.numbers.energy
@@ -188,10 +177,12 @@ class Impacts:
             scales = self._scales(numbers.weight * 1e-3 * numbers.radius)
         else:
             scales = self._light_scales
+        springs = any_of(compliance > 0.0)
+        spring = compliance * scales.force / scales.length if springs else 0.0
         return Problem(
             impacts=self,
             law=self.one_law,
-            curve=curve_of(self.one_law, compliance * scales.force / scales.length) if compliance else self.curve,
+            curve=curve_of(self.one_law, np.ravel(spring)[0].item()) if springs else self.curve,
             scales=scales,
             gamma=scales.force / (impedance * scales.velocity),
             load=load / scales.force,
@@ -203,8 +194,7 @@ class Impacts:
             given=(impedance, load, compliance),
             free=self.base.target.free,
             vibrates=vibrates,
-            shape=self.shape,
-            varied=self.varied,
+            own=self.own._replace(spring=spring) if springs and self.many else self.own,
         )
 
 
@@ -217,8 +207,7 @@ class Problem:
     drift − (1 − share)·ν v_s; drift 0 and share 1 unless the target is a free body. mass: effective, kg. given: target
     impedance [N s/m], load [N] and compliance [m/N]. free: the target is a free body. vibrates: it moves by its modes,
     and is integrated, not marched by the core. relaxation: of the moduli, if it is simulated. law: of many impacts,
-    that of the first. shape: of many impacts whose laws differ in it; varied: of those whose curves differ in some
-    numbers. Then the curve, too, is that of the first.
+    that of the first. own: in what the curves of many impacts differ; then the curve, too, is that of the first.
     """
 
     impacts: Impacts = field(repr=False)
@@ -232,12 +221,11 @@ class Problem:
     drift: Number
     share: Number
     mass: Number
-    given: tuple[Number, Number, float] = field(repr=False)
+    given: tuple[Number, Number, Number] = field(repr=False)
     free: bool = False
     vibrates: bool = False
-    shape: Any = None
     relaxation: Relaxation | None = None
-    varied: Varied | None = None
+    own: OwnCurves = OwnCurves()
     _others: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
@@ -269,19 +257,17 @@ class Problem:
         """Some of many impacts, by their indices or by a mask."""
         if isinstance(places, np.ndarray) and places.dtype == np.bool_ and places.all():
             return self
-        impedance, load, compliance = self.given
         numbers = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
         return Problem(
             impacts=self.impacts.part(places),
             law=self.law,
             curve=self.curve,
             scales=self.scales.part(places),
-            given=(_at(impedance, places), _at(load, places), compliance),
+            given=cast("Any", tuple(_at(values, places) for values in self.given)),
             free=self.free,
             vibrates=self.vibrates,
-            shape=None if self.shape is None else self.shape[places],
             relaxation=self.relaxation,
-            varied=None if self.varied is None else self.varied.part(places),
+            own=self.own.part(places),
             **{name: getattr(self, name)[places] for name in numbers},
         )
 
@@ -293,7 +279,7 @@ class Problem:
     @property
     def compliance(self) -> Number:
         """Static compliance of the target, m/N; 0 if the target does not follow the force statically."""
-        return self.curve.native.compliance * self.scales.length / self.scales.force
+        return self.given[2]
 
     @cached_property
     def start(self) -> Any:
@@ -314,17 +300,8 @@ class Problem:
         refuse_relaxation(self, "a march on lines")
         if not self.impacts.many:
             return native.marched(self.curve.native, mesh, self.start)
-        page = self.curve.page
-        if self.varied is not None:
-            status, table = families.batch_varied(*self.varied, mesh, self.start)
-        elif self.shape is None or page is None:
-            # damped contacts are not marched in lanes, but on a fixed target most laws make them equal but for rounding
-            alike = native.distinct(self.start) if any_of(self.damping > 0.0) else None
-            first, kind = (slice(None), slice(None)) if alike is None else alike
-            status, table = native.batch(self.curve.native, mesh, self.start[first])
-            status, table = status[kind], table[kind]
-        else:
-            status, table = families.batch(page.family, page.whole, mesh, self.start, self.shape)
+        one = self.impacts.curve if self.own.spring is not None else self.curve
+        status, table = self.own.march(one, mesh, self.start, any_of(self.damping > 0.0))
         return status, Columns(table)
 
     def relax(self, tolerance: float) -> tuple[Any, Any]:
@@ -335,17 +312,14 @@ class Problem:
 
     def by_curve(self) -> Iterator[Problem]:
         """The problems, of one impact or of many, whose impacts share a curve to the last digit."""
-        if self.shape is None and self.varied is None:
+        if self.own.alike:
             yield self
             return
-        rows: Any = self.shape if self.varied is None else self.varied.values
-        different, group = np.unique(rows, axis=0, return_inverse=True)
-        for k in range(len(different)):
-            places = np.flatnonzero(group.ravel() == k)
+        for places in self.own.groups():
             part = self.part(places)
-            law = part.impacts.one_law
-            own = replace(part.curve, native=part.varied.curve_at(0)) if part.varied is not None else curve_of(law)
-            yield replace(part, law=law, curve=own, shape=None, varied=None)
+            law, spring = part.impacts.one_law, 0.0 if part.own.spring is None else part.own.spring[0].item()
+            own = curve_of(law, spring)
+            yield replace(part, law=law, curve=replace(own, native=part.own.first(own)), own=OwnCurves())
 
     @cached_property
     def trial(self) -> Trial:

@@ -23,6 +23,7 @@ from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import FEW, curve_keys
 from film_model.effects.rate_hardening import factor_at
 from film_model.problem.law_of_scene import SceneLaw
+from film_model.problem.own_curves import OwnCurves
 from film_model.problem.problem import TRIAL_SEGMENTS, Columns, Impacts, Problem
 from film_model.problem.varied import fitted_by
 from film_model.scene import Solver
@@ -314,10 +315,10 @@ def _table(values: Array) -> NDArray[Any]:
 def _numbers_of(problem: Problem) -> Array:
     """(impacts, numbers): `AXES`, and those on which the curve depends."""
     columns = [np.broadcast_to(getattr(problem, name), problem.approach.shape) for name in AXES]
-    if problem.varied is not None:
-        columns += list(problem.varied.values.T)
-    elif problem.shape is not None:
-        columns.append(problem.shape)
+    if problem.own.varied is not None:
+        columns += list(problem.own.varied.values.T)
+    elif problem.own.shape is not None:
+        columns.append(problem.own.shape)
     return np.stack(columns, axis=-1)
 
 
@@ -325,7 +326,7 @@ def _with_numbers(problem: Problem, numbers: Array) -> Problem:
     """The problem with other numbers for the core."""
     approach, gamma, load, damping, stop, *_ = numbers.T
     drift = -stop * problem.share * problem.scales.velocity if problem.free else problem.drift
-    own, varied = numbers[:, len(AXES) :], problem.varied
+    own, (shape, varied, _) = numbers[:, len(AXES) :], problem.own
     return replace(
         problem,
         approach=approach,
@@ -333,8 +334,7 @@ def _with_numbers(problem: Problem, numbers: Array) -> Problem:
         load=load,
         damping=damping,
         drift=drift,
-        shape=own[:, 0] if varied is None and problem.shape is not None else problem.shape,
-        varied=None if varied is None else varied._replace(values=own),
+        own=OwnCurves(None if shape is None else own[:, 0], None if varied is None else varied._replace(values=own)),
     )
 
 

@@ -1,0 +1,83 @@
+"""In what the curves of many impacts of one problem differ: a shape, some numbers, springs in series."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.arrays import Array, Index
+from film_model.core import families, native
+from film_model.laws.law import AbstractLaw
+from film_model.problem.curve import Curve
+from film_model.problem.law_of_scene import SceneLaw
+from film_model.problem.varied import Varied, read_by_stages, varied_of
+
+
+class OwnCurves(NamedTuple):
+    """shape: of laws that differ in it. varied: of curves that differ in numbers of their powers. spring: compliances
+    [δ_s/F_s] in series. Each is None where the curves do not differ in it, or have none."""
+
+    shape: Array | None = None
+    varied: Varied | None = None
+    spring: Array | None = None
+
+    @classmethod
+    def of(cls, law: SceneLaw, count: int) -> OwnCurves:
+        """Of `count` laws that share a page of their family, or pieces."""
+        several = any(isinstance(value, np.ndarray) for value in law.values.values())
+        varied = varied_of(law, count) if several else None
+        kind = law.law
+        if varied is not None or law.rule is not None or isinstance(kind, AbstractLaw) or not kind.shaped_by:
+            return cls(None, varied)
+        if not read_by_stages(law).keys() & kind.shaped_by:
+            return cls()
+        return cls(law.on_arrays(lambda law, _: (law.shape,), count)[0])
+
+    @property
+    def alike(self) -> bool:
+        """Whether all have one curve."""
+        return all(values is None for values in self)
+
+    def part(self, places: Any) -> OwnCurves:
+        """Of some of the impacts."""
+        if self.alike:
+            return self
+        shape, spring = (None if values is None else values[places] for values in (self.shape, self.spring))
+        return OwnCurves(shape, None if self.varied is None else self.varied.part(places), spring)
+
+    def march(
+        self, curve: Curve, mesh: native.Mesh, start: NDArray[Any], damped: bool
+    ) -> tuple[NDArray[np.int32], NDArray[Any]]:
+        """The core's statuses and summaries. curve: of the first impact, without a spring."""
+        page, varied = curve.page, self.varied
+        shape = None if page is None else self.shape
+        if self.spring is not None:
+            family = None if page is None or shape is None else (page.family, page.whole, shape)
+            return families.batch_in_series(curve.native, family, varied, self.spring, mesh, start)
+        if varied is not None:
+            return families.batch_varied(*varied, mesh, start)
+        if shape is not None and page is not None:
+            return families.batch(page.family, page.whole, mesh, start, shape)
+        # damped contacts are not marched in lanes, but on a fixed target most laws make them equal but for rounding
+        alike = native.distinct(start) if damped else None
+        first, kind = (slice(None), slice(None)) if alike is None else alike
+        status, table = native.batch(curve.native, mesh, start[first])
+        return status[kind], table[kind]
+
+    def groups(self) -> Iterator[Index]:
+        """The impacts of each curve that differs from the others."""
+        columns = [values[:, None] for values in (self.shape, self.spring) if values is not None]
+        columns += [] if self.varied is None else [self.varied.values]
+        different, group = np.unique(np.concatenate(columns, axis=1), axis=0, return_inverse=True)
+        for k in range(len(different)):
+            yield np.flatnonzero(group.ravel() == k)
+
+    def first(self, curve: Curve) -> native.Curve:
+        """The curve of the first impact to the last digit. curve: that of its law alone, with its spring."""
+        if self.varied is None:
+            return curve.native
+        made = self.varied.curve_at(0)
+        return made if self.spring is None else families.in_series(made, float(self.spring[0]))

@@ -18,22 +18,47 @@ enum { SERIES_STEPS = 100, SNAP_CHECKS = 40 };
 
 /* ---------------------------------------------------------------- a contact in series with a spring */
 
+/* Force and slope of a series at z = 2 x - 1: both sums in one loop. */
+static void series_at(const film_function *g, double xi, double *force, double *slope) {
+    double x = scaled_distance(g, xi), z = 2.0 * x - 1.0, b1 = 0.0, b2 = 0.0, now = 0.0, before = 0.0;
+    for (int k = g->terms - 1; k > 0; k--) {
+        double b = 2.0 * z * b1 - b2 + g->series[k], next = 2.0 * z * now - before + k * g->series[k];
+        b2 = b1;
+        b1 = b;
+        before = now;
+        now = next;
+    }
+    *force = z * b1 - b2 + g->series[0];
+    *slope = g->per_span * now * 2.0;
+}
+
+/* Force and slope of the contact itself at an indentation. */
+static void law_and_slope(const film_line *line, const film_piece *piece, double xi, double *force, double *slope) {
+    double work;
+    if (line->branch >= 0 && piece->force.form == FILM_SERIES) {
+        series_at(&piece->force, xi, force, slope);
+        return;
+    }
+    contact_at(line, piece, xi, force, &work);
+    *slope = contact_slope(line, piece, xi);
+}
+
 /* The indentation xi at which xi + compliance force(xi) = x: Newton's method in a bracket, as the sum grows with xi.
  * docs/method.md, section 8. */
 static double indentation_at(const film_curve *curve, const film_line *line, const film_piece *piece, double x) {
-    double c = curve->compliance, low = line->xi_free, high = x, force, work;
+    double c = curve->compliance, low = line->xi_free, high = x, force, slope;
     if (line->branch >= 0) {
         const film_function *g = &piece->force;
         low = g->origin;
         if (g->form != FILM_POWER) high = fmin(x, low + SERIES_OVERRUN / g->per_span);
     }
     if (!(x > low)) return x;
-    contact_at(line, piece, low, &force, &work);
+    law_and_slope(line, piece, low, &force, &slope);
     if (!(low + c * force < x)) return low;
     double xi = high;
     for (int k = 0; k < SERIES_STEPS; k++) {
-        contact_at(line, piece, xi, &force, &work);
-        double miss = xi + c * force - x, next = xi - miss / (1.0 + c * contact_slope(line, piece, xi));
+        law_and_slope(line, piece, xi, &force, &slope);
+        double miss = xi + c * force - x, next = xi - miss / (1.0 + c * slope);
         if (fabs(next - xi) <= 4e-16 * x) return next;
         if (miss < 0.0) low = xi; else high = xi;
         xi = next > low && next < high ? next : 0.5 * (low + high);

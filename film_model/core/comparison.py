@@ -43,7 +43,7 @@ def dents(curve: Curve, depth: Any, end: Any) -> Any:
     """What contacts leave that turned at `depth` and ended at `end` [δ_s], of a law that pulls: see film_core.h."""
     rows = np.array(np.broadcast_arrays(np.atleast_1d(depth), end), np.float64)
     left = np.empty(rows.shape[1:])
-    library().film_dents(c.byref(curve), left.size, *_addresses(*rows, left))
+    library().film_dents(c.byref(curve), None, None, left.size, *_addresses(*rows, left))
     return left if np.ndim(depth) else float(left[0])
 
 

@@ -200,12 +200,19 @@ static int stretch_stages(const film_curve *curve, film_line *run, double xi, do
     return FILM_OK;
 }
 
-void film_dents(const film_curve *curve, int64_t count, const double *depth, const double *end, double *dents) {
+static double dent(const film_curve *curve, double depth, double end) {
+    int32_t k = curve->stages - 1;
+    while (k > 0 && !(depth > curve->stage[k].begin)) k--;
+    double l = curve->stage[k].unloading == FILM_SIMILAR ? value_at(&piece_at(curve, k, depth)->exponent, depth) : 1.0;
+    return end - l * curve->stage[0].begin;
+}
+
+void film_dents(const film_curve *curve, const film_family *family, const double *shape, int64_t count, const double *depth,
+                const double *end, double *dents) {
+    film_curve own = *curve;
     for (int64_t i = 0; i < count; i++) {
-        int32_t k = curve->stages - 1;
-        while (k > 0 && !(depth[i] > curve->stage[k].begin)) k--;
-        double l = curve->stage[k].unloading == FILM_SIMILAR ? value_at(&piece_at(curve, k, depth[i])->exponent, depth[i]) : 1.0;
-        dents[i] = end[i] - l * curve->stage[0].begin;
+        int made = family != NULL ? film_shape(family, curve, shape[i], &own) : FILM_OK;
+        dents[i] = made < 0 ? NAN : dent(&own, depth[i], end[i]);
     }
 }
 

@@ -390,8 +390,9 @@ FILM_API void film_rounding(const film_curve *curve, int64_t count, const film_s
                             double clearance, double *off);
 
 /* dents[i]: what a contact leaves that turned at depth[i] and ended at end[i], of a law that pulls: xi_f of its branch, since
- * the contact ends below xi_f. */
-FILM_API void film_dents(const film_curve *curve, int64_t count, const double *depth, const double *end, double *dents);
+ * the contact ends below xi_f. family and shape: as in film_batch_shaped, or NULL. */
+FILM_API void film_dents(const film_curve *curve, const film_family *family, const double *shape, int64_t count,
+                         const double *depth, const double *end, double *dents);
 
 /* sizeof film_curve, film_mesh, film_line, film_state, film_summary, for callers that mirror them. */
 FILM_API void film_sizes(int64_t sizes[5]);

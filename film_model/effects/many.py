@@ -25,6 +25,7 @@ from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
 from film_model.problem.problem import Impacts, Problem
+from film_model.problem.similar import number_of
 from film_model.problem.varied import read_by_stages, varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
@@ -252,18 +253,24 @@ def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Index]:
 def curve_keys(law: SceneLaw) -> list[Array]:
     """The varied values on which the curve depends, one array each; for a family of curves, the page."""
     shapes: list[Array] = []
-    if not isinstance(law.law, AbstractLaw):
+    kind = law.law
+    if not isinstance(kind, AbstractLaw):
         read = read_by_stages(law)
-        family = law.law.shaped_by if law.rule is None else ()
-        if any(name in read for name in family):
+        if law.rule is None and read.keys() & {*kind.shaped_by}:
             shape = np.asarray(law.at(slice(None)).shape)
-            page = page_number(shape)
-            inside = (page >= 0) & (page < LAST_PAGE)
-            shapes.append(np.where(inside, page, shape))  # outside, each has a curve of its own
-        elif read and not family and varied_of(law, next(iter(read.values())).size) is None:
-            shapes += read.values()
+            shapes.append(_pages(page_number(shape), LAST_PAGE, shape))
+        elif law.rule is None and read.keys() & {*kind.similar_by}:
+            similarity = np.asarray(law.at(slice(None)).similarity)
+            shapes.append(_pages(number_of(kind, similarity), len(kind.similarities) - 1, similarity))
+        elif read and not (law.rule is None and kind.shaped_by):
+            shapes += [] if varied_of(law, next(iter(read.values())).size) is not None else read.values()
     if law.rule == "brake":
         made = law.at(slice(None))
         assert isinstance(made, BrakeUnloading)
         shapes += [made.ratio] if isinstance(made.ratio, np.ndarray) else []
     return shapes
+
+
+def _pages(page: Array, count: int, shape: Array) -> Array:
+    """The pages of some shapes; of those outside, which have curves of their own, the shapes."""
+    return np.where((page >= 0) & (page < count), page, shape)

@@ -1,4 +1,4 @@
-"""In what the curves of many impacts of one problem differ: a shape, some numbers, springs in series."""
+"""In what the curves of many impacts of one problem differ: shape or similarity, some numbers, springs in series."""
 
 from __future__ import annotations
 
@@ -10,16 +10,21 @@ from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index
 from film_model.core import families, native
+from film_model.core.comparison import dents
 from film_model.laws.law import AbstractLaw
 from film_model.problem.curve import Curve
+from film_model.problem.families import Page, page_of
 from film_model.problem.law_of_scene import SceneLaw
+from film_model.problem.similar import similar_page
 from film_model.problem.varied import Varied, read_by_stages, varied_of
 
 
 class OwnCurves(NamedTuple):
-    """shape: of laws that differ in it. varied: of curves that differ in numbers of their powers. spring: compliances
-    [δ_s/F_s] in series. Each is None where the curves do not differ in it, or have none."""
+    """page: a family of curves, and shape: the shapes, or similarities, of the laws. varied: of curves that differ in
+    numbers of their powers. spring: compliances [δ_s/F_s] in series. Each is None where the curves do not differ in it,
+    or have none."""
 
+    page: Page | None = None
     shape: Array | None = None
     varied: Varied | None = None
     spring: Array | None = None
@@ -28,13 +33,17 @@ class OwnCurves(NamedTuple):
     def of(cls, law: SceneLaw, count: int) -> OwnCurves:
         """Of `count` laws that share a page of their family, or pieces."""
         several = any(isinstance(value, np.ndarray) for value in law.values.values())
-        varied = varied_of(law, count) if several else None
-        kind = law.law
-        if varied is not None or law.rule is not None or isinstance(kind, AbstractLaw) or not kind.shaped_by:
-            return cls(None, varied)
-        if not read_by_stages(law).keys() & kind.shaped_by:
+        kind, read = law.law, read_by_stages(law).keys() if several else set[str]()
+        if isinstance(kind, AbstractLaw) or not read:
             return cls()
-        return cls(law.on_arrays(lambda law, _: (law.shape,), count)[0])
+        if law.rule is None and read & {*kind.similar_by}:
+            return cls(similar_page(law.at(0)), law.on_arrays(lambda law, _: (law.similarity,), count)[0])
+        varied = varied_of(law, count)
+        if varied is not None or law.rule is not None:
+            return cls(varied=varied)
+        if read & {*kind.shaped_by}:
+            return cls(page_of(law.at(0)), law.on_arrays(lambda law, _: (law.shape,), count)[0])
+        return cls()
 
     @property
     def alike(self) -> bool:
@@ -46,17 +55,16 @@ class OwnCurves(NamedTuple):
         if self.alike:
             return self
         shape, spring = (None if values is None else values[places] for values in (self.shape, self.spring))
-        return OwnCurves(shape, None if self.varied is None else self.varied.part(places), spring)
+        return OwnCurves(self.page, shape, None if self.varied is None else self.varied.part(places), spring)
 
     def march(
         self, curve: Curve, mesh: native.Mesh, start: NDArray[Any], damped: bool
     ) -> tuple[NDArray[np.int32], NDArray[Any]]:
         """The core's statuses and summaries. curve: of the first impact, without a spring."""
-        page, varied = curve.page, self.varied
-        shape = None if page is None else self.shape
-        if self.spring is not None:
+        page, shape, varied, spring = self
+        if spring is not None:
             family = None if page is None or shape is None else (page.family, page.whole, shape)
-            return families.batch_in_series(curve.native, family, varied, self.spring, mesh, start)
+            return families.batch_in_series(curve.native, family, varied, spring, mesh, start)
         if varied is not None:
             return families.batch_varied(*varied, mesh, start)
         if shape is not None and page is not None:
@@ -77,7 +85,22 @@ class OwnCurves(NamedTuple):
 
     def first(self, curve: Curve) -> native.Curve:
         """The curve of the first impact to the last digit. curve: that of its law alone, with its spring."""
-        if self.varied is None:
+        made = None
+        if self.varied is not None:
+            made = self.varied.curve_at(0)
+        elif self.page is not None and self.shape is not None:
+            made = self.page.at(float(self.shape[0]))
+        if made is None:
             return curve.native
-        made = self.varied.curve_at(0)
         return made if self.spring is None else families.in_series(made, float(self.spring[0]))
+
+    def dents(self, curve: Curve, depth: Any, end: Any) -> Any:
+        """What contacts leave that turned at `depth` and ended at `end` [δ_s], laws that pull. curve: of the first."""
+        if self.page is None or self.shape is None:
+            return dents(curve.native, depth, end)
+        return families.dents(self.page.family, self.page.whole, self.shape, depth, end)
+
+    @property
+    def fit_error(self) -> float:
+        """Largest relative difference between the forces of a page and the law's."""
+        return 0.0 if self.page is None else self.page.fit_error

@@ -23,7 +23,6 @@ from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import FEW, curve_keys
 from film_model.effects.rate_hardening import factor_at
 from film_model.problem.law_of_scene import SceneLaw
-from film_model.problem.own_curves import OwnCurves
 from film_model.problem.problem import TRIAL_SEGMENTS, Columns, Impacts, Problem
 from film_model.problem.varied import fitted_by
 from film_model.scene import Solver
@@ -326,7 +325,7 @@ def _with_numbers(problem: Problem, numbers: Array) -> Problem:
     """The problem with other numbers for the core."""
     approach, gamma, load, damping, stop, *_ = numbers.T
     drift = -stop * problem.share * problem.scales.velocity if problem.free else problem.drift
-    own, (shape, varied, _) = numbers[:, len(AXES) :], problem.own
+    own, (_, shape, varied, _) = numbers[:, len(AXES) :], problem.own
     return replace(
         problem,
         approach=approach,
@@ -334,7 +333,9 @@ def _with_numbers(problem: Problem, numbers: Array) -> Problem:
         load=load,
         damping=damping,
         drift=drift,
-        own=OwnCurves(None if shape is None else own[:, 0], None if varied is None else varied._replace(values=own)),
+        own=problem.own._replace(
+            shape=None if shape is None else own[:, 0], varied=None if varied is None else varied._replace(values=own)
+        ),
     )
 
 

@@ -93,8 +93,8 @@ CASES = {
 IN_SERIES_OR_SIMILAR = list(CASES)[-5:]
 UNITS = {"poissons_ratio": "", "D11": "N*m", "D22": "N*m", "D66": "N*m", "density": "kg/m^3", "mass_per_area": "kg/m^2",
          "youngs_modulus": "Pa", "effective_modulus": "Pa", "yield_strength": "Pa", "velocity": "m/s",
-         "hardness": "Pa", "stiffness": "N/m", "damping": "N*s/m", "static_stiffness": "N/m", "loading_stiffness": "N/m",
-         "yield_pressure": "Pa", "work_of_adhesion": "J/m^2"}  # fmt: skip
+         "hardness": "Pa", "stiffness": "N/m", "damping": "N*s/m", "static_stiffness": "N/m",
+         "loading_stiffness": "N/m", "yield_pressure": "Pa", "work_of_adhesion": "J/m^2"}  # fmt: skip
 
 
 def value(case, path):

@@ -93,9 +93,13 @@ def of_each(formula: Callable[..., float], *numbers: Any) -> Any:
     """A formula of numbers only; of many impacts it is evaluated once for all those with the same numbers."""
     if not any(isinstance(number, np.ndarray) for number in numbers):
         return formula(*numbers)
-    rows = np.stack(np.broadcast_arrays(*numbers), axis=-1)
-    different, group = np.unique(rows, axis=0, return_inverse=True)
-    return np.array([formula(*row) for row in different.tolist()])[group.ravel()]
+    columns = np.broadcast_arrays(*numbers)
+    varying = [
+        column for column in columns if (column != column[0]).any()
+    ]  # numpy sorts one column far faster than rows
+    rows = np.stack(varying, axis=-1) if len(varying) > 1 else varying[0] if varying else np.zeros(columns[0].shape)
+    _, first, group = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    return np.array([formula(*(column[k].item() for column in columns)) for k in first.tolist()])[group.ravel()]
 
 
 def same(condition: Any) -> bool:

@@ -2,14 +2,21 @@
 
 Each sweep runs on all cores in a separate process, which measures its largest resident memory, and the wall and CPU
 seconds of the call without imports. A sweep of two impacts measures the overhead that does not depend on the number of
-impacts (checks, dataset, file); the last column excludes it. For comparison, from `benchmarks.speed` at errors below
-1e-4: the same impacts by scipy's solve_ivp and by a numba-compiled Dormand–Prince pair, on one core and without a file,
-extrapolated from their microseconds per impact.
+impacts (checks, dataset, file); the last column excludes it.
+
+For comparison, in the same process: the machine's own write of the same values, one array of uncompressed numbers after
+the other into one file, with fsync; and how many times as long a file takes, beyond the same sweep in memory. The gain
+by a second worker is compared with that of hashing in two threads, which share nothing, measured between the sweeps.
+From `benchmarks.speed` at errors below 1e-4: the same impacts by scipy's solve_ivp and by a numba-compiled
+Dormand–Prince pair, on one core and without a file, extrapolated from their microseconds per impact.
+
+Where other programs run, CPU seconds say more than seconds.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import math
 import os
@@ -19,9 +26,12 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 import film_datasets
 import film_model as fm
@@ -44,6 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--variables", default="", help="keep only these summary values, with commas between")
     parser.add_argument("--json", metavar="FILE", type=Path, help="write the rows there")
     parser.add_argument("--child", nargs=6, help=argparse.SUPPRESS)
+    parser.add_argument("--gain", type=float, default=10**6, help="impacts of the sweeps with one and two workers")
     options = parser.parse_args(arguments)
     if options.child:
         return child(*options.child)
@@ -62,6 +73,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             f"  {name:24}{count:>10}{suffix:>8}{row['seconds']:>10.4f}{row['busy']:>10.4f}{row['megabytes']:>8.0f}"
             + (f"{each:>14.3f}{beyond:>10.3f}" if count > 2 else "")
         )
+    print_writes(rows)
+    rows += print_gains(int(options.gain), options.variables)
     print("\n  The same impacts on one core, no file")
     for row in rivals():
         rows.append(row)
@@ -70,6 +83,46 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.json is not None:
         options.json.write_text(json.dumps(rows, indent=1) + "\n")
     return 0
+
+
+def print_writes(rows: Sequence[dict[str, Any]]) -> None:
+    """What files take beyond memory, as multiples of the machine's own write of the same values."""
+    memory = {(row["case"], row["impacts"]): row for row in rows if row["file"] == "memory"}
+    print("\n  Beyond the sweep in memory: µs an impact, and times the machine's own write of the same values")
+    print(f"  {'':24}{'impacts':>10}{'file':>8}{'core·µs':>10}{'own':>8}{'times':>8}{'µs':>10}{'own':>8}{'times':>8}")
+    for row in rows:
+        base = memory.get((row["case"], row["impacts"]))
+        if row["file"] == "memory" or base is None or row["impacts"] < 10**5:
+            continue
+        line, each = f"  {row['case']:24}{row['impacts']:>10}{row['file']:>8}", 1e6 / row["impacts"]
+        for what in ("busy", "seconds"):
+            beyond, own = each * (row[what] - base[what]), each * row[f"own_{what}"]
+            line += f"{beyond:>10.3f}{own:>8.3f}{beyond / own:>8.2f}"
+        print(line)
+
+
+def print_gains(count: int, variables: str) -> list[dict[str, Any]]:
+    """How many times as fast two workers are as one, in seconds; the best of three each, one after the other."""
+    name, rows = next(iter(CASES)), list[dict[str, Any]]()
+    print(f"\n  {count} impacts by two workers, times as fast as by one; hashing in two threads: times as fast")
+    for suffix in ("memory", "nc", "zarr") if find_spec("zarr") is not None else ("memory", "nc"):
+        seconds, alone = {1: math.inf, 2: math.inf}, {1: math.inf, 2: math.inf}
+        for _ in range(3):
+            for workers in seconds:
+                seconds[workers] = min(seconds[workers], run_child(name, count, suffix, workers, variables)["seconds"])
+                alone[workers] = min(alone[workers], hashing(workers))
+        rows.append({"gain": seconds[1] / seconds[2], "hashing": alone[1] / alone[2], "file": suffix})
+        print(f"  {suffix:>8}{rows[-1]['gain']:>8.2f}{rows[-1]['hashing']:>8.2f}")
+    return rows
+
+
+def hashing(threads: int) -> float:
+    """Seconds in which some threads hash 1 GB."""
+    data = bytes(1 << 20)
+    begin = time.perf_counter()
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(lambda _: hashlib.sha256(data).digest(), range(1000)))
+    return time.perf_counter() - begin
 
 
 def planned(largest: int) -> list[tuple[str, int, str]]:
@@ -83,15 +136,17 @@ def planned(largest: int) -> list[tuple[str, int, str]]:
 
 def measure(name: str, count: int, suffix: str, workers: int | None, variables: str) -> dict[str, Any]:
     """Seconds and megabytes of a sweep, in the best of three processes for the small ones."""
-    runs = []
-    for _ in range(3 if count <= 10**6 else 1):
-        with tempfile.TemporaryDirectory() as folder:
-            own = [name, str(count), folder, suffix, str(workers or 0), variables]
-            command = [sys.executable, "-m", "benchmarks.sweep", "--child", *own]
-            done = subprocess.run(command, capture_output=True, text=True, check=True)
-            runs.append(json.loads(done.stdout))
+    runs = [run_child(name, count, suffix, workers or 0, variables) for _ in range(3 if count <= 10**6 else 1)]
     best = min(runs, key=lambda run: run["busy"])
     return {"case": name, "impacts": count, "file": suffix, **best}
+
+
+def run_child(name: str, count: int, suffix: str, workers: int, variables: str) -> dict[str, Any]:
+    """`child` in a process of its own."""
+    with tempfile.TemporaryDirectory() as folder:
+        own = [name, str(count), folder, suffix, str(workers), variables]
+        command = [sys.executable, "-m", "benchmarks.sweep", "--child", *own]
+        return json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
 
 
 def child(name: str, count: str, folder: str, suffix: str, workers: str, variables: str) -> int:
@@ -109,9 +164,29 @@ def child(name: str, count: str, folder: str, suffix: str, workers: str, variabl
             failed |= "failed" in ds.attrs["warnings"]
         if number > 0:
             best = min(best, (time.process_time() - busy, time.perf_counter() - begin))
-    megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
-    print(json.dumps({"seconds": best[1], "busy": best[0], "megabytes": megabytes, "failed": failed}))
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+    row = {"seconds": best[1], "busy": best[0], "failed": failed, "megabytes": peak}
+    if output is not None:
+        row |= own_write(output, Path(folder) / "own")
+    print(json.dumps(row))
     return 0
+
+
+def own_write(output: Path, path: Path) -> dict[str, float]:
+    """The machine's own write of the values in an output, uncompressed, in one file: seconds, CPU seconds and bytes."""
+    busy = seconds = size = 0.0
+    with film_datasets.open(output) as ds, open(path, "wb", buffering=0) as file:
+        for name in [*ds.variables, None]:
+            values = b"" if name is None else memoryview(np.ascontiguousarray(ds[name].values)).cast("B")
+            begin, own = time.perf_counter(), time.process_time()
+            file.write(values)
+            if name is None:
+                os.fsync(file.fileno())
+            seconds, busy = seconds + time.perf_counter() - begin, busy + time.process_time() - own
+            size += len(values)
+    written = [output] if output.is_file() else [part for part in output.rglob("*") if part.is_file()]
+    sizes = {"bytes": sum(part.stat().st_size for part in written), "value_bytes": size}
+    return {"own_seconds": seconds, "own_busy": busy, **sizes}
 
 
 def rivals() -> list[dict[str, Any]]:

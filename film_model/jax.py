@@ -28,7 +28,7 @@ def summary_function(scene: Scene, paths: Sequence[str], quantities: Sequence[st
     nan where the impact fails, a number is out of the range of scenes, or the value does not exist. It may be used
     under jit, vmap, grad, jacfwd and jacrev; all impacts of an array, also of vmap, are simulated as one batch, by a
     callback to the host. Its derivatives are those of `simulate(scene, derivatives=…)`, first order only, with the
-    decisions about effects held fixed; nan at kinks on both sides, on vibrating targets and of viscoelastic bodies.
+    decisions about effects held fixed; nan at kinks on both sides.
     JAX computes with 24 bits unless jax_enable_x64 is set.
 
     Raises SceneError for a path or quantity that the scene does not have, ImportError without JAX.
@@ -97,7 +97,7 @@ class _Host:
             if slopes:
                 solver = self.scene.solver
                 by = derivatives_of_many(
-                    *(self.scene, columns, self.entries, many.problems, inside.size, solver),
+                    *(self.scene, columns, self.entries, many.problems, many.on_modes, solver),
                     solver.accuracy or DEFAULT_ACCURACY,
                 )
                 found[inside] = np.stack([by.values[name] for name in self.names], axis=1)

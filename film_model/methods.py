@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from film_model.solve.batch import BatchResult
     from film_model.solve.component import ImpactComponent
+    from film_model.solve.derivatives import Derivatives
 
 
 def plot(self: History, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -80,6 +81,17 @@ def batch_as_html(self: BatchResult) -> str:
     return f"<p>{escaped(repr(self))}</p>" + _table(rows)
 
 
+def derivatives_as_html(self: Derivatives) -> str:
+    """For notebooks: the derivatives of every summary value, by each number."""
+    head = ("", *(f"by {path} = {entry.text}" for path, entry in self.entries.items()))
+    rows = (
+        (name.replace("_", " "), *(self.text_of(name, path) for path in self.entries))
+        for name, row in self.values.items()
+        if any(value is not None for value in row.values())
+    )
+    return f"<p>{escaped(repr(self))}</p>" + _table([head, *rows])
+
+
 def component_as_html(self: ImpactComponent) -> str:
     """For notebooks: the motion now."""
     rows = ((name.replace("_", " "), format_si(getattr(self.outputs, name), MOTION[name][0])) for name in MOTION)
@@ -96,9 +108,10 @@ def _heading(scene: Scene, line: str) -> str:
     return f"<p><strong>{escaped(title)}</strong><br/>{escaped(line)}</p>"
 
 
-def _table(rows: Iterable[tuple[str, str]]) -> str:
-    cells = "".join(f"<tr><th>{escaped(name)}</th><td>{escaped(value)}</td></tr>" for name, value in rows)
-    return f"<table>{cells}</table>"
+def _table(rows: Iterable[tuple[str, ...]]) -> str:
+    """A table whose first column has names."""
+    cells = ((name, "".join(f"<td>{escaped(value)}</td>" for value in values)) for name, *values in rows)
+    return f"<table>{''.join(f'<tr><th>{escaped(name)}</th>{values}</tr>' for name, values in cells)}</table>"
 
 
 def _entries(path: str, table: Mapping[str, Any]) -> Iterable[tuple[str, str]]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from film_model.base import units
 from film_model.base.errors import Outcome, SimulationError
-from film_model.base.files import written_whole
+from film_model.base.files import check_replaceable, written_whole
 from film_model.effects.choose import Choice, choose
 from film_model.problem.problem import Problem
 from film_model.scene import DEFAULT_ACCURACY, Scene
@@ -73,8 +73,7 @@ def export(
         raise ValueError(f"kind: {kind!r} is not allowed: {' or '.join(map(repr, KINDS))} is needed")
     if target.suffix != ".fmu":
         raise ValueError(f"{target}: the file name of an FMU must end in .fmu")
-    if target.exists() and not overwrite:
-        raise FileExistsError(f"{target}: exists; use overwrite=True to replace it")
+    check_replaceable(target, overwrite)
     if scene.target.free and kind == "impact":
         raise SimulationError(
             "an impact on a free body cannot be exported, because a free body has no impedance; kind contact is the "

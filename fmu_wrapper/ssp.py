@@ -14,7 +14,7 @@ from typing import Any
 
 import film_model as fm
 from film_model.base.errors import SceneError, SimulationError
-from film_model.base.files import written_whole
+from film_model.base.files import check_replaceable, written_whole
 from film_model.base.materials import catalogue
 from film_model.effects.choose import Choice, choose
 from film_model.scene import STANDARD_GRAVITY, Scene
@@ -71,8 +71,7 @@ def export_ssp(
     target = Path(path)
     if target.suffix != ".ssp":
         raise ValueError(f"{target}: the file name of an SSP package must end in .ssp")
-    if target.exists() and not overwrite:
-        raise FileExistsError(f"{target}: exists; use overwrite=True to replace it")
+    check_replaceable(target, overwrite)
     choice = choose(served(scene) if not scene.target.free else served(scene, "contact"))
     with tempfile.TemporaryDirectory() as folder:
         if choice.problem.vibrates or choice.problem.compliance > 0.0:

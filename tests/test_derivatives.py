@@ -212,9 +212,36 @@ def test_derivatives_have_units_and_do_not_depend_on_each_other():
     assert quotient_unit("velocity", "angle") == "m s-1 rad-1"
 
 
+def test_derivatives_are_shown_as_a_line_and_as_a_small_table():
+    one = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), fm.HalfSpace("mild steel"))
+    found = fm.simulate(one, derivatives=["impactor.velocity", "impactor.radius"]).derivatives
+    assert repr(found).startswith("Derivatives(by impactor.velocity and impactor.radius, estimated relative error ≤ ")
+    head, first, second = str(found).splitlines()
+    assert head.split() == ["maximum_force", "contact_duration", "coefficient_of_restitution"]
+    assert first.startswith("by impactor.velocity = 1 m/s") and "1322.93 N s m-1" in first
+    assert second.startswith("by impactor.radius = 0.01 m") and len(str(found)) < 400
+
+
+def test_a_ball_has_derivatives_by_its_diameter():
+    for part, target in (("impactor", fm.HalfSpace("mild steel")), ("target", fm.Body("steel", radius="15 mm"))):
+        one = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), target)
+        whole, half = (
+            fm.simulate(one, derivatives=[f"{part}.{name}"]).derivatives.values["contact_duration"]
+            for name in ("diameter", "radius")
+        )
+        assert whole[f"{part}.diameter"] == pytest.approx(0.5 * half[f"{part}.radius"], rel=EXACT)
+    with pytest.raises(fm.SceneError, match=r"impactor\.radius: impactor\.diameter is given, too"):
+        fm.simulate(one, derivatives=["impactor.radius", "impactor.diameter"])
+
+
 CHAINED = {
     "auto, hard": (("target.material.yield_strength", "impactor.radius"), fm.HalfSpace("mild steel"), {}),
     "auto, plate": (("target.thickness", "target.material.density"), fm.Plate("mild steel", thickness="10 mm"), {}),
+    "auto, Poisson's ratio": (
+        ("target.material.poissons_ratio", "impactor.material.poissons_ratio"),
+        fm.HalfSpace("mild steel"),
+        {},
+    ),
     "damped": (
         ("contact.restitution", "impactor.velocity"),
         fm.HalfSpace("steel"),

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import os
 import re
 import subprocess
 import sys
@@ -11,7 +12,9 @@ from xml.etree import ElementTree
 
 import pytest
 
+import film_datasets as fd
 import film_model as fm
+import fmu_wrapper
 from film_model.cli.main import main
 from film_model.studies import explain
 
@@ -82,9 +85,12 @@ def test_notebooks_show_tables(monkeypatch):
     assert "<th>impactor.radius</th><td>0.01 m</td>" in scene._repr_html_()
     many = fm.simulate_batch(SCENE, velocity=["1 m/s", "2 m/s"])._repr_html_()
     assert "<th>velocity</th><td>1 m/s to 2 m/s</td>" in many
+    slopes = fm.simulate(scene, derivatives=["impactor.velocity"]).derivatives
+    force, slopes = slopes.text_of("maximum_force", "impactor.velocity"), slopes._repr_html_()
+    assert "<td>by impactor.velocity = 0.25 m/s</td>" in slopes and f"<th>maximum force</th><td>{force}</td>" in slopes
     component = fm.ImpactComponent(SCENE)._repr_html_()
     assert "<th>indentation</th><td>0 m</td>" in component
-    assert ElementTree.fromstring(f"<div>{shown}{scene._repr_html_()}{many}{component}</div>") is not None
+    assert ElementTree.fromstring(f"<div>{shown}{scene._repr_html_()}{many}{slopes}{component}</div>") is not None
 
 
 @pytest.mark.slow
@@ -149,3 +155,37 @@ def test_a_ball_is_given_by_its_radius_or_its_diameter():
     assert SCENE.replace({"impactor.diameter": "8 mm"}).impactor.radius == 0.004
     text = fm.Scene(ball, fm.Body("brass", "30 mm")).to_toml().replace('radius = "0.03 m"', 'diameter = "60 mm"')
     assert "diameter" in text and fm.Scene.from_text(text).target.radius == 0.03
+
+
+def test_no_writer_replaces_a_link_or_a_pipe(tmp_path, capsys):
+    """Renaming a finished file to the name of a link would leave what it points to as it was."""
+    scene = tmp_path / "scene.toml"
+    scene.write_text(SCENE.to_toml(), "utf-8")
+    kept = {suffix: tmp_path / f"kept{suffix}" for suffix in (".nc", ".png", ".toml", ".html", ".fmu")}
+    links = {suffix: tmp_path / f"link{suffix}" for suffix in kept}
+    for suffix, link in links.items():
+        kept[suffix].write_bytes(b"as it was")
+        link.symlink_to(kept[suffix])
+    links[".dangling.toml"] = tmp_path / "dangling.toml"
+    links[".dangling.toml"].symlink_to(tmp_path / "nowhere.toml")
+    commands = (
+        ("run", scene, "--output", links[".nc"]),
+        ("run", scene, "--plot", links[".png"]),
+        ("new", "--output", links[".toml"]),
+        ("new", "--output", links[".dangling.toml"]),
+        ("export-page", scene, "--output", links[".html"]),
+        ("export-fmu", scene, "--output", links[".fmu"]),
+    )
+    for command in commands:
+        assert main([str(word) for word in (*command, "--force")]) == 3
+        assert re.search(r"link\S*: is a link, which writing|dangling\S*: is a link", capsys.readouterr().err), command
+    with pytest.raises(FileExistsError, match="is a link, which writing would replace"):
+        fd.write(HISTORY.to_dataset(), links[".nc"], overwrite=True)
+    with pytest.raises(FileExistsError, match="is a link, which writing would replace"):
+        fmu_wrapper.export(SCENE, links[".fmu"], overwrite=True)
+    assert all(link.is_symlink() for link in links.values())
+    assert all(path.read_bytes() == b"as it was" for path in kept.values()) and not (tmp_path / "nowhere.toml").exists()
+    if hasattr(os, "mkfifo"):
+        os.mkfifo(tmp_path / "pipe.nc")
+        with pytest.raises(FileExistsError, match="is a device or a pipe"):
+            fd.write(HISTORY.to_dataset(), tmp_path / "pipe.nc", overwrite=True)

@@ -83,3 +83,15 @@ def test_without_jax_the_extra_is_named(monkeypatch):
     monkeypatch.setattr(module, "import_module", lambda name: exec("raise ImportError"))
     with pytest.raises(ImportError, match=r"install film-model\[jax\]"):
         module.summary_function(SCENE, [HEIGHT], QUANTITIES)
+
+
+@pytest.mark.slow
+def test_rows_on_vibrating_targets_have_derivatives(jax):
+    from film_model.jax import summary_function
+
+    beam = fm.Beam("mild steel", width="10 mm", thickness="5 mm", length="100 mm")
+    one = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), beam, fm.Contact("hertz"))
+    force = summary_function(one, ["impactor.velocity"], ["maximum_force"])
+    slope = jax.grad(lambda v: force(v)["maximum_force"])(1.0)
+    exact = fm.simulate(one, derivatives=["impactor.velocity"]).derivatives.values["maximum_force"]
+    assert float(slope) == pytest.approx(exact["impactor.velocity"], rel=1e-9)

@@ -8,6 +8,7 @@ import pytest
 
 import film_datasets as fd
 import film_model as fm
+from film_datasets.csv_measurement import doubts_of
 from film_datasets.identification import comparison_table
 from film_model.cli.main import main
 
@@ -20,6 +21,7 @@ TIME,CH1,CH2 [V]
 s,V,V
 {rows}
 """
+FIT = ["contact.yield_strength"]
 COLUMNS = {"time": "TIME [us]", "force": "CH1 [kN]"}
 
 
@@ -97,3 +99,56 @@ def test_the_law_of_a_measurement_is_the_best_of_several(tmp_path: Path, capsys:
     assert second["criterion"] == pytest.approx(expected, rel=1e-12)
     table = comparison_table([fd.identification.LawFit("x", None, reason="why")])
     assert "why" in table
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("velocity [m/s], restitution\n1, 0.5\n2, -0.3\n", r"csv:3: coefficient_of_restitution: -0\.3 is not allowed"),
+        (
+            "velocity [m/s], maximum_force [kN]\n1, -2\n2, -3\n",
+            r'csv:2: .*-2000 N is not allowed.*; "-1 N" as the unit',
+        ),
+        ("velocity [m/s], force [N]\n1, 2\n2, 3\n", r'column "force \[N\]" is of a history over time'),
+        ("time [us], restitution\n1, 2\n2, 3\n", r'column "restitution" is of impacts at several velocities'),
+        ("time, force [N]\n1, 2\n2, 3\n", r'column "time": has no unit, a time is needed'),
+    ],
+)
+def test_values_and_columns_that_no_impact_has_are_refused(tmp_path: Path, text: str, expected: str) -> None:
+    path = tmp_path / "measured.csv"
+    path.write_text(text, "utf-8")
+    with pytest.raises(fm.SceneError, match=expected):
+        fd.from_csv(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("velocity [m/s], restitution\n0.2, 1.2\n0.5, 0.5\n", ["the measured restitution is up to 1.2"]),
+        ("drop_height [m], rebound_height [m]\n1, 4\n2, 1\n", ["the measured rebound is up to 2 times as fast"]),
+        ("velocity [m/s], rebound_velocity [m/s]\n1, 0.5\n2, 0.9\n", ["no measured rebound_velocity is negative"]),
+        ("velocity [m/s], rebound_velocity [m/s]\n1, -0.5\n2, 0.1\n3,\n", []),
+    ],
+)
+def test_impacts_that_gain_energy_are_doubted(tmp_path: Path, text: str, expected: list[str]) -> None:
+    path = tmp_path / "measured.csv"
+    path.write_text(text, "utf-8")
+    doubts = doubts_of(fd.from_csv(path))
+    assert [doubt.startswith(one) for doubt, one in zip(doubts, expected, strict=True)] == [True] * len(expected)
+
+
+@pytest.mark.slow
+def test_a_fit_to_doubtful_impacts_warns(tmp_path: Path) -> None:
+    path = tmp_path / "measured.csv"
+    path.write_text("velocity [m/s], restitution\n0.2, 1.2\n0.5, 0.5\n1, 0.4\n", "utf-8")
+    found = fd.identify(fd.from_csv(path), fm.Scene.from_toml(SCENE), FIT)
+    assert found.warnings[-1].startswith("the measured restitution is up to 1.2")
+
+
+def test_a_column_without_its_heading_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["identify", "any.csv", str(SCENE), "--fit", FIT[0], "--columns", "time"]) == 3
+    assert '--columns: "time": QUANTITY=HEADING is needed' in capsys.readouterr().err
+    path = tmp_path / "measured.csv"
+    path.write_text("time [us], load [N]\n1, 2\n2, 3\n", "utf-8")
+    with pytest.raises(fm.SceneError, match=r'no line has the columns "t"; line 1 has "time \[us\], load \[N\]"'):
+        fd.from_csv(path, columns={"time": "t"})

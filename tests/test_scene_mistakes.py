@@ -123,6 +123,11 @@ BAD_LINES = [
     ('law = "auto"', 'law = "herz"', 's.toml:15: contact.law: no contact law is called "herz"; did you mean "hertz"?'),
     ('law = "auto"', "law = 1", "s.toml:15: contact.law: 1 is not a contact law"),
     ('law = "auto"', 'lw = "hertz"', 's.toml:15: contact.lw: unknown key; did you mean "law"?'),
+    (
+        "accuracy = 1e-4",
+        "digits = 4",
+        "solver.digits: unknown key; known are accuracy, segments, linearisation",
+    ),
     ('law = "auto"', "exponent = 1.5", 's.toml:15: contact.exponent: unknown key; it belongs to law "meyer"'),
     ('law = "auto"', 'self = "x"', "s.toml:15: contact.self: unknown key"),
     ('law = "auto"', 'law = "meyer"', 's.toml:14: contact.stiffness: missing: law "meyer" needs it'),

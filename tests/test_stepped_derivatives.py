@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from cases import combinations
 
+import film_datasets as fd
 import film_model as fm
 from film_model.effects.choose import problem_of
 from film_model.solve import structures, vibration
@@ -105,3 +106,43 @@ def test_crowded_frequencies_are_refused():
     with pytest.raises(fm.SimulationError, match=r"a derivative by target\.thickness is not supported: it changes the"):
         fm.simulate(one, accuracy=3e-2, derivatives=["target.thickness"])
     assert fm.simulate(one, accuracy=3e-2, derivatives=["impactor.velocity"]).derivatives.warnings
+
+
+def rows_agree(one, by, **options):
+    """A sweep of two velocities, whose second impact is that of the scene, against `simulate`; the sweep."""
+    velocities = [f"{factor * one.impactor.velocity} m/s" for factor in (0.8, 1.0)]
+    ds = fd.sweep(one, {"impactor.velocity": velocities}, derivatives=by, **options)
+    assert fd.validate(ds) == []
+    found = fm.simulate(one, derivatives=by).derivatives
+    for path in by:
+        name, own = path.replace(".", "_"), [row[path] for row in found.errors.values() if row[path] is not None]
+        for quantity, row in found.values.items():
+            if row[path] is not None:
+                assert float(ds[f"d_{quantity}_d_{name}"][1]) == row[path], (quantity, path)
+        assert float(ds[f"derivative_accuracy_{name}"][1]) == max(own)
+        assert not ds[f"derivative_side_{name}"].values.any()
+    return ds
+
+
+def test_rows_on_a_vibrating_target_have_the_derivatives_of_their_simulation():
+    one = struck().replace({"solver.accuracy": 1e-3})
+    ds = rows_agree(one, ["impactor.velocity", "target.thickness"])
+    assert float(ds.derivative_accuracy_impactor_velocity.max()) > 1e-4  # of the omitted modes, and so larger
+
+
+def test_rows_of_viscoelastic_bodies_have_the_derivatives_of_their_simulation():
+    rubber = fm.Material("rubber", "10 MPa", 0.45, "1100 kg/m^3", prony=[[0.5, "1 ms"]])
+    one = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), fm.HalfSpace(rubber), fm.Contact("hertz"))
+    assert fm.simulate(one).relaxed is not None
+    rows_agree(one, ["impactor.velocity"])
+
+
+def test_rows_by_a_number_that_is_not_supported_have_none():
+    wide = fm.Plate("mild steel", thickness="2 mm", size=["600 mm", "470 mm"])
+    one = struck(wide).replace({"effects.boundary_reflections": True, "solver.accuracy": 3e-2})
+    ds = fd.sweep(one, {"impactor.velocity": ["1 m/s"]}, derivatives=["impactor.velocity", "target.thickness"])
+    assert ds.derivative_side_impactor_velocity.values.tolist() == [0]
+    assert ds.derivative_side_target_thickness.values.tolist() == [2]
+    assert (
+        "no derivatives by target.thickness in 1 impacts: kinks, or crowded natural frequencies" in ds.attrs["warnings"]
+    )

@@ -70,6 +70,15 @@ def test_imports_go_down_the_ladder(module):
     assert not above, f"{module} imports {', '.join(above)}"
 
 
+def test_a_class_names_what_is_above_it_only_through_methods():
+    """The strings of `Late` are the one way up the ladder, and `film_model.methods` the one place they lead to."""
+    calls = [node for tree in MODULES.values() for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    places = [ast.literal_eval(node.args[0]) for node in calls if getattr(node.func, "id", "") == "Late"]
+    written = {node.name for node in MODULES["film_model.methods"].body if isinstance(node, ast.FunctionDef)}
+    assert places
+    assert {place.removeprefix("film_model.methods:") for place in places} <= written
+
+
 def test_no_file_imports_itself_in_a_circle():
     """Files are peeled off from below: what is left when nothing can be peeled imports itself."""
     left = {module: set(imported(module)) - {module} for module in MODULES}

@@ -53,6 +53,7 @@ def test_a_block_of_another_shape_is_computed_again(interrupted):
 def test_blocks_in_whole_files_are_not_saved_and_a_damaged_file_is_written_again(tmp_path, monkeypatch):
     """A Zarr folder that was interrupted keeps its whole files; what comes after them is in saved blocks."""
     pytest.importorskip("zarr")
+    monkeypatch.setattr("film_datasets.sweeps.checkpoint.WORTH_SAVING", 0.0)
     monkeypatch.setattr("film_datasets.sweeps.blocks.BLOCK_IMPACTS", 1)
     sweep, target = Sweep.of(SCENE, OVER, variables=["maximum_force"]), tmp_path / "out.zarr"
     computed = []

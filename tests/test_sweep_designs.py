@@ -178,7 +178,12 @@ def test_mistakes_of_scene_and_sweep_are_reported_together(
     [
         ({}, {}, "at least one swept quantity"),
         ({"impactor.drop_height": ["1 m", "2 m"]}, {}, "give drop_height there in its place"),
-        ({"impactor.diameter": ["1 m", "2 m"]}, {}, "give impactor.radius, half of it"),
+        ({"target.diameter": ["1 m", "2 m"]}, {}, "give target.radius, half of it"),
+        (
+            {"impactor.diameter": ["1 m", "2 m"], "impactor.radius": ["1 m", "2 m"]},
+            {},
+            "over.impactor.diameter: impactor.radius is given, too: give one of them",
+        ),
         ({"impactor.speed": ["1 m/s", "2 m/s"]}, {}, 'did you mean "impactor.velocity"?'),
         ({"impactor.density": ["1 kg/m^3"]}, {}, 'did you mean "impactor.material.density"?'),
         ({"impactor.velocity": ["1 m/s"], "impactor": [BALL.to_table()["impactor"]]}, {}, "swept too"),

@@ -24,8 +24,8 @@ SWEEP = Sweep.of(BALL.replace({"contact.law": "hertz"}), SPEEDS)
 def small_files(monkeypatch: pytest.MonkeyPatch) -> None:
     """Blocks of eight impacts, two in a file: SWEEP fills three files. One moment for all runs."""
     monkeypatch.setattr("film_datasets.sweeps.blocks.BLOCK_IMPACTS", 8)
-    monkeypatch.setattr("film_datasets.sweeps.block_writers.SHARD_BLOCKS", 2)
-    monkeypatch.setattr("film_datasets.sweeps.shards.SHARD_BLOCKS", 2)
+    monkeypatch.setattr("film_datasets.sweeps.block_writers.FILE_BLOCKS", 2)
+    monkeypatch.setattr("film_datasets.sweeps.shards.FILE_BLOCKS", 2)
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
 
 
@@ -93,6 +93,7 @@ def test_what_a_shard_wrote_is_checked(tmp_path: Path) -> None:
 def test_an_interrupted_shard_continues_and_a_finished_one_is_not_computed_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("film_datasets.sweeps.checkpoint.WORTH_SAVING", 0.0)
     target, computed = tmp_path / "out.zarr", list[int]()
     shard = {"shard": "2/2", "workers": 1}
 
@@ -160,7 +161,7 @@ def test_mistakes_have_their_sentences(tmp_path: Path, monkeypatch: pytest.Monke
     with pytest.raises(FileExistsError, match=r"were begun by film-model .*, this is film-model 99\.0; remove "):
         run_shard(SWEEP, target, "2/2")
     monkeypatch.undo()
-    monkeypatch.setattr(shards, "SHARD_BLOCKS", 1)
+    monkeypatch.setattr(shards, "FILE_BLOCKS", 1)
     run_sweep(SWEEP, target, command="test").close()
     with pytest.raises(FileExistsError, match="exists; remove it to compute its shards again"):
         run_shard(SWEEP, target, "1/2")
@@ -198,7 +199,7 @@ def test_shards_of_many_processes_that_are_killed(tmp_path: Path) -> None:
     code = (
         "import sys, film_datasets.sweeps.blocks as b\n"
         "from film_datasets.sweeps import block_writers, shards\n"
-        "b.BLOCK_IMPACTS, block_writers.SHARD_BLOCKS, shards.SHARD_BLOCKS = 50, 2, 2\n"
+        "b.BLOCK_IMPACTS, block_writers.FILE_BLOCKS, shards.FILE_BLOCKS = 50, 2, 2\n"
         "from film_model.cli.main import main\nsys.exit(main(sys.argv[1:]))"
     )
     command = [sys.executable, "-c", code, "sweep", str(plan), "--output"]

@@ -20,6 +20,7 @@ from film_datasets.sweeps.block_columns import Columns, compute_block
 from film_datasets.sweeps.blocks import Block
 
 SMALL_BLOCKS = ("film_datasets.sweeps.blocks.BLOCK_IMPACTS", 7)
+SAVE_ALL = ("film_datasets.sweeps.checkpoint.WORTH_SAVING", 0.0)
 
 
 @pytest.mark.slow
@@ -37,6 +38,24 @@ def test_any_number_of_workers_gives_the_same_data(
         same(ds, found[0])
 
 
+@pytest.mark.parametrize("suffix", ["nc", "zarr"])
+def test_any_number_of_workers_writes_the_same_bytes(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, suffix: str
+) -> None:
+    """Chunks are packed in any order, and written in one. Only the times in the attributes differ."""
+    monkeypatch.setattr(*SMALL_BLOCKS)
+    monkeypatch.setattr("film_datasets.provenance.moment", lambda: "2026-01-01T00:00:00Z")
+    over, options = {**STRENGTHS}, {"design": "sobol", "samples": 100, "keep": "segments"}
+    found: list[dict[str, bytes]] = []
+    for workers in (1, 3):
+        path = tmp_path / f"{workers}" / f"x.{suffix}"
+        path.parent.mkdir()
+        fd.sweep(BALL, over, workers=workers, output=path, **options).close()
+        files = [path] if suffix == "nc" else [file for file in path.rglob("*") if file.is_file()]
+        found.append({str(file.relative_to(path.parent)): file.read_bytes() for file in files})
+    assert found[0] == found[1]
+
+
 class _StopAfter:
     def __init__(self, rows: int, error: type[BaseException]) -> None:
         self.rows, self.error = rows, error
@@ -50,6 +69,7 @@ class _StopAfter:
 @pytest.mark.parametrize("suffix", ["nc", "zarr"])
 def test_an_interrupted_sweep_is_resumed(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, suffix: str) -> None:
     monkeypatch.setattr(*SMALL_BLOCKS)
+    monkeypatch.setattr(*SAVE_ALL)
     made, path = Sweep.of(BALL, SPEEDS), tmp_path / f"out.{suffix}"
     with pytest.raises(Interrupted, match=r"interrupted: \d+ of 6 blocks in .*use resume=True to continue$"):
         run_sweep(made, path, command="test", workers=1, progress=_StopAfter(20, KeyboardInterrupt))
@@ -94,8 +114,8 @@ def test_one_process_at_a_time_writes_an_output(monkeypatch: pytest.MonkeyPatch,
 
 SCRIPT = """
 import sys, signal, resource, film_model as fm, film_datasets as fd
-import film_datasets.sweeps.blocks
-film_datasets.sweeps.blocks.BLOCK_IMPACTS = 2000
+from film_datasets.sweeps import blocks, checkpoint
+blocks.BLOCK_IMPACTS, checkpoint.WORTH_SAVING = 2000, 0.0
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 limit = int(sys.argv[3])
 if limit:
@@ -172,7 +192,10 @@ def test_a_dask_cluster_gives_the_same_data(monkeypatch: pytest.MonkeyPatch, tmp
 def test_an_interrupt_from_the_keyboard(tmp_path: Path) -> None:
     file, output = tmp_path / "sweep.toml", tmp_path / "out.nc"
     file.write_text(FILE.replace("count = 30", "count = 1000000"), encoding="utf-8")
-    code = "import sys; from film_model.cli.main import main; sys.exit(main(sys.argv[1:]))"
+    code = (
+        "import sys; from film_datasets.sweeps import checkpoint; checkpoint.WORTH_SAVING = 0.0\n"
+        "from film_model.cli.main import main; sys.exit(main(sys.argv[1:]))"
+    )
     command = [sys.executable, "-c", code, "sweep", str(file), "--output", str(output)]
     process = subprocess.Popen(
         command, stderr=subprocess.PIPE, text=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)

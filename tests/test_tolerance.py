@@ -10,8 +10,8 @@ from scipy import stats
 import film_datasets as fd
 import film_model as fm
 from film_datasets.sweeps import Sweep
-from film_datasets.tolerance import one_at_a_time
-from film_datasets.tolerance.inputs import moments
+from film_datasets.tolerances import one_at_a_time
+from film_datasets.tolerances.inputs import moments
 from film_model.cli.main import main
 
 SCENE = fm.Scene(

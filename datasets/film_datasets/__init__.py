@@ -1,24 +1,32 @@
 """Impacts as labelled datasets (xarray, CF 1.11) in netCDF and Zarr: histories, sweeps, measurements, cost studies.
 
-xarray takes longer to import than all of this package: functions that make datasets import it when they are called.
+A public name is imported when it is first used, with what it needs; so is xarray.
 """
 
-from film_datasets.accessor import Film
-from film_datasets.conversion import to_dataset
-from film_datasets.csv_measurement import from_csv
-from film_datasets.dataset_plots import plot
-from film_datasets.file_conversion import convert
-from film_datasets.files import open_dataset as open
-from film_datasets.files import read, write
-from film_datasets.history_dataset import history_of, lines_of
-from film_datasets.identification import Identification, compare_laws, identify
-from film_datasets.published import load, published
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
 from film_datasets.registration import register_accessor
-from film_datasets.schema import TABLE, VERSIONS, Variable, content_sha256, validate
-from film_datasets.sweeps import sweep
-from film_datasets.tables import to_frame
-from film_datasets.tolerance import Tolerance, tolerance
-from film_datasets.tornado_plot import plot_tornado
+
+if TYPE_CHECKING:
+    from film_datasets.accessor import Film
+    from film_datasets.conversion import to_dataset
+    from film_datasets.csv_measurement import from_csv
+    from film_datasets.dataset_plots import plot
+    from film_datasets.file_conversion import convert
+    from film_datasets.files import open_dataset as open
+    from film_datasets.files import read, write
+    from film_datasets.history_dataset import history_of, lines_of
+    from film_datasets.identification import Identification, compare_laws, identify
+    from film_datasets.published_data import load, published
+    from film_datasets.schema import TABLE, VERSIONS, Variable, content_sha256, validate
+    from film_datasets.sweeps import sweep
+    from film_datasets.tables import to_frame
+    from film_datasets.tolerances import Tolerance, tolerance
+    from film_datasets.tornado_plot import plot_tornado
 
 register_accessor()
 
@@ -49,3 +57,37 @@ __all__ = [
     "validate",
     "write",
 ]
+
+_MODULES = {
+    "accessor": ("Film",),
+    "conversion": ("to_dataset",),
+    "csv_measurement": ("from_csv",),
+    "dataset_plots": ("plot",),
+    "file_conversion": ("convert",),
+    "files": ("open_dataset", "read", "write"),
+    "history_dataset": ("history_of", "lines_of"),
+    "identification": ("Identification", "compare_laws", "identify"),
+    "published_data": ("load", "published"),
+    "schema": ("TABLE", "VERSIONS", "Variable", "content_sha256", "validate"),
+    "sweeps": ("sweep",),
+    "tables": ("to_frame",),
+    "tolerances": ("Tolerance", "tolerance"),
+    "tornado_plot": ("plot_tornado",),
+}
+"""The public names by the modules that have them."""
+
+
+def __getattr__(name: str) -> Any:
+    """A public name, or a module of this package such as `film_datasets.sweeps`."""
+    own = "open_dataset" if name == "open" else name
+    module = next((module for module, names in _MODULES.items() if name in __all__ and own in names), None)
+    if module is not None:
+        globals()[name] = found = getattr(import_module(f"{__name__}.{module}"), own)
+        return found
+    if name.startswith("_") or find_spec(f"{__name__}.{name}") is None:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return import_module(f"{__name__}.{name}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*__all__, *globals()})

@@ -53,6 +53,9 @@ CONVERTED = {
 }
 """Columns that are converted as they are read."""
 
+SIGNED = ("rebound_velocity", "permanent_indentation", "energy_absorbed", "energy_radiated", "impulse")
+"""Values of impacts that may be negative: a rebound is, and small ones with noise. The others are sizes."""
+
 STANDARD_GRAVITIES = ("g", "G", "gn", "g0")
 """Words for the unit 9.80665 m/s² of accelerations, which elsewhere are grams or not known."""
 
@@ -116,10 +119,25 @@ def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str
     if kind == "history" and not (np.diff(values[along]) > 0).all():
         late = int(np.flatnonzero(~(np.diff(values[along]) > 0))[0]) + 1
         raise SceneError([Mistake(name, body[late][0], "", "the time does not increase")])
-    if kind == "impacts" and not (values[along] > 0).all():
-        late = int(np.flatnonzero(~(values[along] > 0))[0])
-        raise SceneError([Mistake(name, body[late][0], "", "the velocity must be > 0")])
+    if kind == "impacts":
+        _check_sizes(name, [line for line, _ in body], values, known, along)
     return _dataset(Path(name), text, title, kind, {key: (known[key], value) for key, value in values.items()}, along)
+
+
+def doubts_of(ds: xr.Dataset) -> list[str]:
+    """Sentences on measured impacts that leave faster than they came, or into the target."""
+    doubts: list[str] = []
+    if "coefficient_of_restitution" in ds and float(ds["coefficient_of_restitution"].max()) > 1.0:
+        most = float(ds["coefficient_of_restitution"].max())
+        doubts.append(f"the measured restitution is up to {most:.3g}: above 1 an impact gains energy")
+    if "rebound_velocity" in ds:
+        rebound, velocity = ds["rebound_velocity"].values, ds["impactor_velocity"].values
+        if (faster := rebound < -velocity).any():
+            most = float((-rebound[faster] / velocity[faster]).max())
+            doubts.append(f"the measured rebound is up to {most:.3g} times as fast as the impact, which gains energy")
+        if (rebound[np.isfinite(rebound)] > 0).all():
+            doubts.append('no measured rebound_velocity is negative, as a rebound is: the unit "-1 m/s" turns the sign')
+    return doubts
 
 
 def measured_over(ds: xr.Dataset) -> tuple[str, list[str]]:
@@ -167,7 +185,9 @@ def _chosen_columns(file: str, numbered: list[tuple[int, str]], columns: Mapping
         picked = [(n, [row[k].strip() if k < len(row) else "" for k in places]) for n, row in rows[first:]]
         return [(number, ",".join(heading)), *((n, ",".join(map(_quoted, row))) for n, row in picked)]
     missing = ", ".join(shown(heading) for heading in columns.values())
-    raise SceneError([Mistake(file, None, "", f"no line has the columns {missing}")])
+    number, longest = max(numbered, key=lambda one: len(re.findall(r"[A-Za-z]\w*", one[1])), default=(None, ""))
+    hint = f"; line {number} has {shown(longest.strip())}" if longest else ""
+    raise SceneError([Mistake(file, None, "", f"no line has the columns {missing}{hint}")])
 
 
 def _size(unit: str) -> str:
@@ -195,8 +215,7 @@ def _columns(
     columns: dict[str, tuple[str, str]] = {}
     for heading, name in zip(headings, names, strict=True):
         if name not in known:
-            hint = did_you_mean(name, [*known, *NAMES, *CONVERTED])
-            mistakes.append(Mistake(file, line, "", f"column {shown(heading.strip())} is not known{hint}"))
+            mistakes.append(Mistake(file, line, "", f"column {shown(heading.strip())} {_why_unknown(name, known)}"))
             continue
         if name in columns:
             mistakes.append(Mistake(file, line, "", f"column {shown(heading.strip())} is given twice"))
@@ -211,20 +230,28 @@ def _columns(
         try:
             to_si(_size(unit), dimension)
         except ValueError as error:
-            what = str(error).replace(f'"1 {unit}"', f"unit {shown(unit)}" if unit else "no unit:")
+            what = str(error).replace(f'"1 {unit}"', f"unit {shown(unit)}" if unit else "").lstrip(": ")
             mistakes.append(Mistake(file, line, "", f"column {shown(heading.strip())}: {what}"))
         columns[name] = dimension, unit
     along, *others = known
     if along not in names:
         what = 'a column "time [us]", "velocity [m/s]" or "drop_height [mm]" is needed'
         mistakes.append(Mistake(file, line, "", what))
-    elif not set(others) & set(names):
+    elif set(names) == {along}:
         mistakes.append(Mistake(file, line, "", f"a column beside {along} is needed: {', '.join(others)}"))
     if not set(names) <= set(known):
         what = 'give the headings of another program by --columns (in Python columns): velocity="v_in [mm/s]" and so on'
         mistakes.append(Mistake(file, line, "", f"{what}; known are {', '.join((*NAMES, *CONVERTED, *known))}"))
     raise_all(mistakes)
     return columns
+
+
+def _why_unknown(name: str, known: Mapping[str, Variable]) -> str:
+    """What is wrong with a column that measurements of this kind have not."""
+    if any(name in {variable.name for variable in TABLE[f"{MEASUREMENT} {kind}"]} for kind in ("history", "impacts")):
+        of = "impacts at several velocities" if "t" in known else "a history over time"
+        return f"is of {of}, which this is not"
+    return f"is not known{did_you_mean(name, [*known, *NAMES, *CONVERTED])}"
 
 
 def _values(
@@ -253,6 +280,22 @@ def _values(
     raise_all(mistakes[:MOST_MISTAKES])
     sizes = [to_si(_size(unit), dimension) for dimension, unit in (columns[name] for name in names)]
     return {name: table[:, k] * sizes[k] for k, name in enumerate(names)}
+
+
+def _check_sizes(
+    file: str, lines: list[int], values: dict[str, np.ndarray], known: dict[str, Variable], along: str
+) -> None:
+    """Raise SceneError for values of impacts that no impact can have."""
+    mistakes: list[Mistake] = []
+    if (wrong := np.flatnonzero(~(values[along] > 0))).size:
+        mistakes.append(Mistake(file, lines[int(wrong[0])], "", "the velocity must be > 0"))
+    for name, array in values.items():
+        if name not in (along, *SIGNED) and (wrong := np.flatnonzero(array < 0)).size:
+            unit = known[name].unit
+            value, turn = f"{array[wrong[0]]:g} {unit}", f'; "-1 {unit}" as the unit of the column turns the sign'
+            what = f"{value.removesuffix(' 1')} is not allowed: it is never negative{turn if unit != '1' else ''}"
+            mistakes.append(Mistake(file, lines[int(wrong[0])], "", f"{name}: {what}"))
+    raise_all(mistakes)
 
 
 def _dataset(

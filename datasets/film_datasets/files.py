@@ -13,7 +13,7 @@ import numpy as np
 from film_datasets.quantities import in_numbers
 from film_datasets.schema import HISTORY, holds_text, kind_of, variables_of
 from film_datasets.tables import TABLES, check_parquet, write_table
-from film_model.base.files import flush, written_whole
+from film_model.base.files import check_replaceable, flush, written_whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -164,14 +164,7 @@ def check_place(target: Path, overwrite: bool) -> None:
         raise IsADirectoryError(f"{target}: is a folder but not a Zarr store, and is not replaced")
     if not folder.is_dir():
         raise FileNotFoundError(f"{target}: there is no folder {folder}")
-    if not overwrite and target.exists():
-        raise FileExistsError(f"{target}: exists; use overwrite=True to replace it")
-
-
-def check_no_link(target: Path) -> None:
-    """Raise FileExistsError for a link, which renaming a finished file would replace."""
-    if target.is_symlink():
-        raise FileExistsError(f"{target}: is a link, which writing would replace; give the file it points to")
+    check_replaceable(target, overwrite)
 
 
 def temporary_path(target: Path) -> Path:

@@ -76,7 +76,7 @@ class Impacts:
     @property
     def on_modes(self) -> NDArray[np.bool_]:
         """Which impacts are on targets that vibrate: their motion has no segments of the march."""
-        return _on_modes(self._segments, self.status)
+        return (self._segments[:, 0] == 0) & (self.status >= 0)
 
     def segments(self) -> Iterator[Segments]:
         """The closed-form segments of all impacts that have a contact law, except those on targets that vibrate."""
@@ -138,13 +138,9 @@ class Impacts:
         for entry in asked:
             with suppress(SceneError):
                 known += [entry] if entry.path in numbers else entries_of(self.scene, [entry.path])
-        solver, count = self.scene.solver, self.status.size
+        solver = self.scene.solver
         target = solver.accuracy or DEFAULT_ACCURACY
-        return known, derivatives_of_many(self.scene, numbers, known, self._problems, count, solver, target)
-
-
-def _on_modes(segments: NDArray[np.int32], status: NDArray[np.int32]) -> NDArray[np.bool_]:
-    return (segments[:, 0] == 0) & (status >= 0)
+        return known, derivatives_of_many(self.scene, numbers, known, self._problems, self.on_modes, solver, target)
 
 
 def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
@@ -156,7 +152,7 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
     law = np.full(found.status.size, -1, np.int8)
     zener_number = np.full(law.size, np.nan)
     gains_energy = np.zeros(law.size, np.bool_)
-    on_modes = _on_modes(found.segments, found.status)
+    on_modes = found.on_modes
     law[on_modes] = found.law[on_modes]
     for problem in found.problems:
         index = index_or_all(rows_of(problem), law.size)

@@ -11,8 +11,12 @@ from collections.abc import Sequence
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
+from typing import TYPE_CHECKING
 
-from film_datasets.accessor import Film
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from film_datasets.accessor import Film
 
 XARRAY = "xarray"
 
@@ -28,7 +32,14 @@ def register_accessor() -> None:
 def _register() -> None:
     import xarray as xr
 
-    xr.register_dataset_accessor("film")(Film)
+    xr.register_dataset_accessor("film")(_film)
+
+
+def _film(ds: xr.Dataset) -> Film:
+    """The accessor, which is imported when it is first used."""
+    from film_datasets.accessor import Film
+
+    return Film(ds)
 
 
 class _Finder(MetaPathFinder):

@@ -168,7 +168,7 @@ def fill(target: object, values: Mapping[str, object]) -> list[Mistake]:
     return mistakes
 
 
-_DIAMETER = measure("length", 2e-10, 2e3)
+DIAMETER = measure("length", 2e-10, 2e3)
 
 
 def fill_ball(target: object, values: Mapping[str, object]) -> list[Mistake]:
@@ -180,7 +180,7 @@ def fill_ball(target: object, values: Mapping[str, object]) -> list[Mistake]:
     mistakes = one_of(target, radius=values["radius"], diameter=diameter)
     radius = 1.0
     try:
-        radius = 0.5 * _DIAMETER.read(diameter)
+        radius = 0.5 * DIAMETER.read(diameter)
     except ValueError as error:
         mistakes.append(mistake(target, "diameter", str(error)))
     return mistakes + fill(target, {**values, "radius": f"{radius!r} m"})
@@ -221,13 +221,13 @@ SYNONYMS = {"speed": "velocity", "weight": "mass", "height": "drop_height", "ela
 
 
 def _instead(key: str, fields: Mapping[str, Field], allowed: Sequence[str]) -> str:
-    """What an unknown key may have meant: another entry, or one of a part such as the material."""
+    """What an unknown key may have meant: another entry, or one of a part such as the material; else all entries."""
     if SYNONYMS.get(key) in fields:
         return f'; did you mean "{SYNONYMS[key]}"?'
     for name, field in fields.items():
         if key in field.inside:
             return f"; it is an entry of {name}: {name} = {{ {key} = ..., ... }}"
-    return did_you_mean(key, allowed)
+    return did_you_mean(key, allowed) or f"; known are {', '.join(allowed)}"
 
 
 def key_text(key: str) -> str:

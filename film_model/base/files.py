@@ -11,13 +11,27 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
+def check_replaceable(target: str | Path, overwrite: bool = True) -> None:
+    """Raise FileExistsError for a file if `overwrite` is not set, and for a link, a pipe or a device: renaming a
+    finished file would replace it, not what it points to."""
+    if os.path.islink(target):
+        raise FileExistsError(f"{target}: is a link, which writing would replace; give the file it points to")
+    if not os.path.exists(target):
+        return
+    if not overwrite:
+        raise FileExistsError(f"{target}: exists; use overwrite=True to replace it")
+    if not os.path.isfile(target) and not os.path.isdir(target):
+        raise FileExistsError(f"{target}: is a device or a pipe, which writing would replace; give the name of a file")
+
+
 @contextlib.contextmanager
 def written_whole(target: Path) -> Generator[Path, None, None]:
     """A new, empty file next to `target` to write to; flushed and renamed to `target` if the block raises no exception.
 
-    In every case `target` is never a partial file, and no temporary file remains. Raises FileNotFoundError,
-    PermissionError or another OSError that names `target` if it cannot be written.
+    In every case `target` is never a partial file, and no temporary file remains. Raises FileExistsError for a link
+    or a device; FileNotFoundError, PermissionError or another OSError that names `target` if it cannot be written.
     """
+    check_replaceable(target)
     beside = target.absolute().with_name(f".{target.name[:100]}.{os.urandom(4).hex()}.part")
     try:
         # Created here, not by the library that fills it, so that the message has the reason if this fails.

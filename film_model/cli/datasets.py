@@ -196,13 +196,21 @@ def _variable(path: str) -> str:
     return path.replace(".", "_")
 
 
+def _column(pair: str) -> tuple[str, str]:
+    """The quantity and the heading of one of --columns."""
+    quantity, _, heading = pair.partition("=")
+    if not quantity.strip() or not heading.strip():
+        raise ValueError(f'--columns: "{pair}": QUANTITY=HEADING is needed, e.g. force="CH1 [kN]"')
+    return quantity.strip(), heading.strip()
+
+
 def identify(options: argparse.Namespace) -> int:
     import film_datasets
     from film_model.scene import Scene
 
     check_picture(options.plot, options.force)
     scene = Scene.from_toml(options.scene)
-    columns = dict(pair.partition("=")[::2] for pair in options.columns or ())
+    columns = dict(map(_column, options.columns or ()))
     measured = [film_datasets.from_csv(path, columns=columns) for path in options.measured]
     pairs = (pair.partition("=")[::2] for pair in options.each or ())
     given: dict[str, Any] = {"each": {key: listed(values) for key, values in pairs}, "intervals": options.intervals}

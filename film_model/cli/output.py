@@ -8,6 +8,8 @@ import sys
 from collections.abc import Iterable
 from typing import Any
 
+from film_model.base.files import check_replaceable
+
 DONE, WRONG, FAILED = 0, 2, 3
 """Exit statuses: done; the scene or the command line is wrong; the work failed."""
 
@@ -68,8 +70,7 @@ def check_writable(path: str, force: bool) -> None:
         raise PermissionError(f"{path}: the folder {folder} cannot be written to")
     if os.path.isdir(path) and not path.endswith(".zarr"):
         raise IsADirectoryError(f"{path} is a folder, the name of a file is needed")
-    if os.path.exists(path) and not force:
-        raise FileExistsError(f"{path} exists; use --force to overwrite it")
+    check_replaceable(path, force)
 
 
 def check_picture(path: str | None, force: bool) -> None:

@@ -124,7 +124,6 @@ def _derivatives(history: History) -> str:
             slope, value = found.values[name][path], history.summary[name]
             if slope is None:
                 continue
-            unit = entry.unit_of(name).removeprefix("1")
             share = f"{slope * entry.value / value:.4f} %" if value else "-"
-            lines.append(f"    {name.replace('_', ' '):30}{f'{slope:.6g} {unit}':>24}{share:>12}")
+            lines.append(f"    {name.replace('_', ' '):30}{found.text_of(name, path):>24}{share:>12}")
     return "".join(f"{line}\n" for line in lines)

@@ -37,8 +37,8 @@ def add_commands(named: Any) -> None:
 def tolerance(options: argparse.Namespace) -> int:
     from film_datasets.sweeps import read_sweep
     from film_datasets.sweeps.designs import MOST_SAMPLES, SAMPLED
-    from film_datasets.tolerance import tolerance_of
-    from film_datasets.tolerance.analysis import SHOWN
+    from film_datasets.tolerances import tolerance_of
+    from film_datasets.tolerances.analysis import SHOWN
     from film_datasets.tornado_plot import plot_tornado
 
     check_picture(options.plot, options.force)

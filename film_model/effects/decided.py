@@ -74,6 +74,7 @@ def decided_impacts(scene: Scene, columns: Mapping[str, Array], count: int) -> I
 
 
 def decided_problem(impacts: Impacts) -> Problem:
-    """The problem of such impacts, which share a curve."""
+    """The problem of such impacts, which share a curve but for its shape and for what it is fitted to."""
     numbers = impacts.numbers
-    return impacts.problem(numbers.impedance, numbers.weight if impacts.base.effects.gravity else impacts.column(0.0))
+    load = numbers.weight if impacts.base.effects.gravity else impacts.column(0.0)
+    return impacts.problem(numbers.impedance, load, fitted=False)

@@ -26,7 +26,7 @@ from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
 from film_model.problem.problem import Impacts, Problem
 from film_model.problem.similar import number_of
-from film_model.problem.varied import read_by_stages, varied_of
+from film_model.problem.varied import varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -255,7 +255,7 @@ def curve_keys(law: SceneLaw) -> list[Array]:
     shapes: list[Array] = []
     kind = law.law
     if not isinstance(kind, AbstractLaw):
-        read = read_by_stages(law)
+        read = law.read
         if law.rule is None and read.keys() & {*kind.shaped_by}:
             shape = np.asarray(law.at(slice(None)).shape)
             shapes.append(_pages(page_number(shape), LAST_PAGE, shape))

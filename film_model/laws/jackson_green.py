@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from film_model.base.arrays import exponential, greater
+from film_model.base.arrays import all_of, exponential, greater
 from film_model.laws.law import AbstractLaw, Array, Family, Parameter, Power, Stage, Unloading
 from film_model.laws.yielding import limit_point
 
@@ -120,7 +120,7 @@ class JacksonGreen(AbstractLaw):
 
     def __post_init__(self) -> None:
         strain = self.shape
-        if not np.all(strain < MOST_YIELD_STRAIN):
+        if not all_of(strain < MOST_YIELD_STRAIN):
             raise ValueError(f"law jackson-green: S_y/E is {np.max(strain):.3g}; it must be below {MOST_YIELD_STRAIN}")
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property, lru_cache
 from typing import Any, cast
 
 import numpy as np
@@ -70,6 +71,18 @@ class SceneLaw:
         """The law's yield strength, Pa; None if it has none."""
         return self.values.get("yield_strength", getattr(self.law, "yield_strength", None))
 
+    @cached_property
+    def read(self) -> dict[str, Array]:
+        """The values that vary, and on which the law's stages depend."""
+        varying = {name: value for name, value in self.values.items() if isinstance(value, np.ndarray)}
+        if isinstance(self.law, AbstractLaw) or not varying:
+            return {}
+        made: Any = object.__new__(_watched(self.law, tuple(varying)))
+        seen = set[str]()
+        made.__dict__.update(_picked(self.values, 0), _seen=seen)
+        made.stages()
+        return {name: value for name, value in varying.items() if name in seen}
+
     def strengthened(self, factor: Any) -> SceneLaw:
         """The law with `factor` times its yield strength; an array of factors gives one law per impact."""
         values = self.values
@@ -107,6 +120,21 @@ class SceneLaw:
     def _agrees(self, found: list[Array], formula: Callable[[AbstractLaw, Any], tuple[Any, ...]], place: int) -> bool:
         alone = formula(self.at(place), place)
         return all(abs(many[place] - one) <= 1e-13 * abs(one) for many, one in zip(found, alone, strict=True))
+
+
+@lru_cache(maxsize=64)
+def _watched(law: type[AbstractLaw], names: tuple[str, ...]) -> type[AbstractLaw]:
+    """The law with fields that note in `_seen` when they are read."""
+
+    def field(name: str) -> property:
+        def value(made: Any) -> Any:
+            made._seen.add(name)
+            return made.__dict__[name]
+
+        return property(value)
+
+    kind: Any = type(law)  # that of abstract classes
+    return kind(law.__name__, (law,), {name: field(name) for name in names})
 
 
 def _picked(values: Mapping[str, Any], places: Any) -> dict[str, Any]:

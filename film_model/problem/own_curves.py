@@ -15,8 +15,9 @@ from film_model.laws.law import AbstractLaw
 from film_model.problem.curve import Curve
 from film_model.problem.families import Page, page_of
 from film_model.problem.law_of_scene import SceneLaw
+from film_model.problem.rows import march_rows
 from film_model.problem.similar import similar_page
-from film_model.problem.varied import Varied, read_by_stages, varied_of
+from film_model.problem.varied import Varied, varied_of
 
 
 class OwnCurves(NamedTuple):
@@ -30,20 +31,19 @@ class OwnCurves(NamedTuple):
     spring: Array | None = None
 
     @classmethod
-    def of(cls, law: SceneLaw, count: int) -> OwnCurves:
-        """Of `count` laws that share a page of their family, or pieces."""
-        several = any(isinstance(value, np.ndarray) for value in law.values.values())
-        kind, read = law.law, read_by_stages(law).keys() if several else set[str]()
-        if isinstance(kind, AbstractLaw) or not read:
+    def of(cls, law: SceneLaw, count: int, fitted: bool = True) -> OwnCurves:
+        """Of `count` laws that share a page of their family, or pieces. fitted: whether curves of laws with a shape are
+        fitted that differ in other numbers too."""
+        kind = law.law
+        if isinstance(kind, AbstractLaw) or not law.read:
             return cls()
-        if law.rule is None and read & {*kind.similar_by}:
+        shaped = law.rule is None and bool(kind.shaped_by)
+        if law.rule is None and law.read.keys() & {*kind.similar_by}:
             return cls(similar_page(law.at(0)), law.on_arrays(lambda law, _: (law.similarity,), count)[0])
-        varied = varied_of(law, count)
-        if varied is not None or law.rule is not None:
+        varied = varied_of(law, count) if fitted or not shaped else None
+        if varied is not None or not shaped:
             return cls(varied=varied)
-        if read & {*kind.shaped_by}:
-            return cls(page_of(law.at(0)), law.on_arrays(lambda law, _: (law.shape,), count)[0])
-        return cls()
+        return cls(page_of(law.at(0)), law.on_arrays(lambda law, _: (law.shape,), count)[0])
 
     @property
     def alike(self) -> bool:
@@ -57,23 +57,13 @@ class OwnCurves(NamedTuple):
         shape, spring = (None if values is None else values[places] for values in (self.shape, self.spring))
         return OwnCurves(self.page, shape, None if self.varied is None else self.varied.part(places), spring)
 
-    def march(
-        self, curve: Curve, mesh: native.Mesh, start: NDArray[Any], damped: bool
-    ) -> tuple[NDArray[np.int32], NDArray[Any]]:
+    def march(self, curve: Curve, mesh: native.Mesh, start: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[Any]]:
         """The core's statuses and summaries. curve: of the first impact, without a spring."""
         page, shape, varied, spring = self
         if spring is not None:
             family = None if page is None or shape is None else (page.family, page.whole, shape)
             return families.batch_in_series(curve.native, family, varied, spring, mesh, start)
-        if varied is not None:
-            return families.batch_varied(*varied, mesh, start)
-        if shape is not None and page is not None:
-            return families.batch(page.family, page.whole, mesh, start, shape)
-        # damped contacts are not marched in lanes, but on a fixed target most laws make them equal but for rounding
-        alike = native.distinct(start) if damped else None
-        first, kind = (slice(None), slice(None)) if alike is None else alike
-        status, table = native.batch(curve.native, mesh, start[first])
-        return status[kind], table[kind]
+        return march_rows(curve, page, mesh, start, shape, varied)
 
     def groups(self) -> Iterator[Index]:
         """The impacts of each curve that differs from the others."""

@@ -13,7 +13,6 @@ from functools import cached_property
 from typing import Any, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, Number, any_of, column, either, greater
 from film_model.base.errors import STATUSES, VIBRATES, SimulationError
@@ -46,7 +45,7 @@ class Columns:
 
     __slots__ = ("table",)
 
-    def __init__(self, table: NDArray[Any]) -> None:
+    def __init__(self, table: Any) -> None:
         self.table = table
 
     def __getattr__(self, name: str) -> Any:
@@ -163,11 +162,13 @@ class Impacts:
 
         return self.law.on_arrays(factor, self.index.size)[0]
 
-    def problem(self, impedance: Any, load: Any, compliance: Any = 0.0, vibrates: bool = False) -> Problem:
+    def problem(
+        self, impedance: Any, load: Any, compliance: Any = 0.0, vibrates: bool = False, fitted: bool = True
+    ) -> Problem:
         """The dimensionless problem for a target impedance [N s/m] and a load [N], which are arrays for many impacts.
 
         compliance: of a target that follows the force statically, m/N, for many impacts an array, or 0 of all.
-        vibrates: the target moves by its modes instead.
+        vibrates: the target moves by its modes instead. fitted: whether curves are fitted that many impacts need.
         """
         numbers, energy = self.numbers, self.numbers.energy
         weighed = load * 1e-3 * numbers.radius
@@ -179,6 +180,7 @@ class Impacts:
             scales = self._light_scales
         springs = any_of(compliance > 0.0)
         spring = compliance * scales.force / scales.length if springs else 0.0
+        own = self.own if fitted or not self.many else OwnCurves.of(self.law, self.numbers.mass.size, fitted=False)
         return Problem(
             impacts=self,
             law=self.one_law,
@@ -194,7 +196,7 @@ class Impacts:
             given=(impedance, load, compliance),
             free=self.base.target.free,
             vibrates=vibrates,
-            own=self.own._replace(spring=spring) if springs and self.many else self.own,
+            own=own._replace(spring=spring) if springs and self.many else own,
         )
 
 
@@ -301,7 +303,7 @@ class Problem:
         if not self.impacts.many:
             return native.marched(self.curve.native, mesh, self.start)
         one = self.impacts.curve if self.own.spring is not None else self.curve
-        status, table = self.own.march(one, mesh, self.start, any_of(self.damping > 0.0))
+        status, table = self.own.march(one, mesh, self.start)
         return status, Columns(table)
 
     def relax(self, tolerance: float) -> tuple[Any, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -115,39 +115,8 @@ def _place(piece: int, function: str, name: str) -> int:
     return (begin + getattr(native.Piece, function).offset + getattr(native.Function, name).offset) // 8
 
 
-class _Seen(Exception):
-    """Raised when a law's stages read a varied value."""
-
-
-def read_by_stages(law: SceneLaw) -> dict[str, Array]:
-    """The varied values of a law on which its stages depend."""
-    if isinstance(law.law, AbstractLaw):
-        return {}
-    varying = {name: value for name, value in law.values.items() if isinstance(value, np.ndarray)}
-    return {name: value for name, value in varying.items() if not _blind(law.law, law.values, name)}
-
-
 def fitted_by(law: SceneLaw) -> dict[str, Array]:
     """Those besides the law's shape, of a law that has one: for each of their values it is fitted again."""
     if law.rule is not None or isinstance(law.law, AbstractLaw) or not law.law.shaped_by:
         return {}
-    return {name: value for name, value in read_by_stages(law).items() if name not in law.law.shaped_by}
-
-
-def _blind(law: type[AbstractLaw], values: Mapping[str, Any], varied: str) -> bool:
-    """Whether stages() never reads a varied field, so that the stages do not depend on it."""
-
-    def look(_: AbstractLaw) -> Any:
-        raise _Seen
-
-    metaclass: Any = type(law)  # that of abstract classes
-    blind = metaclass(law.__name__, (law,), {varied: property(look)})
-    made = object.__new__(blind)
-    for name, value in values.items():
-        if name != varied:
-            object.__setattr__(made, name, value.flat[0] if isinstance(value, np.ndarray) else value)
-    try:
-        made.stages()
-    except _Seen:
-        return False
-    return True
+    return {name: value for name, value in law.read.items() if name not in law.law.shaped_by}

@@ -18,6 +18,8 @@ def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
         owner = owners.get(section) or _copied(section, owners)
         if path.startswith("contact.") and name not in owner.FIELDS:
             object.__setattr__(owner, "parameters", {**owner.parameters, name: values})
+        elif name == "diameter" and getattr(owner, "is_ball", False):  # of which the radius is stored
+            object.__setattr__(owner, "radius", 0.5 * values)
         else:
             object.__setattr__(owner, name, values)
     return made

@@ -229,8 +229,9 @@ def _exponent(law: str | AbstractLaw, read: Mapping[str, Any]) -> float | None:
 
 def _unknown(known: Mapping[str, Parameter], key: str) -> str:
     """The message for a key that is neither a field of a contact nor a parameter of its law."""
-    hint = did_you_mean(key, [*Contact.FIELDS, *known])
+    entries = [*Contact.FIELDS, *known]
+    hint = did_you_mean(key, entries)
     owners = [name for name, other in LAWS.items() if key in other.parameters]
     if not hint and owners:
         hint = "; it belongs to law " + " or ".join(f'"{name}"' for name in owners)
-    return "unknown key" + hint
+    return f"unknown key{hint or '; known are ' + ', '.join(entries)}"

@@ -80,6 +80,11 @@ class Sphere:
         return self.path_speed if self.angle is None else self.path_speed * cosine(self.angle)
 
     @property
+    def diameter(self) -> float:
+        """Twice the radius, m."""
+        return 2.0 * self.radius
+
+    @property
     def own_mass(self) -> float | None:
         """The given mass, or density × sphere volume, kg; None if neither is known."""
         return sphere_mass(self.mass, self.radius, self.material)

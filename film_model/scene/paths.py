@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 from film_model.base.errors import did_you_mean
-from film_model.base.fields import SYNONYMS, Field
+from film_model.base.fields import DIAMETER, SYNONYMS, Field
 from film_model.base.units import scene_unit
 from film_model.scene.contact import Contact, parameter_fields, stiffness_unit
 from film_model.scene.scene import Scene
@@ -35,12 +36,22 @@ def field_at(scene: Scene, path: str) -> Field | None:
         return None
     if name == "exponent" and any(field.dimension == "meyer_stiffness" for field in fields.values()):
         raise ValueError("is in the unit of the stiffness: list [contact] sections that give both")
+    if name == "diameter" and getattr(owner, "is_ball", False):
+        return DIAMETER
     if name not in fields:
         raise ValueError(f"unknown key{_meant(path, fields) or did_you_mean(path, _paths(scene))}")
     other = _IN_PLACE_OF.get(path)
     if other is not None and getattr(owner, other) is not None:
         raise ValueError(f"the scene gives {sections[-1]}.{other}: give {name} there in its place")
     return None if fields[name].low is None or head == "solver" else fields[name]
+
+
+def refuse_twice(scene: Scene, path: str, others: Collection[str]) -> None:
+    """ValueError for the radius or diameter of a ball if the other one is among the other paths."""
+    *sections, name = path.split(".")
+    other = ".".join([*sections, {"radius": "diameter", "diameter": "radius"}.get(name, "")])
+    if other in others and getattr(_section_at(scene, path, sections), "is_ball", False):
+        raise ValueError(f"{other} is given, too: give one of them")
 
 
 def _meant(path: str, fields: dict[str, Field]) -> str:

@@ -64,7 +64,7 @@ def toml_table(text: str, name: str) -> dict[str, Any]:
 def change_table(table: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """The table with the entries at paths such as "impactor.velocity" changed, or removed where None.
 
-    Segments replace an accuracy (which may be the default), and vice versa; the impactor's diameter its radius.
+    Segments replace an accuracy (which may be the default), and vice versa; the diameter of a ball its radius.
     """
     table, given = copy.deepcopy(table), {path for path, value in changes.items() if value is not None}
     pairs = {
@@ -72,6 +72,8 @@ def change_table(table: dict[str, Any], changes: Mapping[str, Any]) -> dict[str,
         "solver.accuracy": "solver.segments",
         "impactor.diameter": "impactor.radius",
     }
+    if table.get("target", {}).get("kind") == "body":
+        pairs["target.diameter"] = "target.radius"
     replaced = {other: None for path, other in pairs.items() if path in given and other not in given}
     for path, value in {**changes, **replaced}.items():
         *sections, key = path.split(".")

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base import errors, units
-from film_model.base.arrays import Array, index_or_all
+from film_model.base.arrays import Array, Mask, index_or_all
 from film_model.base.errors import NO_VELOCITY, VIBRATES
 from film_model.base.late import Late
 from film_model.core import native
@@ -47,6 +47,11 @@ class ManyResult:
     segments: NDArray[np.int32]
     estimated: Array
     problems: tuple[Problem, ...]
+
+    @property
+    def on_modes(self) -> Mask:
+        """Which impacts are on targets that vibrate: they have no segments of the march."""
+        return (self.segments[:, 0] == 0) & (self.status >= 0)
 
 
 @dataclass(frozen=True)

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from film_model.base import units
 from film_model.base.arrays import Array
 from film_model.base.errors import Mistake, raise_all, shown
+from film_model.base.late import Late
 from film_model.effects.choose import Choice
 from film_model.effects.decided import decisions_of
 from film_model.problem.summary import SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
-from film_model.scene.paths import field_at, unit_of
+from film_model.scene.paths import field_at, refuse_twice, unit_of
 from film_model.solve.chain import slopes
 from film_model.solve.slopes import NO_DERIVATIVE, SMOOTH, STEP, TARGET, Pairs, Slopes
 from film_model.solve.stepped_slopes import slopes_of_relaxing, slopes_on_modes
@@ -29,6 +30,10 @@ POOR = 1e-6
 NEAR = 0.03
 """Change by neglecting an effect, relative to the tolerance less 1, up to which another decision is near: several times
 the reach of a stencil. Needed by tests/test_derivatives.py."""
+
+
+SHOWN = ("maximum_force", "contact_duration", "coefficient_of_restitution")
+"""Summary values whose derivatives `print` shows."""
 
 
 class Entry(NamedTuple):
@@ -56,7 +61,7 @@ class Entry(NamedTuple):
         return f"{self.value:.6g} {self.unit}".rstrip()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Derivatives:
     """∂(summary value)/∂(number of the scene) of one impact, SI.
 
@@ -67,8 +72,37 @@ class Derivatives:
     entries: Mapping[str, Entry]
     values: Mapping[str, Mapping[str, float | None]]
     errors: Mapping[str, Mapping[str, float | None]]
-    _slopes: Slopes = field(repr=False, compare=False)
-    _choice: Choice = field(repr=False, compare=False)
+    _slopes: Slopes = field(compare=False)
+    _choice: Choice = field(compare=False)
+
+    if TYPE_CHECKING:
+
+        def _repr_html_(self) -> str: ...
+    else:
+        _repr_html_ = Late("film_model.methods:derivatives_as_html")
+
+    def __repr__(self) -> str:
+        first, *others = self.entries
+        more = f" and {len(others)} more" if len(others) > 1 else "".join(f" and {path}" for path in others)
+        known = (error for row in self.errors.values() for error in row.values() if error is not None)
+        said = f"; {len(self.warnings)} warnings" if self.warnings else ""
+        return f"Derivatives(by {first}{more}, estimated relative error ≤ {max(known, default=0.0):.1e}{said})"
+
+    def __str__(self) -> str:
+        """A line for each number, with the derivatives of force, duration and restitution."""
+        rows = [("", *SHOWN)] + [
+            (f"by {path} = {entry.text}", *(self.text_of(name, path) or "-" for name in SHOWN))
+            for path, entry in self.entries.items()
+        ]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        return "\n".join(
+            "  ".join([row[0].ljust(widths[0]), *map(str.rjust, row[1:], widths[1:])]).rstrip() for row in rows
+        )
+
+    def text_of(self, quantity: str, path: str) -> str:
+        """One derivative as text with its SI unit; empty if there is none. Raises KeyError for an unknown name."""
+        value, unit = self.values[quantity][path], self.entries[path].unit_of(quantity)
+        return "" if value is None else f"{value:.6g} {unit.removeprefix('1')}".rstrip()
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -104,12 +138,17 @@ class Derivatives:
         }
 
 
-def entries_of(scene: Scene, paths: Iterable[str]) -> tuple[Entry, ...]:
-    """The numbers of a scene at some paths. Raises SceneError for a path that has none, or none to differentiate by."""
+def entries_of(scene: Scene, paths: Iterable[str], varied: Collection[str] = ()) -> tuple[Entry, ...]:
+    """The numbers of a scene at some paths. varied: paths of numbers that vary.
+
+    Raises SceneError for a path that has none, or none to differentiate by.
+    """
     found, mistakes = dict[str, Entry](), list[Mistake]()
-    for path in [paths] if isinstance(paths, str) else paths:
+    asked = [paths] if isinstance(paths, str) else list(paths)
+    for path in asked:
         try:
             found[path] = _entry(scene, path)
+            refuse_twice(scene, path, [*asked, *varied])
         except ValueError as error:
             mistakes.append(Mistake(None, None, f"derivatives.{path}", str(error)))
     raise_all(mistakes)
@@ -143,23 +182,27 @@ def derivatives_of(
 
     Raises SimulationError for a number with which too many natural vibrations of the target change.
     """
+    found = slopes_of(choice, solver, entries, vibration)
+
+    by_path = {entry.path: entry for entry in entries}
+
+    def table(columns: Array) -> dict[str, dict[str, float | None]]:
+        rows = np.where(np.isnan(columns), np.array(None), columns).T.tolist()
+        return {name: dict(zip(by_path, row, strict=True)) for name, row in zip(SUMMARY, rows, strict=True)}
+
+    return Derivatives(by_path, table(found.values), table(found.errors), found, choice)
+
+
+def slopes_of(choice: Choice, solver: Solver, entries: Sequence[Entry], vibration: Vibration | None) -> Slopes:
+    """As :func:`derivatives_of`, as arrays."""
     (decision,) = decisions_of(choice.problem)
     strength = np.array([choice.problem.impacts.law.strength]) if decision.hard else None
     pairs = pairs_of(decision.put_into(choice.scene), {}, entries, 1, strength)
     if vibration is not None:
-        found = slopes_on_modes(choice, pairs, vibration, solver.accuracy or DEFAULT_ACCURACY)
-    elif choice.problem.relaxation is not None:
-        found = slopes_of_relaxing(choice, pairs)
-    else:
-        found = slopes(pairs, solver, TARGET)
-
-    def table(columns: Array) -> dict[str, dict[str, float | None]]:
-        return {
-            name: {entry.path: None if math.isnan(value) else value for entry, value in zip(entries, row, strict=True)}
-            for name, row in zip(SUMMARY, columns.T.tolist(), strict=True)
-        }
-
-    return Derivatives({e.path: e for e in entries}, table(found.values), table(found.errors), found, choice)
+        return slopes_on_modes(choice, pairs, vibration, solver.accuracy or DEFAULT_ACCURACY)
+    if choice.problem.relaxation is not None:
+        return slopes_of_relaxing(choice, pairs)
+    return slopes(pairs, solver, TARGET)
 
 
 def pairs_of(

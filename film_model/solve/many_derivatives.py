@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array, Index
+from film_model.base.arrays import Array, Index, Mask
+from film_model.base.errors import SimulationError
+from film_model.effects.choose import choose
 from film_model.effects.decided import Decision, decisions_of
 from film_model.effects.many import rows_of
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
-from film_model.scene import Scene, Solver
+from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
+from film_model.scene.columns import scene_of_columns
 from film_model.solve.chain import slopes
-from film_model.solve.derivatives import Entry, pairs_of
-from film_model.solve.slopes import NO_DERIVATIVE
+from film_model.solve.derivatives import Entry, pairs_of, slopes_of
+from film_model.solve.slopes import NO_DERIVATIVE, Slopes
+from film_model.solve.vibration import vibrate
 
 
 class ManyDerivatives(NamedTuple):
@@ -36,16 +40,17 @@ def derivatives_of_many(
     columns: Mapping[str, Array],
     entries: Sequence[Entry],
     problems: Iterable[Problem],
-    count: int,
+    on_modes: Mask,
     solver: Solver,
     target: float,
 ) -> ManyDerivatives:
-    """Derivatives of `count` impacts of a scene, in which columns replace some numbers.
+    """Derivatives of impacts of a scene, in which columns replace some numbers.
 
-    problems: of the impacts, as simulated; others, which failed or are on vibrating targets, have no derivatives, nor
-    have impacts of viscoelastic bodies.
+    problems: of the impacts, as simulated. on_modes: which impacts were simulated on targets that vibrate; they, and
+    those of viscoelastic bodies, are followed one by one. Others, which failed, have no derivatives.
     target: error to which meshes are refined.
     """
+    count = on_modes.size
     shape = count, len(entries)
     values = {name: np.full(shape, np.nan) for name in SUMMARY}
     error, side = np.full(shape, np.nan), np.full(shape, NO_DERIVATIVE, np.int8)
@@ -60,7 +65,33 @@ def derivatives_of_many(
             values[name][rows] = column.reshape(rows.size, -1)
         side[rows] = found.side.reshape(rows.size, -1)
         error[rows] = np.fmax.reduce(found.errors, axis=1).reshape(rows.size, -1)
+    relaxing = [rows_of(problem) for problem in given if problem.relaxation is not None]
+    for row in np.sort(np.concatenate([np.flatnonzero(on_modes), *relaxing])).tolist() if entries else ():
+        own = {path: float(column[row]) for path, column in columns.items()}
+        for k, found in enumerate(_in_steps(scene, own, entries, solver)):
+            if found is None:
+                continue
+            for name, value in zip(SUMMARY, found.values[0].tolist(), strict=True):
+                values[name][row, k] = value
+            side[row, k], error[row, k] = found.side[0], np.fmax.reduce(found.errors[0])
     return ManyDerivatives(values, error, side)
+
+
+def _in_steps(
+    scene: Scene, numbers: Mapping[str, float], entries: Sequence[Entry], solver: Solver
+) -> Iterator[Slopes | None]:
+    """The derivatives of an impact that is followed in steps, by each number; None where they are not supported."""
+    replaced: dict[str, Any] = dict(numbers)
+    choice = choose(scene_of_columns(scene, replaced))
+    problem, vibration = choice.problem, None
+    if problem.vibrates:
+        vibration = vibrate(problem, choice.scene.target, solver.accuracy or DEFAULT_ACCURACY, [])[0]
+    for entry in entries:
+        own = entry._replace(value=numbers.get(entry.path, entry.value))
+        try:
+            yield slopes_of(choice, solver, [own], vibration)
+        except SimulationError:
+            yield None
 
 
 def _by_decision(problems: Iterable[Problem]) -> dict[Decision, Index]:

@@ -86,22 +86,20 @@ class Slopes:
     @classmethod
     def none(cls, count: int) -> Slopes:
         """Of `count` pairs of which nothing is known yet."""
-        values, errors = np.full((2, count, len(SUMMARY)), np.nan)
+        values, errors = np.full((2, len(SUMMARY), count), np.nan).transpose(0, 2, 1)
         kinks, (other_end, other_stage) = np.zeros(values.shape, np.bool_), np.zeros((2, count), np.bool_)
         return cls(values, errors, np.full(count, NO_DERIVATIVE, np.int8), kinks, other_end, other_stage)
 
     def put(self, places: Index, slope: Array, change: Array, values: Array, number: Array, factor: float) -> Array:
-        """Set derivatives and errors, except at kinks; the largest error of each pair.
+        """Set derivatives and errors; the largest error of each pair.
 
-        change: of the derivative between two meshes. values: of the summary, and number, by which it is differentiated.
-        factor: bound on the error over the change.
+        change: of the derivative between two meshes; both are nan at kinks. values: of the summary, and number, by
+        which it is differentiated. factor: bound on the error over the change.
         """
         with np.errstate(invalid="ignore", divide="ignore"):
             size = np.fmax(abs(slope), abs(values / number[:, None]))
             error = np.where(change == 0.0, 0.0, factor * abs(change) / size)
-        kinked = self.kinks[places]
-        self.values[places] = np.where(kinked, np.nan, slope)
-        self.errors[places] = error = np.where(kinked, np.nan, error)
+        self.values[places], self.errors[places] = slope, error
         return np.fmax.reduce(error, axis=1, initial=0.0)
 
 
@@ -229,9 +227,12 @@ class _Marches:
 
 
 def summaries(problem: Problem, status: Any, core: Any) -> Array:
-    """The summaries of many impacts, (values of `SUMMARY`, impacts), SI."""
+    """The summaries of many impacts, (values of `SUMMARY`, impacts), SI; of several meshes, (values, meshes, impacts).
+
+    core: Columns of the core's summaries.
+    """
     found = summary_of(problem, status, core)
-    table = np.empty((len(SUMMARY), status.size))
+    table = np.empty((len(SUMMARY), *status.shape))
     for k, name in enumerate(SUMMARY):
         table[k] = found[name]
     return table
@@ -266,6 +267,7 @@ def _differentiate(
     """Set derivatives and errors at `places` from two meshes; the largest error of each pair."""
     weights, base, own = marches.stencil.weights, marches.stencil.base, marches.pairs.part(pairs)
     rough, fine = (applied(marched.summary, weights) / own.step[:, None] for marched in meshes)
+    fine[found.kinks[places]] = np.nan
     return found.put(places, fine, rough - fine, meshes[1].summary[:, :, base], own.value, marches.meshes.factor)
 
 

@@ -207,6 +207,7 @@ def _set(slopes: Slopes, k: int, pair: Pairs, runs: list[Runs], error: Error) ->
         tables = [np.stack([run(offset).values for offset in offsets], axis=-1) for run in runs]
         coarse, middle, fine = (applied(table, stencil.weights) / pair.step[0] for table in tables)
         slopes.side[k], slopes.kinks[k] = side, kinked(tables[-1], stencil.base, BENT)
+        fine[slopes.kinks[k]] = np.nan
         change = error(abs(middle - coarse), abs(fine - middle))
         slopes.put(np.array([k]), fine[None], change[None], own.values[None], pair.value, 1.0)
         return

@@ -50,6 +50,11 @@ class Body(AbstractTarget):
         raise_all(fill_ball(self, locals()))
 
     @property
+    def diameter(self) -> float:
+        """Twice the radius, m."""
+        return 2.0 * self.radius
+
+    @property
     def own_mass(self) -> float | None:
         """The given mass, or density × sphere volume, kg; None if neither is known."""
         return sphere_mass(self.mass, self.radius, self.material)

@@ -13,7 +13,7 @@ from film_model.base.fields import Field
 from film_model.base.units import power_stiffness_unit, scene_unit
 from film_model.scene import Scene
 from film_model.scene.contact import parameter_fields, stiffness_unit
-from film_model.scene.paths import field_at, number_text, unit_of
+from film_model.scene.paths import field_at, number_text, refuse_twice, unit_of
 
 STIFFNESS, EXPONENT = "contact.stiffness", "contact.exponent"
 """Numbers of which the second is in the unit of the first, so that it is fitted with it only."""
@@ -113,6 +113,7 @@ def _check(scene: Scene, fit: Sequence[str], histories: Sequence[bool]) -> None:
                 raise ValueError("is measured")
             if list(fit).count(path) > 1:
                 raise ValueError("is given twice")
+            refuse_twice(scene, path, fit)
         except ValueError as error:
             mistakes.append(Mistake(None, None, f"fit: {path}", str(error)))
     if not fit:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from film_datasets.axis_style import finite, label
-from film_datasets.csv_measurement import measured_over
+from film_datasets.csv_measurement import doubts_of, measured_over
 from film_datasets.identification.model import DIMENSIONS_OF_QUANTITIES, Case, numerics_of
 from film_model.base.units import DIMENSIONS, format_si, si_unit
 from film_model.plot.style import HIGHLIGHT, picture, prefixed_unit
@@ -96,8 +96,9 @@ class Identification:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """A sentence for each parameter that is not identified."""
-        return tuple(f"{one.path} cannot be identified: {one.reason}" for one in self.parameters if not one.identified)
+        """A sentence for each parameter that is not identified, and for each kind of value that no impact can have."""
+        lost = (f"{one.path} cannot be identified: {one.reason}" for one in self.parameters if not one.identified)
+        return (*lost, *dict.fromkeys(doubt for case in self.cases for doubt in doubts_of(case.measured)))
 
     def history(self) -> History:
         """The fitted impact."""

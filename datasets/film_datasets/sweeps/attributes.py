@@ -180,8 +180,9 @@ def _warnings(sweep: Sweep, totals: Totals) -> list[str]:
         if missed:
             warnings.append(f"accuracy {accuracy:g} was not reached in {missed} impacts: estimated up to {found:.1e}")
     for path, sides in totals.sides.items():
-        if sides[NO_DERIVATIVE]:
-            warnings.append(f"no derivatives by {path} in {sides[NO_DERIVATIVE]} impacts: kinks, or a vibrating target")
+        without = sides[NO_DERIVATIVE]
+        if without:
+            warnings.append(f"no derivatives by {path} in {without} impacts: kinks, or crowded natural frequencies")
         if sides[-1] + sides[1]:
             warnings.append(f"derivatives by {path} are one-sided in {sides[-1] + sides[1]} impacts, because of kinks")
     return warnings

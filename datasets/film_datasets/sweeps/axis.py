@@ -72,11 +72,11 @@ class Axis:
         """What its values in a dataset stand for: its path, and of choices what each is."""
         return "\n".join([self.path, *map(_toml_value, self.choices)])
 
-    def coordinate(self) -> NDArray[Any]:
-        """Its values along a dimension of its own: SI, or words."""
+    def coordinate(self, first: int, stop: int) -> NDArray[Any]:
+        """Its values at places from `first` to before `stop` along a dimension of its own: SI, or words."""
         if self.kind == "choices":
-            return np.array(self.words)[np.array(self.indices, np.intp)]
-        return self.at(np.arange(self.count))
+            return np.array(self.words)[np.array(self.indices[first:stop], np.intp)]
+        return self.at(np.arange(first, stop))
 
     def probes(self) -> Array:
         """Different values of an axis of numbers, SI, to see what depends on it."""

@@ -18,7 +18,7 @@ from film_model.base.fields import Field, table_of, written
 from film_model.base.units import array_to_si, to_si
 from film_model.scene import Scene
 from film_model.scene.contact import contact_table
-from film_model.scene.paths import field_at, unit_of
+from film_model.scene.paths import field_at, refuse_twice, unit_of
 from film_model.scene.scene import WITH_FILES
 
 SPACINGS = ("linear", "log")
@@ -53,6 +53,7 @@ def read_axes(scene: Scene, over: Mapping[str, Any], design: str) -> tuple[tuple
     for path, given in over.items():
         try:
             axes[path] = _axis(first, path, given, design)
+            refuse_twice(first, path, over)
         except SceneError as error:
             mistakes += error.mistakes
         except ValueError as error:

@@ -131,4 +131,5 @@ def _differentiate(
 def _segment_columns(lines: list[tuple[NDArray[np.intp], Lines]], count: int) -> Columns:
     """The segments of all impacts, one after the other, and how many each impact has."""
     table, counts = Lines.together(lines, count)
-    return {"segment_count": counts, **{f"segment_{name}": table[name] for name in LINE_DTYPE.names or ()}}
+    columns = {f"segment_{name}": np.ascontiguousarray(table[name]) for name in LINE_DTYPE.names or ()}
+    return {"segment_count": counts, **columns}

@@ -6,33 +6,31 @@ import math
 import os
 import shutil
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from film_datasets.files import DEFLATE_FROM, NEEDS_ZARR, ZARR, temporary_path
 from film_datasets.schema import TEXT, Variable
+from film_datasets.sweeps.deflate import deflated
 
 Region = tuple[slice, ...]
 
 GROWING = "segment"
 """The dimension whose length is not known before the last block."""
 
-SHARD_BLOCKS = 8
-"""Blocks that a file of a Zarr folder holds: 8 MB for each number of an impact are held in memory meanwhile."""
+FILE_BLOCKS = 8
+"""Blocks that a file of a Zarr folder holds, in one chunk: 2 MB for each number of an impact are held in memory."""
 
-
-CACHED_CHUNKS = 2
-"""Chunks of a variable that the netCDF library holds: the one that is written and, where segments grow, the next."""
+COORDINATE_CHUNK = 1 << 18
+"""Values of a chunk of a coordinate: 2 MB."""
 
 
 class Writer(Protocol):
-    """What takes the variables of a dataset in pieces. parallel: different variables at the same time."""
-
-    @property
-    def parallel(self) -> bool: ...
+    """What takes the variables of a dataset in pieces: `put` and `grow` for different variables at the same time."""
 
     def create(
         self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
@@ -41,10 +39,13 @@ class Writer(Protocol):
         `GROWING`."""
 
     def put(self, name: str, region: Region, values: Any) -> None:
-        """Write a region of a variable."""
+        """Write a region of a variable: a chunk, or a block."""
 
     def grow(self, name: str, values: Any) -> None:
         """Append values to a variable along `GROWING`."""
+
+    def commit(self) -> None:
+        """Write what was put so far, in an order that does not depend on the workers."""
 
     def close(self, attributes: Mapping[str, Any]) -> None:
         """Write the global attributes; nothing can be written afterwards."""
@@ -58,11 +59,9 @@ def writer_for(target: Path) -> NetCDFWriter | ZarrWriter:
 class MemoryWriter:
     """Fills arrays in memory; `dataset` is set by `close`."""
 
-    parallel = True
-
     def __init__(self) -> None:
         self._arrays: dict[str, Any] = {}
-        self._pieces: dict[str, list[Any]] = {}
+        self._lengths: dict[str, int] = {}
         self._variables: dict[str, tuple[Variable, dict[str, Any]]] = {}
         self.dataset: Any = None
 
@@ -71,8 +70,9 @@ class MemoryWriter:
     ) -> None:
         for variable, attributes in variables:
             self._variables[variable.name] = variable, attributes
-            if GROWING in variable.dims:
-                self._pieces[variable.name] = [np.empty(0, variable.dtype)]
+            if _grows(variable):
+                rest = [sizes[dim] for dim in variable.dims[1:]]
+                self._arrays[variable.name], self._lengths[variable.name] = np.empty((0, *rest), variable.dtype), 0
             else:
                 dtype = object if variable.dtype == TEXT else variable.dtype
                 self._arrays[variable.name] = np.empty([sizes[dim] for dim in variable.dims], dtype)
@@ -81,12 +81,21 @@ class MemoryWriter:
         self._arrays[name][region] = values
 
     def grow(self, name: str, values: Any) -> None:
-        self._pieces[name].append(values)
+        array, begin = self._arrays[name], self._lengths[name]
+        self._lengths[name] = end = begin + len(values)
+        if end > len(array):  # in place where the system can: pieces and their concatenation take twice the memory
+            array.resize((end + begin // 4, *array.shape[1:]), refcheck=False)
+        array[begin:end] = values
+
+    def commit(self) -> None:
+        """Nothing is left to do: the arrays are filled."""
 
     def close(self, attributes: Mapping[str, Any]) -> None:
         import xarray as xr
 
-        arrays = {**self._arrays, **{name: np.concatenate(pieces) for name, pieces in self._pieces.items()}}
+        arrays = self._arrays
+        for name, length in self._lengths.items():
+            arrays[name].resize((length, *arrays[name].shape[1:]), refcheck=False)
         coordinates = {
             word for _, attrs in self._variables.values() for word in str(attrs.get("coordinates", "")).split()
         }
@@ -100,66 +109,98 @@ class MemoryWriter:
 
 
 class NetCDFWriter:
-    """Writes a netCDF-4 file with a chunk for each block. Long variables are shuffled and deflated at level 1."""
+    """Writes a netCDF-4 file with a chunk for each block. Long variables are shuffled and deflated at level 1.
 
-    parallel = False  # the library is not safe in several threads
+    The netCDF library creates the file and writes its attributes. It deflates in one thread; so the chunks are deflated
+    by those who put them, and written as they are, through h5py, one after the other.
+    """
 
     def __init__(self, path: Path) -> None:
-        import netCDF4  # lazy: a sweep in memory does not need it
-
         path.unlink(missing_ok=True)
         # created here because the library does not tell why it cannot create a file
         os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         self.path = path
-        self._file: Any = netCDF4.Dataset(path, "w", format="NETCDF4")
-        self._file.set_fill_off()
+        self._file: Any = None
         self._variables: dict[str, Any] = {}
-        self._grown: dict[str, int] = {}
+        self._chunks: dict[str, tuple[tuple[int, ...], np.dtype[Any], float, bool]] = {}
+        self._growth: dict[str, _Growth] = {}
+        self._ready: dict[str, list[tuple[Region, Any]]] = {}
 
     def create(
         self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
     ) -> None:
-        for dim, size in sizes.items():
-            self._file.createDimension(dim, size)
-        if any(GROWING in variable.dims for variable, _ in variables):
-            self._file.createDimension(GROWING, None)
-        for variable, attributes in variables:
-            values = math.prod(sizes.get(dim, chunks[GROWING]) for dim in variable.dims)
-            long = variable.dtype != TEXT and values * variable.dtype.itemsize >= DEFLATE_FROM
-            chunked = long or GROWING in variable.dims
-            chunk_bytes = math.prod(chunks[dim] for dim in variable.dims) * variable.dtype.itemsize
-            created = self._file.createVariable(
-                variable.name,
-                str if variable.dtype == TEXT else variable.dtype,
-                variable.dims,
-                chunksizes=[chunks[dim] for dim in variable.dims] if chunked else None,
-                fill_value=np.nan if variable.optional else False,
-                contiguous=not chunked and variable.dtype != TEXT,
-                **({"compression": "zlib", "complevel": 1, "shuffle": True} if long else {}),
-            )
-            if chunked:  # the library's own cache is 16 MB for each variable
-                created.set_var_chunk_cache(size=CACHED_CHUNKS * chunk_bytes)
-            created.set_auto_maskandscale(False)
-            created.setncatts(attributes)
-            self._variables[variable.name] = created
+        import h5py  # lazy: a sweep in memory does not need these
+        import netCDF4
+
+        with netCDF4.Dataset(self.path, "w", format="NETCDF4") as file:
+            file.set_fill_off()
+            for dim, size in sizes.items():
+                file.createDimension(dim, size)
+            for dim in dict.fromkeys(variable.dims[0] for variable, _ in variables if _grows(variable)):
+                file.createDimension(dim, None)
+            for variable, attributes in variables:
+                values = math.prod(sizes[dim] if dim in sizes else chunks[dim] for dim in variable.dims)
+                long = variable.dtype != TEXT and values * variable.dtype.itemsize >= DEFLATE_FROM
+                chunked = long or _grows(variable)
+                created: Any = file.createVariable(
+                    variable.name,
+                    str if variable.dtype == TEXT else variable.dtype,
+                    variable.dims,
+                    chunksizes=chunk_shape(variable, sizes, chunks) if chunked else None,
+                    fill_value=np.nan if variable.optional else False,
+                    contiguous=not chunked and variable.dtype != TEXT,
+                    compression="zlib" if long else None,
+                    complevel=1,
+                    shuffle=True,
+                )
+                created.setncatts(attributes)
+                self._ready[variable.name] = []
+                if chunked:
+                    fill = np.nan if variable.optional else 0
+                    self._chunks[variable.name] = chunk_shape(variable, sizes, chunks), variable.dtype, fill, long
+                if _grows(variable):
+                    self._growth[variable.name] = _Growth(chunks[variable.dims[0]])
+        self._file = h5py.File(self.path, "r+")
+        self._variables = {variable.name: self._file[variable.name] for variable, _ in variables}
 
     def put(self, name: str, region: Region, values: Any) -> None:
-        self._variables[name][region] = values
+        if name in self._chunks:
+            shape, dtype, fill, long = self._chunks[name]
+            whole = padded(np.asarray(values, dtype), shape, fill)
+            values = deflated(whole) if long else whole.tobytes()
+        self._ready[name].append((region, values))
 
     def grow(self, name: str, values: Any) -> None:
-        begin = self._grown.get(name, 0)
-        self._grown[name] = begin + len(values)
-        if len(values):
-            self._variables[name][begin : begin + len(values)] = values
+        for begin, whole in self._growth[name].add(values):
+            self.put(name, _rows(begin, whole), whole)
+
+    def commit(self) -> None:
+        for name, ready in self._ready.items():
+            variable = self._variables[name]
+            for region, values in ready:
+                if name not in self._chunks:
+                    variable[region] = values
+                    continue
+                if name in self._growth:
+                    variable.resize(region[0].stop, 0)
+                variable.id.write_direct_chunk(tuple(part.start for part in region), values)
+            ready.clear()
 
     def close(self, attributes: Mapping[str, Any]) -> None:
-        self._file.setncatts(dict(attributes))
+        import netCDF4  # lazy, as above
+
+        for name, growth in self._growth.items():
+            for begin, rest in growth.rest():
+                self.put(name, _rows(begin, rest), rest)
+        self.commit()
         self._file.close()
+        with netCDF4.Dataset(self.path, "a") as file:
+            file.setncatts(dict(attributes))
 
     def abandon(self) -> None:
         """Remove what was written."""
         try:
-            if self._file.isopen():
+            if self._file:
                 self._file.close()
         except (RuntimeError, OSError):  # closing writes, which fails on a full disk
             pass
@@ -167,10 +208,12 @@ class NetCDFWriter:
 
 
 class ZarrWriter:
-    """Writes a Zarr folder (format 3) with a chunk for each block, `SHARD_BLOCKS` of them in a file, compressed by
-    Blosc (LZ4, shuffled). existing: the variables are there already, and whole files of them are written."""
+    """Writes a Zarr folder (format 3) with a chunk, in a file of its own, for `FILE_BLOCKS` blocks, compressed by Blosc
+    (LZ4, shuffled). existing: the variables are there already, and whole chunks of them are written.
 
-    parallel = True
+    zarr creates the arrays and writes what is short. Chunks are compressed and written here: its own way takes twice
+    as long, and most of that in one thread.
+    """
 
     def __init__(self, path: Path, existing: bool = False) -> None:
         try:
@@ -183,6 +226,7 @@ class ZarrWriter:
         self._group: Any = zarr.open_group(path, mode="r+" if existing else "w", zarr_format=3)
         self._arrays: dict[str, Any] = dict(self._group.arrays())
         self._pending: dict[str, list[tuple[Region, Any]]] = {}
+        self._growth: dict[str, _Growth] = {}
 
     def create(
         self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
@@ -190,64 +234,70 @@ class ZarrWriter:
         from zarr.codecs import BloscCodec  # lazy: an optional dependency
 
         for variable, attributes in variables:
-            own = tuple(min(chunks[dim], sizes.get(dim, chunks[dim])) for dim in variable.dims)
-            cut = self._cut(own, [sizes.get(dim, own[k] + 1) for k, dim in enumerate(variable.dims)])
-            shards = tuple(size * SHARD_BLOCKS if k == cut else size for k, size in enumerate(own))
+            own = list(chunk_shape(variable, sizes, chunks))
+            divided = [k for k, dim in enumerate(variable.dims) if own[k] < sizes.get(dim, own[k] + 1)]
+            if divided and variable.dims != (variable.name,):
+                own[divided[-1]] *= FILE_BLOCKS
             packed: dict[str, Any] = {}
             if variable.dtype != TEXT and variable.dims:
                 size = variable.dtype.itemsize
                 packed["compressors"] = BloscCodec(typesize=size, cname="lz4", clevel=5, shuffle="shuffle")
-                packed["shards"] = shards if cut is not None else None
             self._arrays[variable.name] = self._group.create_array(
                 variable.name,
                 shape=tuple(sizes.get(dim, 0) for dim in variable.dims),
-                chunks=own,
+                chunks=tuple(min(chunk, sizes.get(dim, chunk)) for chunk, dim in zip(own, variable.dims, strict=True)),
                 dtype=str if variable.dtype == TEXT else variable.dtype,
                 dimension_names=variable.dims,
                 fill_value=np.nan if variable.optional else "" if variable.dtype == TEXT else 0,
                 attributes={key: _plain(value) for key, value in attributes.items()},
                 **packed,
             )
-
-    @staticmethod
-    def _cut(chunks: Sequence[int], sizes: Sequence[int]) -> int | None:
-        """The dimension that is divided into blocks, of which several go into a file; None if there is one block."""
-        divided = [k for k, (chunk, size) in enumerate(zip(chunks, sizes, strict=True)) if chunk < size]
-        return divided[-1] if divided else None
+            if _grows(variable):
+                self._growth[variable.name] = _Growth(own[0])
 
     def put(self, name: str, region: Region, values: Any) -> None:
         array = self._arrays[name]
-        cut = self._cut(array.chunks, array.shape)
-        if array.shards is None or cut is None:
+        if array.dtype.kind not in "fi" or not array.shape:
             array[region] = values
             return
+        partial = [k for k, part in enumerate(region) if part.stop - part.start < array.shape[k]]
+        cut = partial[-1] if partial else 0
         pending = self._pending.setdefault(name, [])
         pending.append((region, values))
         stop = region[cut].stop
-        if stop % array.shards[cut] == 0 or stop == array.shape[cut]:  # whole files: a part would be written again
-            whole = (*region[:cut], slice(pending[0][0][cut].start, stop), *region[cut + 1 :])
-            array[whole] = np.concatenate([part for _, part in pending], axis=cut)
+        if stop % array.chunks[cut] == 0 or stop == array.shape[cut]:  # whole files: a part would be written again
+            self._write(name, pending[0][0], np.concatenate([part for _, part in pending], axis=cut))
             pending.clear()
+
+    def _write(self, name: str, region: Region, values: Any) -> None:
+        """Write the chunk that begins where the region does."""
+        from numcodecs.blosc import SHUFFLE, Blosc  # lazy: comes with zarr
+
+        array = self._arrays[name]
+        whole = padded(np.asarray(values, array.dtype.newbyteorder("<")), array.chunks, array.fill_value)
+        places = (str(part.start // chunk) for part, chunk in zip(region, array.chunks, strict=True))
+        file = self.path.joinpath(name, "c", *places)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(Blosc("lz4", 5, SHUFFLE).encode(whole))
 
     def read(self, name: str, region: Region) -> Any:
         """What was written to a region of a variable, in whole files."""
         return self._arrays[name][region]
 
     def grow(self, name: str, values: Any) -> None:
-        pending, length = self._pending.setdefault(name, []), self._arrays[name].shards[0]
-        pending.append(((), values))
-        if (count := sum(len(part) for _, part in pending)) >= length:
-            together = np.concatenate([part for _, part in pending])
-            whole = count - count % length
-            self._arrays[name].append(together[:whole])
-            pending[:] = [((), together[whole:])]
+        for begin, whole in self._growth[name].add(values):
+            self._write(name, _rows(begin, whole), whole)
+
+    def commit(self) -> None:
+        """Nothing is left to do: each chunk has a file of its own."""
 
     def close(self, attributes: Mapping[str, Any]) -> None:
         import zarr  # lazy: an optional dependency
 
-        for name, pending in self._pending.items():
-            if sum(len(part) for _, part in pending):
-                self._arrays[name].append(np.concatenate([part for _, part in pending]))
+        for name, growth in self._growth.items():
+            for begin, rest in growth.rest():
+                self._write(name, _rows(begin, rest), rest)
+            self._arrays[name].resize((growth.length, *self._arrays[name].shape[1:]))
         self._group.attrs.update({key: _plain(value) for key, value in attributes.items()})
         with warnings.catch_warnings():
             warnings.simplefilter(
@@ -258,6 +308,60 @@ class ZarrWriter:
     def abandon(self) -> None:
         """Remove what was written."""
         shutil.rmtree(self.path, ignore_errors=True)
+
+
+def _grows(variable: Variable) -> bool:
+    """Whether the length of the variable is not known before the last block."""
+    return variable.dims[:1] == (GROWING,)
+
+
+def _rows(begin: int, values: NDArray[Any]) -> Region:
+    """The region of values that are appended at a place."""
+    return (slice(begin, begin + len(values)), *(slice(0, size) for size in values.shape[1:]))
+
+
+class _Growth:
+    """The values of a variable that grows, in whole chunks of `size`. length: of all values so far."""
+
+    def __init__(self, size: int) -> None:
+        self.length = 0
+        self._size = size
+        self._waiting: list[Any] = []
+
+    def add(self, values: Any) -> Iterator[tuple[int, Any]]:
+        """Add values; the chunks that are now whole, and where they begin."""
+        waiting = self.length % self._size
+        first = self.length - waiting
+        self.length += len(values)
+        self._waiting.append(values)
+        if waiting + len(values) < self._size:
+            return
+        together = np.concatenate(self._waiting)
+        whole = len(together) - len(together) % self._size
+        self._waiting = [together[whole:]]
+        for begin in range(0, whole, self._size):
+            yield first + begin, together[begin : begin + self._size]
+
+    def rest(self) -> Iterator[tuple[int, Any]]:
+        """The last chunk, unless it is empty, and where it begins."""
+        if last := self.length % self._size:
+            yield self.length - last, np.concatenate(self._waiting)
+
+
+def chunk_shape(variable: Variable, sizes: Mapping[str, int], chunks: Mapping[str, int]) -> tuple[int, ...]:
+    """The chunk of a variable: a block, or many values of a coordinate."""
+    if variable.dims == (variable.name,):
+        return (min(sizes[variable.name], COORDINATE_CHUNK),)
+    return tuple(min(chunks[dim], sizes.get(dim, chunks[dim])) for dim in variable.dims)
+
+
+def padded(values: NDArray[Any], shape: Sequence[int], fill: Any) -> NDArray[Any]:
+    """The values at the beginning of an array of a chunk's shape, without gaps in memory."""
+    if values.shape == tuple(shape):
+        return np.ascontiguousarray(values)
+    whole = np.full(shape, fill, values.dtype)
+    whole[tuple(slice(size) for size in values.shape)] = values
+    return whole
 
 
 def _plain(value: Any) -> Any:

@@ -73,6 +73,11 @@ class Blocks:
         begins = (outer * parts + part for outer in range(outers) for part in range(0, parts, size))
         return [range(begin, min(begin + size, (begin // parts + 1) * parts)) for begin in begins]
 
+    def region(self, group: range) -> tuple[slice, ...]:
+        """The region of a group of blocks."""
+        first, last = self[group[0]].region, self[group[-1]].region
+        return tuple(slice(one.start, other.stop) for one, other in zip(first, last, strict=True))
+
     def __getitem__(self, number: int) -> Block:
         cut, shape = self._cut, self._shape
         outer, part = divmod(number, self._parts)

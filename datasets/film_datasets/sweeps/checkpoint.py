@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import json
+import math
 import os
 import shutil
 import zipfile
@@ -15,8 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from film_datasets.files import temporary_path
+from film_datasets.files import ZARR, temporary_path
 from film_datasets.provenance import PROGRAM
+from film_datasets.sweeps.block_writers import FILE_BLOCKS
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.definition import Sweep
 from film_model.base.files import written_whole
@@ -26,6 +28,9 @@ OWNER = "owner"
 
 
 WRITTEN = "written.json"
+
+WORTH_SAVING = 30.0
+"""CPU seconds: a sweep loses less to an interruption unless its blocks are saved."""
 
 
 class Written(NamedTuple):
@@ -39,12 +44,13 @@ class Written(NamedTuple):
 
 class Checkpoint:
     """The finished blocks of a sweep, a file each, in a hidden folder beside the output until that is complete, or has
-    them in whole files."""
+    them in whole files. in_files: whether it will, before it is complete."""
 
     def __init__(self, target: Path, sweep: Sweep, blocks: Blocks) -> None:
         self._target, self._sweep, self._blocks = target, sweep, blocks
         self._fingerprint = fingerprint(sweep, blocks)
         self.folder = target.absolute().with_name(f".{target.name}.blocks")
+        self.in_files = target.suffix == ZARR and sweep.keep != "segments"
 
     @contextlib.contextmanager
     def locked(self, resume: bool, overwrite: bool) -> Generator[None]:
@@ -89,7 +95,7 @@ class Checkpoint:
         return (
             f"{count} of {len(self._blocks)} blocks in {self.folder}: use resume=True to continue"
             if count
-            else "no blocks"
+            else "no blocks are saved"
         )
 
     def finished(self) -> set[int]:
@@ -120,9 +126,13 @@ class Checkpoint:
         for number in range(before.blocks if before else 0, written.blocks):
             (self.folder / f"{number}.npz").unlink(missing_ok=True)
 
-    def save(self, number: int, columns: Mapping[str, NDArray[Any]]) -> None:
-        """Save a block: written under another name and renamed. The file has checksums, so `load` detects damage, and
+    def save(self, number: int, columns: Mapping[str, NDArray[Any]], seconds: float = math.inf) -> None:
+        """Save a block that took so many CPU seconds, unless computing the blocks that are not yet in the output again
+        is quickly done: written under another name and renamed. The file has checksums, so `load` detects damage, and
         says which rows of which sweep it holds."""
+        waiting = 2 * FILE_BLOCKS if self.in_files else len(self._blocks)
+        if seconds * waiting < WORTH_SAVING:
+            return
         path = self.folder / f"{number}.npz"
         with open(path.with_suffix(".part"), "wb") as file:
             np.savez(file, allow_pickle=False, **columns, **{OWNER: self._owner(number)})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
@@ -39,9 +40,10 @@ def computed_blocks(
     saved = checkpoint.finished() if checkpoint is not None else set[int]()
 
     def compute_and_save(number: int) -> Columns:
+        begin = time.thread_time()
         columns = compute_block(sweep, blocks[number])
         if checkpoint is not None:
-            checkpoint.save(number, columns)
+            checkpoint.save(number, columns, time.thread_time() - begin)
         return columns
 
     def submit(number: int) -> Future[Columns]:

@@ -346,7 +346,7 @@ def _read_derivatives(given: Any, first: Scene, axes: Sequence[Axis]) -> tuple[E
     if not isinstance(given, str | list | tuple):
         raise SceneError([Mistake(None, None, "derivatives", f"{shown(given)} is not a list of keys of the scene")])
     swept = {axis.path: axis.typical[-1] for axis in axes if axis.kind != "choices"}
-    return entries_of(scene_with_numbers(first, swept), given)
+    return entries_of(scene_with_numbers(first, swept), given, swept)
 
 
 def _cf_unit(entry: Entry) -> Callable[[str], str | None]:

@@ -11,7 +11,7 @@ import numpy as np
 from film_datasets.files import ZARR
 from film_datasets.impacts import one_curve_per_impact
 from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, compute_block
-from film_datasets.sweeps.block_writers import SHARD_BLOCKS
+from film_datasets.sweeps.block_writers import FILE_BLOCKS
 from film_datasets.sweeps.blocks import Block, Blocks
 from film_datasets.sweeps.definition import Sweep
 
@@ -44,7 +44,7 @@ def check_free_space(target: Path, sweep: Sweep, shards: int | None = None) -> N
     blocks: all, or for a Zarr folder those of an unfinished file and of the next."""
     output, blocks = (need / (shards or 1) for need in disk_space(sweep))
     if target.suffix == ZARR and shards is None and sweep.keep != "segments":
-        blocks *= min(1.0, 2 * SHARD_BLOCKS / len(Blocks(sweep)))
+        blocks *= min(1.0, 2 * FILE_BLOCKS / len(Blocks(sweep)))
     free = shutil.disk_usage(target.absolute().parent).free
     if output + blocks > free:
         raise OSError(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import shutil
 from collections.abc import Callable, Generator
 from pathlib import Path
@@ -31,7 +32,9 @@ def explained(target: Path, kept: Callable[[], str]) -> Generator[None]:
 
 
 def reason_of(error: Exception, target: Path) -> str:
-    """Why writing failed. The netCDF library says "Permission denied" for a full disk, and RuntimeError for others."""
+    """Why writing failed. The netCDF library says "Permission denied" for a full disk, and RuntimeError for others;
+    h5py adds lines about its own state to the system's error."""
     if shutil.disk_usage(target.absolute().parent).free < NO_SPACE:
         return "the disk is full"
-    return getattr(error, "strerror", None) or str(error)
+    number = getattr(error, "errno", None)
+    return os.strerror(number) if number else str(error).split("\n")[0]

@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from film_datasets.files import SUFFIX, ZARR, check_file, check_no_link, check_place, open_dataset, put_in_place, write
+from film_datasets.files import SUFFIX, ZARR, check_file, check_place, open_dataset, put_in_place, write
 from film_datasets.schema import SWEEP, VERSIONS, ContentHash
 from film_datasets.sweeps.attributes import Totals, global_attributes
 from film_datasets.sweeps.block_writers import (
-    SHARD_BLOCKS,
+    FILE_BLOCKS,
     MemoryWriter,
     NetCDFWriter,
     Writer,
@@ -131,7 +131,6 @@ def run_sweep(
             raise FileExistsError(f"{target}: {difference}; use overwrite=True to replace it")
         checkpoint.remove()
         return open_dataset(target)
-    check_no_link(target)
     if target.suffix not in (SUFFIX, ZARR):
         words = ", ".join(f'"{suffix}"' for suffix in TABLES)
         raise ValueError(f'{target}: the name of a sweep\'s output must end in "{SUFFIX}", "{ZARR}", {words}')
@@ -210,13 +209,12 @@ def _write_blocks(
     begun = checkpoint.written() if checkpoint is not None else None
     totals = Totals.of(run.sweep) if begun is None else Totals.from_plain(begun.totals)
     numbers = range(0 if begun is None else begun.blocks, len(run.blocks))
-    in_files = isinstance(writer, ZarrWriter) and run.sweep.keep != "segments"
-    files = {group.start for group in run.blocks.groups(SHARD_BLOCKS)} if in_files else set[int]()
+    files = {group.start for group in run.blocks.groups(FILE_BLOCKS)}
     with Storage(run.sweep, run.blocks, writer, workers, content) as storage:
         if begun is None:
             storage.create()
         for number, (block, columns) in zip(numbers, computed_blocks(run, workers, checkpoint, numbers), strict=True):
-            if checkpoint is not None and number in files and number > numbers.start:
+            if checkpoint is not None and checkpoint.in_files and number in files and number > numbers.start:
                 storage.finish()
                 checkpoint.set_written(Written(number, storage.content.hexdigest(), totals.to_plain()))
             storage.put(block, columns)

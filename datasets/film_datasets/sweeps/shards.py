@@ -11,12 +11,12 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from film_datasets.files import ZARR, check_no_link, check_place, open_dataset, put_in_place
+from film_datasets.files import ZARR, check_place, open_dataset, put_in_place
 from film_datasets.provenance import PROGRAM
 from film_datasets.schema import ContentHash, Variable
 from film_datasets.schema.content_hash import pieces
 from film_datasets.sweeps.attributes import Totals, global_attributes
-from film_datasets.sweeps.block_writers import SHARD_BLOCKS, ZarrWriter
+from film_datasets.sweeps.block_writers import FILE_BLOCKS, ZarrWriter
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint, fingerprint, lock_file
 from film_datasets.sweeps.computed_blocks import Run, computed_blocks
@@ -46,20 +46,18 @@ class Shards:
             raise ValueError(f"{target}: shards are written into a Zarr folder, FILE{ZARR}")
         if sweep.keep == "segments":
             raise ValueError("segments: their places depend on all impacts before; shards keep summary or samples")
-        check_no_link(target)
         self.target, self.sweep, self.blocks = target, sweep, Blocks(sweep)
         self.folder = target.absolute().with_name(f".{target.name}.shards")
         self.store = self.folder / "store"
 
-    def blocks_of(self, number: int, count: int) -> Sequence[int]:
-        """The blocks of shard `number` of `count`: those of whole files, as many as of the others or one file more."""
-        files = self.blocks.groups(SHARD_BLOCKS)
+    def files_of(self, number: int, count: int) -> Sequence[range]:
+        """The blocks of the files of shard `number` of `count`: as many files as of the others, or one more."""
+        files = self.blocks.groups(FILE_BLOCKS)
         if count > len(files):
             raise ValueError(
                 f"{count} shards: this sweep fills {len(files)} files, each by one shard: give at most that"
             )
-        own = files[(number - 1) * len(files) // count : number * len(files) // count]
-        return range(own[0].start, own[-1].stop)
+        return files[(number - 1) * len(files) // count : number * len(files) // count]
 
     def begin(self, count: int) -> None:
         """Make the folder, unless another shard has; of several that try, one succeeds."""
@@ -102,7 +100,8 @@ class Shards:
 
     def compute(self, number: int, count: int, workers: int | None, scheduler: Any, progress: Progress | None) -> None:
         """Compute a shard and write it into the store."""
-        numbers, totals = self.blocks_of(number, count), Totals.of(self.sweep)
+        files, totals = self.files_of(number, count), Totals.of(self.sweep)
+        numbers = range(files[0].start, files[-1].stop)
         run = Run(self.sweep, self.blocks, "", None)
         checkpoint = Checkpoint(self.folder / f"shard-{number}", self.sweep, self.blocks)
         size = sum(self.blocks[block].count for block in numbers)
@@ -159,8 +158,8 @@ class Shards:
                     content.update(name, piece)
                 return
             for number, part in enumerate(parts, 1):
-                for block in self.blocks_of(number, count):
-                    values = array[self.blocks[block].region].values
+                for group in self.files_of(number, count):
+                    values = array[self.blocks.region(group)].values
                     content.update(name, values)
                     part.update(name, values)
 
@@ -198,7 +197,7 @@ def run_shard(
     if shards.target.exists():
         raise FileExistsError(f"{shards.target}: exists; remove it to compute its shards again")
     check_place(shards.target, overwrite=False)
-    shards.blocks_of(number, count)
+    shards.files_of(number, count)
     check_free_space(shards.target, sweep, count)
     try:
         shards.begin(count)

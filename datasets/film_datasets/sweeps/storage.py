@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,20 +14,21 @@ from numpy.typing import NDArray
 from film_datasets.schema import ContentHash, Variable
 from film_datasets.sweeps.attributes import variable_attributes
 from film_datasets.sweeps.block_columns import Columns
-from film_datasets.sweeps.block_writers import GROWING, Writer, ZarrWriter
+from film_datasets.sweeps.block_writers import COORDINATE_CHUNK, FILE_BLOCKS, GROWING, Writer, ZarrWriter
 from film_datasets.sweeps.blocks import Block, Blocks
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.executor import Workers, available_cores
 
-Column = tuple[Variable, NDArray[Any]]
+PIECES = 8
+"""Pieces of coordinates, of up to 2 MB, that are written at a time."""
 
 
 class Storage:
     """A sweep on its way into a writer. content: the hash, complete when the context ends; when it begins, that of what
     an earlier run has written.
 
-    The writing and hashing of a block are tasks of the workers; of remote workers, of threads here. A variable's blocks
-    follow one another, because the tasks of a block are submitted when those of the block before have ended.
+    The packing, writing and hashing of a block are tasks of the workers; of remote workers, of threads here. A
+    variable's blocks follow one another, because the tasks of a block begin when those of the block before have ended.
     """
 
     def __init__(
@@ -53,9 +55,14 @@ class Storage:
         chunks[GROWING] = blocks.growing_chunk
         sizes = dict(zip(sweep.dims, sweep.shape, strict=True)) | dense
         self._writer.create(sizes, chunks, variable_attributes(sweep))
-        for name, region, values in _coordinates(sweep, blocks):
-            self._writer.put(name, region, values)
-            self.content.update(name, values)
+        pieces = list(_coordinates(sweep))
+        for first in range(0, len(pieces), PIECES):
+            some = pieces[first : first + PIECES]
+            made = list((map if self._executor is None else self._executor.map)(lambda piece: piece.values(), some))
+            self.finish()
+            self._start(self._put, some, made)
+            self._start(self._hash, [piece.name for piece in some], made)
+        self.finish()
 
     def __exit__(self, *error: object) -> None:
         with self._own:
@@ -68,58 +75,75 @@ class Storage:
             ends = self._segments + np.cumsum(columns["segment_count"], dtype=np.int64)
             columns["segment_begin"], self._segments = ends - columns["segment_count"], int(ends[-1])
         given = [(v, np.asarray(columns[v.name], v.dtype)) for v in self._sweep.variables if v.name in columns]
-        if self._executor is None:
-            self._write(block, given)
-            self._hash(given)
-            return
         self.finish()
-        groups = [[one] for one in given] if self._writer.parallel else [given]
-        self._tasks = [self._executor.submit(self._write, block, group) for group in groups]
-        self._tasks += [self._executor.submit(self._hash, [one]) for one in given]
+        for variable, values in given:
+            self._start(self._take, block, variable, values)
 
     def finish(self) -> None:
         """Wait until the blocks so far are written and hashed."""
         tasks, self._tasks = self._tasks, []
         for task in tasks:
             task.result()
+        self._writer.commit()
 
-    def _write(self, block: Block, columns: Sequence[Column]) -> None:
-        for variable, values in columns:
-            if GROWING in variable.dims:
-                self._writer.grow(variable.name, values)
-            else:
-                self._writer.put(variable.name, block.region, values.reshape(block.shape + values.shape[1:]))
+    def _start(self, function: Callable[..., None], *arguments: Any) -> None:
+        """Call a function in the workers; here if there is only one block."""
+        if self._executor is None:
+            function(*arguments)
+        else:
+            self._tasks.append(self._executor.submit(function, *arguments))
 
-    def _hash(self, columns: Sequence[Column]) -> None:
-        for variable, values in columns:
-            self.content.update(variable.name, values)
+    def _take(self, block: Block, variable: Variable, values: NDArray[Any]) -> None:
+        """Hash and write the values of a block."""
+        self.content.update(variable.name, values)
+        if GROWING in variable.dims:
+            self._writer.grow(variable.name, values)
+        else:
+            along = values.shape[1:]  # the normalised times of each impact
+            region = (*block.region, *(slice(0, size) for size in along))
+            self._writer.put(variable.name, region, values.reshape(block.shape + along))
+
+    def _put(self, pieces: Sequence[_Piece], made: Sequence[Any]) -> None:
+        for piece, values in zip(pieces, made, strict=True):
+            self._writer.put(piece.name, piece.region, values)
+
+    def _hash(self, names: Sequence[str], columns: Sequence[Any]) -> None:
+        for name, values in zip(names, columns, strict=True):
+            self.content.update(name, values)
 
 
-def _coordinates(sweep: Sweep, blocks: Blocks) -> Iterator[tuple[str, tuple[slice, ...], Any]]:
-    """The values that are not columns of the blocks: variable, region, values."""
+class _Piece(NamedTuple):
+    """Some of the values that are not columns of the blocks; they are made when they are written."""
+
+    name: str
+    region: tuple[slice, ...]
+    values: Callable[[], Any]
+
+
+def _coordinates(sweep: Sweep) -> Iterator[_Piece]:
+    """The values that are not columns of the blocks."""
     if sweep.dense:
-        yield "normalised_time", (slice(None),), np.linspace(0.0, 1.0, sweep.dense)
+        yield _Piece("normalised_time", (slice(0, sweep.dense),), partial(np.linspace, 0.0, 1.0, sweep.dense))
     for name, value in sweep.constants.items():
-        yield name, (), value
+        yield _Piece(name, (), partial(np.asarray, value))
     if sweep.dims == ("impact",):
         return
-    for axis, chunk in zip(sweep.axes, blocks.shape, strict=True):
-        coordinate = axis.coordinate()
-        step = chunk * max(1, (1 << 20) // chunk)  # whole chunks: part of a chunk would be read and written again
-        for first in range(0, axis.count, step):
-            values = coordinate[first : first + step]
-            yield axis.name, (slice(first, first + len(values)),), values
+    for axis in sweep.axes:
+        for first in range(0, axis.count, COORDINATE_CHUNK):
+            stop = min(first + COORDINATE_CHUNK, axis.count)
+            yield _Piece(axis.name, (slice(first, stop),), partial(axis.coordinate, first, stop))
 
 
 def written_content(sweep: Sweep, blocks: Blocks, writer: ZarrWriter, count: int) -> ContentHash:
     """The hash of what an earlier run has written with a writer: of the first `count` blocks."""
     content = ContentHash(sweep.variables)
-    for name, _, values in _coordinates(sweep, blocks):
-        content.update(name, values)
+    for piece in _coordinates(sweep):
+        content.update(piece.name, piece.values())
 
     def read(variable: Variable) -> None:
-        for number in range(count):
-            content.update(variable.name, writer.read(variable.name, blocks[number].region))
+        for group in blocks.groups(FILE_BLOCKS):
+            if group.start < count:
+                content.update(variable.name, writer.read(variable.name, blocks.region(group)))
 
     with ThreadPoolExecutor(available_cores()) as pool:
         list(pool.map(read, sweep.row_variables))

@@ -14,9 +14,9 @@ from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import points
 from film_datasets.sweeps.distributions import correlated, correlation_factor
-from film_datasets.tolerance import sobol
-from film_datasets.tolerance.inputs import check_quantities, moments, results_at, scattering
-from film_datasets.tolerance.sobol import Indices
+from film_datasets.tolerances import sobol
+from film_datasets.tolerances.inputs import check_quantities, moments, results_at, scattering
+from film_datasets.tolerances.sobol import Indices
 from film_model.base.arrays import Array
 from film_model.base.errors import SimulationError
 from film_model.base.units import format_si, quantity, si_unit

@@ -8,7 +8,7 @@ import numpy as np
 
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.definition import Sweep
-from film_datasets.tolerance.inputs import check_quantities, results_at, scattering
+from film_datasets.tolerances.inputs import check_quantities, results_at, scattering
 
 LOW, HIGH = 0.05, 0.95
 """Probabilities of the low and the high value."""

@@ -60,6 +60,8 @@ def test_masses_and_velocities_broadcast():
         ({"velocity": [0.1, 0.2]}, ValueError, "no unit"),
         ({"velocity": ["2 m/s", "0 m/s"]}, ValueError, "^velocity: 0 m/s must be > 0 m/s$"),
         ({"velocity": ["-1 m/s"]}, ValueError, "^velocity: -1 m/s must be > 0 m/s$"),
+        ({"velocity": ["1 mm"]}, ValueError, '^velocity: "1 mm" is a length, a velocity is needed'),
+        ({"velocity": ["1 m/s"], "mass": [3]}, ValueError, "^mass: 3 has no unit"),
         ({"velocity": []}, ValueError, "^velocity: no values, at least one is needed$"),
         ({"velocity": ["1 m/s"], "mass": ["0 g"]}, ValueError, "^mass: 0 kg must be > 0 kg$"),
         ({"velocity": ["1 kg"]}, ValueError, "a velocity is needed"),

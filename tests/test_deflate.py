@@ -29,5 +29,5 @@ def test_noise_is_stored_and_what_shrinks_is_deflated():
     for name in ("smooth", "noise", "constant"):
         shuffled = np.ascontiguousarray(COLUMNS[name].view(np.uint8).reshape(-1, 8).T)
         assert len(deflated(COLUMNS[name])) < 1.1 * len(zlib.compress(shuffled, 1)) + 50
-    recurring = np.tile(RNG.uniform(size=1000), 30)
+    recurring = np.tile(RNG.uniform(size=300), 100)
     assert len(deflated(recurring)) < 0.1 * recurring.nbytes

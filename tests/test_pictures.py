@@ -101,6 +101,20 @@ def test_lines_for_words_and_few_values() -> None:
     assert {(line.get_linestyle(), line.get_marker()) for line in panel.lines} == {("None", "o")}  # words have no order
 
 
+@pytest.mark.parametrize("kind", [None, "scatter"])
+def test_points_have_the_colour_of_their_word(kind: str | None) -> None:
+    """The impacts of a sampled sweep over two laws."""
+    over = {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}, "contact.law": ["hertz", "stronge"]}
+    ds = fd.sweep(BALL, over, design="random", samples=40)
+    panel = ds.film.plot(kind=kind, quantity="maximum_force").axes[0]
+    assert {text.get_text() for text in panel.get_legend().get_texts()} == {"hertz", "stronge"}
+    lines = {line.get_label(): line for line in panel.get_lines()}
+    words = np.array(ds["contact_law"].attrs["flag_meanings"].split())[ds["contact_law"].values]
+    for word, line in lines.items():
+        assert line.get_xdata() == pytest.approx(ds["impactor_velocity"].values[words == word])
+    assert len({line.get_color() for line in lines.values()}) == 2
+
+
 def test_names_of_materials_are_written_with_spaces() -> None:
     ds = fd.sweep(BALL, {"impactor.velocity": VELOCITY, "target.material": ["mild steel", "aluminium 6061-T6"]})
     panel = fd.plot(ds, quantity="maximum_force").axes[0]

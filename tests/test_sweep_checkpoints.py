@@ -115,3 +115,13 @@ def test_a_full_disk_is_called_that(tmp_path, monkeypatch):
     assert interruptions.reason_of(PermissionError(13, "Permission denied"), tmp_path / "out.nc") == "the disk is full"
     monkeypatch.setattr(interruptions.shutil, "disk_usage", lambda _: usage)
     assert interruptions.reason_of(PermissionError(13, "Permission denied"), tmp_path / "out.nc") == "Permission denied"
+
+
+def test_a_sweep_that_is_interrupted_in_its_first_block_keeps_nothing_and_says_so(tmp_path, monkeypatch):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("film_datasets.sweeps.computed_blocks.compute_block", stop)
+    with pytest.raises(KeyboardInterrupt, match=r"^interrupted: no blocks are saved$"):
+        fd.sweep(SCENE, OVER, output=tmp_path / "out.nc", workers=1)
+    assert list(tmp_path.iterdir()) == []

@@ -115,7 +115,7 @@ def test_the_tornado_picture_of_a_sweep_and_of_an_analysis(tmp_path, found):
 
 
 def test_what_does_not_scatter_is_refused():
-    with pytest.raises(fm.SceneError, match=r"over\.contact\.law: is no number that scatters"):
+    with pytest.raises(fm.SceneError, match=r"over\.contact\.law: has words, a tolerance needs a number"):
         fd.tolerance(SCENE, {"contact.law": ["hertz", "auto"]} | OVER)
 
 

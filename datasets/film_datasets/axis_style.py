@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from film_datasets.schema import dimension_of, flag_meanings, holds_text, words_of
-from film_model.plot.style import prefixed_unit
+from film_datasets.schema import dimension_of, flag_meanings, holds_text, swept_name, words_of
+from film_model.plot.style import COLOURS, prefixed_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,6 +23,9 @@ LOG_RATIO = 30.0
 
 LOG_SPACED_RATIO = 3.0
 """The same for values in a geometric sequence."""
+
+MOST_INSIDE = 5
+"""A legend of at most so many entries lies within the axes, where matplotlib finds room; a longer one beside them."""
 
 LABELLED_RATIO = 2000.0
 """Up to this ratio a logarithmic axis has labels at 1, 2 and 5 of each decade, beyond it at powers of ten."""
@@ -84,6 +87,35 @@ def format_axis(panel: Any, which: str, array: xr.DataArray, scaled: xr.DataArra
             axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
+
+
+def worded(ds: xr.Dataset, without: Sequence[str]) -> str | None:
+    """The first swept quantity that has words, and is not one of `without`."""
+    swept = map(swept_name, str(ds.attrs["swept"]).split())
+    return next((name for name in swept if name not in without and ds[name].size > 1 and words_of(ds[name])), None)
+
+
+def draw_points(panel: Any, x: Any, y: Any, words: Sequence[str], title: str, **style: Any) -> None:
+    """A point for each impact. words: of each, which has its own colour and entry in a legend; or none."""
+    style = {**style, "rasterized": True}
+    if not words:
+        panel.plot(x, y, ".", color=COLOURS[0], **style)
+        return
+    each = np.array(words)
+    for k, word in enumerate(dict.fromkeys(words)):
+        panel.plot(x[each == word], y[each == word], ".", color=COLOURS[k % len(COLOURS)], label=plain(word), **style)
+    add_legend(panel, title)
+
+
+def add_legend(panel: Any, title: str) -> None:
+    """A legend of the panel's curves or points: inside if it is short, else beside the panel."""
+    handles, texts = panel.get_legend_handles_labels()
+    many = len(texts) > MOST_INSIDE
+    keys: Any = panel.figure if many else panel
+    where = {"loc": "outside right upper"} if many else {}
+    legend = keys.legend(handles, texts, title=plain(title), frameon=False, fontsize=8, **where)
+    for handle in legend.legend_handles:
+        handle.set_alpha(1.0)
 
 
 def set_title(figure: Figure, ds: xr.Dataset, notes: Sequence[str] = ()) -> None:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from film_datasets.axis_style import MOST_POINTS, format_axis, set_title, thinned, values_and_label
-from film_datasets.schema import dimension_of, has_failed, require_impacts, swept_name
+from film_datasets.axis_style import MOST_POINTS, draw_points, format_axis, set_title, thinned, values_and_label, worded
+from film_datasets.schema import dimension_of, has_failed, require_impacts, swept_name, words_of
 from film_model.base.errors import did_you_mean, shown
 from film_model.base.units import format_si
 from film_model.plot.style import COLOURS
@@ -102,18 +102,21 @@ def _bins(values: Any) -> int:
 
 
 def _scatter(figure: Figure, ds: xr.Dataset, x: str, y: str, notes: list[str]) -> None:
-    """A point for each impact."""
+    """A point for each impact, in the colour of its word if words were swept."""
     import xarray as xr
 
     panel = figure.add_subplot()
-    pair: list[xr.DataArray] = []
-    for name in (x, y):
+    family = worded(ds, (x, y))
+    drawn: list[xr.DataArray] = []
+    for name in filter(None, (x, y, family)):
         values = ds[name].broadcast_like(ds["status"]).transpose(*ds["status"].dims).values.ravel()
-        pair.append(xr.DataArray(values[thinned(values.size, MOST_POINTS)], name=name, attrs=ds[name].attrs))
+        drawn.append(xr.DataArray(values[thinned(values.size, MOST_POINTS)], name=name, attrs=ds[name].attrs))
+    pair = drawn[:2]
     if pair[0].size < ds["status"].size:
         notes.append(f"{pair[0].size} of {ds['status'].size} impacts are drawn")
     known = np.isfinite(pair[0].values) & np.isfinite(pair[1].values)
     (x_values, x_label), (y_values, y_label) = (values_and_label(array[known]) for array in pair)
-    panel.plot(x_values, y_values, ".", color=COLOURS[0], markersize=3, alpha=0.5, rasterized=True)
+    words = words_of(drawn[2][known]) if family else []
+    draw_points(panel, x_values, y_values, words, family or "", markersize=3, alpha=0.5)
     panel.set(xlabel=x_label, ylabel=y_label)
     format_axis(panel, "x", ds[x], pair[0][known])

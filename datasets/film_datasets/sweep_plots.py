@@ -10,6 +10,8 @@ import numpy as np
 
 from film_datasets.axis_style import (
     MOST_POINTS,
+    add_legend,
+    draw_points,
     finite,
     format_axis,
     label,
@@ -17,6 +19,7 @@ from film_datasets.axis_style import (
     set_title,
     thinned,
     values_and_label,
+    worded,
 )
 from film_datasets.provenance import warnings_of
 from film_datasets.schema import dimension_of, has_failed, pieces, require_impacts, swept_name, words_of
@@ -42,9 +45,6 @@ MOST_CELLS = 1500
 
 MARKED_POINTS = 12
 """A line of at most so many points has a marker at each."""
-
-MOST_INSIDE = 5
-"""A legend of at most so many entries lies within the axes, where matplotlib finds room; a longer one beside them."""
 
 SAID_WIDTH = 80
 """Characters in a line of text that stands instead of a plot."""
@@ -129,10 +129,7 @@ def _draw_lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], 
     panel.set(xlabel=x_label, ylabel=label(quantity, unit))
     format_axis(panel, "x", ds[x], array[x])
     if family is not None:
-        many = array.sizes[family] > MOST_INSIDE
-        keys: Any = figure if many else panel
-        where = {"loc": "outside right upper"} if many else {}
-        keys.legend(*panel.get_legend_handles_labels(), title=plain(family), frameon=False, fontsize=8, **where)
+        add_legend(panel, family)
     notes = _notes(fixed, _select(ds, "status", free, at)[0])
     set_title(figure, ds, [*notes, *_thinning(array.sizes[x], count, "values")])
 
@@ -159,7 +156,8 @@ def _draw_map(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at
 
 
 def _draw_scatter(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], at: dict[str, Any]) -> None:
-    """A point for every impact of a sampled sweep: over one swept quantity, or coloured over two."""
+    """A point for every impact of a sampled sweep: over one swept quantity, with a colour for each word of another; or
+    over two, coloured."""
     if at:
         raise ValueError("at: a sampled sweep has no grid to select from")
     panel, status, count = figure.add_subplot(), ds["status"], ds.sizes["impact"]
@@ -170,7 +168,9 @@ def _draw_scatter(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str]
     few = array.size <= FEW_POINTS
     if len(over) == 1:
         style: dict[str, Any] = {"markersize": 9} if few else {"markersize": 3, "alpha": 0.5}
-        panel.plot(x_values, array.values / size, ".", color=COLOURS[0], rasterized=True, **style)
+        family = worded(ds, over)
+        words = words_of(ds[family]) if family else []
+        draw_points(panel, x_values, array.values / size, words, family or "", **style)
         panel.set(xlabel=x_label, ylabel=label(quantity, unit))
     else:
         y_values, y_label = values_and_label(ds[over[1]])

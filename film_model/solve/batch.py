@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,6 +98,14 @@ class BatchResult:
         return tuple(said)
 
 
+def _in_si(name: Literal["velocity", "mass"], values: Any) -> Array:
+    """The values of an argument, which is called as its dimension, in SI. Raises ValueError that names it."""
+    try:
+        return units.array_to_si(values, name)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
 def simulate_batch(
     scene: Scene, *, velocity: Any, mass: Any = None, accuracy: float | None = None, segments: int | None = None
 ) -> BatchResult:
@@ -113,8 +121,8 @@ def simulate_batch(
     >>> many.summary["coefficient_of_restitution"].round(3)
     array([0.758, 0.467])
     """
-    speeds = units.array_to_si(velocity, "velocity")
-    masses = None if mass is None else units.array_to_si(mass, "mass")
+    speeds = _in_si("velocity", velocity)
+    masses = None if mass is None else _in_si("mass", mass)
     shape = np.broadcast_shapes(speeds.shape, () if masses is None else masses.shape)
     given = {"impactor.velocity": speeds, "impactor.mass": masses}
     columns = {path: np.broadcast_to(values, shape).ravel() for path, values in given.items() if values is not None}

@@ -36,7 +36,7 @@ ROUGH = 1e-6
 
 class _How(NamedTuple):
     """How derivatives are computed. rough: of the coarser of the first two meshes. trial: segments per stage of the
-    march that gives the strain rate; 0: the finer of these meshes."""
+    march that gives the strain rate."""
 
     solver: Solver
     target: float
@@ -55,7 +55,8 @@ def slopes(pairs: Pairs, solver: Solver, target: float) -> Slopes:
 
 def chain_rule(pairs: Pairs, solver: Solver, target: float, found: Slopes) -> None:
     """Set the derivatives of impacts that are smooth and share their curve with those beside them."""
-    how = _How(solver, target, *((FINE, FINE, TRIAL_SEGMENTS) if target < ROUGH else (COARSE, AHEAD, 0)))
+    ways = (FINE, FINE, TRIAL_SEGMENTS) if target < ROUGH else (COARSE, AHEAD, TRIAL_SEGMENTS // 2)
+    how = _How(solver, target, *ways)
     numbers = len(pairs.paths)
     together = numbers * max(TOGETHER // (1 + numbers * how.stencil.offsets.size), 1)
     for first in range(0, pairs.which.size, together):
@@ -167,9 +168,9 @@ class _Chain:
         if impacts.base.effects.gravity:  # the strain rate is that without weight
             problem = impacts.problem(impacts.numbers.impedance, impacts.column(0.0), fitted=False)
             core = CoreSlopes(problem, every.size, stencil.step)
-        if how.trial or core is not self._core:
-            segments = problem.curve.segments(how.trial or self.meshes.first[1])
-            gradient = core.gradient(native.mesh(native.WORK_PRESERVING, *segments), every, stencil)
+        if core is not self._core or (how.solver.linearisation, self.meshes.first[1]) != ("work-preserving", how.trial):
+            mesh = native.mesh(native.WORK_PRESERVING, *problem.curve.segments(how.trial))
+            gradient = core.gradient(mesh, every, stencil)
         values = core.values(gradient, every)
         status = np.repeat(gradient.status, values.shape[2])
         factor = factor_at(problem, status, _columns(values.reshape(len(values), -1))).reshape(values.shape[1:])

@@ -141,12 +141,12 @@ class NetCDFWriter:
             for variable, attributes in variables:
                 values = math.prod(sizes[dim] if dim in sizes else chunks[dim] for dim in variable.dims)
                 long = variable.dtype != TEXT and values * variable.dtype.itemsize >= DEFLATE_FROM
-                chunked = long or _grows(variable)
+                chunked, shape = long or _grows(variable), chunk_shape(variable, sizes, chunks)
                 created: Any = file.createVariable(
                     variable.name,
                     str if variable.dtype == TEXT else variable.dtype,
                     variable.dims,
-                    chunksizes=chunk_shape(variable, sizes, chunks) if chunked else None,
+                    chunksizes=shape if chunked else None,
                     fill_value=np.nan if variable.optional else False,
                     contiguous=not chunked and variable.dtype != TEXT,
                     compression="zlib" if long else None,
@@ -157,7 +157,7 @@ class NetCDFWriter:
                 self._ready[variable.name] = []
                 if chunked:
                     fill = np.nan if variable.optional else 0
-                    self._chunks[variable.name] = chunk_shape(variable, sizes, chunks), variable.dtype, fill, long
+                    self._chunks[variable.name] = shape, variable.dtype, fill, long
                 if _grows(variable):
                     self._growth[variable.name] = _Growth(chunks[variable.dims[0]])
         self._file = h5py.File(self.path, "r+")
@@ -338,7 +338,7 @@ class _Growth:
             return
         together = np.concatenate(self._waiting)
         whole = len(together) - len(together) % self._size
-        self._waiting = [together[whole:]]
+        self._waiting = [together[whole:].copy()]  # a view would keep all of them in memory
         for begin in range(0, whole, self._size):
             yield first + begin, together[begin : begin + self._size]
 

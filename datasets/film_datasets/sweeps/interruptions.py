@@ -36,5 +36,7 @@ def reason_of(error: Exception, target: Path) -> str:
     h5py adds lines about its own state to the system's error."""
     if shutil.disk_usage(target.absolute().parent).free < NO_SPACE:
         return "the disk is full"
-    number = getattr(error, "errno", None)
-    return os.strerror(number) if number else str(error).split("\n")[0]
+    number = getattr(error, "errno", None) or 0
+    if number > 0:  # below 0 are the netCDF library's own
+        return os.strerror(number)
+    return (getattr(error, "strerror", None) or str(error)).split("\n")[0]

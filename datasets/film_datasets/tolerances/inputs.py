@@ -17,12 +17,14 @@ from film_model.solve.history import SUMMARY
 NODES = 96
 """Gauss-Hermite nodes of the moments: exact for normal distributions, to 1e-9 for smooth ones."""
 
+_WORDS = "has words, a tolerance needs a number with a distribution: keep one word in the scene"
+
 
 def scattering(sweep: Sweep) -> tuple[Axis, ...]:
     """The axes of a sweep. Raises SceneError if one of them is no number, or no number scatters."""
     words = [axis.path for axis in sweep.choice_axes]
     if words:
-        raise SceneError([Mistake(None, None, f"over.{path}", "is no number that scatters") for path in words])
+        raise SceneError([Mistake(None, None, f"over.{path}", _WORDS) for path in words])
     return sweep.axes
 
 

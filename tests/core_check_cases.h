@@ -700,7 +700,7 @@ static void check_stretched(void) {
         double r = 1.0 + 0.3 * (s.xi_max - 2.0), l = 1.0 + 0.1 * (s.xi_max - 2.0), x = (s.xi_max - s.xi_free) / l, dent;
         NEAR(s.xi, s.xi_free - l, s.xi_max, EXACT);
         NEAR(r * (0.8 * (x - 1.0) + 0.2 * pow(x - 1.0, 1.5)), s.f_max, s.f_max, EXACT);
-        film_dents(&curve, 1, &s.xi_max, &s.xi, &dent);
+        film_dents(&curve, NULL, NULL, 1, &s.xi_max, &s.xi, &dent);
         NEAR(dent, s.xi_free, s.xi_max, EXACT);
         double in = stretched_work(2.0) + 0.75 * 0.7 + 0.25 * 0.9 + (s.xi_max - 2.0) * (1.0 + 0.45 * (s.xi_max - 2.0));
         NEAR(s.spent, in - r * l * stretched_work(x), in, ENERGY);

@@ -18,6 +18,8 @@ from film_model.solve.history import SUMMARY
 STIFFNESS = {"D11": "154.9 N*m", "D12": "4.76 N*m", "D22": "91.4 N*m", "D66": "8.97 N*m"}
 BALL = {"radius": "10 mm", "velocity": "0.3 m/s", "material": "tungsten carbide"}
 
+BENDS = fm.Effects(boundary_reflections=True, target_inertia=False)
+
 CASES = {
     "half-space": (fm.Scene(fm.Sphere(**BALL), TARGETS["half-space"]), ["impactor.radius", "target.material.density"]),
     "curved": (
@@ -64,10 +66,36 @@ CASES = {
                  fm.Contact("big-alabo", effective_modulus="150 GPa", unloading="brake")),
         ["contact.effective_modulus", "impactor.radius"],
     ),
+    "plate that bends": (
+        fm.Scene(fm.Sphere(**BALL), fm.Plate(STEEL, "10 mm", size=["200 mm", "300 mm"]), effects=BENDS),
+        ["target.thickness", "target.material.youngs_modulus", "target.material.poissons_ratio"],
+    ),
+    "beam that bends": (
+        fm.Scene(fm.Sphere(**BALL), fm.Beam(STEEL, "300 mm", "30 mm", "10 mm", ends="clamped", position="120 mm"),
+                 fm.Contact("big-alabo"), fm.Effects(target_inertia=False, tolerance=0.05)),
+        ["target.length", "target.width", "target.position", "target.thickness"],
+    ),
+    "spring in series": (
+        fm.Scene(fm.Sphere(**BALL), fm.Beam(STEEL, "300 mm", "30 mm", "10 mm", static_stiffness="3e6 N/m"),
+                 fm.Contact("walton-braun", loading_stiffness="2e7 N/m", unloading_stiffness="5e7 N/m")),
+        ["target.static_stiffness", "contact.loading_stiffness"],
+    ),
+    "fitted in series": (
+        fm.Scene(fm.Sphere(**BALL), fm.Beam(STEEL, "300 mm", "30 mm", "10 mm", static_stiffness="3e7 N/m"),
+                 fm.Contact("jackson-green", poissons_ratio=0.3, yield_strength="0.4 GPa"), BENDS),
+        ["target.static_stiffness", "contact.poissons_ratio", "contact.yield_strength"],
+    ),
+    "yields and sticks": (
+        fm.Scene(fm.Sphere(**BALL), TARGETS["half-space"],
+                 fm.Contact("thornton-ning", yield_pressure="0.6 GPa", work_of_adhesion="30 J/m^2")),
+        ["impactor.radius", "contact.work_of_adhesion", "contact.yield_pressure"],
+    ),
 }  # fmt: skip
+IN_SERIES_OR_SIMILAR = list(CASES)[-5:]
 UNITS = {"poissons_ratio": "", "D11": "N*m", "D22": "N*m", "D66": "N*m", "density": "kg/m^3", "mass_per_area": "kg/m^2",
          "youngs_modulus": "Pa", "effective_modulus": "Pa", "yield_strength": "Pa", "velocity": "m/s",
-         "hardness": "Pa", "stiffness": "N/m", "damping": "N*s/m"}  # fmt: skip
+         "hardness": "Pa", "stiffness": "N/m", "damping": "N*s/m", "static_stiffness": "N/m",
+         "loading_stiffness": "N/m", "yield_pressure": "Pa", "work_of_adhesion": "J/m^2"}  # fmt: skip
 
 
 def value(case, path):
@@ -119,6 +147,9 @@ def test_whole_arrays_serve_the_usual_scenes(name, monkeypatch):
     path, values = ("impactor.drop_height", (1e-3, 0.2)) if name == "fall" else ("impactor.velocity", (0.12, 2.0))
     columns = {path: np.geomspace(*values, 40), "impactor.radius": np.linspace(9e-3, 11e-3, 40)}
     assert (simulate_many(base, columns).status >= 0).all()
+    if name in IN_SERIES_OR_SIMILAR:  # each with a curve of its own
+        columns |= {path: value(base, path) * np.linspace(0.97, 1.03, 40) for path in CASES[name][1]}
+        assert (simulate_many(base, columns).status >= 0).all()
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, TypeAlias
 
@@ -90,6 +91,26 @@ def column(value: Any, count: int) -> Any:
     made = np.ndarray((count,), one.dtype, one, 0, (0,))  # as broadcast_to, which takes ten times as long
     made.setflags(write=False)
     return made
+
+
+def of_each(formula: Callable[..., float], *numbers: Any) -> Any:
+    """A formula of numbers only; of many impacts it is evaluated once for all those with the same numbers."""
+    if not any(isinstance(number, np.ndarray) for number in numbers):
+        return formula(*numbers)
+    columns = np.broadcast_arrays(*numbers)
+    varying = [
+        column for column in columns if (column != column[0]).any()
+    ]  # numpy sorts one column far faster than rows
+    rows = np.stack(varying, axis=-1) if len(varying) > 1 else varying[0] if varying else np.zeros(columns[0].shape)
+    _, first, group = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    return np.array([formula(*(column[k].item() for column in columns)) for k in first.tolist()])[group.ravel()]
+
+
+def same(condition: Any) -> bool:
+    """A condition that must be the same for all of many impacts; ValueError if it is not."""
+    if isinstance(condition, np.ndarray) and condition.any() != condition.all():
+        raise ValueError("arrays serve only impacts for which a rule is the same")
+    return any_of(condition)
 
 
 def endless(x: Any) -> bool:

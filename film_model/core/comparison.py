@@ -43,5 +43,5 @@ def dents(curve: Curve, depth: Any, end: Any) -> Any:
     """What contacts leave that turned at `depth` and ended at `end` [δ_s], of a law that pulls: see film_core.h."""
     rows = np.array(np.broadcast_arrays(np.atleast_1d(depth), end), np.float64)
     left = np.empty(rows.shape[1:])
-    library().film_dents(c.byref(curve), left.size, *(row.ctypes.data for row in rows), at(left))
+    library().film_dents(c.byref(curve), None, None, left.size, *(row.ctypes.data for row in rows), at(left))
     return left if np.ndim(depth) else float(left[0])

@@ -71,6 +71,29 @@ def batch(
     return status, summary
 
 
+def dents(
+    family: Family,
+    whole: native.Curve,
+    shape: NDArray[np.float64],
+    depth: NDArray[np.float64],
+    end: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """What contacts leave that turned at `depth` and ended at `end` [δ_s], each on its own curve: see film_core.h."""
+    left = np.empty(shape.size)
+    rows = [np.ascontiguousarray(values, np.float64) for values in (shape, depth, end)]
+    at, *others = (values.ctypes.data for values in (*rows, left))
+    native.library().film_dents(c.byref(whole), c.byref(family), at, left.size, *others)
+    return left
+
+
+def in_series(curve: native.Curve, compliance: float) -> native.Curve:
+    """The curve in series with a spring [δ_s/F_s]."""
+    made = native.Curve.from_buffer_copy(curve)
+    if native.library().film_spring(c.byref(made), compliance) != native.OK:
+        raise ValueError(f"a spring of compliance {compliance!r} cannot be in series with the curve")
+    return made
+
+
 def batch_varied(
     curve: native.Curve,
     places: NDArray[np.int32],
@@ -92,6 +115,42 @@ def batch_varied(
         c.c_int32(places.size),
         c.c_void_p(places.ctypes.data),
         c.c_void_p(values.ctypes.data),
+        c.c_void_p(summary.ctypes.data),
+        c.c_void_p(status.ctypes.data),
+    )
+    return status, summary
+
+
+def batch_in_series(
+    curve: native.Curve,
+    family: tuple[Family, native.Curve, NDArray[np.float64]] | None,
+    varied: tuple[native.Curve, NDArray[np.int32], NDArray[np.float64]] | None,
+    compliance: NDArray[np.float64],
+    cut: native.Mesh,
+    start: NDArray[Any],
+) -> tuple[NDArray[np.int32], NDArray[Any]]:
+    """Statuses and summaries of many contacts (START_DTYPE), each in series with its own spring; the GIL is released.
+
+    curve: of all; or family: with its curve, and the shape of each; or varied: as in `batch_varied`. compliance: of the
+    springs, δ_s/F_s.
+    """
+    start = np.ascontiguousarray(start, native.START_DTYPE)
+    of, curve, shape = (None, curve, None) if family is None else family
+    curve, places, values = (curve, None, None) if varied is None else varied
+    columns = [np.ascontiguousarray(values, np.float64) for values in (compliance, shape, values) if values is not None]
+    spring, own = columns[0].ctypes.data, columns[1].ctypes.data if len(columns) > 1 else None
+    summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
+    native.library().film_batch_in_series(
+        c.byref(curve),
+        c.byref(cut),
+        c.c_int64(start.size),
+        c.c_void_p(start.ctypes.data),
+        c.c_void_p(spring),
+        None if of is None else c.byref(of),
+        c.c_void_p(None if of is None else own),
+        c.c_int32(0 if places is None else places.size),
+        c.c_void_p(None if places is None else places.ctypes.data),
+        c.c_void_p(None if places is None else own),
         c.c_void_p(summary.ctypes.data),
         c.c_void_p(status.ctypes.data),
     )

@@ -18,22 +18,47 @@ enum { SERIES_STEPS = 100, SNAP_CHECKS = 40 };
 
 /* ---------------------------------------------------------------- a contact in series with a spring */
 
+/* Force and slope of a series at z = 2 x - 1: both sums in one loop. */
+static void series_at(const film_function *g, double xi, double *force, double *slope) {
+    double x = scaled_distance(g, xi), z = 2.0 * x - 1.0, b1 = 0.0, b2 = 0.0, now = 0.0, before = 0.0;
+    for (int k = g->terms - 1; k > 0; k--) {
+        double b = 2.0 * z * b1 - b2 + g->series[k], next = 2.0 * z * now - before + k * g->series[k];
+        b2 = b1;
+        b1 = b;
+        before = now;
+        now = next;
+    }
+    *force = z * b1 - b2 + g->series[0];
+    *slope = g->per_span * now * 2.0;
+}
+
+/* Force and slope of the contact itself at an indentation. */
+static void law_and_slope(const film_line *line, const film_piece *piece, double xi, double *force, double *slope) {
+    double work;
+    if (line->branch >= 0 && piece->force.form == FILM_SERIES) {
+        series_at(&piece->force, xi, force, slope);
+        return;
+    }
+    contact_at(line, piece, xi, force, &work);
+    *slope = contact_slope(line, piece, xi);
+}
+
 /* The indentation xi at which xi + compliance force(xi) = x: Newton's method in a bracket, as the sum grows with xi.
  * docs/method.md, section 8. */
 static double indentation_at(const film_curve *curve, const film_line *line, const film_piece *piece, double x) {
-    double c = curve->compliance, low = line->xi_free, high = x, force, work;
+    double c = curve->compliance, low = line->xi_free, high = x, force, slope;
     if (line->branch >= 0) {
         const film_function *g = &piece->force;
         low = g->origin;
         if (g->form != FILM_POWER) high = fmin(x, low + SERIES_OVERRUN / g->per_span);
     }
     if (!(x > low)) return x;
-    contact_at(line, piece, low, &force, &work);
+    law_and_slope(line, piece, low, &force, &slope);
     if (!(low + c * force < x)) return low;
     double xi = high;
     for (int k = 0; k < SERIES_STEPS; k++) {
-        contact_at(line, piece, xi, &force, &work);
-        double miss = xi + c * force - x, next = xi - miss / (1.0 + c * contact_slope(line, piece, xi));
+        law_and_slope(line, piece, xi, &force, &slope);
+        double miss = xi + c * force - x, next = xi - miss / (1.0 + c * slope);
         if (fabs(next - xi) <= 4e-16 * x) return next;
         if (miss < 0.0) low = xi; else high = xi;
         xi = next > low && next < high ? next : 0.5 * (low + high);
@@ -70,16 +95,24 @@ void film_split_off_spring(const film_curve *curve, const film_line *line, doubl
     values[4] += bent;
 }
 
+/* Whether a function is sure not to fall: d/dz of a series is at least a_1 - sum k^2 |a_k|, as T_k' <= k^2. */
+static int never_falls(const film_function *g) {
+    if (g->form == FILM_POWER) return g->slope >= 0.0 && g->coefficient >= 0.0;
+    double least = g->terms > 1 ? g->series[1] : 0.0;
+    for (int k = 2; k < g->terms; k++) least -= k * k * fabs(g->series[k]);
+    return least >= 0.0;
+}
+
 /* Whether xi + c f does not grow with xi everywhere in a piece that begins at xi = from. */
 static int snaps_through(const film_piece *piece, double from, double c) {
     double length = piece->end < INFINITY ? piece->end - from : 9.0 * from + 10.0;
-    for (int k = 1; k <= SNAP_CHECKS; k++)
+    for (int k = 1; k <= SNAP_CHECKS && !never_falls(&piece->force); k++)
         if (!(1.0 + c * slope_at(&piece->force, from + length * k / SNAP_CHECKS) > 0.0)) return 1;
     return 0;
 }
 
 /* Ends of stages and pieces become values of xi + c f, and the work counts the spring's. docs/method.md, section 8. */
-int film_spring(film_curve *curve, double c) {
+int film_put_in_series(film_curve *curve, double c) {
     double begin = 0.0, from = 0.0;
     if (curve->compliance != 0.0 || !(c > 0.0 && c < INFINITY)) return FILM_BAD_CURVE;
     for (int32_t k = 0; k < curve->stages; k++) {
@@ -96,7 +129,12 @@ int film_spring(film_curve *curve, double c) {
         stage->end = begin = last->end;
     }
     curve->compliance = c;
-    return film_check_curve(curve);
+    return FILM_OK;
+}
+
+int film_spring(film_curve *curve, double compliance) {
+    int status = film_put_in_series(curve, compliance);
+    return status < 0 ? status : film_check_curve(curve);
 }
 
 /* ---------------------------------------------------------------- unloading */
@@ -162,12 +200,19 @@ static int stretch_stages(const film_curve *curve, film_line *run, double xi, do
     return FILM_OK;
 }
 
-void film_dents(const film_curve *curve, int64_t count, const double *depth, const double *end, double *dents) {
+static double dent(const film_curve *curve, double depth, double end) {
+    int32_t k = curve->stages - 1;
+    while (k > 0 && !(depth > curve->stage[k].begin)) k--;
+    double l = curve->stage[k].unloading == FILM_SIMILAR ? value_at(&piece_at(curve, k, depth)->exponent, depth) : 1.0;
+    return end - l * curve->stage[0].begin;
+}
+
+void film_dents(const film_curve *curve, const film_family *family, const double *shape, int64_t count, const double *depth,
+                const double *end, double *dents) {
+    film_curve own = *curve;
     for (int64_t i = 0; i < count; i++) {
-        int32_t k = curve->stages - 1;
-        while (k > 0 && !(depth[i] > curve->stage[k].begin)) k--;
-        double l = curve->stage[k].unloading == FILM_SIMILAR ? value_at(&piece_at(curve, k, depth[i])->exponent, depth[i]) : 1.0;
-        dents[i] = end[i] - l * curve->stage[0].begin;
+        int made = family != NULL ? film_shape(family, curve, shape[i], &own) : FILM_OK;
+        dents[i] = made < 0 ? NAN : dent(&own, depth[i], end[i]);
     }
 }
 

@@ -373,6 +373,12 @@ FILM_API void film_batch_varied(const film_curve *curve, const film_mesh *mesh, 
                                 int32_t varying, const int32_t *places, const double *values, film_summary *summary,
                                 int32_t *status);
 
+/* The same for contacts each of which is in series with a spring of its own, compliance[i] > 0, by film_spring without its check
+ * of finite numbers; family and shape: as in film_batch_shaped, or NULL. status[i] is FILM_BAD_CURVE where it would snap through. */
+FILM_API void film_batch_in_series(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                                   const double *compliance, const film_family *family, const double *shape, int32_t varying,
+                                   const int32_t *places, const double *values, film_summary *summary, int32_t *status);
+
 /* off[i]: the largest relative difference of two summaries of the contact that starts with start[i], relative to b[i]; 1 for a
  * value that exists in only one of them. Permanent indentations and velocities are relative to at least 1e-3 of the maximum
  * indentation and of the approach velocity, work to the impact energy. If the approach velocity is 0, only values up to the
@@ -384,8 +390,9 @@ FILM_API void film_rounding(const film_curve *curve, int64_t count, const film_s
                             double clearance, double *off);
 
 /* dents[i]: what a contact leaves that turned at depth[i] and ended at end[i], of a law that pulls: xi_f of its branch, since
- * the contact ends below xi_f. */
-FILM_API void film_dents(const film_curve *curve, int64_t count, const double *depth, const double *end, double *dents);
+ * the contact ends below xi_f. family and shape: as in film_batch_shaped, or NULL. */
+FILM_API void film_dents(const film_curve *curve, const film_family *family, const double *shape, int64_t count,
+                         const double *depth, const double *end, double *dents);
 
 /* sizeof film_curve, film_mesh, film_line, film_state, film_summary, for callers that mirror them. */
 FILM_API void film_sizes(int64_t sizes[5]);

@@ -31,3 +31,50 @@ void film_batch_varied(const film_curve *curve, const film_mesh *mesh, int64_t c
         status[i] = film_impact(&own, mesh, &start[i], &summary[i]);
     }
 }
+
+/* What film_put_in_series changes of a curve. */
+typedef struct {
+    film_stage stage[FILM_MAX_STAGES];
+    double end[FILM_MAX_PIECES], work_at_begin[FILM_MAX_PIECES];
+} free_ends;
+
+static void keep_ends(const film_curve *curve, free_ends *kept) {
+    for (int32_t k = 0; k < curve->stages; k++) kept->stage[k] = curve->stage[k];
+    for (int32_t p = 0; p < curve->pieces; p++) {
+        kept->end[p] = curve->piece[p].end;
+        kept->work_at_begin[p] = curve->piece[p].work_at_begin;
+    }
+}
+
+static void put_back(film_curve *curve, const free_ends *kept) {
+    for (int32_t k = 0; k < curve->stages; k++) curve->stage[k] = kept->stage[k];
+    for (int32_t p = 0; p < curve->pieces; p++) {
+        curve->piece[p].end = kept->end[p];
+        curve->piece[p].work_at_begin = kept->work_at_begin[p];
+    }
+    curve->compliance = 0.0;
+}
+
+void film_batch_in_series(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                          const double *compliance, const film_family *family, const double *shape, int32_t varying,
+                          const int32_t *places, const double *values, film_summary *summary, int32_t *status) {
+    film_curve own = *curve;
+    free_ends kept, whole;
+    double *doubles = (double *)&own;
+    keep_ends(curve, &whole);
+    kept = whole;
+    int shaped = FILM_OK;
+    for (int64_t i = 0; i < count; i++) {
+        if (family != NULL && (i == 0 || shape[i] != shape[i - 1])) {
+            own.pieces = curve->pieces;
+            put_back(&own, &whole);
+            shaped = film_shape(family, curve, shape[i], &own);
+            keep_ends(&own, &kept);
+        } else {
+            put_back(&own, &kept);
+        }
+        for (int32_t k = 0; k < varying; k++) doubles[places[k]] = values[i * varying + k];
+        int made = shaped < 0 ? shaped : film_put_in_series(&own, compliance[i]);
+        status[i] = made < 0 ? made : film_impact(&own, mesh, &start[i], &summary[i]);
+    }
+}

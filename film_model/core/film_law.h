@@ -117,6 +117,9 @@ static inline double contact_slope(const film_line *line, const film_piece *piec
     return line->f_max * line->exponent * line->per_recovery * power_of(x, line->exponent - 1.0);
 }
 
+/* film_spring without film_check_curve. */
+int film_put_in_series(film_curve *curve, double c);
+
 /* law_at and law_slope in series with a spring, and along stretched stages; not inline, so that they cost other laws
  * nothing. */
 void film_law_in_series(const film_curve *curve, const film_line *line, double x, double *force, double *work);

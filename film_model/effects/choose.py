@@ -8,10 +8,12 @@ simulated are estimated by formulas (:mod:`film_model.effects.judged`).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
+
+import numpy as np
 
 from film_model.base.arrays import any_of, either
 from film_model.base.errors import SimulationError
@@ -112,7 +114,10 @@ def choose(scene: Scene) -> Choice:
     static = impacts.problem(support.impedance, 0.0, support.compliance)
     hard = rate_hardening.applied(static)
     light = hard or static
-    moved, yielding, decided = _decide(light, support, yields)
+    heavy, moved = _weighed(light)
+    moves = target_motion.needed(moved, support)
+    yielding = moved if moves else target_motion.held(moved)
+    decided = heavy, moves, plasticity.needed(yielding, yields)
     problem = yielding if decided[2] else plasticity.elastic(yielding)
     if support.vibrates and decided[1]:
         if problem.curve.pulls:
@@ -130,36 +135,37 @@ def problem_of(scene: Scene) -> Problem:
     return choose(scene).problem
 
 
-def chosen(impacts: Impacts, yields: bool | None) -> list[Problem]:
+def chosen(impacts: Impacts, support: Support, yields: bool | None) -> list[Problem]:
     """The problems of many impacts that share a law and a curve; Hertz's law may replace it for some.
 
-    Their targets have an impedance, or do not move.
+    Their targets have an impedance or a static stiffness, or do not move.
     """
-    support = Support(impacts.numbers.impedance)
-    _, yielding, decided = _decide(impacts.problem(support.impedance, impacts.column(0.0)), support, yields)
-    keeps_law, made = decided[2], [yielding]
-    if not keeps_law.all():
-        elastic = plasticity.elastic(yielding).part(~keeps_law)
-        made = [yielding.part(keeps_law), elastic] if keeps_law.any() else [elastic]
+    _, moved = _weighed(impacts.problem(support.impedance, impacts.column(0.0), support.compliance))
+    made = list[Problem]()
+    for yielding in _held(moved, target_motion.needed(moved, support)):
+        keeps_law = plasticity.needed(yielding, yields)
+        made += _divided(yielding, keeps_law, plasticity.elastic)
     return [part for problem in made for part in viscoelasticity.divided(problem)]
 
 
-def _decide(light: Problem, support: Support, yields: bool | None) -> tuple[Problem, Problem, Any]:
-    """The problem with the weight decided, with the target's motion too, and the three decisions.
-
-    light: the problem without the weight.
-    """
+def _weighed(light: Problem) -> tuple[Any, Problem]:
+    """Whether the weight is simulated, and the problem with this decision. light: without the weight."""
     heavy = gravity.needed(light)
-    moved = light if not any_of(heavy) else light.again(load=either(heavy, light.impacts.numbers.weight, 0.0))
-    moves = target_motion.needed(moved, support)
-    problem = moved
-    if any_of(moved.impedance < math.inf) or support.compliance > 0.0:
-        problem = _held(moved, moves)
-    return moved, problem, (heavy, moves, plasticity.needed(problem, yields))
+    return heavy, light if not any_of(heavy) else light.again(load=either(heavy, light.impacts.numbers.weight, 0.0))
 
 
-def _held(moved: Problem, moves: Any) -> Problem:
-    """The problem with a fixed target, for the impacts whose target motion does not matter."""
-    if not moved.impacts.many:
-        return moved if moves else target_motion.held(moved)
-    return moved if moves.all() else moved.again(impedance=either(moves, moved.impedance, math.inf))
+def _held(moved: Problem, moves: Any) -> list[Problem]:
+    """Many impacts, with a fixed target where its motion does not matter."""
+    if moved.own.spring is not None:
+        return _divided(moved, moves, target_motion.held)
+    if moves.all() or not np.isfinite(moved.impedance).any():
+        return [moved]
+    return [moved.again(impedance=either(moves, moved.impedance, math.inf))]
+
+
+def _divided(problem: Problem, stays: Any, changed: Callable[[Problem], Problem]) -> list[Problem]:
+    """Many impacts: those that stay as they are, and the others changed."""
+    if stays.all():
+        return [problem]
+    others = changed(problem).part(~stays)
+    return [problem.part(stays), others] if stays.any() else [others]

@@ -7,10 +7,14 @@ vibrations, the target follows by its static stiffness, in series with the conta
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
-from film_model.base.arrays import endless
+import numpy as np
+
+from film_model.base.arrays import either, endless, root
 from film_model.base.errors import SimulationError
 from film_model.effects.effect import (
     FREE,
@@ -25,6 +29,7 @@ from film_model.effects.effect import (
 from film_model.effects.judged import judged
 from film_model.effects.target_motion import Support
 from film_model.effects.trial import change
+from film_model.problem.in_series import sure_in_series
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
 
@@ -98,6 +103,34 @@ def support_of(impacts: Impacts) -> Supported:
     if not target.modes_missing:
         return edges.vibrating()
     return _without_modes(edges, static)
+
+
+def supports_of(impacts: Impacts) -> Iterator[tuple[Impacts, Support]]:
+    """How the target moves in many impacts that share a law and a curve, as :func:`support_of` decides it.
+
+    Omitted are impacts whose target may vibrate, and those whose law may not follow its static stiffness.
+    """
+    scene, effects = impacts.scene, impacts.base.effects
+    if not edged(scene) or infinite_unless_judged(scene):
+        yield impacts, Support(impacts.numbers.impedance)
+        return
+    target = scene.target
+    refused = effects.boundary_reflections is False or effects.target_inertia is True
+    if refused or target.compliance is None or not target.held:
+        return
+    compliance = np.array(impacts.column(target.compliance))
+    follows = (compliance > 0.0) & sure_in_series(impacts, compliance)
+    if effects.target_inertia == "auto" and not target.modes_missing and follows.any():
+        if target.whole_mass is None:
+            return
+        mass = impacts.column(target.first_mode_share * target.whole_mass)
+        static = impacts.problem(impacts.column(math.inf), impacts.column(0.0), compliance)
+        follows &= vibration(static, mass) <= impacts.base.effect_tolerance
+    if follows.all():
+        yield impacts, Support(impacts.column(math.inf), compliance)
+    elif follows.any():
+        part = impacts.part(follows)
+        yield part, Support(part.column(math.inf), compliance[follows])
 
 
 def _without_static(edges: _Edges, asked: bool) -> Supported:
@@ -187,7 +220,8 @@ class _Edges:
         target = self.scene.target
         if target.whole_mass is None or not target.held or self.no_static:
             return None
-        return vibration(self.on_static, target.first_mode_share * target.whole_mass)
+        found = vibration(self.on_static, target.first_mode_share * target.whole_mass)
+        return None if math.isnan(found) else found
 
     def infinite(self, state: str, reason: str) -> Supported:
         """The support and effects of the infinite plate."""
@@ -247,19 +281,18 @@ def felt_compliance(impacts: Impacts) -> tuple[float, bool]:
         duration = lasts * (1.0 + CLOSE)
 
 
-def vibration(static: Problem, part: float) -> float | None:
-    """Force amplitude of the vibration of `part` [kg] of the target over the quasi-static force; None if contact stays.
+def vibration(static: Problem, part: Any) -> Any:
+    """Force amplitude of the vibration of `part` [kg] of the target over the quasi-static force; nan if contact stays.
 
-    static: the impact on the target's static stiffness k_b. A contact of stiffness k_c = 1.5 F/δ that begins with the
-    velocity V would move the target suddenly with V k_c/(k_b + k_c). Its inertia resists: the part m_e of its mass
-    oscillates with the relative amplitude k_c^{3/2} √(m_e/m)/((k_b + k_c) √k_b).
+    static: one impact, or many, on the target's static stiffness k_b. A contact of stiffness k_c = 1.5 F/δ that begins
+    with the velocity V would move the target suddenly with V k_c/(k_b + k_c). Its inertia resists: the part m_e of its
+    mass oscillates with the relative amplitude k_c^{3/2} √(m_e/m)/((k_b + k_c) √k_b).
     """
-    core = static.trial.summary
-    if not static.trial.ends or core.maximum_indentation <= 0.0:
-        return None
-    depth = core.maximum_indentation * static.scales.length
-    contact, support = 1.5 * _force(static) / depth, 1 / static.compliance
-    return contact**1.5 * math.sqrt(part / static.scene.mass / support) / (support + contact)
+    depth = static.trial.summary.maximum_indentation * static.scales.length
+    known = static.trial.ends & (depth > 0.0)
+    contact, support = 1.5 * _force(static) / either(known, depth, 1.0), 1 / static.compliance
+    found = contact**1.5 * root(part / static.impacts.numbers.mass / support) / (support + contact)
+    return either(known, found, math.nan)
 
 
 def _force(problem: Problem) -> float:

@@ -18,12 +18,14 @@ from film_model.core import native
 from film_model.effects import rate_hardening
 from film_model.effects.case import Pulse
 from film_model.effects.choose import chosen, problem_of
-from film_model.effects.edge_effects import edged, infinite_unless_judged
+from film_model.effects.edge_effects import edged, infinite_unless_judged, supports_of
+from film_model.effects.target_motion import Support
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
 from film_model.problem.problem import Impacts, Problem
+from film_model.problem.similar import number_of
 from film_model.problem.varied import varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
@@ -54,15 +56,14 @@ def problems_of(
     if moving.size < count:
         status[~approaches] = NO_VELOCITY
         part = _part(scene, columns, moving)
-    if infinite_unless_judged(part) or not edged(part):
-        try:
-            groups = _groups(scene, columns, moving, part)
-            found = [problem for impacts, yields in groups for problem in chosen(impacts, yields)]
-        except (TypeError, ValueError, SimulationError):  # a law or a target that accepts numbers only
-            return _one_by_one(scene, columns, moving, status)
-        if edged(part) and scene.effects.boundary_reflections == "auto":
-            found = [problem.part(~_edges_may_matter(problem)) for problem in found]
-            found = [problem for problem in found if problem.approach.size]
+    try:
+        groups = _groups(scene, columns, moving, part)
+        found = [problem for impacts, support, yields in groups for problem in chosen(impacts, support, yields)]
+    except (TypeError, ValueError, SimulationError):  # a law or a target that accepts numbers only
+        return _one_by_one(scene, columns, moving, status)
+    if infinite_unless_judged(part) and edged(part) and scene.effects.boundary_reflections == "auto":
+        found = [problem.part(~_edges_may_matter(problem)) for problem in found]
+        found = [problem for problem in found if problem.approach.size]
     for problem in found:
         approaches[rows_of(problem)] = False
     left = approaches.nonzero()[0]
@@ -138,13 +139,13 @@ def _gathered(members: list[tuple[int, Problem]], scene: Scene, columns: Mapping
         return np.array([getattr(problem, name) for problem in problems])
 
     scales = {name: np.array([getattr(problem.scales, name) for problem in problems]) for name in vars(first.scales)}
-    impedance, load, _ = (np.array(values) for values in zip(*(problem.given for problem in problems), strict=True))
+    given = tuple(np.array(values) for values in zip(*(problem.given for problem in problems), strict=True))
     names = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
     return replace(
         first,
         impacts=Impacts.several(scene, _law_of_all(problems), index, _picked(columns, index)),
         scales=type(first.scales)(**scales),
-        given=(impedance, load, first.given[2]),
+        given=given,
         **{name: column(name) for name in names},
     )
 
@@ -168,19 +169,32 @@ def _picked(columns: Mapping[str, Array], index: Index) -> dict[str, Array]:
 
 def _groups(
     scene: Scene, columns: Mapping[str, Array], index: Index, part: Scene
-) -> Iterator[tuple[Impacts, bool | None]]:
-    """The impacts of `index` by law and curve, and whether they reach the yield point. part: has their columns.
+) -> Iterator[tuple[Impacts, Support, bool | None]]:
+    """The impacts of `index` by law and curve, how their targets move, and whether they reach the yield point.
+
+    part: has their columns. Omitted are impacts whose targets :func:`supports_of` omits.
 
     Raises ValueError where there are nearly as many curves as impacts.
     """
     for law, yields, own in _laws(part, index):
         made = SceneLaw.of(part if own.size == index.size else _part(scene, columns, own), law).reduced()
-        impacts = _hardened(Impacts.several(scene, made, own, _picked(columns, own)))
-        for places in _shared_curves((impacts.law,), own.size):
-            yield impacts if places.size == own.size else impacts.part(places), yields
+        slow = Impacts.several(scene, made, own, _picked(columns, own))
+        for places in _shared_curves((slow.law,), own.size):
+            for static, support in supports_of(slow if places.size == own.size else slow.part(places)):
+                for impacts, same in _by_curve(_hardened(static, support), static):
+                    yield impacts, support.part(same), yields
 
 
-def _hardened(impacts: Impacts) -> Impacts:
+def _by_curve(impacts: Impacts, shared: Impacts) -> Iterator[tuple[Impacts, Any]]:
+    """The impacts by curve, and their places. shared: those with the strength of slow loading, which share a curve."""
+    if impacts is shared:
+        yield impacts, slice(None)
+        return
+    for places in _shared_curves((impacts.law,), impacts.numbers.mass.size):
+        yield impacts.part(places), places
+
+
+def _hardened(impacts: Impacts, support: Support) -> Impacts:
     """The impacts, those that call for it with the yield strength at their own strain rate."""
     static, count = impacts.law, impacts.numbers.mass.size
     coefficient, wanted = impacts.scene.strain_rate_coefficient, impacts.base.effects.rate_hardening
@@ -188,8 +202,8 @@ def _hardened(impacts: Impacts) -> Impacts:
         return impacts
 
     def problem(law: SceneLaw, places: Index) -> Problem:
-        part = impacts.under(law).part(places)
-        return part.problem(part.numbers.impedance, part.column(0.0))
+        part, moves = impacts.under(law).part(places), support.part(places)
+        return part.problem(moves.impedance, part.column(0.0), moves.compliance)
 
     def rates(factor: Array) -> Array:
         law, found = static.strengthened(factor), np.empty(count)
@@ -240,18 +254,24 @@ def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Index]:
 def curve_keys(law: SceneLaw) -> list[Array]:
     """The varied values on which the curve depends, one array each; for a family of curves, the page."""
     shapes: list[Array] = []
-    if not isinstance(law.law, AbstractLaw):
+    kind = law.law
+    if not isinstance(kind, AbstractLaw):
         read = law.read
-        family = law.law.shaped_by if law.rule is None else ()
-        if any(name in read for name in family):
+        if law.rule is None and read.keys() & {*kind.shaped_by}:
             shape = np.asarray(law.at(slice(None)).shape)
-            page = page_number(shape)
-            inside = (page >= 0) & (page < LAST_PAGE)
-            shapes.append(np.where(inside, page, shape))  # outside, each has a curve of its own
-        elif read and not family and varied_of(law, next(iter(read.values())).size) is None:
-            shapes += read.values()
+            shapes.append(_pages(page_number(shape), LAST_PAGE, shape))
+        elif law.rule is None and read.keys() & {*kind.similar_by}:
+            similarity = np.asarray(law.at(slice(None)).similarity)
+            shapes.append(_pages(number_of(kind, similarity), len(kind.similarities) - 1, similarity))
+        elif read and not (law.rule is None and kind.shaped_by):
+            shapes += [] if varied_of(law, next(iter(read.values())).size) is not None else read.values()
     if law.rule == "brake":
         made = law.at(slice(None))
         assert isinstance(made, BrakeUnloading)
         shapes += [made.ratio] if isinstance(made.ratio, np.ndarray) else []
     return shapes
+
+
+def _pages(page: Array, count: int, shape: Array) -> Array:
+    """The pages of some shapes; of those outside, which have curves of their own, the shapes."""
+    return np.where((page >= 0) & (page < count), page, shape)

@@ -29,16 +29,21 @@ FIRST_ORDER_LOSS = 2 * 1.730173
 
 
 class Support(NamedTuple):
-    """How a target moves: by its impedance [N s/m], or statically with its compliance [m/N].
+    """How a target moves: by its impedance [N s/m], or statically with its compliance [m/N]; of many impacts, arrays.
 
     vibrates: by its natural vibrations instead; impedance or compliance then only serve to decide other effects. slow:
     some of these vibrations are so slow that the target moves as a free mass, which the compliance does not include.
     """
 
     impedance: Any
-    compliance: float = 0.0
+    compliance: Any = 0.0
     vibrates: bool = False
     slow: bool = False
+
+    def part(self, places: Any) -> Support:
+        """Of some of many impacts."""
+        impedance, compliance = (at[places] if isinstance(at, np.ndarray) else at for at in self[:2])
+        return self._replace(impedance=impedance, compliance=compliance)
 
     @property
     def only_vibrates(self) -> bool:
@@ -63,7 +68,8 @@ def needed(moved: Problem, support: Support) -> Any:
     asked = effects.boundary_reflections is True or effects.target_inertia is True
     if effects.target_motion is True or asked or support.only_vibrates or not np.any(moved.approach > 0.0):
         return impacts.column(True)
-    return matters(moved, held(moved), where=np.isfinite(moved.impedance) if impacts.many else None)
+    where = np.isfinite(moved.impedance) | (moved.compliance > 0.0) if impacts.many else None
+    return matters(moved, held(moved), where=where)
 
 
 def held(moved: Problem) -> Problem:

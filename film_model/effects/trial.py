@@ -132,7 +132,8 @@ def _ends_of_cells(full: Problem, places: Index, width: float, load_width: float
 def _cells(full: Problem, places: Index, width: float, load_width: float) -> NDArray[np.int64]:
     """A cell number for each impact, equal for impacts with similar dimensionless numbers."""
     cells = np.zeros(places.size, np.int64)
-    widths = ((full.approach, width), (full.gamma, width), (full.damping, width), (full.load, load_width))
+    widths = [(full.approach, width), (full.gamma, width), (full.damping, width), (full.load, load_width)]
+    widths += [] if full.own.spring is None else [(full.own.spring, width)]
     for column, step in widths:
         if column.any():
             values = column[places]

@@ -179,7 +179,8 @@ class AbstractLaw(ABC):
     name: in scene files. summary, source, validity: one phrase each for lists and pages; validity is the range in which
     the law holds. family: a key of `FAMILIES`; laws of a user's own script need none. default_unloading: name of the
     unloading rule (:mod:`film_model.laws.unloading`) for a law without one. damped: the stage of the law has damping.
-    shaped_by: fields that enter the stages through `shape` only.
+    shaped_by: fields that enter the stages through `shape` only; similar_by: through `similarity` only. similarities:
+    values of `similarity` between which the stages have as many knots, ascending.
     """
 
     name: ClassVar[str]
@@ -191,6 +192,8 @@ class AbstractLaw(ABC):
     default_unloading: ClassVar[str | None] = None
     damped: ClassVar[bool] = False
     shaped_by: ClassVar[tuple[str, ...]] = ()
+    similar_by: ClassVar[tuple[str, ...]] = ()
+    similarities: ClassVar[tuple[float, ...]] = ()
 
     @abstractmethod
     def scales(self, energy: float) -> tuple[float, float]:
@@ -214,6 +217,18 @@ class AbstractLaw(ABC):
 
     def of_shape(self, shape: float) -> AbstractLaw:
         """The law with another shape. It is the same for laws that differ in shape and scales only."""
+        raise NotImplementedError
+
+    @property
+    def similarity(self) -> Any:
+        """The one number on which all stages depend smoothly; None: none.
+
+        The curves of many impacts that differ in it are fitted together (:mod:`film_model.problem.similar`).
+        """
+        return None
+
+    def of_similarity(self, similarity: float) -> AbstractLaw:
+        """A law with this similarity."""
         raise NotImplementedError
 
     @classmethod

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,10 +17,11 @@ from film_model.laws.law import Array, ExampleBall, Parameter, Power, Stage, Unl
 SOFTEST = 2.0 ** (5.0 / 3.0) / 3.0
 """Least p_y π R/(2 E a_c), at which the sphere yields where a contact without a force is: 1.0583."""
 
-WIDEST = 2.0**10
+_RATIO, _STEPS = 4.0, 10  # of the contact's area between pieces of the fit, and their number
+
+WIDEST = _RATIO ** (_STEPS / 2)
 """The law ends where the contact radius is this many times that at yield."""
 
-_RATIO = 4.0  # of the contact's area between pieces of the fit
 _NEWTON = 60
 _HALVINGS = 60
 
@@ -80,6 +81,13 @@ class _Plastic:
         return self.radius**2 + (indentation - self.begin) / 3.0
 
 
+@lru_cache(maxsize=64)
+def _reach(pressure: float) -> float:
+    """How far unloading from the end of the law goes on the JKR curve."""
+    plastic = _Plastic(pressure)
+    return 1.001 * plastic.unloads(plastic.begin + 3.0 * plastic.radius**2 * (WIDEST**2 - 1.0))
+
+
 @dataclass(frozen=True)
 class _Curvature:
     """r(d) = R_p/R."""
@@ -127,15 +135,19 @@ class ThorntonNing(AdhesiveLaw):
         "yield_pressure": Parameter("limiting contact pressure p_y, about 1.6 yield strengths", dimension="pressure")
     }
 
+    similar_by: ClassVar[tuple[str, ...]] = ("effective_modulus", "radius", "work_of_adhesion", "yield_pressure")
+    similarities: ClassVar[tuple[float, ...]] = (SOFTEST, *(_RATIO**k for k in range(1, 9)))
+
     yield_pressure: float
 
     def __post_init__(self) -> None:
-        if self._pressure < SOFTEST:
-            radius = math.sqrt(3.0 * self.radius * self.scales(0.0)[0])
-            least = SOFTEST * 2.0 * self.effective_modulus * radius / (math.pi * self.radius)
+        if np.any(self.similarity < SOFTEST):
+            names = ("yield_pressure", "work_of_adhesion", "radius", "similarity")
+            columns = np.broadcast_arrays(*(getattr(self, name) for name in names))
+            pressure, work, radius, similarity = (column.flat[columns[-1].argmin()] for column in columns)
             raise ValueError(
-                f"yield_pressure {self.yield_pressure:.4g} Pa must be at least {least:.4g} Pa at a work of adhesion of "
-                f"{self.work_of_adhesion:.4g} J/m^2 and a radius of {self.radius:.4g} m: adhesion alone yields it"
+                f"yield_pressure {pressure:.4g} Pa must be at least {SOFTEST / similarity * pressure:.4g} Pa at a work "
+                f"of adhesion of {work:.4g} J/m^2 and a radius of {radius:.4g} m: adhesion alone yields it"
             )
 
     @classmethod
@@ -146,24 +158,29 @@ class ThorntonNing(AdhesiveLaw):
         return jkr_scales(self.effective_modulus, self.radius, self.work_of_adhesion)
 
     @property
-    def _pressure(self) -> float:
+    def similarity(self) -> Any:
         """p_y π R/(2 E a_c), a_c = √(3 R δ_s)."""
         contact = (3.0 * self.radius * self.scales(0.0)[0]) ** 0.5
         return 0.5 * math.pi * self.yield_pressure * self.radius / (self.effective_modulus * contact)
 
+    def of_similarity(self, similarity: float) -> ThorntonNing:
+        return ThorntonNing(1.0, 1.0, 8.0 / (9.0 * math.pi), 2.0 * similarity / math.pi)
+
     def stages(self) -> tuple[Stage, ...]:
-        plastic = _Plastic(self._pressure)
+        plastic = _Plastic(self.similarity)
         begin, wide = plastic.begin, 3.0 * plastic.radius**2
         end = begin + wide * (WIDEST**2 - 1.0)
-        reach = 1.001 * plastic.unloads(end)
-        steps = range(1, int(math.log(max(WIDEST**2, reach / UNLOADED), _RATIO)) + 1)
-        grid = [begin + wide * (_RATIO**k - 1.0) for k in steps if _RATIO**k < 0.9 * WIDEST**2]
+        grid = [begin + wide * (width - 1.0) for width in (2.0, *(_RATIO**k for k in range(1, _STEPS)))]
+        above = [similarity for similarity in self.similarities if similarity > self.similarity]
+        reach = _reach(above[0] if above else self.similarity)
         return (
             Stage("parting", PARTING, -1.0, jkr_force, root=True, pulls=True),
             Stage("pulling", -1.0, UNLOADED, jkr_force, pulls=True),
             Stage(
                 *("pushing", UNLOADED, begin, jkr_force),
-                knots=tuple(UNLOADED * _RATIO**k for k in steps if UNLOADED * _RATIO**k < 0.9 * reach),
+                knots=tuple(
+                    UNLOADED * _RATIO**k for k in range(1, math.ceil(math.log(0.9 * reach / UNLOADED, _RATIO)))
+                ),
                 pulls=True,
                 reach=reach,
             ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
@@ -170,16 +170,20 @@ def _curve(
 
 def can_be_in_series(law: AbstractLaw, compliance: float) -> bool:
     """Whether :func:`curve_of` accepts the law in series with a spring of this compliance [δ_s/F_s]."""
-    name = _name(law)
     try:
-        _check_series(name, checked(name, tuple(law.stages())), compliance)
+        return compliance * steepest_fall(law) < 1.0
     except SimulationError:
         return False
-    return True
 
 
-def _check_series(law: str, stages: list[Stage], compliance: float) -> None:
-    """Raises SimulationError if the law cannot be in series with a spring."""
+def steepest_fall(law: AbstractLaw) -> float:
+    """The largest −f′ of the law's stages, at least 0; SimulationError if it cannot be in series with any spring."""
+    name = _name(law)
+    return max(fall for _, fall in _falls(name, checked(name, tuple(law.stages()))))
+
+
+def _falls(law: str, stages: list[Stage]) -> Iterator[tuple[str, float]]:
+    """The same of each stage, and its name."""
     if any(stage.damping is not None for stage in stages):
         raise SimulationError(f"{law}: damped laws are not supported on targets with a static stiffness")
     if any(stage.pulls for stage in stages):
@@ -194,12 +198,18 @@ def _check_series(law: str, stages: list[Stage], compliance: float) -> None:
                 f"{law}: on a target with a static stiffness the force must not jump, but it does where stage "
                 f"{stage.name!r} begins, from {before:g} to {force[0]:g}"
             )
-        if (np.diff(xi + compliance * force) <= 0.0).any():
+        yield stage.name, max(0.0, float((-np.diff(force) / np.diff(xi)).max()))
+        before = float(force[-1])
+
+
+def _check_series(law: str, stages: list[Stage], compliance: float) -> None:
+    """Raises SimulationError if the law cannot be in series with a spring."""
+    for stage, fall in _falls(law, stages):
+        if not compliance * fall < 1.0:
             raise SimulationError(
-                f"{law}: the force of stage {stage.name!r} falls faster with the indentation than the target's static "
+                f"{law}: the force of stage {stage!r} falls faster with the indentation than the target's static "
                 "stiffness: the contact would snap through"
             )
-        before = float(force[-1])
 
 
 def _name(law: AbstractLaw) -> str:

@@ -37,7 +37,11 @@ TERMS = 18
 TOGETHER, POOR = 256, 1e-9
 """Laws that are fitted at a time, so that arrays stay in the processor's cache; relative error of a fit that fails."""
 
-_CHECKED = (-0.97, -0.31, 0.44, 0.89)  # 2 ln(shape/low)/ln(high/low) − 1, where a page is compared with the law
+CONTINUOUS = 1e-9
+"""Relative difference of the force up to which it does not jump between stages."""
+
+CHECKED = (-0.97, -0.31, 0.44, 0.89)
+"""2 ln(shape/low)/ln(high/low) − 1, where a page is compared with the law."""
 
 
 @dataclass(frozen=True)
@@ -84,17 +88,17 @@ def page_between(law: AbstractLaw, low: float, high: float) -> Page:
     edges = _edges(last, max(stages[-1].end for stages in given))
     xi = _nodes(edges)
     values = np.array([values_of(stages[-1].force, xi.ravel(), stages[-1]) for stages in given])
-    force = _applied(series_matrix(TERMS), values.reshape(NODES, *xi.shape))
-    mean = _applied(mean_matrix(), force)
+    force = applied(series_matrix(TERMS), values.reshape(NODES, *xi.shape))
+    mean = applied(mean_matrix(), force)
     work = np.diff(edges) * mean.sum(axis=-1)
     work_before = np.cumsum(work, axis=-1) - work
     kept = [force[NODES // 2, k, : _needed(force[:, k])] for k in range(edges.size - 1)]
     whole, error, steepest = _whole(law, (*first, last), edges, kept)
     places, columns = _places(whole, -work_before, force, mean)
     ends = coefficients(np.log([stages[-1].end for stages in given]))
-    table = _applied(series_matrix(NODES), np.array(columns)).T
+    table = applied(series_matrix(NODES), np.array(columns)).T
     page = Page(whole, Family.of(low, high, ends, places, table), error, steepest)
-    tried = (low * (high / low) ** (0.5 * (1.0 + x)) for x in _CHECKED)
+    tried = (low * (high / low) ** (0.5 * (1.0 + x)) for x in CHECKED)
     return replace(page, fit_error=max(error, *(_difference(page, law, shape) for shape in tried)))
 
 
@@ -129,12 +133,12 @@ def _nodes(edges: Array) -> Array:
     return edges[:-1, None] + np.diff(edges)[:, None] * 0.5 * (1.0 + np.polynomial.chebyshev.chebpts1(TERMS))
 
 
-def _applied(matrix: Array, values: Array) -> Array:
+def applied(matrix: Array, values: Array) -> Array:
     """A matrix applied to the last axis, summed without BLAS: its rounding is the same on every processor."""
     return (values[..., None, :] * matrix).sum(axis=-1)
 
 
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=3)
 def series_matrix(count: int) -> Array:
     """The Chebyshev series through `count` values, as a matrix on the values."""
     return np.array([coefficients(unit) for unit in np.eye(count)]).T
@@ -218,11 +222,23 @@ def fitted_curves(law_at: Callable[[Any], AbstractLaw], count: int) -> tuple[nat
 
 
 def _summed(values: Array, matrix: Array) -> Array:
-    """As `_applied`, of many: the terms of each sum are added one after the other."""
+    """As `applied`, of many: the terms of each sum are added one after the other."""
     total = values[..., :1] * matrix[:, 0]
     for k in range(1, matrix.shape[1]):
         total += values[..., k, None] * matrix[:, k]
     return total
+
+
+def never_fall(values: Array, before: float) -> NDArray[np.bool_]:
+    """Whether the forces of `fitted_curves` are sure not to fall on any piece, and begin with `before`.
+
+    values: as given there. On a piece the slope is at least a₁ − Σ k² |a_k|, because T_k′ ≤ k².
+    """
+    series = values[:, 1:].reshape(len(values), -1, 2 + 2 * TERMS)[:, :, 2 : 2 + TERMS]
+    k = np.arange(2, TERMS)
+    rises = series[:, :, 1] >= (abs(series[:, :, 2:]) * k**2).sum(axis=-1)
+    begins = (series[:, 0] * (-1.0) ** np.arange(TERMS)).sum(axis=-1)
+    return rises.all(axis=1) & (abs(begins - before) <= CONTINUOUS * before)
 
 
 def _own_places(whole: native.Curve) -> NDArray[np.int32]:

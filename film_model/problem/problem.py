@@ -21,10 +21,9 @@ from film_model.laws.law import AbstractLaw
 from film_model.problem.curve import Curve, curve_of
 from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.problem.numbers import Numbers, zener
+from film_model.problem.own_curves import OwnCurves
 from film_model.problem.relaxation import Relaxation
-from film_model.problem.rows import march_rows
 from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
-from film_model.problem.varied import Varied, varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -147,17 +146,9 @@ class Impacts:
         return scales_from(length, force, self.numbers.mass)
 
     @cached_property
-    def shape(self) -> Any:
-        """Of many impacts whose laws have a shape, and differ in the numbers of their stages: the shapes; else None."""
-        law = self.law.law
-        if self.index is None or self.law.rule is not None or isinstance(law, AbstractLaw) or not law.shaped_by:
-            return None
-        return self.law.on_arrays(lambda law, _: (law.shape,), self.index.size)[0] if self.law.read else None
-
-    @cached_property
-    def varied(self) -> Varied | None:
-        """Of many impacts whose curves differ in numbers of their powers: the numbers."""
-        return varied_of(self.law, self.index.size) if self.index is not None and self.law.read else None
+    def own(self) -> OwnCurves:
+        """In what the curves of many impacts differ, without springs."""
+        return OwnCurves() if self.index is None else OwnCurves.of(self.law, self.index.size)
 
     def _damping(self, scales: Scales) -> Any:
         """The factor of the law's damping, without units."""
@@ -175,11 +166,11 @@ class Impacts:
         return found * scales.velocity / scales.force
 
     def problem(
-        self, impedance: Any, load: Any, compliance: float = 0.0, vibrates: bool = False, fitted: bool = True
+        self, impedance: Any, load: Any, compliance: Any = 0.0, vibrates: bool = False, fitted: bool = True
     ) -> Problem:
         """The dimensionless problem for a target impedance [N s/m] and a load [N], which are arrays for many impacts.
 
-        compliance: of a target that follows the force statically, m/N, of one impact only: it is part of the curve.
+        compliance: of a target that follows the force statically, m/N, for many impacts an array, or 0 of all.
         vibrates: the target moves by its modes instead. fitted: whether curves are fitted that many impacts need.
         """
         numbers, energy = self.numbers, self.numbers.energy
@@ -190,11 +181,13 @@ class Impacts:
             scales = self._scales(numbers.weight * 1e-3 * numbers.radius)
         else:
             scales = self._light_scales
-        varied = self.varied if fitted or self.shape is None else None
+        springs = any_of(compliance > 0.0)
+        spring = compliance * scales.force / scales.length if springs else 0.0
+        own = self.own if fitted or not self.many else OwnCurves.of(self.law, self.numbers.mass.size, fitted=False)
         return Problem(
             impacts=self,
             law=self.one_law,
-            curve=curve_of(self.one_law, compliance * scales.force / scales.length) if compliance else self.curve,
+            curve=curve_of(self.one_law, np.ravel(spring)[0].item()) if springs else self.curve,
             scales=scales,
             gamma=scales.force / (impedance * scales.velocity),
             load=load / scales.force,
@@ -206,8 +199,7 @@ class Impacts:
             given=(impedance, load, compliance),
             free=self.base.target.free,
             vibrates=vibrates,
-            shape=self.shape if varied is None else None,
-            varied=varied,
+            own=own._replace(spring=spring) if springs and self.many else own,
         )
 
 
@@ -220,8 +212,7 @@ class Problem:
     drift − (1 − share)·ν v_s; drift 0 and share 1 unless the target is a free body. mass: effective, kg. given: target
     impedance [N s/m], load [N] and compliance [m/N]. free: the target is a free body. vibrates: it moves by its modes,
     and is integrated, not marched by the core. relaxation: of the moduli, if it is simulated. law: of many impacts,
-    that of the first. shape: of many impacts whose laws differ in it; varied: of those whose curves differ in some
-    numbers. Then the curve, too, is that of the first.
+    that of the first. own: in what the curves of many impacts differ; then the curve, too, is that of the first.
     """
 
     impacts: Impacts = field(repr=False)
@@ -235,12 +226,11 @@ class Problem:
     drift: Number
     share: Number
     mass: Number
-    given: tuple[Number, Number, float] = field(repr=False)
+    given: tuple[Number, Number, Number] = field(repr=False)
     free: bool = False
     vibrates: bool = False
-    shape: Any = None
     relaxation: Relaxation | None = None
-    varied: Varied | None = None
+    own: OwnCurves = OwnCurves()
     _others: dict[Any, Problem] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
@@ -272,19 +262,17 @@ class Problem:
         """Some of many impacts, by their indices or by a mask."""
         if isinstance(places, np.ndarray) and places.dtype == np.bool_ and places.all():
             return self
-        impedance, load, compliance = self.given
         numbers = ("gamma", "load", "damping", "approach", "drift", "share", "mass")
         return Problem(
             impacts=self.impacts.part(places),
             law=self.law,
             curve=self.curve,
             scales=self.scales.part(places),
-            given=(_at(impedance, places), _at(load, places), compliance),
+            given=cast("Any", tuple(_at(values, places) for values in self.given)),
             free=self.free,
             vibrates=self.vibrates,
-            shape=None if self.shape is None else self.shape[places],
             relaxation=self.relaxation,
-            varied=None if self.varied is None else self.varied.part(places),
+            own=self.own.part(places),
             **{name: getattr(self, name)[places] for name in numbers},
         )
 
@@ -296,7 +284,7 @@ class Problem:
     @property
     def compliance(self) -> Number:
         """Static compliance of the target, m/N; 0 if the target does not follow the force statically."""
-        return self.curve.native.compliance * self.scales.length / self.scales.force
+        return self.given[2]
 
     @cached_property
     def start(self) -> Any:
@@ -317,7 +305,8 @@ class Problem:
         refuse_relaxation(self, "a march on lines")
         if not self.impacts.many:
             return native.marched(self.curve.native, mesh, self.start)
-        status, table = march_rows(self.curve, mesh, self.start, self.shape, self.varied)
+        one = self.impacts.curve if self.own.spring is not None else self.curve
+        status, table = self.own.march(one, mesh, self.start)
         return status, Columns(table)
 
     def relax(self, tolerance: float) -> tuple[Any, Any]:
@@ -328,17 +317,14 @@ class Problem:
 
     def by_curve(self) -> Iterator[Problem]:
         """The problems, of one impact or of many, whose impacts share a curve to the last digit."""
-        if self.shape is None and self.varied is None:
+        if self.own.alike:
             yield self
             return
-        rows: Any = self.shape if self.varied is None else self.varied.values
-        different, group = np.unique(rows, axis=0, return_inverse=True)
-        for k in range(len(different)):
-            places = np.flatnonzero(group.ravel() == k)
+        for places in self.own.groups():
             part = self.part(places)
-            law = part.impacts.one_law
-            own = replace(part.curve, native=part.varied.curve_at(0)) if part.varied is not None else curve_of(law)
-            yield replace(part, law=law, curve=own, shape=None, varied=None)
+            law, spring = part.impacts.one_law, 0.0 if part.own.spring is None else part.own.spring[0].item()
+            own = curve_of(law, spring)
+            yield replace(part, law=law, curve=replace(own, native=part.own.first(own)), own=OwnCurves())
 
     @cached_property
     def trial(self) -> Trial:

@@ -13,7 +13,7 @@ import numpy as np
 
 from film_model.base.arrays import all_of, any_of, either, ratio
 from film_model.core import native
-from film_model.core.comparison import compare, dents
+from film_model.core.comparison import compare
 from film_model.core.comparison import rounding as rounding_of
 from film_model.problem.problem import Columns, Problem
 from film_model.problem.stresses import stresses_of
@@ -61,7 +61,7 @@ def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
     no_dent = (problem.damping > 0.0) | (problem.relaxation is not None)
     left = core.permanent_indentation
     if problem.curve.pulls:
-        left = dents(problem.curve.native, core.maximum_indentation, left)
+        left = problem.own.dents(problem.curve, core.maximum_indentation, left)
     if any_of(no_dent):
         left = either(no_dent, 0.0, left)
     with np.errstate(divide="ignore", invalid="ignore"):

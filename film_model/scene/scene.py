@@ -198,8 +198,7 @@ class Scene:
             return known[0].strain_rate_coefficient if known else None
         own, other = (math.nan if m.strain_rate_coefficient is None else m.strain_rate_coefficient for m in known)
         found = either(cast("Any", known[0].yield_strength) <= known[1].yield_strength, own, other)
-        unknown = not isinstance(found, np.ndarray) and math.isnan(found)
-        return None if unknown else cast("float", found)
+        return None if np.isnan(found).all() else cast("float", found)
 
     @property
     def poissons_ratio(self) -> float | None:

@@ -177,7 +177,7 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
         law[rows] = laws.index(name)
         segments[rows] = made.segments
         status[rows] = made.status
-        estimated[rows] = made.estimated + problem.curve.fit_error
+        estimated[rows] = made.estimated + max(problem.curve.fit_error, problem.own.fit_error)
         for name, column in summary_of(problem, made.status, made.core).items():
             summary[name][rows] = column
     vibrating, followed = (status == VIBRATES).nonzero()[0], list[Followed]()

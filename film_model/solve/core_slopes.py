@@ -92,14 +92,16 @@ class CoreSlopes:
 
     def __init__(self, moved: Problem, count: int, step: float) -> None:
         self.curve = moved.curve
+        if moved.own.page is not self.curve.page and moved.own.page is not None:
+            raise ValueError("the curve of one impact is not that of its page")
         start = np.ascontiguousarray(moved.start).view(np.float64).reshape(count, -1, len(_START))
-        self._fitted = tuple(fitted_by(moved.impacts.law)) if moved.varied is None else ()
-        self._law, self._varied, self._curves = moved.law, moved.varied, dict[tuple[float, ...], Curve]()
+        self._fitted = tuple(fitted_by(moved.impacts.law)) if moved.own.varied is None else ()
+        self._law, self._varied, self._curves = moved.law, moved.own.varied, dict[tuple[float, ...], Curve]()
         own: list[Array] = []
-        if moved.varied is not None:
-            own = list(moved.varied.values.T)
-        elif moved.shape is not None:
-            own = [moved.shape, *(moved.impacts.law.values[name] for name in self._fitted)]
+        if moved.own.varied is not None:
+            own = list(moved.own.varied.values.T)
+        elif moved.own.shape is not None:
+            own = [moved.own.shape, *(moved.impacts.law.values[name] for name in self._fitted)]
         columns = [column.reshape(count, -1, 1) for column in own]
         numbers = np.concatenate([start, *columns], axis=2) if own else start
         with np.errstate(invalid="ignore"):
@@ -153,10 +155,10 @@ class CoreSlopes:
         start = np.ascontiguousarray(rows[:, : len(_START)]).view(native.START_DTYPE)[:, 0]
         own, curve, varied = rows[:, len(_START) :], self.curve, self._varied
         if varied is not None:
-            return march_rows(curve, mesh, start, None, varied._replace(values=own))
+            return march_rows(curve, None, mesh, start, None, varied._replace(values=own))
         if self._fitted:
             curve = self._curve_at(tuple(own[0, 1:].tolist()))
-        return march_rows(curve, mesh, start, own[:, 0] if own.size else None, None)
+        return march_rows(curve, curve.page, mesh, start, own[:, 0] if own.size else None, None)
 
     def _curve_at(self, values: tuple[float, ...]) -> Curve:
         """The curve that is fitted to some values."""

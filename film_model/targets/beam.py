@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
+from film_model.base.arrays import same
 from film_model.base.errors import raise_all
 from film_model.base.fields import Field, choice, measure, mistake
 from film_model.base.materials import REQUIRED_MATERIAL, Material, MaterialLike
@@ -141,7 +142,7 @@ class Beam(AbstractTarget):
     @property
     def wide(self) -> bool:
         """Whether it is taken for a plate with two free edges."""
-        return self.theory == "plate" or (self.theory == "auto" and self.width >= WIDE * self.thickness)
+        return self.theory == "plate" or (self.theory == "auto" and same(self.width >= WIDE * self.thickness))
 
     @property
     def sheared(self) -> bool:

@@ -9,9 +9,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
+from typing import Any
 
 import numpy as np
 
+from film_model.base.arrays import Number, same
 from film_model.base.errors import TooManyModes
 from film_model.targets.line_functions import line, polynomials
 from film_model.targets.modes import Array, Modes, check_count, projected, sorted_modes
@@ -32,12 +35,12 @@ class Line:
     shear: κGA, N, infinite in Euler and Bernoulli's theory. turning: rotary inertia per length, ρI, kg·m.
     """
 
-    mass: float
-    bending: float
-    length: float
+    mass: Number
+    bending: Number
+    length: Number
     ends: tuple[str, str]
-    shear: float = math.inf
-    turning: float = 0.0
+    shear: Number = math.inf
+    turning: Number = 0.0
 
     @property
     def held(self) -> bool:
@@ -168,13 +171,21 @@ def _space(ends: tuple[str, str], moved: Array, slope: Array) -> Array:
     return space
 
 
-@lru_cache(maxsize=64)
-def line_compliance(beam: Line, position: float) -> float:
-    """Static deflection over force of a beam at `position` [m], m/N, exact.
+def line_compliance(beam: Line, position: Number) -> Any:
+    """Static deflection over force of a beam at `position` [m], m/N, exact; of many beams that are held, an array.
 
     Of a beam that nothing holds, the deflection without its motion as a rigid body: the vibrations of polynomials, and
     the exact deflection of a cantilever less theirs, because both lack the same kink under the force.
     """
+    several = any(isinstance(number, np.ndarray) for number in (beam.bending, beam.length, beam.shear, position))
+    if several and not beam.held:
+        raise TypeError("a beam that nothing holds has one compliance at a time")
+    return _exact(beam, position) if several else _one_compliance(beam, position)
+
+
+@lru_cache(maxsize=64)
+def _one_compliance(beam: Line, position: float) -> float:
+    """The same of one beam."""
     if beam.held:
         return _exact(beam, position)
     free_end = beam.ends[1] == "free" and (beam.ends[0] != "free" or position >= beam.length / 2)
@@ -196,26 +207,29 @@ def _sum(beam: Line, position: float) -> float:
     return Modes(frequency, share).compliance
 
 
-def _exact(beam: Line, position: float) -> float:
+def _exact(beam: Line, position: Number) -> Any:
     """By two elements that are exact for a force between them (Przemieniecki 1968, section 5.6)."""
-    total, lengths = np.zeros((6, 6)), (position, beam.length - position)
+    lengths = position, beam.length - position
+    total = np.zeros((*np.broadcast(beam.bending, beam.shear, *lengths).shape, 6, 6))
     held = [k for node, end in ((0, beam.ends[0]), (4, beam.ends[1])) for k in _fixed(node, end)]
     for k, x in enumerate(lengths):
-        if x == 0.0:  # the force is at an end: its element has no length
+        if same(x == 0.0):  # the force is at an end: its element has no length
             held += [4 * k, 4 * k + 1]
             continue
         ratio = 12 * beam.bending / (beam.shear * x**2)
-        element = np.array(
-            [
-                [12, 6 * x, -12, 6 * x],
-                [6 * x, (4 + ratio) * x**2, -6 * x, (2 - ratio) * x**2],
-                [-12, -6 * x, 12, -6 * x],
-                [6 * x, (2 - ratio) * x**2, -6 * x, (4 + ratio) * x**2],
-            ]
-        )
-        total[2 * k : 2 * k + 4, 2 * k : 2 * k + 4] += beam.bending / (x**3 * (1 + ratio)) * element
+        element = [
+            [12, 6 * x, -12, 6 * x],
+            [6 * x, (4 + ratio) * x**2, -6 * x, (2 - ratio) * x**2],
+            [-12, -6 * x, 12, -6 * x],
+            [6 * x, (2 - ratio) * x**2, -6 * x, (4 + ratio) * x**2],
+        ]
+        for row, column in product(range(4), range(4)):
+            stiffness = beam.bending / (x**3 * (1 + ratio)) * element[row][column]
+            total[..., 2 * k + row, 2 * k + column] += stiffness
     free = [k for k in range(6) if k not in held]
-    return float(np.linalg.solve(total[np.ix_(free, free)], [float(k == 2) for k in free])[free.index(2)])
+    force = np.array([[float(k == 2)] for k in free])
+    bent = np.linalg.solve(total[..., free, :][..., free], force)[..., free.index(2), 0]
+    return bent if bent.ndim else bent.item()
 
 
 def _fixed(node: int, end: str) -> list[int]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from film_model.base.arrays import root
+from film_model.base.arrays import Number, of_each, root
 
 
 def anisotropy(d11: float, d12: float, d22: float, d66: float) -> float:
@@ -17,24 +17,25 @@ def anisotropy(d11: float, d12: float, d22: float, d66: float) -> float:
 
 
 def plate_compliance(
-    stiffness: tuple[float, float, float, float], size: tuple[float, float], position: tuple[float, float]
-) -> float:
+    stiffness: tuple[Number, Number, Number, Number], size: tuple[float, float], position: tuple[float, float]
+) -> Number:
     """Static deflection over force at the struck point of a simply supported rectangular plate, m/N.
+
+    An array if the stiffness is of many plates.
 
     Navier's double series (4/(ab)) Σ φ²/(ρ_A ω²) over the modes i, j. The sum over j is done in closed form by partial
     fractions. The terms of the sum over i approach those of Σ sin²(iπx/a)/i³ exponentially; that sum is known, and the
     remainder is added up to rounding. The result is 0.0116008 L²/D at the centre of a square isotropic plate.
     """
     (d11, _, d22, _), (a, b) = stiffness, size
-    total = _navier_sum(anisotropy(*stiffness), d11 / d22, size, position)
-    return float(4 * b**3 / (math.pi**4 * a * d22) * total)
+    total = of_each(_navier_sum, anisotropy(*stiffness), d11 / d22, *size, *position)
+    return 4 * b**3 / (math.pi**4 * a * d22) * total
 
 
 @lru_cache(maxsize=64)
-def _navier_sum(ratio: float, stiffer: float, size: tuple[float, float], position: tuple[float, float]) -> float:
+def _navier_sum(ratio: float, stiffer: float, a: float, b: float, x: float, y: float) -> float:
     """The double series over π⁴ j⁴ D22/b⁴, for the anisotropy `ratio` and stiffer = D11/D22: the same for all isotropic
     materials."""
-    (a, b), (x, y) = size, position
     i = np.arange(1.0, 10_001.0)
     mean = stiffer**0.5 * (b / a) ** 2 * i**2  # p², q² = mean (A ± √(A² − 1)), the roots in −j²
     spread = np.emath.sqrt(complex(ratio**2 - 1))

@@ -1,0 +1,74 @@
+"""Which of many impacts have a law that is sure to be accepted in series with a spring; others are tried one by one."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from film_model.base.arrays import Array, Mask
+from film_model.base.errors import SimulationError
+from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
+from film_model.problem.curve import steepest_fall
+from film_model.problem.families import CONTINUOUS, EDGES, never_fall, page_number
+from film_model.problem.fit import values_of
+from film_model.problem.problem import Impacts
+from film_model.problem.varied import fitted_by
+
+SURE = 0.5
+"""Of the compliance at which the contact would snap through, because the slope is known at some points only."""
+
+
+def sure_in_series(impacts: Impacts, compliance: Array) -> Mask:
+    """Whether the law of each impact is sure to be accepted in series with a target of its compliance [m/N].
+
+    The impacts share a curve, a page of a family, or pieces.
+    """
+    scales, own = impacts.problem(impacts.numbers.impedance, impacts.column(0.0)).scales, impacts.own
+    try:
+        fall = _fall_of_page(impacts.one_law) if own.shape is not None else steepest_fall(impacts.one_law)
+    except SimulationError:
+        return np.zeros(compliance.shape, np.bool_)
+    followed = compliance * scales.force / scales.length * fall < SURE
+    if own.varied is None:
+        return followed
+    stages = impacts.law.at(slice(None)).stages()
+    if fitted_by(impacts.law):
+        last = impacts.one_law.stages()[-1]
+        before = 0.0 if len(stages) == 1 else _force(stages[-2], last.begin)
+        return followed & never_fall(own.varied.values, before)
+    return followed & _never_fall(stages, compliance.shape)
+
+
+@lru_cache(maxsize=64)
+def _fall_of(law: AbstractLaw, low: float, high: float) -> float:
+    return max(steepest_fall(law.of_shape(low * (high / low) ** x)) for x in (0.0, 0.25, 0.5, 0.75, 1.0))
+
+
+def _fall_of_page(law: AbstractLaw) -> float:
+    """The steepest fall of the laws of a page."""
+    number = int(page_number(law.shape))
+    return _fall_of(law.of_shape(1e-3), float(EDGES[number]), float(EDGES[number + 1]))
+
+
+def _never_fall(stages: tuple[Stage, ...], shape: tuple[int, ...]) -> Mask:
+    """For stages of powers whose numbers are arrays: none has a term that falls, and none begins with a jump."""
+    found, before = np.ones(shape, np.bool_), 0.0
+    for stage in stages:
+        power: Any = stage.force
+        if isinstance(power, Power):
+            found &= (np.asarray(power.slope) >= 0.0) & (np.asarray(power.coefficient) >= 0.0)
+        begins = _force(stage, stage.begin)
+        found &= abs(begins - before) <= CONTINUOUS * abs(begins)
+        before = _force(stage, stage.end) if np.isfinite(stage.end) else before
+    return found
+
+
+def _force(stage: Stage, xi: float) -> Any:
+    """The force of a stage at one indentation; an array if the numbers of a power are arrays."""
+    power = stage.force
+    if not isinstance(power, Power):
+        return float(values_of(power, np.array([xi]), stage)[0])
+    x = max(xi - origin_of(power, stage), 0.0)
+    return power.constant + power.slope * x + power.coefficient * x**power.exponent

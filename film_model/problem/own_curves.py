@@ -1,0 +1,96 @@
+"""In what the curves of many impacts of one problem differ: shape or similarity, some numbers, springs in series."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.arrays import Array, Index
+from film_model.core import families, native
+from film_model.core.comparison import dents
+from film_model.laws.law import AbstractLaw
+from film_model.problem.curve import Curve
+from film_model.problem.families import Page, page_of
+from film_model.problem.law_of_scene import SceneLaw
+from film_model.problem.rows import march_rows
+from film_model.problem.similar import similar_page
+from film_model.problem.varied import Varied, varied_of
+
+
+class OwnCurves(NamedTuple):
+    """page: a family of curves, and shape: the shapes, or similarities, of the laws. varied: of curves that differ in
+    numbers of their powers. spring: compliances [δ_s/F_s] in series. Each is None where the curves do not differ in it,
+    or have none."""
+
+    page: Page | None = None
+    shape: Array | None = None
+    varied: Varied | None = None
+    spring: Array | None = None
+
+    @classmethod
+    def of(cls, law: SceneLaw, count: int, fitted: bool = True) -> OwnCurves:
+        """Of `count` laws that share a page of their family, or pieces. fitted: whether curves of laws with a shape are
+        fitted that differ in other numbers too."""
+        kind = law.law
+        if isinstance(kind, AbstractLaw) or not law.read:
+            return cls()
+        shaped = law.rule is None and bool(kind.shaped_by)
+        if law.rule is None and law.read.keys() & {*kind.similar_by}:
+            return cls(similar_page(law.at(0)), law.on_arrays(lambda law, _: (law.similarity,), count)[0])
+        varied = varied_of(law, count) if fitted or not shaped else None
+        if varied is not None or not shaped:
+            return cls(varied=varied)
+        return cls(page_of(law.at(0)), law.on_arrays(lambda law, _: (law.shape,), count)[0])
+
+    @property
+    def alike(self) -> bool:
+        """Whether all have one curve."""
+        return all(values is None for values in self)
+
+    def part(self, places: Any) -> OwnCurves:
+        """Of some of the impacts."""
+        if self.alike:
+            return self
+        shape, spring = (None if values is None else values[places] for values in (self.shape, self.spring))
+        return OwnCurves(self.page, shape, None if self.varied is None else self.varied.part(places), spring)
+
+    def march(self, curve: Curve, mesh: native.Mesh, start: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[Any]]:
+        """The core's statuses and summaries. curve: of the first impact, without a spring."""
+        page, shape, varied, spring = self
+        if spring is not None:
+            family = None if page is None or shape is None else (page.family, page.whole, shape)
+            return families.batch_in_series(curve.native, family, varied, spring, mesh, start)
+        return march_rows(curve, page, mesh, start, shape, varied)
+
+    def groups(self) -> Iterator[Index]:
+        """The impacts of each curve that differs from the others."""
+        columns = [values[:, None] for values in (self.shape, self.spring) if values is not None]
+        columns += [] if self.varied is None else [self.varied.values]
+        different, group = np.unique(np.concatenate(columns, axis=1), axis=0, return_inverse=True)
+        for k in range(len(different)):
+            yield np.flatnonzero(group.ravel() == k)
+
+    def first(self, curve: Curve) -> native.Curve:
+        """The curve of the first impact to the last digit. curve: that of its law alone, with its spring."""
+        made = None
+        if self.varied is not None:
+            made = self.varied.curve_at(0)
+        elif self.page is not None and self.shape is not None:
+            made = self.page.at(float(self.shape[0]))
+        if made is None:
+            return curve.native
+        return made if self.spring is None else families.in_series(made, float(self.spring[0]))
+
+    def dents(self, curve: Curve, depth: Any, end: Any) -> Any:
+        """What contacts leave that turned at `depth` and ended at `end` [δ_s], laws that pull. curve: of the first."""
+        if self.page is None or self.shape is None:
+            return dents(curve.native, depth, end)
+        return families.dents(self.page.family, self.page.whole, self.shape, depth, end)
+
+    @property
+    def fit_error(self) -> float:
+        """Largest relative difference between the forces of a page and the law's."""
+        return 0.0 if self.page is None else self.page.fit_error

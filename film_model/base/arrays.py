@@ -64,16 +64,13 @@ def ratio(a: Any, b: Any) -> Any:
 
 
 def any_of(condition: Any) -> bool:
-    """Whether the condition holds; for many impacts, whether it holds for at least one.
-
-    Counting takes a quarter of the time of `ndarray.any` for few impacts.
-    """
-    return bool(np.count_nonzero(condition)) if isinstance(condition, np.ndarray) else condition
+    """Whether the condition holds; for many impacts, whether it holds for at least one."""
+    return bool(condition.any()) if isinstance(condition, np.ndarray) else condition
 
 
 def all_of(condition: Any) -> bool:
     """Whether the condition holds; for many impacts, whether it holds for all."""
-    return bool(np.count_nonzero(condition) == condition.size) if isinstance(condition, np.ndarray) else condition
+    return bool(condition.all()) if isinstance(condition, np.ndarray) else condition
 
 
 def either(condition: Any, a: Any, b: Any) -> Any:

@@ -148,10 +148,11 @@ void film_prepare_damped(batch_job *j) {
     const film_curve *curve = j->curve;
     const film_piece *piece = curve->piece;
     damped_form *form = &j->damped;
-    double force, damping;
+    double force = 0.0, damping = 0.0;
     memset(form, 0, sizeof *form);
     if (curve->stages != 1 || !curve->stage[0].damped || curve->stage[0].count != 1 || curve->stage[0].begin != 0.0 ||
-        curve->stage[0].end < INFINITY || curve->compliance != 0.0 || j->mesh->linearisation != FILM_WORK_PRESERVING || j->mesh->loading < 1)
+        curve->stage[0].end < INFINITY || curve->compliance != 0.0 ||
+        j->mesh->linearisation != FILM_WORK_PRESERVING || j->mesh->loading < 1)
         return;
     form->stiffness = lone_power(&piece->force, &force);
     form->factor = lone_power(&piece->damping, &damping);

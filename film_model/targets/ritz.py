@@ -33,14 +33,15 @@ MOST_FUNCTIONS = 2000
 """Largest number of products that interact: their vibrations take a second and 100 MB."""
 
 MOST_WAVES = 300
-"""Most half-waves along a side, unless two opposite edges are simply supported: their shapes take a second."""
+"""Most half-waves along a side, twice as many if its ends are alike, unless two opposite edges are simply supported:
+their shapes take two seconds."""
 
 SHARPNESS = ((2.0, 300), (1.6, 1000), (1.3, MOST_FUNCTIONS))
 """Highest frequency of the products over the highest that is asked for, and the number of products that it may take.
 Errors of the highest frequency are then up to 1e-3, 2e-3 and 4e-3; below half of it up to 1e-4, 1e-4 and 2e-4."""
 
-MOST_STRIPS = 3e9
-"""Largest sum of the cubes of the numbers of polynomials of all half-waves: their vibrations take two seconds."""
+MOST_STRIPS = 6e9
+"""Largest sum of the cubes of the numbers of polynomials of all half-waves: their vibrations take three seconds."""
 
 MOST_DEGREE = 128
 """Highest degree of the polynomials across a strip: rounding spoils those of higher degree. Shapes of a beam replace
@@ -103,11 +104,12 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float) -> 
     if SIMPLE in panel.ends:
         return sorted_modes(*_strips(panel, position, highest), highest)
     waves = [_half_waves(panel, along, highest) for along in (0, 1)]
-    if max(waves) > MOST_WAVES:
-        raise TooManyModes(
-            f"the vibrations of this plate need {max(waves):.0f} half-waves along one side, but at most {MOST_WAVES} "
-            "are allowed: take simply supported edges, or set boundary_reflections = false in [effects]"
-        )
+    for along, number in enumerate(waves):
+        if number > (most := MOST_WAVES * (2 if _symmetric(panel, along) else 1)):
+            raise TooManyModes(
+                f"the vibrations of this plate need {number:.0f} half-waves along one side, but at most {most} are "
+                "allowed: take simply supported edges, or set boundary_reflections = false in [effects]"
+            )
     groups = math.prod(2 if _symmetric(panel, along) else 1 for along in (0, 1))
     least = FEWEST * math.prod(max(number - 2, 0.0) for number in waves) / groups
     if least > MOST_FUNCTIONS:

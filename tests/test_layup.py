@@ -45,6 +45,43 @@ def test_an_isotropic_ply_gives_an_isotropic_plate():
     assert layers.modes(1e4).frequency == pytest.approx(sheet.modes(1e4).frequency, rel=1e-12)
 
 
+def test_a_fibre_metal_laminate():
+    """Two sheets of aluminium around a ply across, by hand: D = Q (h³ − c³)/12 of the sheets + Q c³/12 of the ply."""
+    metal, ply = fm.material("aluminium 6061-T6"), plies()[PLY]
+    layers = [["aluminium 6061-T6", "0.4 mm", 90], [PLY, "0.2 mm", 90], [metal, "0.4 mm", 0]]
+    glare = fm.Plate("aluminium 6061-T6", layup=layers, size=["300 mm", "200 mm"])
+    outer, inner = (1.0e-3**3 - 0.2e-3**3) / 12, 0.2e-3**3 / 12
+    e, nu = metal.youngs_modulus, metal.poissons_ratio
+    whole = e / (1 - nu**2)
+    less = 1 - ply.nu12**2 * ply.E2 / ply.E1
+    expected = (
+        whole * outer + ply.E2 / less * inner,
+        nu * whole * outer + ply.nu12 * ply.E2 / less * inner,
+        whole * outer + ply.E1 / less * inner,
+        e / (2 * (1 + nu)) * outer + ply.G12 * inner,
+    )
+    assert glare.stiffness == pytest.approx(expected, rel=1e-12)
+    assert glare.surface_density == pytest.approx(metal.density * 0.8e-3 + ply.density * 0.2e-3, rel=1e-12)
+    scene = fm.Scene(fm.Sphere(radius="5 mm", velocity="1 m/s", material="mild steel"), glare)
+    assert fm.Scene.from_text(scene.to_toml()).target.stiffness == pytest.approx(expected, rel=1e-12)
+    own = {"youngs_modulus": "70 GPa", "poissons_ratio": 0.3, "density": "2700 kg/m^3"}
+    assert fm.Plate(layup=[[own, "1 mm", 0]]).stiffness[0] == pytest.approx(70e9 * 1e-9 / 12 / 0.91)
+
+
+def test_a_plate_of_given_stiffness_is_not_asked_for_its_thickness():
+    sheet = fm.Plate(
+        "mild steel",
+        mass_per_area="8 kg/m^2",
+        bending_stiffness={"D11": "155 N*m", "D12": "45 N*m", "D22": "155 N*m", "D66": "55 N*m"},
+        size=["300 mm", "200 mm"],
+        edges="clamped",
+    )
+    scene = fm.Scene(fm.Sphere(radius="5 mm", velocity="1 m/s", material="mild steel"), sheet)
+    reasons = [effect.reason for effect in choose(scene).effects]
+    assert not [reason for reason in reasons if "target.thickness" in reason]
+    assert len([reason for reason in reasons if "given bending_stiffness" in reason]) == 3
+
+
 def test_twist_is_neglected_with_a_number():
     """For [45/−45]s: the impedance from a mean over directions with D16 and D26, and without."""
     layers = plate([45, -45, -45, 45], size=["100 mm", "100 mm"])
@@ -71,7 +108,10 @@ def test_twist_is_neglected_with_a_number():
             "layer 1, .* differs from layer 1 .* not symmetric, so bending would be",
         ),
         ([[PLY, "1 mm", 45], [PLY, "1 mm", -45]], "not symmetric"),
-        ([["carbon epoxy UD", "1 mm", 0]], 'layer 1: material: no ply is called .*did you mean "carbon/epoxy UD"'),
+        (
+            [["carbon epoxy UD", "1 mm", 0]],
+            'layer 1: material: no ply and no material is called .*did you mean "carbon/epoxy UD"',
+        ),
         ([[PLY, "1 kg", 0]], "layer 1: thickness: .* is a mass, a length is needed"),
         ([[PLY, "1 mm"]], "layer 1: a list is not a layer"),
         ([[PLY, "1 mm", "45 mm"]], "layer 1: angle"),

@@ -288,3 +288,12 @@ def test_the_reader_survives_damaged_files(written, tmp_path):
         else:
             assert np.isfinite(listed.frequency).all() and (np.array(listed.modal_mass) > 0).all()
     assert len(said) > 100 and not [text for text in said if "\n" in text or not text.startswith('"')]
+
+
+def test_a_vibration_without_mass_is_named():
+    """A contact that bounces on it more often than can be followed: which one, its mass, and what to check."""
+    ball = fm.Sphere(radius="5 mm", velocity="1 m/s", material="mild steel")
+    target = fm.Structure(frequency=["2.8 kHz"], modal_mass=["1.8e-22 kg"], material="mild steel")
+    scene = fm.Scene(ball, target, fm.Contact("hertz"))
+    with pytest.raises(fm.SimulationError, match=r"at 2800 Hz, has a modal mass of 1.8e-22 kg .*: check modal_mass"):
+        fm.simulate(scene)

@@ -265,6 +265,8 @@ def run(
         problem.approach, problem.load, rest, problem.mass, scales.time, problem.damping, tolerance, limit
     )
     found = modal.impact(tables, curve, start, expected)
+    if found.status == native.TOO_MANY:
+        raise CoreError(f"law {problem.law.name}: {_too_many_steps(problem, tables)}", found.status)
     raise_failure(found.status, problem)
     core = found.summary.core
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):
@@ -283,6 +285,17 @@ def run(
         summary=core,
         contacts=found.summary.contacts,
         waited=bool(found.summary.waited),
+    )
+
+
+def _too_many_steps(problem: Problem, tables: modal.Tables) -> str:
+    """Why an impact on these modes takes too many steps, and what to do."""
+    hertz, lightest = tables.frequency / (2.0 * math.pi), int(np.argmax(tables.share))
+    return (
+        f"the contact with {hertz.size} vibrations from {hertz[0]:.4g} to {hertz[-1]:.4g} Hz needs more steps than are "
+        f"allowed. The lightest, at {hertz[lightest]:.4g} Hz, has a modal mass of {1 / tables.share[lightest]:.3g} kg "
+        f"at the struck point, the impactor {problem.mass:.3g} kg: check modal_mass or the shape of a structure; take "
+        "static_stiffness for a plate or beam"
     )
 
 

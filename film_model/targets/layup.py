@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from typing import Any, ClassVar, TypeAlias, cast
 
@@ -12,6 +13,8 @@ import numpy as np
 
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.fields import Field, build, fill, measure, mistake, part, words
+from film_model.base.materials import Material, MaterialLike
+from film_model.base.materials import material as plain_material
 from film_model.base.units import Value
 from film_model.targets.modes import Array
 
@@ -89,20 +92,45 @@ def plies() -> Mapping[str, PlyMaterial]:
 
 
 def ply_material(name: str) -> PlyMaterial:
-    """The ply of that name in the catalogue; case is ignored."""
+    """The ply of that name in the catalogue, case is ignored; or the isotropic material of that name."""
     for known, found in plies().items():
         if known.lower() == name.strip().lower():
             return found
+    with suppress(ValueError):
+        return isotropic(plain_material(name))
     names = ", ".join(plies())
-    raise ValueError(f"no ply is called {shown(name)}{did_you_mean(name, plies()) or '; there are ' + names}")
+    raise ValueError(
+        f"no ply and no material is called {shown(name)}{did_you_mean(name, plies()) or '; there are ' + names}"
+    )
+
+
+def isotropic(material: Material) -> PlyMaterial:
+    """A layer of isotropic material, a metal sheet or a core: E1 = E2 = E, G12 = E/(2 (1 + ν))."""
+    modulus, ratio = material.youngs_modulus, material.poissons_ratio
+    shear = modulus / (2.0 * (1.0 + ratio))
+    along, twist, density = f"{modulus!r} Pa", f"{shear!r} Pa", f"{material.density!r} kg/m^3"
+    return PlyMaterial(material.name, along, along, twist, ratio, density, material.source)
+
+
+_ORTHOTROPIC = part(PlyMaterial, required=True, by_name=ply_material)
+
+
+def _read_material(value: object) -> PlyMaterial:
+    """A ply's material; or an isotropic one, as an object or a table with its modulus."""
+    if isinstance(value, Material):
+        return isotropic(value)
+    if isinstance(value, Mapping) and "youngs_modulus" in value:
+        return isotropic(build(Material, cast("Mapping[str, object]", value)))
+    return _ORTHOTROPIC.read(value)
 
 
 @dataclass(frozen=True, init=False)
 class Ply:
-    """A layer. thickness: m. angle: from the plate's first side to the fibres, degrees."""
+    """A layer. material: of a ply, or isotropic: name, object or table. thickness: m. angle: from the plate's first
+    side to the fibres, degrees; without effect on an isotropic layer."""
 
     FIELDS: ClassVar[Mapping[str, Field]] = {
-        "material": part(PlyMaterial, required=True, by_name=ply_material),
+        "material": replace(_ORTHOTROPIC, read=_read_material),
         "thickness": measure("length", 1e-9, 10, required=True),
         "angle": measure("dimensionless", -360, 360, required=True),
     }
@@ -113,7 +141,7 @@ class Ply:
 
     def __init__(
         self,
-        material: PlyMaterial | str | Mapping[str, Any] | None = None,
+        material: PlyMaterial | MaterialLike | None = None,
         thickness: Value | None = None,
         angle: float | str | None = None,
     ) -> None:
@@ -162,7 +190,13 @@ def _read_ply(item: object) -> Ply:
 def _alike(one: Ply, other: Ply) -> bool:
     turn = (one.angle - other.angle) % 180.0
     same = abs(one.thickness - other.thickness) <= ALIKE * one.thickness
-    return same and one.material == other.material and min(turn, 180.0 - turn) <= 1e-9
+    return same and one.material == other.material and (_turnable(one.material) or min(turn, 180.0 - turn) <= 1e-9)
+
+
+def _turnable(material: PlyMaterial) -> bool:
+    """Whether it is isotropic, so that its angle has no effect."""
+    shear = material.E1 / (2.0 * (1.0 + material.nu12))
+    return material.E1 == material.E2 and abs(material.G12 - shear) <= ALIKE * shear
 
 
 LAYUP = Field(

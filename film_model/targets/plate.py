@@ -316,7 +316,7 @@ class Plate(AbstractTarget):
         """
         thickness, material = self.thickness, self.material
         if thickness is None or material is None:
-            return missing("target.thickness")
+            return Estimate("the shear stiffness of a plate of layers, or of given bending_stiffness, is not known")
         if impact.by_compliance or impact.vibrates:
             return self._shear_of_a_bent_plate(impact, material, thickness)
         if impact.duration < self._crossing(material):
@@ -348,7 +348,7 @@ class Plate(AbstractTarget):
         """
         material = self.material
         if self.thickness is None or material is None:
-            return missing("target.thickness and target.material")
+            return Estimate("the thickness or the waves of a plate of layers, or of given stiffness, are not known")
         if impact.duration >= THIN * self.thickness / shear_velocity(material):
             return no_effect("the contact is slow enough for bending waves, which are part of the target's motion")
         carried = 1.0 - impact.restitution**2 - impact.fraction if impact.by_impedance else 0.0

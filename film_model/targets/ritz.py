@@ -2,7 +2,8 @@
 
 The deflection is a sum of products f_p(x) g_q(y) of the functions of :mod:`film_model.targets.line_functions`, and the
 energy is ½ ∫∫ D11 w_xx² + 2 D12 w_xx w_yy + D22 w_yy² + 4 D66 w_xy² + k_f w² + edge springs. Functions of different
-symmetry do not interact, and each half-wave along a simply supported direction vibrates alone (Lévy's solution).
+symmetry do not interact. Each half-wave along a simply supported direction vibrates alone (Lévy's solution): its
+functions across are all polynomials up to a degree, which converge faster than any power of it.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from scipy import linalg
 from film_model.base.arrays import Array, Index
 from film_model.base.errors import SimulationError, TooManyModes
 from film_model.targets.line_functions import SIMPLE, Line, line, polynomials
-from film_model.targets.modes import Modes, projected, sorted_modes
+from film_model.targets.modes import Modes, check_count, projected, sorted_modes
 from film_model.targets.plate_statics import levy_compliance
 
 _LINALG: Any = linalg
@@ -31,9 +32,28 @@ Block = tuple[Index, Index]
 MOST_FUNCTIONS = 2000
 """Largest number of products that interact: their vibrations take a second and 100 MB."""
 
+MOST_WAVES = 300
+"""Most half-waves along a side, twice as many if its ends are alike, unless two opposite edges are simply supported:
+their shapes take two seconds."""
+
 SHARPNESS = ((2.0, 300), (1.6, 1000), (1.3, MOST_FUNCTIONS))
 """Highest frequency of the products over the highest that is asked for, and the number of products that it may take.
 Errors of the highest frequency are then up to 1e-3, 2e-3 and 4e-3; below half of it up to 1e-4, 1e-4 and 2e-4."""
+
+MOST_STRIPS = 6e9
+"""Largest sum of the cubes of the numbers of polynomials of all half-waves: their vibrations take three seconds."""
+
+MOST_DEGREE = 128
+"""Highest degree of the polynomials across a strip: rounding spoils those of higher degree. Shapes of a beam replace
+them, `SHAPES` times the degree, 1.6 times as many as the half-waves: frequencies then have errors as in `SHARPNESS`."""
+
+SHAPES = 0.8
+
+SPARE = 12
+"""Degree of the polynomials across a strip beyond what waves and decay need: errors are then below 1e-9."""
+
+DECAYED = 24.0
+"""Exponent at which a coefficient is neglected: e^-24 = 4e-11."""
 
 FEWEST = 0.6
 """Least number of products below a frequency over that of the half-waves along both sides: π/4 in isotropic plates,
@@ -81,14 +101,22 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float) -> 
 
     TooManyModes beyond MOST_FUNCTIONS.
     """
+    if SIMPLE in panel.ends:
+        return sorted_modes(*_strips(panel, position, highest), highest)
     waves = [_half_waves(panel, along, highest) for along in (0, 1)]
-    alone, groups = SIMPLE in panel.ends, math.prod(2 if _symmetric(panel, along) else 1 for along in (0, 1))
-    least = max(max(waves) / 4, 0.0 if alone else FEWEST * math.prod(max(number - 2, 0.0) for number in waves) / groups)
+    for along, number in enumerate(waves):
+        if number > (most := MOST_WAVES * (2 if _symmetric(panel, along) else 1)):
+            raise TooManyModes(
+                f"the vibrations of this plate need {number:.0f} half-waves along one side, but at most {most} are "
+                "allowed: take simply supported edges, or set boundary_reflections = false in [effects]"
+            )
+    groups = math.prod(2 if _symmetric(panel, along) else 1 for along in (0, 1))
+    least = FEWEST * math.prod(max(number - 2, 0.0) for number in waves) / groups
     if least > MOST_FUNCTIONS:
         raise TooManyModes(_too_many(least))
     lines, blocks, largest = list[Line](), list[Block](), 0
     for sharpness, most in SHARPNESS:
-        if not alone and least * sharpness**2 > most < MOST_FUNCTIONS:  # certainly too many
+        if least * sharpness**2 > most < MOST_FUNCTIONS:  # certainly too many
             continue
         lines = [_line(panel, along, sharpness * highest) for along in (0, 1)]
         blocks = _blocks(panel, lines, sharpness * highest, position)
@@ -100,6 +128,82 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float) -> 
     found = [_vibrations(panel, lines, block, position) for block in blocks]
     frequency, share = (np.concatenate(columns) for columns in zip(*found, strict=True))
     return sorted_modes(frequency, share, highest)
+
+
+def _strips(panel: Panel, position: tuple[float, float], highest: float) -> tuple[Array, Array]:
+    """Frequencies, rad/s, and shares of a plate with two opposite edges simply supported, each half-wave alone."""
+    if panel.ends[0] != SIMPLE:
+        panel, position = _turned(panel), (position[1], position[0])
+    (d11, d12, d22, _), (a, b), (x, y) = panel.stiffness, panel.size, position
+    # half-waves have at least the energy of the stiffness D11 − D12²/D22: edges that are free let the plate curl
+    waves = _half_waves(panel, 0, highest) * (1.0 - d12**2 / (d11 * d22)) ** -0.25
+    check_count(waves)
+    wave = np.arange(1.0, max(LEAST, int(waves)) + 1.0) * math.pi / a
+    wave = wave[np.abs(np.sin(wave * x)) > NODE]
+    degree, groups = _degrees(panel, wave, highest), 2 if _symmetric(panel, 1) else 1
+    if float(np.sum((degree / groups) ** 3)) > MOST_STRIPS:
+        raise TooManyModes(
+            f"the vibrations of this plate need {wave.size} half-waves along one side, each with up to "
+            f"{degree.max()} polynomials across, which takes too long: set boundary_reflections = false in [effects]"
+        )
+    found: list[tuple[Array, Array]] = []
+    for size in np.unique(degree):
+        ends, exact = panel.ends[1], size <= MOST_DEGREE
+        across = polynomials(ends, int(size)) if exact else line(ends, int(SHAPES * size))
+        seen = across.at(2.0 * y / b - 1.0) * (2.0 / math.sqrt(a * b))
+        for odd in (False, True)[:groups]:
+            q = np.flatnonzero(across.odd == odd) if groups == 2 else np.arange(seen.size)
+            if np.abs(seen[q]).max() > NODE:
+                sides = _across(panel, across, q)
+                found += [_strip(panel, sides, k, seen[q] * math.sin(k * x)) for k in wave[degree == size]]
+    frequency, share = (np.concatenate(columns) for columns in zip(*found, strict=True))
+    return frequency, share
+
+
+def _turned(panel: Panel) -> Panel:
+    """The same plate with its sides exchanged."""
+    (d11, d12, d22, d66), (a, b), edges, springs = panel.stiffness, panel.size, panel.edges, panel.springs
+    turned = (d22, d12, d11, d66), (b, a), (*edges[2:], *edges[:2]), (*springs[2:], *springs[:2])
+    return Panel(panel.mass_per_area, *turned, panel.foundation)
+
+
+def _degrees(panel: Panel, wave: Array, highest: float) -> Index:
+    """Degree of the polynomials that resolve the vibrations of half-waves with the wave numbers `wave` [1/m].
+
+    Two for each half-wave across at the highest frequency, or for the decay e^{−κy} from an edge, whose coefficients
+    fall as e^{−n²/(κb)}; rounded up to four steps an octave, so that many half-waves share their polynomials.
+    """
+    d11, d12, d22, d66 = panel.stiffness
+    mean = (d12 + 2.0 * d66) / d22 * wave**2
+    spread = (panel.mass_per_area * highest**2 - d11 * wave**4) / d22
+    root = np.sqrt(np.maximum(mean**2 + spread, 0.0))
+    across, decay = (np.sqrt(np.maximum(square, 0.0)) * panel.size[1] for square in (root - mean, root + mean))
+    degree = SPARE + np.maximum(2.0 / math.pi * across, np.sqrt(DECAYED * decay))
+    octave = 2.0 ** (np.floor(np.log2(degree)) - 2.0)
+    return (np.ceil(degree / octave) * octave).astype(np.intp)
+
+
+def _across(panel: Panel, line: Line, q: Index) -> tuple[Array, Array, Array]:
+    """The energy of functions across a strip, as the coefficients of 1, k² and k⁴, for half-waves of wave number k."""
+    (d11, d12, d22, d66), b, both = panel.stiffness, 2.0 / panel.size[1], np.ix_(q, q)
+    rest = np.diag(d22 * b**4 * line.bent[q] + panel.foundation)
+    for spring, s in zip(panel.springs[2:], (-1.0, 1.0), strict=True):
+        edge = line.at(s)[q]
+        rest += spring * b * np.outer(edge, edge)
+    crossed = line.crossed[both]
+    return rest, b**2 * (4.0 * d66 * line.sloped[both] - d12 * (crossed + crossed.T)), d11 * np.eye(q.size)
+
+
+def _strip(panel: Panel, across: tuple[Array, Array, Array], k: float, seen: Array) -> tuple[Array, Array]:
+    """Frequencies and shares of half-waves of wave number k. across: of `_across`. seen: the functions at the point."""
+    rest, mixed, along = across
+    square, moved = _spectrum(rest + k**2 * mixed + k**4 * along, seen, _least(panel))
+    return np.sqrt(np.maximum(square, 0.0) / panel.mass_per_area), moved**2 / panel.mass_per_area
+
+
+def _least(panel: Panel) -> float:
+    """A stiffness per area below that of the first vibration, N/m³."""
+    return min(d / side**4 for d, side in zip(panel.stiffness[::2], panel.size, strict=True))
 
 
 def _line(panel: Panel, along: int, highest: float) -> Line:
@@ -179,8 +283,7 @@ def _groups(panel: Panel, lines: list[Line], along: int) -> Index:
 
 def _vibrations(panel: Panel, lines: list[Line], block: Block, position: tuple[float, float]) -> tuple[Array, Array]:
     """Frequencies, rad/s, and shares of a group of products."""
-    least = min(d / side**4 for d, side in zip(panel.stiffness[::2], panel.size, strict=True))
-    square, moved = _spectrum(_energy(panel, lines, *block), _shape(panel, lines, position, *block), least)
+    square, moved = _spectrum(_energy(panel, lines, *block), _shape(panel, lines, position, *block), _least(panel))
     square[: _loose(panel, lines, block).shape[1]] = 0.0
     frequency = np.sqrt(np.maximum(square, 0.0) / panel.mass_per_area)
     return frequency, moved**2 / panel.mass_per_area
@@ -272,12 +375,11 @@ def panel_compliance(panel: Panel, position: tuple[float, float]) -> float:
     The edges next to the force stay as they are. The error is below 1e-5 at the centre, 1e-4 next to an edge. Of a
     plate that nothing holds, this is the deflection without its motion as a rigid body.
     """
-    (x, y), (a, b), (d11, d12, d22, d66) = position, panel.size, panel.stiffness
+    (x, y), (a, b), (d11, _, d22, _) = position, panel.size, panel.stiffness
     simple = [ends == SIMPLE and not any(panel.springs) for ends in panel.ends]
     nearer = min(y, b - y) / d22**0.25 < min(x, a - x) / d11**0.25
     if (nearer and not simple[1]) or simple[0]:
-        turned = (d22, d12, d11, d66), (b, a), panel.edges[2:] + panel.edges[:2], panel.springs[2:] + panel.springs[:2]
-        panel, position = Panel(panel.mass_per_area, *turned, panel.foundation), (y, x)
+        panel, position = _turned(panel), (y, x)
     like = Panel(panel.mass_per_area, panel.stiffness, panel.size, panel.ends[0] + SIMPLE)
     known = levy_compliance(panel.stiffness, panel.size, panel.ends[0], position)
     if like == panel:

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from film_model.targets.line_functions import line
-from film_model.targets.target import Estimate, Impact, missing, no_effect
+from film_model.targets.target import NO_THICKNESS, Estimate, Impact, missing, no_effect
 
 NOT_HELD = "no opposite edges are held, so the structure bends without stretching"
 
@@ -70,7 +70,7 @@ def stretching(
     if strain == 0.0:
         return no_effect(NOT_HELD)
     if thickness is None:
-        return missing("target.thickness")
+        return Estimate(NO_THICKNESS)
     if compliance is None:
         return missing("target.size")
     energy = impact.energy * impact.mass / (impact.mass + part)

@@ -39,6 +39,9 @@ GIVEN_STIFFNESS = "a given static stiffness does not determine the vibrations"
 COMES_BACK = "how shear changes the rebound is unknown on a target that vibrates: contact may be lost and come back"
 """Why shear is not assessed on a target that vibrates."""
 
+NO_THICKNESS = "the thickness of a plate of given bending_stiffness is not known"
+"""Why an effect of the thickness is not assessed."""
+
 HELD = "the target is held fixed, so that its waves are not known"
 """Why waves in the target are not assessed."""
 
@@ -266,7 +269,7 @@ def place_mistakes(
 def contact_width_over(impact: Impact, thickness: float | None, kind: str) -> Estimate:
     """Whether a half-space law is valid on a plate or beam: the contact must be narrow compared with the thickness."""
     if thickness is None:
-        return missing("target.thickness")
+        return Estimate(NO_THICKNESS)
     value = impact.contact_radius / thickness
     if value > 1.0:
         reason = f"half-space laws fail for contacts wider than the thickness of the {kind}"

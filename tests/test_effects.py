@@ -462,8 +462,8 @@ def test_a_contact_wider_than_the_plate_is_thick():
     ("name", "missing"),
     [
         ("boundary_reflections", "target.size"),
-        ("thickness", "target.thickness"),
-        ("contact_width", "target.thickness"),
+        ("thickness", "shear stiffness"),
+        ("contact_width", "of given bending_stiffness"),
         ("adhesion", "contact.work_of_adhesion"),
         ("material_damping", "loss_factor"),
         ("rate_hardening", "yield strength"),

@@ -103,6 +103,37 @@ def test_film_marched_equals_the_recorded_march_on_a_half_space(law):
         assert summary.maximum_force == pytest.approx(last["force_peak"], rel=1e-12)
 
 
+@pytest.mark.parametrize("load", [0.0, 0.4])
+@pytest.mark.parametrize("law", ["hertz", "big-alabo", "jkr", "dmt", "thornton-ning"])
+def test_film_marched_equals_the_recorded_march_under_a_load_and_of_laws_that_pull(law, load):
+    """The energy at nodes counts the load and the pull; what does not leave, or on its weight alone, is marched."""
+    law = PULLING[law] if law in PULLING else LAWS[law]
+    curve, mesh, ends = curve_of(law).native, native.mesh(native.WORK_PRESERVING, 7, 9), set()
+    for nu in np.geomspace(0.3, 40.0, 23).tolist():
+        start = native.Start(nu, 0.0, load, 0.0, 400.0)
+        status, summary = native.marched(curve, mesh, start)
+        marched, _, states = native.record(curve, mesh, native.initial_state(curve, start), 400.0, 4000)
+        assert status == marched
+        ends.add(status)
+        if status != native.EVENT:
+            continue
+        last = states[-1]
+        assert summary.contact_duration == pytest.approx(last["time"], rel=1e-11)
+        assert summary.final_velocity == pytest.approx(last["nu"], rel=1e-11)
+        assert summary.maximum_indentation == pytest.approx(last["xi_max"], rel=1e-12)
+        assert summary.maximum_force == pytest.approx(last["force_peak"], rel=1e-12)
+        assert summary.work == pytest.approx(last["spent"], rel=1e-11, abs=1e-12 * nu**2)
+        assert summary.permanent_indentation == pytest.approx(last["xi"], rel=1e-11, abs=1e-13 * last["xi_max"])
+    assert ends == ({native.EVENT, native.OK} if law.name in ("jkr", "thornton-ning") else {native.EVENT})
+
+
+PULLING = {
+    "jkr": fm.Jkr(2e9, 50e-6, 0.05),
+    "dmt": fm.Dmt(2e9, 50e-6, 0.05),
+    "thornton-ning": fm.ThorntonNing(2e9, 50e-6, 0.05, 40e6),
+}
+
+
 STRAIGHT = tuple(name for name, law in LAWS.items() if loads_straight(law))  # exact with any segments
 LEFT_TO_THE_MARCH = ("yigit-christoforou", "tabulated")  # unloading may never end; the table ends before most turns
 

@@ -1,4 +1,4 @@
-/* One contact from its start to its end by the lines of the march, and a shorter way for a fixed target without a load, where
+/* One contact from its start to its end by the lines of the march, and a shorter way for a fixed target, where
  * energy gives the velocity at every node. docs/method.md, section 3. */
 #include "film_batch.h"
 
@@ -8,15 +8,16 @@
 
 /* The time from `from`, where the velocity is v, to `to`. tan(omega tau/2) = omega h/(v0 + v1) on each line; the first
  * line of a run from rest and the last one of a run that turns meet the law's force there. docs/method.md, section 3. */
-static double crossing_time(const film_curve *curve, const film_line *run, double from, double to, double v, int turns,
-                            int32_t segments, const double *nodes, double *peak) {
+static double crossing_time(const film_curve *curve, const film_line *run, double load, double from, double to, double v,
+                            int turns, int32_t segments, const double *nodes, double *peak) {
     double f0, w0, f1, w1, x0 = from, v0 = v, time = 0.0;
     law_at(curve, run, from, &f0, &w0);
     double total = v * v + 2.0 * w0;
     for (int32_t i = 1; i <= segments; i++) {
         double x1 = i < segments ? from + (to - from) * nodes[i] : to, h = x1 - x0;
         law_at(curve, run, x1, &f1, &w1);
-        double square = total - 2.0 * w1, per_h = 1.0 / h, mean = (w1 - w0) * per_h, kappa = (f1 - f0) * per_h;
+        double square = total - 2.0 * (w1 - load * (x1 - from)), per_h = 1.0 / h, mean = (w1 - w0) * per_h, kappa = (f1 - f0) * per_h;
+        if (!(square > 0.0) && i < segments) return INFINITY; /* it turns before */
         double v1 = square > 0.0 && !(turns && i == segments) ? sqrt(square) : 0.0;
         if (turns && i == segments) kappa = 2.0 * (f1 - mean) * per_h;
         else if (i == 1 && v == 0.0) kappa = 2.0 * (mean - f0) * per_h;
@@ -38,24 +39,27 @@ typedef struct {
 } progress;
 
 /* Through the loading stages to the turn. */
-static int load_to_turn(const film_curve *curve, const film_mesh *mesh, double nu, progress *at, film_summary *summary) {
-    double v = nu, to, work, peak = 0.0;
+static int load_to_turn(const film_curve *curve, const film_mesh *mesh, const film_start *start, progress *at, film_summary *summary) {
+    double v = start->nu, load = start->load, to, work, peak = 0.0;
     for (int status = FILM_OK; status != FILM_EVENT; at->run.branch++) {
         if (at->run.branch >= curve->stages) return FILM_BEYOND_LAW;
-        status = film_turning_point(curve, &at->run, at->xi, 0.0, v, 0.0, curve->stage[at->run.branch].end, &to);
+        double before = 0.0;
+        if (at->xi > curve->stage[at->run.branch].begin) law_at(curve, &at->run, at->xi, &at->force, &before);
+        status = film_turning_point(curve, &at->run, at->xi, before, v, load, curve->stage[at->run.branch].end, &to);
         if (status < 0) return status;
         law_at(curve, &at->run, to, &at->force, &work);
         if (status == FILM_EVENT && to - at->xi <= SHORT_LEG * to) { /* the way is mostly rounding, the velocity is not */
-            at->time += at->force > 0.0 ? v / at->force : 0.0;
+            at->time += at->force > load ? v / (at->force - load) : 0.0;
             if (at->force > peak) peak = at->force;
         } else {
-            at->time += crossing_time(curve, &at->run, at->xi, to, v, status == FILM_EVENT, mesh->loading,
+            at->time += crossing_time(curve, &at->run, load, at->xi, to, v, status == FILM_EVENT, mesh->loading,
                                       mesh->loading_nodes[FILM_COSINE], &peak);
         }
         summary->lines += mesh->loading;
+        work -= before;
         at->stored += work;
+        v = speed_after(v, work - load * (to - at->xi));
         at->xi = to;
-        v = speed_after(v, work);
     }
     summary->stage = --at->run.branch;
     summary->maximum_force = peak;
@@ -64,42 +68,50 @@ static int load_to_turn(const film_curve *curve, const film_mesh *mesh, double n
     return FILM_EVENT;
 }
 
-/* Back along the unloading branch or, of a reversible stage, along the law; *given_back: the work of the way. */
-static int unload_to_end(const film_curve *curve, const film_mesh *mesh, progress *at, film_summary *summary, double *given_back) {
+/* The run from at->xi out: where it ends, and whether the contact does. */
+static double way_out(const film_curve *curve, const film_line *run, int *last) {
+    int stretched = run->branch <= FILM_STRETCHED;
+    const film_stage *stage = &curve->stage[stretched ? FILM_STRETCHED - run->branch : run->branch < 0 ? 0 : run->branch];
+    *last = stage == curve->stage;
+    if (run->branch == FILM_BRANCH) return run->xi_free;
+    return stretched ? run->xi_origin + run->exponent * stage->begin : stage->begin;
+}
+
+/* Back along the unloading branch, the stretched stages or, of a reversible stage, the law; *given_back: the work of the way. */
+static int unload_to_end(const film_curve *curve, const film_mesh *mesh, double load, progress *at, film_summary *summary,
+                         double *given_back) {
     const double *nodes = mesh->unloading_nodes[FILM_COSINE];
-    double work, peak = 0.0, v = 0.0;
+    double peak = 0.0, v = 0.0, total = 0.0;
     int status = film_open_branch(curve, &at->run, at->xi, at->force);
     if (status < 0) return status;
-    *given_back = at->stored;
-    if (at->run.branch == FILM_BRANCH) {
-        law_at(curve, &at->run, at->xi, &at->force, given_back);
-        at->time += crossing_time(curve, &at->run, at->xi, at->run.xi_free, 0.0, 0, mesh->unloading, nodes, &peak);
-        at->xi = at->run.xi_free;
-        summary->lines += mesh->unloading;
-        return FILM_EVENT;
-    }
-    for (; at->run.branch >= 0; at->run.branch--) {
-        double to = curve->stage[at->run.branch].begin;
+    int back_along_law = at->run.branch >= 0;
+    for (int last = 0; !last; at->run.branch += at->run.branch < 0 ? 1 : -1) {
+        double to = way_out(curve, &at->run, &last), work;
         law_at(curve, &at->run, at->xi, &at->force, &work);
-        at->time += crossing_time(curve, &at->run, at->xi, to, v, 0, mesh->unloading, nodes, &peak);
+        at->time += crossing_time(curve, &at->run, load, at->xi, to, v, 0, mesh->unloading, nodes, &peak);
         summary->lines += mesh->unloading;
-        v = speed_after(v, -work);
+        v = speed_after(v, -work - load * (to - at->xi));
+        if (v == 0.0) at->time = INFINITY; /* it turns before */
+        total += work;
         at->xi = to;
     }
+    *given_back = back_along_law && curve->pull == 0.0 ? at->stored : total;
     return FILM_EVENT;
 }
 
 /* A contact with a fixed target, by energy. docs/method.md, section 3. */
-static int impact_by_energy(const film_curve *curve, const film_mesh *mesh, double nu, film_summary *summary) {
+static int impact_by_energy(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
     progress at;
-    double given_back;
+    double given_back, load = start->load;
     memset(&at, 0, sizeof at);
-    int status = load_to_turn(curve, mesh, nu, &at, summary);
-    if (status >= 0) status = unload_to_end(curve, mesh, &at, summary, &given_back);
+    while (at.run.branch < curve->stages - 1 && !(curve->stage[at.run.branch].end > 0.0)) at.run.branch++;
+    int status = load_to_turn(curve, mesh, start, &at, summary);
+    double top = at.xi;
+    if (status >= 0) status = unload_to_end(curve, mesh, load, &at, summary, &given_back);
     if (status < 0) return status;
     summary->contact_duration = at.time;
-    summary->permanent_indentation = at.run.branch == FILM_BRANCH ? at.run.xi_free : 0.0;
-    summary->final_velocity = -sqrt(2.0 * given_back);
+    summary->permanent_indentation = at.xi;
+    summary->final_velocity = -sqrt(2.0 * (given_back - load * (top - at.xi)));
     summary->work = at.stored - given_back;
     return FILM_EVENT;
 }
@@ -114,14 +126,22 @@ static void clear_summary(film_summary *summary) {
     summary->final_velocity = NAN;
 }
 
+/* Whether energy gives the velocity at every node. */
+static int by_energy(const film_mesh *mesh, const film_start *s) {
+    int undisturbed = s->nu > 0.0 && s->load >= 0.0 && s->stop_velocity == 0.0 && s->damping == 0.0;
+    return s->gamma == 0.0 && undisturbed && mesh->linearisation == FILM_WORK_PRESERVING;
+}
+
 int film_marched(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
     film_state s;
     clear_summary(summary);
     if (!(start->nu > 0.0 || (start->nu == 0.0 && start->load > 0.0)) || start->nu == INFINITY) return FILM_BAD_NUMBER;
-    if (start->gamma == 0.0 && is_undisturbed(start) && mesh->linearisation == FILM_WORK_PRESERVING && curve->pull == 0.0) {
-        int status = impact_by_energy(curve, mesh, start->nu, summary);
-        if (status < 0 || summary->contact_duration < INFINITY) return status;
-        clear_summary(summary); /* the energy is lost in the rounding of the law's work: march instead */
+    if (by_energy(mesh, start)) {
+        int status = impact_by_energy(curve, mesh, start, summary);
+        int ended = summary->contact_duration < INFINITY && summary->contact_duration <= start->time_limit;
+        ended = ended && start->load * summary->maximum_indentation <= 0.5 * start->nu * start->nu;
+        if (status < 0 || ended) return status;
+        clear_summary(summary); /* it turns again, or rounding matters: that of the recorded march, then */
     }
     int status = film_init(curve, &s, 0.0, start->nu, start->gamma, start->load, start->stop_velocity);
     if (status >= 0) status = film_damp(&s, start->damping);

@@ -220,8 +220,8 @@ static void pulling_curve(void) {
         stage->count = 1;
         if (i < 2) piece->force = power(at[i], force[i], (force[i + 1] - force[i]) / (at[i + 1] - at[i]), 0.0, 1.0);
         else piece->force = power(at[i], force[i], i == 2 ? slope : decades(0.1, 10.0), i == 2 ? k : 0.0, i == 2 ? q : 1.0);
-        piece->exponent = power(end, 1.0, fraction(), 0.0, 1.0);
-        piece->recovery = power(end, 1.0, i == 3 ? decades(1e-3, 3.0) : 0.0, 0.0, 1.0);
+        piece->exponent = power(end, 1.0, 0.0, 0.0, 1.0);
+        piece->recovery = power(end, decades(0.1, 10.0), i == 3 ? decades(1e-3, 3.0) : 0.0, 0.0, 1.0);
         if (i == 3) stage->unloading = FILM_SIMILAR;
         else if (i == 2 && yields) piece->end = end + decades(1.0, 1e6);
     }

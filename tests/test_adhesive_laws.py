@@ -370,8 +370,6 @@ def test_adhesion_is_judged_with_the_radius_of_the_dent(velocity):
 def test_what_yields_by_adhesion_alone_is_refused():
     with pytest.raises(fm.SceneError, match="adhesion alone yields"):
         fm.simulate(dented_scene(pressure=1e6))
-    with pytest.raises(ValueError, match="no other rule"):
-        fm.Unloading(residual=fm.Power(), length=fm.Power())
 
 
 @pytest.mark.slow

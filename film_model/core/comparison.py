@@ -39,9 +39,16 @@ def rounding(curve: Curve, start: Any, summary: Any, clearance: float) -> Any:
     return off
 
 
-def dents(curve: Curve, depth: Any, end: Any) -> Any:
-    """What contacts leave that turned at `depth` and ended at `end` [δ_s], of a law that pulls: see film_core.h."""
+def dents(curve: Curve, depth: Any, end: Any, places: Any = None, values: Any = None) -> Any:
+    """What contacts leave that turned at `depth` and ended at `end` [δ_s], of a law that pulls: see film_core.h.
+
+    places, values: of many contacts whose curves differ in doubles, as in `families.batch_varied`.
+    """
     rows = np.array(np.broadcast_arrays(np.atleast_1d(depth), end), np.float64)
     left = np.empty(rows.shape[1:])
-    library().film_dents(c.byref(curve), None, None, left.size, *(row.ctypes.data for row in rows), at(left))
+    own = 0, None, None
+    if places is not None:
+        values = np.ascontiguousarray(values, np.float64)
+        own = places.size, places.ctypes.data, values.ctypes.data
+    library().film_dents(c.byref(curve), left.size, *own, *(row.ctypes.data for row in rows), at(left))
     return left if np.ndim(depth) else float(left[0])

@@ -71,21 +71,6 @@ def batch(
     return status, summary
 
 
-def dents(
-    family: Family,
-    whole: native.Curve,
-    shape: NDArray[np.float64],
-    depth: NDArray[np.float64],
-    end: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """What contacts leave that turned at `depth` and ended at `end` [δ_s], each on its own curve: see film_core.h."""
-    left = np.empty(shape.size)
-    rows = [np.ascontiguousarray(values, np.float64) for values in (shape, depth, end)]
-    at, *others = (values.ctypes.data for values in (*rows, left))
-    native.library().film_dents(c.byref(whole), c.byref(family), at, left.size, *others)
-    return left
-
-
 def in_series(curve: native.Curve, compliance: float) -> native.Curve:
     """The curve in series with a spring [δ_s/F_s]."""
     made = native.Curve.from_buffer_copy(curve)

@@ -172,18 +172,28 @@ double film_stretched_origin(const film_curve *curve, const film_state *s) {
     return line->xi_origin + line->exponent * piece_at(curve, FILM_STRETCHED - s->branch, x)->force.origin;
 }
 
-/* FILM_SIMILAR: the stretched stages that go through (xi, force). The force of the last reversible stage grows with x from
+/* FILM_SIMILAR: r and l of a contact that turned in `piece` at xi under `force`. */
+static void stretch_at(const film_piece *piece, double xi, double force, double *r, double *l) {
+    double square = value_at(&piece->recovery, xi), root = sqrt(square * sqrt(square));
+    *r = square > 0.0 ? fmax(root * root / (force + 2.0 * root), 1.0) : NAN;
+    *l = cbrt(*r);
+}
+
+/* The stretched stages that go through (xi, force). The force of the last reversible stage grows with x from
  * its beginning to the end of its pieces; there force/r is sought by Newton's method in a bracket. */
 static int stretch_stages(const film_curve *curve, film_line *run, double xi, double force) {
     const film_piece *piece = piece_at(curve, run->branch, xi);
-    double r = value_at(&piece->recovery, xi), l = value_at(&piece->exponent, xi), wanted = force / r;
+    double r, l;
+    stretch_at(piece, xi, force, &r, &l);
+    double wanted = force / r;
     int32_t k = run->branch;
     while (k > 0 && curve->stage[k].unloading == FILM_SIMILAR) k--;
     double low = curve->stage[k].begin, high = piece_at(curve, k, INFINITY)->end;
     if (!(r > 0.0 && r < INFINITY && l > 0.0 && l < INFINITY && high < INFINITY)) return FILM_BAD_UNLOADING;
     if (!(wanted > value_at(&piece_at(curve, k, low)->force, low) && wanted < value_at(&piece_at(curve, k, high)->force, high)))
         return FILM_BAD_UNLOADING;
-    double x = fmin(fmax(xi / l, low), high);
+    double root = cbrt(1.0 + sqrt(fmax(1.0 + wanted, 0.0))), x = 3.0 * root * root * root * root - 4.0 * root; /* of JKR's law */
+    x = fmin(fmax(x, low), high);
     for (int i = 0; i < SERIES_STEPS; i++) {
         const film_function *g = &piece_at(curve, k, x)->force;
         double miss = value_at(g, x) - wanted, next = x - miss / slope_at(g, x);
@@ -203,16 +213,21 @@ static int stretch_stages(const film_curve *curve, film_line *run, double xi, do
 static double dent(const film_curve *curve, double depth, double end) {
     int32_t k = curve->stages - 1;
     while (k > 0 && !(depth > curve->stage[k].begin)) k--;
-    double l = curve->stage[k].unloading == FILM_SIMILAR ? value_at(&piece_at(curve, k, depth)->exponent, depth) : 1.0;
+    double force, work, r, l = 1.0;
+    if (curve->stage[k].unloading == FILM_SIMILAR) {
+        stage_law(curve, k, depth, &force, &work);
+        stretch_at(piece_at(curve, k, depth), depth, force, &r, &l);
+    }
     return end - l * curve->stage[0].begin;
 }
 
-void film_dents(const film_curve *curve, const film_family *family, const double *shape, int64_t count, const double *depth,
-                const double *end, double *dents) {
+void film_dents(const film_curve *curve, int64_t count, int32_t varying, const int32_t *places, const double *values,
+                const double *depth, const double *end, double *dents) {
     film_curve own = *curve;
+    double *doubles = (double *)&own;
     for (int64_t i = 0; i < count; i++) {
-        int made = family != NULL ? film_shape(family, curve, shape[i], &own) : FILM_OK;
-        dents[i] = made < 0 ? NAN : dent(&own, depth[i], end[i]);
+        for (int32_t k = 0; k < varying; k++) doubles[places[k]] = values[i * varying + k];
+        dents[i] = dent(&own, depth[i], end[i]);
     }
 }
 

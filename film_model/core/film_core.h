@@ -53,8 +53,8 @@ enum {
     FILM_RESIDUAL = 2, /* recovery() is xi_f itself */
     FILM_SECANT = 3,   /* recovery() is f_m/(xi_m - xi_f), but xi_f >= 0 */
     FILM_SHIFTED = 4,  /* recovery() is c: f = f_m - c (xi_m^q - xi^q), down to f = 0 */
-    FILM_SIMILAR = 5   /* of a law that pulls: its reversible stages f0, stretched: f = r f0((xi - xi_f)/l), recovery() is r,
-                        * exponent() is l, and xi_f follows from f_m */
+    FILM_SIMILAR = 5   /* of a law that pulls: its reversible stages f0, stretched: f = r f0((xi - xi_f)/l), and xi_f follows
+                        * from f_m. recovery() is a^2, r = a^3/(f_m + 2 a^1.5), at least 1, l = r^(1/3) */
 };
 
 typedef struct {
@@ -64,7 +64,7 @@ typedef struct {
     film_function mean;     /* of a series: its mean since x = 0, so that a small work keeps its digits; of a power: unused */
     film_function recovery; /* of xi_m */
     film_function damping;  /* c over the factor of film_damp, where the stage is damped */
-    film_function exponent; /* q of xi_m; of FILM_SIMILAR, l */
+    film_function exponent; /* q of xi_m; of FILM_SIMILAR, unused */
 } film_piece;
 
 typedef struct {
@@ -390,8 +390,8 @@ FILM_API void film_rounding(const film_curve *curve, int64_t count, const film_s
                             double clearance, double *off);
 
 /* dents[i]: what a contact leaves that turned at depth[i] and ended at end[i], of a law that pulls: xi_f of its branch, since
- * the contact ends below xi_f. family and shape: as in film_batch_shaped, or NULL. */
-FILM_API void film_dents(const film_curve *curve, const film_family *family, const double *shape, int64_t count,
+ * the contact ends below xi_f. varying, places, values: as in film_batch_varied. */
+FILM_API void film_dents(const film_curve *curve, int64_t count, int32_t varying, const int32_t *places, const double *values,
                          const double *depth, const double *end, double *dents);
 
 /* sizeof film_curve, film_mesh, film_line, film_state, film_summary, for callers that mirror them. */

@@ -212,7 +212,7 @@ def library() -> Any:
         "film_batch_shaped": ([c.c_int, pointer, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
         "film_compare": ([i64, pointer, pointer, pointer, pointer], None),
         "film_rounding": ([pointer, i64, pointer, pointer, _D, pointer], None),
-        "film_dents": ([pointer, pointer, pointer, i64, pointer, pointer, pointer], None),
+        "film_dents": ([pointer, i64, c.c_int32, pointer, pointer, pointer, pointer, pointer], None),
         "film_batch_with": ([c.c_int, pointer, pointer, i64, pointer, pointer, pointer], None),
     }
     for name, (arguments, result) in signatures.items():

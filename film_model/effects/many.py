@@ -25,7 +25,6 @@ from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
 from film_model.problem.problem import Impacts, Problem
-from film_model.problem.similar import number_of
 from film_model.problem.varied import varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
@@ -259,10 +258,8 @@ def curve_keys(law: SceneLaw) -> list[Array]:
         read = law.read
         if law.rule is None and read.keys() & {*kind.shaped_by}:
             shape = np.asarray(law.at(slice(None)).shape)
-            shapes.append(_pages(page_number(shape), LAST_PAGE, shape))
-        elif law.rule is None and read.keys() & {*kind.similar_by}:
-            similarity = np.asarray(law.at(slice(None)).similarity)
-            shapes.append(_pages(number_of(kind, similarity), len(kind.similarities) - 1, similarity))
+            page = page_number(shape)
+            shapes.append(np.where((page >= 0) & (page < LAST_PAGE), page, shape))  # others have curves of their own
         elif read and not (law.rule is None and kind.shaped_by):
             shapes += [] if varied_of(law, next(iter(read.values())).size) is not None else read.values()
     if law.rule == "brake":
@@ -270,8 +267,3 @@ def curve_keys(law: SceneLaw) -> list[Array]:
         assert isinstance(made, BrakeUnloading)
         shapes += [made.ratio] if isinstance(made.ratio, np.ndarray) else []
     return shapes
-
-
-def _pages(page: Array, count: int, shape: Array) -> Array:
-    """The pages of some shapes; of those outside, which have curves of their own, the shapes."""
-    return np.where((page >= 0) & (page < count), page, shape)

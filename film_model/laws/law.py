@@ -62,8 +62,9 @@ class Unloading:
     * `residual` ξ_f;
     * `secant`, the stiffness f_m/(ξ_m − ξ_f) of the chord; a negative ξ_f is replaced by 0;
     * `shifted` c: the branch is f = f_m − c (ξ_m^q − ξ^q) down to f = 0, that is the curve c ξ^q moved down;
-    * `similar` r, of a law that pulls: its reversible stages f₀, stretched, f = r f₀((ξ − ξ_f)/l), through (ξ_m, f_m);
-      `length` is l, and what the force does between ξ_f and the end of contact is as in those stages.
+    * `contact_area` α², of a law that pulls: its reversible stages f₀, stretched, f = r f₀((ξ − ξ_f)/l), through
+      (ξ_m, f_m). r = α³/(f_m + 2 α^{3/2}), at least 1, is the curvature of the JKR contact of radius α a_c under f_m, over
+      that of f₀; l = r^{1/3}. Between ξ_f and the end of contact the force does as in those stages.
 
     `exponent` q may be a function of ξ_m too. `reload_exponent` r ≤ q: reloading follows
     f_m ((ξ − ξ_f)/(ξ_m − ξ_f))^r up to the turning point instead of the unloading branch.
@@ -73,16 +74,13 @@ class Unloading:
     residual: Function | None = None
     secant: Function | None = None
     shifted: Function | None = None
-    similar: Function | None = None
+    contact_area: Function | None = None
     exponent: Function | float = 1.5
     reload_exponent: float | None = None
-    length: Function | None = None
 
     def __post_init__(self) -> None:
         if sum(rule is not None for rule in self._rules().values()) != 1:
             raise ValueError("Unloading: give exactly one of " + ", ".join(self._rules()))
-        if (self.similar is None) != (self.length is None):
-            raise ValueError("Unloading: similar needs length, and no other rule has one")
         r, q = self.reload_exponent, self.exponent
         if r is not None and not (r > 0.0 and not (isinstance(q, float | int) and r > q)):
             raise ValueError(
@@ -90,7 +88,7 @@ class Unloading:
             )
 
     def _rules(self) -> dict[str, Function | None]:
-        names = ("radius_ratio", "residual", "secant", "shifted", "similar")
+        names = ("radius_ratio", "residual", "secant", "shifted", "contact_area")
         return {name: getattr(self, name) for name in names}
 
     @property
@@ -108,9 +106,9 @@ class Stage:
     root: the force is smooth in √(ξ − begin) rather than in ξ (used only for functions that are fitted). knots: points
     inside the stage where a derivative of the force jumps; the fit is made piecewise between them.
     damping: c(ξ) divided by the law's `damping_factor`, for F = f + c ξ̇; only for a law of one reversible stage.
-    pulls: the force may be negative; only for a law whose stages are reversible or, after those, unload by `similar`.
-    Its first stage may begin below 0: contact then begins at 0 and ends where that stage begins. reach: how far the
-    force of the last reversible stage is known beyond its end, for the branches of the stages after it.
+    pulls: the force may be negative; only for a law whose stages are reversible or, after those, unload by
+    `contact_area`. Its first stage may begin below 0: contact then begins at 0 and ends where that stage begins. reach:
+    how far the force of the last reversible stage is known beyond its end, for the branches of the stages after it.
     """
 
     name: str
@@ -179,8 +177,7 @@ class AbstractLaw(ABC):
     name: in scene files. summary, source, validity: one phrase each for lists and pages; validity is the range in which
     the law holds. family: a key of `FAMILIES`; laws of a user's own script need none. default_unloading: name of the
     unloading rule (:mod:`film_model.laws.unloading`) for a law without one. damped: the stage of the law has damping.
-    shaped_by: fields that enter the stages through `shape` only; similar_by: through `similarity` only. similarities:
-    values of `similarity` between which the stages have as many knots, ascending.
+    shaped_by: fields that enter the stages through `shape` only.
     """
 
     name: ClassVar[str]
@@ -192,8 +189,6 @@ class AbstractLaw(ABC):
     default_unloading: ClassVar[str | None] = None
     damped: ClassVar[bool] = False
     shaped_by: ClassVar[tuple[str, ...]] = ()
-    similar_by: ClassVar[tuple[str, ...]] = ()
-    similarities: ClassVar[tuple[float, ...]] = ()
 
     @abstractmethod
     def scales(self, energy: float) -> tuple[float, float]:
@@ -217,18 +212,6 @@ class AbstractLaw(ABC):
 
     def of_shape(self, shape: float) -> AbstractLaw:
         """The law with another shape. It is the same for laws that differ in shape and scales only."""
-        raise NotImplementedError
-
-    @property
-    def similarity(self) -> Any:
-        """The one number on which all stages depend smoothly; None: none.
-
-        The curves of many impacts that differ in it are fitted together (:mod:`film_model.problem.similar`).
-        """
-        return None
-
-    def of_similarity(self, similarity: float) -> AbstractLaw:
-        """A law with this similarity."""
         raise NotImplementedError
 
     @classmethod

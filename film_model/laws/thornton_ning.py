@@ -5,107 +5,65 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 
 from film_model.laws.adhesive import AdhesiveLaw
 from film_model.laws.jkr import PARTING, UNLOADED, jkr_force, jkr_scales
-from film_model.laws.law import Array, ExampleBall, Parameter, Power, Stage, Unloading
+from film_model.laws.law import ExampleBall, Parameter, Power, Stage, Unloading
 
 SOFTEST = 2.0 ** (5.0 / 3.0) / 3.0
 """Least p_y π R/(2 E a_c), at which the sphere yields where a contact without a force is: 1.0583."""
 
-_RATIO, _STEPS = 4.0, 10  # of the contact's area between pieces of the fit, and their number
-
-WIDEST = _RATIO ** (_STEPS / 2)
+WIDEST = 1024.0
 """The law ends where the contact radius is this many times that at yield."""
 
-_NEWTON = 60
-_HALVINGS = 60
+_RATIO, _KNOTS = 4.0, 30
+"""Of the indentation between pieces of the elastic force, and their least number: up to p_y π R/(2 E a_c) = 1e7 all
+laws have the same pieces, so that sweeps share them."""
+
+_NEWTON = 12
 
 
 @dataclass(frozen=True)
 class _Plastic:
     """A contact beyond yield: α = a/a_c, where α² = α_y² + (d − d_y)/3, f = f_y + (P/2) (d − d_y), d = δ/δ_s."""
 
-    pressure: float  # P = p_y π R/(2 E a_c)
+    pressure: Any  # P = p_y π R/(2 E a_c)
 
     @cached_property
-    def radius(self) -> float:
+    def radius(self) -> Any:
         """α_y = u², u³ − P u − 2/3 = 0, by Newton's method from above: the cubic is convex there."""
-        u = math.sqrt(self.pressure) + 1.0
+        u = self.pressure**0.5 + 1.0
         for _ in range(_NEWTON):
-            u -= (u**3 - self.pressure * u - 2.0 / 3.0) / (3.0 * u * u - self.pressure)
+            square = u * u
+            u = u - (u * (square - self.pressure) - 2.0 / 3.0) / (3.0 * square - self.pressure)
         return u * u
 
     @cached_property
-    def begin(self) -> float:
+    def begin(self) -> Any:
         """d_y of the elastic contact."""
-        return 3.0 * self.radius**2 - 4.0 * math.sqrt(self.radius)
+        return 3.0 * self.radius**2 - 4.0 * self.radius**0.5
 
     @cached_property
-    def force(self) -> float:
+    def end(self) -> Any:
+        """Where the contact radius is `WIDEST` times that at yield."""
+        return self.begin + 3.0 * self.radius**2 * (WIDEST**2 - 1.0)
+
+    @cached_property
+    def force(self) -> Any:
         """f_y of the elastic contact."""
         return self.radius**3 - 2.0 * self.radius**1.5
 
-    def curvature(self, indentation: Array) -> Array:
-        """R_p/R of unloading: the JKR contact with that radius has this contact's radius and force; at least 1."""
-        cube = self._squared(indentation) ** 1.5
-        force = self.force + 0.5 * self.pressure * (indentation - self.begin)
-        return np.maximum(cube / (force + 2.0 * np.sqrt(cube)), 1.0)
-
-    @cached_property
-    def dents(self) -> float:
-        """Where R_p begins to exceed R, by bisection: at first the contact under p_y widens more slowly than JKR's."""
-
-        def excess(beyond: float) -> float:
-            cube = self._squared(self.begin + beyond) ** 1.5
-            return cube - self.force - 0.5 * self.pressure * beyond - 2.0 * math.sqrt(cube)
-
-        low = high = math.sqrt(self.radius)
-        while excess(high) < 0.0:
-            low, high = high, 2.0 * high
-        for _ in range(_HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if excess(middle) < 0.0 else (low, middle)
-        return self.begin + high
-
-    def unloads(self, indentation: float) -> float:
-        """Where unloading begins on the JKR curve of R_p, over its own length scale, from a depth beyond `dents`."""
-        squared, ratio = self._squared(indentation), float(self.curvature(np.array([indentation]))[0])
+    @property
+    def reach(self) -> Any:
+        """How far unloading from the end of the law goes on the JKR curve, over its own length scale."""
+        squared = (WIDEST * self.radius) ** 2
+        cube = squared**1.5
+        ratio = cube / (self.force + 0.5 * self.pressure * (self.end - self.begin) + 2.0 * cube**0.5)
         return (3.0 * squared / ratio - 4.0 * squared**0.25) / ratio ** (1.0 / 3.0)
-
-    def _squared(self, indentation: Any) -> Any:
-        return self.radius**2 + (indentation - self.begin) / 3.0
-
-
-@lru_cache(maxsize=64)
-def _reach(pressure: float) -> float:
-    """How far unloading from the end of the law goes on the JKR curve."""
-    plastic = _Plastic(pressure)
-    return 1.001 * plastic.unloads(plastic.begin + 3.0 * plastic.radius**2 * (WIDEST**2 - 1.0))
-
-
-@dataclass(frozen=True)
-class _Curvature:
-    """r(d) = R_p/R."""
-
-    plastic: _Plastic
-
-    def __call__(self, indentation: Array) -> Array:
-        return self.plastic.curvature(indentation)
-
-
-@dataclass(frozen=True)
-class _Length:
-    """l(d) = (R_p/R)^{1/3}: the JKR length scale is (w² R/E²)^{1/3} times a number."""
-
-    plastic: _Plastic
-
-    def __call__(self, indentation: Array) -> Array:
-        return np.cbrt(self.plastic.curvature(indentation))
 
 
 @dataclass(frozen=True)
@@ -135,9 +93,6 @@ class ThorntonNing(AdhesiveLaw):
         "yield_pressure": Parameter("limiting contact pressure p_y, about 1.6 yield strengths", dimension="pressure")
     }
 
-    similar_by: ClassVar[tuple[str, ...]] = ("effective_modulus", "radius", "work_of_adhesion", "yield_pressure")
-    similarities: ClassVar[tuple[float, ...]] = (SOFTEST, *(_RATIO**k for k in range(1, 9)))
-
     yield_pressure: float
 
     def __post_init__(self) -> None:
@@ -163,30 +118,23 @@ class ThorntonNing(AdhesiveLaw):
         contact = (3.0 * self.radius * self.scales(0.0)[0]) ** 0.5
         return 0.5 * math.pi * self.yield_pressure * self.radius / (self.effective_modulus * contact)
 
-    def of_similarity(self, similarity: float) -> ThorntonNing:
-        return ThorntonNing(1.0, 1.0, 8.0 / (9.0 * math.pi), 2.0 * similarity / math.pi)
-
     def stages(self) -> tuple[Stage, ...]:
         plastic = _Plastic(self.similarity)
-        begin, wide = plastic.begin, 3.0 * plastic.radius**2
-        end = begin + wide * (WIDEST**2 - 1.0)
-        grid = [begin + wide * (width - 1.0) for width in (2.0, *(_RATIO**k for k in range(1, _STEPS)))]
-        above = [similarity for similarity in self.similarities if similarity > self.similarity]
-        reach = _reach(above[0] if above else self.similarity)
+        reach = 1.001 * float(np.max(plastic.reach))
+        knots = max(_KNOTS, math.ceil(math.log(reach / UNLOADED, _RATIO)))
+        area = Power(constant=plastic.radius**2, slope=1.0 / 3.0)
         return (
             Stage("parting", PARTING, -1.0, jkr_force, root=True, pulls=True),
             Stage("pulling", -1.0, UNLOADED, jkr_force, pulls=True),
             Stage(
-                *("pushing", UNLOADED, begin, jkr_force),
-                knots=tuple(
-                    UNLOADED * _RATIO**k for k in range(1, math.ceil(math.log(0.9 * reach / UNLOADED, _RATIO)))
-                ),
+                *("pushing", UNLOADED, plastic.begin, jkr_force),
+                knots=tuple(UNLOADED * _RATIO**k for k in range(1, knots)),
                 pulls=True,
-                reach=reach,
+                reach=UNLOADED * _RATIO**knots,
             ),
             Stage(
-                *("plastic", begin, end, Power(constant=plastic.force, slope=0.5 * plastic.pressure)),
-                Unloading(similar=_Curvature(plastic), length=_Length(plastic)),
-                knots=tuple(sorted([plastic.dents, *grid])),
+                *("plastic", plastic.begin, plastic.end),
+                Power(constant=plastic.force, slope=0.5 * plastic.pressure),
+                Unloading(contact_area=area),
             ),
         )

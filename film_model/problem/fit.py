@@ -40,7 +40,7 @@ _KINDS = {
     "residual": native.RESIDUAL,
     "secant": native.SECANT,
     "shifted": native.SHIFTED,
-    "similar": native.SIMILAR,
+    "contact_area": native.SIMILAR,
 }
 _CLOSER = (1e-12, 1e-9, 1e-6, 1e-3)
 """Where the first piece of a stage with f(0) = 0 is split: rounding errors are relative to a piece's largest value."""
@@ -100,10 +100,12 @@ def checked(law: str, given: tuple[Stage, ...]) -> list[Stage]:
     pulls = any(stage.pulls for stage in stages)
     rules = ["" if stage.unloading is None else stage.unloading.rule[0] for stage in stages]
     damped = any(stage.damping is not None for stage in stages)
-    if pulls and (damped or rules != sorted(rules) or not {*rules} <= {"", "similar"}):
-        raise ValueError(f"{law}: a law that pulls has no damping, and its stages unload reversibly, then by similar")
-    if "similar" in rules and not (pulls and rules[0] == ""):
-        raise ValueError(f"{law}: only a law that pulls unloads by similar, after reversible stages")
+    if pulls and (damped or rules != sorted(rules) or not {*rules} <= {"", "contact_area"}):
+        raise ValueError(
+            f"{law}: a law that pulls has no damping, and its stages unload reversibly, then by contact_area"
+        )
+    if "contact_area" in rules and not (pulls and rules[0] == ""):
+        raise ValueError(f"{law}: only a law that pulls unloads by contact_area, after reversible stages")
     begin = min(stages[0].begin, 0.0) if pulls else 0.0
     for stage in stages:
         if stage.begin != begin or not stage.end > stage.begin:
@@ -136,7 +138,7 @@ def functions_of(stage: Stage) -> dict[str, Function]:
     functions: dict[str, Function] = {"force": stage.force}
     unloading = stage.unloading
     if unloading is not None:
-        exponent = unloading.exponent if unloading.length is None else unloading.length
+        exponent = unloading.exponent
         functions["recovery"] = unloading.rule[1]
         functions["exponent"] = Power(constant=float(exponent)) if isinstance(exponent, (int, float)) else exponent
     if stage.damping is not None:

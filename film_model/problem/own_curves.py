@@ -1,4 +1,4 @@
-"""In what the curves of many impacts of one problem differ: shape or similarity, some numbers, springs in series."""
+"""In what the curves of many impacts of one problem differ: shape, some numbers, springs in series."""
 
 from __future__ import annotations
 
@@ -9,19 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index
-from film_model.core import families, native
-from film_model.core.comparison import dents
+from film_model.core import comparison, families, native
 from film_model.laws.law import AbstractLaw
 from film_model.problem.curve import Curve
 from film_model.problem.families import Page, page_of
 from film_model.problem.law_of_scene import SceneLaw
 from film_model.problem.rows import march_rows
-from film_model.problem.similar import similar_page
 from film_model.problem.varied import Varied, varied_of
 
 
 class OwnCurves(NamedTuple):
-    """page: a family of curves, and shape: the shapes, or similarities, of the laws. varied: of curves that differ in
+    """page: a family of curves, and shape: the shapes of the laws. varied: of curves that differ in
     numbers of their powers. spring: compliances [δ_s/F_s] in series. Each is None where the curves do not differ in it,
     or have none."""
 
@@ -38,8 +36,6 @@ class OwnCurves(NamedTuple):
         if isinstance(kind, AbstractLaw) or not law.read:
             return cls()
         shaped = law.rule is None and bool(kind.shaped_by)
-        if law.rule is None and law.read.keys() & {*kind.similar_by}:
-            return cls(similar_page(law.at(0)), law.on_arrays(lambda law, _: (law.similarity,), count)[0])
         varied = varied_of(law, count) if fitted or not shaped else None
         if varied is not None or not shaped:
             return cls(varied=varied)
@@ -86,9 +82,9 @@ class OwnCurves(NamedTuple):
 
     def dents(self, curve: Curve, depth: Any, end: Any) -> Any:
         """What contacts leave that turned at `depth` and ended at `end` [δ_s], laws that pull. curve: of the first."""
-        if self.page is None or self.shape is None:
-            return dents(curve.native, depth, end)
-        return families.dents(self.page.family, self.page.whole, self.shape, depth, end)
+        if self.varied is None:
+            return comparison.dents(curve.native, depth, end)
+        return comparison.dents(self.varied.curve, depth, end, self.varied.places, self.varied.values)
 
     @property
     def fit_error(self) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +18,8 @@ from film_model.problem.fit import functions_of
 from film_model.problem.law_of_scene import SceneLaw
 
 _NUMBERS = ("constant", "slope", "coefficient")
-"""What may vary of a power. With its exponent, or the ends of stages, the pieces of a fit would vary too."""
+"""What may vary of a power: with its exponent, the pieces of a fit would vary too. Where a stage ends may vary too, if the
+pieces before do not depend on it, and the stage behind is not fitted."""
 
 _CLOSE = 1e-13
 """Relative difference between the numbers of laws with arrays and of each law alone, up to which both are the same."""
@@ -65,16 +66,34 @@ def varied_of(law: SceneLaw, count: int) -> Varied | None:
     if curve.stages != len(numbers):  # a stage was split where its force has an extreme
         return None
     places, columns = list[int](), list[Any]()
-    for entry, stage in zip(curve.stage, numbers, strict=False):
+    for number, stage in enumerate(numbers):
         for (function, name), value in stage.items():
             if not isinstance(value, np.ndarray):
                 continue
-            if name not in _NUMBERS:
+            at = list(_places(curve, number, function, name, stage))
+            if not at:
                 return None
-            for piece in range(entry.first, entry.first + entry.count):
-                places.append(_place(piece, function, name))
-                columns.append(np.broadcast_to(value, (count,)))
+            places += at
+            columns += [np.broadcast_to(value, (count,))] * len(at)
     return Varied(curve, np.array(places, np.int32), np.stack(columns, axis=-1)) if places else None
+
+
+def _places(
+    curve: native.Curve, number: int, function: str, name: str, stage: Mapping[tuple[str, str], Any]
+) -> Iterator[int]:
+    """Where a number of a stage is among the doubles of the curve; none if it cannot vary."""
+    entry = curve.stage[number]
+    if function == "stage":
+        fitted = any(key[1] == "function" for key in stage)
+        if name not in ("begin", "end") or (fitted and (name == "begin" or stage["stage", "reach"] is None)):
+            return
+        begin = native.Curve.stage.offset + number * ctypes.sizeof(native.Stage)
+        yield (begin + getattr(native.Stage, name).offset) // 8
+        if name == "end" and not fitted:
+            yield _place(entry.first + entry.count - 1, "end")
+    elif name in (*_NUMBERS, "origin"):
+        for piece in range(entry.first, entry.first + entry.count):
+            yield _place(piece, function, name)
 
 
 def _numbers(stages: tuple[Stage, ...]) -> list[dict[tuple[str, str], Any]]:
@@ -84,7 +103,7 @@ def _numbers(stages: tuple[Stage, ...]) -> list[dict[tuple[str, str], Any]]:
 
 def _of_stage(stage: Stage) -> Iterator[tuple[tuple[str, str], Any]]:
     unloading = stage.unloading
-    for name in ("begin", "end", "root", "knots", "pulls"):
+    for name in ("begin", "end", "root", "knots", "pulls", "reach"):
         yield ("stage", name), getattr(stage, name)
     if unloading is not None:
         yield ("stage", "rule"), (unloading.rule[0], unloading.reload_exponent)
@@ -93,9 +112,10 @@ def _of_stage(stage: Stage) -> Iterator[tuple[tuple[str, str], Any]]:
             yield (name, "function"), function
             continue
         # the work of a force counts from its origin: with another one than the stage's it would vary too
-        moved = name == "force" and origin_of(function, stage) != stage.begin
-        for field in ("exponent", "origin", *_NUMBERS):
+        moved = name == "force" and bool(np.any(origin_of(function, stage) != stage.begin))
+        for field in ("exponent", *_NUMBERS):
             yield (name, f"moved {field}" if moved else field), getattr(function, field)
+        yield (name, "moved origin" if moved else "origin"), origin_of(function, stage)
 
 
 def _same(numbers: list[dict[tuple[str, str], Any]], alone: list[dict[tuple[str, str], Any]], place: int) -> bool:
@@ -109,10 +129,10 @@ def _same(numbers: list[dict[tuple[str, str], Any]], alone: list[dict[tuple[str,
     )
 
 
-def _place(piece: int, function: str, name: str) -> int:
-    """The place of a number of a power among the doubles of the core's curve."""
-    begin = native.Curve.piece.offset + piece * ctypes.sizeof(native.Piece)
-    return (begin + getattr(native.Piece, function).offset + getattr(native.Function, name).offset) // 8
+def _place(piece: int, function: str, name: str | None = None) -> int:
+    """The place of a number of a piece, or of its power, among the doubles of the core's curve."""
+    begin = native.Curve.piece.offset + piece * ctypes.sizeof(native.Piece) + getattr(native.Piece, function).offset
+    return (begin + (0 if name is None else getattr(native.Function, name).offset)) // 8
 
 
 def fitted_by(law: SceneLaw) -> dict[str, Array]:

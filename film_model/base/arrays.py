@@ -16,10 +16,13 @@ Mask = NDArray[np.bool_]
 Number: TypeAlias = Any
 """A float of one impact, or an array with one value for each of many."""
 
+ALL = slice(None)
+"""The places of all of many impacts."""
+
 
 def index_or_all(index: Index, count: int) -> Any:
     """The places `index` of ascending numbers below `count`; a slice, which copies nothing, if they are all of them."""
-    return slice(None) if index.size == count else index
+    return ALL if index.size == count else index
 
 
 def root(x: Any) -> Any:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from film_model.base.arrays import Array, Index, Number, any_of, column, either, greater
+from film_model.base.arrays import ALL, Array, Index, Number, any_of, column, either, greater
 from film_model.base.errors import STATUSES, VIBRATES, SimulationError
 from film_model.core import native
 from film_model.laws.law import AbstractLaw
@@ -106,8 +106,10 @@ class Impacts:
         return value if self.index is None else column(value, self.index.size)
 
     def part(self, places: Any) -> Impacts:
-        """Some of many impacts, by their indices or by a mask."""
+        """Some of many impacts, by their indices or by a mask; these impacts for `ALL`."""
         assert self.index is not None
+        if places is ALL:
+            return self
         numbers = Numbers(*(values[places] for values in self.numbers))
         columns = {path: values[places] for path, values in self.columns.items()}
         varied = scene_of_columns(self.base, columns)

@@ -1,5 +1,6 @@
 """The command line: what it prints, writes and returns, and what it says of mistakes."""
 
+import argparse
 import json
 import os
 import subprocess
@@ -11,7 +12,7 @@ import xarray as xr
 from cases import combinations
 
 from film_model.base.materials import catalogue
-from film_model.cli.main import main
+from film_model.cli.main import COMMANDS, main, parser
 from film_model.laws import LAWS
 from film_model.solve.history import SUMMARY
 
@@ -259,6 +260,20 @@ def test_the_package_is_a_command():
     assert done.stdout.startswith("film-model ")
 
 
+def commands_of(made):
+    return next(action.choices for action in made._actions if isinstance(action, argparse._SubParsersAction))
+
+
+def test_a_command_is_parsed_alike_with_and_without_the_others():
+    every = commands_of(parser())
+    assert list(every) == [command for commands in COMMANDS.values() for command in commands]
+    for commands in COMMANDS.values():
+        for command in commands:
+            own = commands_of(parser(command))
+            assert tuple(own) == commands
+            assert own[command].format_help() == every[command].format_help()
+
+
 @pytest.mark.parametrize(
     ("code", "unneeded"),
     [
@@ -266,7 +281,8 @@ def test_the_package_is_a_command():
         (
             f"from film_model.cli.main import main; main(['run', {str(BALL)!r}])",
             {"pint", "scipy", "xarray", "matplotlib", "film_datasets", "pathlib", "csv", "film_model.face"}
-            | {"film_model.laws.tsuji", "film_model.targets.plate", "film_model.solve.vibration"},
+            | {"film_model.laws.tsuji", "film_model.laws.jkr", "film_model.targets.plate", "film_model.solve.vibration"}
+            | {"film_model.core.modal", "film_model.cli.datasets"},
         ),
         (
             "import film_datasets",

@@ -16,10 +16,13 @@ Mask = NDArray[np.bool_]
 Number: TypeAlias = Any
 """A float of one impact, or an array with one value for each of many."""
 
+ALL = slice(None)
+"""The places of all of many impacts."""
+
 
 def index_or_all(index: Index, count: int) -> Any:
     """The places `index` of ascending numbers below `count`; a slice, which copies nothing, if they are all of them."""
-    return slice(None) if index.size == count else index
+    return ALL if index.size == count else index
 
 
 def root(x: Any) -> Any:
@@ -57,20 +60,20 @@ def greater(a: Any, b: Any) -> Any:
 def ratio(a: Any, b: Any) -> Any:
     """a/b; nan where b is 0."""
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            found, zero = a / b, b == 0.0
-        return np.where(zero, np.nan, found) if any_of(zero) else found
+        zero = b == 0.0
+        return np.where(zero, np.nan, a / np.where(zero, 1.0, b)) if any_of(zero) else a / b
     return a / b if b else math.nan
 
 
 def any_of(condition: Any) -> bool:
     """Whether the condition holds; for many impacts, whether it holds for at least one."""
-    return bool(condition.any()) if isinstance(condition, np.ndarray) else condition
+    # counting takes a tenth of the time of any(), which is that of a whole reduction, where the impacts are few
+    return np.count_nonzero(condition) > 0 if isinstance(condition, np.ndarray) else condition
 
 
 def all_of(condition: Any) -> bool:
     """Whether the condition holds; for many impacts, whether it holds for all."""
-    return bool(condition.all()) if isinstance(condition, np.ndarray) else condition
+    return np.count_nonzero(condition) == condition.size if isinstance(condition, np.ndarray) else condition
 
 
 def either(condition: Any, a: Any, b: Any) -> Any:

@@ -12,11 +12,26 @@ import os
 import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
+from importlib import import_module
 
 from film_model.base.errors import DamagedFile, SceneError, SimulationError
-from film_model.cli import catalogues, datasets, engines, explore, fmu, new, run, studies, tables, tolerance, validate
 from film_model.cli.output import DONE, FAILED, WRONG
 from film_model.version import __version__
+
+COMMANDS = {
+    "new": ("new",),
+    "run": ("run",),
+    "studies": ("cost", "hard-cases"),
+    "validate": ("validate",),
+    "explore": ("explore", "export-page"),
+    "fmu": ("export-fmu", "export-ssp", "check-fmu"),
+    "engines": ("contact-for",),
+    "datasets": ("sweep", "plot", "identify"),
+    "tolerance": ("tolerance",),
+    "tables": ("convert", "summarise", "table"),
+    "catalogues": ("explain", "laws", "materials"),
+}
+"""Modules of `film_model.cli`, in the order of `--help`, and the commands that each adds."""
 
 OPTIONS = {"overwrite=True": "--force", "resume=True": "--resume"}
 """Arguments that error messages name for Python, and the corresponding options."""
@@ -26,7 +41,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit status."""
     # Sums are then the same on any number of processors, and NumPy starts no threads, a quarter of its time to import.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    options = parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    options = parser(*given[:1]).parse_args(given)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # "?" for characters that the encoding lacks
 
@@ -62,13 +78,14 @@ def _complain(text: str, status: int) -> int:
     return status
 
 
-def parser() -> argparse.ArgumentParser:
-    """The commands and their options."""
+def parser(command: str = "") -> argparse.ArgumentParser:
+    """The commands and their options; if `command` is one of them, only those of its module, whose import is enough."""
     whole = argparse.ArgumentParser(
         prog="film-model", description="Simulate the impact of a ball: force, indentation, rebound."
     )
     whole.add_argument("--version", action="version", version=f"film-model {__version__}")
     named = whole.add_subparsers(required=True, metavar="command")
-    for group in (new, run, studies, validate, explore, fmu, engines, datasets, tolerance, tables, catalogues):
-        group.add_commands(named)
+    own = [module for module, commands in COMMANDS.items() if command in commands]
+    for module in own or COMMANDS:
+        import_module(f"film_model.cli.{module}").add_commands(named)
     return whole

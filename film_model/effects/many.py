@@ -12,7 +12,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array, Index, Mask, column
+from film_model.base.arrays import ALL, Array, Index, Mask, all_of, column
 from film_model.base.errors import NO_VELOCITY, VIBRATES, SimulationError
 from film_model.core import native
 from film_model.effects import rate_hardening
@@ -179,7 +179,7 @@ def _groups(
         made = SceneLaw.of(part if own.size == index.size else _part(scene, columns, own), law).reduced()
         slow = Impacts.several(scene, made, own, _picked(columns, own))
         for places in _shared_curves((slow.law,), own.size):
-            for static, support in supports_of(slow if places.size == own.size else slow.part(places)):
+            for static, support in supports_of(slow.part(places)):
                 for impacts, same in _by_curve(_hardened(static, support), static):
                     yield impacts, support.part(same), yields
 
@@ -187,7 +187,7 @@ def _groups(
 def _by_curve(impacts: Impacts, shared: Impacts) -> Iterator[tuple[Impacts, Any]]:
     """The impacts by curve, and their places. shared: those with the strength of slow loading, which share a curve."""
     if impacts is shared:
-        yield impacts, slice(None)
+        yield impacts, ALL
         return
     for places in _shared_curves((impacts.law,), impacts.numbers.mass.size):
         yield impacts.part(places), places
@@ -200,7 +200,7 @@ def _hardened(impacts: Impacts, support: Support) -> Impacts:
     if wanted is False or coefficient is None or static.strength is None:
         return impacts
 
-    def problem(law: SceneLaw, places: Index) -> Problem:
+    def problem(law: SceneLaw, places: Any) -> Problem:
         part, moves = impacts.under(law).part(places), support.part(places)
         return part.problem(moves.impedance, part.column(0.0), moves.compliance)
 
@@ -216,6 +216,8 @@ def _hardened(impacts: Impacts, support: Support) -> Impacts:
     for places in _shared_curves((static, hard), count):
         used[places] = rate_hardening.needed(problem(hard, places), problem(static, places))
     used &= known
+    if used.all():
+        return impacts.under(hard)
     return impacts.under(static.strengthened(np.where(used, factor, 1.0))) if used.any() else impacts
 
 
@@ -224,10 +226,10 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
     law, wanted = scene.contact.law, scene.effects.plasticity
     if index.size == 0:
         return
-    yields = reaches_yield(scene)
     if law != "auto":
         yield (law if isinstance(law, AbstractLaw) else LAWS[law]), None, index
         return
+    yields = reaches_yield(scene)
     auto = wanted == "auto" and yields is not None
     plastic = np.broadcast_to(yields & can_yield(scene) if auto else wanted is True, index.shape)
     for name, mask in ((ELASTIC, ~plastic), (YIELDING, plastic)):
@@ -235,11 +237,12 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
             yield LAWS[name], name == YIELDING, index[mask]
 
 
-def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Index]:
-    """The impacts of each curve under the laws. Most laws have stages that do not depend on the varied values."""
+def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Any]:
+    """The places of the impacts of each curve under the laws; `ALL` if they share one. Most laws have stages that do
+    not depend on the varied values."""
     shapes = [shape for law in laws for shape in curve_keys(law)]
-    if not shapes:
-        yield np.arange(count)
+    if all(all_of(shape == shape[0]) for shape in shapes):
+        yield ALL
         return
     _, first, group, sizes = np.unique(
         np.stack(shapes, axis=-1), axis=0, return_index=True, return_inverse=True, return_counts=True
@@ -257,13 +260,13 @@ def curve_keys(law: SceneLaw) -> list[Array]:
     if not isinstance(kind, AbstractLaw):
         read = law.read
         if law.rule is None and read.keys() & {*kind.shaped_by}:
-            shape = np.asarray(law.at(slice(None)).shape)
+            shape = np.asarray(law.at(ALL).shape)
             page = page_number(shape)
             shapes.append(np.where((page >= 0) & (page < LAST_PAGE), page, shape))  # others have curves of their own
         elif read and not (law.rule is None and kind.shaped_by):
             shapes += [] if varied_of(law, next(iter(read.values())).size) is not None else read.values()
     if law.rule == "brake":
-        made = law.at(slice(None))
+        made = law.at(ALL)
         assert isinstance(made, BrakeUnloading)
         shapes += [made.ratio] if isinstance(made.ratio, np.ndarray) else []
     return shapes

@@ -10,7 +10,6 @@ from film_model.base.units import format_si
 from film_model.effects.case import YIELDS, Case, Rule
 from film_model.effects.effect import Effect
 from film_model.laws.hertz import hertz_stiffness
-from film_model.laws.jkr import JKR_LOSS
 from film_model.problem.stresses import contact_radius, edge_tension
 
 STEEL_HEAT = 3.6e6
@@ -35,6 +34,8 @@ def adhesion(case: Case, rule: Rule) -> Effect:
         return rule.absent(f"it is in the law {case.problem.law.name}")
     if work is None or modulus is None:
         return rule.unjudged("missing: contact.work_of_adhesion" if work is None else "missing: an effective modulus")
+    from film_model.laws.jkr import JKR_LOSS
+
     parting = JKR_LOSS * (work**5 * _radius_of_parting(case, modulus) ** 4 / modulus**2) ** (1.0 / 3.0)
     value = scene.approach_velocity / max(math.sqrt(2.0 * parting / scene.effective_mass), 1e-300)
     left = case.restitution**2 - value**-2

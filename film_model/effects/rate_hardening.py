@@ -13,9 +13,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
-from film_model.base.arrays import either, greater, logarithm, root
+from film_model.base.arrays import any_of, either, greater, logarithm, root
 from film_model.base.errors import SimulationError
 from film_model.base.materials import catalogue
 from film_model.base.units import format_si
@@ -64,7 +62,7 @@ def settled(rate_of: Callable[[Any], Any], coefficient: Any, factor: Any = 1.0) 
         moved = abs(found - factor) > SETTLED * factor
         factor = either(open_, found, factor)
         open_ = open_ & moved
-        if not np.any(open_):
+        if not any_of(open_):
             return factor
     return either(open_, math.nan, factor)
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from film_model.base.arrays import endless
+from film_model.base.arrays import any_of, endless
 from film_model.effects.effect import (
     DAMPED,
     FREE,
@@ -66,7 +66,7 @@ def needed(moved: Problem, support: Support) -> Any:
     if effects.target_motion is False or not moved.scene.target.gives_way:
         return impacts.column(False)
     asked = effects.boundary_reflections is True or effects.target_inertia is True
-    if effects.target_motion is True or asked or support.only_vibrates or not np.any(moved.approach > 0.0):
+    if effects.target_motion is True or asked or support.only_vibrates or not any_of(moved.approach > 0.0):
         return impacts.column(True)
     where = np.isfinite(moved.impedance) | (moved.compliance > 0.0) if impacts.many else None
     return matters(moved, held(moved), where=where)

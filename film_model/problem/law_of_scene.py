@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from film_model.base.arrays import Array, column
+from film_model.base.arrays import ALL, Array, column
 from film_model.base.errors import Mistake, SceneError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
 from film_model.laws.jackson_green import MOST_YIELD_STRAIN
@@ -58,15 +58,21 @@ class SceneLaw:
 
     def at(self, places: Any = None) -> AbstractLaw:
         """The law of one impact; for several impacts, with arrays in its fields."""
-        return self._made(places) if self._varies else self._only
+        if places is ALL or not self._varies:
+            return self._whole
+        return self._first if isinstance(places, int) and places == 0 else self._made(places)
 
     @cached_property
     def _varies(self) -> bool:
         return any(isinstance(value, np.ndarray) for value in (*self.values.values(), *self.sphere.values()))
 
     @cached_property
-    def _only(self) -> AbstractLaw:
-        return self._made(None)
+    def _whole(self) -> AbstractLaw:
+        return self._made(ALL)
+
+    @cached_property
+    def _first(self) -> AbstractLaw:
+        return self._made(0)
 
     def _made(self, places: Any) -> AbstractLaw:
         try:
@@ -119,8 +125,7 @@ class SceneLaw:
         impact; otherwise one by one, because a law may accept numbers only.
         """
         try:
-            everywhere = slice(None)
-            found = [column(value, count) for value in formula(self.at(everywhere), everywhere)]
+            found = [column(value, count) for value in formula(self.at(ALL), ALL)]
             if all(self._agrees(found, formula, place) for place in {0, count // 2, count - 1}):
                 return found
         except (TypeError, ValueError):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from film_model.base.arrays import Array, Index, Number, any_of, column, either, greater
+from film_model.base.arrays import ALL, Array, Index, Number, any_of, column, either, greater
 from film_model.base.errors import STATUSES, VIBRATES, SimulationError
 from film_model.core import native
 from film_model.laws.law import AbstractLaw
@@ -70,7 +70,7 @@ class Impacts:
 
     base: the scene; of many impacts the one whose numbers they vary. law: with the scene's values. numbers: of the
     scene. index: which rows of a sweep or batch the many are; None for one impact. columns: the numbers that vary,
-    path → SI values.
+    path → SI values. varied: the scene with these arrays; None if nothing varies.
     """
 
     base: Scene
@@ -78,6 +78,7 @@ class Impacts:
     numbers: Numbers
     index: Index | None = None
     columns: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    varied: Scene | None = None
 
     @classmethod
     def one(cls, scene: Scene, law: SceneLaw) -> Impacts:
@@ -87,32 +88,36 @@ class Impacts:
     @classmethod
     def several(cls, scene: Scene, law: SceneLaw, index: Index, columns: Mapping[str, Array]) -> Impacts:
         """Many impacts."""
-        return cls(scene, law, Numbers.of(scene_of_columns(scene, columns), index.size), index, columns)
+        varied = scene_of_columns(scene, columns)
+        return cls(scene, law, Numbers.of(varied, index.size), index, columns, varied)
 
     @property
     def many(self) -> bool:
         """Whether these are many impacts, and the numbers arrays."""
         return self.index is not None
 
-    @cached_property
+    @property
     def scene(self) -> Scene:
         """The scene, with arrays in place of the numbers that vary."""
-        return scene_of_columns(self.base, self.columns) if self.columns else self.base
+        return self.base if self.varied is None else self.varied
 
     def column(self, value: Any) -> Any:
         """A number of the scene: unchanged for one impact, an array with one value per impact for many."""
         return value if self.index is None else column(value, self.index.size)
 
     def part(self, places: Any) -> Impacts:
-        """Some of many impacts, by their indices or by a mask."""
+        """Some of many impacts, by their indices or by a mask; these impacts for `ALL`."""
         assert self.index is not None
+        if places is ALL:
+            return self
         numbers = Numbers(*(values[places] for values in self.numbers))
         columns = {path: values[places] for path, values in self.columns.items()}
-        return Impacts(self.base, self.law.part(places), numbers, self.index[places], columns)
+        varied = scene_of_columns(self.base, columns)
+        return Impacts(self.base, self.law.part(places), numbers, self.index[places], columns, varied)
 
     def under(self, law: SceneLaw) -> Impacts:
         """The same impacts under another law."""
-        return Impacts(self.base, law, self.numbers, self.index, self.columns)
+        return Impacts(self.base, law, self.numbers, self.index, self.columns, self.varied)
 
     @cached_property
     def zener(self) -> Any:

@@ -145,7 +145,7 @@ def simulate_batch(
     result = simulate_many(scene, columns, solver)
     shaped = {name: column.reshape(shape) for name, column in result.summary.items()}
     counts = result.segments.max(axis=0).tolist()
-    worst = float(np.nanmax(result.estimated, initial=0.0))
+    worst = float(np.fmax.reduce(result.estimated, initial=0.0))
     each, failed = result.estimated.reshape(shape), (result.status < 0).reshape(shape)
     varied = {path.partition(".")[2]: column.reshape(shape) for path, column in columns.items()}
     return BatchResult(shaped, varied, each, worst, (counts[0], counts[1]), failed, result)

@@ -19,12 +19,12 @@ from film_model.effects.effect import Effect
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
-from film_model.solve.closed_form import ClosedForm
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from film_model.solve.closed_form import ClosedForm
     from film_model.solve.derivatives import Derivatives
     from film_model.solve.modal_motion import ModalMotion
     from film_model.solve.relaxed import Relaxed
@@ -195,6 +195,8 @@ class History:
     @property
     def closed_form(self) -> ClosedForm:
         """The motion as tables of plain numbers; empty for viscoelastic bodies."""
+        from film_model.solve.closed_form import ClosedForm
+
         on = self.vibration
         if on is not None:
             return ClosedForm.of_modes(on.tables, on.segments, on.flights)

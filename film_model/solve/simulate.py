@@ -18,7 +18,7 @@ from film_model.problem.problem import Problem
 from film_model.problem.summary import energy_warning, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.solve.accuracy import Linearisation, estimate, mesh_of, raise_failure, refine, solver_for
-from film_model.solve.history import MOTION, Accuracy, Event, History, stage_name, stages_at
+from film_model.solve.history import MOTION, Accuracy, Event, History, stages_at
 
 if TYPE_CHECKING:
     from film_model.solve.vibration import Moment, Vibration
@@ -150,9 +150,10 @@ def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[
     peak = max(state.force_peak, state.force)
     if status == native.EVENT and problem.load > 0.0 and _grazes(problem, state, states):
         status, states = native.OK, states[:-1]  # back at first touch without velocity: the load keeps contact closed
-    returns = np.flatnonzero(states["event"] == native.EVENTS.index("reloading_begins"))
-    if status == native.OK and problem.approach == 0.0 and returns.size:
-        status, states = native.ENDLESS, states[: returns[0] + 1]  # what follows repeats this swing, or fades
+    if status == native.OK and problem.approach == 0.0:
+        returns = np.flatnonzero(states["event"] == native.EVENTS.index("reloading_begins"))
+        if returns.size:
+            status, states = native.ENDLESS, states[: returns[0] + 1]  # what follows repeats this swing, or fades
     return status, lines, states, peak
 
 
@@ -214,10 +215,10 @@ def _at_events(problem: Problem, states: Any) -> list[_AtEvent]:
 
 def _events(problem: Problem, found: Iterable[_AtEvent | Moment]) -> tuple[Event, ...]:
     """Events in SI."""
-    clock = problem.scales.time
+    clock, met = problem.scales.time, list(found)
     return tuple(
-        Event(event.name, t := event.time * clock, stage_name(problem, event.branch), **problem.motion(t, event.values))
-        for event in found
+        Event(event.name, t := event.time * clock, stage, **problem.motion(t, event.values))
+        for event, stage in zip(met, stages_at(problem, [event.branch for event in met]), strict=True)
     )
 
 

@@ -31,38 +31,50 @@ def computed_blocks(
     run: Run, workers: Workers, checkpoint: Checkpoint | None = None, numbers: Sequence[int] | None = None
 ) -> Iterator[tuple[Block, Columns]]:
     """Blocks with their columns, in order: all, or those of `numbers`. Each is saved in the checkpoint, unless there is
-    only one."""
-    sweep, blocks = run.sweep, run.blocks
-    wanted = range(len(blocks)) if numbers is None else numbers
+    only one. The workers begin at once, before the first block is asked for."""
+    wanted = range(len(run.blocks)) if numbers is None else numbers
     if workers.local and len(wanted) == 1:  # computed in this thread: there is nothing to do meanwhile
-        yield blocks[wanted[0]], compute_block(sweep, blocks[wanted[0]])
-        return
-    if len(wanted) == 1:
-        checkpoint = None
-    saved = checkpoint.finished() if checkpoint is not None else set[int]()
+        return ((block, compute_block(run.sweep, block)) for block in (run.blocks[wanted[0]],))
+    under_way = _UnderWay(run, workers, checkpoint if len(wanted) > 1 else None, wanted)
+    under_way.submit()
+    return map(under_way.finished, wanted)
 
-    def compute_and_save(number: int) -> Columns:
-        begin = time.thread_time()
-        columns = compute_block(sweep, blocks[number])
-        if checkpoint is not None:
-            checkpoint.save(number, columns, time.thread_time() - begin)
-        return columns
 
-    def submit(number: int) -> Future[Columns]:
-        if workers.local:
-            return workers.executor.submit(compute_and_save, number)
-        return workers.executor.submit(compute_block, sweep, blocks[number])
+class _UnderWay:
+    """The blocks that the workers compute or have computed, until they are asked for."""
 
-    under_way: dict[int, Future[Columns]] = {}
-    upcoming = iter(number for number in wanted if number not in saved)
-    for number in wanted:
-        while len(under_way) < workers.ahead and (following := next(upcoming, None)) is not None:
-            under_way[following] = submit(following)
-        if number in under_way:
-            columns = under_way.pop(number).result()
-            if checkpoint is not None and not workers.local:
+    def __init__(self, run: Run, workers: Workers, checkpoint: Checkpoint | None, wanted: Sequence[int]) -> None:
+        self._run, self._workers, self._checkpoint = run, workers, checkpoint
+        saved = checkpoint.finished() if checkpoint is not None else set[int]()
+        self._upcoming = (number for number in wanted if number not in saved)
+        self._futures: dict[int, Future[Columns]] = {}
+
+    def submit(self) -> None:
+        """Submit blocks until `Workers.ahead` are under way."""
+        local, executor = self._workers.local, self._workers.executor
+        while len(self._futures) < self._workers.ahead and (number := next(self._upcoming, None)) is not None:
+            self._futures[number] = (
+                executor.submit(self._compute_and_save, number)
+                if local
+                else executor.submit(compute_block, self._run.sweep, self._run.blocks[number])
+            )
+
+    def finished(self, number: int) -> tuple[Block, Columns]:
+        """The next block, computed or read back."""
+        self.submit()
+        checkpoint = self._checkpoint
+        if number in self._futures:
+            columns = self._futures.pop(number).result()
+            if checkpoint is not None and not self._workers.local:
                 checkpoint.save(number, columns)
         else:
             assert checkpoint is not None
-            columns = checkpoint.load(number) or compute_and_save(number)
-        yield blocks[number], columns
+            columns = checkpoint.load(number) or self._compute_and_save(number)
+        return self._run.blocks[number], columns
+
+    def _compute_and_save(self, number: int) -> Columns:
+        begin = time.thread_time()
+        columns = compute_block(self._run.sweep, self._run.blocks[number])
+        if self._checkpoint is not None:
+            self._checkpoint.save(number, columns, time.thread_time() - begin)
+        return columns

@@ -8,20 +8,31 @@ from collections.abc import Generator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from film_model.base.errors import SimulationError
 
 AHEAD = 2
 """Finished blocks that may wait for an earlier one to be written, besides the blocks that are being computed."""
 
+LARGE = (32 << 20) - (1 << 13)
+"""Bytes of the largest array after whose release glibc raises the sizes from which it takes memory from the system and
+gives it back; see mallopt(3), M_MMAP_THRESHOLD."""
+
 NEEDS_DASK = 'a scheduler needs Dask: install film-model[dask] (pip install "film-model[dask]")'
 
 
 class Workers(NamedTuple):
-    """An executor, how many blocks to submit ahead of the one that is awaited, and whether it runs in this process."""
+    """An executor, the number of its workers, and whether they are threads of this process."""
 
     executor: Executor
-    ahead: int
+    number: int
     local: bool
+
+    @property
+    def ahead(self) -> int:
+        """How many blocks to submit, with the one that is awaited."""
+        return (self.number if self.local else 2 * self.number) + AHEAD
 
 
 @contextlib.contextmanager
@@ -30,14 +41,24 @@ def workers_of(threads: int | None, scheduler: Any) -> Generator[Workers]:
     if scheduler is not None:
         with _dask_client(scheduler) as client:
             threads_in_all = sum(client.nthreads().values())
-            yield Workers(client.get_executor(pure=False), 2 * max(1, threads_in_all) + AHEAD, local=False)
+            yield Workers(client.get_executor(pure=False), max(1, threads_in_all), local=False)
         return
     count = threads or available_cores()
+    _keep_released_memory()
     pool = ThreadPoolExecutor(count, thread_name_prefix="sweep")
     try:
-        yield Workers(pool, count + AHEAD, local=True)
+        yield Workers(pool, count, local=True)
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _keep_released_memory() -> None:
+    """Let the arrays of a block take the memory that those of the block before have released.
+
+    By default glibc gives it back to the system, and the next block gets pages that are new: they took 40 % of the
+    time in memory, and two workers wait for each other there. Nothing is touched; elsewhere this has no effect.
+    """
+    np.empty(LARGE, np.uint8)
 
 
 @contextlib.contextmanager

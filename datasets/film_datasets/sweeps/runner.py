@@ -215,9 +215,10 @@ def _write_blocks(
     numbers = range(0 if begun is None else begun.blocks, len(run.blocks))
     files = {group.start for group in run.blocks.groups(FILE_BLOCKS)}
     with Storage(run.sweep, run.blocks, writer, workers, content) as storage:
+        found = computed_blocks(run, workers, checkpoint, numbers)
         if begun is None:
             storage.create()
-        for number, (block, columns) in zip(numbers, computed_blocks(run, workers, checkpoint, numbers), strict=True):
+        for number, (block, columns) in zip(numbers, found, strict=True):
             if checkpoint is not None and checkpoint.in_files and number in files and number > numbers.start:
                 storage.finish()
                 checkpoint.set_written(Written(number, storage.content.hexdigest(), totals.to_plain()))

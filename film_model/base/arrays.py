@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from functools import lru_cache
 from typing import Any, TypeAlias
 
@@ -18,6 +19,8 @@ Number: TypeAlias = Any
 
 ALL = slice(None)
 """The places of all of many impacts."""
+
+_AS_IT_IS = nullcontext()
 
 
 def index_or_all(index: Index, count: int) -> Any:
@@ -65,10 +68,15 @@ def ratio(a: Any, b: Any) -> Any:
     return a / b if b else math.nan
 
 
+def unwarned(x: Any) -> AbstractContextManager[Any]:
+    """Without NumPy's warnings about divisions by 0, if x is an array: the results are replaced afterwards."""
+    return np.errstate(divide="ignore", invalid="ignore") if isinstance(x, np.ndarray) else _AS_IT_IS
+
+
 def any_of(condition: Any) -> bool:
     """Whether the condition holds; for many impacts, whether it holds for at least one."""
     # counting takes a tenth of the time of any(), which is that of a whole reduction, where the impacts are few
-    return np.count_nonzero(condition) > 0 if isinstance(condition, np.ndarray) else condition
+    return bool(np.count_nonzero(condition)) if isinstance(condition, np.ndarray) else condition
 
 
 def all_of(condition: Any) -> bool:

@@ -40,9 +40,9 @@ class Choice:
 
     problem: what is simulated: law, target motion and load. light: without the weight. moved: with target motion,
     unless the scene switches it off. yielding: before Hertz's law may replace the law. static, hard: without weight,
-    with the strength of slow loading, and with that at the rate of the impact if this is simulated. yields: whether the
-    impact reaches the yield point, None if unknown. support, edges: how the target moves, and the effects of its edges.
-    decided: whether gravity and target motion are simulated, and whether the law stays.
+    with the strength of slow loading, and with that at the rate of the impact if this is simulated. support, edges: how
+    the target moves, and the effects of its edges. decided: whether gravity and target motion are simulated, and
+    whether the law stays.
     """
 
     problem: Problem
@@ -51,7 +51,6 @@ class Choice:
     yielding: Problem
     static: Problem
     hard: Problem | None
-    yields: bool | None
     support: Support
     edges: tuple[Effect, ...]
     decided: tuple[bool, bool, bool]
@@ -69,7 +68,7 @@ class Choice:
         """
         heavy, moves, keeps_law = self.decided
         found = [gravity.describe(self.light, heavy), target_motion.describe(self.moved, self.support, moves)]
-        return _in_order([*found, *plasticity.describe(self.yielding, self.yields, keeps_law), *self._judged])
+        return _in_order([*found, *plasticity.describe(self.yielding, keeps_law), *self._judged])
 
     @cached_property
     def _judged(self) -> tuple[Effect, ...]:
@@ -127,7 +126,7 @@ def choose(scene: Scene) -> Choice:
             )
         problem = problem.impacts.problem(math.inf, problem.given[1], vibrates=True)
     problem = viscoelasticity.applied(problem)
-    return Choice(problem, light, moved, yielding, static, hard, yields, support, edges, decided)
+    return Choice(problem, light, moved, yielding, static, hard, support, edges, decided)
 
 
 def problem_of(scene: Scene) -> Problem:

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
-from film_model.base.arrays import any_of, either
+from film_model.base.arrays import any_of, either, unwarned
 from film_model.effects.effect import (
     FREE,
     NOT_NEEDED,
@@ -65,7 +63,7 @@ def _estimate_for(light: Problem) -> Any:
     usable = light.trial.ends & (light.gamma == 0.0)
     if not any_of(usable):
         return impacts.column(math.inf)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with unwarned(usable):
         force = core.maximum_force * light.scales.force
         depth = core.maximum_indentation * light.scales.length + light.compliance * force
         return either(usable, estimate(impacts.numbers.weight, force, depth, impacts.numbers.energy), math.inf)

@@ -12,7 +12,7 @@ from film_model.effects.trial import change, matters
 from film_model.laws.jackson_green import MOST_YIELD_STRAIN
 from film_model.laws.law import AbstractLaw, Stage
 from film_model.laws.yielding import yield_velocity
-from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIELDING, can_yield
+from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIELDING, can_yield, reaches_yield
 from film_model.problem.problem import Problem
 
 FULLY_PLASTIC_RATIO = 200.0
@@ -61,12 +61,12 @@ def elastic(problem: Problem) -> Problem:
     return problem.again(law=ELASTIC)
 
 
-def describe(problem: Problem, yields: bool | None, kept: bool) -> tuple[Effect, Effect]:
+def describe(problem: Problem, kept: bool) -> tuple[Effect, Effect]:
     """The effects on one impact: plasticity, and full plasticity. problem: before Hertz's law may replace its law.
 
     kept: whether the problem's law is simulated.
     """
-    scene, law = problem.scene, problem.law
+    scene, law, yields = problem.scene, problem.law, reaches_yield(problem.scene)
     wanted, tolerance, auto = scene.effects.plasticity, scene.effect_tolerance, scene.contact.law == "auto"
     modulus, strength, yielding = scene.effective_modulus, problem.impacts.yield_strength, dissipates(problem)
     size, ratio, limit, cost = 0.0 if yields is False else None, None, 0.0, FREE

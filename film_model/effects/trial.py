@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import reduce
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Index, Mask, any_of, either, greater, ratio
+from film_model.base.arrays import Index, Mask, all_of, any_of, either, greater, ratio
 from film_model.problem.problem import Problem
 from film_model.problem.summary import radiated
 
@@ -48,8 +49,7 @@ def change(full: Problem, without: Problem) -> Any:
         if any_of(moves):
             share = ratio(abs(radiated(without, b) * energy - radiated(full, a)), impact)
             whole.append(either(moves, share, 0.0))
-        for value in whole:
-            off = either(ends, greater(off, value), off)
+        off = either(ends, reduce(greater, whole, off), off)
     off = either(ends == other_ends, off, 1.0)
     return either((status < 0) | (other < 0), math.nan, off)
 
@@ -57,9 +57,10 @@ def change(full: Problem, without: Problem) -> Any:
 def _relative(value: Any, to: Any) -> Any:
     """Relative difference; 1 if only one of the two values exists."""
     if isinstance(to, np.ndarray):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            off = np.where((to > 0.0) & (value >= 0.0), np.abs(value / to - 1.0), 1.0)
-        return np.where(value == to, 0.0, off)
+        known = (to > 0.0) & (value >= 0.0)
+        if all_of(known):  # then equal values have the difference 0
+            return np.abs(value / to - 1.0)
+        return np.where(value == to, 0.0, np.where(known, np.abs(value / np.where(known, to, 1.0) - 1.0), 1.0))
     if value == to:
         return 0.0
     return abs(value / to - 1.0) if to > 0.0 and value >= 0.0 else 1.0

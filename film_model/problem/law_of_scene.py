@@ -200,9 +200,10 @@ def yielding_entries(scene: Scene) -> dict[str, Any]:
 
 
 def law_of_scene(scene: Scene) -> tuple[SceneLaw, bool | None]:
-    """The law of one impact before plasticity is tried, and whether its materials yield (None: unknown)."""
-    wanted, law, yields = scene.effects.plasticity, scene.contact.law, reaches_yield(scene)
+    """The law of one impact before plasticity is tried; under "auto" also whether it yields (None: unknown)."""
+    wanted, law = scene.effects.plasticity, scene.contact.law
     if law != "auto":
-        return SceneLaw.of(scene, law if isinstance(law, AbstractLaw) else LAWS[law]), yields
+        return SceneLaw.of(scene, law if isinstance(law, AbstractLaw) else LAWS[law]), None
+    yields = reaches_yield(scene)
     plastic = wanted is True or (wanted is not False and yields is True and can_yield(scene))
     return law_named(scene, YIELDING if plastic else ELASTIC), yields

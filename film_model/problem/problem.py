@@ -153,7 +153,8 @@ class Impacts:
     @cached_property
     def own(self) -> OwnCurves:
         """In what the curves of many impacts differ, without springs."""
-        return OwnCurves() if self.index is None else OwnCurves.of(self.law, self.index.size)
+        assert self.index is not None
+        return OwnCurves.of(self.law, self.index.size)
 
     def _damping(self, scales: Scales) -> Any:
         """The factor of the law's damping, without units."""
@@ -188,7 +189,9 @@ class Impacts:
             scales = self._light_scales
         springs = any_of(compliance > 0.0)
         spring = compliance * scales.force / scales.length if springs else 0.0
-        own = self.own if fitted or not self.many else OwnCurves.of(self.law, self.numbers.mass.size, fitted=False)
+        own = OwnCurves()
+        if self.index is not None:
+            own = self.own if fitted else OwnCurves.of(self.law, self.index.size, fitted=False)
         return Problem(
             impacts=self,
             law=self.one_law,

@@ -9,9 +9,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
-from film_model.base.arrays import all_of, any_of, either, ratio
+from film_model.base.arrays import all_of, any_of, either, ratio, unwarned
 from film_model.core import native
 from film_model.core.comparison import compare
 from film_model.core.comparison import rounding as rounding_of
@@ -64,7 +62,7 @@ def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
         left = problem.own.dents(problem.curve, core.maximum_indentation, left)
     if any_of(no_dent):
         left = either(no_dent, 0.0, left)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with unwarned(status):
         begun = {
             "maximum_indentation": core.maximum_indentation * s.length,
             "time_of_maximum_indentation": core.time_of_maximum_indentation * s.time,

@@ -91,17 +91,19 @@ def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple
     assert solver.accuracy is not None
     n, counts_for = first_segments(problem.damping), problem.curve.segments
     factor, fall = ORDER_FACTOR[solver.linearisation][1], REGULAR_FALL[solver.linearisation]
-    coarsest, coarse = (_impact(problem, solver, counts_for(k)) for k in (n // 2, n))
-    before, last = _apart(problem, solver, [counts_for(n // 2), counts_for(n)], coarsest, coarse), math.inf
+    counts = [counts_for(n // 2), counts_for(n)]
+    coarsest, coarse = (_impact(problem, solver, each) for each in counts)
+    before, last = _apart(problem, solver, counts, coarsest, coarse), math.inf
     while True:
         n *= 2
-        fine = _impact(problem, solver, counts_for(n))
-        here = _apart(problem, solver, [counts_for(n // 2), counts_for(n)], coarse, fine)
+        counts = [counts[1], counts_for(n)]
+        fine = _impact(problem, solver, counts[1])
+        here = _apart(problem, solver, counts, coarse, fine)
         apart, falls, before = max(here, before / fall), here < 0.5 * before, here
         rounds = rounding(problem, fine)
         estimated = factor * apart + rounds
         if estimated <= solver.accuracy:
-            return counts_for(n), estimated
+            return counts[1], estimated
         if (
             n >= MOST_SEGMENTS
             or (factor * apart < rounds and not falls)
@@ -111,7 +113,7 @@ def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple
                 f"accuracy {solver.accuracy:g} is not reached: the estimated relative error is {estimated:.1e} "
                 f"with {n} segments per stage"
             )
-            return counts_for(n), estimated
+            return counts[1], estimated
         coarse, last = fine, estimated
 
 

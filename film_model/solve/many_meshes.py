@@ -121,7 +121,7 @@ def _estimate(
     estimated = np.minimum(found + rounds, 1.0)
     estimated[failed] = math.nan
     made.estimated[places] = estimated
-    return (found > solver.accuracy - rounds) & (found > rounds) & ~failed
+    return (found > np.maximum(solver.accuracy - rounds, rounds)) & ~failed
 
 
 def _floor(problem: Problem, core: Columns) -> NDArray[np.float64]:

@@ -121,7 +121,7 @@ def simulate_chosen(choice: Choice, solver: Solver) -> History:
     found = _at_events(problem, states)
     events = _events(problem, found)
     values = summary_of(problem, status, _Recorded.of(found, native.State.from_buffer_copy(states[-1]), peak))
-    summary = {name: None if math.isnan(value) else value for name, value in values.items()}
+    summary = _known(values)
     warnings.extend(energy_warning(problem, summary))
     target, outcome = scene.target, _outcome(status)
     if outcome is Outcome.TIME_LIMIT and target.structural and not target.finite:
@@ -139,6 +139,11 @@ def simulate_chosen(choice: Choice, solver: Solver) -> History:
         accuracy=Accuracy(solver.accuracy, estimated, *counts, lines.size - 1),
         remarks=tuple(warnings),
     )
+
+
+def _known(values: dict[str, Any]) -> dict[str, float | None]:
+    """A summary with None in place of nan, for what did not happen."""
+    return {name: value if value == value else None for name, value in values.items()}
 
 
 def _record(problem: Problem, solver: Solver, counts: tuple[int, int]) -> tuple[int, Any, Any, float]:
@@ -249,7 +254,7 @@ def _on_modes(scene: Scene, choice: Choice, warnings: list[str]) -> History:
     vibration, estimated = vibrate(problem, target, asked, warnings)
     values = summary_of(problem, native.EVENT if vibration.separated else native.OK, vibration.summary)
     values |= vibration.energies_in_si(problem)
-    summary = {name: None if math.isnan(value) else value for name, value in values.items()}
+    summary = _known(values)
     events = _events_on_modes(problem, vibration)
     lost = [event.time for event in events if event.name == "contact_ends"]
     if len(lost) > 1:
@@ -287,7 +292,7 @@ def _relaxing(scene: Scene, choice: Choice, warnings: list[str]) -> History:
         lines=np.empty(0, native.LINE_DTYPE),
         events=_events(problem, relaxed.events),
         outcome=_outcome(relaxed.status),
-        summary={name: None if math.isnan(value) else value for name, value in values.items()},
+        summary=_known(values),
         accuracy=Accuracy(solver.accuracy, estimated, 0, 0, relaxed.steps),
         remarks=tuple(warnings),
         relaxed=relaxed,

@@ -6,7 +6,8 @@ impacts (checks, dataset, file); the last column excludes it.
 
 For comparison, in the same process: the machine's own write of the same values, one array of uncompressed numbers after
 the other into one file, with fsync; and how many times as long a file takes, beyond the same sweep in memory. The gain
-by a second worker is compared with that of hashing in two threads, which share nothing, measured between the sweeps.
+by a second worker is compared with two bounds, measured between the sweeps: two processes that make half of the impacts
+each, into files of their own, share the machine's memory and disk only; hashing in two threads shares nothing.
 From `benchmarks.speed` at errors below 1e-4: the same impacts by scipy's solve_ivp and by a numba-compiled
 Dormand–Prince pair, on one core and without a file, extrapolated from their microseconds per impact.
 
@@ -103,17 +104,31 @@ def print_writes(rows: Sequence[dict[str, Any]]) -> None:
 
 def print_gains(count: int, variables: str) -> list[dict[str, Any]]:
     """How many times as fast two workers are as one, in seconds; the best of three each, one after the other."""
-    name, rows = next(iter(CASES)), list[dict[str, Any]]()
-    print(f"\n  {count} impacts by two workers, times as fast as by one; hashing in two threads: times as fast")
+    rows = list[dict[str, Any]]()
+    print(f"\n  {count} impacts, times as fast as by one worker; hashing in two threads, times as fast as in one")
+    print(f"  {'':>8}{'two workers':>14}{'two processes':>16}{'hashing':>10}")
     for suffix in ("memory", "nc", "zarr") if find_spec("zarr") is not None else ("memory", "nc"):
-        seconds, alone = {1: math.inf, 2: math.inf}, {1: math.inf, 2: math.inf}
-        for _ in range(3):
-            for workers in seconds:
-                seconds[workers] = min(seconds[workers], run_child(name, count, suffix, workers, variables)["seconds"])
-                alone[workers] = min(alone[workers], hashing(workers))
-        rows.append({"gain": seconds[1] / seconds[2], "hashing": alone[1] / alone[2], "file": suffix})
-        print(f"  {suffix:>8}{rows[-1]['gain']:>8.2f}{rows[-1]['hashing']:>8.2f}")
+        one, two, processes, alone, together = np.min(
+            [gain_seconds(count, suffix, variables) for _ in range(3)], axis=0
+        )
+        rows.append({"file": suffix, "gain": one / two, "processes": one / processes, "hashing": alone / together})
+        print(f"  {suffix:>8}{one / two:>14.2f}{one / processes:>16.2f}{alone / together:>10.2f}")
     return rows
+
+
+def gain_seconds(count: int, suffix: str, variables: str) -> tuple[float, ...]:
+    """Seconds of a sweep by one worker, by two, and by two processes with half of it each; of hashing in one thread and
+    in two."""
+    name = next(iter(CASES))
+    one, two = (run_child(name, count, suffix, workers, variables)["seconds"] for workers in (1, 2))
+    return one, two, halves(name, count, suffix, variables), hashing(1), hashing(2)
+
+
+def halves(name: str, count: int, suffix: str, variables: str) -> float:
+    """Seconds in which two processes at the same time, each with one worker, make a sweep of half the impacts each."""
+    with ThreadPoolExecutor(2) as pool:
+        runs = pool.map(lambda _: run_child(name, count // 2, suffix, 1, variables), range(2))
+        return max(run["seconds"] for run in runs)
 
 
 def hashing(threads: int) -> float:

@@ -164,11 +164,12 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     """
     solver = solver or scene.solver
     count = len(next(iter(columns.values())))
-    summary = dict(zip(SUMMARY, np.full((len(SUMMARY), count), np.nan), strict=True))
     status = np.full(count, native.BAD_NUMBER, np.int32)
     law = np.zeros(count, np.int8)
     segments, laws, estimated = np.zeros((count, 2), np.int32), list[str](), np.full(count, np.nan)
     problems = problems_of(scene, columns, count, status)
+    all_in_one = len(problems) == 1 and rows_of(problems[0]).size == count  # its columns are those of the result
+    summary = {} if all_in_one else dict(zip(SUMMARY, np.full((len(SUMMARY), count), np.nan), strict=True))
     for problem in problems:
         rows, name = index_or_all(rows_of(problem), count), problem.law.name
         if name not in laws:
@@ -178,8 +179,12 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
         segments[rows] = made.segments
         status[rows] = made.status
         estimated[rows] = made.estimated + max(problem.curve.fit_error, problem.own.fit_error)
-        for name, column in summary_of(problem, made.status, made.core).items():
-            summary[name][rows] = column
+        values = summary_of(problem, made.status, made.core)
+        if all_in_one:
+            summary = {name: values[name] for name in SUMMARY}
+        else:
+            for name, column in values.items():
+                summary[name][rows] = column
     vibrating, followed = (status == VIBRATES).nonzero()[0], list[Followed]()
     if vibrating.size:
         found = on_modes(scene, columns, vibrating, solver)

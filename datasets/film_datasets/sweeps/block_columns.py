@@ -16,6 +16,7 @@ from film_datasets.sweeps.designs import GRID
 from film_datasets.sweeps.ragged import Columns, ragged_columns, ragged_dims
 from film_model.base.arrays import Index, index_or_all
 from film_model.base.errors import NO_VELOCITY
+from film_model.problem.summary import SUMMARY
 from film_model.solve.slopes import NO_DERIVATIVE
 
 ESTIMATED, MISSED, ENERGY_GAINS = "estimated", "missed", "energy_gains"
@@ -70,7 +71,9 @@ def _empty_columns(sweep: Sweep, count: int) -> Columns:
     for variable in sweep.variables[len(sweep.axes) :]:
         if variable.dims[: len(sweep.dims)] == sweep.dims:
             shape = (count, sweep.dense) if "normalised_time" in variable.dims else (count,)
-            columns[variable.name] = np.full(shape, np.nan if variable.optional else 0, variable.dtype)
+            fill = np.array(np.nan if variable.optional else 0, variable.dtype)
+            # most blocks replace their summaries as a whole: see `_put`
+            columns[variable.name] = np.broadcast_to(fill, shape) if variable.name in SUMMARY else np.full(shape, fill)
     columns["status"][:] = NO_VELOCITY
     columns["law"][:] = -1
     columns["scene_key"][:] = sweep.scene_key
@@ -95,6 +98,11 @@ def _put(
         "estimated_accuracy": impacts.estimated,
     }
     for name in found.keys() & columns.keys():
+        if isinstance(at, slice):
+            columns[name] = found[name].astype(columns[name].dtype, copy=False)
+            continue
+        if not columns[name].flags.writeable:
+            columns[name] = columns[name].copy()
         columns[name][at] = found[name]
     wanted = impacts.scene.solver.accuracy
     accuracy = sweep.accuracies.index(wanted)

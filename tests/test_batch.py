@@ -349,21 +349,43 @@ def test_segments_can_be_given():
     assert 1e-7 < batch.estimated < 1e-3
 
 
-@pytest.mark.parametrize("room", [40, 1 << 14])
+@pytest.mark.parametrize("room", [40, 65, 1 << 14])
 def test_contacts_recorded_together_have_the_lines_of_each_alone(monkeypatch, room):
-    """Also where the lines of a contact do not fit beside those before, or do not fit at all; a failed one has none."""
+    """Also where those of a contact, or its last, do not fit beside those before, or at all; a failed one has none."""
     monkeypatch.setattr(records, "LINES", room)
     curve, mesh = curve_of(fm.Stronge(100e9, 0.01, 1e9)).native, native.mesh(native.WORK_PRESERVING, 10, 20)
     start = np.zeros(7, native.START_DTYPE)
     start["nu"], start["gamma"], start["time_limit"] = [0.1, 0.4, math.nan, 1.0, 3.0, 10.0, 0.2], 0.1, math.inf
-    table, counts = records.record_many(curve, mesh, start)
+    columns, counts = records.record_many(curve, mesh, start)
     ends = np.cumsum(counts)
     assert counts[2] == 0 and counts[5] > 40 > counts[0]
     for row, end in enumerate(ends.tolist()):
         begin = native.Start(*start[row].tolist())
         alone = [] if row == 2 else native.record(curve, mesh, native.initial_state(curve, begin), math.inf, 500)[1]
         assert len(alone) == counts[row]
-        assert table[end - counts[row] : end].tobytes() == np.asarray(alone, native.LINE_DTYPE).tobytes()
+        for name, column in columns.items():
+            assert column[end - counts[row] : end].tobytes() == np.asarray(alone, native.LINE_DTYPE)[name].tobytes()
+
+
+@pytest.mark.parametrize("instructions", range(native.instructions() + 1))
+def test_samples_of_many_contacts_are_those_of_each_to_the_last_bit(monkeypatch, instructions):
+    """For every law, on targets that move and in series with a spring; none of one that failed or has no times."""
+    monkeypatch.setattr(native, "instructions", lambda: instructions)
+    start = np.zeros(6, native.START_DTYPE)
+    start["nu"], start["gamma"] = [0.3, 1.3, math.nan, 0.3, 1.3, 1.3], [0.0, 0.0, 0.1, 0.5, 3.0, 0.1]
+    start["load"], start["damping"], start["time_limit"] = [0.0, 0.01, 0.0, 0.0, 0.0, 0.0], 0.2, 40.0
+    times = np.linspace(0.0, [7.0, 7.0, 7.0, 7.0, 30.0, math.nan], 45, axis=1)
+    mesh = native.mesh(native.WORK_PRESERVING, 4, 6)
+    for law, spring in [(LAWS["hertz"], 0.3), *((law, 0.0) for law in LAWS.values())]:
+        curve = curve_of(law, spring).native
+        for part, lines in records.recorded(curve, mesh, start):
+            values, ends = records.sample_many(curve, lines, times[part]), np.cumsum(lines.counts)
+            assert part == slice(0, 6)
+            assert np.isnan(values[:, [2, 5]]).all()
+            for row in (row for row in (0, 1, 3, 4) if lines.counts[row]):
+                own = lines.table[ends[row] - lines.counts[row] : ends[row]]
+                each = native.sample(curve, own, times[row])[0]
+                assert values[:, row].tobytes() == each.T.tobytes(), (law.name, row)
 
 
 @pytest.mark.parametrize("load", [0.0, 0.01])

@@ -5,7 +5,7 @@ The rest of film_datasets sees plain arrays with one value per impact.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from typing import Any
@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array, Index, index_or_all
+from film_model.base.arrays import Array, Index, index_or_all, index_or_span
 from film_model.base.errors import SceneError
-from film_model.core.records import Rows, record_many, sample_many
+from film_model.core import native
+from film_model.core.records import Rows, record_many, recorded, sample_many
 from film_model.effects.choose import problem_of
 from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import rows_of
@@ -85,56 +86,65 @@ class Impacts:
         for problem in self._curves():
             index = rows_of(problem)
             compliance = np.full(index.size, problem.curve.native.compliance)
-            yield ClosedForms(index, {"segment": self._record(problem)}, {}, _units(problem, compliance))
+            curve, start = problem.curve.native, problem.start
+            parts = [(places, record_many(curve, mesh, start[places])) for places, mesh in self._meshes(problem)]
+            lines = Rows.together(parts, index.size, TABLES["segment"])
+            yield ClosedForms(index, {"segment": lines}, {}, _units(problem, compliance))
         for followed in self._followed:
             found = zip(followed.rows.tolist(), closed_forms(followed), strict=True)
             yield _on_modes(followed, {row: form for row, form in found if form is not None})
 
-    def samples(self, count: int) -> dict[str, Array]:
-        """Motion at `count` evenly spaced times of each contact: (impacts, count), NaN if the contact does not end.
+    def samples(self, count: int, into: Mapping[str, Array], rows: Index) -> None:
+        """Put the motion at `count` even times of each contact into the `rows` of arrays, by the names of `MOTION`.
 
-        On targets that vibrate, of the first contact.
+        On targets that vibrate, of the first contact. The rows of an impact whose contact does not end are not changed.
         """
-        return self.motion(np.linspace(0.0, 1.0, count) * self.summary["contact_duration"][:, None])
+        unit, duration = np.linspace(0.0, 1.0, count), self.summary["contact_duration"]
+        self._put_motion(lambda places: unit * duration[places, None], into, rows)
 
     def motion(self, times: Array) -> dict[str, Array]:
         """Motion at ascending times [s] of each impact: (impacts, times); NaN where the times are NaN, and of impacts
         that failed."""
         motion = {name: np.full(times.shape, np.nan) for name in MOTION}
+        self._put_motion(lambda places: times[places], motion, np.arange(len(times)))
+        return motion
+
+    def _put_motion(self, times_of: Callable[[Index], Array], into: Mapping[str, Array], rows: Index) -> None:
+        """Put the motion of each impact at its times into the rows of arrays, by the names of `MOTION`."""
         for problem in self._curves():
-            index, lines = rows_of(problem), self._record(problem)
-            known = np.flatnonzero(np.isfinite(times[index, -1]) & (lines.counts > 0))
-            t, scales = times[index[known]], problem.scales.part((known, None))
-            time: Any = scales.time
-            values = sample_many(problem.curve.native, lines.part(known), t / time)
-            drift, share = problem.drift[known, None], problem.share[known, None]
-            found = motion_of(scales, drift, share, problem.free, t, np.moveaxis(values, -1, 0))
-            for name, column in motion.items():
-                column[index[known]] = found[name]
+            index = rows_of(problem)
+            for places, mesh in self._meshes(problem):
+                for part, lines in recorded(problem.curve.native, mesh, problem.start[places]):
+                    some = places[part]
+                    t, scales = times_of(index[some]), problem.scales.part((some, None))
+                    values = sample_many(problem.curve.native, lines, t / scales.time)
+                    drift, share = problem.drift[some, None], problem.share[some, None]
+                    found = motion_of(scales, drift, share, problem.free, t, values)
+                    known = np.flatnonzero(np.isfinite(t[:, -1]) & (lines.counts > 0))
+                    of, at = index_or_all(known, some.size), index_or_span(rows[index[some[known]]])
+                    for name, column in into.items():
+                        column[at] = found[name][of]
         for followed in self._followed:
             units = _units(followed.problem, followed.start["rest"])
             for place, (row, form) in enumerate(zip(followed.rows.tolist(), closed_forms(followed), strict=True)):
-                if form is None or not np.isfinite(times[row, -1]):
+                t = times_of(followed.rows[place : place + 1])[0]
+                if form is None or not np.isfinite(t[-1]):
                     continue
                 own = {name: float(column[place]) for name, column in units.items()}
-                found = motion_of_form(followed.problem, form, own, times[row])
-                for name, column in motion.items():
-                    column[row] = found[name]
-        return motion
+                found = motion_of_form(followed.problem, form, own, t)
+                for name, column in into.items():
+                    column[rows[row]] = found[name]
 
     def _curves(self) -> Iterator[Problem]:
         for problem in self._problems:
             yield from problem.by_curve()
 
-    def _record(self, problem: Problem) -> Rows:
-        """The segments of each impact, on its own mesh."""
+    def _meshes(self, problem: Problem) -> Iterator[tuple[Index, native.Mesh]]:
+        """The meshes on which the impacts of a problem are recorded, and the places of theirs."""
         refuse_relaxation(problem, "storing the motion of many impacts")
-        own, parts = self._segments[rows_of(problem)], list[tuple[Index, Rows]]()
+        own = self._segments[rows_of(problem)]
         for counts in np.unique(own, axis=0).tolist():
-            places = np.flatnonzero((own == counts).all(axis=1))
-            mesh = mesh_of(self.scene.solver, tuple(counts))
-            parts.append((places, record_many(problem.curve.native, mesh, problem.start[places])))
-        return Rows.together(parts, len(own))
+            yield np.flatnonzero((own == counts).all(axis=1)), mesh_of(self.scene.solver, tuple(counts))
 
     def derivatives(self, numbers: Mapping[str, Array], asked: Iterable[Entry]) -> tuple[list[Entry], ManyDerivatives]:
         """Derivatives by those of the numbers asked for that the scene has, as exact as its accuracy.
@@ -164,7 +174,7 @@ def _on_modes(followed: Followed, forms: Mapping[int, ClosedForm]) -> ClosedForm
     for name in ("step", "flight_mode"):
         each = [form.tables[name] for form in forms.values()]
         joined = np.concatenate(each) if each else np.empty(0, TABLES[name])
-        tables[name] = Rows(joined, np.array([table.size for table in each], np.int32))
+        tables[name] = Rows.of_table(joined, np.array([table.size for table in each], np.int32))
     shared = {"mode": next(iter(forms.values())).tables["mode"]} if forms else {}
     units, kept = _units(followed.problem, followed.start["rest"]), np.isin(followed.rows, rows)
     return ClosedForms(rows, tables, shared, {name: column[kept] for name, column in units.items()})

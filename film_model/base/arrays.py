@@ -28,6 +28,13 @@ def index_or_all(index: Index, count: int) -> Any:
     return ALL if index.size == count else index
 
 
+def index_or_span(index: Index) -> Any:
+    """The ascending places `index`; a slice, which copies nothing, if they follow one another."""
+    if index.size and index[-1] - index[0] == index.size - 1:
+        return slice(int(index[0]), int(index[-1]) + 1)
+    return index
+
+
 def root(x: Any) -> Any:
     """√x."""
     return np.sqrt(x) if isinstance(x, np.ndarray) else math.sqrt(x)

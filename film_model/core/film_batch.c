@@ -9,6 +9,8 @@ static const block_routines *const routines[] = {&film_plain, &film_avx2, &film_
 static const block_routines *const routines[] = {&film_plain};
 #endif
 
+const block_routines *film_routines(int instructions) { return routines[instructions]; }
+
 /* ---------------------------------------------------------------- sorting */
 
 /* Makes the own stages of a block that should turn in `piece`. */

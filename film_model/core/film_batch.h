@@ -221,7 +221,12 @@ typedef struct {
     void (*retrace)(batch_job *j, int32_t stage, const int64_t *index, int count, lanes *s, const double *stored);
     /* impacts under a damped power law, from first touch to the end of contact */
     void (*damped)(batch_job *j, const int64_t *index, int count);
+    /* the five values of film_evaluate at times on a contact's lines: value k of time i to values[k stride + i] */
+    void (*sample)(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times, int64_t count,
+                   double *values, int64_t stride);
 } block_routines;
+
+const block_routines *film_routines(int instructions);
 
 extern const block_routines film_plain;
 #if defined(FILM_WIDE)

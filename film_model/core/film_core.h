@@ -302,21 +302,10 @@ static inline double film_pull(const film_curve *curve, const film_state *state)
 FILM_API void film_motion(const film_curve *curve, const film_state *state, double values[5]);
 FILM_API void film_evaluate(const film_curve *curve, const film_line *line, double tau, double values[5]);
 
-/* film_record for many contacts: lines one after the other, line_counts[i] of contact i, 0 if it fails or does not begin with
- * a velocity. Returns how many contacts were recorded: all, or those before the first that does not fit. */
-FILM_API int64_t film_record_many(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
-                                  film_line *lines, int64_t line_room, int32_t *line_counts, film_state *events,
-                                  int32_t event_room);
-
 /* Samples at count times, ascending, from lines; stages[i] the line's branch, or FILM_BRANCH of a stretched
  * stage; phases[i] its phase. */
 FILM_API void film_sample(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times,
                           int64_t count, double *values, int8_t *stages, int8_t *phases);
-
-/* film_sample for many contacts, with the lines of film_record_many: samples times and 5 samples values of each. stages and
- * phases: room for those of one contact, overwritten. */
-FILM_API void film_sample_many(const film_curve *curve, int64_t count, const film_line *lines, const int32_t *line_counts,
-                               int64_t samples, const double *times, double *values, int8_t *stages, int8_t *phases);
 
 /* The same contact for another integrator of the true law, which owns xi, nu and shift and puts them into the state before
  * each call. The state keeps the branch and what the spot remembers; lines are not used. docs/method.md, section 11. */

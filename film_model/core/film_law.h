@@ -120,6 +120,9 @@ static inline double contact_slope(const film_line *line, const film_piece *piec
 /* film_spring without film_check_curve. */
 int film_put_in_series(film_curve *curve, double c);
 
+/* The five values of film_evaluate, of indentation and spring together on the line, become those of the indentation. */
+void film_split_off_spring(const film_curve *curve, const film_line *line, double values[5]);
+
 /* law_at and law_slope in series with a spring, and along stretched stages; not inline, so that they cost other laws
  * nothing. */
 void film_law_in_series(const film_curve *curve, const film_line *line, double x, double *force, double *work);

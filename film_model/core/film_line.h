@@ -32,20 +32,23 @@ typedef struct {
     double y0, phi, kappa, a; /* phi: the line's force at x = 0, less the load */
 } motion;
 
+enum { SERIES_END = 24 };
+static const double PER_FACTORIAL[SERIES_END + 2] = {
+    1.0, 1.0, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040, 1.0 / 40320, 1.0 / 362880,
+    1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800.0, 1.0 / 87178291200.0,
+    1.0 / 1307674368000.0, 1.0 / 20922789888000.0, 1.0 / 355687428096000.0, 1.0 / 6402373705728000.0,
+    1.0 / 121645100408832000.0, 1.0 / 2432902008176640000.0, 1.0 / 51090942171709440000.0,
+    1.0 / 1124000727777607680000.0, 1.0 / 25852016738884976640000.0, 1.0 / 620448401733239439360000.0,
+    1.0 / 15511210043330985984000000.0};
+
 /* x and y after a short time, by Taylor's series: its terms d_k/k! follow d_k = -(2 a tau) d_{k-1} - kappa tau^2 d_{k-2}.
  * b = -2 a tau, c = -kappa tau^2. */
 static inline void motion_by_series(const motion *m, double tau, double b, double c, double *x, double *y) {
-    static const double over[26] = {/* 1/k! */
-        1.0, 1.0, 1.0 / 2, 1.0 / 6, 1.0 / 24, 1.0 / 120, 1.0 / 720, 1.0 / 5040, 1.0 / 40320, 1.0 / 362880,
-        1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800.0, 1.0 / 87178291200.0,
-        1.0 / 1307674368000.0, 1.0 / 20922789888000.0, 1.0 / 355687428096000.0, 1.0 / 6402373705728000.0,
-        1.0 / 121645100408832000.0, 1.0 / 2432902008176640000.0, 1.0 / 51090942171709440000.0,
-        1.0 / 1124000727777607680000.0, 1.0 / 25852016738884976640000.0, 1.0 / 620448401733239439360000.0,
-        1.0 / 15511210043330985984000000.0};
+    const double *over = PER_FACTORIAL;
     double before = m->y0, last = (-m->phi - 2.0 * m->a * m->y0) * tau;
     double small = 1e-17 * (fabs(before) + fabs(last));
     double sum_y = before + last, sum_x = before + 0.5 * last, p = b * b + c, r = b * c;
-    for (int k = 2; k < 24; k += 2) { /* two terms at a time, each from the two before */
+    for (int k = 2; k < SERIES_END; k += 2) { /* two terms at a time, each from the two before */
         double next = b * last + c * before;
         last = p * last + r * before;
         before = next;

@@ -356,7 +356,9 @@ int film_record(const film_curve *curve, const film_mesh *mesh, film_state *s, d
             events[(*event_count)++] = *s;
             if (s->event == FILM_CONTACT_ENDS) { /* add the flight that follows, for samples after the end */
                 s->line.time = s->time;
-                if (prepare_line(curve, mesh, s) == FILM_OK && *line_count < line_room) lines[(*line_count)++] = s->line;
+                if (prepare_line(curve, mesh, s) != FILM_OK) return FILM_EVENT;
+                if (*line_count >= line_room) return FILM_FULL;
+                lines[(*line_count)++] = s->line;
                 return FILM_EVENT;
             }
             status = FILM_OK;

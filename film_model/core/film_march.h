@@ -144,7 +144,6 @@ double film_reload_exponent(const film_curve *curve, const film_state *s);
 void film_open_run(const film_curve *curve, film_state *s);
 void film_change_loop(const film_curve *curve, film_state *s, int32_t loop);
 void film_choose_loop(const film_curve *curve, film_state *s);
-void film_split_off_spring(const film_curve *curve, const film_line *line, double values[5]);
 
 /* film_integrator.c */
 int film_end_run(const film_curve *curve, film_state *s, int ends);

@@ -3,48 +3,57 @@
 from __future__ import annotations
 
 import ctypes as c
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.arrays import Index
 from film_model.core import native
 
-LINES, EVENTS = 1 << 14, 1 << 10
-"""Lines and events that are recorded at a time; a contact with more is recorded by itself."""
+LINES, EVENTS = 1 << 11, 1 << 10
+"""Lines and events that are recorded at a time, which the processor's cache holds; a contact with more is recorded by
+itself."""
+
+_WORDS = ("branch", "phase")
+_NUMBERS = tuple(name for name in native.LINE_DTYPE.names or () if name not in _WORDS)
 
 
-class Rows(NamedTuple):
-    """Rows of many contacts, such as lines, one after the other, and how many each has."""
+class Lines(NamedTuple):
+    """The lines (LINE_DTYPE) of some contacts, one after the other, and how many each has."""
 
     table: NDArray[Any]
     counts: NDArray[np.int32]
 
-    def part(self, places: NDArray[np.intp]) -> Rows:
-        """Of some of the contacts."""
-        counts = self.counts[places]
-        return Rows(
-            _words(self.table)[_positions(_begins(self.counts)[places], counts)].view(self.table.dtype)[:, 0], counts
-        )
+
+class Rows(NamedTuple):
+    """Rows of many contacts, such as lines, one after the other, and how many each has. columns: by the fields."""
+
+    columns: Mapping[str, NDArray[Any]]
+    counts: NDArray[np.int32]
 
     @classmethod
-    def together(
-        cls, parts: Sequence[tuple[NDArray[np.intp], Rows]], count: int, dtype: np.dtype[Any] = native.LINE_DTYPE
-    ) -> Rows:
-        """Of `count` contacts, from parts and the places of their contacts; a place in no part has no rows."""
+    def of_table(cls, table: NDArray[Any], counts: NDArray[np.int32]) -> Rows:
+        """Those of an array of structures."""
+        return cls({name: table[name] for name in table.dtype.names or ()}, counts)
+
+    @classmethod
+    def together(cls, parts: Sequence[tuple[Index, Rows]], count: int, dtype: np.dtype[Any]) -> Rows:
+        """Of `count` contacts, from parts and their contacts' ascending places; a place in no part has no rows."""
+        if len(parts) == 1 and parts[0][0].size == count:
+            return parts[0][1]
         counts = np.zeros(count, np.int32)
         for places, rows in parts:
             counts[places] = rows.counts
-        begins, table = _begins(counts), np.empty(int(counts.sum(dtype=np.int64)), dtype)
+        begins, table = _begins(counts), cls.of_table(np.empty(0, dtype), counts)
+        length = int(counts.sum(dtype=np.int64))
+        columns = {name: np.empty((length, *empty.shape[1:]), empty.dtype) for name, empty in table.columns.items()}
         for places, rows in parts:
-            _words(table)[_positions(begins[places], rows.counts)] = _words(rows.table)
-        return cls(table, counts)
-
-
-def _words(table: NDArray[Any]) -> NDArray[np.uint64]:
-    """A table as rows of 8-byte words, which NumPy copies much faster than structures."""
-    return table.view(np.uint64).reshape(table.size, table.dtype.itemsize // 8)
+            positions = _positions(begins[places], rows.counts)
+            for name, column in columns.items():
+                column[positions] = rows.columns[name]
+        return cls(columns, counts)
 
 
 def _begins(counts: NDArray[np.int32]) -> NDArray[np.int64]:
@@ -56,11 +65,12 @@ def _positions(begins: NDArray[np.int64], counts: NDArray[np.int32]) -> NDArray[
     return np.repeat(begins - _begins(counts), counts) + np.arange(int(counts.sum(dtype=np.int64)))
 
 
-def record_many(curve: native.Curve, cut: native.Mesh, start: NDArray[Any]) -> Rows:
-    """The lines of each of many contacts (START_DTYPE); none for one that fails or does not begin with a velocity."""
+def recorded(curve: native.Curve, cut: native.Mesh, start: NDArray[Any]) -> Iterator[tuple[slice, Lines]]:
+    """The lines of many contacts (START_DTYPE), of some that follow one another at a time: which, and their lines,
+    which the next overwrite. A contact that fails or does not begin with a velocity has none."""
     start, record = np.ascontiguousarray(start, native.START_DTYPE), native.library().film_record_many
     memory, events = np.empty(LINES, native.LINE_DTYPE), np.empty(EVENTS * native.STATE_DTYPE.itemsize, np.uint8)
-    counts, found, first = np.empty(start.size, np.int32), [_words(memory[:0])], 0
+    counts, first = np.empty(start.size, np.int32), 0
     while first < start.size:
         left, own = start[first:], counts[first:]
         at, rooms = (left.ctypes.data, memory.ctypes.data, LINES), (own.ctypes.data, events.ctypes.data, EVENTS)
@@ -69,9 +79,8 @@ def record_many(curve: native.Curve, cut: native.Mesh, start: NDArray[Any]) -> R
         if done == 0:
             lines, done = _alone(curve, cut, native.Start(*left[0].tolist())), 1
             own[0] = lines.size
-        found.append(_words(lines).copy())
+        yield slice(first, first + done), Lines(lines, own[:done])
         first += done
-    return Rows(np.concatenate(found).view(native.LINE_DTYPE)[:, 0], counts)
 
 
 def _alone(curve: native.Curve, cut: native.Mesh, begin: native.Start) -> NDArray[Any]:
@@ -79,10 +88,33 @@ def _alone(curve: native.Curve, cut: native.Mesh, begin: native.Start) -> NDArra
     return lines if status >= 0 else lines[:0]
 
 
-def sample_many(curve: native.Curve, lines: Rows, times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(contacts, times, 5) values as `native.sample` at ascending times (contacts, times); every contact has lines."""
+def record_many(curve: native.Curve, cut: native.Mesh, start: NDArray[Any]) -> Rows:
+    """The lines of many contacts, as `recorded` gives them."""
+    counts, end = np.empty(start.size, np.int32), 0
+    numbers, words = np.empty((len(_NUMBERS), 0)), np.empty((len(_WORDS), 0), np.int32)
+    for part, lines in recorded(curve, cut, start):
+        begin, end = end, end + lines.table.size
+        counts[part] = lines.counts
+        if end > numbers.shape[1]:  # room for all, if the rest have about as many
+            room = LINES + int(1.1 * end * start.size / part.stop)
+            numbers, words = _longer(numbers, begin, room), _longer(words, begin, room)
+        at = numbers[:, begin:].ctypes.data, words[:, begin:].ctypes.data
+        native.library().film_line_columns(lines.table.size, lines.table.ctypes.data, numbers.shape[1], *at)
+    columns = {name: column[:end] for name, column in zip(_NUMBERS, numbers, strict=True)}
+    return Rows(columns | {name: column[:end] for name, column in zip(_WORDS, words, strict=True)}, counts)
+
+
+def _longer(columns: NDArray[Any], begun: int, length: int) -> NDArray[Any]:
+    """Columns of another length with the rows that are there."""
+    longer = np.empty((len(columns), length), columns.dtype)
+    longer[:, :begun] = columns[:, :begun]
+    return longer
+
+
+def sample_many(curve: native.Curve, lines: Lines, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(5, contacts, times) values as `native.sample` at ascending times (contacts, times); every contact has lines."""
     times, table = np.ascontiguousarray(times, np.float64), np.ascontiguousarray(lines.table)
-    values, flags = np.empty((*times.shape, 5)), np.empty((2, times.shape[1]), np.int8)
+    values = np.empty((5, *times.shape))
     tables = table.ctypes.data, lines.counts.ctypes.data, times.shape[1], times.ctypes.data, values.ctypes.data
-    native.library().film_sample_many(c.byref(curve), len(times), *tables, *(flag.ctypes.data for flag in flags))
+    native.library().film_sample_many(native.instructions(), c.byref(curve), len(times), *tables)
     return values

@@ -17,6 +17,7 @@ from film_datasets.sweeps.ragged import Columns, ragged_columns, ragged_dims
 from film_model.base.arrays import Index, index_or_all
 from film_model.base.errors import NO_VELOCITY
 from film_model.problem.summary import SUMMARY
+from film_model.solve.history import MOTION
 from film_model.solve.slopes import NO_DERIVATIVE
 
 ESTIMATED, MISSED, ENERGY_GAINS = "estimated", "missed", "energy_gains"
@@ -121,8 +122,7 @@ def _put(
             for name, value in form.units.items():
                 columns[name][places] = value
     elif sweep.keep == "samples":
-        for name, column in impacts.samples(sweep.dense).items():
-            columns[f"sampled_{name}"][index] = column
+        impacts.samples(sweep.dense, {name: columns[f"sampled_{name}"] for name in MOTION}, index)
 
 
 def _differentiate(

@@ -33,20 +33,17 @@ def ragged_columns(forms: Sequence[tuple[Index, ClosedForms]], count: int, dims:
     columns: Columns = {}
     for dim in dims:
         if dim in SHARED:
-            table, begins, counts = _shared(forms, count, dim)
-            columns[f"{dim}_begin"] = begins
+            rows, columns[f"{dim}_begin"] = _shared(forms, count, dim)
         else:
             parts = [(places, form.tables[dim]) for places, form in forms if dim in form.tables]
-            table, counts = Rows.together(parts, count, TABLES[dim])
-        columns[f"{dim}_count"] = counts
-        columns |= {own: np.ascontiguousarray(table[name]) for own, name in fields_of(dim).items()}
+            rows = Rows.together(parts, count, TABLES[dim])
+        columns[f"{dim}_count"] = rows.counts
+        columns |= {own: np.ascontiguousarray(rows.columns[name]) for own, name in fields_of(dim).items()}
     return columns
 
 
-def _shared(
-    forms: Sequence[tuple[Index, ClosedForms]], count: int, dim: str
-) -> tuple[NDArray[Any], NDArray[np.int64], NDArray[np.int32]]:
-    """The different tables, one after the other, and where that of each impact begins, and its rows."""
+def _shared(forms: Sequence[tuple[Index, ClosedForms]], count: int, dim: str) -> tuple[Rows, NDArray[np.int64]]:
+    """The different tables, one after the other, with the numbers of each impact's rows, and where they begin."""
     begins, counts = np.zeros(count, np.int64), np.zeros(count, np.int32)
     known, tables = _Known(), [np.empty(0, TABLES[dim])]
     for places, form in forms:
@@ -55,7 +52,7 @@ def _shared(
             begin, is_new = known.place(table)
             begins[places], counts[places] = begin, table.size
             tables += [table] if is_new else []
-    return np.concatenate(tables), begins, counts
+    return Rows.of_table(np.concatenate(tables), counts), begins
 
 
 class _Known:

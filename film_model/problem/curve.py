@@ -29,8 +29,8 @@ class Curve:
 
     native: the core's structure, with its compliance. stage_names: one per stage. fit_error: largest relative
     difference between a fitted function and the law (0 when nothing had to be fitted). steepest: largest exponent of
-    an unloading branch. law, stages: for the warnings; a pickle has these instead. page: the family of curves that
-    this one belongs to.
+    an unloading branch. law, stages: from which the warnings are made; a pickle has the warnings, and no stages. page:
+    the family of curves that this one belongs to.
     """
 
     native: native.Curve = field(repr=False, compare=False)

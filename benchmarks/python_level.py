@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import subprocess
 import sys
 import time
@@ -45,6 +46,11 @@ def measure(repeats: int) -> list[dict[str, object]]:
     row("simulate(scene, accuracy=1e-6)", lambda: fm.simulate(scene, accuracy=1e-6), 20)
     row("simulate(scene, segments=5)", lambda: fm.simulate(scene, segments=5), 20)
     row("simulate_batch of one impact", lambda: fm.simulate_batch(scene, velocity=["0.25 m/s"]), 20)
+    metal = scene.replace({"contact.law": "auto", "target.material.strain_rate_coefficient": 0.02})
+    speeds = (f"{0.2 + 1e-5 * k!r} m/s" for k in itertools.count())  # each with a strength and a curve of its own
+    cases = [metal.replace({"impactor.velocity": next(speeds)}) for _ in range(20 * repeats + 1)]
+    row("simulate on a metal that hardens with the rate", lambda: fm.simulate(cases.pop()), 20)
+    row("simulate_batch of one impact on it", lambda: fm.simulate_batch(metal, velocity=[next(speeds)]), 20)
     history = fm.simulate(scene)
     row("History.sample_si at one time", lambda: history.sample_si(20e-6), 20)
     row("ImpactComponent(scene)", lambda: fm.ImpactComponent(scene), 5)

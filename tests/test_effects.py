@@ -15,10 +15,11 @@ import film_model as fm
 import fmu_wrapper
 from film_model.base.errors import SceneError
 from film_model.cli.main import main
-from film_model.effects import judged, material_rules
+from film_model.effects import judged
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF
 from film_model.effects.plasticity import FULLY_PLASTIC_RATIO
+from film_model.laws.jkr import JKR_LOSS
 from film_model.problem.problem import Problem
 from film_model.studies import explain
 from film_model.studies.regimes import regimes
@@ -393,7 +394,7 @@ def test_adhesion_against_the_work_of_parting():
     touch, least = (2 * math.pi) ** (1 / 3), (math.pi / 8) ** (1 / 3)
     work = -integrate.quad(lambda a: force(a) * (2 * a - math.sqrt(math.pi / 2 / a)), least, touch)[0]
     assert depth(touch) == pytest.approx(0.0, abs=1e-12)
-    assert work == pytest.approx(material_rules.JKR_LOSS, rel=1e-12)
+    assert work == pytest.approx(JKR_LOSS, rel=1e-12)
     scene = ball_on(fm.HalfSpace(STEEL), "5 mm/s", "50 um", fm.Contact(work_of_adhesion="0.2 J/m^2"))
     effect = by_name(scene)["adhesion"]
     modulus = scene.effective_modulus

@@ -1,5 +1,7 @@
 """Laws say where their restitution rises with velocity or exceeds one, and where an impact leaves their range."""
 
+import pickle
+
 import numpy as np
 import pytest
 from cases import scene
@@ -22,6 +24,13 @@ def speeds(low, high, count):
 
 def rising(warnings):
     return [sentence for sentence in warnings if "its restitution rises with velocity" in sentence]
+
+
+@pytest.mark.parametrize("law", ["big-alabo", "jackson-green"])
+def test_a_copy_of_a_curve_warns_of_the_same_jump(law):
+    curve = curve_of(base_law(of_law(law, constants="printed", poissons_ratio=0.3)))
+    assert "the force jumps by" in curve.warnings[0]
+    assert pickle.loads(pickle.dumps(curve)).warnings == curve.warnings
 
 
 def test_big_alabo_rises_between_its_minimum_and_its_maximum():

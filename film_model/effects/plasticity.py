@@ -9,9 +9,8 @@ from typing import Any, ClassVar
 from film_model.core import native
 from film_model.effects.effect import FREE, NOT_JUDGED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
 from film_model.effects.trial import change, matters
-from film_model.laws.jackson_green import MOST_YIELD_STRAIN
 from film_model.laws.law import AbstractLaw, Stage
-from film_model.laws.yielding import yield_velocity
+from film_model.laws.yielding import MOST_YIELD_STRAIN, yield_velocity
 from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIELDING, can_yield, reaches_yield
 from film_model.problem.problem import Problem
 

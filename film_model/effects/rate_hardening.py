@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 from film_model.base.arrays import any_of, either, greater, logarithm, root
 from film_model.base.errors import SimulationError
@@ -20,7 +20,7 @@ from film_model.base.units import format_si
 from film_model.effects.case import ABSENT, YIELDS, Rule, absorbed
 from film_model.effects.effect import FREE, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
 from film_model.effects.trial import change
-from film_model.laws import BigAlabo
+from film_model.laws import LAWS, AbstractLaw
 from film_model.problem.problem import Problem
 
 RATE_SENSITIVE = 100.0
@@ -139,10 +139,10 @@ def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:
     return Effect(RULE.name, RULE.indicator, rate, None, min(size, 1.0), state, why, RULE.source, cost)
 
 
-def _substitute(static: Problem) -> BigAlabo:
+def _substitute(static: Problem) -> AbstractLaw:
     """The law with which rate hardening is judged for a law without a yield strength."""
-    scene: Any = static.scene
-    return BigAlabo(scene.effective_modulus, scene.effective_radius, scene.yield_strength)
+    scene, law = static.scene, cast("Any", LAWS["big-alabo"])
+    return law(scene.effective_modulus, scene.effective_radius, scene.yield_strength)
 
 
 def _without_coefficient(static: Problem) -> Effect:

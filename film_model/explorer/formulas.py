@@ -190,13 +190,12 @@ def _problem(
 ) -> Problem:
     """A problem whose numbers are those of the object `owner`. damped: under a damped law. vibrates: on modes."""
     scales = Scales(**cast("Any", recording.symbols(owner, _SCALES)))
-    curve = Curve(native.Curve(), (), 0.0, 0.0, ())
-    impacts = Impacts(template, SceneLaw(cast("Any", None), {}, None, {}), _numbers(recording))
+    curve = Curve(native.Curve(), (), 0.0, 0.0, "", ())
     found = recording.symbols("n", FROM_SCENE)
     strength = found["yield_strength"]  # infinite if there is none
-    impacts.__dict__["scene"] = SimpleNamespace(
-        **found | {"yield_strength": either(strength < math.inf, strength, math.nan)}
-    )
+    varied: Any = SimpleNamespace(**found | {"yield_strength": either(strength < math.inf, strength, math.nan)})
+    law = SceneLaw(cast("Any", None), {}, None, {})
+    impacts = Impacts(template, law, _numbers(recording), varied=varied)
     values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": float(damped)}
     return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free, vibrates=vibrates)
 

@@ -45,6 +45,8 @@ class Symbol(np.ndarray):
             return self.recording.add("{} ? {} : {}", args)
         if func is np.any or func is np.all:
             return func is np.any
+        if func is np.count_nonzero:
+            return 0.5  # neither none nor all: the condition may hold or not
         return NotImplemented
 
     def __pow__(self, other: Any, modulo: None = None) -> Any:  # the array's own would replace x**0.5 by a root

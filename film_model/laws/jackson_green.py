@@ -11,10 +11,9 @@ import numpy as np
 
 from film_model.base.arrays import all_of, exponential, greater
 from film_model.laws.law import AbstractLaw, Array, Family, Parameter, Power, Stage, Unloading
-from film_model.laws.yielding import limit_point
+from film_model.laws.yielding import MOST_YIELD_STRAIN, limit_point
 
 ELASTIC_LIMIT = 1.9  # ω/ω_c up to which the force is Hertz's, though the contact has yielded at 1
-MOST_YIELD_STRAIN = 0.2  # S_y/E; the law was fitted up to 0.009; e^{23 e_y} grows without bound
 LAST_RESIDUAL = ELASTIC_LIMIT * 2.0**9  # 973 ω/ω_c up to which the residual indentation is the published one
 FITTED_STRAIN = (0.001, 0.009)  # S_y/E
 FITTED_RADIUS = 0.41  # a/R

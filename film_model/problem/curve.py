@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -28,15 +29,16 @@ class Curve:
 
     native: the core's structure, with its compliance. stage_names: one per stage. fit_error: largest relative
     difference between a fitted function and the law (0 when nothing had to be fitted). steepest: largest exponent of
-    an unloading branch. warnings: sentences for the user about jumps of the force and poor fits. page: the family of
-    curves that this one belongs to.
+    an unloading branch. law, stages: from which the warnings are made; a pickle has the warnings, and no stages. page:
+    the family of curves that this one belongs to.
     """
 
     native: native.Curve = field(repr=False, compare=False)
     stage_names: tuple[str, ...]
     fit_error: float
     steepest: float
-    warnings: tuple[str, ...]
+    law: str
+    stages: tuple[Stage, ...] = field(repr=False, compare=False)
     page: Page | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -46,6 +48,14 @@ class Curve:
         If the force falls to 0 slowly, the core takes two or four times as many (`film_unloading`).
         """
         return 2 if self.steepest > STEEP else 1
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences for the user about jumps of the force and poor fits."""
+        return tuple(_remarks(self.law, self.stages, self.fit_error))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "warnings": self.warnings, "stages": ()}  # the functions of a stage may be local
 
     @cached_property
     def clearance(self) -> float:
@@ -165,7 +175,7 @@ def _curve(
         raise ValueError(
             f"{law}: the numbers of its stages are outside the solver's range: all must be finite, and their work too"
         )
-    return Curve(made, tuple(stage.name for stage in stages), error, steepest, tuple(_remarks(law, stages, error)))
+    return Curve(made, tuple(stage.name for stage in stages), error, steepest, law, tuple(stages))
 
 
 def can_be_in_series(law: AbstractLaw, compliance: float) -> bool:
@@ -216,7 +226,7 @@ def _name(law: AbstractLaw) -> str:
     return f"law {getattr(law, 'name', type(law).__name__)!r}"
 
 
-def _remarks(law: str, stages: list[Stage], fit_error: float) -> list[str]:
+def _remarks(law: str, stages: Sequence[Stage], fit_error: float) -> list[str]:
     """Warnings: the force jumps between stages, the given work is not the force's integral, or a fit is poor."""
     said: list[str] = []
     for before, after in pairwise(stages):

@@ -12,9 +12,8 @@ import numpy as np
 from film_model.base.arrays import ALL, Array, column
 from film_model.base.errors import Mistake, SceneError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
-from film_model.laws.jackson_green import MOST_YIELD_STRAIN
 from film_model.laws.law import law_fields
-from film_model.laws.yielding import yield_point
+from film_model.laws.yielding import MOST_YIELD_STRAIN, yield_point
 from film_model.scene import STANDARD_GRAVITY, Scene
 
 ELASTIC, YIELDING = "hertz", "jackson-green"

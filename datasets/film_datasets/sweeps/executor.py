@@ -56,7 +56,8 @@ def _keep_released_memory() -> None:
     """Let the arrays of a block take the memory that those of the block before have released.
 
     By default glibc gives it back to the system, and the next block gets pages that are new: they took 40 % of the
-    time in memory, and two workers wait for each other there. Nothing is touched; elsewhere this has no effect.
+    time of a block, more with two workers, whose page tables are one. The array is not touched; with other C libraries
+    this has no effect.
     """
     np.empty(LARGE, np.uint8)
 

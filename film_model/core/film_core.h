@@ -129,7 +129,7 @@ typedef struct {
     int32_t linearisation; /* FILM_CHORD or FILM_WORK_PRESERVING */
     int32_t loading;       /* segments of a loading leg in one stage, 1 .. FILM_MAX_SEGMENTS */
     int32_t unloading;     /* segments of an unloading leg that is not slow; film_unloading gives the others */
-    int32_t reserved;
+    int32_t lines_only;    /* 1: the largest force of a damped contact is not sought between nodes; film_mesh_init: 0 */
     const double *loading_nodes[FILM_GRADINGS];
     const double *unloading_nodes[FILM_GRADINGS];
 } film_mesh;

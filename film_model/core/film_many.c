@@ -7,6 +7,8 @@
 
 int64_t film_record_many(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                          film_line *lines, int64_t line_room, int32_t *line_counts, film_state *events, int32_t event_room) {
+    film_mesh own = *mesh;
+    own.lines_only = 1;
     for (int64_t i = 0; i < count; i++) {
         const film_start *s = &start[i];
         film_state state;
@@ -15,7 +17,7 @@ int64_t film_record_many(const film_curve *curve, const film_mesh *mesh, int64_t
         int status = s->nu > 0.0 ? film_init(curve, &state, 0.0, s->nu, s->gamma, s->load, s->stop_velocity) : FILM_BAD_NUMBER;
         if (status >= 0) status = film_damp(&state, s->damping);
         if (status >= 0)
-            status = film_record(curve, mesh, &state, s->time_limit, lines, room, &line_counts[i], events, event_room, &event_count);
+            status = film_record(curve, &own, &state, s->time_limit, lines, room, &line_counts[i], events, event_room, &event_count);
         if (status == FILM_FULL) return i;
         if (status < 0) line_counts[i] = 0;
         lines += line_counts[i];

@@ -90,7 +90,7 @@ class Mesh(c.Structure):
         ("linearisation", _I),
         ("loading", _I),
         ("unloading", _I),
-        ("reserved", _I),
+        ("lines_only", _I),
         ("loading_nodes", c.c_void_p * _GRADINGS),
         ("unloading_nodes", c.c_void_p * _GRADINGS),
     ]

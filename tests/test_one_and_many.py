@@ -423,20 +423,17 @@ def test_rows_of_a_sweep_over_any_number_agree_with_single_impacts():
         assert not swept_disagreements(random_scene(seed, ALL_LAWS), seed), seed
 
 
-@pytest.mark.parametrize("seed", [446, 504])
+@pytest.mark.parametrize("seed", [239, 446, 504, 1028, 1325])
 def test_rows_of_a_sweep_agree_where_two_meshes_agreed_by_chance(seed):
-    """446: under a large weight, 504: of a law that pulls; errors of the rows were 10 and 3 times the accuracy."""
+    """446: under a large weight, 504: of a law that pulls; errors of the rows were 10 and 3 times the accuracy. 239,
+    1325: errors change their sign. 1028: the single impact stops within the first line."""
     assert not swept_disagreements(random_scene(seed, ALL_LAWS), seed)
-
-
-BY_CHANCE = {1028, 1325}
-"""Seeds with errors of 5 and 2 times the estimate, which bounds the error in more than 99 % of impacts."""
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("first", range(1000, 1400, 50))
 def test_rows_of_a_sweep_over_any_number_agree_on_many_random_scenes(first):
-    for seed in sorted({*range(first, first + 50)} - BY_CHANCE):
+    for seed in range(first, first + 50):
         scene = random_scene(seed, ALL_LAWS)
         assert not (found := swept_disagreements(scene, seed)), (seed, found, scene.to_toml())
 

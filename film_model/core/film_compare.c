@@ -11,6 +11,9 @@ static const double FLOOR = 1e-3;
  * tests/test_sweep_accuracy.py compares it with elastic contacts, which must give their energy back. */
 static const double ENERGY_ROUNDING = 2.0;
 
+/* The work of a pull, which is the difference of two, counts this many times. tests/test_estimates.py. */
+static const double PULL_ROUNDING = 4.0;
+
 /* The same in series with a spring, where the law is evaluated at an indentation that is sought.
  * tests/test_one_and_many.py, seed 1390. */
 static const double SERIES_ROUNDING = 2e4;
@@ -18,6 +21,10 @@ static const double SERIES_ROUNDING = 2e4;
 /* A turn nearer than 1e-9 of the indentation is taken under a constant force (film_draw.c). That matters if this is more than
  * about 1e-2 of the indentation beyond the clearance. */
 static const double SHORT_WAY = 1e-9, DEEP = 1e7;
+
+/* Rounding of the time at which the impactor stops, over DBL_EPSILON and the share of its velocity that it loses until then:
+ * of a target that moves towards a slower impactor. tests/test_estimates.py. */
+static const double STOP_ROUNDING = 32.0;
 
 /* |a - b|/scale: 0 if both are NaN or the scale is 0, 1 if one is NaN. */
 static double apart(double a, double b, double scale) {
@@ -44,16 +51,18 @@ static double difference(const film_start *start, const film_summary *a, const f
 }
 
 /* Energy that rounding may add or take: of the largest that the contact held, and of the law's work at the deepest point,
- * which is known no better than the indentation beyond `clearance`, where the force begins. It changes the final velocity v
- * by its size over v, and a final velocity of 0 by its root. */
+ * which is known no better than the indentation beyond `clearance`, where the force begins. A load and a pull do work too. It
+ * changes the final velocity v by its size over v, and a final velocity of 0 by its root. */
 static double rounding(const film_curve *curve, const film_start *start, const film_summary *s, double clearance) {
     double impact = 0.5 * start->nu * start->nu, depth = s->maximum_indentation, speed = fabs(s->final_velocity);
     double closed = depth > clearance ? depth / (depth - clearance) : 1.0;
     double unit = (curve->compliance > 0.0 ? SERIES_ROUNDING : ENERGY_ROUNDING) * DBL_EPSILON;
-    double lost = unit * (impact * closed + start->load * depth);
-    double short_way = closed > DEEP ? SHORT_WAY * closed : 0.0;
-    if (!(speed >= 0.0) || !(impact > 0.0)) return short_way + unit * closed;
-    return short_way + lost / (larger(speed, sqrt(lost)) * larger(speed, FLOOR * start->nu));
+    double lost = unit * (impact * closed + (start->load + PULL_ROUNDING * curve->pull) * depth);
+    double other = closed > DEEP ? SHORT_WAY * closed : 0.0;
+    if (start->stop_velocity > 0.0 && !isnan(s->time_impactor_stops))
+        other += STOP_ROUNDING * DBL_EPSILON * start->nu / (start->nu - start->stop_velocity);
+    if (!(speed >= 0.0) || !(impact > 0.0)) return other + unit * closed;
+    return other + lost / (larger(speed, sqrt(lost)) * larger(speed, FLOOR * start->nu));
 }
 
 /* Relative rounding error of a march of 100 segments; it grows with the square root of their number. */

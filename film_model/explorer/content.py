@@ -28,7 +28,17 @@ from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.problem.problem import TRIAL_SEGMENTS
 from film_model.problem.summary import COMPARED, SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
-from film_model.solve.accuracy import FIRST_SEGMENTS, MOST_SEGMENTS, ORDER_FACTOR, REGULAR_FALL
+from film_model.solve.accuracy import (
+    COARSE,
+    COARSE_FACTOR,
+    DIFFERENT,
+    FIRST_SEGMENTS,
+    MOST_SEGMENTS,
+    ORDER_FACTOR,
+    REGULAR_FALL,
+    SAME_WAY_IN,
+    STOP_IN_A_LINE,
+)
 from film_model.solve.history import MOTION
 from film_model.solve.simulate import DEEPER, GRAZING, simulate_chosen
 from film_model.studies.regimes import limits, regimes
@@ -238,6 +248,9 @@ def _constants() -> dict[str, Any]:
         "trial_segments": TRIAL_SEGMENTS,
         "order_factor": ORDER_FACTOR,
         "regular_fall": REGULAR_FALL,
+        "coarse": [COARSE_FACTOR, COARSE],
+        "same_way_in": [SAME_WAY_IN, DIFFERENT],
+        "stop_in_a_line": STOP_IN_A_LINE,
         "grazing": GRAZING,
         "deeper": DEEPER,
         "sure": SURE,

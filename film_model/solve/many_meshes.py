@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,16 @@ from film_model.base.arrays import Array, Index, Mask, all_of, any_of
 from film_model.problem.problem import Columns, Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import Solver
-from film_model.solve.accuracy import MOST_SEGMENTS, ORDER_FACTOR, first_segments, mesh_of
+from film_model.solve.accuracy import (
+    MOST_SEGMENTS,
+    ORDER_FACTOR,
+    REGULAR_FALL,
+    coarse_factor,
+    first_segments,
+    mesh_of,
+    same_way_in,
+    unseen,
+)
 from film_model.solve.relaxed import relax_many
 
 FIRST_SEGMENTS = 4
@@ -28,11 +38,6 @@ EASY = 0.9
 """Fraction of the sample that meets the accuracy on the shared mesh; refining the others costs less than finer lines
 for all."""
 
-COARSE_FACTOR, COARSE = 2.0, 24
-"""Bound on the error over the difference to half as many segments, up to so many segments; it falls as 1/n to that of
-`ORDER_FACTOR`. Where errors do not yet fall with the fourth power, at kinks of the law and in slow contacts under a
-load, the two meshes may agree by chance. Needed by tests/test_sweep_accuracy.py."""
-
 SAME, TOO_FEW = 1e-6, 2 * FIRST_SEGMENTS
 """Two meshes of up to `TOO_FEW` segments that agree to `SAME`, under a load or of a law that pulls, are no evidence:
 they agree by chance, or an impactor that turns back within the first lines of both has the same lines on both. Needed
@@ -42,6 +47,11 @@ LOADED = 0.05
 """Under a load two meshes may agree by chance, where the sign of their difference changes: an estimate is not less than
 this fraction of the accuracy. Needed by tests/test_sweep_accuracy.py."""
 
+LANES_END, MANY_LINES, SWITCHED = 48, 3.0, 2.0
+"""Tables of whole ways and lanes serve a limited number of segments, more than `LANES_END`. Where they serve only the
+coarser of two meshes, the finer one has more than `MANY_LINES` times as many lines, and errors of its own: `SWITCHED`
+bounds them over the difference. Needed by tests/test_estimates.py."""
+
 STALLED, SMALL = 0.7, 1e-9
 """Refinement ends if an estimate below `SMALL` falls by less than this factor: the rest is rounding."""
 
@@ -49,12 +59,14 @@ STALLED, SMALL = 0.7, 1e-9
 @dataclass(frozen=True)
 class Marched:
     """Many impacts, marched. status, core: as `Problem.march` returns them. segments: per loading stage and of
-    unloading, (impacts, 2). estimated: bound on the relative error of every value, of each impact; nan if it failed."""
+    unloading, (impacts, 2). estimated: bound on the relative error of every value, of each impact; nan if it failed.
+    apart: largest relative difference of the last two meshes of each; 0 where there were none."""
 
     status: NDArray[np.int32]
     core: Columns
     segments: NDArray[np.int32]
     estimated: Array
+    apart: Array
 
 
 def march_many(problem: Problem, solver: Solver) -> Marched:
@@ -66,7 +78,7 @@ def march_many(problem: Problem, solver: Solver) -> Marched:
     """
     if problem.relaxation is not None:
         status, core, estimated = relax_many(problem, solver)
-        return Marched(status, core, np.zeros((status.size, 2), np.int32), estimated)
+        return Marched(status, core, np.zeros((status.size, 2), np.int32), estimated, np.zeros(status.size))
     if solver.segments is not None:
         return _with_segments(problem, solver, solver.segments)
     n = _shared_segments(problem, solver)
@@ -74,7 +86,8 @@ def march_many(problem: Problem, solver: Solver) -> Marched:
     status, core = _march(problem, solver, n)
     segments = np.empty((status.size, 2), np.int32)
     segments[:] = problem.curve.segments(n)
-    made, every = Marched(status, core, segments, np.empty(status.size)), np.arange(status.size)
+    size = status.size
+    made, every = Marched(status, core, segments, np.empty(size), np.zeros(size)), np.arange(size)
     left = every[_estimate(problem, solver, made, every, n, coarse, (status, core))]
     while left.size and n < MOST_SEGMENTS:
         n *= 2
@@ -111,12 +124,20 @@ def _estimate(
     assert solver.accuracy is not None
     (coarse_status, coarse), (status, core) = coarser, finer
     apart, rounds, failed = difference(problem, coarse, core), _floor(problem, core), status < 0
-    found = _factor(n, solver) * apart
+    factor: Any = coarse_factor(n, solver)
+    if n >= LANES_END:
+        switched = core.lines > MANY_LINES * coarse.lines
+        factor = np.where(switched, SWITCHED, factor)
+    found = factor * np.maximum(apart, made.apart[places] / REGULAR_FALL[solver.linearisation])
     found[coarse_status < 0] = 1.0
+    made.apart[places] = apart
+    if problem.free:
+        found = np.maximum(found, unseen(problem, solver, n, core))
     loaded = problem.load > 0.0
     if n <= TOO_FEW and (problem.curve.pulls or any_of(loaded)):
         found[(apart <= SAME) & (loaded | problem.curve.pulls)] = 1.0
     if any_of(loaded):
+        found[same_way_in(problem, coarse, core, apart)] = 1.0
         found = np.where(loaded, np.maximum(found, LOADED * solver.accuracy), found)
     estimated = np.minimum(found + rounds, 1.0)
     estimated[failed] = math.nan
@@ -129,17 +150,13 @@ def _floor(problem: Problem, core: Columns) -> NDArray[np.float64]:
     return rounding(problem, core) + TABLES * (problem.gamma > 0.0)
 
 
-def _factor(n: int, solver: Solver) -> float:
-    """Bound on the error of n segments over the difference to n/2."""
-    return max(ORDER_FACTOR[solver.linearisation][1], COARSE_FACTOR * min(1.0, COARSE / n))
-
-
 def _with_segments(problem: Problem, solver: Solver, n: int) -> Marched:
     """March with the given number of segments; the estimates are from twice as many."""
     (status, core), (other, fine) = (problem.march(mesh_of(solver, (k, k))) for k in (n, 2 * n))
-    found = ORDER_FACTOR[solver.linearisation][0] * np.where(other >= 0, difference(problem, core, fine), 1.0)
+    apart = np.where(other >= 0, difference(problem, core, fine), 1.0)
+    found = np.maximum(ORDER_FACTOR[solver.linearisation][0] * apart, unseen(problem, solver, n, core))
     estimated = np.where(status < 0, math.nan, np.minimum(found + _floor(problem, core), 1.0))
-    return Marched(status, core, np.full((status.size, 2), n, np.int32), estimated)
+    return Marched(status, core, np.full((status.size, 2), n, np.int32), estimated, apart)
 
 
 def _shared_segments(problem: Problem, solver: Solver) -> int:
@@ -154,7 +171,7 @@ def _shared_segments(problem: Problem, solver: Solver) -> int:
     sample = problem.part(spread)
     while n < MOST_SEGMENTS:
         (status, coarse), (other, fine) = (_march(sample, solver, k) for k in (_half(n, solver), n))
-        off = np.where((status >= 0) & (other >= 0), _factor(n, solver) * difference(sample, coarse, fine), 0.0)
+        off = np.where((status >= 0) & (other >= 0), coarse_factor(n, solver) * difference(sample, coarse, fine), 0.0)
         typical = float(np.quantile(off, EASY))
         if typical <= solver.accuracy:
             break

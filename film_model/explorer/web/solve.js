@@ -217,6 +217,7 @@ function apart(problem, line, counts, a, b) {
 /** Segments that meet the accuracy, doubled until two meshes agree, and the error estimate. @param {Problem} problem @param {Scene["solver"]} solver */
 function refine(problem, solver) {
   const { first_segments: first, most_segments: most, order_factor: order, regular_fall: fall } = DATA.constants;
+  const [doubtful, few] = DATA.constants.coarse;
   const line = solver.linearisation;
   const accuracy = solver.accuracy ?? DATA.constants.accuracy;
   const { damping } = problem.p;
@@ -229,7 +230,9 @@ function refine(problem, solver) {
     const here = [countsFor(problem, n / 2), countsFor(problem, n)];
     const fine = marchOrThrow(problem, line, here[1]);
     const off = apart(problem, line, here, coarse, fine);
-    const error = order[line][1] * Math.max(off, before / fall[line]);
+    const bound = problem.p.load > 0 ? Math.max(order[line][1], doubtful * Math.min(1, few / n)) : order[line][1];
+    const found = Math.max(bound * Math.max(off, before / fall[line]), unseen(problem, line, n, fine));
+    const error = sameWayIn(problem, coarse, fine, off) ? 1 : found;
     const falls = off < 0.5 * before;
     before = off;
     const rounds = roundingOf(problem, fine);
@@ -243,6 +246,24 @@ function refine(problem, solver) {
   }
 }
 
+/** Whether two meshes are no evidence: see SAME_WAY_IN in accuracy.py. @param {Problem} problem @param {Impact} a @param {Impact} b @param {number} off */
+function sameWayIn(problem, a, b, off) {
+  const [same, different] = DATA.constants.same_way_in;
+  const [time, other] = [b.time_of_maximum_indentation, a.time_of_maximum_indentation];
+  return problem.p.damping > 0 && problem.p.load > 0 && off > different && time > 0 && Math.abs(time - other) <= same * time;
+}
+
+/**
+ * Bound on the error of the time at which the impactor stops within the first line, which two meshes do not show.
+ * @param {Problem} problem @param {string} line @param {number} n @param {Impact} summary
+ */
+function unseen(problem, line, n, summary) {
+  const { approach, stop_velocity: stop } = problem.p;
+  const [first, lost] = line === "chord" ? [1 / n, 1] : [Math.sin((0.5 * Math.PI) / n) ** 2, 1 - stop / approach];
+  const within = stop > 0 && summary.time_impactor_stops * approach < 2 * first * summary.maximum_indentation;
+  return within ? DATA.constants.stop_in_a_line * lost : 0;
+}
+
 /** @param {Problem} problem @param {Impact} summary */
 function roundingOf(problem, summary) {
   return CORE.rounding(problem.p, problem.curve, summary, problem.law.clearance);
@@ -254,7 +275,8 @@ function estimate(problem, solver) {
   const line = solver.linearisation;
   const [given, double] = [n, 2 * n].map((k) => marchOrThrow(problem, line, [k, k]));
   const off = apart(problem, line, [[n, n], [2 * n, 2 * n]], given, double);
-  const estimated = DATA.constants.order_factor[line][0] * off + roundingOf(problem, given);
+  const found = Math.max(DATA.constants.order_factor[line][0] * off, unseen(problem, line, n, given));
+  const estimated = found + roundingOf(problem, given);
   return { counts: [n, n], estimated, warning: "" };
 }
 

@@ -35,6 +35,7 @@ static void run_block(batch *b, int32_t stage, block *waiting) {
 /* The piece of *stage in which a fixed target should turn the impactor, by the march's own arithmetic; -1: none. */
 static int32_t fixed_piece(const batch_job *j, int64_t i, int32_t *stage) {
     double v = j->start[i].nu;
+    if (j->curve->pull > 0.0) return -1; /* the march goes by energy, too */
     for (int32_t k = 0; k < j->curve->stages; k++) {
         *stage = k;
         if (k == j->shaped) return film_own_piece(j, i, v, 0.0);
@@ -128,7 +129,7 @@ static void run_batch(batch *b, int instructions, int64_t count) {
             if (b->damped.count == LANES) run_damped(b);
             continue;
         }
-        if (in_lanes && s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && is_undisturbed(s)) {
+        if (in_lanes && s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && is_undisturbed(j->curve, s)) {
             if (s->gamma == 0.0) piece = fixed_piece(j, i, &stage);
             else if (moving) piece = moving_piece(j, i, &stage);
         }

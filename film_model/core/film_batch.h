@@ -75,6 +75,8 @@ typedef struct {
     double whole[FILM_MAX_STAGES], end_force[FILM_MAX_STAGES]; /* work of a stage, force at its end */
     double piece_work[FILM_MAX_PIECES], piece_force[FILM_MAX_PIECES]; /* at its end; work from its stage's beginning */
     double exponent[FILM_MAX_STAGES]; /* of the branch of a contact that turned there; NAN: it depends on the depth */
+    int32_t touch;  /* the stage in which contact begins: 0, unless the law pulls */
+    double parting; /* work from the end of contact to first touch: 0, unless the law pulls */
     int32_t simple[FILM_MAX_STAGES];  /* one power from its beginning on, whose force rises */
     damped_form damped;
     int32_t table_count, row_count;
@@ -136,7 +138,8 @@ void film_own_polynomials(const batch_job *j, const int64_t *index, int count, d
 /* A stage of one power whose force rises: Newton's method finds its depth for a given work from above. */
 static inline int force_rises(const film_curve *curve, int32_t stage) {
     const film_function *g = &curve->piece[curve->stage[stage].first].force;
-    return curve->stage[stage].count == 1 && g->form == FILM_POWER && g->constant >= 0.0 && g->slope >= 0.0 &&
+    int pulled = curve->pull > 0.0 && g->slope == 0.0 && g->coefficient > 0.0 && g->exponent >= 1.0;
+    return curve->stage[stage].count == 1 && g->form == FILM_POWER && (g->constant >= 0.0 || pulled) && g->slope >= 0.0 &&
            g->coefficient >= 0.0;
 }
 
@@ -165,16 +168,20 @@ static inline double speed_after(double v, double work) {
     return square > 0.0 ? sqrt(square) : 0.0;
 }
 
-/* No load, no damping, no moving support, no time limit: what the shorter ways can do. */
-static inline int is_undisturbed(const film_start *start) {
-    return start->load == 0.0 && start->stop_velocity == 0.0 && start->time_limit == INFINITY && start->damping == 0.0;
+/* No load, no damping, no moving support, and no time limit that ends other contacts than those of a law that pulls, which may
+ * never end: what the shorter ways can do. */
+static inline int is_undisturbed(const film_curve *curve, const film_start *start) {
+    int limited = start->time_limit < INFINITY && curve->pull == 0.0;
+    return start->load == 0.0 && start->stop_velocity == 0.0 && !limited && start->damping == 0.0;
 }
 
 /* The stage in which a target that moves should turn the impactor, by the estimate of turn_excess, or else the one that
  * differs between impacts, and the work of those before; -1: none. */
 static inline int32_t moving_stage(const batch_job *j, double nu, double gamma, double *stored) {
+    int32_t first = j->touch;
     *stored = 0.0;
-    for (int32_t k = 0; k < j->curve->stages; k++) {
+    if (j->curve->pull > 0.0) *stored = j->whole[first++]; /* what turns under a pull is left to the march */
+    for (int32_t k = first; k < j->curve->stages; k++) {
         if (k == j->shaped || !(j->whole[k] < INFINITY) || turn_excess(*stored + j->whole[k], j->end_force[k], nu, gamma) > 0.0)
             return k;
         *stored += j->whole[k];

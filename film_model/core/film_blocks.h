@@ -52,7 +52,8 @@ static void run_damped(batch *b) {
 static void run_moving(batch *b, int32_t stage, block *waiting) {
     batch_job *j = &b->j;
     turned_lanes t;
-    int count = waiting->count, retrace = j->curve->stage[stage].unloading == FILM_RETRACE && !plain_power(j, stage);
+    int count = waiting->count, rule = j->curve->stage[stage].unloading;
+    int retrace = rule == FILM_SIMILAR || (rule == FILM_RETRACE && !plain_power(j, stage));
     int leave = !retrace && j->exponent[stage] == 1.5;
     if (count == 0) return;
     waiting->count = 0;

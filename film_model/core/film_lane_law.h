@@ -316,6 +316,15 @@ static void depth_lanes(const batch_job *j, int32_t stage, const double *restric
             moving[l] = 1.0;
         }
         if (k == 0.0 && g->origin == begin) return;
+        if (c < 0.0) { /* x^q k/(q + 1) + c = 0 at b: beyond a + b the work is larger, a that without the pull */
+            double balance[LANES], e[LANES], b[LANES];
+            EACH(l) {
+                balance[l] = -c / (k * per);
+                e[l] = 1.0 / g->exponent;
+            }
+            power_lanes(balance, e, b);
+            EACH(l) depth[l] += b[l];
+        }
     } else {
         EACH(l) {
             depth[l] = begin + (end - begin) * sqrt(work[l] / whole[l]); /* as if work grew as a square */

@@ -205,7 +205,7 @@ static double cross_before(batch_job *j, int32_t stage, const double *restrict n
                            double *restrict crossed) {
     double stored = 0.0;
     EACH(l) crossed[l] = 0.0;
-    for (int32_t k = 0; k < stage; k++) {
+    for (int32_t k = j->touch; k < stage; k++) {
         int elastic = has_way_in(j, k);
         double peak = elastic ? cross_elastic(j, nu, s, crossed) : cross_by_lines(j, k, s);
         EACH(l) crossed[l] += elastic ? 0.0 : 1.0;
@@ -327,7 +327,8 @@ static void load_lanes(batch_job *j, int32_t stage, const int64_t *index, int co
         t->recovery[l] = s->xi[l];
         t->exponent[l] = exponent;
     }
-    if (j->curve->stage[stage].unloading != FILM_RETRACE)
+    int rule = j->curve->stage[stage].unloading;
+    if (rule != FILM_RETRACE && rule != FILM_SIMILAR)
         open_lanes(j, stage, s->xi, s->force, t->recovery, t->exponent);
     EACH(l) {
         s->bad[l] = t->recovery[l] > SHORTEST_RECOVERY * s->xi[l] ? s->bad[l] : 1.0;

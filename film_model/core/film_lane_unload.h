@@ -10,6 +10,74 @@
  * good. Accuracy only, below the lines' error. */
 static const double SHORT_WAY_OUT = 1e-4;
 
+/* ---------------------------------------------------------------- along stretched stages */
+
+/* How far what stretch_lanes finds may be off, as a fraction of the force, before it is corrected once: of JKR's law it is
+ * rounding and the fit. Lanes that are farther off are left to film_marched. */
+static const double STRETCH = 1e-9;
+
+/* FILM_SIMILAR: r and l of each lane, and the dent xi_f. */
+typedef struct {
+    double force[LANES], length[LANES], per_length[LANES], dent[LANES];
+} stretch;
+
+/* Of lanes that have turned in `stage`: they then count xi from the dent. Returns the last reversible stage; *given: the work of
+ * the way from the turn to where the stage `touch` begins for an impact. */
+static int32_t stretch_lanes(const batch_job *j, int32_t stage, lanes *restrict s, stretch *restrict by, double *restrict given) {
+    const film_curve *curve = j->curve;
+    double square[LANES], none[LANES], wanted[LANES], x[LANES], slope[LANES], f[LANES], w[LANES], e[LANES], stored = 0.0;
+    int32_t k = stage;
+    while (k > 0 && curve->stage[k].unloading == FILM_SIMILAR) k--;
+    double low = curve->stage[k].begin, high = curve->piece[curve->stage[k].first + curve->stage[k].count - 1].end;
+    for (int32_t i = j->touch; i < k; i++) stored += j->whole[i];
+    stage_lanes(j, stage, RECOVERY_AND_EXPONENT, s->xi, square, none);
+    EACH(l) {
+        double root = sqrt(square[l] * sqrt(square[l])), r = root * root / (s->force[l] + 2.0 * root);
+        by->force[l] = r > 1.0 ? r : 1.0;
+        wanted[l] = s->force[l] / by->force[l];
+        none[l] = 1.0 + sqrt(1.0 + wanted[l]);
+        e[l] = 1.0 / 3;
+    }
+    power_lanes(by->force, e, by->length);
+    power_lanes(none, e, x);
+    EACH(l) {
+        double c = by->length[l], u = x[l]; /* power_lanes errs by some ulps */
+        c -= (c * c * c - by->force[l]) / (3.0 * c * c);
+        u -= (u * u * u - none[l]) / (3.0 * u * u);
+        by->length[l] = c;
+        by->per_length[l] = 1.0 / c;
+        x[l] = u * (3.0 * (u * u * u) - 4.0); /* JKR's law: f = u^6 - 2 u^3 */
+        slope[l] = u * u * u * (u * u * u - 1.0) / (u * (2.0 * (u * u * u) - 2.0 / 3));
+    }
+    law_lanes(j, k, x, f, w);
+    EACH(l) {
+        double miss = wanted[l] - f[l], inside = x[l] > low && x[l] < high ? s->bad[l] : 1.0;
+        s->bad[l] = fabs(miss) <= STRETCH * wanted[l] ? inside : 1.0;
+        x[l] += miss / slope[l];
+        w[l] += miss / slope[l] * wanted[l];
+        by->dent[l] = s->xi[l] - by->length[l] * x[l];
+        s->xi[l] = by->length[l] * x[l];
+        given[l] = by->force[l] * by->length[l] * (stored + w[l]);
+    }
+    return k;
+}
+
+/* law_lanes on stretched stages, xi counted from the dent; by NULL: on the stages themselves. */
+static void back_law_lanes(const batch_job *j, int32_t stage, const stretch *by, const double *restrict xi,
+                           double *restrict force, double *restrict work) {
+    double x[LANES];
+    if (by == NULL) {
+        law_lanes(j, stage, xi, force, work);
+        return;
+    }
+    EACH(l) x[l] = xi[l] * by->per_length[l];
+    law_lanes(j, stage, x, force, work);
+    EACH(l) {
+        force[l] *= by->force[l];
+        work[l] *= by->force[l] * by->length[l];
+    }
+}
+
 /* ---------------------------------------------------------------- when the impactors stop */
 
 /* The line on which each lane's impactor stops: where it begins, and the law's force at both its ends. moving: 1 until it
@@ -17,6 +85,7 @@ static const double SHORT_WAY_OUT = 1e-4;
 typedef struct {
     double time[LANES], tau[LANES], w0[LANES], w1[LANES], f0[LANES], f1[LANES];
     double phi[LANES], kappa[LANES], xi[LANES], stage[LANES], from_rest[LANES], moving[LANES];
+    const stretch *by; /* NULL: the way back is along the law itself */
 } stops;
 
 static void clear_stops(stops *restrict stop) {
@@ -69,9 +138,9 @@ static void law_of_stops(const batch_job *j, const stops *restrict n, const unlo
         double here[LANES], f[LANES], before[LANES], after[LANES];
         EACH(l) here[l] = n->stage[l] == (double)k ? 1.0 : 0.0;
         if (!any(here)) continue;
-        law_lanes(j, k, n->xi, f, before);
+        back_law_lanes(j, k, n->by, n->xi, f, before);
         EACH(l) w0[l] = here[l] > 0.0 ? before[l] : w0[l];
-        law_lanes(j, k, x1, f, after);
+        back_law_lanes(j, k, n->by, x1, f, after);
         EACH(l) {
             f1[l] = here[l] > 0.0 ? f[l] : f1[l];
             w1[l] = here[l] > 0.0 ? after[l] : w1[l];
@@ -155,7 +224,7 @@ static void report_lane(batch_job *j, const lanes *s, double stopped, int l, int
     out->final_velocity = s->w[l];
     out->shift = s->gamma[l] * (start->nu - s->w[l]);
     out->work = stored - given;
-    int whole = s->bad[l] == 0.0 && s->time[l] < INFINITY && fabs(s->w[l]) < INFINITY;
+    int whole = s->bad[l] == 0.0 && s->time[l] < INFINITY && s->time[l] <= start->time_limit && fabs(s->w[l]) < INFINITY;
     if (whole) j->status[index] = FILM_EVENT;
     else leave_alone(j, index);
 }
@@ -278,10 +347,14 @@ typedef struct {
     int32_t segments[LANES], most;
 } lane_legs;
 
-static void plan_legs(const film_mesh *mesh, const lanes *restrict s, const double *restrict largest, lane_legs *g, int32_t *lines_made) {
+/* recovery: of stretched stages, else NULL. */
+static void plan_legs(const batch_job *j, const lanes *restrict s, const double *restrict largest, const double *recovery,
+                      int pulled, lane_legs *g, int32_t *lines_made) {
+    const film_mesh *mesh = j->mesh;
     g->most = 0;
     EACH(l) {
-        int32_t grading = film_grading(s->gamma[l] * sqrt(largest[l] / s->xi[l]));
+        double depth = recovery != NULL ? recovery[l] : s->xi[l];
+        int32_t grading = pulled ? FILM_COSINE : film_grading(s->gamma[l] * sqrt(largest[l] / depth));
         g->from[l] = s->xi[l];
         g->nodes[l] = mesh->unloading_nodes[grading];
         g->segments[l] = film_unloading(mesh, grading);
@@ -293,16 +366,17 @@ static void plan_legs(const film_mesh *mesh, const lanes *restrict s, const doub
 /* Line i of each lane's leg along stage k; lanes whose leg has fewer stay where they are. */
 static void retrace_lines(const batch_job *j, int32_t k, const lane_legs *g, int32_t i, int from_rest, lanes *restrict s,
                           stops *restrict stop) {
-    double x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES], begin[LANES], until[LANES], to = j->curve->stage[k].begin;
+    double x1[LANES], f1[LANES], w1[LANES], w0[LANES], f0[LANES], begin[LANES], until[LANES];
     lines n;
     EACH(l) {
+        double to = j->curve->stage[k].begin * (stop->by != NULL ? stop->by->length[l] : 1.0);
         x1[l] = i < g->segments[l] ? g->from[l] + (to - g->from[l]) * g->nodes[l][i] : to;
         w0[l] = s->w[l];
         f0[l] = s->force[l];
         begin[l] = s->xi[l];
         until[l] = s->time[l];
     }
-    law_lanes(j, k, x1, f1, w1);
+    back_law_lanes(j, k, stop->by, x1, f1, w1);
     make_lines(s, &n, -1.0, from_rest, x1, f1, w1);
     EACH(l) { /* any line will do for those, their motion is put back below */
         if (i <= g->segments[l]) continue;
@@ -320,24 +394,42 @@ static void retrace_lines(const batch_job *j, int32_t k, const lane_legs *g, int
     keep_stops(stop, s, &n, w0, f0, f1, begin, k, from_rest);
 }
 
-/* The way back along a reversible law, stage by stage, from rest at the turn: the lanes have turned in `stage`. */
+/* The way back along a reversible law, or its stretched stages, stage by stage, from rest at the turn: the lanes have turned in
+ * `stage`. */
 static void retrace_lanes(batch_job *j, int32_t stage, const int64_t *index, int count, lanes *restrict s,
                           const double *restrict stored) {
-    double largest[LANES], stopped[LANES];
-    int32_t lines_made[LANES] = {0};
+    double largest[LANES], stopped[LANES], recovery[LANES], given[LANES], left[LANES];
+    double outmost = j->curve->stage[0].begin;
+    int32_t lines_made[LANES] = {0}, inmost = stage;
+    int stretched = j->curve->stage[stage].unloading == FILM_SIMILAR;
     lane_legs g;
     stops stop;
-    EACH(l) largest[l] = s->force[l];
+    stretch by;
     clear_stops(&stop);
-    for (int32_t k = stage; k >= 0; k--) {
-        plan_legs(j->mesh, s, largest, &g, lines_made);
-        law_lanes(j, k, g.from, s->force, s->work);
-        for (int32_t i = 1; i <= g.most; i++) retrace_lines(j, k, &g, i, i == 1 && k == stage, s, &stop);
+    EACH(l) {
+        largest[l] = s->force[l];
+        given[l] = stored[l] + j->parting;
+        left[l] = outmost;
+    }
+    if (stretched) {
+        stop.by = &by;
+        inmost = stretch_lanes(j, stage, s, &by, given);
+        EACH(l) {
+            recovery[l] = s->xi[l];
+            given[l] += by.force[l] * by.length[l] * j->parting;
+            left[l] = by.dent[l] + by.length[l] * outmost;
+        }
+    }
+    for (int32_t k = inmost; k >= 0; k--) {
+        int pulled = k < inmost && film_is_pulled(j->end_force[k], j->curve->pull);
+        plan_legs(j, s, largest, stretched ? recovery : NULL, pulled, &g, lines_made);
+        back_law_lanes(j, k, stop.by, g.from, s->force, s->work);
+        for (int32_t i = 1; i <= g.most; i++) retrace_lines(j, k, &g, i, i == 1 && k == inmost, s, &stop);
     }
     stop_times(j, &stop, s, NULL, NAN, stopped);
     for (int l = 0; l < count; l++) {
         j->summary[index[l]].lines += lines_made[l];
-        report_lane(j, s, stopped[l], l, index[l], 0.0, stored[l], stored[l]);
+        report_lane(j, s, stopped[l], l, index[l], left[l], stored[l], given[l]);
     }
 }
 

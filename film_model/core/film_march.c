@@ -104,6 +104,7 @@ static int choose_direction(const film_curve *curve, film_state *s) {
 static int32_t choose_grading(const film_curve *curve, const film_mesh *mesh, const film_state *s) {
     if (mesh->linearisation == FILM_CHORD) return FILM_EQUAL;
     if (s->gamma == 0.0) return FILM_COSINE;
+    if (s->direction < 0 && film_is_pulled(s->elastic, film_pull(curve, s))) return FILM_COSINE;
     double depth = s->branch < 0 ? s->recovery : s->xi;
     double slowness = s->direction > 0 ? 0.0 : s->gamma * sqrt(s->f_max / depth);
     /* the damping force is most curved where the contact begins and ends */

@@ -21,7 +21,7 @@ static void make_rows(const batch_job *j, line_table *t, table_row *rows) {
     double begin = 0.0, end = 1.0, f0 = 0.0, w0 = 0.0;
     int unit = t->stage == UNIT_POWER;
     if (!unit) {
-        begin = j->curve->stage[t->stage].begin;
+        begin = t->stage == j->touch ? 0.0 : j->curve->stage[t->stage].begin;
         end = j->curve->stage[t->stage].end;
     }
     for (int32_t i = 0; i <= t->segments; i++) {
@@ -103,10 +103,16 @@ static int prepare_stage(batch_job *j, int32_t k) {
     int rising = force_rises(curve, k), reversible = stage->unloading == FILM_RETRACE;
     if (!reversible && stage->unloading == FILM_SHIFTED) return 0; /* it may creep out for ever: only the march sees that */
     j->simple[k] = rising && g->origin == stage->begin;
-    j->exponent[k] = reversible ? NAN : branch_exponent(curve, k);
+    j->exponent[k] = reversible || stage->unloading == FILM_SIMILAR ? NAN : branch_exponent(curve, k);
     j->whole[k] = j->end_force[k] = INFINITY;
     if (stage->end < INFINITY) stage_law(curve, k, stage->end, &j->end_force[k], &j->whole[k]);
     else if (!rising) return 0;
+    if (curve->pull > 0.0 && k <= j->touch) {
+        double force, before = j->whole[k];
+        if (k == j->touch) stage_law(curve, k, 0.0, &force, &before);
+        j->parting += before;
+        j->whole[k] -= before;
+    }
     if (reversible && plain_power(j, k)) j->exponent[k] = g->exponent;
     return 1;
 }
@@ -115,8 +121,10 @@ int film_prepare_job(batch_job *j) {
     const film_curve *curve = j->curve;
     int32_t n = j->mesh->loading, m = j->mesh->unloading, back = 0, powers = 0, branches = 0;
     double power[FILM_MAX_STAGES], branch[FILM_MAX_STAGES];
-    j->table_count = j->row_count = 0;
-    if (curve->compliance != 0.0 || curve->pull != 0.0 || j->mesh->linearisation != FILM_WORK_PRESERVING || n > ROWS || m > ROWS) return 0;
+    j->table_count = j->row_count = j->touch = 0;
+    j->parting = 0.0;
+    while (j->touch < curve->stages - 1 && !(curve->stage[j->touch].end > 0.0)) j->touch++;
+    if (curve->compliance != 0.0 || j->mesh->linearisation != FILM_WORK_PRESERVING || n > ROWS || m > ROWS) return 0;
     for (int32_t k = 0; k < curve->stages; k++) {
         if (!prepare_stage(j, k)) return 0;
         if (curve->stage[k].unloading == FILM_RETRACE && k > 0) back = k;

@@ -63,8 +63,8 @@ class Unloading:
     * `secant`, the stiffness f_m/(ξ_m − ξ_f) of the chord; a negative ξ_f is replaced by 0;
     * `shifted` c: the branch is f = f_m − c (ξ_m^q − ξ^q) down to f = 0, that is the curve c ξ^q moved down;
     * `contact_area` α², of a law that pulls: its reversible stages f₀, stretched, f = r f₀((ξ − ξ_f)/l), through
-      (ξ_m, f_m). r = α³/(f_m + 2 α^{3/2}), at least 1, is the curvature of the JKR contact of radius α a_c under f_m, over
-      that of f₀; l = r^{1/3}. Between ξ_f and the end of contact the force does as in those stages.
+      (ξ_m, f_m). r = α³/(f_m + 2 α^{3/2}), at least 1, is the radius of curvature of the JKR contact of radius α a_c
+      under f_m, over that of f₀; l = r^{1/3}. Between ξ_f and the end of contact the force does as in those stages.
 
     `exponent` q may be a function of ξ_m too. `reload_exponent` r ≤ q: reloading follows
     f_m ((ξ − ξ_f)/(ξ_m − ξ_f))^r up to the turning point instead of the unloading branch.

@@ -18,8 +18,8 @@ from film_model.problem.fit import functions_of
 from film_model.problem.law_of_scene import SceneLaw
 
 _NUMBERS = ("constant", "slope", "coefficient")
-"""What may vary of a power: with its exponent, the pieces of a fit would vary too. Where a stage ends may vary too, if the
-pieces before do not depend on it, and the stage behind is not fitted."""
+"""What may vary of a power, with its origin: with its exponent, the pieces of a fit would vary too. Where a stage ends
+may vary, too, if the pieces before do not depend on it, and the stage behind is not fitted."""
 
 _CLOSE = 1e-13
 """Relative difference between the numbers of laws with arrays and of each law alone, up to which both are the same."""

@@ -211,7 +211,7 @@ void film_dents(const film_curve *curve, const film_family *family, const double
                 const double *end, double *dents) {
     film_curve own = *curve;
     for (int64_t i = 0; i < count; i++) {
-        int made = family != NULL ? film_shape(family, curve, shape[i], &own) : FILM_OK;
+        int made = family != NULL ? film_shape_at(family, curve, &shape[i * film_family_numbers(family)], &own) : FILM_OK;
         dents[i] = made < 0 ? NAN : dent(&own, depth[i], end[i]);
     }
 }

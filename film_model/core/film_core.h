@@ -92,7 +92,10 @@ typedef struct {
 /* The curves of a law whose stages depend on one more number, its shape (S_y/E, say), for shapes from low to high. They
  * differ from one curve, `whole`, in where the last stage ends, and in some doubles of its pieces. Each is a Chebyshev
  * series in z = 2 ln(shape/low)/ln(high/low) - 1, in `numbers`: the series of ln(end), `nodes` terms; the places of the
- * `varying` doubles among the doubles of film_curve, ascending; then for every term a row of `varying` coefficients. */
+ * `varying` doubles among the doubles of film_curve, ascending; then for every term a row of `varying` coefficients.
+ *
+ * If high is 0 the curves depend on more than one number. Then `shape` is an array, of each contact nodes + 1 numbers in
+ * place of one: a factor of each row of coefficients, and the end. */
 typedef struct {
     double low, high;
     int32_t nodes, varying;
@@ -261,6 +264,9 @@ FILM_API int film_check_curve(const film_curve *curve);
 /* The curve of a shape, low <= shape <= high. curve: a copy of `whole`, or the curve of another shape. The pieces beyond the
  * end of its last stage are left out. 0, or FILM_BAD_CURVE: the family's numbers or the shape are out of range. */
 FILM_API int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve);
+
+/* The same of any family: shape has the numbers of one contact. */
+FILM_API int film_shape_at(const film_family *family, const film_curve *whole, const double *shape, film_curve *curve);
 
 /* Puts a curve in series with a spring of this compliance > 0. 0, or FILM_BAD_CURVE: the curve has one, is damped or pulls, or
  * its force falls so fast that the contact would snap through. */

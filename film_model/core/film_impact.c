@@ -13,11 +13,13 @@ void film_impacts_left(const film_family *family, const film_curve *whole, const
                        const film_start *start, const double *shape, film_summary *summary, int32_t *status) {
     film_curve curve = *whole;
     int made = FILM_BAD_CURVE;
-    double last = NAN;
+    int32_t numbers = film_family_numbers(family);
+    const double *last = NULL;
     for (int64_t i = 0; i < count; i++) {
         if (status[i] != LEFT_ALONE) continue;
-        if (shape[i] != last) made = film_shape(family, whole, shape[i], &curve);
-        last = shape[i];
+        const double *own = &shape[i * numbers];
+        if (last == NULL || memcmp(own, last, (size_t)numbers * sizeof *own) != 0) made = film_shape_at(family, whole, own, &curve);
+        last = own;
         status[i] = made < 0 ? made : film_impact(&curve, mesh, &start[i], &summary[i]);
     }
 }
@@ -64,11 +66,14 @@ void film_batch_in_series(const film_curve *curve, const film_mesh *mesh, int64_
     keep_ends(curve, &whole);
     kept = whole;
     int shaped = FILM_OK;
+    int32_t numbers = family == NULL ? 0 : film_family_numbers(family);
+    const double *last = NULL;
     for (int64_t i = 0; i < count; i++) {
-        if (family != NULL && (i == 0 || shape[i] != shape[i - 1])) {
+        if (family != NULL && (i == 0 || memcmp(last, &shape[i * numbers], (size_t)numbers * sizeof *last) != 0)) {
+            last = &shape[i * numbers];
             own.pieces = curve->pieces;
             put_back(&own, &whole);
-            shaped = film_shape(family, curve, shape[i], &own);
+            shaped = film_shape_at(family, curve, last, &own);
             keep_ends(&own, &kept);
         } else {
             put_back(&own, &kept);

@@ -154,8 +154,13 @@ static inline double total_force(const film_line *line, double c, double f, doub
     return c == 0.0 ? f : f + c * (nu - line->gamma * f) / (1.0 + line->gamma * c);
 }
 
-/* The Chebyshev polynomials of a family at a shape, and the end of its last stage. 0: shape or family are out of range. */
-int film_polynomials(const film_family *family, double shape, double *of, double *end);
+/* How many numbers a family has of each contact. */
+static inline int32_t film_family_numbers(const film_family *family) {
+    return family->high == 0.0 ? family->nodes + 1 : 1;
+}
+
+/* The factors of a family's rows at a shape, and the end of the last stage. 0: shape or family are out of range. */
+int film_factors(const film_family *family, const double *shape, double *of, double *end);
 
 /* atan(sqrt z)/sqrt z, and its continuation atanh(sqrt -z)/sqrt -z for z < 0; its power series around 0. */
 static inline double arc(double z) {

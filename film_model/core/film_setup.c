@@ -91,21 +91,31 @@ static void polynomials(double z, int32_t count, double *of) {
     for (int32_t n = 2; n < count; n++) of[n] = 2.0 * z * of[n - 1] - of[n - 2];
 }
 
-int film_polynomials(const film_family *family, double shape, double *of, double *end) {
+int film_factors(const film_family *family, const double *shape, double *of, double *end) {
     double log_end = 0.0;
-    if (family->nodes < 2 || family->nodes > FILM_MAX_NODES || !(shape >= family->low && shape <= family->high)) return 0;
-    polynomials(2.0 * log(shape / family->low) / log(family->high / family->low) - 1.0, family->nodes, of);
+    if (family->nodes < 2 || family->nodes > FILM_MAX_NODES) return 0;
+    if (family->high == 0.0) {
+        memcpy(of, shape, (size_t)family->nodes * sizeof *of);
+        *end = shape[family->nodes];
+        return *end > 0.0;
+    }
+    if (!(*shape >= family->low && *shape <= family->high)) return 0;
+    polynomials(2.0 * log(*shape / family->low) / log(family->high / family->low) - 1.0, family->nodes, of);
     for (int32_t n = 0; n < family->nodes; n++) log_end += of[n] * family->numbers[n];
     *end = exp(log_end);
     return 1;
 }
 
 int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve) {
+    return film_family_numbers(family) == 1 ? film_shape_at(family, whole, &shape, curve) : FILM_BAD_CURVE;
+}
+
+int film_shape_at(const film_family *family, const film_curve *whole, const double *shape, film_curve *curve) {
     enum { TOGETHER = 64 };
     int32_t nodes = family->nodes, varying = family->varying, last = whole->stages - 1, first = whole->stage[last].first;
     const double *places = family->numbers + nodes, *table = places + varying;
     double of[FILM_MAX_NODES], end, sum[TOGETHER], *doubles = (double *)curve;
-    if (!film_polynomials(family, shape, of, &end)) return FILM_BAD_CURVE;
+    if (!film_factors(family, shape, of, &end)) return FILM_BAD_CURVE;
     int32_t piece = first;
     while (piece < whole->pieces - 1 && whole->piece[piece].end < end) {
         curve->piece[piece].end = whole->piece[piece].end;

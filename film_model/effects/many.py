@@ -26,7 +26,7 @@ from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
 from film_model.problem.problem import Impacts, Problem
 from film_model.problem.similar import number_of
-from film_model.problem.varied import varied_of
+from film_model.problem.varied import fitted_by, varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -180,7 +180,7 @@ def _groups(
         made = SceneLaw.of(part if own.size == index.size else _part(scene, columns, own), law).reduced()
         slow = Impacts.several(scene, made, own, _picked(columns, own))
         for places in _shared_curves((slow.law,), own.size):
-            for static, support in supports_of(slow if places.size == own.size else slow.part(places)):
+            for static, support in supports_of(slow if places.size == own.size else _alike(slow, places)):
                 for impacts, same in _by_curve(_hardened(static, support), static):
                     yield impacts, support.part(same), yields
 
@@ -191,7 +191,13 @@ def _by_curve(impacts: Impacts, shared: Impacts) -> Iterator[tuple[Impacts, Any]
         yield impacts, slice(None)
         return
     for places in _shared_curves((impacts.law,), impacts.numbers.mass.size):
-        yield impacts.part(places), places
+        yield _alike(impacts, places), places
+
+
+def _alike(impacts: Impacts, places: Index) -> Impacts:
+    """Some impacts, with a number in place of what they have in common."""
+    part = impacts.part(places)
+    return part.under(part.law.reduced())
 
 
 def _hardened(impacts: Impacts, support: Support) -> Impacts:
@@ -202,7 +208,7 @@ def _hardened(impacts: Impacts, support: Support) -> Impacts:
         return impacts
 
     def problem(law: SceneLaw, places: Index) -> Problem:
-        part, moves = impacts.under(law).part(places), support.part(places)
+        part, moves = _alike(impacts.under(law), places), support.part(places)
         return part.problem(moves.impedance, part.column(0.0), moves.compliance)
 
     def rates(factor: Array) -> Array:
@@ -238,7 +244,7 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
 
 def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Index]:
     """The impacts of each curve under the laws. Most laws have stages that do not depend on the varied values."""
-    shapes = [shape for law in laws for shape in curve_keys(law)]
+    shapes = [shape for law in laws for shape in (*curve_keys(law), *_few_valued(law))]
     if not shapes:
         yield np.arange(count)
         return
@@ -270,6 +276,12 @@ def curve_keys(law: SceneLaw) -> list[Array]:
         assert isinstance(made, BrakeUnloading)
         shapes += [made.ratio] if isinstance(made.ratio, np.ndarray) else []
     return shapes
+
+
+def _few_valued(law: SceneLaw) -> list[Array]:
+    """Numbers beside the shape that have few values, such as Poisson's ratio of the body that yields, if this is now the
+    one, now the other: with one value each, laws are a family over one number, which takes less time."""
+    return [values for values in fitted_by(law).values() if np.unique(values[:_ASKED]).size <= 2 >= np.unique(values).size]
 
 
 def _pages(page: Array, count: int, shape: Array) -> Array:

@@ -111,14 +111,32 @@ int film_shape(const film_family *family, const film_curve *whole, double shape,
 }
 
 int film_shape_at(const film_family *family, const film_curve *whole, const double *shape, film_curve *curve) {
+    return film_shape_up_to(family, whole, shape, INFINITY, curve);
+}
+
+/* The work that the last stage has done where piece p begins, if the family varies it from `column` on; else -INFINITY. */
+static double work_before(const film_family *family, const film_curve *whole, const double *of, int32_t p, int32_t *column) {
+    const double *places = family->numbers + family->nodes, *table = places + family->varying;
+    double place = (double)(&whole->piece[p].work_at_begin - (const double *)whole), sum = 0.0;
+    while (*column < family->varying && places[*column] < place) ++*column;
+    if (*column >= family->varying || places[*column] != place) return -INFINITY;
+    for (int32_t n = 0; n < family->nodes; n++) sum -= of[n] * table[(int64_t)n * family->varying + *column];
+    return sum;
+}
+
+int film_shape_up_to(const film_family *family, const film_curve *whole, const double *shape, double energy, film_curve *curve) {
     enum { TOGETHER = 64 };
     int32_t nodes = family->nodes, varying = family->varying, last = whole->stages - 1, first = whole->stage[last].first;
     const double *places = family->numbers + nodes, *table = places + varying;
     double of[FILM_MAX_NODES], end, sum[TOGETHER], *doubles = (double *)curve;
     if (!film_factors(family, shape, of, &end)) return FILM_BAD_CURVE;
-    int32_t piece = first;
+    int32_t piece = first, column = 0;
     while (piece < whole->pieces - 1 && whole->piece[piece].end < end) {
         curve->piece[piece].end = whole->piece[piece].end;
+        if (energy < INFINITY && work_before(family, whole, of, piece + 1, &column) > energy) {
+            end = whole->piece[piece].end;
+            break;
+        }
         piece++;
     }
     curve->pieces = piece + 1;

@@ -279,9 +279,12 @@ def curve_keys(law: SceneLaw) -> list[Array]:
 
 
 def _few_valued(law: SceneLaw) -> list[Array]:
-    """Numbers beside the shape that have few values, such as Poisson's ratio of the body that yields, if this is now the
-    one, now the other: with one value each, laws are a family over one number, which takes less time."""
-    return [values for values in fitted_by(law).values() if np.unique(values[:_ASKED]).size <= 2 >= np.unique(values).size]
+    """Numbers beside the shape that have one or two values, such as Poisson's ratio of the body that yields first.
+
+    With one value each, laws are a family over one number, which takes less time.
+    """
+    beside = fitted_by(law).values()
+    return [values for values in beside if np.unique(values[:_ASKED]).size <= 2 and np.unique(values).size <= 2]
 
 
 def _pages(page: Array, count: int, shape: Array) -> Array:

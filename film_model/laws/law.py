@@ -179,9 +179,9 @@ class AbstractLaw(ABC):
     name: in scene files. summary, source, validity: one phrase each for lists and pages; validity is the range in which
     the law holds. family: a key of `FAMILIES`; laws of a user's own script need none. default_unloading: name of the
     unloading rule (:mod:`film_model.laws.unloading`) for a law without one. damped: the stage of the law has damping.
-    shaped_by: fields that enter the stages through `shape` only. shaped_beside: a field beside these on which force and
-    end of the last stage depend smoothly, and the ends of its range. similar_by: through `similarity` only. similarities:
-    values of `similarity` between which the stages have as many knots, ascending.
+    shaped_by: fields that enter the stages through `shape` only; similar_by: through `similarity` only. similarities:
+    values of `similarity` between which the stages have as many knots, ascending. shaped_beside: a field beside those
+    of the shape on which force and end of the last stage depend smoothly, too, and the ends of its range.
     """
 
     name: ClassVar[str]

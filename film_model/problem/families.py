@@ -15,7 +15,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from film_model.core import native
 from film_model.core.families import Family, shaped
@@ -98,7 +97,8 @@ def page_between(law: AbstractLaw, low: float, high: float) -> Page:
     table = applied(series_matrix(NODES), np.array(columns)).T
     page = Page(whole, Family.of(low, high, ends, places, table), error, steepest)
     tried = (low * (high / low) ** (0.5 * (1.0 + x)) for x in CHECKED)
-    return replace(page, fit_error=max(error, *(difference(page.at(each), law.of_shape(each).stages()[-1]) for each in tried)))
+    off = (difference(page.at(shape), law.of_shape(shape).stages()[-1]) for shape in tried)
+    return replace(page, fit_error=max(error, *off))
 
 
 def whole_of(
@@ -179,7 +179,10 @@ def difference(curve: native.Curve, stage: Stage) -> float:
     force = [piece.force for piece in pieces]
     span = np.array([1.0 / function.per_span for function in force])
     origin = np.array([function.origin for function in force])
-    x = np.minimum(1.0, (np.array([piece.end for piece in pieces]) - origin) / span) * np.linspace(0.0, 1.0, 29)[:, None]
+    x = (
+        np.minimum(1.0, (np.array([piece.end for piece in pieces]) - origin) / span)
+        * np.linspace(0.0, 1.0, 29)[:, None]
+    )
     exact = values_of(stage.force, (origin + x * span).ravel(), stage).reshape(x.shape)
     series = np.zeros((native.MAX_TERMS, len(force)))
     for k, function in enumerate(force):

@@ -2,8 +2,8 @@
 
 The force at any indentation is interpolated between the law's own forces at few indentations, the marks: a sum of them
 times functions of the indentation that are the same for all laws of the family. Marks and functions are found by cross
-approximation with full pivoting (Goreinov, Tyrtyshnikov & Zamarashkin 1997, Linear Algebra Appl. 261:1) of the forces of
-laws at Chebyshev nodes in both numbers. The core sums the curve of a law from its forces at the marks.
+approximation with full pivoting (Goreinov, Tyrtyshnikov & Zamarashkin 1997, Linear Algebra Appl. 261:1) of the forces
+of laws at Chebyshev nodes in both numbers. The core sums the curve of a law from its forces at the marks.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from film_model.base.arrays import Array
+from film_model.base.arrays import Array, Index
 from film_model.core.families import Family
 from film_model.laws.law import AbstractLaw
 from film_model.problem.families import (
@@ -113,7 +113,7 @@ def _between(law: AbstractLaw, low: float, high: float) -> Page:
     return replace(page, fit_error=max(error, *(off(*both) for both in zip(CHECKED, reversed(CHECKED), strict=True))))
 
 
-def _cross(values: Array) -> tuple[Array, Array, Array]:
+def _cross(values: Array) -> tuple[Index, Index, Array]:
     """Rows and columns of `values`, and the shares by which the columns give all: values ≈ values[:, columns] @ shares.
 
     Elimination with full pivoting, without BLAS: its rounding is the same on every processor.
@@ -132,4 +132,4 @@ def _cross(values: Array) -> tuple[Array, Array, Array]:
         for after in range(k + 1, len(rows)):
             shares[k] -= pivots[k][columns[after]] * shares[after]
         shares[k] /= pivots[k][columns[k]]
-    return np.array(rows), np.array(columns), shares
+    return np.array(rows, np.intp), np.array(columns, np.intp), shares

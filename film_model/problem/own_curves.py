@@ -22,9 +22,9 @@ from film_model.problem.varied import Varied, fitted_by, varied_of
 
 
 class OwnCurves(NamedTuple):
-    """page: a family of curves, and shape: the shapes, or similarities, of the laws, or their rows of numbers of a mixture. varied: of curves that differ in
-    numbers of their powers. spring: compliances [δ_s/F_s] in series. Each is None where the curves do not differ in it,
-    or have none."""
+    """page: a family of curves, and shape: the shapes, or similarities, of the laws, or of a mixture their rows of
+    numbers. varied: of curves that differ in numbers of their powers. spring: compliances [δ_s/F_s] in series. Each is
+    None where the curves do not differ in it, or have none."""
 
     page: Page | None = None
     shape: Array | None = None

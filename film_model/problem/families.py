@@ -33,9 +33,6 @@ NODES = 20
 TERMS = 18
 """Chebyshev terms in ξ on a piece, whose ends differ by a factor of two."""
 
-CONTINUOUS = 1e-9
-"""Relative difference of the force up to which it does not jump between stages."""
-
 CHECKED = (-0.97, -0.31, 0.44, 0.89)
 """2 ln(shape/low)/ln(high/low) − 1, where a page is compared with the law."""
 

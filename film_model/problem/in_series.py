@@ -12,12 +12,15 @@ from film_model.base.arrays import Array, Mask
 from film_model.base.errors import SimulationError
 from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
 from film_model.problem.curve import steepest_fall
-from film_model.problem.families import CONTINUOUS, EDGES, Page, page_number
+from film_model.problem.families import EDGES, Page, page_number
 from film_model.problem.fit import values_of
 from film_model.problem.problem import Impacts
 
 SURE = 0.5
 """Of the compliance at which the contact would snap through, because the slope is known at some points only."""
+
+CONTINUOUS = 1e-9
+"""Relative difference of the force up to which it does not jump between stages."""
 
 
 def sure_in_series(impacts: Impacts, compliance: Array) -> Mask:

@@ -23,7 +23,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parent.parent
 CORE, RUNTIME = "film_model/core", "fmu_wrapper/runtime"
 MARCH = tuple(
-    f"{CORE}/film_{name}.c" for name in ("march", "aim", "draw", "damping", "branch", "integrator", "setup")
+    f"{CORE}/film_{name}.c" for name in ("march", "aim", "draw", "damping", "branch", "series", "integrator", "setup")
 )  # one impact; the core's batches are not in FMUs
 MODES = (
     f"{CORE}/film_instructions.c",

@@ -14,6 +14,7 @@ from film_model.effects.many import problems_of
 from film_model.laws.jackson_green import Plastic
 from film_model.problem.curve import curve_of
 from film_model.problem.families import EDGES, page_of
+from film_model.problem.mixtures import mixed_numbers, mixture_of
 from film_model.solve.batch import simulate_many
 
 STRENGTHS = np.geomspace(60e6, 4e9, 40)  # Pa, over three pages
@@ -39,6 +40,39 @@ def test_curves_of_a_family_are_the_law(ratio):
             x = a + 0.25 * a * (nodes + 1.0)
             integral = float((plastic(x) * weights).sum()) * 0.25 * a
             assert curve.work(1.5 * a) - curve.work(a) == pytest.approx(integral, rel=1e-10)
+
+
+@pytest.mark.parametrize("constants", ["continuous", "printed"])
+def test_curves_of_a_mixture_are_the_law(constants):
+    """Force and end for any Poisson's ratio and strength, between the nodes; the work of a family over one number."""
+    rng = np.random.default_rng(3)
+    for strain in (2.3e-6, 1.7e-4, 2.2e-3, 8.7e-3, 0.06):
+        for ratio in rng.uniform(-0.99, 0.5, 3).tolist():
+            law = fm.JacksonGreen(*SPHERE, strain * SPHERE[0], ratio, constants)
+            page, plastic = mixture_of(law), Plastic(law.shape, law.yield_factor, constants == "continuous")
+            (row,) = mixed_numbers(page, lambda _, law=law: law, 1)
+            curve, other = page.at(row), curve_of(law).native
+            last, stage = curve.stage[curve.stages - 1], curve.stages - 1
+            assert last.end == plastic.end and page.fit_error < 1e-12
+            for xi in np.geomspace(2.0, last.end, 12).tolist():
+                force, work = native.stage_law(curve, stage, xi)
+                assert force == pytest.approx(float(plastic(np.array([xi]))[0]), rel=1e-11)
+                assert work == pytest.approx(native.stage_law(other, stage, xi)[1], rel=1e-10, abs=1e-10)
+    with pytest.raises(ValueError, match="outside of all pages"):
+        mixture_of(law_of(0.15))
+
+
+@pytest.mark.parametrize("target", ["half-space", "plate"])
+def test_poissons_ratio_and_strength_vary_together_as_each_alone(target):
+    base = scene("hertz", target).replace({"contact.law": "jackson-green", "contact.yield_strength": "1 GPa"})
+    ratios = np.linspace(0.1, 0.45, STRENGTHS.size)
+    result = simulate_many(base, {"contact.yield_strength": STRENGTHS, "contact.poissons_ratio": ratios})
+    assert len(result.problems) <= 6 and not (result.status < 0).any()
+    for row in (0, 13, 39):
+        own = {"contact.yield_strength": f"{float(STRENGTHS[row])!r} Pa", "contact.poissons_ratio": float(ratios[row])}
+        alone = fm.simulate(base.replace(own), accuracy=1e-8).summary
+        for name in ("coefficient_of_restitution", "maximum_force", "contact_duration"):
+            assert result.summary[name][row] == pytest.approx(alone[name], rel=2e-4), name
 
 
 def test_a_page_is_made_once_and_outside_of_all_pages_a_law_has_its_own_curve():

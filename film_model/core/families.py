@@ -12,7 +12,8 @@ from film_model.core import native
 
 
 class Family(c.Structure):
-    """film_family. `memory`, to which `numbers` points, is kept alive here."""
+    """film_family. `memory`, to which `numbers` points, is kept alive here. If `high` is 0, a "shape" of the functions
+    below is a row of numbers: the factor of each row of coefficients, and the end."""
 
     _fields_ = [
         ("low", c.c_double),
@@ -38,10 +39,10 @@ class Family(c.Structure):
         return Family.of, (self.low, self.high, end, places.astype(int).tolist(), table)
 
 
-def shaped(family: Family, whole: native.Curve, shape: float) -> native.Curve:
-    """The curve of a shape."""
-    made = native.Curve.from_buffer_copy(whole)
-    if native.library().film_shape(c.byref(family), c.byref(whole), shape, c.byref(made)) != native.OK:
+def shaped(family: Family, whole: native.Curve, shape: float | NDArray[np.float64]) -> native.Curve:
+    """The curve of a shape; of a family over several numbers, that of one contact's."""
+    made, numbers = native.Curve.from_buffer_copy(whole), np.array(shape, np.float64)
+    if native.library().film_shape_at(c.byref(family), c.byref(whole), numbers.ctypes.data, c.byref(made)) != native.OK:
         raise ValueError(f"the shape {shape!r} is not between {family.low!r} and {family.high!r}")
     return made
 

@@ -80,9 +80,9 @@ int film_find_turn(const film_curve *curve, const film_mesh *mesh, film_state *s
 
 /* Kinetic energy left at xi on a fixed target, and its slope. `energy`: kinetic energy + work - load xi of the run. */
 static double energy_at(const film_curve *curve, const film_line *run, double energy, double load, double xi,
-                        double *slope) {
+                        series_place *near, double *slope) {
     double force, work;
-    law_at(curve, run, xi, &force, &work);
+    law_near(curve, run, xi, near, &force, &work);
     *slope = load - force;
     return energy - work + load * xi;
 }
@@ -90,14 +90,14 @@ static double energy_at(const film_curve *curve, const film_line *run, double en
 /* In a stage without an end: *inner, where energy is left, and *outer, where none is. The leading term of a power gives an
  * *outer of about the right size; elsewhere the way is doubled. */
 static int bracket_turn(const film_curve *curve, const film_line *run, double xi, double total, double load, double *inner,
-                        double *outer) {
+                        double *outer, series_place *near) {
     const film_piece *piece = piece_at(curve, run->branch, INFINITY);
     const film_function *g = &piece->force;
     double reach = INFINITY, slope;
     if (g->coefficient > 0.0 && g->slope >= 0.0 && g->constant >= 0.0 && load <= 0.0 && curve->compliance == 0.0)
         reach = pow((g->exponent + 1.0) * (total + piece->work_at_begin) / g->coefficient, work_factor(g->exponent));
     *outer = reach < INFINITY ? g->origin + reach * (1.0 + 1e-12) : xi + 1.0;
-    for (int k = 0; energy_at(curve, run, total, load, *outer, &slope) > 0.0; k++) {
+    for (int k = 0; energy_at(curve, run, total, load, *outer, near, &slope) > 0.0; k++) {
         if (k >= DOUBLINGS || !(*outer < 1e300)) return FILM_BEYOND_LAW;
         *inner = *outer;
         *outer = xi + 2.0 * (*outer - xi);
@@ -108,23 +108,23 @@ static int bracket_turn(const film_curve *curve, const film_line *run, double xi
 /* Where the law's work has used up the kinetic energy at the start and the load's work: Newton's method in a bracket.
  * docs/method.md, section 5. */
 int film_turning_point(const film_curve *curve, const film_line *run, double xi, double work, double nu, double load,
-                       double limit, double *to) {
+                       double limit, series_place *near, double *to) {
     double energy = 0.5 * nu * nu, total = energy + work - load * xi, slope, inner = xi, outer = limit, at = limit;
     if (limit < INFINITY) {
-        double left = energy_at(curve, run, total, load, limit, &slope);
+        double left = energy_at(curve, run, total, load, limit, near, &slope);
         if (left >= 0.0) {
             *to = limit;
             return FILM_OK;
         }
         if (energy > 0.0) at = xi + (limit - xi) * sqrt(energy / (energy - left)); /* as if work grew as a square */
     } else {
-        int status = bracket_turn(curve, run, xi, total, load, &inner, &outer);
+        int status = bracket_turn(curve, run, xi, total, load, &inner, &outer, near);
         if (status < 0) return status;
         at = outer;
     }
     double d = outer > inner ? 1.0 : -1.0;
     for (int k = 0; k < ROOT_ITERATIONS; k++) {
-        energy = energy_at(curve, run, total, load, at, &slope);
+        energy = energy_at(curve, run, total, load, at, near, &slope);
         if (energy >= 0.0) inner = at; else outer = at;
         double next = at - energy / slope;
         int inside = d * (next - inner) > 0.0 && d * (outer - next) > 0.0;
@@ -137,7 +137,8 @@ int film_turning_point(const film_curve *curve, const film_line *run, double xi,
 }
 
 static int aim_by_energy(const film_curve *curve, film_state *s) {
-    int status = film_turning_point(curve, &s->line, s->xi, s->work, s->nu, s->load, run_limit(curve, s), &s->leg_to);
+    series_place near = {0.0, 0.0, 0.0};
+    int status = film_turning_point(curve, &s->line, s->xi, s->work, s->nu, s->load, run_limit(curve, s), &near, &s->leg_to);
     s->leg_ends = status == FILM_EVENT ? ENDS_TURN : ENDS_EDGE;
     return status < 0 ? status : FILM_OK;
 }

@@ -16,7 +16,7 @@ const block_routines *film_routines(int instructions) { return routines[instruct
 /* Makes the own stages of a block that should turn in `piece`. */
 static void make_own(batch *b, const block *waiting, int32_t piece) {
     double of[FILM_MAX_NODES][LANES];
-    film_own_polynomials(&b->j, waiting->index, waiting->count, of);
+    film_own_factors(&b->j, waiting->index, waiting->count, of);
     b->run->shape(&b->j, piece - b->j.curve->stage[b->j.shaped].first + 2, (const double(*)[LANES])of);
 }
 

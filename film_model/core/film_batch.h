@@ -48,7 +48,7 @@ typedef struct {
     double end;     /* of the last of them */
     double whole[LANES]; /* work up to there */
     struct { int32_t column, force, mean; } piece[OWN_PIECES]; /* where its work_at_begin is in `value`; terms of both series behind */
-    double edge_force[OWN_PIECES][FILM_MAX_NODES]; /* series in the shape: force where the piece ends */
+    double edge_force[OWN_PIECES][FILM_MAX_NODES]; /* of each row: force where the piece ends */
     double value[OWN_DOUBLES][LANES];
 } own_stage;
 
@@ -130,10 +130,10 @@ void film_impacts_left(const film_family *family, const film_curve *whole, const
                        const film_start *start, const double *shape, film_summary *summary, int32_t *status);
 
 /* Laws with a shape: film_batch_shape.c. Prepares the last stage; the piece in which an impact should
- * turn that begins the last stage at v, with `stored` work done, -1: none that lanes may use; the polynomials of a block. */
+ * turn that begins the last stage at v, with `stored` work done, -1: none that lanes may use; the factors of a block. */
 void film_own_stage(batch_job *j, own_stage *own);
 int32_t film_own_piece(const batch_job *j, int64_t i, double v, double stored);
-void film_own_polynomials(const batch_job *j, const int64_t *index, int count, double (*of)[LANES]);
+void film_own_factors(const batch_job *j, const int64_t *index, int count, double (*of)[LANES]);
 
 /* A stage of one power whose force rises: Newton's method finds its depth for a given work from above. */
 static inline int force_rises(const film_curve *curve, int32_t stage) {
@@ -214,7 +214,7 @@ typedef struct {
 
 /* What runs a block, for one instruction set. */
 typedef struct {
-    /* the own stage of each lane; of: the polynomials at its shape */
+    /* the own stage of each lane; of: the factors at its shape */
     void (*shape)(const batch_job *j, int32_t pieces, const double (*of)[LANES]);
     /* impacts that turn in `stage` on a fixed target, from first touch to the end of contact */
     void (*fixed)(batch_job *j, int32_t stage, const int64_t *index, int count);

@@ -49,7 +49,7 @@ int32_t film_own_piece(const batch_job *j, int64_t i, double v, double stored) {
     const film_family *family = j->family;
     double of[FILM_MAX_NODES], end, nu = j->start[i].nu, gamma = j->start[i].gamma;
     int32_t first = j->curve->stage[j->shaped].first;
-    if (!film_polynomials(family, j->shape[i], of, &end)) return -1;
+    if (!film_factors(family, &j->shape[i * film_family_numbers(family)], of, &end)) return -1;
     for (int32_t p = 0; p < j->own->usable - 1 && j->curve->piece[first + p + 1].end <= end; p++) {
         const double *next = family->numbers + family->nodes + family->varying + j->own->piece[p + 1].column;
         double work = -series_at(of, family->nodes, next, family->varying); /* work_at_begin counts from there */
@@ -63,10 +63,11 @@ int32_t film_own_piece(const batch_job *j, int64_t i, double v, double stored) {
     return -1;
 }
 
-void film_own_polynomials(const batch_job *j, const int64_t *index, int count, double (*of)[LANES]) {
+void film_own_factors(const batch_job *j, const int64_t *index, int count, double (*of)[LANES]) {
     double one[FILM_MAX_NODES], end;
+    int32_t numbers = film_family_numbers(j->family);
     for (int l = 0; l < LANES; l++) { /* an incomplete block is filled up with its first impact */
-        film_polynomials(j->family, j->shape[index[l < count ? l : 0]], one, &end);
+        film_factors(j->family, &j->shape[index[l < count ? l : 0] * numbers], one, &end);
         for (int32_t n = 0; n < j->family->nodes; n++) of[n][l] = one[n];
     }
 }

@@ -1,5 +1,5 @@
-/* What a contact does after a turn: the unloading branch, the loops of a law that reloads along another curve, and the
- * spring in series. docs/method.md, sections 6 and 8. */
+/* What a contact does after a turn: the unloading branch, and the loops of a law that reloads along another curve.
+ * docs/method.md, section 6. */
 #include "film_march.h"
 
 /* A shifted branch whose force at xi = 0 is still above 0 has no end and is refused. If that force is below this fraction
@@ -10,132 +10,7 @@ static const double SURFACE_ROUNDING = 1e-12;
  * the recovery: over such a way the two curves differ by rounding. core_check.c, check_small_loop. */
 static const double SMALL_LOOP = 1e-6;
 
-/* How far beyond the end of its interval a series may be evaluated, as a fraction of the interval: the search for the
- * indentation must be able to pass the end of a piece. core_check.c, check_overrun. */
-static const double SERIES_OVERRUN = 1.05;
-
-enum { SERIES_STEPS = 100, SNAP_CHECKS = 40 };
-
-/* ---------------------------------------------------------------- a contact in series with a spring */
-
-/* Force and slope of a series at z = 2 x - 1: both sums in one loop. */
-static void series_at(const film_function *g, double xi, double *force, double *slope) {
-    double x = scaled_distance(g, xi), z = 2.0 * x - 1.0, b1 = 0.0, b2 = 0.0, now = 0.0, before = 0.0;
-    for (int k = g->terms - 1; k > 0; k--) {
-        double b = 2.0 * z * b1 - b2 + g->series[k], next = 2.0 * z * now - before + k * g->series[k];
-        b2 = b1;
-        b1 = b;
-        before = now;
-        now = next;
-    }
-    *force = z * b1 - b2 + g->series[0];
-    *slope = g->per_span * now * 2.0;
-}
-
-/* Force and slope of the contact itself at an indentation. */
-static void law_and_slope(const film_line *line, const film_piece *piece, double xi, double *force, double *slope) {
-    double work;
-    if (line->branch >= 0 && piece->force.form == FILM_SERIES) {
-        series_at(&piece->force, xi, force, slope);
-        return;
-    }
-    contact_at(line, piece, xi, force, &work);
-    *slope = contact_slope(line, piece, xi);
-}
-
-/* The indentation xi at which xi + compliance force(xi) = x: Newton's method in a bracket, as the sum grows with xi.
- * docs/method.md, section 8. */
-static double indentation_at(const film_curve *curve, const film_line *line, const film_piece *piece, double x) {
-    double c = curve->compliance, low = line->xi_free, high = x, force, slope;
-    if (line->branch >= 0) {
-        const film_function *g = &piece->force;
-        low = g->origin;
-        if (g->form != FILM_POWER) high = fmin(x, low + SERIES_OVERRUN / g->per_span);
-    }
-    if (!(x > low)) return x;
-    law_and_slope(line, piece, low, &force, &slope);
-    if (!(low + c * force < x)) return low;
-    double xi = high;
-    for (int k = 0; k < SERIES_STEPS; k++) {
-        law_and_slope(line, piece, xi, &force, &slope);
-        double miss = xi + c * force - x, next = xi - miss / (1.0 + c * slope);
-        if (fabs(next - xi) <= 4e-16 * x) return next;
-        if (miss < 0.0) low = xi; else high = xi;
-        xi = next > low && next < high ? next : 0.5 * (low + high);
-    }
-    return xi;
-}
-
-/* The spring stores c f^2/2. docs/method.md, section 8. */
-void film_law_in_series(const film_curve *curve, const film_line *line, double x, double *force, double *work) {
-    const film_piece *piece = line->branch >= 0 ? piece_at(curve, line->branch, x) : 0;
-    if (line->branch == FILM_FREE) {
-        *force = *work = 0.0;
-        return;
-    }
-    contact_at(line, piece, indentation_at(curve, line, piece, x), force, work);
-    *work += 0.5 * curve->compliance * *force * *force;
-}
-
-/* d force/d(xi + c force) = f'/(1 + c f'). docs/method.md, section 8. */
-double film_slope_in_series(const film_curve *curve, const film_line *line, double x) {
-    const film_piece *piece = line->branch >= 0 ? piece_at(curve, line->branch, x) : 0;
-    if (line->branch == FILM_FREE) return 0.0;
-    double slope = contact_slope(line, piece, indentation_at(curve, line, piece, x));
-    return slope / (1.0 + curve->compliance * slope);
-}
-
-/* From the march's own xi, rate and shift to those of the contact: the spring's deflection belongs to the target.
- * docs/method.md, section 8. */
-void film_split_off_spring(const film_curve *curve, const film_line *line, double values[5]) {
-    double bent = curve->compliance * values[2];
-    if (curve->compliance == 0.0 || line->branch == FILM_FREE) return;
-    values[1] *= 1.0 - curve->compliance * law_slope(curve, line, values[0]);
-    values[0] -= bent;
-    values[4] += bent;
-}
-
-/* Whether a function is sure not to fall: d/dz of a series is at least a_1 - sum k^2 |a_k|, as T_k' <= k^2. */
-static int never_falls(const film_function *g) {
-    if (g->form == FILM_POWER) return g->slope >= 0.0 && g->coefficient >= 0.0;
-    double least = g->terms > 1 ? g->series[1] : 0.0;
-    for (int k = 2; k < g->terms; k++) least -= k * k * fabs(g->series[k]);
-    return least >= 0.0;
-}
-
-/* Whether xi + c f does not grow with xi everywhere in a piece that begins at xi = from. */
-static int snaps_through(const film_piece *piece, double from, double c) {
-    double length = piece->end < INFINITY ? piece->end - from : 9.0 * from + 10.0;
-    for (int k = 1; k <= SNAP_CHECKS && !never_falls(&piece->force); k++)
-        if (!(1.0 + c * slope_at(&piece->force, from + length * k / SNAP_CHECKS) > 0.0)) return 1;
-    return 0;
-}
-
-/* Ends of stages and pieces become values of xi + c f, and the work counts the spring's. docs/method.md, section 8. */
-int film_put_in_series(film_curve *curve, double c) {
-    double begin = 0.0, from = 0.0;
-    if (curve->compliance != 0.0 || !(c > 0.0 && c < INFINITY)) return FILM_BAD_CURVE;
-    for (int32_t k = 0; k < curve->stages; k++) {
-        film_stage *stage = &curve->stage[k];
-        film_piece *piece = &curve->piece[stage->first], *last = piece + stage->count - 1;
-        double force = value_at(&piece->force, stage->begin), added = 0.5 * c * force * force;
-        for (; piece <= last; piece++) {
-            if (snaps_through(piece, from, c)) return FILM_BAD_CURVE;
-            from = piece->end;
-            piece->work_at_begin += added;
-            if (from < INFINITY) piece->end += c * value_at(&piece->force, from);
-        }
-        stage->begin = begin;
-        stage->end = begin = last->end;
-    }
-    curve->compliance = c;
-    return FILM_OK;
-}
-
-int film_spring(film_curve *curve, double compliance) {
-    int status = film_put_in_series(curve, compliance);
-    return status < 0 ? status : film_check_curve(curve);
-}
+enum { LENGTH_STEPS = 100 };
 
 /* ---------------------------------------------------------------- unloading */
 
@@ -194,7 +69,7 @@ static int stretch_stages(const film_curve *curve, film_line *run, double xi, do
         return FILM_BAD_UNLOADING;
     double root = cbrt(1.0 + sqrt(fmax(1.0 + wanted, 0.0))), x = 3.0 * root * root * root * root - 4.0 * root; /* of JKR's law */
     x = fmin(fmax(x, low), high);
-    for (int i = 0; i < SERIES_STEPS; i++) {
+    for (int i = 0; i < LENGTH_STEPS; i++) {
         const film_function *g = &piece_at(curve, k, x)->force;
         double miss = value_at(g, x) - wanted, next = x - miss / slope_at(g, x);
         if (fabs(next - x) <= 4e-16 * fabs(x)) break;

@@ -92,15 +92,14 @@ typedef struct {
 /* The curves of a law whose stages depend on one more number, its shape (S_y/E, say), for shapes from low to high. They
  * differ from one curve, `whole`, in where the last stage ends, and in some doubles of its pieces. Each is a Chebyshev
  * series in z = 2 ln(shape/low)/ln(high/low) - 1, in `numbers`: the series of ln(end), `nodes` terms; the places of the
- * `varying` doubles among the doubles of film_curve, ascending; then for every term a row of `varying` coefficients. */
+ * `varying` doubles among the doubles of film_curve, ascending; then for every term a row of `varying` coefficients.
+ * If high is 0 the curves depend on more numbers: of each contact, `shape` then is a factor of each row, and the end. */
 typedef struct {
     double low, high;
     int32_t nodes, varying;
     const double *numbers;
 } film_family;
-
 enum { FILM_MAX_NODES = 32 };
-
 enum { FILM_CHORD = 0, FILM_WORK_PRESERVING = 1 };
 
 /* Gradings of the nodes of a leg: positions as a function of s, the fraction of segments. docs/method.md, section 4.
@@ -263,8 +262,10 @@ typedef struct {
 FILM_API int film_check_curve(const film_curve *curve);
 
 /* The curve of a shape, low <= shape <= high. curve: a copy of `whole`, or the curve of another shape. The pieces beyond the
- * end of its last stage are left out. 0, or FILM_BAD_CURVE: the family's numbers or the shape are out of range. */
+ * end of its last stage are left out. film_shape_at: of any family, with the numbers of one contact. 0, or FILM_BAD_CURVE: the
+ * family's numbers or the shape are out of range. */
 FILM_API int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve);
+FILM_API int film_shape_at(const film_family *family, const film_curve *whole, const double *shape, film_curve *curve);
 
 /* Puts a curve in series with a spring of this compliance > 0. 0, or FILM_BAD_CURVE: the curve has one, is damped or pulls, or
  * its force falls so fast that the contact would snap through. */
@@ -357,8 +358,7 @@ FILM_API void film_batch_with(int instructions, const film_curve *curve, const f
 
 /* film_batch_with for contacts each of which has the curve of its own shape, on less than 500 kB of stack. */
 FILM_API void film_batch_shaped(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh,
-                                int64_t count, const film_start *start, const double *shape, film_summary *summary,
-                                int32_t *status);
+                                int64_t count, const film_start *start, const double *shape, film_summary *summary, int32_t *status);
 
 /* count contacts, one after another, on curves that differ from `curve` in `varying` doubles: places[k] of the k-th among
  * the doubles of film_curve, its value for contact i in values[i varying + k]. status[i] is what film_impact returns. */

@@ -2,6 +2,8 @@
  * march. docs/method.md, section 10. */
 #include "film_batch.h"
 
+#include <string.h>
+
 int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary) {
     int32_t status;
     int in_lanes = start->gamma > 0.0 && start->gamma < INFINITY && start->nu > 0.0 && start->nu < INFINITY && is_undisturbed(curve, start);
@@ -13,11 +15,13 @@ void film_impacts_left(const film_family *family, const film_curve *whole, const
                        const film_start *start, const double *shape, film_summary *summary, int32_t *status) {
     film_curve curve = *whole;
     int made = FILM_BAD_CURVE;
-    double last = NAN;
+    int32_t numbers = film_family_numbers(family);
+    const double *last = NULL;
     for (int64_t i = 0; i < count; i++) {
         if (status[i] != LEFT_ALONE) continue;
-        if (shape[i] != last) made = film_shape(family, whole, shape[i], &curve);
-        last = shape[i];
+        const double *own = &shape[i * numbers];
+        if (last == NULL || memcmp(own, last, (size_t)numbers * sizeof *own) != 0) made = film_shape_at(family, whole, own, &curve);
+        last = own;
         status[i] = made < 0 ? made : film_impact(&curve, mesh, &start[i], &summary[i]);
     }
 }
@@ -55,26 +59,30 @@ static void put_back(film_curve *curve, const free_ends *kept) {
     curve->compliance = 0.0;
 }
 
+/* The work of the springless law is at most this on the way to the turn: a fixed target without a load stores all of it. */
+static double most_work(const film_curve *curve, const film_start *start) {
+    return start->gamma == 0.0 && is_undisturbed(curve, start) ? 0.5 * start->nu * start->nu : INFINITY;
+}
+
 void film_batch_in_series(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                           const double *compliance, const film_family *family, const double *shape, int32_t varying,
                           const int32_t *places, const double *values, film_summary *summary, int32_t *status) {
     film_curve own = *curve;
-    free_ends kept, whole;
+    free_ends whole;
     double *doubles = (double *)&own;
     keep_ends(curve, &whole);
-    kept = whole;
-    int shaped = FILM_OK;
+    int32_t numbers = family == NULL ? 0 : film_family_numbers(family);
     for (int64_t i = 0; i < count; i++) {
-        if (family != NULL && (i == 0 || shape[i] != shape[i - 1])) {
+        double energy = most_work(curve, &start[i]);
+        for (int again = 1; again; energy = INFINITY) { /* again if rounding takes it beyond the pieces that are made */
+            int shaped = FILM_OK;
             own.pieces = curve->pieces;
             put_back(&own, &whole);
-            shaped = film_shape(family, curve, shape[i], &own);
-            keep_ends(&own, &kept);
-        } else {
-            put_back(&own, &kept);
+            if (family != NULL) shaped = film_shape_up_to(family, curve, &shape[i * numbers], energy, &own);
+            for (int32_t k = 0; k < varying; k++) doubles[places[k]] = values[i * varying + k];
+            int made = shaped < 0 ? shaped : film_put_in_series(&own, compliance[i]);
+            status[i] = made < 0 ? made : film_impact(&own, mesh, &start[i], &summary[i]);
+            again = status[i] == FILM_BEYOND_LAW && family != NULL && energy < INFINITY;
         }
-        for (int32_t k = 0; k < varying; k++) doubles[places[k]] = values[i * varying + k];
-        int made = shaped < 0 ? shaped : film_put_in_series(&own, compliance[i]);
-        status[i] = made < 0 ? made : film_impact(&own, mesh, &start[i], &summary[i]);
     }
 }

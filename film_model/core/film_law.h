@@ -122,10 +122,15 @@ int film_put_in_series(film_curve *curve, double c);
 
 /* The five values of film_evaluate, of indentation and spring together on the line, become those of the indentation. */
 void film_split_off_spring(const film_curve *curve, const film_line *line, double values[5]);
+/* Where the law in series was evaluated last, from where its force begins: the sum x, the indentation xi, and
+ * d ln xi/d ln x. x is 0: nowhere yet. */
+typedef struct {
+    double x, xi, exponent;
+} series_place;
 
 /* law_at and law_slope in series with a spring, and along stretched stages; not inline, so that they cost other laws
  * nothing. */
-void film_law_in_series(const film_curve *curve, const film_line *line, double x, double *force, double *work);
+void film_law_in_series(const film_curve *curve, const film_line *line, double x, series_place *near, double *force, double *work);
 double film_slope_in_series(const film_curve *curve, const film_line *line, double x);
 void film_law_stretched(const film_curve *curve, const film_line *line, double xi, double *force, double *work);
 double film_slope_stretched(const film_curve *curve, const film_line *line, double xi);
@@ -133,9 +138,16 @@ double film_slope_stretched(const film_curve *curve, const film_line *line, doub
 /* Force and work of the true law on the curve that a line belongs to. x is the march's variable: the indentation or, in
  * series with a spring, indentation + compliance force. */
 static inline void law_at(const film_curve *curve, const film_line *line, double x, double *force, double *work) {
-    if (curve->compliance != 0.0) film_law_in_series(curve, line, x, force, work);
+    if (curve->compliance != 0.0) film_law_in_series(curve, line, x, NULL, force, work);
     else if (line->branch <= FILM_STRETCHED) film_law_stretched(curve, line, x, force, work);
     else contact_at(line, line->branch >= 0 ? piece_at(curve, line->branch, x) : 0, x, force, work);
+}
+
+/* law_at for one x after another of a line: `near` shortens the search in series with a spring. */
+static inline void law_near(const film_curve *curve, const film_line *line, double x, series_place *near, double *force,
+                            double *work) {
+    if (curve->compliance != 0.0) film_law_in_series(curve, line, x, near, force, work);
+    else law_at(curve, line, x, force, work);
 }
 
 /* The slope of the force that law_at gives. */
@@ -157,8 +169,16 @@ static inline double total_force(const film_line *line, double c, double f, doub
     return c == 0.0 ? f : f + c * (nu - line->gamma * f) / (1.0 + line->gamma * c);
 }
 
-/* The Chebyshev polynomials of a family at a shape, and the end of its last stage. 0: shape or family are out of range. */
-int film_polynomials(const film_family *family, double shape, double *of, double *end);
+/* How many numbers a family has of each contact. */
+static inline int32_t film_family_numbers(const film_family *family) {
+    return family->high == 0.0 ? family->nodes + 1 : 1;
+}
+
+/* The factors of a family's rows at a shape, and the end of the last stage. 0: shape or family are out of range. */
+int film_factors(const film_family *family, const double *shape, double *of, double *end);
+
+/* film_shape_at, without the pieces that begin where the work of the last stage exceeds `energy`: that stage then ends there. */
+int film_shape_up_to(const film_family *family, const film_curve *whole, const double *shape, double energy, film_curve *curve);
 
 /* atan(sqrt z)/sqrt z, and its continuation atanh(sqrt -z)/sqrt -z for z < 0; its power series around 0. */
 static inline double arc(double z) {
@@ -179,6 +199,6 @@ int film_open_branch(const film_curve *curve, film_line *run, double xi, double 
 /* Where a fixed target turns the impactor back on its run from xi, where the work is `work`, towards `limit`, under
  * `load`: FILM_OK with *to = limit if there is energy to reach it, FILM_EVENT with the turning point, FILM_BEYOND_LAW. */
 int film_turning_point(const film_curve *curve, const film_line *run, double xi, double work, double nu, double load,
-                       double limit, double *to);
+                       double limit, series_place *near, double *to);
 
 #endif

@@ -8,7 +8,8 @@
  *     film_aim.c         where a leg ends
  *     film_draw.c        one line; the next line of a leg
  *     film_damping.c     what damping adds to a line, when it ends a contact, the largest force
- *     film_branch.c      unloading branches, reloading loops, the spring in series
+ *     film_branch.c      unloading branches, reloading loops
+ *     film_series.c      the spring in series
  *     film_integrator.c  the same contact for another integrator of the true law
  *     film_setup.c       curves, meshes, states before the first touch */
 #ifndef FILM_MARCH_H

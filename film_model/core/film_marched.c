@@ -9,13 +9,13 @@
 /* The time from `from`, where the velocity is v, to `to`. tan(omega tau/2) = omega h/(v0 + v1) on each line; the first
  * line of a run from rest and the last one of a run that turns meet the law's force there. docs/method.md, section 3. */
 static double crossing_time(const film_curve *curve, const film_line *run, double load, double from, double to, double v,
-                            int turns, int32_t segments, const double *nodes, double *peak) {
+                            int turns, int32_t segments, const double *nodes, series_place *near, double *peak) {
     double f0, w0, f1, w1, x0 = from, v0 = v, time = 0.0;
-    law_at(curve, run, from, &f0, &w0);
+    law_near(curve, run, from, near, &f0, &w0);
     double total = v * v + 2.0 * w0;
     for (int32_t i = 1; i <= segments; i++) {
         double x1 = i < segments ? from + (to - from) * nodes[i] : to, h = x1 - x0;
-        law_at(curve, run, x1, &f1, &w1);
+        law_near(curve, run, x1, near, &f1, &w1);
         double square = total - 2.0 * (w1 - load * (x1 - from)), per_h = 1.0 / h, mean = (w1 - w0) * per_h, kappa = (f1 - f0) * per_h;
         if (!(square > 0.0) && i < segments) return INFINITY; /* it turns before */
         double v1 = square > 0.0 && !(turns && i == segments) ? sqrt(square) : 0.0;
@@ -36,6 +36,7 @@ static double crossing_time(const film_curve *curve, const film_line *run, doubl
 typedef struct {
     film_line run; /* its branch: the stage */
     double xi, force, stored, time;
+    series_place near;
 } progress;
 
 /* Through the loading stages to the turn. */
@@ -44,16 +45,16 @@ static int load_to_turn(const film_curve *curve, const film_mesh *mesh, const fi
     for (int status = FILM_OK; status != FILM_EVENT; at->run.branch++) {
         if (at->run.branch >= curve->stages) return FILM_BEYOND_LAW;
         double before = 0.0;
-        if (at->xi > curve->stage[at->run.branch].begin) law_at(curve, &at->run, at->xi, &at->force, &before);
-        status = film_turning_point(curve, &at->run, at->xi, before, v, load, curve->stage[at->run.branch].end, &to);
+        if (at->xi > curve->stage[at->run.branch].begin) law_near(curve, &at->run, at->xi, &at->near, &at->force, &before);
+        status = film_turning_point(curve, &at->run, at->xi, before, v, load, curve->stage[at->run.branch].end, &at->near, &to);
         if (status < 0) return status;
-        law_at(curve, &at->run, to, &at->force, &work);
+        law_near(curve, &at->run, to, &at->near, &at->force, &work);
         if (status == FILM_EVENT && to - at->xi <= SHORT_LEG * to) { /* the way is mostly rounding, the velocity is not */
             at->time += at->force > load ? v / (at->force - load) : 0.0;
             if (at->force > peak) peak = at->force;
         } else {
             at->time += crossing_time(curve, &at->run, load, at->xi, to, v, status == FILM_EVENT, mesh->loading,
-                                      mesh->loading_nodes[FILM_COSINE], &peak);
+                                      mesh->loading_nodes[FILM_COSINE], &at->near, &peak);
         }
         summary->lines += mesh->loading;
         work -= before;
@@ -85,10 +86,11 @@ static int unload_to_end(const film_curve *curve, const film_mesh *mesh, double 
     int status = film_open_branch(curve, &at->run, at->xi, at->force);
     if (status < 0) return status;
     int back_along_law = at->run.branch >= 0;
+    if (at->run.branch == FILM_BRANCH) at->near.x = 0.0; /* that of the branch counts from its end */
     for (int last = 0; !last; at->run.branch += at->run.branch < 0 ? 1 : -1) {
         double to = way_out(curve, &at->run, &last), work;
-        law_at(curve, &at->run, at->xi, &at->force, &work);
-        at->time += crossing_time(curve, &at->run, load, at->xi, to, v, 0, mesh->unloading, nodes, &peak);
+        law_near(curve, &at->run, at->xi, &at->near, &at->force, &work);
+        at->time += crossing_time(curve, &at->run, load, at->xi, to, v, 0, mesh->unloading, nodes, &at->near, &peak);
         summary->lines += mesh->unloading;
         v = speed_after(v, -work - load * (to - at->xi));
         if (v == 0.0) at->time = INFINITY; /* it turns before */

@@ -91,24 +91,52 @@ static void polynomials(double z, int32_t count, double *of) {
     for (int32_t n = 2; n < count; n++) of[n] = 2.0 * z * of[n - 1] - of[n - 2];
 }
 
-int film_polynomials(const film_family *family, double shape, double *of, double *end) {
+int film_factors(const film_family *family, const double *shape, double *of, double *end) {
     double log_end = 0.0;
-    if (family->nodes < 2 || family->nodes > FILM_MAX_NODES || !(shape >= family->low && shape <= family->high)) return 0;
-    polynomials(2.0 * log(shape / family->low) / log(family->high / family->low) - 1.0, family->nodes, of);
+    if (family->nodes < 2 || family->nodes > FILM_MAX_NODES) return 0;
+    if (family->high == 0.0) {
+        memcpy(of, shape, (size_t)family->nodes * sizeof *of);
+        *end = shape[family->nodes];
+        return *end > 0.0;
+    }
+    if (!(*shape >= family->low && *shape <= family->high)) return 0;
+    polynomials(2.0 * log(*shape / family->low) / log(family->high / family->low) - 1.0, family->nodes, of);
     for (int32_t n = 0; n < family->nodes; n++) log_end += of[n] * family->numbers[n];
     *end = exp(log_end);
     return 1;
 }
 
 int film_shape(const film_family *family, const film_curve *whole, double shape, film_curve *curve) {
+    return film_family_numbers(family) == 1 ? film_shape_at(family, whole, &shape, curve) : FILM_BAD_CURVE;
+}
+
+int film_shape_at(const film_family *family, const film_curve *whole, const double *shape, film_curve *curve) {
+    return film_shape_up_to(family, whole, shape, INFINITY, curve);
+}
+
+/* The work that the last stage has done where piece p begins, if the family varies it from `column` on; else -INFINITY. */
+static double work_before(const film_family *family, const film_curve *whole, const double *of, int32_t p, int32_t *column) {
+    const double *places = family->numbers + family->nodes, *table = places + family->varying;
+    double place = (double)(&whole->piece[p].work_at_begin - (const double *)whole), sum = 0.0;
+    while (*column < family->varying && places[*column] < place) ++*column;
+    if (*column >= family->varying || places[*column] != place) return -INFINITY;
+    for (int32_t n = 0; n < family->nodes; n++) sum -= of[n] * table[(int64_t)n * family->varying + *column];
+    return sum;
+}
+
+int film_shape_up_to(const film_family *family, const film_curve *whole, const double *shape, double energy, film_curve *curve) {
     enum { TOGETHER = 64 };
     int32_t nodes = family->nodes, varying = family->varying, last = whole->stages - 1, first = whole->stage[last].first;
     const double *places = family->numbers + nodes, *table = places + varying;
     double of[FILM_MAX_NODES], end, sum[TOGETHER], *doubles = (double *)curve;
-    if (!film_polynomials(family, shape, of, &end)) return FILM_BAD_CURVE;
-    int32_t piece = first;
+    if (!film_factors(family, shape, of, &end)) return FILM_BAD_CURVE;
+    int32_t piece = first, column = 0;
     while (piece < whole->pieces - 1 && whole->piece[piece].end < end) {
         curve->piece[piece].end = whole->piece[piece].end;
+        if (energy < INFINITY && work_before(family, whole, of, piece + 1, &column) > energy) {
+            end = whole->piece[piece].end;
+            break;
+        }
         piece++;
     }
     curve->pieces = piece + 1;

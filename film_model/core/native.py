@@ -189,7 +189,7 @@ def library() -> Any:
     pointer, i64 = c.c_void_p, c.c_int64
     signatures: dict[str, tuple[list[Any], Any]] = {
         "film_check_curve": ([pointer], c.c_int),
-        "film_shape": ([pointer, pointer, _D, pointer], c.c_int),
+        "film_shape_at": ([pointer, pointer, pointer, pointer], c.c_int),
         "film_spring": ([pointer, _D], c.c_int),
         "film_mesh_size": ([_I, _I], c.c_size_t),
         "film_mesh_init": ([pointer, _I, _I, _I, pointer], c.c_int),

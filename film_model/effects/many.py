@@ -25,7 +25,7 @@ from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
 from film_model.problem.problem import Impacts, Problem
-from film_model.problem.varied import varied_of
+from film_model.problem.varied import fitted_by, varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -179,7 +179,7 @@ def _groups(
         made = SceneLaw.of(part if own.size == index.size else _part(scene, columns, own), law).reduced()
         slow = Impacts.several(scene, made, own, _picked(columns, own))
         for places in _shared_curves((slow.law,), own.size):
-            for static, support in supports_of(slow.part(places)):
+            for static, support in supports_of(slow if places is ALL else _alike(slow, places)):
                 for impacts, same in _by_curve(_hardened(static, support), static):
                     yield impacts, support.part(same), yields
 
@@ -190,7 +190,13 @@ def _by_curve(impacts: Impacts, shared: Impacts) -> Iterator[tuple[Impacts, Any]
         yield impacts, ALL
         return
     for places in _shared_curves((impacts.law,), impacts.numbers.mass.size):
-        yield impacts.part(places), places
+        yield _alike(impacts, places), places
+
+
+def _alike(impacts: Impacts, places: Any) -> Impacts:
+    """Some impacts, with a number in place of what they have in common."""
+    part = impacts.part(places)
+    return part.under(part.law.reduced())
 
 
 def _hardened(impacts: Impacts, support: Support) -> Impacts:
@@ -201,7 +207,7 @@ def _hardened(impacts: Impacts, support: Support) -> Impacts:
         return impacts
 
     def problem(law: SceneLaw, places: Any) -> Problem:
-        part, moves = impacts.under(law).part(places), support.part(places)
+        part, moves = _alike(impacts.under(law), places), support.part(places)
         return part.problem(moves.impedance, part.column(0.0), moves.compliance)
 
     def rates(factor: Array) -> Array:
@@ -240,7 +246,7 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
 def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Any]:
     """The places of the impacts of each curve under the laws; `ALL` if they share one. Most laws have stages that do
     not depend on the varied values."""
-    shapes = [shape for law in laws for shape in curve_keys(law)]
+    shapes = [shape for law in laws for shape in (*curve_keys(law), *_few_valued(law))]
     if all(all_of(shape == shape[0]) for shape in shapes):
         yield ALL
         return
@@ -270,3 +276,12 @@ def curve_keys(law: SceneLaw) -> list[Array]:
         assert isinstance(made, BrakeUnloading)
         shapes += [made.ratio] if isinstance(made.ratio, np.ndarray) else []
     return shapes
+
+
+def _few_valued(law: SceneLaw) -> list[Array]:
+    """Numbers beside the shape that have one or two values, such as Poisson's ratio of the body that yields first.
+
+    With one value each, laws are a family over one number, which takes less time.
+    """
+    beside = fitted_by(law).values()
+    return [values for values in beside if np.unique(values[:_ASKED]).size <= 2 and np.unique(values).size <= 2]

@@ -105,6 +105,7 @@ class JacksonGreen(AbstractLaw):
     }
 
     shaped_by: ClassVar[tuple[str, ...]] = ("effective_modulus", "yield_strength")
+    shaped_beside: ClassVar[Mapping[str, tuple[float, float]]] = {"poissons_ratio": (-1.0, 0.5)}
 
     effective_modulus: float
     radius: float

@@ -177,7 +177,8 @@ class AbstractLaw(ABC):
     name: in scene files. summary, source, validity: one phrase each for lists and pages; validity is the range in which
     the law holds. family: a key of `FAMILIES`; laws of a user's own script need none. default_unloading: name of the
     unloading rule (:mod:`film_model.laws.unloading`) for a law without one. damped: the stage of the law has damping.
-    shaped_by: fields that enter the stages through `shape` only.
+    shaped_by: fields that enter the stages through `shape` only. shaped_beside: a field beside these on which force and
+    end of the last stage depend smoothly, and the ends of its range.
     """
 
     name: ClassVar[str]
@@ -189,6 +190,7 @@ class AbstractLaw(ABC):
     default_unloading: ClassVar[str | None] = None
     damped: ClassVar[bool] = False
     shaped_by: ClassVar[tuple[str, ...]] = ()
+    shaped_beside: ClassVar[Mapping[str, tuple[float, float]]] = {}
 
     @abstractmethod
     def scales(self, energy: float) -> tuple[float, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -11,13 +12,15 @@ from film_model.base.arrays import Array, Mask
 from film_model.base.errors import SimulationError
 from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
 from film_model.problem.curve import steepest_fall
-from film_model.problem.families import CONTINUOUS, EDGES, never_fall, page_number
+from film_model.problem.families import EDGES, Page, page_number
 from film_model.problem.fit import values_of
 from film_model.problem.problem import Impacts
-from film_model.problem.varied import fitted_by
 
 SURE = 0.5
 """Of the compliance at which the contact would snap through, because the slope is known at some points only."""
+
+CONTINUOUS = 1e-9
+"""Relative difference of the force up to which it does not jump between stages."""
 
 
 def sure_in_series(impacts: Impacts, compliance: Array) -> Mask:
@@ -27,17 +30,13 @@ def sure_in_series(impacts: Impacts, compliance: Array) -> Mask:
     """
     scales, own = impacts.problem(impacts.numbers.impedance, impacts.column(0.0)).scales, impacts.own
     try:
-        fall = _fall_of_page(impacts.one_law) if own.shape is not None else steepest_fall(impacts.one_law)
+        fall = steepest_fall(impacts.one_law) if own.page is None else _fall_of_page(impacts.one_law, own.page)
     except SimulationError:
         return np.zeros(compliance.shape, np.bool_)
     followed = compliance * scales.force / scales.length * fall < SURE
     if own.varied is None:
         return followed
     stages = impacts.law.at(slice(None)).stages()
-    if fitted_by(impacts.law):
-        last = impacts.one_law.stages()[-1]
-        before = 0.0 if len(stages) == 1 else _force(stages[-2], last.begin)
-        return followed & never_fall(own.varied.values, before)
     return followed & _never_fall(stages, compliance.shape)
 
 
@@ -46,10 +45,13 @@ def _fall_of(law: AbstractLaw, low: float, high: float) -> float:
     return max(steepest_fall(law.of_shape(low * (high / low) ** x)) for x in (0.0, 0.25, 0.5, 0.75, 1.0))
 
 
-def _fall_of_page(law: AbstractLaw) -> float:
-    """The steepest fall of the laws of a page."""
-    number = int(page_number(law.shape))
-    return _fall_of(law.of_shape(1e-3), float(EDGES[number]), float(EDGES[number + 1]))
+def _fall_of_page(law: AbstractLaw, page: Page) -> float:
+    """The steepest fall of the laws of a page, of which one is given."""
+    number, laws = int(page_number(law.shape)), [law.of_shape(1e-3)]
+    if page.marks is not None:
+        ((name, ends),) = law.shaped_beside.items()
+        laws = [replace(laws[0], **{name: value}) for value in np.linspace(*ends, 3).tolist()]  # type: ignore[type-var]
+    return max(_fall_of(each, float(EDGES[number]), float(EDGES[number + 1])) for each in laws)
 
 
 def _never_fall(stages: tuple[Stage, ...], shape: tuple[int, ...]) -> Mask:

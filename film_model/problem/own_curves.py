@@ -14,14 +14,15 @@ from film_model.laws.law import AbstractLaw
 from film_model.problem.curve import Curve
 from film_model.problem.families import Page, page_of
 from film_model.problem.law_of_scene import SceneLaw
+from film_model.problem.mixtures import mixed_numbers, mixture_of
 from film_model.problem.rows import march_rows
-from film_model.problem.varied import Varied, varied_of
+from film_model.problem.varied import Varied, fitted_by, varied_of
 
 
 class OwnCurves(NamedTuple):
-    """page: a family of curves, and shape: the shapes of the laws. varied: of curves that differ in
-    numbers of their powers. spring: compliances [δ_s/F_s] in series. Each is None where the curves do not differ in it,
-    or have none."""
+    """page: a family of curves, and shape: the shapes of the laws, or of a mixture their rows of numbers. varied: of
+    curves that differ in numbers of their powers. spring: compliances [δ_s/F_s] in series. Each is None where the
+    curves do not differ in it, or have none."""
 
     page: Page | None = None
     shape: Array | None = None
@@ -30,15 +31,17 @@ class OwnCurves(NamedTuple):
 
     @classmethod
     def of(cls, law: SceneLaw, count: int, fitted: bool = True) -> OwnCurves:
-        """Of `count` laws that share a page of their family, or pieces. fitted: whether curves of laws with a shape are
-        fitted that differ in other numbers too."""
+        """Of `count` laws that share a page of their family, or pieces. fitted: whether laws with a shape differ in a
+        number beside it; if not, their curves are those of the first law's."""
         kind = law.law
         if isinstance(kind, AbstractLaw) or not law.read:
             return cls()
         shaped = law.rule is None and bool(kind.shaped_by)
-        varied = varied_of(law, count) if fitted or not shaped else None
-        if varied is not None or not shaped:
-            return cls(varied=varied)
+        if not shaped:
+            return cls(varied=varied_of(law, count))
+        if fitted and fitted_by(law):
+            page = mixture_of(law.at(0))
+            return cls(page, mixed_numbers(page, law.at, count))
         return cls(page_of(law.at(0)), law.on_arrays(lambda law, _: (law.shape,), count)[0])
 
     @property
@@ -63,7 +66,7 @@ class OwnCurves(NamedTuple):
 
     def groups(self) -> Iterator[Index]:
         """The impacts of each curve that differs from the others."""
-        columns = [values[:, None] for values in (self.shape, self.spring) if values is not None]
+        columns = [values.reshape(len(values), -1) for values in (self.shape, self.spring) if values is not None]
         columns += [] if self.varied is None else [self.varied.values]
         different, group = np.unique(np.concatenate(columns, axis=1), axis=0, return_inverse=True)
         for k in range(len(different)):
@@ -75,7 +78,7 @@ class OwnCurves(NamedTuple):
         if self.varied is not None:
             made = self.varied.curve_at(0)
         elif self.page is not None and self.shape is not None:
-            made = self.page.at(float(self.shape[0]))
+            made = self.page.at(self.shape[0])
         if made is None:
             return curve.native
         return made if self.spring is None else families.in_series(made, float(self.spring[0]))

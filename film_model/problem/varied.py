@@ -13,7 +13,6 @@ from film_model.base.arrays import Array
 from film_model.core import native
 from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
 from film_model.problem.curve import curve_of
-from film_model.problem.families import fitted_curves
 from film_model.problem.fit import functions_of
 from film_model.problem.law_of_scene import SceneLaw
 
@@ -46,15 +45,12 @@ class Varied(NamedTuple):
 
 
 def varied_of(law: SceneLaw, count: int) -> Varied | None:
-    """What differs between the curves of `count` laws with arrays; None if it is more than numbers of powers or, of
-    laws with a shape, the force of the last stage.
+    """What differs between the curves of `count` laws with arrays; None if it is more than numbers of powers.
 
     The stages are evaluated once with arrays; those of the first, middle and last impact must be the same alone.
     """
-    if law.rule is not None or isinstance(law.law, AbstractLaw):
+    if law.rule is not None or isinstance(law.law, AbstractLaw) or law.law.shaped_by:
         return None
-    if law.law.shaped_by:
-        return Varied(*fitted_curves(law.at, count)) if fitted_by(law) else None
     try:
         numbers = _numbers(law.at(slice(None)).stages())
         some = {place: _numbers(law.at(place).stages()) for place in (0, count // 2, count - 1)}

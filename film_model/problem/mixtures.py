@@ -1,0 +1,135 @@
+"""Families of curves of laws whose last stage depends on one number more than the shape, such as Poisson's ratio.
+
+The force at any indentation is interpolated between the law's own forces at few indentations, the marks: a sum of them
+times functions of the indentation that are the same for all laws of the family. Marks and functions are found by cross
+approximation with full pivoting (Goreinov, Tyrtyshnikov & Zamarashkin 1997, Linear Algebra Appl. 261:1) of the forces
+of laws at Chebyshev nodes in both numbers. The core sums the curve of a law from its forces at the marks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from film_model.base.arrays import Array, Index
+from film_model.core.families import Family
+from film_model.laws.law import AbstractLaw
+from film_model.problem.families import (
+    CHECKED,
+    EDGES,
+    LAST_PAGE,
+    NODES,
+    TERMS,
+    Page,
+    applied,
+    difference,
+    edges_of,
+    mean_matrix,
+    needed,
+    nodes_of,
+    page_number,
+    places_of,
+    series_matrix,
+    whole_of,
+)
+
+MOST_MARKS, SMALL = 32, 1e-13
+"""Largest number of marks (FILM_MAX_NODES), of which laws need 20 to 30; remaining difference at which no more are
+needed, over the largest force on a piece."""
+
+BESIDE = 10
+"""Chebyshev nodes in the number beside the shape."""
+
+SAME = 1e-12
+"""Relative difference between the forces of laws with arrays and of each law alone, up to which both are the same."""
+
+
+def mixture_of(law: AbstractLaw) -> Page:
+    """The page of a law for any value of its number beside the shape. ValueError if the shape is outside all pages."""
+    number = int(page_number(law.shape))
+    ((name, (low, high)),) = law.shaped_beside.items()
+    if not 0 <= number < LAST_PAGE:
+        raise ValueError(f"law {law.name!r}: a shape of {law.shape:g} is outside of all pages")
+    middle = replace(law.of_shape(1e-3), **{name: 0.5 * (low + high)})  # type: ignore[type-var]
+    return _between(middle, float(EDGES[number]), float(EDGES[number + 1]))
+
+
+def mixed_numbers(page: Page, law_at: Callable[[Any], AbstractLaw], count: int) -> Array:
+    """The family's numbers of `count` laws: forces at the marks, and the end of the last stage; a row each.
+
+    law_at: the law at an index, or, at several indices, with arrays of their shape in its fields. Raises ValueError if
+    the laws with arrays differ from the first, middle or last law.
+    """
+    found = np.empty((count, page.family.nodes + 1))
+    last: Any = law_at((slice(None), None)).stages()[-1]
+    found[:, :-1], found[:, -1:] = last.force(page.marks), last.end
+    for place in {0, count // 2, count - 1}:
+        alone: Any = law_at(place).stages()[-1]
+        own = np.append(alone.force(page.marks), alone.end)
+        if not (abs(found[place] - own) <= SAME * abs(own)).all():
+            raise ValueError("a law with arrays differs from that of one impact")
+    return found
+
+
+@lru_cache(maxsize=16)
+def _between(law: AbstractLaw, low: float, high: float) -> Page:
+    """The page for shapes from low to high. law: any of its laws with the shape 1e-3."""
+    ((name, (least, most)),) = law.shaped_beside.items()
+
+    def law_at(x: Any, y: Any) -> Any:
+        """That between the ends of the page, at −1, and 1."""
+        shape: Any = low * (high / low) ** (0.5 * (1.0 + x))
+        return replace(law.of_shape(shape), **{name: least + 0.5 * (most - least) * (1.0 + y)})  # type: ignore[type-var]
+
+    x, y = np.polynomial.chebyshev.chebpts1(NODES), np.polynomial.chebyshev.chebpts1(BESIDE)
+    every = law_at(np.repeat(x, BESIDE)[:, None], np.tile(y, NODES)[:, None]).stages()
+    first, last = law_at(0.0, 0.0).stages()[:-1], law_at(0.0, 0.0).stages()[-1]
+    if every[:-1] != first or replace(every[-1], end=last.end, force=last.force) != last:
+        raise ValueError(f"law {law.name!r}: only the force and the end of the last stage may depend on its shape")
+    edges = edges_of(last, float(every[-1].end.max()))
+    xi = nodes_of(edges)
+    force = every[-1].force(xi.ravel()).reshape(-1, *xi.shape)
+    size = abs(force).max(axis=(0, 2), keepdims=True)
+    laws, marks, shares = _cross((force / size).reshape(len(force), -1))
+    scale = np.broadcast_to(size[0], xi.shape).ravel()
+    given = applied(series_matrix(TERMS), force[laws])
+    kept = [given[0, k, : needed(given[:, k])] for k in range(edges.size - 1)]
+    whole, error, steepest = whole_of(law, (*first, last), edges, kept)
+    series = applied(series_matrix(TERMS), (shares * (scale / scale[marks][:, None])).reshape(-1, *xi.shape))
+    mean = applied(mean_matrix(), series)
+    work = np.diff(edges) * mean.sum(axis=-1)
+    places, columns = places_of(whole, work - np.cumsum(work, axis=-1), series, mean)
+    family = Family.of(0.0, 0.0, np.zeros(len(marks)), places, np.array(columns).T)
+    page = Page(whole, family, error, steepest, xi.ravel()[marks])
+
+    def off(x: float, y: float) -> float:
+        one = law_at(x, y)
+        return difference(page.at(mixed_numbers(page, lambda _: one, 1)[0]), one.stages()[-1])
+
+    return replace(page, fit_error=max(error, *(off(*both) for both in zip(CHECKED, reversed(CHECKED), strict=True))))
+
+
+def _cross(values: Array) -> tuple[Index, Index, Array]:
+    """Rows and columns of `values`, and the shares by which the columns give all: values ≈ values[:, columns] @ shares.
+
+    Elimination with full pivoting, without BLAS: its rounding is the same on every processor.
+    """
+    left, rows, columns, pivots = values.copy(), list[int](), list[int](), list[Array]()
+    while len(rows) < MOST_MARKS:
+        row, column = divmod(int(abs(left).argmax()), left.shape[1])
+        if not abs(left[row, column]) > SMALL:
+            break
+        rows.append(row)
+        columns.append(column)
+        pivots.append(left[row].copy())
+        left -= (left[:, column] / left[row, column])[:, None] * left[row]
+    shares = np.array(pivots)
+    for k in range(len(rows) - 1, -1, -1):
+        for after in range(k + 1, len(rows)):
+            shares[k] -= pivots[k][columns[after]] * shares[after]
+        shares[k] /= pivots[k][columns[k]]
+    return np.array(rows, np.intp), np.array(columns, np.intp), shares

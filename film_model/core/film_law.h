@@ -154,6 +154,10 @@ static inline double total_force(const film_line *line, double c, double f, doub
     return c == 0.0 ? f : f + c * (nu - line->gamma * f) / (1.0 + line->gamma * c);
 }
 
+/* Whether a leg outwards that begins under this force is pulled all the way: it does not creep, and takes FILM_COSINE. Cost and
+ * accuracy only: a ball that leaves crosses it at a speed. */
+static inline int film_is_pulled(double force, double pull) { return pull > 0.0 && force <= 1e-6 * pull; }
+
 /* The Chebyshev polynomials of a family at a shape, and the end of its last stage. 0: shape or family are out of range. */
 int film_polynomials(const film_family *family, double shape, double *of, double *end);
 

@@ -121,10 +121,6 @@ static inline int32_t film_grading(double slowness) {
     return slowness < 1.1 ? FILM_PLATE_OUT : slowness < 2.5 ? FILM_PLATE_SLOW : FILM_PLATE_CREEP;
 }
 
-/* Whether a leg outwards that begins under this force is pulled all the way: it does not creep, and takes FILM_COSINE. Cost and
- * accuracy only: a ball that leaves crosses it at a speed. */
-static inline int film_is_pulled(double force, double pull) { return pull > 0.0 && force <= 1e-6 * pull; }
-
 /* Numbers of segments and positions of nodes of legs, shared by any number of states. ..._nodes[g] points at the nodes of
  * grading g, one more than segments, inside the caller's memory, filled by film_mesh_init. EQUAL and COSINE exist both for
  * loading and for unloading. */

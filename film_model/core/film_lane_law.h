@@ -289,6 +289,18 @@ static void whole_lanes(const batch_job *j, int32_t stage, double *restrict whol
     EACH(l) whole[l] = stage == j->shaped ? j->own->whole[l] : j->whole[stage];
 }
 
+/* Where a power has the mean force c < 0 that it begins with: x^q k/(q + 1) + c = 0. Beyond the depth without c and this one, the
+ * work is larger than that of the depth without c. */
+static void add_balance(const film_function *g, double *restrict depth) {
+    double balance[LANES], e[LANES], more[LANES];
+    EACH(l) {
+        balance[l] = -g->constant / (g->coefficient * work_factor(g->exponent));
+        e[l] = 1.0 / g->exponent;
+    }
+    power_lanes(balance, e, more);
+    EACH(l) depth[l] += more[l];
+}
+
 /* The depth at which the work of a stage is `work`, which must not exceed that of whole_lanes. Newton's method: on a rising
  * power from above, where it does not overshoot, elsewhere in a bracket. */
 static void depth_lanes(const batch_job *j, int32_t stage, const double *restrict work, double *restrict depth) {
@@ -316,15 +328,7 @@ static void depth_lanes(const batch_job *j, int32_t stage, const double *restric
             moving[l] = 1.0;
         }
         if (k == 0.0 && g->origin == begin) return;
-        if (c < 0.0) { /* x^q k/(q + 1) + c = 0 at b: beyond a + b the work is larger, a that without the pull */
-            double balance[LANES], e[LANES], b[LANES];
-            EACH(l) {
-                balance[l] = -c / (k * per);
-                e[l] = 1.0 / g->exponent;
-            }
-            power_lanes(balance, e, b);
-            EACH(l) depth[l] += b[l];
-        }
+        if (c < 0.0) add_balance(g, depth);
     } else {
         EACH(l) {
             depth[l] = begin + (end - begin) * sqrt(work[l] / whole[l]); /* as if work grew as a square */

@@ -29,6 +29,7 @@ from film_model.solve.closed_form import TABLES, ClosedForm
 from film_model.solve.derivatives import Entry, entries_of
 from film_model.solve.history import MOTION
 from film_model.solve.many_derivatives import ManyDerivatives, derivatives_of_many
+from film_model.solve.many_meshes import recorded_segments
 from film_model.solve.many_modes import Followed, closed_forms
 
 SEGMENT_UNITS = (*(f"scale_{scale.name}" for scale in fields(Scales)), "drift_velocity", "impactor_share")
@@ -130,6 +131,7 @@ class Impacts:
         """The segments of each impact, on its own mesh."""
         refuse_relaxation(problem, "storing the motion of many impacts")
         own, parts = self._segments[rows_of(problem)], list[tuple[Index, Rows]]()
+        own = recorded_segments(problem, self.scene.solver, own)
         for counts in np.unique(own, axis=0).tolist():
             places = np.flatnonzero((own == counts).all(axis=1))
             mesh = mesh_of(self.scene.solver, tuple(counts))

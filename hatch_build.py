@@ -25,7 +25,7 @@ CORE = platforms.CORE
 ONE_IMPACT = tuple(f"{CORE}/film_{name}.c" for name in ("marched", "modal_impact", "compare"))
 SOURCES = (
     *platforms.MARCH,
-    *(f"{CORE}/film_{name}.c" for name in ("impact", "single", "tables", "way_in", "way_out", "way_through")),
+    *(f"{CORE}/film_{name}.c" for name in ("impact", "single", "tables", "gauss", "way_in", "way_out", "way_through")),
     *(f"{CORE}/film_{name}.c" for name in ("batch", "batch_shape", "many", "lanes", "avx2", "avx512")),
     *platforms.MODES,
     *ONE_IMPACT,

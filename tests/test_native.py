@@ -82,7 +82,7 @@ ROUNDING_PAST = [1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9]
 def test_a_turn_just_inside_a_stage_agrees_with_the_march(law):
     """Energy alone loses the length of the leg there, which is rounding: SHORT_LEG sends such impacts to the march."""
     curve = curve_of(law)
-    mesh, stages = native.mesh(native.WORK_PRESERVING, 12, 12), curve.native.stage
+    mesh, stages = native.mesh(native.WORK_PRESERVING, 200, 200), curve.native.stage
     for k, past in itertools.product(range(1, curve.native.stages), ROUNDING_PAST):
         start = native.Start(math.sqrt(2 * curve.work(stages[k].begin) * (1 + past)), 0.0, 0.0, 0.0, math.inf)
         state, turned = native.initial_state(curve.native, start), math.nan

@@ -1,5 +1,7 @@
 """What a sweep's `estimated_accuracy` promises: a bound of each impact's own error, which hard impacts do not share."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from scipy.stats import qmc
@@ -90,6 +92,18 @@ def test_segments_of_impacts_on_different_meshes_are_recorded():
         time = float(ds["time_of_maximum_indentation"][k])
         at = ds.film.sample([time], impactor_velocity=float(ds["impactor_velocity"][k]))
         assert float(at["indentation"][0]) == pytest.approx(float(ds["maximum_indentation"][k]), rel=1e-9)
+
+
+@pytest.mark.parametrize("law", ["big-alabo", "stronge"])
+def test_recorded_lines_are_as_accurate_as_the_summary_on_a_half_space(law):
+    """The summary there comes from quadrature: on as few segments, recorded lines would be 100 times less accurate."""
+    scene = fm.Scene(BALL, fm.HalfSpace("steel"), fm.Contact(law), fm.Effects(boundary_reflections=False))
+    scene = dataclasses.replace(scene, solver=fm.Solver(accuracy=1e-7))
+    values = {"impactor.velocity": {"from": "0.05 m/s", "to": "20 m/s", "count": 8, "spacing": "log"}}
+    ds = fd.sweep(scene, values, keep="segments")
+    for time, speed in zip(ds["time_of_maximum_indentation"].values, ds["impactor_velocity"].values, strict=True):
+        at = ds.film.sample([float(time)], impactor_velocity=float(speed))
+        assert abs(float(at["impactor_velocity"][0])) < 2e-7 * speed
 
 
 def test_rounding_is_part_of_the_estimate():

@@ -30,6 +30,7 @@ from film_model.solve.closed_form import TABLES, ClosedForm
 from film_model.solve.derivatives import Entry, entries_of
 from film_model.solve.history import MOTION
 from film_model.solve.many_derivatives import ManyDerivatives, derivatives_of_many
+from film_model.solve.many_meshes import recorded_segments
 from film_model.solve.many_modes import Followed, closed_forms
 
 SEGMENT_UNITS = (*(f"scale_{scale.name}" for scale in fields(Scales)), "drift_velocity", "impactor_share")
@@ -142,7 +143,7 @@ class Impacts:
     def _meshes(self, problem: Problem) -> Iterator[tuple[Index, native.Mesh]]:
         """The meshes on which the impacts of a problem are recorded, and the places of theirs."""
         refuse_relaxation(problem, "storing the motion of many impacts")
-        own = self._segments[rows_of(problem)]
+        own = recorded_segments(problem, self.scene.solver, self._segments[rows_of(problem)])
         for counts in np.unique(own, axis=0).tolist():
             yield np.flatnonzero((own == counts).all(axis=1)), mesh_of(self.scene.solver, tuple(counts))
 

@@ -21,8 +21,10 @@ static void make_own(batch *b, const block *waiting, int32_t piece) {
 }
 
 static void run_fixed(batch *b, int32_t stage, block *waiting) {
-    if (waiting->count > 0 && stage == b->j.shaped) make_own(b, waiting, (int32_t)(waiting - b->fixed));
-    if (waiting->count > 0) b->run->fixed(&b->j, stage, waiting->index, waiting->count);
+    if (waiting->count == 0) return;
+    if (stage == b->j.shaped) make_own(b, waiting, (int32_t)(waiting - b->fixed));
+    if (b->j.rule.count == 0) film_make_rule(b->j.mesh->loading, &b->j.rule);
+    b->run->fixed(&b->j, stage, (int32_t)(waiting - b->fixed), waiting->index, waiting->count);
     waiting->count = 0;
 }
 
@@ -32,16 +34,15 @@ static void run_block(batch *b, int32_t stage, block *waiting) {
     run_moving(b, stage, waiting);
 }
 
-/* The piece of *stage in which a fixed target should turn the impactor, by the march's own arithmetic; -1: none. */
-static int32_t fixed_piece(const batch_job *j, int64_t i, int32_t *stage) {
-    double v = j->start[i].nu;
+/* The piece of *stage in which a fixed target should turn the impactor; -1: none. */
+static int32_t piece_on_fixed(const batch_job *j, int64_t i, int32_t *stage) {
+    double nu = j->start[i].nu, energy = 0.5 * nu * nu;
     if (j->curve->pull > 0.0) return -1; /* the march goes by energy, too */
     for (int32_t k = 0; k < j->curve->stages; k++) {
         *stage = k;
-        if (k == j->shaped) return film_own_piece(j, i, v, 0.0);
-        double energy = 0.5 * v * v, left = energy - j->whole[k];
-        if (left >= 0.0) {
-            v = speed_after(v, j->whole[k]);
+        if (k == j->shaped) return film_own_piece(j, i, sqrt(2.0 * energy), 0.0);
+        if (energy >= j->whole[k]) {
+            energy -= j->whole[k];
             continue;
         }
         int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
@@ -116,6 +117,8 @@ static void run_batch(batch *b, int instructions, int64_t count) {
     int in_lanes = film_prepare_job(j), moving = in_lanes && mesh->loading >= FEWEST && mesh->unloading >= FEWEST;
     b->run = routines[instructions];
     if (in_lanes) prepare_pieces(j);
+    j->rule.count = 0;
+    for (int32_t p = 0; p < FILM_MAX_PIECES; p++) j->across[p].terms = 0;
     film_prepare_damped(j);
     b->damped.count = 0;
     for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b->fixed[p].count = b->moving[p].count = 0;
@@ -130,7 +133,7 @@ static void run_batch(batch *b, int instructions, int64_t count) {
             continue;
         }
         if (in_lanes && s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && is_undisturbed(j->curve, s)) {
-            if (s->gamma == 0.0) piece = fixed_piece(j, i, &stage);
+            if (s->gamma == 0.0) piece = piece_on_fixed(j, i, &stage);
             else if (moving) piece = moving_piece(j, i, &stage);
         }
         if (piece < 0) {

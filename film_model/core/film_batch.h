@@ -33,7 +33,6 @@ typedef struct {
     double exponent;
     const double *nodes; /* NULL: those of a trial */
     double peak;         /* largest force at its nodes */
-    double rest_time;    /* of a run over the power on a fixed target; NAN: not yet computed */
     const table_row *rows; /* 0 .. segments */
 } line_table;
 
@@ -51,6 +50,24 @@ typedef struct {
     double edge_force[OWN_PIECES][FILM_MAX_NODES]; /* of each row: force where the piece ends */
     double value[OWN_DOUBLES][LANES];
 } own_stage;
+
+/* Gauss's rule on a way to the turn, in panels of at most PANEL points: after the fraction x of it, x = s^2 (2 - s^2), so that
+ * sqrt(1 - x) = 1 - s^2, to which the velocity before a turn is proportional, and sqrt x, of which a force at first touch is a
+ * power, have no root. For n segments: n + EXTRA_POINTS points, at most MOST_POINTS. */
+enum { PANEL = 16, EXTRA_POINTS = 2, MOST_POINTS = 256 };
+typedef struct {
+    int32_t count;
+    double at[MOST_POINTS], rest[MOST_POINTS], weight[MOST_POINTS]; /* s, 1 - x; of 1/velocity over the length of the way */
+} gauss_rule;
+
+void film_make_rule(int32_t segments, gauss_rule *rule);
+
+/* The time across a whole piece on a fixed target, as a Chebyshev series; terms 0: not yet computed. */
+enum { EXTRA_TERMS = 2, MOST_TERMS = 64 };
+typedef struct {
+    int32_t terms;
+    double term[MOST_TERMS];
+} crossing;
 
 /* A damped power law as lanes run it: in z, with xi = z^root, force = stiffness z^force, c = factor z^damping; root 0: lanes
  * cannot. */
@@ -78,6 +95,8 @@ typedef struct {
     int32_t touch;  /* the stage in which contact begins: 0, unless the law pulls */
     double parting; /* work from the end of contact to first touch: 0, unless the law pulls */
     int32_t simple[FILM_MAX_STAGES];  /* one power from its beginning on, whose force rises */
+    gauss_rule rule;
+    crossing across[FILM_MAX_PIECES];
     damped_form damped;
     int32_t table_count, row_count;
     line_table tables[TABLES];
@@ -98,9 +117,6 @@ static inline int in_damped_lanes(const batch_job *j, const film_start *s) {
 
 /* The table of a run, made when it is first asked for; there is room for all that a batch can ask for. */
 line_table *film_lines_of(batch_job *j, int32_t stage, int32_t direction, int32_t segments, const double *nodes, double exponent);
-
-/* rest_time of the table of a power. */
-double film_rest_time(line_table *t);
 
 /* One impact on a target that moves, as a row of film_batch; 0: lanes cannot run it, or should not. */
 int film_single(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary, int32_t *status);
@@ -216,8 +232,8 @@ typedef struct {
 typedef struct {
     /* the own stage of each lane; of: the factors at its shape */
     void (*shape)(const batch_job *j, int32_t pieces, const double (*of)[LANES]);
-    /* impacts that turn in `stage` on a fixed target, from first touch to the end of contact */
-    void (*fixed)(batch_job *j, int32_t stage, const int64_t *index, int count);
+    /* impacts that turn in `piece` of `stage` on a fixed target, from first touch to the end of contact */
+    void (*fixed)(batch_job *j, int32_t stage, int32_t piece, const int64_t *index, int count);
     /* impacts that should turn in `stage`, to the turn */
     void (*load)(batch_job *j, int32_t stage, const int64_t *index, int count, turned_lanes *t);
     /* the whole way out from the turn, by a table, for those of exponent 3/2 and slowness below MAP_END */

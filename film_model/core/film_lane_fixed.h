@@ -1,226 +1,233 @@
-/* Blocks of impacts on fixed targets, by energy. Internal to film_lanes.c. docs/method.md, sections 3 and 10. */
+/* Blocks of impacts on fixed targets: energy gives the turn, the dent and all velocities; times are integrals of 1/velocity,
+ * by Gauss's rule. Internal to film_lanes.c. docs/method.md, section 10. */
 #ifndef FILM_LANE_FIXED_H
 #define FILM_LANE_FIXED_H
 
-#include "film_lane_line.h"
+#include "film_lane_law.h"
 
-/* Time across a line over 2h: A/S, A = atan(sqrt z)/sqrt z, z = kappa (h/S)^2, S = v0 + v1, as a [3/3] Pade
- * approximant in z without a division of its own: 7e-12 off at z = 0.1, rounding below 0.03. bend: kappa h^2. */
-INLINED double crossing(double sum, double bend) {
-    double s = sum * sum, b = bend * bend;
-    double over = s * (s * (s + (50.0 / 39) * bend) + (283.0 / 715) * b) + (256.0 / 15015) * (b * bend);
-    double under = s * (s * (s + (21.0 / 13) * bend) + (105.0 / 143) * b) + (35.0 / 429) * (b * bend);
-    return over / (sum * under);
+/* Where a piece begins, the work of its stage up to there, and its own. */
+typedef struct {
+    double begin, before, whole;
+} fixed_piece;
+
+INLINED fixed_piece piece_of(const batch_job *j, int32_t stage, int32_t p) {
+    int first = p == j->curve->stage[stage].first;
+    double before = first ? 0.0 : j->piece_work[p - 1];
+    return (fixed_piece){first ? j->curve->stage[stage].begin : j->curve->piece[p - 1].end, before, j->piece_work[p] - before};
 }
 
-/* Across the whole of a stage, whose lines are the same for every impact. */
-static void cross_stage(batch_job *j, int32_t stage, int32_t segments, const double *nodes, double *restrict v,
-                        double *restrict time, double *restrict peak) {
-    const line_table *t = film_lines_of(j, stage, 1, segments, nodes, 0.0);
-    double square[LANES];
-    EACH(l) square[l] = v[l] * v[l];
-    for (int32_t i = 1; i <= segments; i++) {
-        const table_row *r = &t->rows[i];
-        double spent = r->work, twice = 2.0 * r->h, bend = r->kappa * r->h * r->h;
+/* Time of a run from rest, or to the turn, over x^q from 1 to 0: sqrt(pi (q + 1)/2) R(y) with y = 1/(q + 1) and
+ * R = Gamma(1 + y)/Gamma(1/2 + y), by its asymptotic series at y + 12; rounding for 0 <= y <= 1. */
+INLINED double rest_time(double q) {
+    double y = 1.0 / (q + 1.0), over = 1.0, under = 1.0, w = y + 12.25, z = 1.0 / (w * w);
+    for (int k = 0; k < 12; k++) {
+        over *= y + (k + 0.5);
+        under *= y + (k + 1.0);
+    }
+    double high = 631.0 / 524288 + z * (-174317.0 / 134217728 + z * (20491783.0 / 8589934592.0));
+    double sum = 1.0 + z * (1.0 / 64 + z * (-19.0 / 8192 + z * high));
+    return over / under * sum * sqrt(1.5707963267948966 * (q + 1.0) * w);
+}
+
+/* The time across a whole piece over its length and 1/v, a function of the margin, the velocity at the end over v, alone:
+ * fitted by a Chebyshev series from 0 to 1. Gauss's rule as on a run that turns where force and slope at the end would stop it,
+ * beyond: so no root comes near the end. ratio: length over that way; root: s^2 at the end. */
+static void fit_crossing(const batch_job *j, int32_t p, const fixed_piece *own, crossing *across) {
+    const film_piece *piece = &j->curve->piece[p];
+    double length = piece->end - own->begin, whole = own->whole, end_force = j->piece_force[p], slope = slope_at(&piece->force, piece->end);
+    double value[MOST_TERMS + LANES], at[MOST_TERMS + LANES], now[MOST_TERMS + LANES], before[MOST_TERMS + LANES];
+    int32_t points = j->rule.count, terms = points + EXTRA_TERMS < MOST_TERMS ? points + EXTRA_TERMS : MOST_TERMS;
+    if (!(whole > 0.0)) terms = 1; /* without force */
+    slope = slope > 0.0 ? slope : 0.0;
+    for (int32_t first = 0; first < terms; first += LANES) {
+        double x[LANES], f[LANES], w[LANES], sum[LANES] = {0.0}, margin[LANES], root[LANES], ratio[LANES];
+        EACH(l) at[first + l] = cos(3.14159265358979323846 * (first + l + 0.5) / terms);
         EACH(l) {
-            double left = square[l] - spent, v1 = sqrt(left > 0.0 ? left : 0.0);
-            time[l] += twice * crossing(v[l] + v1, bend);
-            v[l] = v1;
+            margin[l] = 0.5 * (1.0 + at[first + l]);
+            margin[l] *= margin[l]; /* of the energy */
+            double left = margin[l] / (1.0 - margin[l]) * whole;
+            ratio[l] = length / (length + 2.0 * left / (end_force + sqrt(end_force * end_force + 2.0 * slope * left)));
+            root[l] = ratio[l] / (1.0 + sqrt(1.0 - ratio[l]));
+        }
+        for (int32_t i = 0; i < points; i++) {
+            double s = j->rule.at[i], weight = j->rule.weight[i] / (1.0 - s * s);
+            EACH(l) x[l] = own->begin + length * (root[l] * s * s * (2.0 - root[l] * s * s) / ratio[l]);
+            piece_law_lanes(piece, x, f, w);
+            EACH(l) {
+                double part = (w[l] - own->before) / whole;
+                sum[l] += weight * (1.0 - root[l] * s * s) / sqrt(margin[l] + (1.0 - margin[l]) * (1.0 - part));
+            }
+        }
+        EACH(l) value[first + l] = whole > 0.0 ? sum[l] * (root[l] / ratio[l]) : 1.0;
+    }
+    across->terms = terms;
+    for (int32_t i = 0; i < terms; i++) {
+        now[i] = 1.0;
+        before[i] = at[i];
+    }
+    for (int32_t k = 0; k < terms; k++) {
+        double sum = 0.0;
+        for (int32_t i = 0; i < terms; i++) {
+            double next = 2.0 * at[i] * now[i] - before[i];
+            sum += value[i] * now[i];
+            before[i] = now[i];
+            now[i] = next;
+        }
+        across->term[k] = (k > 0 ? 2.0 : 1.0) / terms * sum;
+    }
+}
+
+/* Across the whole of a piece. square: of the velocity. */
+static void cross_piece(batch_job *j, int32_t p, const fixed_piece *own, double *restrict square, double *restrict v,
+                        double *restrict time) {
+    crossing *across = &j->across[p];
+    double length = j->curve->piece[p].end - own->begin, twice = 2.0 * own->whole;
+    double z[LANES], per[LANES], a[LANES] = {0.0}, b[LANES] = {0.0};
+    if (across->terms == 0) fit_crossing(j, p, own, across);
+    EACH(l) {
+        double left = square[l] - twice;
+        per[l] = 1.0 / v[l];
+        square[l] = left > 0.0 ? left : 0.0;
+        v[l] = sqrt(square[l]);
+        z[l] = 4.0 * (v[l] * per[l]) - 2.0;
+    }
+    for (int32_t k = across->terms - 1; k > 0; k--) {
+        double term = across->term[k];
+        EACH(l) {
+            double next = z[l] * a[l] + (term - b[l]);
+            b[l] = a[l];
+            a[l] = next;
         }
     }
-    EACH(l) peak[l] = t->peak > peak[l] ? t->peak : peak[l];
+    EACH(l) time[l] += length * per[l] * (0.5 * z[l] * a[l] + (across->term[0] - b[l]));
 }
 
-/* run_to_turn on a stage of one power from its beginning on: constant, linear and power part scale with the length each. */
-static void run_power_to_turn(batch_job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict v,
-                              const double *restrict xi, double *restrict time) {
+/* To the turn at xi in a stage of one power from its beginning on: constant, linear and power part scale with the length. */
+static void run_power_to_turn(const batch_job *j, int32_t stage, const double *restrict xi, double *restrict time) {
     const film_function *g = &j->curve->piece[j->curve->stage[stage].first].force;
-    const table_row *r = film_lines_of(j, UNIT_POWER, 1, segments, nodes, g->exponent)->rows;
-    double begin = j->curve->stage[stage].begin, v0[LANES], length[LANES];
-    double flat[LANES], linear[LANES], power[LANES], sum[LANES] = {0.0};
-    EACH(l) {
-        v0[l] = v[l];
-        length[l] = xi[l] - begin;
-    }
+    double begin = j->curve->stage[stage].begin, per = 2.0 * work_factor(g->exponent);
+    double length[LANES], flat[LANES], linear[LANES], power[LANES], sum[LANES] = {0.0}, of_power[MOST_POINTS];
+    const gauss_rule *rule = &j->rule;
+    for (int32_t i = 0; i < rule->count; i++) of_power[i] = 1.0 - (1.0 - rule->rest[i]) * power_of(1.0 - rule->rest[i], g->exponent);
+    EACH(l) length[l] = xi[l] - begin;
     power_lanes_of(length, g->exponent, power);
     EACH(l) {
         flat[l] = 2.0 * g->constant * length[l];
         linear[l] = g->slope * length[l] * length[l];
-        power[l] *= g->coefficient * length[l];
+        power[l] *= per * g->coefficient * length[l];
     }
-    for (int32_t i = 1; i <= segments; i++) {
-        double x = r[i].x, h = r[i].h, left1 = 1.0 - x, left2 = 1.0 - x * x, left3 = r[i].work, hh = h * h;
-        double bent = r[i].kappa * hh;
-        EACH(l) {
-            double v1 = sqrt(flat[l] * left1 + linear[l] * left2 + power[l] * left3);
-            sum[l] += h * crossing(v0[l] + v1, linear[l] * hh + power[l] * bent);
-            v0[l] = v1;
-        }
+    for (int32_t i = 0; i < rule->count; i++) {
+        double rest = rule->rest[i], line = rest * (2.0 - rest), curve = of_power[i], weight = rule->weight[i];
+        EACH(l) sum[l] += weight / sqrt(flat[l] * rest + linear[l] * line + power[l] * curve);
     }
-    EACH(l) time[l] += 2.0 * length[l] * sum[l];
+    EACH(l) time[l] += length[l] * sum[l];
 }
 
-/* run_to_turn on any other stage: the law at every node. */
-static void run_law_to_turn(const batch_job *j, int32_t stage, int32_t segments, const double *nodes,
-                            const double *restrict v, const double *restrict xi, const double *restrict force,
-                            const double *restrict work, double *restrict time, double *restrict peak) {
-    double begin = j->curve->stage[stage].begin, v0[LANES], x0[LANES], f0[LANES], w0[LANES];
-    EACH(l) {
-        v0[l] = v[l];
-        x0[l] = begin;
-    }
-    law_lanes(j, stage, x0, f0, w0);
-    for (int32_t i = 1; i <= segments; i++) {
-        double x1[LANES], f1[LANES], w1[LANES], fraction = nodes[i];
+/* To the turn at xi in any other stage, from the beginning of a piece: the law at every point. */
+static void run_law_to_turn(const batch_job *j, int32_t stage, int32_t p, double begin, const double *restrict xi,
+                            const double *restrict force, const double *restrict work, double *restrict time) {
+    double x[LANES], f[LANES], w[LANES], length[LANES], sum[LANES] = {0.0};
+    EACH(l) length[l] = xi[l] - begin;
+    for (int32_t i = 0; i < j->rule.count; i++) {
+        double rest = j->rule.rest[i], weight = j->rule.weight[i];
+        EACH(l) x[l] = xi[l] - length[l] * rest;
+        if (stage == j->shaped) law_lanes(j, stage, x, f, w);
+        else piece_law_lanes(&j->curve->piece[p], x, f, w);
         EACH(l) {
-            x1[l] = i < segments ? begin + (xi[l] - begin) * fraction : xi[l];
-            f1[l] = force[l];
-            w1[l] = work[l];
-        }
-        if (i < segments) law_lanes(j, stage, x1, f1, w1);
-        EACH(l) {
-            double h = x1[l] - x0[l], per_h = 1.0 / h, mean = (w1[l] - w0[l]) * per_h, left = v[l] * v[l] - 2.0 * w1[l];
-            double bend = i < segments ? (f1[l] - f0[l]) * h : 2.0 * (f1[l] - mean) * h;
-            double v1 = i < segments ? sqrt(left > 0.0 ? left : 0.0) : 0.0;
-            time[l] += 2.0 * h * crossing(v0[l] + v1, bend);
-            peak[l] = f1[l] > peak[l] ? f1[l] : peak[l];
-            x0[l] = x1[l];
-            f0[l] = f1[l];
-            w0[l] = w1[l];
-            v0[l] = v1;
+            double left = work[l] - w[l], least = 1e-3 * force[l] * length[l] * rest; /* against rounding on a short way */
+            sum[l] += weight / sqrt(2.0 * (left > least ? left : least));
         }
     }
-}
-
-/* From the beginning of the stage, at v, to the turn at xi, where the law is force and work. */
-static void run_to_turn(batch_job *j, int32_t stage, int32_t segments, const double *nodes, const double *restrict v,
-                        const double *restrict xi, const double *restrict force, const double *restrict work,
-                        double *restrict time, double *restrict peak) {
-    if (plain_power(j, stage)) {
-        double rest = film_rest_time(film_lines_of(j, UNIT_POWER, 1, segments, nodes, j->curve->piece[0].force.exponent));
-        EACH(l) time[l] += rest * sqrt(xi[l] / force[l]);
-    } else if (j->simple[stage]) {
-        run_power_to_turn(j, stage, segments, nodes, v, xi, time);
-    } else {
-        run_law_to_turn(j, stage, segments, nodes, v, xi, force, work, time, peak);
-    }
-    EACH(l) peak[l] = force[l] > peak[l] ? force[l] : peak[l];
-}
-
-/* Time of a run from rest over x^exponent, from 1 to 0, where the exponent is each lane's own. */
-static void run_from_rest(const film_mesh *mesh, const double *restrict exponent, double *restrict time) {
-    double u0[LANES], f0[LANES], w0[LANES], v0[LANES], u1[LANES], f1[LANES];
-    EACH(l) {
-        u0[l] = f0[l] = 1.0;
-        w0[l] = 1.0 / (exponent[l] + 1.0);
-        v0[l] = time[l] = 0.0;
-    }
-    for (int32_t i = 1; i <= mesh->unloading; i++) {
-        double u = i < mesh->unloading ? 1.0 - mesh->unloading_nodes[FILM_COSINE][i] : 0.0;
-        EACH(l) u1[l] = u;
-        power_lanes(u1, exponent, f1);
-        EACH(l) {
-            double h = u0[l] - u, per = 1.0 / (exponent[l] + 1.0), w1 = f1[l] * u * per, mean = (w0[l] - w1) / h;
-            double v1 = sqrt(2.0 * (per - w1)), bend = i > 1 ? (f0[l] - f1[l]) * h : 2.0 * (f0[l] - mean) * h;
-            time[l] += 2.0 * h * crossing(v0[l] + v1, bend);
-            u0[l] = u;
-            f0[l] = f1[l];
-            w0[l] = w1;
-            v0[l] = v1;
-        }
-    }
+    EACH(l) time[l] += length[l] * sum[l];
 }
 
 /* Impacts on a fixed target: the turn, and what the way out gives. */
 typedef struct {
-    double nu[LANES], xi[LANES], force[LANES], work[LANES], peak[LANES], turned[LANES]; /* turned: time of the turn */
-    double recovery[LANES], given[LANES], ended[LANES], left[LANES]; /* given: work given back; left: dent */
-    double stored;                                                   /* work of the stages before */
-    int32_t lines;
+    double xi[LANES], force[LANES], work[LANES], turned[LANES]; /* turned: time of the turn */
+    double recovery[LANES], given[LANES], ended[LANES];         /* given: work given back */
+    double stored, peak;                                        /* work and largest force of the stages before */
 } fixed_block;
 
-/* Through the stages before, then to the turn in `stage`. */
-static void load_fixed(batch_job *j, int32_t stage, fixed_block *b) {
-    int32_t n = j->mesh->loading;
-    const double *nodes = j->mesh->loading_nodes[FILM_COSINE];
-    double v[LANES], energy[LANES];
+/* Through the pieces before, then to the turn in piece p of `stage`; in a stage that differs between impacts, from its
+ * beginning. */
+static void load_fixed(batch_job *j, int32_t stage, int32_t p, const double *restrict nu, fixed_block *b) {
+    double v[LANES], square[LANES], work[LANES];
+    if (stage == j->shaped) p = j->curve->stage[stage].first;
+    fixed_piece last = piece_of(j, stage, p);
+    b->stored = b->peak = 0.0;
     EACH(l) {
-        v[l] = b->nu[l];
-        b->turned[l] = b->peak[l] = 0.0;
+        v[l] = nu[l];
+        square[l] = nu[l] * nu[l];
+        b->turned[l] = 0.0;
     }
-    b->stored = 0.0;
-    b->lines = n * (stage + 1);
-    for (int32_t k = 0; k < stage; k++) {
-        cross_stage(j, k, n, nodes, v, b->turned, b->peak);
-        b->stored += j->whole[k];
+    for (int32_t k = 0; k <= stage; k++) {
+        int32_t first = j->curve->stage[k].first, end = k < stage ? first + j->curve->stage[k].count : p;
+        for (int32_t i = first; i < end; i++) {
+            fixed_piece own = piece_of(j, k, i);
+            cross_piece(j, i, &own, square, v, b->turned);
+            if (j->piece_force[i] > b->peak) b->peak = j->piece_force[i];
+        }
+        if (k < stage) b->stored += j->whole[k];
     }
-    EACH(l) energy[l] = 0.5 * v[l] * v[l];
-    depth_lanes(j, stage, energy, b->xi);
+    EACH(l) work[l] = last.before + (square[l] > 1e-300 ? 0.5 * square[l] : 5e-301);
+    depth_lanes(j, stage, work, b->xi);
     law_lanes(j, stage, b->xi, b->force, b->work);
-    run_to_turn(j, stage, n, nodes, v, b->xi, b->force, b->work, b->turned, b->peak);
+    if (plain_power(j, stage)) {
+        double rest = rest_time(j->curve->piece[0].force.exponent);
+        EACH(l) b->turned[l] = rest * sqrt(b->xi[l] / b->force[l]);
+    } else if (j->simple[stage]) {
+        run_power_to_turn(j, stage, b->xi, b->turned);
+    } else {
+        run_law_to_turn(j, stage, p, last.begin, b->xi, b->force, b->work, b->turned);
+    }
 }
 
-/* Out along the branches that lead back from the turn. */
-static void unload_fixed(batch_job *j, int32_t stage, fixed_block *b) {
-    int32_t m = j->mesh->unloading;
-    double exponent[LANES], time[LANES];
+/* Out along the branches that lead back from the turn, or along a reversible law, which takes as long as the way in. */
+static void unload_fixed(const batch_job *j, int32_t stage, fixed_block *b) {
+    double exponent[LANES], rest[LANES];
+    if (j->curve->stage[stage].unloading == FILM_RETRACE) {
+        EACH(l) {
+            b->ended[l] = 2.0 * b->turned[l];
+            b->given[l] = b->stored + b->work[l];
+            b->recovery[l] = b->xi[l];
+        }
+        return;
+    }
     open_lanes(j, stage, b->xi, b->force, b->recovery, exponent);
     if (j->exponent[stage] == j->exponent[stage]) {
-        const double *nodes = j->mesh->unloading_nodes[FILM_COSINE];
-        double rest = film_rest_time(film_lines_of(j, UNIT_POWER, 1, m, nodes, j->exponent[stage]));
-        EACH(l) time[l] = rest;
+        double same = rest_time(j->exponent[stage]);
+        EACH(l) rest[l] = same;
     } else {
-        run_from_rest(j->mesh, exponent, time);
+        EACH(l) rest[l] = rest_time(exponent[l]);
     }
     EACH(l) {
-        b->ended[l] = b->turned[l] + time[l] * sqrt(b->recovery[l] / b->force[l]);
+        b->ended[l] = b->turned[l] + rest[l] * sqrt(b->recovery[l] / b->force[l]);
         b->given[l] = b->force[l] * b->recovery[l] / (exponent[l] + 1.0);
-        b->left[l] = b->xi[l] - b->recovery[l];
     }
-    b->lines += m;
 }
 
-/* Back along a reversible law: the same lines the other way round, and the same time if they are as many. */
-static void retrace_fixed(batch_job *j, int32_t stage, fixed_block *b) {
-    int32_t n = j->mesh->loading, m = j->mesh->unloading;
-    const double *nodes = j->mesh->unloading_nodes[FILM_COSINE];
-    double v[LANES], back[LANES] = {0.0}, peak[LANES] = {0.0};
-    EACH(l) v[l] = b->nu[l];
-    if (n != m) {
-        for (int32_t k = 0; k < stage; k++) cross_stage(j, k, m, nodes, v, back, peak);
-        run_to_turn(j, stage, m, nodes, v, b->xi, b->force, b->work, back, peak);
-    }
-    EACH(l) {
-        b->ended[l] = b->turned[l] + (n == m ? b->turned[l] : back[l]);
-        b->given[l] = b->stored + b->work[l];
-        b->left[l] = 0.0;
-        b->recovery[l] = b->xi[l];
-    }
-    b->lines += m * (stage + 1);
-}
-
-/* A block of impacts that turn in `stage`, from first touch to the end of contact. */
-static void fixed_lanes(batch_job *j, int32_t stage, const int64_t *index, int count) {
+/* A block of impacts that turn in piece p of `stage`, from first touch to the end of contact. */
+static void fixed_lanes(batch_job *j, int32_t stage, int32_t p, const int64_t *index, int count) {
     fixed_block b;
-    EACH(l) b.nu[l] = j->start[index[l < count ? l : 0]].nu; /* an incomplete block is filled up with its first impact */
-    load_fixed(j, stage, &b);
-    if (j->curve->stage[stage].unloading != FILM_RETRACE) unload_fixed(j, stage, &b);
-    else retrace_fixed(j, stage, &b);
+    double nu[LANES], last[LANES], begin = j->curve->stage[stage].begin;
+    EACH(l) nu[l] = j->start[index[l < count ? l : 0]].nu; /* an incomplete block is filled up with its first impact */
+    load_fixed(j, stage, p, nu, &b);
+    unload_fixed(j, stage, &b);
+    EACH(l) last[l] = -sqrt(2.0 * b.given[l]);
     for (int l = 0; l < count; l++) {
         film_summary *s = &j->summary[index[l]];
-        double last = -sqrt(2.0 * b.given[l]);
-        s->maximum_force = b.peak[l];
+        s->maximum_force = b.force[l] > b.peak ? b.force[l] : b.peak;
         s->maximum_indentation = b.xi[l];
         s->time_of_maximum_indentation = s->time_impactor_stops = b.turned[l];
         s->contact_duration = b.ended[l];
-        s->permanent_indentation = b.left[l];
-        s->final_velocity = last;
+        s->permanent_indentation = b.xi[l] - b.recovery[l];
+        s->final_velocity = last[l];
         s->shift = 0.0;
         s->work = b.stored + b.work[l] - b.given[l];
         s->stage = stage;
-        s->lines = b.lines;
-        int whole = b.recovery[l] > SHORTEST_RECOVERY * b.xi[l] && b.ended[l] < INFINITY && last > -INFINITY;
-        whole = whole && b.xi[l] - j->curve->stage[stage].begin > SHORT_LEG * b.xi[l];
+        s->lines = j->rule.count * (stage + 1);
+        int whole = b.recovery[l] > SHORTEST_RECOVERY * b.xi[l] && b.ended[l] < INFINITY && last[l] > -INFINITY;
+        whole = whole && b.xi[l] - begin > SHORT_LEG * b.xi[l];
         if (whole) j->status[index[l]] = FILM_EVENT;
         else leave_alone(j, index[l]);
     }

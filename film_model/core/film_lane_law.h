@@ -1,104 +1,10 @@
-/* Powers, the law and its inverse, in lanes. Internal to film_lanes.c. docs/method.md, section 10.
- *
- * Plain loops over LANES, which compilers turn into vector instructions. Each lane sees the same operations in the same
- * order whatever the other lanes hold and however wide the registers are, so the result of an impact depends on that impact
- * alone: no fused multiply-add, no sum across lanes, no libm function but sqrt; a lane that has converged is not changed. */
+/* The law and its inverse, in lanes. Internal to film_lanes.c. docs/method.md, section 10. */
 #ifndef FILM_LANE_LAW_H
 #define FILM_LANE_LAW_H
 
-#include "film_batch.h"
-
-#include <string.h>
-
-#if defined(__GNUC__)
-#define INLINED static inline __attribute__((always_inline))
-#else
-#define INLINED static inline
-#endif
+#include "film_lane_power.h"
 
 enum { DEPTH_STEPS = 60 };
-
-#define EACH(l) for (int l = 0; l < LANES; l++)
-
-/* Whether a flag is set. Flags are doubles, 1 or 0, so that SSE2 instructions can select by them. */
-static int any(const double *flag) {
-    uint64_t bits[LANES], all = 0;
-    memcpy(bits, flag, sizeof bits);
-    EACH(l) all |= bits[l];
-    return all != 0;
-}
-
-/* ---------------------------------------------------------------- powers */
-
-/* log2 x = e + 2/ln 2 atanh((m - 1)/(m + 1)), x = 2^e m, m from 1/sqrt 2 to sqrt 2; x > 0 and not subnormal. */
-static void log2_lanes(const double *restrict x, double *restrict out) {
-    uint64_t bits[LANES], high[LANES];
-    double m[LANES], e[LANES];
-    memcpy(bits, x, sizeof bits);
-    EACH(l) {
-        high[l] = (bits[l] >> 52) | 0x4330000000000000u; /* as a number: 2^52 + the biased exponent */
-        bits[l] = (bits[l] & 0x000fffffffffffffu) | 0x3ff0000000000000u;
-    }
-    memcpy(m, bits, sizeof m);
-    memcpy(e, high, sizeof e);
-    EACH(l) {
-        double y = m[l] > 1.4142135623730951 ? 0.5 * m[l] : m[l];
-        double whole = e[l] - (4503599627370496.0 + (m[l] > 1.4142135623730951 ? 1022.0 : 1023.0));
-        double s = (y - 1.0) / (y + 1.0), z = s * s;
-        double low = 1.0 / 13 + z * (1.0 / 15 + z * (1.0 / 17 + z * (1.0 / 19)));
-        double sum = 1.0 + z * (1.0 / 3 + z * (1.0 / 5 + z * (1.0 / 7 + z * (1.0 / 9 + z * (1.0 / 11 + z * low)))));
-        out[l] = whole + 2.8853900817779268 * (s * sum);
-    }
-}
-
-/* 2^y, with y clamped to -1000 .. 1000. */
-static void exp2_lanes(const double *restrict y, double *restrict out) {
-    static const double shift = 6755399441055744.0; /* 1.5 2^52: adding and subtracting it rounds to a whole number */
-    uint64_t count[LANES], bits[LANES];
-    double t[LANES], p[LANES];
-    EACH(l) {
-        double x = y[l] < -1000.0 ? -1000.0 : y[l];
-        x = x > 1000.0 ? 1000.0 : x;
-        t[l] = x + shift;
-        double r = 0.6931471805599453 * (x - (t[l] - shift));
-        double end = 1.0 / 39916800 + r * (1.0 / 479001600 + r * (1.0 / 6227020800.0));
-        double high = 1.0 / 5040 + r * (1.0 / 40320 + r * (1.0 / 362880 + r * (1.0 / 3628800 + r * end)));
-        double middle = 1.0 / 24 + r * (1.0 / 120 + r * (1.0 / 720 + r * high));
-        p[l] = 1.0 + r * (1.0 + r * (0.5 + r * (1.0 / 6 + r * middle)));
-    }
-    memcpy(count, t, sizeof count);
-    memcpy(bits, p, sizeof bits);
-    EACH(l) bits[l] += count[l] << 52;
-    memcpy(p, bits, sizeof p);
-    EACH(l) out[l] = y[l] == y[l] ? p[l] : y[l];
-}
-
-/* x^e, each lane with its own e; x below 1e-300 is flushed to 0. */
-static void power_lanes(const double *restrict x, const double *restrict e, double *restrict out) {
-    double y[LANES], lifted[LANES];
-    EACH(l) lifted[l] = x[l] < 1e-300 ? 1e-300 : x[l];
-    log2_lanes(lifted, y);
-    EACH(l) y[l] *= e[l];
-    exp2_lanes(y, out);
-    EACH(l) out[l] = x[l] < 1e-300 ? 0.0 : out[l];
-}
-
-/* x^exponent with one exponent for all lanes. */
-static void power_lanes_of(const double *restrict x, double exponent, double *restrict out) {
-    if (exponent == 1.5) {
-        EACH(l) out[l] = x[l] * sqrt(x[l]);
-    } else if (exponent == 1.0) {
-        EACH(l) out[l] = x[l];
-    } else if (exponent == 2.0) {
-        EACH(l) out[l] = x[l] * x[l];
-    } else {
-        double e[LANES];
-        EACH(l) e[l] = exponent;
-        power_lanes(x, e, out);
-    }
-}
-
-/* ---------------------------------------------------------------- the law */
 
 /* Clenshaw's summation of two series at once, so that the processor works on one while the other waits for its last step.
  * Missing terms of the shorter series are 0, which leaves its sums 0. */
@@ -289,56 +195,54 @@ static void whole_lanes(const batch_job *j, int32_t stage, double *restrict whol
     EACH(l) whole[l] = stage == j->shaped ? j->own->whole[l] : j->whole[stage];
 }
 
-/* Where a power has the mean force c < 0 that it begins with: x^q k/(q + 1) + c = 0. Beyond the depth without c and this one, the
- * work is larger than that of the depth without c. */
-static void add_balance(const film_function *g, double *restrict depth) {
-    double balance[LANES], e[LANES], more[LANES];
-    EACH(l) {
-        balance[l] = -g->constant / (g->coefficient * work_factor(g->exponent));
-        e[l] = 1.0 / g->exponent;
+/* The x at which the work of a rising power since x = 0 is `work`: steps of third order, from the x of the constant and the
+ * linear part and that of the power, whose inverses are summed as squares: at most 15 % off. Where the force begins below 0
+ * (c < 0, s = 0), from beyond: by the x at which its mean is 0, x^q k/(q + 1) + c = 0, more than that of the power. */
+static void power_depth_lanes(const film_function *g, const double *restrict work, double *restrict x) {
+    double c = g->constant, s = g->slope, k = g->coefficient, q = g->exponent, per = work_factor(q);
+    double power[LANES], inverse[LANES], moving[LANES];
+    EACH(l) inverse[l] = (c + sqrt(c * c + 2.0 * s * work[l])) / (2.0 * work[l]);
+    if (k == 0.0) {
+        EACH(l) x[l] = 1.0 / inverse[l];
+        return;
     }
-    power_lanes(balance, e, more);
-    EACH(l) depth[l] += more[l];
+    EACH(l) power[l] = work[l] * (1.0 / (k * per));
+    rough_power_lanes(power, -per, x);
+    double balance = c < 0.0 ? pow(-c / (k * per), 1.0 / q) : 0.0;
+    EACH(l) {
+        x[l] = balance + 1.0 / sqrt(x[l] * x[l] + inverse[l] * inverse[l]);
+        moving[l] = 1.0;
+    }
+    for (int i = 0; i < DEPTH_STEPS && any(moving); i++) {
+        power_lanes_of(x, q, power);
+        EACH(l) {
+            double part = k * power[l], line = s * x[l], force = c + line + part;
+            double per_work = 1.0 / (force * x[l]), missing = work[l] - x[l] * (c + 0.5 * line + part * per);
+            double e = missing * per_work, bend = (line + q * part) * x[l] * per_work;
+            x[l] = moving[l] > 0.0 ? x[l] + x[l] * (e * (1.0 - 0.5 * bend * e)) : x[l];
+            moving[l] = fabs(e) > 1e-6 ? moving[l] : 0.0;
+        }
+    }
 }
 
-/* The depth at which the work of a stage is `work`, which must not exceed that of whole_lanes. Newton's method: on a rising
- * power from above, where it does not overshoot, elsewhere in a bracket. */
+/* The depth at which the work of a stage is `work` > 0, which must not exceed that of whole_lanes. Where the force is no rising
+ * power, by Newton's method in a bracket. */
 static void depth_lanes(const batch_job *j, int32_t stage, const double *restrict work, double *restrict depth) {
     const film_piece *piece = &j->curve->piece[j->curve->stage[stage].first];
-    const film_function *g = &piece->force;
     double begin = j->curve->stage[stage].begin, end = reach_of(j, stage), f[LANES], w[LANES], whole[LANES];
-    int from_above = stage != j->shaped && force_rises(j->curve, stage);
-    double moving[LANES];
-    whole_lanes(j, stage, whole);
-    if (from_above) {
-        double c = g->constant, s = g->slope, k = g->coefficient, per = work_factor(g->exponent), root[LANES];
-        EACH(l) {
-            double t = work[l] + piece->work_at_begin;
-            root[l] = t / (k > 0.0 ? k * per : 1.0);
-            depth[l] = c > 0.0 || s > 0.0 ? 2.0 * t / (c + sqrt(c * c + 2.0 * s * t)) : INFINITY;
-        }
-        if (k > 0.0) {
-            double e[LANES], nearly[LANES];
-            EACH(l) e[l] = per;
-            power_lanes(root, e, nearly);
-            EACH(l) depth[l] = nearly[l] < depth[l] ? nearly[l] : depth[l];
-        }
-        EACH(l) {
-            depth[l] += g->origin;
-            moving[l] = 1.0;
-        }
-        if (k == 0.0 && g->origin == begin) return;
-        if (c < 0.0) add_balance(g, depth);
-    } else {
-        EACH(l) {
-            depth[l] = begin + (end - begin) * sqrt(work[l] / whole[l]); /* as if work grew as a square */
-            moving[l] = 1.0;
-        }
+    double moving[LANES], low[LANES], high[LANES];
+    if (stage != j->shaped && force_rises(j->curve, stage)) {
+        EACH(l) w[l] = work[l] + piece->work_at_begin;
+        power_depth_lanes(&piece->force, w, depth);
+        EACH(l) depth[l] += piece->force.origin;
+        return;
     }
-    double low[LANES], high[LANES];
+    whole_lanes(j, stage, whole);
     EACH(l) {
+        depth[l] = begin + (end - begin) * sqrt(work[l] / whole[l]); /* as if work grew as a square */
+        moving[l] = 1.0;
         low[l] = begin;
-        high[l] = from_above ? INFINITY : end;
+        high[l] = end;
     }
     for (int i = 0; i < DEPTH_STEPS; i++) {
         law_lanes(j, stage, depth, f, w);
@@ -349,7 +253,6 @@ static void depth_lanes(const batch_job *j, int32_t stage, const double *restric
             double next = at + missing / f[l], halved = 0.5 * (low[l] + high[l]);
             double near = next >= low[l] ? 1e-9 : 4e-16;
             near = next <= high[l] ? near : 4e-16;
-            near = from_above ? 1e-9 : near;
             next = near > 1e-12 ? next : halved;
             depth[l] = moving[l] > 0.0 ? next : at;
             moving[l] = fabs(next - at) <= near * at ? 0.0 : moving[l];
@@ -380,11 +283,8 @@ static void open_lanes(const batch_job *j, int32_t stage, const double *restrict
         load[l] = force[l] / sqrt(given[l]);
         e[l] = 1.0 / exponent[l];
     }
-    power_lanes(load, e, recovery);
-    EACH(l) { /* for q = 1.5 a step of Newton's method towards the cube root of load^2: power_lanes errs by some ulps */
-        double r = recovery[l], cube = r - (r * r * r - load[l] * load[l]) / (3.0 * r * r);
-        recovery[l] = exponent[l] == 1.5 ? cube : r;
-    }
+    if (j->exponent[stage] == 1.5) two_thirds_lanes(load, recovery);
+    else power_lanes(load, e, recovery);
 }
 
 #endif

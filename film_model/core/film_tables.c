@@ -59,19 +59,9 @@ line_table *film_lines_of(batch_job *j, int32_t stage, int32_t direction, int32_
     line_table *t = &j->tables[j->table_count++];
     table_row *rows = &j->rows[j->row_count];
     j->row_count += segments + 1;
-    *t = (line_table){stage, direction, segments, exponent, nodes, 0.0, NAN, rows};
+    *t = (line_table){stage, direction, segments, exponent, nodes, 0.0, rows};
     make_rows(j, t, rows);
     return t;
-}
-
-double film_rest_time(line_table *t) {
-    if (t->rest_time == t->rest_time) return t->rest_time;
-    t->rest_time = 0.0;
-    for (const table_row *r = t->rows + 1; r <= t->rows + t->segments; r++) {
-        double per = r->h / (sqrt(r[-1].work) + sqrt(r->work));
-        t->rest_time += 2.0 * per * arc(r->kappa * per * per);
-    }
-    return t->rest_time;
 }
 
 /* ---------------------------------------------------------------- what all impacts share */
@@ -119,7 +109,7 @@ static int prepare_stage(batch_job *j, int32_t k) {
 
 int film_prepare_job(batch_job *j) {
     const film_curve *curve = j->curve;
-    int32_t n = j->mesh->loading, m = j->mesh->unloading, back = 0, powers = 0, branches = 0;
+    int32_t n = j->mesh->loading, m = j->mesh->unloading, powers = 0, branches = 0;
     double power[FILM_MAX_STAGES], branch[FILM_MAX_STAGES];
     j->table_count = j->row_count = j->touch = 0;
     j->parting = 0.0;
@@ -127,15 +117,13 @@ int film_prepare_job(batch_job *j) {
     if (curve->compliance != 0.0 || j->mesh->linearisation != FILM_WORK_PRESERVING || n > ROWS || m > ROWS) return 0;
     for (int32_t k = 0; k < curve->stages; k++) {
         if (!prepare_stage(j, k)) return 0;
-        if (curve->stage[k].unloading == FILM_RETRACE && k > 0) back = k;
         powers = add_exponent(j->simple[k] ? curve->piece[curve->stage[k].first].force.exponent : ANY_POWER, power, powers);
         if (j->exponent[k] == j->exponent[k]) branches = add_exponent(j->exponent[k], branch, branches);
     }
-    /* of each stage's exponent: loading, graded and by cosines, and by trials (together less than n/2 + 12), and by as
-     * many cosines as unloading; of each branch's: every grading and cosines; of each stage: across and back */
-    int64_t rows = (int64_t)powers * (2 * (n + 1) + n / 2 + 12 + m + 1) + (int64_t)branches * (8 * m + 4) +
-                   (int64_t)curve->stages * 2 * (n + 1) + (int64_t)back * (m + 1);
-    return rows <= ROWS && 8 * powers + 4 * branches + 3 * curve->stages <= TABLES;
+    /* of each stage's exponent: loading, and by trials (together less than n/2 + 12); of each branch's: every grading; of each
+     * stage: across */
+    int64_t rows = (int64_t)powers * (n + 1 + n / 2 + 12) + (int64_t)branches * (7 * m + 3) + (int64_t)curve->stages * (n + 1);
+    return rows <= ROWS && 8 * powers + 3 * branches + curve->stages <= TABLES;
 }
 
 /* A whole multiple of 1/root, up to MOST_POWER of them; -1: it is none. */

@@ -52,6 +52,9 @@ LANES_END, MANY_LINES, SWITCHED = 48, 3.0, 2.0
 coarser of two meshes, the finer one has more than `MANY_LINES` times as many lines, and errors of its own: `SWITCHED`
 bounds them over the difference. Needed by tests/test_estimates.py."""
 
+LINE_ERROR = 0.2
+"""Bound on the relative error of times on a fixed target with n lines a leg, times n^4 (docs/method.md, section 4)."""
+
 STALLED, SMALL = 0.7, 1e-9
 """Refinement ends if an estimate below `SMALL` falls by less than this factor: the rest is rounding."""
 
@@ -93,6 +96,16 @@ def march_many(problem: Problem, solver: Solver) -> Marched:
         n *= 2
         left = _refine(problem if left.size == every.size else problem.part(left), solver, made, left, n)
     return made
+
+
+def recorded_segments(problem: Problem, solver: Solver, segments: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Segments with which the recorded lines of impacts meet the accuracy, from those of `march_many`: on fixed targets
+    summaries need fewer, because the core computes them without lines."""
+    if solver.accuracy is None or solver.linearisation == "chord":
+        return segments
+    least = min(math.ceil((LINE_ERROR / solver.accuracy) ** 0.25), MOST_SEGMENTS)
+    fixed = problem.start["gamma"] == 0.0
+    return np.where(fixed[:, None], np.maximum(segments, problem.curve.segments(least)), segments)
 
 
 def _refine(part: Problem, solver: Solver, made: Marched, places: Index, n: int) -> Index:

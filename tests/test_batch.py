@@ -242,7 +242,7 @@ def test_a_power_law_beyond_yield_needs_no_lines():
 
 
 def turn_beyond_yield(nu, gamma):
-    """Depth and time of the turn under x^{3/2} up to 1 and 1 + (x − 1)^{3/2} beyond, by an integrator in √x and √(x − 1)."""
+    """Depth and time of the turn under x^{3/2} up to 1 and 1 + (x − 1)^{3/2} beyond, by an integrator."""
 
     def rates(constant):
         def of(s, at):  # x = z², dt = z ds

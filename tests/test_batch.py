@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cases import DAMPED, LAWS, combinations, loads_straight, scene, zener_scene
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import film_model as fm
@@ -253,6 +254,42 @@ def test_elastic_stages_are_crossed_by_an_exact_table():
         off = np.abs(found[name] / expected - 1.0)
         assert off[in_table].max() < error, name
         assert off.max() < 1e-5, name
+
+
+def test_a_power_law_beyond_yield_needs_no_lines():
+    """Big-Alabo's law on plates against an integrator: steps shorten as segments become more, up to 13 of them."""
+    rng = np.random.default_rng(12)
+    nu = np.append(np.exp(rng.uniform(math.log(1.8), math.log(30.0), 12)), 1.5)
+    start = starts(nu, rng.uniform(0.02, 0.6, nu.size))
+    law = fm.BigAlabo(1e11, 0.01, 1e9)
+    exact = [turn_beyond_yield(*numbers) for numbers in zip(nu.tolist(), start["gamma"].tolist(), strict=True)]
+    for segments, error in ((3, 3e-4), (4, 1e-5), (6, 1e-7), (13, 2e-11)):
+        mesh = native.mesh(native.WORK_PRESERVING, segments, 40)
+        status, found = native.batch(curve_of(law).native, mesh, start)
+        assert (status == native.EVENT).all()
+        assert (found["lines"] == 0).all()
+        for name, values in zip(("maximum_indentation", "time_of_maximum_indentation"), np.array(exact).T, strict=True):
+            assert np.abs(found[name] / values - 1.0).max() < error, name
+
+
+def turn_beyond_yield(nu, gamma):
+    """Depth and time of the turn under x^{3/2} up to 1 and 1 + (x − 1)^{3/2} beyond, by an integrator."""
+
+    def rates(constant):
+        def of(s, at):  # x = z², dt = z ds
+            z, speed, _ = at
+            force = constant + z**3
+            return 0.5 * (speed - gamma * force), -force * z, z
+
+        return of
+
+    begin = [0.0, nu, 0.0]
+    for constant, ends in ((0.0, lambda s, at: at[0] - 1.0), (1.0, lambda s, at: at[1] - gamma * (1.0 + at[0] ** 3))):
+        ends.terminal = True
+        way = solve_ivp(rates(constant), (0.0, 10.0), begin, "DOP853", events=ends, rtol=3e-14, atol=1e-15)
+        z, speed, time = way.y_events[0][0]
+        begin = [0.0, speed, time]
+    return 1.0 + z * z, time
 
 
 def turn_on_a_line(w, gamma):

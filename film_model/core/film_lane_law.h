@@ -208,9 +208,14 @@ static void power_depth_lanes(const film_function *g, const double *restrict wor
     }
     EACH(l) power[l] = work[l] * (1.0 / (k * per));
     rough_power_lanes(power, -per, x);
-    double balance = c < 0.0 ? pow(-c / (k * per), 1.0 / q) : 0.0;
+    double balance[LANES] = {0.0};
+    if (c < 0.0) {
+        EACH(l) power[l] = -c / (k * per);
+        EACH(l) moving[l] = 1.0 / q;
+        power_lanes(power, moving, balance);
+    }
     EACH(l) {
-        x[l] = balance + 1.0 / sqrt(x[l] * x[l] + inverse[l] * inverse[l]);
+        x[l] = balance[l] + 1.0 / sqrt(x[l] * x[l] + inverse[l] * inverse[l]);
         moving[l] = 1.0;
     }
     for (int i = 0; i < DEPTH_STEPS && any(moving); i++) {

@@ -4,6 +4,7 @@
 
 #include "film_lane_line.h"
 #include "film_lane_map.h"
+#include "film_lane_taylor.h"
 
 enum { AIM_STEPS = 8 };
 static const double AIM_TOLERANCE = 5e-3; /* fraction of the energy: less than the error of turn_excess. Cost only */
@@ -252,12 +253,17 @@ static void run_to_aim(batch_job *j, int32_t stage, double *restrict aim, lanes 
     }
 }
 
-/* To the turn in `stage` by lines. Returns the work of the stages before; *largest: their largest force. */
+/* To the turn in `stage`, by lines or by powers. Returns the work of the stages before; *largest: their largest force. */
 static double load_by_lines(batch_job *j, int32_t stage, const double *restrict nu, turned_lanes *restrict t, double *largest) {
-    double aim[LANES], crossed[LANES], stored = cross_before(j, stage, nu, &t->at, largest, crossed);
-    aim_lanes(j, stage, &t->at, aim);
-    run_to_aim(j, stage, aim, &t->at);
-    EACH(l) t->lines[l] = (double)j->mesh->loading * (crossed[l] + 1.0);
+    double aim[LANES], crossed[LANES], stored = cross_before(j, stage, nu, &t->at, largest, crossed), legs = 1.0;
+    if (turns_by_powers(j, stage)) {
+        run_by_powers(j, stage, &t->at);
+        legs = 0.0;
+    } else {
+        aim_lanes(j, stage, &t->at, aim);
+        run_to_aim(j, stage, aim, &t->at);
+    }
+    EACH(l) t->lines[l] = (double)j->mesh->loading * (crossed[l] + legs);
     return stored;
 }
 

@@ -37,18 +37,6 @@ static void map_lanes(const double *table, int count, int functions, const doubl
     }
 }
 
-/* The largest share of the energy with which a motion of this push turns in a stage of exponent 3/2. place: push over the
- * length of a piece, in piece. */
-static double largest_share(double place, int piece) {
-    const double *row = &film_largest_share[piece * LIMIT_TERMS];
-    double at = 2.0 * (place - piece) - 1.0, square = at * at, even = 0.0, odd = 0.0;
-    for (int k = LIMIT_TERMS - 2; k >= 0; k -= 2) {
-        even = even * square + row[k];
-        odd = odd * square + row[k + 1];
-    }
-    return even + at * odd;
-}
-
 /* From first touch along a force of exponent 3/2 to the end of its stage: velocity over the first one, and time over the
  * stage's length over that velocity. push: gamma times the force at the end over the velocity; share: of the energy, what the
  * stage stores; beyond: 1 for the lanes that the table does not have, whose values have no meaning. */

@@ -12,8 +12,10 @@
 
 #if defined(__GNUC__)
 #define INLINED static inline __attribute__((always_inline))
+#define CALLED static __attribute__((noinline)) /* of which compilers make vector instructions only apart from its caller */
 #else
 #define INLINED static inline
+#define CALLED static
 #endif
 
 #define EACH(l) for (int l = 0; l < LANES; l++)

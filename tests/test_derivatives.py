@@ -272,4 +272,5 @@ def test_the_chain_rule_agrees_with_differences_of_whole_impacts(name):
     scale = np.fmax(abs(whole.values), abs(values / pairs.value[:, None]))
     assert np.array_equal(np.isnan(own.values), np.isnan(whole.values))
     known = ~np.isnan(own.values)
-    assert (abs(own.values - whole.values) <= 1e-9 * scale)[known].all()
+    settled = 1e-8 if decision.hard else 1e-9  # the strength at the strain rate is found to about 1e-9 only
+    assert (abs(own.values - whole.values) <= settled * scale)[known].all()

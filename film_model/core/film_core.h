@@ -128,10 +128,14 @@ typedef struct {
     int32_t linearisation; /* FILM_CHORD or FILM_WORK_PRESERVING */
     int32_t loading;       /* segments of a loading leg in one stage, 1 .. FILM_MAX_SEGMENTS */
     int32_t unloading;     /* segments of an unloading leg that is not slow; film_unloading gives the others */
-    int32_t lines_only;    /* 1: the largest force of a damped contact is not sought between nodes; film_mesh_init: 0 */
+    int32_t ways;          /* FILM_ANY_WAY .. FILM_LINES_ALONE; film_mesh_init: FILM_ANY_WAY */
     const double *loading_nodes[FILM_GRADINGS];
     const double *unloading_nodes[FILM_GRADINGS];
 } film_mesh;
+
+/* Whether impacts may take shorter ways than their lines: tables, quadrature, power series. FILM_LINES_ALONE: nor is the largest
+ * force of a damped contact sought between nodes. */
+enum { FILM_ANY_WAY = 0, FILM_LINES = 1, FILM_LINES_ALONE = 2 };
 
 enum { FILM_MAX_SEGMENTS = 4000000 };
 

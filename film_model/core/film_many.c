@@ -8,7 +8,7 @@
 int64_t film_record_many(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
                          film_line *lines, int64_t line_room, int32_t *line_counts, film_state *events, int32_t event_room) {
     film_mesh own = *mesh;
-    own.lines_only = 1;
+    own.ways = FILM_LINES_ALONE;
     for (int64_t i = 0; i < count; i++) {
         const film_start *s = &start[i];
         film_state state;

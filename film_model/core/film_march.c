@@ -232,7 +232,7 @@ static void reach_end(const film_curve *curve, const film_mesh *mesh, film_state
         s->xi = s->xi_end;
         s->nu = s->nu_end;
     } else {
-        if (s->line.damper > 0.0 && s->direction > 0 && mesh != NULL && !mesh->lines_only)
+        if (s->line.damper > 0.0 && s->direction > 0 && mesh != NULL && mesh->ways != FILM_LINES_ALONE)
             film_raise_peak(curve, mesh, s, &s->force_peak);
         film_follow(s);
     }

@@ -107,6 +107,9 @@ static int prepare_stage(batch_job *j, int32_t k) {
     return 1;
 }
 
+/* Whether the contacts of a mesh are marched along its lines. */
+static int needs_lines(const film_mesh *mesh) { return mesh->linearisation != FILM_WORK_PRESERVING || mesh->ways != FILM_ANY_WAY; }
+
 int film_prepare_job(batch_job *j) {
     const film_curve *curve = j->curve;
     int32_t n = j->mesh->loading, m = j->mesh->unloading, powers = 0, branches = 0;
@@ -114,7 +117,7 @@ int film_prepare_job(batch_job *j) {
     j->table_count = j->row_count = j->touch = 0;
     j->parting = 0.0;
     while (j->touch < curve->stages - 1 && !(curve->stage[j->touch].end > 0.0)) j->touch++;
-    if (curve->compliance != 0.0 || j->mesh->linearisation != FILM_WORK_PRESERVING || n > ROWS || m > ROWS) return 0;
+    if (curve->compliance != 0.0 || needs_lines(j->mesh) || n > ROWS || m > ROWS) return 0;
     for (int32_t k = 0; k < curve->stages; k++) {
         if (!prepare_stage(j, k)) return 0;
         powers = add_exponent(j->simple[k] ? curve->piece[curve->stage[k].first].force.exponent : ANY_POWER, power, powers);
@@ -147,8 +150,8 @@ void film_prepare_damped(batch_job *j) {
     double force = 0.0, damping = 0.0;
     memset(form, 0, sizeof *form);
     if (curve->stages != 1 || !curve->stage[0].damped || curve->stage[0].count != 1 || curve->stage[0].begin != 0.0 ||
-        curve->stage[0].end < INFINITY || curve->compliance != 0.0 ||
-        j->mesh->linearisation != FILM_WORK_PRESERVING || j->mesh->loading < 1)
+        curve->stage[0].end < INFINITY || curve->compliance != 0.0 || needs_lines(j->mesh) ||
+        j->mesh->loading < 1)
         return;
     form->stiffness = lone_power(&piece->force, &force);
     form->factor = lone_power(&piece->damping, &damping);

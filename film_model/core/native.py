@@ -16,6 +16,7 @@ MAX_STAGES, MAX_PIECES, MAX_TERMS, MAX_SEGMENTS, INDICATORS = 12, 64, 26, 4_000_
 POWER, SERIES, ROOT_SERIES = range(3)
 RETRACE, RADIUS, RESIDUAL, SECANT, SHIFTED, SIMILAR = range(6)
 CHORD, WORK_PRESERVING = range(2)
+ANY_WAY, LINES = range(2)
 INSTRUCTIONS = ("plain", "AVX2", "AVX-512")
 BRANCH, FREE, STRETCHED = -1, -2, -3
 BRANCH_NAMES = {BRANCH: "unloading", FREE: ""}
@@ -90,7 +91,7 @@ class Mesh(c.Structure):
         ("linearisation", _I),
         ("loading", _I),
         ("unloading", _I),
-        ("lines_only", _I),
+        ("ways", _I),
         ("loading_nodes", c.c_void_p * _GRADINGS),
         ("unloading_nodes", c.c_void_p * _GRADINGS),
     ]
@@ -224,15 +225,15 @@ def library() -> Any:
 
 
 @lru_cache(maxsize=64)
-def mesh(linearisation: int, loading: int, unloading: int) -> Mesh:
-    """The mesh for these segment counts (1 to MAX_SEGMENTS each)."""
+def mesh(linearisation: int, loading: int, unloading: int, ways: int = ANY_WAY) -> Mesh:
+    """The mesh for these segment counts (1 to MAX_SEGMENTS each). ways: with `LINES`, impacts take its lines only."""
     lib = library()
     made = Mesh()
     memory = np.empty(lib.film_mesh_size(loading, unloading))
     status = lib.film_mesh_init(c.byref(made), linearisation, loading, unloading, memory.ctypes.data)
     if status != OK:
         raise ValueError(f"segments {loading} and {unloading} must be 1 to {MAX_SEGMENTS}")
-    made.memory = memory
+    made.memory, made.ways = memory, ways
     return made
 
 

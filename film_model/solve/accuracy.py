@@ -67,9 +67,9 @@ def solver_for(
 
 
 def mesh_of(solver: Solver, counts: tuple[int, int]) -> native.Mesh:
-    """The mesh for loading and unloading segment counts."""
+    """The mesh for loading and unloading segment counts. Those that the solver gives are lines, by no shorter way."""
     kind = native.CHORD if solver.linearisation == "chord" else native.WORK_PRESERVING
-    return native.mesh(kind, *counts)
+    return native.mesh(kind, *counts, native.ANY_WAY if solver.segments is None else native.LINES)
 
 
 def mesh_for(

@@ -16,7 +16,7 @@ from film_model.effects.effect import (
     agreeing,
     percent,
 )
-from film_model.effects.trial import change, matters
+from film_model.effects.trial import beyond, change, few, matters
 from film_model.problem.problem import Problem
 
 ESTIMATE_SERVES = 0.3
@@ -40,8 +40,8 @@ def needed(light: Problem) -> Any:
         return light.impacts.column(False)
     if wanted is True:
         return light.impacts.column(True)
-    if not light.impacts.many:
-        return not size_of(light)[0] <= light.scene.effect_tolerance
+    if few(light):
+        return beyond(size_of(light)[0], light.scene.effect_tolerance)
     pressed = light.again(load=light.impacts.numbers.weight)
     return matters(pressed, light, lambda with_weight, without: size_of(without, with_weight)[0])
 

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
@@ -48,8 +48,13 @@ class Columns:
     def __init__(self, table: Any) -> None:
         self.table = table
 
-    def __getattr__(self, name: str) -> Any:
-        return self.table[name]
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
+
+
+for _name in native.SUMMARY_DTYPE.names or ():  # found in a third of the time that __getattr__ takes
+    setattr(Columns, _name, property(lambda self, name=_name: self.table[name]))
 
 
 class Trial(NamedTuple):
@@ -86,9 +91,11 @@ class Impacts:
         return cls(scene, law, Numbers.of(scene, None))
 
     @classmethod
-    def several(cls, scene: Scene, law: SceneLaw, index: Index, columns: Mapping[str, Array]) -> Impacts:
-        """Many impacts."""
-        varied = scene_of_columns(scene, columns)
+    def several(
+        cls, scene: Scene, law: SceneLaw, index: Index, columns: Mapping[str, Array], varied: Scene | None = None
+    ) -> Impacts:
+        """Many impacts. varied: the scene with the columns, if it is made."""
+        varied = varied or scene_of_columns(scene, columns)
         return cls(scene, law, Numbers.of(varied, index.size), index, columns, varied)
 
     @property

@@ -356,8 +356,19 @@ class Problem:
     @property
     def limit(self) -> Any:
         """Time after which a contact under a load, or of a law that pulls, is no longer followed."""
-        loaded = (self.load > 0.0) | self.curve.pulls
-        return either(loaded, contact_limit(self.approach, self.gamma), math.inf) if any_of(loaded) else math.inf
+        if not (self.loaded or self.curve.pulls):
+            return math.inf
+        return either((self.load > 0.0) | self.curve.pulls, contact_limit(self.approach, self.gamma), math.inf)
+
+    @cached_property
+    def loaded(self) -> bool:
+        """Whether a load presses on the contact, or on any of many."""
+        return any_of(self.load > 0.0)
+
+    @cached_property
+    def damps(self) -> bool:
+        """Whether the law has damping in the impact, or in any of many."""
+        return any_of(self.damping > 0.0)
 
     def motion(self, t: Any, values: Any) -> dict[str, Any]:
         """As :func:`motion_of`."""

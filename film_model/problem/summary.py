@@ -56,12 +56,11 @@ def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
     over = status == native.EVENT
     turned = core.maximum_indentation > 0.0
     absorbed = either(abs(core.work) > WORK_ROUNDING * approach**2, core.work, 0.0)
-    no_dent = (problem.damping > 0.0) | (problem.relaxation is not None)
     left = core.permanent_indentation
     if problem.curve.pulls:
         left = problem.own.dents(problem.curve, core.maximum_indentation, left)
-    if any_of(no_dent):
-        left = either(no_dent, 0.0, left)
+    if problem.damps or problem.relaxation is not None:
+        left = either((problem.damping > 0.0) | (problem.relaxation is not None), 0.0, left)
     with unwarned(status):
         begun = {
             "maximum_indentation": core.maximum_indentation * s.length,

@@ -247,7 +247,7 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
 def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Any]:
     """The places of the impacts of each curve under the laws; `ALL` if they share one. Most laws have stages that do
     not depend on the varied values."""
-    shapes = [shape for law in laws for shape in (*curve_keys(law), *_few_valued(law))]
+    shapes = [shape for law in laws for shape in (*curve_keys(law), *_few_valued(law))] if count > 1 else []
     if all(all_of(shape == shape[0]) for shape in shapes):
         yield ALL
         return

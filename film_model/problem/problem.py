@@ -10,13 +10,14 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from film_model.base.arrays import ALL, Array, Index, Number, any_of, column, either, greater
 from film_model.base.errors import STATUSES, VIBRATES, SimulationError
 from film_model.core import native
+from film_model.core.columns import Columns
 from film_model.laws.law import AbstractLaw
 from film_model.problem.curve import Curve, curve_of
 from film_model.problem.law_of_scene import SceneLaw, law_named
@@ -38,23 +39,6 @@ TRIAL_SEGMENTS = 16
 
 TRIAL_TOLERANCE = 1e-3
 """Tolerance of a step in the trial of a contact that relaxes; its relative errors are about 1e-5."""
-
-
-class Columns:
-    """The core's summaries of many impacts: one array per value, by the names of native.Summary."""
-
-    __slots__ = ("table",)
-
-    def __init__(self, table: Any) -> None:
-        self.table = table
-
-    if TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any: ...
-
-
-for _name in native.SUMMARY_DTYPE.names or ():  # found in a third of the time that __getattr__ takes
-    setattr(Columns, _name, property(lambda self, name=_name: self.table[name]))
 
 
 class Trial(NamedTuple):

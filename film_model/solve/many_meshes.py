@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, Mask, all_of, any_of
-from film_model.problem.problem import Columns, Problem
+from film_model.core.columns import Columns
+from film_model.problem.problem import Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import Solver
 from film_model.solve.accuracy import (

@@ -49,7 +49,7 @@ def needed(light: Problem) -> Any:
 def size_of(light: Problem, pressed: Problem | None = None) -> tuple[Any, Problem | None]:
     """Change of the summary by the weight (nan if contact without it does not end); the problem with it, if marched."""
     ends = light.trial.ends
-    guess = _estimate_for(light)
+    guess = _estimate_for(light, ends)
     doubtful = guess > ESTIMATE_SERVES * light.scene.effect_tolerance
     if not any_of(doubtful & ends):
         return either(ends, guess, math.nan), pressed
@@ -57,10 +57,10 @@ def size_of(light: Problem, pressed: Problem | None = None) -> tuple[Any, Proble
     return either(ends, either(doubtful, change(pressed, light), guess), math.nan), pressed
 
 
-def _estimate_for(light: Problem) -> Any:
-    """The first-order estimate; infinite if the target moves or contact does not end."""
+def _estimate_for(light: Problem, ends: Any) -> Any:
+    """The first-order estimate; infinite if the target moves or contact does not end. ends: whether it does."""
     core, impacts = light.trial.summary, light.impacts
-    usable = light.trial.ends & (light.gamma == 0.0)
+    usable = ends & (light.gamma == 0.0)
     if not any_of(usable):
         return impacts.column(math.inf)
     with unwarned(usable):

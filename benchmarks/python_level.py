@@ -1,10 +1,15 @@
-"""Times from Python: a whole simulation, one step of the component, and a new process of the command line."""
+"""Times from Python: a whole simulation, one step of the component, and a new process of the command line.
+
+`python -m benchmarks.python_level` prints them; processes find modules compiled, as those of an installed package are.
+"""
 
 from __future__ import annotations
 
 import itertools
+import os
 import subprocess
 import sys
+import tempfile
 import time
 import warnings
 from collections.abc import Callable
@@ -60,10 +65,12 @@ def measure(repeats: int) -> list[dict[str, object]]:
         rows.append({"what": "ImpactComponent.step(1 µs)", "missing": f"not available: {error}"})
     main = "import sys; from film_model.cli.main import main; sys.exit(main(sys.argv[1:]))"
     command = [sys.executable, "-c", main, "run", str(SCENE), "--json"]
-    row("film-model run scene.toml --json, whole process", lambda: _quiet(command), 1)
-    row("film-model --help, whole process", lambda: _quiet([*command[:3], "--help"]), 1)
-    for code in ("import film_datasets", "import film_model; film_model.simulate", "import numpy", "pass"):
-        row(f"python -c '{code}', whole process", lambda code=code: _quiet([sys.executable, "-c", code]), 1)
+    with tempfile.TemporaryDirectory() as compiled:
+        row("film-model run scene.toml --json, whole process", lambda: _quiet(command, compiled), 1)
+        row("film-model --help, whole process", lambda: _quiet([*command[:3], "--help"], compiled), 1)
+        for code in ("import film_datasets", "import film_model; film_model.simulate", "import numpy", "pass"):
+            own = [sys.executable, "-c", code]
+            row(f"python -c '{code}', whole process", lambda own=own: _quiet(own, compiled), 1)
     return rows
 
 
@@ -78,5 +85,21 @@ def _stepper(fm: object, scene: object) -> Callable[[], object]:
     return step
 
 
-def _quiet(command: list[str]) -> None:
-    subprocess.run(command, check=True, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+def _quiet(command: list[str], compiled: str) -> None:
+    """Run a process that finds compiled modules in the folder `compiled`, or writes them there."""
+    known = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    own, nowhere = {**known, "PYTHONPYCACHEPREFIX": compiled}, subprocess.DEVNULL
+    subprocess.run(command, check=True, cwd=ROOT, env=own, stdout=nowhere, stderr=nowhere)
+
+
+def show(rows: list[dict[str, object]]) -> None:
+    """Print the rows of `measure`."""
+    print("\nFrom Python, one call")
+    for row in rows:
+        seconds = row.get("seconds")
+        said = f"{1e6 * seconds:>12.1f} µs" if isinstance(seconds, float) else f"   {row['missing']}"
+        print(f"    {row['what']:<66}{said}")
+
+
+if __name__ == "__main__":
+    show(measure(repeats=20))

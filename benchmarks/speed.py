@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.page:
         speed_table.write(rows)
     level = python_level.measure(repeats)
-    print_python(level)
+    python_level.show(level)
     if options.json is not None:
         options.json.write_text(json.dumps({"batch": rows, "python": level}, indent=1) + "\n")
     return 0
@@ -224,15 +224,6 @@ def print_case(case: Case, rows: list[Row]) -> None:
                 continue
             ratio = row["microseconds"] / film_time
             print(f"{head}{row['error']:>9.1e}{row['microseconds']:>11.3f}{ratio:>10.{1 if ratio < 100 else 0}f}")
-
-
-def print_python(rows: list[dict[str, object]]) -> None:
-    """Times of single calls from Python."""
-    print("\nFrom Python, one call")
-    for row in rows:
-        seconds = row.get("seconds")
-        said = f"{1e6 * seconds:>12.1f} µs" if isinstance(seconds, float) else f"   {row['missing']}"
-        print(f"    {row['what']:<56}{said}")
 
 
 if __name__ == "__main__":

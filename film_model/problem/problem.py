@@ -329,10 +329,15 @@ class Problem:
             yield self
             return
         for places in self.own.groups():
-            part = self.part(places)
-            law, spring = part.impacts.one_law, 0.0 if part.own.spring is None else part.own.spring[0].item()
-            own = curve_of(law, spring)
-            yield replace(part, law=law, curve=replace(own, native=part.own.first(own)), own=OwnCurves())
+            yield self.part(places).as_first()
+
+    def as_first(self) -> Problem:
+        """Many impacts, all with the law and the curve of the first."""
+        law, curve, own = self.impacts.one_law, self.curve, self.own
+        if not own.alike:
+            error, made = max(curve.fit_error, own.fit_error), own.first(lambda: self.impacts.curve.native)
+            curve = replace(curve, native=made, stages=tuple(law.stages()), fit_error=error)
+        return replace(self, law=law, curve=curve, own=OwnCurves())
 
     @cached_property
     def trial(self) -> Trial:

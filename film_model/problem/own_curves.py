@@ -49,6 +49,11 @@ class OwnCurves(NamedTuple):
         """Whether all have one curve."""
         return all(values is None for values in self)
 
+    @property
+    def springs_alone(self) -> bool:
+        """Whether the curves differ in springs only."""
+        return self.spring is not None and self.page is None and self.varied is None
+
     def part(self, places: Any) -> OwnCurves:
         """Of some of the impacts."""
         if self.alike:
@@ -57,7 +62,7 @@ class OwnCurves(NamedTuple):
         return OwnCurves(self.page, shape, None if self.varied is None else self.varied.part(places), spring)
 
     def march(self, curve: Curve, mesh: native.Mesh, start: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[Any]]:
-        """The core's statuses and summaries. curve: of the first impact, without a spring."""
+        """The core's statuses and summaries. curve: of the first impact; without its spring if springs differ alone."""
         page, shape, varied, spring = self
         if spring is not None:
             family = None if page is None or shape is None else (page.family, page.whole, shape)

@@ -143,12 +143,14 @@ def simulate_batch(
             raise ValueError(f"{name}: {wrong:g} {unit} is out of range: from {low:g} to {high:g} {unit}")
     solver = solver_for(scene.solver, accuracy, segments, None)
     result = simulate_many(scene, columns, solver)
-    shaped = {name: column.reshape(shape) for name, column in result.summary.items()}
     counts = result.segments.max(axis=0).tolist()
     worst = float(np.fmax.reduce(result.estimated, initial=0.0))
-    each, failed = result.estimated.reshape(shape), (result.status < 0).reshape(shape)
     varied = {path.partition(".")[2]: column.reshape(shape) for path, column in columns.items()}
-    return BatchResult(shaped, varied, each, worst, (counts[0], counts[1]), failed, result)
+    summary, each, failed = result.summary, result.estimated, result.status < 0
+    if len(shape) != 1:
+        summary = {name: column.reshape(shape) for name, column in summary.items()}
+        each, failed = each.reshape(shape), failed.reshape(shape)
+    return BatchResult(summary, varied, each, worst, (counts[0], counts[1]), failed, result)
 
 
 def _common_shape(speeds: Array, masses: Array) -> tuple[int, ...]:

@@ -19,6 +19,7 @@ from film_model.effects import rate_hardening
 from film_model.effects.case import Pulse
 from film_model.effects.choose import chosen, problem_of
 from film_model.effects.edge_effects import edged, infinite_unless_judged, supports_of
+from film_model.effects.law_range import law_warnings
 from film_model.effects.target_motion import Support
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.unloading import BrakeUnloading
@@ -67,6 +68,23 @@ def problems_of(
         approaches[rows_of(problem)] = False
     left = approaches.nonzero()[0]
     return found + (_one_by_one(scene, columns, left, status, bool(found)) if left.size else [])
+
+
+def law_warnings_of_each(scene: Scene, columns: Mapping[str, Array], count: int) -> list[list[str]]:
+    """The warnings about the law of each of `count` impacts, as :func:`problems_of` has them; none if it fails."""
+    found, status = [list[str]() for _ in range(count)], np.zeros(count, np.int32)
+    try:
+        problems = problems_of(scene, columns, count, status)
+    except (SimulationError, ValueError):
+        return found
+    for problem in problems:
+        depths = problem.trial.summary.maximum_indentation
+        for place, row in enumerate(rows_of(problem).tolist()):
+            found[row] = law_warnings(problem.part(np.array([place])).as_first(), depths[place : place + 1])
+    for row in (status == VIBRATES).nonzero()[0].tolist():
+        own = {path: cast("Any", float(values[row])) for path, values in columns.items()}
+        found[row] = law_warnings(problem_of(scene_of_columns(scene, own)))
+    return found
 
 
 def rows_of(problem: Problem) -> Index:

@@ -19,7 +19,7 @@ from film_model.base.errors import STATUSES, VIBRATES, SimulationError
 from film_model.core import native
 from film_model.core.columns import Columns
 from film_model.laws.law import AbstractLaw
-from film_model.problem.curve import Curve, curve_of
+from film_model.problem.curve import Curve, curve_of, curve_on
 from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.own_curves import OwnCurves
@@ -128,8 +128,13 @@ class Impacts:
 
     @cached_property
     def curve(self) -> Curve:
-        """The curve that many impacts share."""
-        return curve_of(self.one_law)
+        """The curve of the one impact, or of the first of many, without a spring."""
+        return self._curve(self.own if self.many else OwnCurves())
+
+    def _curve(self, own: OwnCurves, spring: float = 0.0) -> Curve:
+        if own.page is not None and own.page.marks is not None and own.shape is not None:
+            return curve_on(own.page, own.shape[0], self.one_law, spring)  # the law alone would be fitted again
+        return curve_of(self.one_law, spring)
 
     @cached_property
     def _light_scales(self) -> Scales:
@@ -179,14 +184,14 @@ class Impacts:
         else:
             scales = self._light_scales
         springs = any_of(compliance > 0.0)
-        spring = compliance * scales.force / scales.length if springs else 0.0
+        spring: Any = compliance * scales.force / scales.length if springs else 0.0
         own = OwnCurves()
         if self.index is not None:
             own = self.own if fitted else OwnCurves.of(self.law, self.index.size, fitted=False)
         return Problem(
             impacts=self,
             law=self.one_law,
-            curve=curve_of(self.one_law, np.ravel(spring)[0].item()) if springs else self.curve,
+            curve=self._curve(own, np.ravel(spring)[0].item()) if springs or not fitted else self.curve,
             scales=scales,
             gamma=scales.force / (impedance * scales.velocity),
             load=load / scales.force,
@@ -304,7 +309,7 @@ class Problem:
         refuse_relaxation(self, "a march on lines")
         if not self.impacts.many:
             return native.marched(self.curve.native, mesh, self.start)
-        one = self.impacts.curve if self.own.spring is not None else self.curve
+        one = self.impacts.curve if self.own.springs_alone else self.curve
         status, table = self.own.march(one, mesh, self.start)
         return status, Columns(table)
 
@@ -320,10 +325,15 @@ class Problem:
             yield self
             return
         for places in self.own.groups():
-            part = self.part(places)
-            law, spring = part.impacts.one_law, 0.0 if part.own.spring is None else part.own.spring[0].item()
-            own = curve_of(law, spring)
-            yield replace(part, law=law, curve=replace(own, native=part.own.first(own)), own=OwnCurves())
+            yield self.part(places).as_first()
+
+    def as_first(self) -> Problem:
+        """Many impacts, all with the law and the curve of the first."""
+        law, curve, own = self.impacts.one_law, self.curve, self.own
+        if not own.alike:
+            error, made = max(curve.fit_error, own.fit_error), own.first(lambda: self.impacts.curve.native)
+            curve = replace(curve, native=made, stages=tuple(law.stages()), fit_error=error)
+        return replace(self, law=law, curve=curve, own=OwnCurves())
 
     @cached_property
     def trial(self) -> Trial:

@@ -146,7 +146,7 @@ def simulate_batch(
     counts = result.segments.max(axis=0).tolist()
     worst = float(np.fmax.reduce(result.estimated, initial=0.0))
     varied = {path.partition(".")[2]: column.reshape(shape) for path, column in columns.items()}
-    summary, each, failed = result.summary, result.estimated, result.status < 0
+    summary, each, failed = dict(result.summary), result.estimated, result.status < 0
     if len(shape) != 1:
         summary = {name: column.reshape(shape) for name, column in summary.items()}
         each, failed = each.reshape(shape), failed.reshape(shape)

@@ -53,7 +53,7 @@ typedef struct {
 
 /* Gauss's rule on a way to the turn, in panels of at most PANEL points: after the fraction x of it, x = s^2 (2 - s^2), so that
  * sqrt(1 - x) = 1 - s^2, to which the velocity before a turn is proportional, and sqrt x, of which a force at first touch is a
- * power, have no root. For n segments: n + EXTRA_POINTS points, at most MOST_POINTS. */
+ * power, have no root. For n segments: n + EXTRA_POINTS points, at most MOST_POINTS, less what does not fill panels of one size. */
 enum { PANEL = 16, EXTRA_POINTS = 2, MOST_POINTS = 256 };
 typedef struct {
     int32_t count;

@@ -1,5 +1,5 @@
-/* One contact from its start to its end: on a target that moves, or damped, by the way of a batch, else by the
- * march. docs/method.md, section 10. */
+/* One contact from its start to its end: on a target that moves, or damped, by the way of a batch, else by film_marched. And
+ * many, one after another, each on a curve of its own. docs/method.md, section 10. */
 #include "film_batch.h"
 
 #include <string.h>

@@ -194,8 +194,9 @@ def _groups(
     Raises ValueError where there are nearly as many curves as impacts.
     """
     for law, yields, own in _laws(part, index):
-        made = SceneLaw.of(part if own.size == index.size else _part(scene, columns, own), law).reduced()
-        slow = Impacts.several(scene, made, own, _picked(columns, own))
+        picked = columns if own.size == len(next(iter(columns.values()))) else _picked(columns, own)
+        varied = part if own.size == index.size else scene_of_columns(scene, picked)
+        slow = Impacts.several(scene, SceneLaw.of(varied, law).reduced(), own, picked, varied)
         for places in _shared_curves((slow.law,), own.size):
             for static, support in supports_of(slow if places is ALL else _alike(slow, places)):
                 for impacts, same in _by_curve(_hardened(static, support), static):
@@ -264,7 +265,7 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
 def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Any]:
     """The places of the impacts of each curve under the laws; `ALL` if they share one. Most laws have stages that do
     not depend on the varied values."""
-    shapes = [shape for law in laws for shape in (*curve_keys(law), *_few_valued(law))]
+    shapes = [shape for law in laws for shape in (*curve_keys(law), *_few_valued(law))] if count > 1 else []
     if all(all_of(shape == shape[0]) for shape in shapes):
         yield ALL
         return

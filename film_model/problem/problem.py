@@ -17,6 +17,7 @@ import numpy as np
 from film_model.base.arrays import ALL, Array, Index, Number, any_of, column, either, greater
 from film_model.base.errors import STATUSES, VIBRATES, SimulationError
 from film_model.core import native
+from film_model.core.columns import Columns
 from film_model.laws.law import AbstractLaw
 from film_model.problem.curve import Curve, curve_of, curve_on
 from film_model.problem.law_of_scene import SceneLaw, law_named
@@ -38,18 +39,6 @@ TRIAL_SEGMENTS = 16
 
 TRIAL_TOLERANCE = 1e-3
 """Tolerance of a step in the trial of a contact that relaxes; its relative errors are about 1e-5."""
-
-
-class Columns:
-    """The core's summaries of many impacts: one array per value, by the names of native.Summary."""
-
-    __slots__ = ("table",)
-
-    def __init__(self, table: Any) -> None:
-        self.table = table
-
-    def __getattr__(self, name: str) -> Any:
-        return self.table[name]
 
 
 class Trial(NamedTuple):
@@ -86,9 +75,11 @@ class Impacts:
         return cls(scene, law, Numbers.of(scene, None))
 
     @classmethod
-    def several(cls, scene: Scene, law: SceneLaw, index: Index, columns: Mapping[str, Array]) -> Impacts:
-        """Many impacts."""
-        varied = scene_of_columns(scene, columns)
+    def several(
+        cls, scene: Scene, law: SceneLaw, index: Index, columns: Mapping[str, Array], varied: Scene | None = None
+    ) -> Impacts:
+        """Many impacts. varied: the scene with the columns, if it is made."""
+        varied = varied or scene_of_columns(scene, columns)
         return cls(scene, law, Numbers.of(varied, index.size), index, columns, varied)
 
     @property
@@ -359,8 +350,19 @@ class Problem:
     @property
     def limit(self) -> Any:
         """Time after which a contact under a load, or of a law that pulls, is no longer followed."""
-        loaded = (self.load > 0.0) | self.curve.pulls
-        return either(loaded, contact_limit(self.approach, self.gamma), math.inf) if any_of(loaded) else math.inf
+        if not (self.loaded or self.curve.pulls):
+            return math.inf
+        return either((self.load > 0.0) | self.curve.pulls, contact_limit(self.approach, self.gamma), math.inf)
+
+    @cached_property
+    def loaded(self) -> bool:
+        """Whether a load presses on the contact, or on any of many."""
+        return any_of(self.load > 0.0)
+
+    @cached_property
+    def damps(self) -> bool:
+        """Whether the law has damping in the impact, or in any of many."""
+        return any_of(self.damping > 0.0)
 
     def motion(self, t: Any, values: Any) -> dict[str, Any]:
         """As :func:`motion_of`."""

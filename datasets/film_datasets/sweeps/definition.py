@@ -90,7 +90,8 @@ class Sweep:
         axes: tuple[Axis, ...] = ()
         first = scene
         try:
-            axes, first = read_axes(scene, over, design if design in DESIGNS else GRID)
+            assumed = GRID if samples is None else SAMPLED[0]  # by which axes are read if the design is unknown
+            axes, first = read_axes(scene, over, design if design in DESIGNS else assumed)
         except SceneError as error:
             mistakes += error.mistakes
         raise_all(mistakes)

@@ -330,7 +330,9 @@ static void check_batch(int which, const film_mesh *mesh, double same, double li
         HOLD(film_impact(&curves[which], mesh, &start[i], &single) == status[i]);
         int damped = start[i].damping > 0.0;
         HOLD(memcmp(&single, start[i].gamma > 0.0 || damped ? &alone : &slow, sizeof single) == 0);
-        if (mesh->linearisation == FILM_CHORD || (!damped && (start[i].load != 0.0 || start[i].stop_velocity != 0.0)))
+        int stops_late = start[i].gamma == 0.0 && start[i].stop_velocity < 0.0; /* which lanes find on a branch */
+        int moved = start[i].stop_velocity != 0.0 && !stops_late;
+        if (mesh->linearisation == FILM_CHORD || (!damped && (start[i].load != 0.0 || moved)))
             HOLD(memcmp(&alone, &slow, sizeof alone) == 0);
         int straight = which == LINEAR || which == SOFTENING;
         if (status[i] != FILM_EVENT || (straight && start[i].gamma > 1.5)) continue; /* near critical damping */

@@ -135,7 +135,8 @@ static void run_batch(batch *b, int instructions, int64_t count) {
         }
         if (in_lanes && is_plain(j, s)) {
             if (s->gamma == 0.0) piece = film_piece_on_fixed(j, i, &stage);
-            else if (moving) piece = moving_piece(j, i, &stage);
+            if (s->stop_velocity < 0.0 && j->curve->stage[stage].unloading == FILM_RETRACE) piece = -1; /* it may stop in any stage */
+            else if (s->gamma > 0.0 && moving) piece = moving_piece(j, i, &stage);
         }
         if (piece < 0) {
             leave_alone(j, i);

@@ -202,17 +202,22 @@ static inline double speed_after(double v, double work) {
     return square > 0.0 ? sqrt(square) : 0.0;
 }
 
-/* No load, no damping, no moving support, and no time limit that ends other contacts than those of a law that pulls, which may
- * never end: what the shorter ways can do. */
-static inline int is_undisturbed(const film_curve *curve, const film_start *start) {
+/* No load, no damping, and no time limit that ends other contacts than those of a law that pulls, which may never end. */
+static inline int is_free(const film_curve *curve, const film_start *start) {
     int limited = start->time_limit < INFINITY && curve->pull == 0.0;
-    return start->load == 0.0 && start->stop_velocity == 0.0 && !limited && start->damping == 0.0;
+    return start->load == 0.0 && !limited && start->damping == 0.0;
+}
+
+/* The same without a moving support: what the shorter ways can do. */
+static inline int is_undisturbed(const film_curve *curve, const film_start *start) {
+    return start->stop_velocity == 0.0 && is_free(curve, start);
 }
 
 /* Whether lanes may run an undamped impact, if they can run its curve. */
 static inline int is_plain(const batch_job *j, const film_start *s) {
-    int known = s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY;
-    return known && !(j->spring != NULL && s->gamma > 0.0) && is_undisturbed(j->curve, s);
+    int known = s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY, fixed = s->gamma == 0.0;
+    int stops = s->stop_velocity == 0.0 || (fixed && s->stop_velocity < 0.0 && s->stop_velocity > -INFINITY && j->spring == NULL);
+    return known && stops && (fixed || j->spring == NULL) && is_free(j->curve, s);
 }
 
 /* The largest share of the energy with which a motion of this push turns in a stage of exponent 3/2. place: push over the

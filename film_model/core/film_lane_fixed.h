@@ -183,8 +183,8 @@ static void load_fixed(batch_job *j, int32_t stage, int32_t p, const double *res
 }
 
 /* Out along the branches that lead back from the turn, or along a reversible law, which takes as long as the way in. */
-static void unload_fixed(const batch_job *j, int32_t stage, fixed_block *b) {
-    double exponent[LANES], rest[LANES];
+static void unload_fixed(const batch_job *j, int32_t stage, fixed_block *b, double *restrict exponent) {
+    double rest[LANES];
     if (j->curve->stage[stage].unloading == FILM_RETRACE) {
         EACH(l) {
             b->ended[l] = 2.0 * b->turned[l];
@@ -206,19 +206,56 @@ static void unload_fixed(const batch_job *j, int32_t stage, fixed_block *b) {
     }
 }
 
+/* When impactors stop on their branch, on which the share z = 1 - u^(q + 1) of the work is given back at the part u of the
+ * recovery: at the speed sqrt(2 z given), NAN beyond the end. The integral of 1/velocity, by Gauss's rule. */
+static void stop_fixed(const batch_job *j, const double *restrict exponent, const double *restrict stop, fixed_block *b,
+                       double *restrict stopped) {
+    double kept[LANES], at[LANES], e[LANES], power[LANES], length[LANES], sum[LANES] = {0.0};
+    EACH(l) {
+        kept[l] = 1.0 - 0.5 * stop[l] * stop[l] / b->given[l];
+        kept[l] = kept[l] > 0.0 ? kept[l] : 0.0;
+        e[l] = 1.0 / (exponent[l] + 1.0);
+    }
+    power_lanes(kept, e, at);
+    EACH(l) {
+        length[l] = 1.0 - at[l];
+        e[l] = exponent[l] + 1.0;
+    }
+    for (int32_t i = 0; i < j->rule.count; i++) {
+        double rest = j->rule.rest[i], weight = j->rule.weight[i];
+        EACH(l) at[l] = 1.0 - length[l] * rest;
+        power_lanes(at, e, power);
+        EACH(l) {
+            double share = 1.0 - power[l], least = length[l] * rest; /* against rounding on a short way */
+            sum[l] += weight / sqrt(2.0 * b->given[l] * (share > least ? share : least));
+        }
+    }
+    EACH(l) {
+        double time = b->turned[l] + b->recovery[l] * length[l] * sum[l];
+        stopped[l] = stop[l] == 0.0 ? b->turned[l] : kept[l] > 0.0 ? time : NAN;
+    }
+}
+
 /* A block of impacts that turn in piece p of `stage`, from first touch to the end of contact. */
 static void fixed_lanes(batch_job *j, int32_t stage, int32_t p, const int64_t *index, int count) {
     fixed_block b;
-    double nu[LANES], last[LANES], begin = j->curve->stage[stage].begin;
-    EACH(l) nu[l] = j->start[index[l < count ? l : 0]].nu; /* an incomplete block is filled up with its first impact */
+    double nu[LANES], last[LANES], exponent[LANES], stop[LANES], stopped[LANES], begin = j->curve->stage[stage].begin;
+    EACH(l) {
+        const film_start *start = &j->start[index[l < count ? l : 0]]; /* an incomplete block is filled up with its first impact */
+        nu[l] = start->nu;
+        stop[l] = start->stop_velocity < 0.0 ? start->stop_velocity : 0.0;
+    }
     load_fixed(j, stage, p, nu, &b);
-    unload_fixed(j, stage, &b);
+    unload_fixed(j, stage, &b, exponent);
+    EACH(l) stopped[l] = b.turned[l];
+    if (any(stop)) stop_fixed(j, exponent, stop, &b, stopped);
     EACH(l) last[l] = -sqrt(2.0 * b.given[l]);
     for (int l = 0; l < count; l++) {
         film_summary *s = &j->summary[index[l]];
         s->maximum_force = b.force[l] > b.peak ? b.force[l] : b.peak;
         s->maximum_indentation = b.xi[l];
-        s->time_of_maximum_indentation = s->time_impactor_stops = b.turned[l];
+        s->time_of_maximum_indentation = b.turned[l];
+        s->time_impactor_stops = stopped[l];
         s->contact_duration = b.ended[l];
         s->permanent_indentation = b.xi[l] - b.recovery[l];
         s->final_velocity = last[l];

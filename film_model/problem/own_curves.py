@@ -16,7 +16,7 @@ from film_model.problem.families import Page, page_of
 from film_model.problem.law_of_scene import SceneLaw
 from film_model.problem.mixtures import mixed_numbers, mixture_of
 from film_model.problem.rows import march_rows
-from film_model.problem.varied import Varied, fitted_by, varied_of
+from film_model.problem.varied import Varied, fitted_by
 
 
 class OwnCurves(NamedTuple):
@@ -30,15 +30,15 @@ class OwnCurves(NamedTuple):
     spring: Array | None = None
 
     @classmethod
-    def of(cls, law: SceneLaw, count: int, fitted: bool = True) -> OwnCurves:
-        """Of `count` laws that share a page of their family, or pieces. fitted: whether laws with a shape differ in a
-        number beside it; if not, their curves are those of the first law's."""
+    def of(cls, law: SceneLaw, count: int, varied: Varied | None, fitted: bool = True) -> OwnCurves:
+        """Of `count` laws that share a page of their family, or pieces. varied: what differs between these. fitted:
+        whether laws with a shape differ in a number beside it; if not, their curves are those of the first law's."""
         kind = law.law
         if isinstance(kind, AbstractLaw) or not law.read:
             return cls()
         shaped = law.rule is None and bool(kind.shaped_by)
         if not shaped:
-            return cls(varied=varied_of(law, count))
+            return cls(varied=varied)
         if fitted and fitted_by(law):
             page = mixture_of(law.at(0))
             return cls(page, mixed_numbers(page, law.at, count))

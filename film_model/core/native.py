@@ -341,7 +341,7 @@ def batch(
     """
     start = np.ascontiguousarray(start, dtype=START_DTYPE)
     memory, status = np.empty(start.size * SUMMARY_DTYPE.itemsize, np.uint8), np.empty(start.size, np.int32)
-    own = c.byref(curve), c.byref(cut), start.size, start.ctypes.data, at(memory), at(status)
+    own = c.byref(curve), c.byref(cut), start.size, at(start), at(memory), at(status)
     library().film_batch_with(instructions() if using is None else using, *own)
     return status, np.ndarray(start.size, SUMMARY_DTYPE, memory)
 

@@ -17,14 +17,14 @@ import numpy as np
 from film_model.base.arrays import ALL, Array, Index, Number, any_of, column, either, greater
 from film_model.base.errors import STATUSES, VIBRATES, SimulationError
 from film_model.core import native
+from film_model.core.columns import Columns
 from film_model.laws.law import AbstractLaw
-from film_model.problem.curve import Curve, curve_of
+from film_model.problem.curve import Curve, curve_of, curve_on
 from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.own_curves import OwnCurves
 from film_model.problem.relaxation import Relaxation
 from film_model.problem.scales import Scales, motion_of, scales_from, scales_of
-from film_model.problem.varied import Varied, varied_of
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -39,18 +39,6 @@ TRIAL_SEGMENTS = 16
 
 TRIAL_TOLERANCE = 1e-3
 """Tolerance of a step in the trial of a contact that relaxes; its relative errors are about 1e-5."""
-
-
-class Columns:
-    """The core's summaries of many impacts: one array per value, by the names of native.Summary."""
-
-    __slots__ = ("table",)
-
-    def __init__(self, table: Any) -> None:
-        self.table = table
-
-    def __getattr__(self, name: str) -> Any:
-        return self.table[name]
 
 
 class Trial(NamedTuple):
@@ -87,9 +75,11 @@ class Impacts:
         return cls(scene, law, Numbers.of(scene, None))
 
     @classmethod
-    def several(cls, scene: Scene, law: SceneLaw, index: Index, columns: Mapping[str, Array]) -> Impacts:
-        """Many impacts."""
-        varied = scene_of_columns(scene, columns)
+    def several(
+        cls, scene: Scene, law: SceneLaw, index: Index, columns: Mapping[str, Array], varied: Scene | None = None
+    ) -> Impacts:
+        """Many impacts. varied: the scene with the columns, if it is made."""
+        varied = varied or scene_of_columns(scene, columns)
         return cls(scene, law, Numbers.of(varied, index.size), index, columns, varied)
 
     @property
@@ -138,8 +128,13 @@ class Impacts:
 
     @cached_property
     def curve(self) -> Curve:
-        """The curve that many impacts share."""
-        return curve_of(self.one_law)
+        """The curve of the one impact, or of the first of many, without a spring."""
+        return self._curve(self.own if self.many else OwnCurves())
+
+    def _curve(self, own: OwnCurves, spring: float = 0.0) -> Curve:
+        if own.page is not None and own.page.marks is not None and own.shape is not None:
+            return curve_on(own.page, own.shape[0], self.one_law, spring)  # the law alone would be fitted again
+        return curve_of(self.one_law, spring)
 
     @cached_property
     def _light_scales(self) -> Scales:
@@ -155,13 +150,7 @@ class Impacts:
     def own(self) -> OwnCurves:
         """In what the curves of many impacts differ, without springs."""
         assert self.index is not None
-        return OwnCurves.of(self.law, self.index.size, self.differing)
-
-    @cached_property
-    def differing(self) -> Varied | None:
-        """The numbers in which the curves of many impacts differ; None if they differ in more."""
-        assert self.index is not None
-        return varied_of(self.law, self.index.size)
+        return OwnCurves.of(self.law, self.index.size)
 
     def _damping(self, scales: Scales) -> Any:
         """The factor of the law's damping, without units."""
@@ -195,14 +184,14 @@ class Impacts:
         else:
             scales = self._light_scales
         springs = any_of(compliance > 0.0)
-        spring = compliance * scales.force / scales.length if springs else 0.0
+        spring: Any = compliance * scales.force / scales.length if springs else 0.0
         own = OwnCurves()
         if self.index is not None:
-            own = self.own if fitted else OwnCurves.of(self.law, self.index.size, self.differing, fitted=False)
+            own = self.own if fitted else OwnCurves.of(self.law, self.index.size, fitted=False)
         return Problem(
             impacts=self,
             law=self.one_law,
-            curve=curve_of(self.one_law, np.ravel(spring)[0].item()) if springs else self.curve,
+            curve=self._curve(own, np.ravel(spring)[0].item()) if springs or not fitted else self.curve,
             scales=scales,
             gamma=scales.force / (impedance * scales.velocity),
             load=load / scales.force,
@@ -320,7 +309,7 @@ class Problem:
         refuse_relaxation(self, "a march on lines")
         if not self.impacts.many:
             return native.marched(self.curve.native, mesh, self.start)
-        one = self.impacts.curve if self.own.spring is not None else self.curve
+        one = self.impacts.curve if self.own.springs_alone else self.curve
         status, table = self.own.march(one, mesh, self.start)
         return status, Columns(table)
 
@@ -336,20 +325,23 @@ class Problem:
             yield self
             return
         for places in self.own.groups():
-            part = self.part(places)
-            law, spring = part.impacts.one_law, 0.0 if part.own.spring is None else part.own.spring[0].item()
-            own = curve_of(law, spring)
-            yield replace(part, law=law, curve=replace(own, native=part.own.first(own)), own=OwnCurves())
+            yield self.part(places).as_first()
+
+    def as_first(self) -> Problem:
+        """Many impacts, all with the law and the curve of the first."""
+        law, curve, own = self.impacts.one_law, self.curve, self.own
+        if not own.alike:
+            error, made = max(curve.fit_error, own.fit_error), own.first(lambda: self.impacts.curve.native)
+            curve = replace(curve, native=made, stages=tuple(law.stages()), fit_error=error)
+        return replace(self, law=law, curve=curve, own=OwnCurves())
 
     @cached_property
     def trial(self) -> Trial:
-        """The impact on a coarse mesh, used to decide effects."""
+        """The impact on a coarse mesh, used to decide effects; one by the way of a batch, so that both decide alike."""
         if self.relaxation is not None:
             return Trial(*self.relax(TRIAL_TOLERANCE))
         mesh = native.mesh(native.WORK_PRESERVING, *self.curve.segments(TRIAL_SEGMENTS))
-        if self.impacts.many:
-            return Trial(*self.march(mesh))
-        return Trial(*native.impact(self.curve.native, mesh, self.start))  # the way of a batch, which decides alike
+        return Trial(*(self.march(mesh) if self.impacts.many else native.impact(self.curve.native, mesh, self.start)))
 
     @property
     def stop_velocity(self) -> Any:
@@ -359,8 +351,19 @@ class Problem:
     @property
     def limit(self) -> Any:
         """Time after which a contact under a load, or of a law that pulls, is no longer followed."""
-        loaded = (self.load > 0.0) | self.curve.pulls
-        return either(loaded, contact_limit(self.approach, self.gamma), math.inf) if any_of(loaded) else math.inf
+        if not (self.loaded or self.curve.pulls):
+            return math.inf
+        return either((self.load > 0.0) | self.curve.pulls, contact_limit(self.approach, self.gamma), math.inf)
+
+    @cached_property
+    def loaded(self) -> bool:
+        """Whether a load presses on the contact, or on any of many."""
+        return any_of(self.load > 0.0)
+
+    @cached_property
+    def damps(self) -> bool:
+        """Whether the law has damping in the impact, or in any of many."""
+        return any_of(self.damping > 0.0)
 
     def motion(self, t: Any, values: Any) -> dict[str, Any]:
         """As :func:`motion_of`."""

@@ -49,7 +49,7 @@ def varied_of(law: SceneLaw, count: int) -> Varied | None:
 
     The stages are evaluated once with arrays; those of the first, middle and last impact must be the same alone.
     """
-    if law.rule is not None or isinstance(law.law, AbstractLaw) or law.law.shaped_by or not law.read:
+    if law.rule is not None or isinstance(law.law, AbstractLaw) or law.law.shaped_by:
         return None
     try:
         numbers = _numbers(law.at(slice(None)).stages())

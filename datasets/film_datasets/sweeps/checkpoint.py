@@ -54,16 +54,16 @@ class Checkpoint:
 
     @contextlib.contextmanager
     def locked(self, resume: bool, overwrite: bool) -> Generator[None]:
-        """Create or reuse the folder and lock it against other processes. What an interrupted run has left without a
-        finished block is no loss, and is replaced."""
+        """Create or reuse the folder and lock it against other processes."""
         manifest = self.folder / "sweep.json"
-        if self.finished() and not resume and not overwrite:
+        if self.folder.exists() and not resume and not overwrite:
             if (self.folder / "lock").is_file():
                 with open(self.folder / "lock") as lock:
                     lock_file(lock, self._target)
-            raise FileExistsError(
-                f"{self._target}: an interrupted run left {self.summary()}; or use overwrite=True to start again"
-            )
+            if self.finished():
+                raise FileExistsError(
+                    f"{self._target}: an interrupted run left {self.summary()}; or use overwrite=True to start again"
+                )
         try:
             self.folder.mkdir(exist_ok=True)
             lock = open(self.folder / "lock", "w")  # noqa: SIM115  # closed, and so unlocked, at the end
@@ -93,11 +93,9 @@ class Checkpoint:
     def summary(self) -> str:
         """How many blocks are finished, and how to resume."""
         count = len(self.finished())
-        return (
-            f"{count} of {len(self._blocks)} blocks in {self.folder}: use resume=True to continue"
-            if count
-            else "no blocks are saved"
-        )
+        if count:
+            return f"{count} of {len(self._blocks)} blocks in {self.folder}: use resume=True to continue"
+        return f"nothing to resume: no block was finished, or all can be computed again within {WORTH_SAVING:g} s"
 
     def finished(self) -> set[int]:
         """Numbers of the finished blocks."""

@@ -250,7 +250,7 @@ static void check_beyond(const film_mesh *mesh) {
     film_state s;
     snprintf(where, sizeof where, "in again from beyond the end of a branch");
     HOLD(film_init(&curves[LAMINATE], &s, 0.0, 1.0, 0.1, 0.0, 0.0) == FILM_OK);
-    while (s.event != FILM_MAXIMUM_INDENTATION) HOLD(film_step(&curves[LAMINATE], mesh, &s, INFINITY) == FILM_EVENT);
+    step_to(&curves[LAMINATE], mesh, &s, FILM_MAXIMUM_INDENTATION);
     s.xi = nextafter(s.xi_free, 0.0);
     s.elastic = s.work = 0.0;
     HOLD(film_input(&s, 0.0, 1e-9 - s.nu, 0.0) == FILM_OK);
@@ -275,7 +275,7 @@ static void check_kink(void) {
 
             film_state s; /* an integrator's, between the two velocities at which the one and the other turns it */
             HOLD(film_init(&curve, &s, 0.0, 30.0, start.gamma, 0.0, 0.0) == FILM_OK);
-            while (s.event != FILM_MAXIMUM_INDENTATION) HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT);
+            step_to(&curve, &own.mesh, &s, FILM_MAXIMUM_INDENTATION);
             HOLD(film_force(&curve, &s, 25.0, 0.0).force > 3e-16);
             int count = 0;
             s.nu = start.gamma * 3e-16;
@@ -296,7 +296,10 @@ static void check_branching(const film_mesh *mesh) {
             double gamma = over_decades(1e-2, 30.0);
             HOLD(film_init(&curves[which], &s, 0.0, over_decades(0.5, 30.0), gamma, 0.0, 0.0) == FILM_OK);
             int status = FILM_EVENT;
-            while (status == FILM_EVENT && s.event != FILM_MAXIMUM_INDENTATION) status = film_step(&curves[which], mesh, &s, INFINITY);
+            for (int k = 0; status == FILM_EVENT && s.event != FILM_MAXIMUM_INDENTATION; k++) {
+                HOLD(k < EVENTS_MOST);
+                status = film_step(&curves[which], mesh, &s, INFINITY);
+            }
             if (status != FILM_EVENT) continue; /* beyond the law */
             double xi = s.xi, nu = gamma * s.elastic;
             for (int ulps = -3; ulps <= 3; ulps++) {
@@ -348,7 +351,7 @@ static void check_swings(void) {
             film_state s;
             double gamma = k % 2 ? 1e-6 : 0.0, short_of = k / 2 ? 1e-8 : 1e-10;
             HOLD(film_init(&curve, &s, 0.0, 1e-3 * (40.0 - short_of), gamma, 0.0, 0.0) == FILM_OK);
-            while (s.event != FILM_MAXIMUM_INDENTATION) HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT);
+            step_to(&curve, &own.mesh, &s, FILM_MAXIMUM_INDENTATION);
             HOLD(film_input(&s, 6e-5, 0.0, 0.0) == FILM_OK);
             double begin = 0.5 * s.nu * s.nu + s.spent - s.load * (s.xi + s.shift), most = 0.0;
             for (int i = 0; i < 2000; i++) {
@@ -468,7 +471,7 @@ static void check_pulled(void) {
     for (int i = 0; i < 40; i++) {
         double gamma = over_decades(1.0, 10.0), nu = over_decades(1.0, 100.0);
         HOLD(film_init(&curves[LINEAR], &s, 0.0, nu, gamma, 0.0, 0.0) == FILM_OK);
-        while (s.event != FILM_MAXIMUM_INDENTATION) HOLD(film_step(&curves[LINEAR], &own.mesh, &s, INFINITY) == FILM_EVENT);
+        step_to(&curves[LINEAR], &own.mesh, &s, FILM_MAXIMUM_INDENTATION);
         HOLD(film_input(&s, -1e9 * s.force, 0.0, 0.0) == FILM_OK);
         film_state before = s;
         HOLD(film_step(&curves[LINEAR], &own.mesh, &s, INFINITY) == FILM_EVENT && s.event == FILM_IMPACTOR_STOPS);
@@ -494,7 +497,7 @@ static void check_no_way(void) {
         double values[5];
         double gamma = over_decades(1e-6, 1e-4), nu = over_decades(1e-14, 1e-12);
         HOLD(film_init(&curve, &s, 0.0, nu, gamma, -1e-3, 0.0) == FILM_OK);
-        while (s.event != FILM_IMPACTOR_STOPS) HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT);
+        step_to(&curve, &own.mesh, &s, FILM_IMPACTOR_STOPS);
         HOLD(fabs(s.line.kappa) < 1e-3);
         film_evaluate(&curve, &s.line, 1e-15 * s.time, values);
         for (int j = 0; j < 5; j++) HOLD(isfinite(values[j]));
@@ -690,8 +693,9 @@ static void check_stretched(void) {
         snprintf(where, sizeof where, "stretched stages, nu %.17g, gamma %.17g, mesh %d %d", nu, gamma, (int)own.mesh.loading, (int)own.mesh.unloading);
         HOLD(film_init(&curve, &s, 0.0, nu, gamma, 0.0, 0.0) == FILM_OK);
         cut = s;
-        int32_t changes = 0, out = 0;
+        int32_t changes = 0, out = 0, count = 0;
         while (film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT && s.event != FILM_CONTACT_ENDS) {
+            HOLD(++count < EVENTS_MOST);
             changes += s.event == FILM_STAGE_CHANGES;
             out += s.event == FILM_STAGE_CHANGES && s.branch <= FILM_STRETCHED;
             HOLD(s.force >= -film_pull(&curve, &s) * (1.0 + EXACT));
@@ -715,7 +719,7 @@ static void check_stretched(void) {
         HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT && s.event == FILM_CONTACT_BEGINS);
         HOLD(s.branch == FILM_STRETCHED - 1 && s.phase == FILM_RELOADING && s.xi == left);
         NEAR(s.force, r * (0.8 * 0.25 - 1.0), r, EXACT);
-        while (s.event != FILM_MAXIMUM_INDENTATION) HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT);
+        step_to(&curve, &own.mesh, &s, FILM_MAXIMUM_INDENTATION);
         HOLD(s.xi_max > deep && s.xi_free > left && s.branch == FILM_STRETCHED - 2);
         free(own.memory);
     }
@@ -738,7 +742,7 @@ static void check_stretched(void) {
     owned_mesh own = make_mesh(FILM_WORK_PRESERVING, 12, 12);
     snprintf(where, sizeof where, "a ball that sticks in its dent");
     HOLD(film_init(&curve, &s, 0.0, 2.2, 0.2, 0.0, 0.0) == FILM_OK);
-    while (s.event != FILM_MAXIMUM_INDENTATION) HOLD(film_step(&curve, &own.mesh, &s, INFINITY) == FILM_EVENT);
+    step_to(&curve, &own.mesh, &s, FILM_MAXIMUM_INDENTATION);
     HOLD(s.stage_max == 3);
     for (int k = 0; k < 4000; k++) film_step(&curve, &own.mesh, &s, 1.0);
     HOLD(s.phase != FILM_SEPARATED && s.contacts == 1);

@@ -72,6 +72,13 @@ static void stir_summary(int status, const film_summary *s) {
     stir(flags, sizeof flags);
 }
 
+enum { EVENTS_MOST = 1000 }; /* of a contact that is asked to come to an event: more, and it never will */
+
+/* Steps from event to event, up to one of the kind. */
+static void step_to(const film_curve *curve, const film_mesh *mesh, film_state *s, int32_t event) {
+    for (int k = 0; s->event != event; k++) HOLD(k < EVENTS_MOST && film_step(curve, mesh, s, INFINITY) == FILM_EVENT);
+}
+
 static void *room_for(size_t count, size_t size) {
     void *memory = malloc(count * size + (count == 0));
     if (memory == NULL) {

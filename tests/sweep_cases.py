@@ -32,6 +32,12 @@ def same(one: xr.Dataset, other: xr.Dataset) -> None:
         assert one[name].values.tobytes() == other[name].values.tobytes(), name
 
 
+def bytes_of(output: Path) -> list[tuple[Path, bytes]]:
+    """Every file of an output, with its bytes."""
+    files = sorted(path for path in (output.rglob("*") if output.is_dir() else [output]) if path.is_file())
+    return [(path.relative_to(output), path.read_bytes()) for path in files]
+
+
 def cli(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
     status = main([str(argument) for argument in arguments])
     captured = capsys.readouterr()

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import film_model as fm
-from film_model.effects.choose import choose
+from film_model.effects.choose import choose, problem_of
 from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF
+from film_model.effects.many import problems_of
 from film_model.effects.rate_hardening import settled
 from fmu_wrapper.assumptions import served, validity_of
 
@@ -106,6 +107,17 @@ def test_many_impacts_settle_as_one_does(law, target):
         alone = fm.simulate(case.replace({"impactor.velocity": f"{speeds[k]!r} m/s"}), accuracy=1e-6).summary
         for name in ("maximum_force", "contact_duration", "coefficient_of_restitution", "contact_radius"):
             assert batch.summary[name][k] == pytest.approx(alone[name], rel=2e-6), (name, speeds[k])
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_rows_and_one_impact_take_the_strength_of_the_same_march(law):
+    """On targets that move: with one by lines and the other by tables strengths differed by 2e-10."""
+    case, speeds = scene(law, target=fm.Plate(STEEL, thickness="5 mm")), np.geomspace(0.2, 10.0, 4)
+    for problem in problems_of(case, {"impactor.velocity": speeds}, speeds.size):
+        strengths = np.broadcast_to(problem.impacts.law.strength, problem.approach.shape)
+        for row, strength in zip(problem.impacts.index, strengths, strict=True):
+            one = problem_of(case.replace({"impactor.velocity": f"{float(speeds[row])!r} m/s"}))
+            assert one.impacts.law.strength == pytest.approx(strength, rel=2e-13)
 
 
 def test_each_row_of_a_sweep_has_its_own_strength():

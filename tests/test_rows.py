@@ -12,6 +12,7 @@ from film_model.core import native
 from film_model.effects.choose import problem_of
 from film_model.effects.many import problems_of
 from film_model.problem.curve import curve_of
+from film_model.problem.varied import varied_of
 from film_model.solve.batch import STATUSES, simulate_many
 from film_model.solve.history import SUMMARY
 
@@ -212,6 +213,22 @@ def test_curves_are_shared_where_the_dimensionless_form_allows():
     assert rows.impacts.index.size == count
     parts = problems_of(base, {"contact.exponent": np.repeat([1.2, 1.5, 1.7], 100)}, count)
     assert [part.impacts.index.size for part in parts] == [100, 100, 100]
+
+
+def test_stages_of_rows_that_differ_in_numbers_are_evaluated_once(monkeypatch):
+    asked = []
+
+    def counted(law, count):
+        asked.append(count)
+        return varied_of(law, count)
+
+    monkeypatch.setattr("film_model.problem.own_curves.varied_of", counted)
+    stiffness = np.linspace(3e7, 5e7, 40)
+    base = dataclasses.replace(
+        scene("hertz"), contact=fm.Contact("walton-braun", loading_stiffness="40 MN/m", unloading_stiffness="80 MN/m")
+    )
+    (rows,) = problems_of(base, {"contact.loading_stiffness": stiffness}, 40)
+    assert rows.own.varied is not None and asked == [40]
 
 
 @dataclasses.dataclass(frozen=True)

@@ -8,6 +8,8 @@ from cases import MASS, RADIUS, scene
 from law_cases import scene_of, velocity_of
 
 import film_model as fm
+from film_model.core import native
+from film_model.effects.choose import problem_of
 
 
 @pytest.mark.parametrize("target", ["half-space", "plate", "rod"])
@@ -123,3 +125,26 @@ def test_tan_sun_pushed_back_before_it_has_opened():
     share = lambda x: ((x - dent) / (deep - dent)) ** 1.5  # noqa: E731
     expected = low + (top - low) * (share(indentation) - share(back)) / (1.0 - share(back))
     assert force == pytest.approx(expected, rel=1e-12)
+
+
+def last_slope(law, summary):
+    """Of the branch out where it ends, over the scales: Yigit and Christoforou's is Hertz's curve moved down."""
+    if law == "walton-braun":
+        return 2.0
+    left = summary.maximum_indentation**1.5 - summary.maximum_force
+    return 1.5 * max(left, 0.0) ** (1 / 3)  # 0: it has not yielded
+
+
+@pytest.mark.parametrize("law", ["walton-braun", "yigit-christoforou"])
+def test_a_contact_that_creeps_out_never_ends(law):
+    """It is over-damped where the branch ends with a slope k: γ² k ≥ 4. Rounding of short lines decided before."""
+    problem = problem_of(scene(law, "plate", velocity=1.0))
+    for gamma in (0.5, 1.0, 1.05, 1.4142, 1.4143, 2.0, 4.0, 9.0, 40.0):
+        start = native.Start.from_buffer_copy(problem.start)
+        start.gamma = gamma
+        for n in (3, 8, 20, 50, 200, 1000):
+            for line in (native.CHORD, native.WORK_PRESERVING):
+                status, summary = native.impact(problem.curve.native, native.mesh(line, n, n), start)
+                never = gamma**2 * last_slope(law, summary) >= 4.0
+                assert status == (native.ENDLESS if never else native.EVENT), (gamma, n, line)
+                assert math.isnan(summary.contact_duration) == never

@@ -1,10 +1,12 @@
 """Interrupted sweeps: a saved block is used only for its own rows, and each failure has its sentence."""
 
 import shutil
+import sys
 
 import numpy as np
 import pytest
 import xarray as xr
+from sweep_cases import bytes_of
 
 import film_datasets as fd
 import film_model as fm
@@ -146,3 +148,80 @@ def test_a_sweep_that_is_interrupted_in_its_first_block_keeps_nothing_and_says_s
     with pytest.raises(KeyboardInterrupt, match=r"^interrupted: nothing to resume: no block was finished"):
         fd.sweep(SCENE, OVER, output=tmp_path / "out.nc", workers=1)
     assert list(tmp_path.iterdir()) == []
+
+
+# ------------------------------------------------------------------------------------------------ at every moment
+
+
+class Interruption:
+    """Raises KeyboardInterrupt at line `at` of film_datasets that the main thread runs: between bytecodes, where Python
+    does so for the keyboard."""
+
+    def __init__(self, at):
+        self.at, self.lines = at, 0
+
+    def __call__(self, frame, event, _):
+        if "film_datasets" not in frame.f_code.co_filename:
+            return None
+        self.lines += event == "line"
+        if event == "line" and self.lines == self.at:
+            raise KeyboardInterrupt
+        return self
+
+    def during(self, *arguments, **options):
+        """Run a sweep; whether it was interrupted."""
+        before = sys.gettrace()
+        sys.settrace(self)
+        try:
+            runner.run_sweep(*arguments, **options).close()
+        except KeyboardInterrupt:
+            return True
+        finally:
+            sys.settrace(before)
+        return False
+
+
+def interrupt_and_resume(tmp_path, monkeypatch, suffix, workers, moments):
+    """Interrupt a sweep of 12 blocks at some fractions of its lines; each is resumed, from its saved blocks, and ends
+    with the same bytes. The numbers of blocks that were saved."""
+    if suffix == "zarr":
+        pytest.importorskip("zarr")
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    monkeypatch.setattr("film_datasets.sweeps.checkpoint.WORTH_SAVING", 0.0)
+    monkeypatch.setattr("film_datasets.sweeps.blocks.BLOCK_IMPACTS", 1)
+    computed, saved = [], []
+
+    def counted(sweep, block):
+        computed.append(block.first)
+        return compute_block(sweep, block)
+
+    monkeypatch.setattr("film_datasets.sweeps.computed_blocks.compute_block", counted)
+    over = {"impactor.velocity": {"from": "0.1 m/s", "to": "1 m/s", "count": 12}}
+    sweep = Sweep.of(SCENE.replace({"contact.law": "hertz"}), over, variables=["maximum_force", "contact_duration"])
+    given, whole, counter = {"command": "test", "workers": workers}, tmp_path / f"whole.{suffix}", Interruption(0)
+    assert not counter.during(sweep, whole, **given)
+    for moment in moments:
+        folder = tmp_path / f"{moment}"
+        folder.mkdir()
+        output = folder / whole.name
+        Interruption(1 + int(moment * counter.lines)).during(sweep, output, **given)  # lines of threads vary a little
+        whole_already = output.exists()
+        kept = set(range(12)) if whole_already else Checkpoint(output, sweep, Blocks(sweep)).finished()
+        saved.append(len(kept))
+        computed.clear()
+        runner.run_sweep(sweep, output, **given, resume=bool(kept)).close()
+        assert set(computed) == set(range(12)) - kept, moment
+        assert bytes_of(output) == bytes_of(whole), moment
+        assert list(folder.iterdir()) == [output], moment
+    return saved
+
+
+def test_interrupted_while_the_output_is_created_and_resumed(tmp_path, monkeypatch):
+    saved = interrupt_and_resume(tmp_path, monkeypatch, "nc", 2, (0.05, 0.2, 0.4, 0.6))
+    assert saved[0] == 0 and saved[-1] > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("suffix", "workers"), [("nc", 1), ("nc", 2), ("zarr", 1), ("zarr", 2)])
+def test_interrupted_at_any_moment_and_resumed(tmp_path, monkeypatch, suffix, workers):
+    interrupt_and_resume(tmp_path, monkeypatch, suffix, workers, np.linspace(0.0, 0.9999, 50))

@@ -6,6 +6,7 @@ import io
 import os
 import platform
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -13,7 +14,7 @@ import time
 from pathlib import Path
 
 import pytest
-from sweep_cases import BALL, FILE, PLATE, SCENES, SPEEDS, STRENGTHS, same
+from sweep_cases import BALL, FILE, PLATE, SCENES, SPEEDS, STRENGTHS, bytes_of, same
 
 import film_datasets as fd
 from film_datasets.sweeps import Interrupted, ProgressBar, Sweep, run_sweep
@@ -147,15 +148,16 @@ if limit:
 scene = fm.Scene.from_toml(sys.argv[1])
 over = {"impactor.velocity": {"uniform": ["0.1 m/s", "5 m/s"]}, "impactor.mass": {"normal": ["60 g", "5 g"]}}
 try:
-    fd.sweep(scene, over, "sobol", samples=int(sys.argv[4]), output=sys.argv[2], resume=True)
+    workers = int(sys.argv[5]) or None
+    fd.sweep(scene, over, "sobol", samples=int(sys.argv[4]), output=sys.argv[2], resume=True, workers=workers)
 except OSError as error:
     sys.exit(str(error))
 """
 
 
-def script(output: Path, limit: int = 0, samples: int = 60_000) -> list[str]:
+def script(output: Path, limit: int = 0, samples: int = 60_000, workers: int = 0) -> list[str]:
     scene = SCENES / "tungsten_carbide_on_steel.toml"
-    return [sys.executable, "-c", SCRIPT, str(scene), str(output), str(limit), str(samples)]
+    return [sys.executable, "-c", SCRIPT, str(scene), str(output), *map(str, (limit, samples, workers))]
 
 
 @pytest.mark.slow
@@ -194,6 +196,35 @@ def test_killed_at_any_moment_and_resumed(tmp_path: Path, suffix: str) -> None:
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted(
         [f"whole.{suffix}", *(f"out{number}.{suffix}" for number in range(20))]
     )
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("suffix", ["nc", "zarr"])
+def test_stopped_right_after_the_start_and_resumed(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, suffix: str, workers: int
+) -> None:
+    """While the output is created, the workers save blocks: resumed, the sweep has the same bytes."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    given = {"samples": 30_000, "workers": workers}
+    subprocess.run(script(tmp_path / f"whole.{suffix}", **given), check=True)
+    rng = random.Random(workers)
+    for number, sign in enumerate((signal.SIGINT, signal.SIGKILL) * 2):
+        path, folder = tmp_path / f"out.{suffix}", tmp_path / f".out.{suffix}.blocks"
+        process = subprocess.Popen(
+            script(path, **given), stderr=subprocess.DEVNULL,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        )  # fmt: skip
+        while process.poll() is None and not folder.exists():
+            time.sleep(0.001)
+        time.sleep(rng.uniform(0.0, 0.1))
+        process.send_signal(sign)
+        process.wait()
+        subprocess.run(script(path, **given), check=True)
+        assert bytes_of(path) == bytes_of(tmp_path / f"whole.{suffix}"), (number, sign)
+        assert sorted(p.name for p in tmp_path.iterdir()) == [f"out.{suffix}", f"whole.{suffix}"]
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
 
 
 @pytest.mark.slow

@@ -14,10 +14,6 @@ static const double TRIAL_TOLERANCE = 1e-2;
  * core_check.c, check_linear_law, at 1e-4. */
 static const double NEWTON_SETTLED = 1e-9;
 
-/* A leg shorter than this fraction of the contact's depth is straight: curvature changes the force over it by 1e-12.
- * core_check.c, check_found: "a load at rest". */
-static const double REST_LENGTH = 1e-6;
-
 enum { BALANCE_HALVINGS = 100 };
 
 /* ---------------------------------------------------------------- a line that ends at the turn */

@@ -14,7 +14,11 @@ static const double ENERGY_ROUNDING = 2.0;
 /* The work of a pull, which is the difference of two, counts this many times. tests/test_estimates.py. */
 static const double PULL_ROUNDING = 4.0;
 
-/* The same in series with a spring, where the law is evaluated at an indentation that is sought.
+/* The work of a load and a pull is summed over the lines: from about this number on, its rounding grows with the root of it.
+ * tests/test_estimates.py. */
+static const double FEW_LINES = 400.0;
+
+/* ENERGY_ROUNDING in series with a spring, where the law is evaluated at an indentation that is sought.
  * tests/test_one_and_many.py, seed 1390. */
 static const double SERIES_ROUNDING = 2e4;
 
@@ -57,7 +61,8 @@ static double rounding(const film_curve *curve, const film_start *start, const f
     double impact = 0.5 * start->nu * start->nu, depth = s->maximum_indentation, speed = fabs(s->final_velocity);
     double closed = depth > clearance ? depth / (depth - clearance) : 1.0;
     double unit = (curve->compliance > 0.0 ? SERIES_ROUNDING : ENERGY_ROUNDING) * DBL_EPSILON;
-    double lost = unit * (impact * closed + (start->load + PULL_ROUNDING * curve->pull) * depth);
+    double push = (start->load + PULL_ROUNDING * curve->pull) * sqrt(1.0 + s->lines / FEW_LINES);
+    double lost = unit * (impact * closed + push * depth);
     double other = closed > DEEP ? SHORT_WAY * closed : 0.0;
     if (start->stop_velocity > 0.0 && !isnan(s->time_impactor_stops))
         other += STOP_ROUNDING * DBL_EPSILON * start->nu / (start->nu - start->stop_velocity);

@@ -53,9 +53,10 @@ void film_add_damping(const film_curve *curve, const film_mesh *mesh, film_state
     s->line.kappa += tilt;
 }
 
-/* Adds damping to the line over the next `length`. The speed at its end, which weights the mean, is that of the line with
- * an evenly weighted mean. docs/method.md, section 7. */
-void film_damp_line(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int at_rest) {
+/* Adds damping to the line over the next `length`, as film_add_damping. The speed at its end, which weights the mean, is that
+ * of the line with an evenly weighted mean. docs/method.md, section 7. */
+void film_damp_line(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int at_rest,
+                    int plain) {
     double h = s->direction * length, tau, y = 0.0;
     s->line.damping = mean_damping(curve, s, h, 1.0, 1.0);
     motion rough = motion_on(s, s->line.phi, s->line.kappa);
@@ -67,7 +68,7 @@ void film_damp_line(const film_curve *curve, const film_mesh *mesh, film_state *
         y = 0.0;
     }
     double y0 = at_rest ? 0.0 : fmax(film_speed(curve, s, s->xi, s->elastic, s->nu), 0.0);
-    if (y0 + y > 0.0) film_add_damping(curve, mesh, s, h, y0, y, 0);
+    if (y0 + y > 0.0) film_add_damping(curve, mesh, s, h, y0, y, plain);
 }
 
 /* The energy that damping took over the first tau of a line, at whose end the impactor is at xi with nu and the law's work

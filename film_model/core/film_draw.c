@@ -52,19 +52,25 @@ void film_make_turn_line(const film_curve *curve, const film_mesh *mesh, film_st
     }
 }
 
-/* Whether the line leads to the end of a shifted branch, where the force reaches 0 with a slope. An over-damped motion never
- * gets there: the line must be 0 there, too, or the motion would pass. */
-static int ends_at_angle(const film_state *s) {
-    int out = s->line_ends == ENDS_EDGE && s->branch == FILM_BRANCH && s->direction < 0;
-    return out && s->line.f_shift < 0.0 && s->gamma > 0.0;
+/* Whether the contact creeps out along a branch that ends at an angle, and never ends. With the ratio u of nu to the force f
+ * there, u' = kappa u (gamma - u) - 1. If the slope at the end is at least 4/gamma^2, the larger of the u that stand still
+ * there is a bound: no steeper part of the branch takes u below it. docs/method.md, section 9. */
+static int creeps_out(const film_curve *curve, const film_state *s) {
+    if (s->branch != FILM_BRANCH || s->line.exponent < 1.0 || s->gamma == 0.0 || s->load != 0.0 || !leaves_freely(curve, s)) return 0;
+    if (run_limit(curve, s) != s->xi_free || !(s->elastic > 0.0)) return 0;
+    double origin = (s->xi_free - s->line.xi_origin) * s->line.per_recovery;
+    double slope = s->line.f_max * s->line.exponent * s->line.per_recovery * pow(fmax(origin, 0.0), s->line.exponent - 1.0);
+    double square = s->gamma * s->gamma - 4.0 * (1.0 / slope + curve->compliance);
+    return square >= 0.0 && 2.0 * s->nu >= s->elastic * (s->gamma + sqrt(square));
 }
 
 /* The line over the next `length`, and the motion on it. Slope (f1 - f0)/h, and level so that the line does the law's work;
  * a chord begins at f0 instead. From rest it begins at f0, so that y = 0 there; where the motion comes to rest it ends at
- * f1, so that it balances where the law does. docs/method.md, section 2. */
-motion film_make_line(const film_curve *curve, const film_mesh *mesh, film_state *s, double length) {
+ * f1, so that it balances where the law does. plain: as in film_add_damping. docs/method.md, section 2. */
+static motion make_line(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int plain) {
     double h = s->direction * length, per_h = per_length(s, h);
     law_at(curve, &s->line, s->xi + h, &s->force_end, &s->work_end);
+    if (s->line_ends == ENDS_NEVER && leaves_freely(curve, s)) s->force_end = 0.0; /* but for rounding */
     double mean = mean_force(curve, s, h);
     int at_rest = s->from_turn && s->leg_node == 0;
     s->line.kappa = (s->force_end - s->elastic) * per_h;
@@ -74,15 +80,19 @@ motion film_make_line(const film_curve *curve, const film_mesh *mesh, film_state
     } else if (at_rest) {
         s->line.phi = s->elastic;
         s->line.kappa = 2.0 * (mean - s->elastic) * per_h;
-    } else if (s->line_ends == ENDS_NEVER || ends_at_angle(s)) {
+    } else if (s->line_ends == ENDS_NEVER) {
         s->line.kappa = 2.0 * (s->force_end - mean) * per_h;
         s->line.phi = 2.0 * mean - s->force_end;
     }
     s->line.damping = 0.0;
-    if (is_damped(curve, s)) film_damp_line(curve, mesh, s, length, at_rest);
+    if (is_damped(curve, s)) film_damp_line(curve, mesh, s, length, at_rest, plain);
     motion m = motion_on(s, s->line.phi, s->line.kappa);
     if (at_rest && fabs(m.y0) <= REST_SPEED * (fabs(s->nu) + s->gamma * s->elastic)) m.y0 = 0.0;
     return m;
+}
+
+motion film_make_line(const film_curve *curve, const film_mesh *mesh, film_state *s, double length) {
+    return make_line(curve, mesh, s, length, 0);
 }
 
 /* The line ends after `length` with the speed y of its own motion. */
@@ -224,6 +234,10 @@ static int line_to_node(const film_curve *curve, const film_mesh *mesh, film_sta
     motion m = film_make_line(curve, mesh, s, *length);
     int moved = move_to(&m, *length, &s->tau_end, &y);
     if (moved != REACHED && freely && is_damped(curve, s)) return end_never(s); /* F falls to 0 on the way */
+    if (moved != REACHED && is_damped(curve, s)) { /* or did the tilt turn it? */
+        m = make_line(curve, mesh, s, *length, 1);
+        moved = move_to(&m, *length, &s->tau_end, &y);
+    }
     if (moved == TURNS_BEFORE && m.y0 < 0.0 && freely && !at_rest)
         moved = make_outward_line(curve, mesh, s, *length, moved, &y);
     if (moved != REACHED) moved = shorten_line(curve, mesh, s, moved, length, &m, &y);
@@ -310,7 +324,9 @@ static int turn_at_once(const film_curve *curve, film_state *s, double length) {
 /* Replaces the law by a line from the current point to the next node of the leg, to a turn before it, or to where else the
  * line must end; sets line, line_ends, tau_end and the state at the end. docs/method.md, sections 2 and 5. */
 int film_next_line(const film_curve *curve, const film_mesh *mesh, film_state *s, double turn_tolerance) {
-    int last = s->leg_node + 1 >= s->leg_nodes, at_rest = s->from_turn && s->leg_node == 0;
+    if (s->leg_ends == ENDS_EDGE && creeps_out(curve, s)) s->leg_ends = ENDS_NEVER;
+    int straight = s->leg_ends == ENDS_NEVER && leaves_freely(curve, s) && s->xi - s->leg_to < REST_LENGTH * s->recovery;
+    int last = straight || s->leg_node + 1 >= s->leg_nodes, at_rest = s->from_turn && s->leg_node == 0;
     int own_turn = at_rest || (mesh->linearisation == FILM_CHORD && s->gamma == 0.0 && !is_damped(curve, s));
     double d = s->direction;
     double to = last ? s->leg_to : s->leg_from + (s->leg_to - s->leg_from) * node_fraction(mesh, s, s->leg_node + 1);

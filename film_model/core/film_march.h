@@ -52,6 +52,10 @@ static const double INSIDE_DENT = 1e-9;
  * longer than 1/CREPT. Without it core_check.c, check_crept does not end. */
 static const double CREPT = 1e-30;
 
+/* A leg shorter than this fraction of the contact's depth is straight: curvature changes the force over it by 1e-12.
+ * core_check.c, check_found: "a load at rest". */
+static const double REST_LENGTH = 1e-6;
+
 /* Abscissas and weights of Gauss's rule of five points on 0 .. 1. */
 enum { GAUSS = 5 };
 static const double GAUSS_AT[GAUSS] = {0.046910077030668004, 0.23076534494715845, 0.5, 0.76923465505284155, 0.953089922969332};
@@ -127,7 +131,8 @@ void film_end_at_stop(const film_curve *curve, const film_mesh *mesh, film_state
 void film_make_flight(const film_curve *curve, film_state *s);
 
 /* film_damping.c */
-void film_damp_line(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int at_rest);
+void film_damp_line(const film_curve *curve, const film_mesh *mesh, film_state *s, double length, int at_rest,
+                    int plain);
 void film_add_damping(const film_curve *curve, const film_mesh *mesh, film_state *s, double h, double y0, double y1, int plain);
 double film_speed(const film_curve *curve, const film_state *s, double xi, double force, double nu);
 double film_release_margin(const film_curve *curve, const film_state *s);

@@ -5,7 +5,7 @@ Impacts that share a law and a curve form one problem with arrays; its effects a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, cast
 
@@ -26,7 +26,7 @@ from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
 from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
 from film_model.problem.problem import Impacts, Problem
-from film_model.problem.varied import fitted_by, varied_of
+from film_model.problem.varied import fitted_by
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
@@ -197,7 +197,7 @@ def _groups(
         picked = columns if own.size == len(next(iter(columns.values()))) else _picked(columns, own)
         varied = part if own.size == index.size else scene_of_columns(scene, picked)
         slow = Impacts.several(scene, SceneLaw.of(varied, law).reduced(), own, picked, varied)
-        for places in _shared_curves((slow.law,), own.size):
+        for places in _shared_curves(slow):
             for static, support in supports_of(slow if places is ALL else _alike(slow, places)):
                 for impacts, same in _by_curve(_hardened(static, support), static):
                     yield impacts, support.part(same), yields
@@ -208,7 +208,7 @@ def _by_curve(impacts: Impacts, shared: Impacts) -> Iterator[tuple[Impacts, Any]
     if impacts is shared:
         yield impacts, ALL
         return
-    for places in _shared_curves((impacts.law,), impacts.numbers.mass.size):
+    for places in _shared_curves(impacts):
         yield _alike(impacts, places), places
 
 
@@ -225,24 +225,24 @@ def _hardened(impacts: Impacts, support: Support) -> Impacts:
     if wanted is False or coefficient is None or static.strength is None:
         return impacts
 
-    def problem(law: SceneLaw, places: Any) -> Problem:
-        part, moves = _alike(impacts.under(law), places), support.part(places)
+    def problem(under: Impacts, places: Any) -> Problem:
+        part, moves = _alike(under, places), support.part(places)
         return part.problem(moves.impedance, part.column(0.0), moves.compliance)
 
     def rates(factor: Array) -> Array:
-        law, found = static.strengthened(factor), np.empty(count)
-        for places in _shared_curves((law,), count):
-            found[places] = rate_hardening.strain_rate(problem(law, places))
+        strong, found = impacts.under(static.strengthened(factor)), np.empty(count)
+        for places in _shared_curves(strong):
+            found[places] = rate_hardening.strain_rate(problem(strong, places))
         return found
 
     factor = rate_hardening.settled(rates, coefficient, np.ones(count))
     known = factor == factor
-    hard, used = static.strengthened(np.where(known, factor, 1.0)), np.zeros(count, np.bool_)
-    for places in _shared_curves((static, hard), count):
-        used[places] = rate_hardening.needed(problem(hard, places), problem(static, places))
+    hard, used = impacts.under(static.strengthened(np.where(known, factor, 1.0))), np.zeros(count, np.bool_)
+    for places in _shared_curves(impacts, hard):
+        used[places] = rate_hardening.needed(problem(hard, places), problem(impacts, places))
     used &= known
     if used.all():
-        return impacts.under(hard)
+        return hard
     return impacts.under(static.strengthened(np.where(used, factor, 1.0))) if used.any() else impacts
 
 
@@ -262,26 +262,28 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
             yield LAWS[name], name == YIELDING, index[mask]
 
 
-def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Any]:
-    """The places of the impacts of each curve under the laws; `ALL` if they share one. Most laws have stages that do
-    not depend on the varied values."""
-    shapes = [shape for law in laws for shape in (*curve_keys(law), *_few_valued(law))] if count > 1 else []
+def _shared_curves(*impacts: Impacts) -> Iterator[Any]:
+    """The places of the impacts of each curve, if they are given under several laws under each; `ALL` if they share
+    one. Most laws have stages that do not depend on the varied values."""
+    shapes = list[Array]()
+    if impacts[0].numbers.mass.size > 1:
+        shapes = [shape for under in impacts for shape in (*curve_keys(under), *_few_valued(under.law))]
     if all(all_of(shape == shape[0]) for shape in shapes):
         yield ALL
         return
     _, first, group, sizes = np.unique(
         np.stack(shapes, axis=-1), axis=0, return_index=True, return_inverse=True, return_counts=True
     )
-    if first.size > max(count // FEW, 1):
+    if first.size > max(group.size // FEW, 1):
         raise ValueError("nearly every impact has a curve of its own")
     for places in np.split(np.argsort(group.ravel(), kind="stable"), np.cumsum(sizes)[:-1]):
         yield np.sort(places)
 
 
-def curve_keys(law: SceneLaw) -> list[Array]:
+def curve_keys(impacts: Impacts) -> list[Array]:
     """The varied values on which the curve depends, one array each; for a family of curves, the page."""
     shapes: list[Array] = []
-    kind = law.law
+    law, kind = impacts.law, impacts.law.law
     if not isinstance(kind, AbstractLaw):
         read = law.read
         if law.rule is None and read.keys() & {*kind.shaped_by}:
@@ -289,7 +291,7 @@ def curve_keys(law: SceneLaw) -> list[Array]:
             page = page_number(shape)
             shapes.append(np.where((page >= 0) & (page < LAST_PAGE), page, shape))  # others have curves of their own
         elif read and not (law.rule is None and kind.shaped_by):
-            shapes += [] if varied_of(law, next(iter(read.values())).size) is not None else read.values()
+            shapes += [] if impacts.own.varied is not None else read.values()
     if law.rule == "brake":
         made = law.at(ALL)
         assert isinstance(made, BrakeUnloading)

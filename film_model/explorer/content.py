@@ -32,12 +32,10 @@ from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
 from film_model.solve.accuracy import (
     COARSE,
     COARSE_FACTOR,
-    DIFFERENT,
     FIRST_SEGMENTS,
     MOST_SEGMENTS,
     ORDER_FACTOR,
     REGULAR_FALL,
-    SAME_WAY_IN,
     STOP_IN_A_LINE,
 )
 from film_model.solve.history import MOTION
@@ -257,7 +255,6 @@ def _constants() -> dict[str, Any]:
         "order_factor": ORDER_FACTOR,
         "regular_fall": REGULAR_FALL,
         "coarse": [COARSE_FACTOR, COARSE],
-        "same_way_in": [SAME_WAY_IN, DIFFERENT],
         "stop_in_a_line": STOP_IN_A_LINE,
         "grazing": GRAZING,
         "deeper": DEEPER,

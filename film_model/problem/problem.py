@@ -337,10 +337,11 @@ class Problem:
 
     @cached_property
     def trial(self) -> Trial:
-        """The impact on a coarse mesh, used to decide effects."""
+        """The impact on a coarse mesh, used to decide effects; one by the way of a batch, so that both decide alike."""
         if self.relaxation is not None:
             return Trial(*self.relax(TRIAL_TOLERANCE))
-        return Trial(*self.march(native.mesh(native.WORK_PRESERVING, *self.curve.segments(TRIAL_SEGMENTS))))
+        mesh = native.mesh(native.WORK_PRESERVING, *self.curve.segments(TRIAL_SEGMENTS))
+        return Trial(*(self.march(mesh) if self.impacts.many else native.impact(self.curve.native, mesh, self.start)))
 
     @property
     def stop_velocity(self) -> Any:

@@ -45,11 +45,6 @@ STOP_IN_A_LINE = 0.25
 fraction of the approach velocity that it loses until then; of chords over 1. 0.006 under Hertz's law, 0.09 under
 `tsuji`, 0.2 under `hunt-crossley`. Needed by tests/test_estimates.py."""
 
-SAME_WAY_IN, DIFFERENT = 1e-11, 1e-9
-"""Damped contacts under a load on meshes on which the deepest points come at one time to `SAME_WAY_IN`, while another
-value differs by `DIFFERENT`, have the same line to that point, and the turn may be an artefact of it. Needed by
-tests/test_estimates.py."""
-
 _HALVINGS = 32
 """Times at which slow motion under a load is compared: the time limit, halved up to this often."""
 
@@ -116,14 +111,13 @@ def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple
         counts = [counts[1], counts_for(n)]
         fine = _impact(problem, solver, counts[1])
         here = _apart(problem, solver, counts, coarse, fine)
-        apart, falls, before = max(here, before / regular), here < 0.5 * before, here
+        apart, before = max(here, before / regular), here
         bound = coarse_factor(n, solver) if problem.load > 0.0 else factor
         found, rounds = max(bound * apart, unseen(problem, solver, n, fine)), rounding(problem, fine)
-        found = 1.0 if same_way_in(problem, coarse, fine, here) else found
         estimated = found + rounds
         if estimated <= solver.accuracy:
             return counts[1], estimated
-        if n >= MOST_SEGMENTS or (found < rounds and not falls) or (estimated > 0.7 * last and estimated < 1e-9):
+        if n >= MOST_SEGMENTS or found < rounds or (estimated > 0.7 * last and estimated < 1e-9):
             warnings.append(
                 f"accuracy {solver.accuracy:g} is not reached: the estimated relative error is {estimated:.1e} "
                 f"with {n} segments per stage"
@@ -146,14 +140,6 @@ def estimate(problem: Problem, solver: Solver) -> float:
     apart = _apart(problem, solver, counts, given, double)
     found = max(ORDER_FACTOR[solver.linearisation][0] * apart, unseen(problem, solver, n, given))
     return found + rounding(problem, given)
-
-
-def same_way_in(problem: Problem, a: Any, b: Any, apart: Any) -> Any:
-    """Whether summaries on two meshes, `apart` by their largest relative difference, are no evidence of their errors:
-    see `SAME_WAY_IN`."""
-    doubtful = (problem.damping > 0.0) & (problem.load > 0.0) & (apart > DIFFERENT)
-    off, time = abs(a.time_of_maximum_indentation - b.time_of_maximum_indentation), b.time_of_maximum_indentation
-    return doubtful & (time > 0.0) & (off <= SAME_WAY_IN * time)
 
 
 def unseen(problem: Problem, solver: Solver, n: int, core: Any) -> Any:

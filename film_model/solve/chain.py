@@ -77,7 +77,7 @@ def _chains(pairs: Pairs, how: _How) -> Iterator[tuple[Index, _Chain]]:
     step = np.where(pairs.fits(how.stencil.offsets * scale), pairs.step * scale, 0.0).reshape(-1, numbers)
     impacts = _beside(pairs, step, how.stencil)
     count, each = len(step), how.stencil.offsets.size
-    shared, fitted = (_stacked(keys, count) for keys in (curve_keys(impacts.law), [*fitted_by(impacts.law).values()]))
+    shared, fitted = (_stacked(keys, count) for keys in (curve_keys(impacts), [*fitted_by(impacts.law).values()]))
     other = (shared != shared[:, :1]).any(axis=2)
     smooth = np.ones(count, np.bool_)
     if other.any():  # stencils that need more than one curve are left out

@@ -21,7 +21,6 @@ from film_model.solve.accuracy import (
     coarse_factor,
     first_segments,
     mesh_of,
-    same_way_in,
     unseen,
 )
 from film_model.solve.relaxed import relax_many
@@ -151,7 +150,6 @@ def _estimate(
     if n <= TOO_FEW and (problem.curve.pulls or problem.loaded):
         found[(apart <= SAME) & (loaded | problem.curve.pulls)] = 1.0
     if problem.loaded:
-        found[same_way_in(problem, coarse, core, apart)] = 1.0
         found = np.where(loaded, np.maximum(found, LOADED * solver.accuracy), found)
     estimated = np.minimum(found + rounds, 1.0)
     estimated[failed] = math.nan

@@ -175,14 +175,17 @@ def _write_table(
 
 def _write_file(run: Run, target: Path, checkpoint: Checkpoint, workers: int | None, scheduler: Any) -> None:
     """Write the output under another name and rename it; if that fails, keep what was computed."""
-    writer, content = _writer(run, target, checkpoint)
     try:
-        with workers_of(workers, scheduler) as pool:
-            _write_blocks(run, writer, pool, checkpoint, content)
-        put_in_place(writer.path, target)
+        writer, content = _writer(run, target, checkpoint)
+        try:
+            with workers_of(workers, scheduler) as pool:
+                _write_blocks(run, writer, pool, checkpoint, content)
+            put_in_place(writer.path, target)
+        except BaseException:
+            if checkpoint.written() is None:
+                writer.abandon()
+            raise
     except BaseException:
-        if checkpoint.written() is None:
-            writer.abandon()
         if not checkpoint.finished():
             checkpoint.remove()
         raise

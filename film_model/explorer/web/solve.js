@@ -232,25 +232,16 @@ function refine(problem, solver) {
     const off = apart(problem, line, here, coarse, fine);
     const bound = problem.p.load > 0 ? Math.max(order[line][1], doubtful * Math.min(1, few / n)) : order[line][1];
     const found = Math.max(bound * Math.max(off, before / fall[line]), unseen(problem, line, n, fine));
-    const error = sameWayIn(problem, coarse, fine, off) ? 1 : found;
-    const falls = off < 0.5 * before;
     before = off;
     const rounds = roundingOf(problem, fine);
-    const estimated = error + rounds;
+    const estimated = found + rounds;
     if (estimated <= accuracy) return { counts: here[1], estimated, warning: "" };
-    if (n >= most || (error < rounds && !falls) || (estimated > 0.7 * last && estimated < 1e-9)) {
+    if (n >= most || found < rounds || (estimated > 0.7 * last && estimated < 1e-9)) {
       const reached = `the estimated relative error is ${estimated.toExponential(1)} with ${n} segments per stage`;
       return { counts: here[1], estimated, warning: `accuracy ${accuracy} is not reached: ${reached}` };
     }
     [coarse, last] = [fine, estimated];
   }
-}
-
-/** Whether two meshes are no evidence: see SAME_WAY_IN in accuracy.py. @param {Problem} problem @param {Impact} a @param {Impact} b @param {number} off */
-function sameWayIn(problem, a, b, off) {
-  const [same, different] = DATA.constants.same_way_in;
-  const [time, other] = [b.time_of_maximum_indentation, a.time_of_maximum_indentation];
-  return problem.p.damping > 0 && problem.p.load > 0 && off > different && time > 0 && Math.abs(time - other) <= same * time;
 }
 
 /**

@@ -163,8 +163,8 @@ def differences(a, b, start):
 
 @pytest.mark.parametrize("law", [name for name in LAWS if name != "yigit-christoforou"])  # is left to the march
 def test_quadrature_on_a_half_space_converges_to_the_march(law):
-    """Error over segments, against 500 lines a leg: geometric until rounding. All but times need no quadrature. One impact
-    is as exact as rows."""
+    """Error over segments, against 500 lines a leg: geometric until rounding, of rows and of one impact. All but times
+    need no quadrature."""
     rng = np.random.default_rng(3)
     start = starts(np.exp(rng.uniform(-1.5, 3, 40)), 0.0)
     curve = curve_of(LAWS[law]).native

@@ -18,7 +18,7 @@ INLINED fixed_piece piece_of(const batch_job *j, int32_t stage, int32_t p) {
 
 enum { PLACES = LANES > 1 ? LANES : SEVERAL };
 
-/* The works of a piece at PLACES: those of the lanes or, of one impact, SEVERAL points of the rule. */
+/* The works of a piece, as piece_law_lanes has them, at PLACES: those of the lanes or, of one impact, SEVERAL points of the rule. */
 static void works_at(const film_piece *piece, const double *restrict xi, double *restrict work) {
     const film_function *g = piece->force.form == FILM_POWER ? &piece->force : &piece->mean;
     double x[PLACES], z[PLACES], a[PLACES] = {0.0}, before[PLACES] = {0.0}, term[FILM_MAX_TERMS + 4] = {0.0};

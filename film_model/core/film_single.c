@@ -33,8 +33,8 @@ static void look_at_end(batch_job *j, int32_t p) {
 
 /* One impact on a fixed target: the law is looked at only as far as the turn. */
 static int run_fixed(batch_job *j, double nu) {
-    static const int64_t only = 0;
     const film_curve *curve = j->curve;
+    const int64_t only = 0;
     double energy = 0.5 * nu * nu;
     if (curve->pull > 0.0 || !film_is_quick(curve, j->mesh)) return 0; /* the march goes by energy, too */
     film_prepare_stage(j, 0);

@@ -19,8 +19,9 @@ def __getattr__(name: str) -> Any:
     """A public name, or a package of this one such as `film_model.laws`."""
     if not name.startswith("__") or name == "__all__":  # Python's own tools ask for many other names with underscores
         face = import_module("film_model.face")
-        public = {known: getattr(face, known) for known in face.__all__}
-        globals().update(public, __all__=[*face.__all__, "__version__"])
+        globals()["__all__"] = [*face.__all__, "__version__"]
+        if name in face.__all__:
+            globals()[name] = getattr(face, name)
     if name not in globals():
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return globals()[name]

@@ -64,6 +64,11 @@ def test_masses_and_velocities_broadcast():
         ({"velocity": ["-1 m/s"]}, ValueError, "^velocity: -1 m/s must be > 0 m/s$"),
         ({"velocity": ["1 mm"]}, ValueError, '^velocity: "1 mm" is a length, a velocity is needed'),
         ({"velocity": ["1 m/s"], "mass": [3]}, ValueError, "^mass: 3 has no unit"),
+        (
+            {"velocity": ["1 m/s", "2 m/s"], "mass": ["1 g"] * 3},
+            ValueError,
+            r"^velocity has the shape \(2,\), mass \(3,\): shapes that broadcast together are needed$",
+        ),
         ({"velocity": []}, ValueError, "^velocity: no values, at least one is needed$"),
         ({"velocity": ["1 m/s"], "mass": ["0 g"]}, ValueError, "^mass: 0 kg must be > 0 kg$"),
         ({"velocity": ["1 kg"]}, ValueError, "a velocity is needed"),

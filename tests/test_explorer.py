@@ -172,6 +172,24 @@ def test_a_target_that_is_held_brings_its_compliance_and_its_modes():
         assert table["given"] is None and table["table"]["effects"]["boundary_reflections"] is True
 
 
+def test_a_page_says_that_it_leaves_out_rate_hardening():
+    """Only of a scene in which film-model run simulates it, and never as if the scene had switched it off."""
+    tables = (
+        {"impactor": BALL, "target": SLAB},
+        {"impactor": BALL, "target": SLAB, "effects": {"rate_hardening": False}},
+    )
+    own, off = Content((str(k), fm.Scene.from_table(table)) for k, table in enumerate(tables)).table()["scenes"]
+    history = fm.simulate(fm.Scene.from_table(tables[0]))
+    change = next(effect.change for effect in history.effects if effect.name == "rate_hardening")
+    assert own["hardening"] == pytest.approx(change) and change > 0.01 and off["hardening"] is None
+    for scene, said in (
+        (own, "this page computes with the yield strength of slow"),
+        (off, "the scene has rate_hardening = false"),
+    ):
+        effect = next(effect for effect in scene["judged"] if effect["name"] == "rate_hardening")
+        assert all(said in text for text in (effect["reason"], effect["line"], *scene["warnings"][:1]))
+
+
 def test_a_scene_without_an_impact_has_no_page():
     scene = fm.Scene.from_table({"impactor": BALL | {"velocity": "0 m/s"}, "target": SLAB})
     with pytest.raises(fm.SimulationError, match="no velocity"):

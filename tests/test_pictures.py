@@ -189,9 +189,9 @@ def test_impacts_that_failed_are_counted() -> None:
     )
     assert np.array_equal(np.isnan(panel.lines[0].get_ydata()), failed[1])
     over = {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}, "impactor.radius": {"normal": ["10 mm", "6 mm"]}}
-    ds = fd.sweep(BALL, over, "random", samples=30_000)  # every other one is drawn
+    ds = fd.sweep(BALL, over, "random", samples=30_000)  # two of three are drawn
     count = int(np.isnan(ds["maximum_force"].values).sum())
-    assert fd.plot(ds).axes[0].get_title().startswith(f"{count} of 30000 impacts failed and are not drawn; 15")
+    assert fd.plot(ds).axes[0].get_title().startswith(f"{count} of 30000 impacts failed and are not drawn; 2000")
 
 
 def test_axes_of_values_in_a_geometric_sequence_are_logarithmic() -> None:
@@ -218,6 +218,19 @@ def test_a_thinned_picture_says_so_and_keeps_the_extremes() -> None:
     panel = fd.plot(ds, quantity="maximum_force").axes[0]
     assert panel.lines[0].get_ydata().max() == 1.0
     assert "of 60000 impacts are drawn" in panel.get_title()
+
+
+def test_a_thinned_scatter_plot_keeps_the_distribution() -> None:
+    """Equal steps of 6 would draw only the lighter half of this Sobol sequence, of 2 every other column of the grid."""
+    over = {"impactor.velocity": {"uniform": ["1 m/s", "2 m/s"]}, "impactor.mass": {"uniform": ["50 g", "70 g"]}}
+    ds = fd.sweep(BALL, over, "sobol", samples=120_000, variables=["maximum_force"])
+    points = fd.plot(ds, over=["impactor_velocity", "impactor_mass"]).axes[0].collections[0].get_offsets()
+    assert np.mean(np.asarray(points), axis=0) == pytest.approx([1.5, 0.06], rel=0.01)
+    ends = {"impactor.velocity": ("1 m/s", "2 m/s"), "impactor.mass": ("50 g", "70 g")}
+    over = {name: {"from": low, "to": high, "count": 200} for name, (low, high) in ends.items()}
+    ds = fd.sweep(BALL, over, variables=["maximum_force"])
+    line = fd.plot(ds, kind="scatter", quantity="maximum_force", over="impactor_mass").axes[0].lines[0]
+    assert len(np.unique(line.get_xdata())) == 200
 
 
 @pytest.mark.parametrize(

@@ -248,13 +248,18 @@ def test_an_accuracy_that_no_setting_reaches_is_reported(monkeypatch):
     assert "Error 1e-06, single impact: reached by quadrature, not by FILM, work-preserving" in done.beaten()
 
 
-def test_a_missing_library_is_reported(monkeypatch):
+def test_a_missing_library_is_reported(capsys, monkeypatch):
     import sys
 
     monkeypatch.setitem(sys.modules, "sksundae", None)
     monkeypatch.setitem(sys.modules, "sksundae.cvode", None)
     done = cost.study(paper("tungsten_carbide_on_steel"), methods=["CVODE"])
     assert {run.outcome for run in done.runs} == {"not installed"}
+    assert main(["cost", str(SCENES / "tungsten_carbide_on_steel.toml"), "--method", "CVODE"]) == 0
+    said = capsys.readouterr().out  # one line, not one for each setting
+    assert (
+        "not compared, because not installed: CVODE Adams, CVODE BDF (pip install" in said and said.count("CVODE") == 2
+    )
 
 
 @pytest.mark.slow

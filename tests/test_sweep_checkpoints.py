@@ -4,10 +4,12 @@ import shutil
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import film_datasets as fd
 import film_model as fm
-from film_datasets.sweeps import Sweep, interruptions, runner
+from film_datasets import files
+from film_datasets.sweeps import Sweep, runner
 from film_datasets.sweeps.block_columns import compute_block
 from film_datasets.sweeps.blocks import Blocks
 from film_datasets.sweeps.checkpoint import Checkpoint
@@ -110,11 +112,30 @@ def test_a_finished_output_of_another_version_is_named(tmp_path, monkeypatch):
 
 
 def test_a_full_disk_is_called_that(tmp_path, monkeypatch):
-    usage = shutil.disk_usage(tmp_path)
-    monkeypatch.setattr(interruptions.shutil, "disk_usage", lambda _: usage._replace(free=10))
-    assert interruptions.reason_of(PermissionError(13, "Permission denied"), tmp_path / "out.nc") == "the disk is full"
-    monkeypatch.setattr(interruptions.shutil, "disk_usage", lambda _: usage)
-    assert interruptions.reason_of(PermissionError(13, "Permission denied"), tmp_path / "out.nc") == "Permission denied"
+    def refuse(*_, **__):
+        raise PermissionError(13, "Permission denied")  # by the netCDF library, of a full disk
+
+    ds, usage = fd.sweep(SCENE, OVER), shutil.disk_usage(tmp_path)
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", refuse)
+    for free, says in ((10, "the disk is full"), (usage.free, "Permission denied")):
+        monkeypatch.setattr(files.shutil, "disk_usage", lambda _, free=free: usage._replace(free=free))
+        with pytest.raises(OSError, match=rf"out\.nc: cannot be written: {says}$"):
+            fd.write(ds, tmp_path / "out.nc")
+
+
+@pytest.mark.parametrize("name", ["out.nc", "out.zarr", "out.csv"])
+def test_a_folder_that_cannot_be_written_to_is_refused_before_the_computation(tmp_path, monkeypatch, name):
+    monkeypatch.setattr("film_datasets.sweeps.computed_blocks.compute_block", None)
+    monkeypatch.setattr(files.os, "access", lambda *_: False)
+    with pytest.raises(PermissionError, match=rf"{name}: the folder .* cannot be written to$"):
+        fd.sweep(SCENE, OVER, output=tmp_path / name)
+
+
+def test_a_run_that_was_killed_before_it_saved_anything_is_started_again(tmp_path):
+    (tmp_path / ".out.nc.blocks").mkdir()
+    (tmp_path / ".out.nc.blocks" / "lock").touch()
+    with fd.sweep(SCENE, OVER, output=tmp_path / "out.nc") as ds:
+        assert ds.sizes["impactor_velocity"] == 40
 
 
 def test_a_sweep_that_is_interrupted_in_its_first_block_keeps_nothing_and_says_so(tmp_path, monkeypatch):
@@ -122,6 +143,6 @@ def test_a_sweep_that_is_interrupted_in_its_first_block_keeps_nothing_and_says_s
         raise KeyboardInterrupt
 
     monkeypatch.setattr("film_datasets.sweeps.computed_blocks.compute_block", stop)
-    with pytest.raises(KeyboardInterrupt, match=r"^interrupted: no blocks are saved$"):
+    with pytest.raises(KeyboardInterrupt, match=r"^interrupted: nothing to resume: no block was finished"):
         fd.sweep(SCENE, OVER, output=tmp_path / "out.nc", workers=1)
     assert list(tmp_path.iterdir()) == []

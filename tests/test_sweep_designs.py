@@ -146,6 +146,23 @@ def test_all_mistakes_of_a_sweep_are_reported_together(sweep_file: Path) -> None
     with pytest.raises(fm.SceneError) as caught:
         read_sweep(sweep_file)
     assert [mistake.line for mistake in caught.value.mistakes] == [4, 5]
+    for said, options in (
+        ("keep: ", {"keep": "sample"}),
+        ("variables: ", {"variables": ["impulze"]}),
+    ):  # not of the file
+        sweep_file.write_text(FILE, encoding="utf-8")
+        with pytest.raises(fm.SceneError, match=f"^{said}"):
+            read_sweep(sweep_file, **options)
+
+
+def test_a_misspelt_design_is_the_only_mistake(sweep_file: Path) -> None:
+    text = FILE.replace('"grid"', '"sobl"\nsamples = 8').replace(
+        '["250 MPa", "310 MPa"]', '{ normal = ["310 MPa", "15 MPa"] }'
+    )
+    sweep_file.write_text(text.replace(", count = 30", ""), encoding="utf-8")
+    with pytest.raises(fm.SceneError) as caught:
+        read_sweep(sweep_file)
+    assert [mistake.key for mistake in caught.value.mistakes] == ["design"]
 
 
 @pytest.mark.parametrize(

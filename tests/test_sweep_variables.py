@@ -50,6 +50,7 @@ def test_files_shards_and_sweep_files_carry_the_choice(tmp_path, monkeypatch):
 def test_mistakes_are_said():
     for given, said in (
         (["maximum_forc"], '"maximum_forc" is not a variable that can be chosen; did you mean "maximum_force"?'),
+        (["restitution"], '; did you mean "coefficient_of_restitution"?'),
         (["status"], "can be chosen: maximum_force, maximum_indentation, "),
         ("impulse", '"impulse" is not a list of names of variables'),
     ):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from film_datasets.schema import dimension_of, flag_meanings, holds_text, swept_name, words_of
 from film_model.plot.style import COLOURS, prefixed_unit
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_POINTS = 20_000
-"""Points along a line or in a scatter plot; longer arrays are thinned evenly."""
+"""Points along a line, thinned evenly, or in a scatter plot, drawn at random."""
 
 LOG_RATIO = 30.0
 """An axis whose largest value is at least this multiple of its smallest is logarithmic, if all values are > 0."""
@@ -40,6 +41,14 @@ def finite(array: xr.DataArray) -> Any:
 def thinned(size: int, most: int) -> slice:
     """A slice that leaves at most `most` of `size` values, evenly spaced."""
     return slice(None, None, max(1, -(-size // most)))
+
+
+def some_of(size: int, most: int) -> NDArray[np.int64]:
+    """Places of at most `most` of `size` impacts, increasing, drawn at random with a fixed seed: equal steps through a
+    Sobol sequence or a flattened grid can meet one half of the values, or one column, only."""
+    if size <= most:
+        return np.arange(size)
+    return np.sort(np.random.default_rng(0).choice(size, most, replace=False, shuffle=False))
 
 
 def values_and_label(array: xr.DataArray) -> tuple[Any, str]:

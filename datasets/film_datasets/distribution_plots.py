@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from film_datasets.axis_style import MOST_POINTS, draw_points, format_axis, set_title, thinned, values_and_label, worded
+from film_datasets.axis_style import MOST_POINTS, draw_points, format_axis, set_title, some_of, values_and_label, worded
 from film_datasets.schema import dimension_of, has_failed, require_impacts, swept_name, words_of
 from film_model.base.errors import did_you_mean, shown
 from film_model.base.units import format_si
@@ -110,7 +110,7 @@ def _scatter(figure: Figure, ds: xr.Dataset, x: str, y: str, notes: list[str]) -
     drawn: list[xr.DataArray] = []
     for name in filter(None, (x, y, family)):
         values = ds[name].broadcast_like(ds["status"]).transpose(*ds["status"].dims).values.ravel()
-        drawn.append(xr.DataArray(values[thinned(values.size, MOST_POINTS)], name=name, attrs=ds[name].attrs))
+        drawn.append(xr.DataArray(values[some_of(values.size, MOST_POINTS)], name=name, attrs=ds[name].attrs))
     pair = drawn[:2]
     if pair[0].size < ds["status"].size:
         notes.append(f"{pair[0].size} of {ds['status'].size} impacts are drawn")

@@ -34,6 +34,9 @@ NEEDS_ZARR = 'Zarr folders need zarr: install film-model[zarr] (pip install "fil
 DEFLATE_FROM = 4096
 """Smaller variables (bytes) are not compressed: the chunk index (2 kB) takes more than compression saves."""
 
+NO_SPACE = 1_000_000
+"""A disk with fewer free bytes than this is full."""
+
 
 def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False) -> Path:
     """Write `ds` to the netCDF-4 file or Zarr folder `path`, or as a table (see `to_frame`) to a .csv, .parquet or .mat
@@ -65,7 +68,10 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
             if target.suffix in TABLES:
                 write_table(ds, target, beside)
                 return target
-            ds.to_netcdf(beside, mode="w", format="NETCDF4", engine="netcdf4", encoding=_encoding(ds))
+            try:
+                ds.to_netcdf(beside, mode="w", format="NETCDF4", engine="netcdf4", encoding=_encoding(ds))
+            except PermissionError as error:
+                raise OSError(reason_of(error, target)) from error
     except RuntimeError as error:  # the netCDF library raises it for a full disk
         raise OSError(f"{target}: cannot be written (is the disk full?): {error}") from error
     return target
@@ -164,7 +170,20 @@ def check_place(target: Path, overwrite: bool) -> None:
         raise IsADirectoryError(f"{target}: is a folder but not a Zarr store, and is not replaced")
     if not folder.is_dir():
         raise FileNotFoundError(f"{target}: there is no folder {folder}")
+    if not os.access(folder, os.W_OK):
+        raise PermissionError(f"{target}: the folder {folder} cannot be written to")
     check_replaceable(target, overwrite)
+
+
+def reason_of(error: Exception, target: Path) -> str:
+    """Why writing failed. The netCDF library says "Permission denied" for a full disk, and RuntimeError for others;
+    h5py adds lines about its own state to the system's error."""
+    if shutil.disk_usage(target.absolute().parent).free < NO_SPACE:
+        return "the disk is full"
+    number = getattr(error, "errno", None) or 0
+    if number > 0:  # below 0 are the netCDF library's own
+        return os.strerror(number)
+    return (getattr(error, "strerror", None) or str(error)).split("\n")[0]
 
 
 def temporary_path(target: Path) -> Path:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from film_datasets.axis_style import (
     MOST_POINTS,
@@ -17,6 +18,7 @@ from film_datasets.axis_style import (
     label,
     plain,
     set_title,
+    some_of,
     thinned,
     values_and_label,
     worded,
@@ -116,7 +118,8 @@ def _draw_lines(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str], 
     free = [x] if family is None else [x, family]
     array, fixed = _select(ds, quantity, free, at)
     count, array = array.sizes[x], array.transpose(x, ...)
-    array = array.isel({x: _drawn(array)}).load()
+    places = np.arange(count)[thinned(count, MOST_POINTS)]
+    array = array.isel({x: _with_extremes(places, array)}).load()
     size, unit = prefixed_unit(finite(array), dimension_of(array))
     x_values, x_label = values_and_label(array[x])
     separate = bool(words_of(ds[x]))  # there is nothing between two names to draw a line through
@@ -161,7 +164,7 @@ def _draw_scatter(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str]
     if at:
         raise ValueError("at: a sampled sweep has no grid to select from")
     panel, status, count = figure.add_subplot(), ds["status"], ds.sizes["impact"]
-    ds = ds.isel(impact=_drawn(ds[quantity]))
+    ds = ds.isel(impact=_with_extremes(some_of(count, MOST_POINTS), ds[quantity]))
     array = ds[quantity].load()
     size, unit = prefixed_unit(finite(array), dimension_of(array))
     x_values, x_label = values_and_label(ds[over[0]])
@@ -185,11 +188,9 @@ def _draw_scatter(figure: Figure, ds: xr.Dataset, quantity: str, over: list[str]
     set_title(figure, ds, [*_notes([], status), *_thinning(array.size, count, "impacts")])
 
 
-def _drawn(array: xr.DataArray) -> Any:
-    """Places along the first dimension, at most about `MOST_POINTS`: evenly spaced, and those of extreme values."""
-    count = array.shape[0]
-    places = np.arange(count)[thinned(count, MOST_POINTS)]
-    if places.size == count:
+def _with_extremes(places: NDArray[np.int64], array: xr.DataArray) -> NDArray[np.int64]:
+    """Places along the first dimension, and those of extreme values."""
+    if places.size == array.shape[0]:
         return places
     extremes: list[int] = []
     for other in range(array[0].size):

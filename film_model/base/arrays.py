@@ -103,6 +103,8 @@ def column(value: Any, count: int) -> Any:
     one = np.array(value)
     if one.ndim:
         return np.broadcast_to(one, (count,))
+    if count == 1:
+        return one.reshape(1)
     made = np.ndarray((count,), one.dtype, one, 0, (0,))  # as broadcast_to, which takes ten times as long
     made.setflags(write=False)
     return made

@@ -140,10 +140,13 @@ class Outcome(enum.Enum):
 
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:
-    """'; did you mean "velocity"?' for the most similar of `words`, or an empty text if none is similar."""
+    """'; did you mean "velocity"?' for the most similar of `words`, or else the first that contains `word`, of four
+    letters or more; an empty text if there is none."""
     import difflib
 
-    near = difflib.get_close_matches(word[:100], list(words), n=1, cutoff=0.6)
+    known = list(words)
+    near = difflib.get_close_matches(word[:100], known, n=1, cutoff=0.6)
+    near = near or [other for other in known if len(word) >= 4 and word in other]
     return f'; did you mean "{near[0]}"?' if near else ""
 
 

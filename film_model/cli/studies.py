@@ -69,17 +69,24 @@ def cost(options: argparse.Namespace) -> int:
 
 
 def _cost_table(done: Study) -> str:
-    """All runs, with a star for the Pareto-optimal ones, and what follows from them."""
+    """All runs, with a star for the Pareto-optimal ones, what follows from them, and what is not installed."""
+    from film_model.studies.cost import NOT_INSTALLED
+
     lines = [done.scene.title or "Impact", f"law {done.law}; reference: {done.reference['method']}", ""]
     lines.append(f"{'':26}{'':16}{'error':>10}{'single impact':>15}{'in a batch':>14}{'evaluations':>13}")
     best = {id(run) for run in done.front()}
+    missing = dict.fromkeys(run.method for run in done.runs if run.outcome == NOT_INSTALLED)
     for run in done.runs:
+        if run.method in missing:
+            continue
         error = f"{run.error:10.1e}" if run.errors else f"{'-':>10}"
         single, batch = ("-" if t is None else f"{1e6 * t.median:.2f} us" for t in (run.time_single, run.time_batch))
         mark = "  *" if id(run) in best else "" if run.outcome == "done" else f"  {run.outcome}"
         numbers = f"{error}{single:>15}{batch:>14}{run.force_evaluations or '-':>13}"
         lines.append(f"{run.method:26}{run.setting:16}{numbers}{mark}")
     lines += ["", "times are per impact; * Pareto-optimal in error and time of a single impact"]
+    if missing:
+        lines.append(f'not compared, because not installed: {", ".join(missing)} (pip install "film-model[benchmark]")')
     return "\n".join([*lines, done.sentence(), *done.beaten()])
 
 

@@ -22,7 +22,7 @@ def compare(start: Any, a: Any, b: Any) -> Any:
         return found.value
     off = np.empty(len(start))
     start, tables = np.ascontiguousarray(start, START_DTYPE), [np.ascontiguousarray(t, SUMMARY_DTYPE) for t in (a, b)]
-    library().film_compare(len(start), start.ctypes.data, *(table.ctypes.data for table in tables), at(off))
+    library().film_compare(len(start), at(start), *map(at, tables), at(off))
     return off
 
 
@@ -34,7 +34,7 @@ def rounding(curve: Curve, start: Any, summary: Any, clearance: float) -> Any:
         return found.value
     off = np.empty(len(start))
     start, table = np.ascontiguousarray(start, START_DTYPE), np.ascontiguousarray(summary, SUMMARY_DTYPE)
-    own = len(start), start.ctypes.data, table.ctypes.data, clearance, at(off)
+    own = len(start), at(start), at(table), clearance, at(off)
     library().film_rounding(c.byref(curve), *own)
     return off
 

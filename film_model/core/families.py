@@ -114,6 +114,7 @@ def batch_in_series(
     compliance: NDArray[np.float64],
     cut: native.Mesh,
     start: NDArray[Any],
+    using: int | None = None,
 ) -> tuple[NDArray[np.int32], NDArray[Any]]:
     """Statuses and summaries of many contacts (START_DTYPE), each in series with its own spring; the GIL is released.
 
@@ -127,6 +128,7 @@ def batch_in_series(
     spring, own = columns[0].ctypes.data, columns[1].ctypes.data if len(columns) > 1 else None
     summary, status = np.empty(start.size, native.SUMMARY_DTYPE), np.empty(start.size, np.int32)
     native.library().film_batch_in_series(
+        native.instructions() if using is None else using,
         c.byref(curve),
         c.byref(cut),
         c.c_int64(start.size),

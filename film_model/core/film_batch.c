@@ -24,7 +24,7 @@ static void run_fixed(batch *b, int32_t stage, block *waiting) {
     if (waiting->count == 0) return;
     if (stage == b->j.shaped) make_own(b, waiting, (int32_t)(waiting - b->fixed));
     if (b->j.rule.count == 0) film_make_rule(b->j.mesh->loading, &b->j.rule);
-    b->run->fixed(&b->j, stage, (int32_t)(waiting - b->fixed), waiting->index, waiting->count);
+    (b->j.spring != NULL ? b->run->spring : b->run->fixed)(&b->j, stage, (int32_t)(waiting - b->fixed), waiting->index, waiting->count);
     waiting->count = 0;
 }
 
@@ -34,19 +34,20 @@ static void run_block(batch *b, int32_t stage, block *waiting) {
     run_moving(b, stage, waiting);
 }
 
-/* The piece of *stage in which a fixed target should turn the impactor; -1: none. */
-static int32_t piece_on_fixed(const batch_job *j, int64_t i, int32_t *stage) {
-    double nu = j->start[i].nu, energy = 0.5 * nu * nu;
+static double stored_in_spring(double spring, double force) { return spring > 0.0 ? 0.5 * spring * force * force : 0.0; }
+
+int32_t film_piece_on_fixed(const batch_job *j, int64_t i, int32_t *stage) {
+    double nu = j->start[i].nu, energy = 0.5 * nu * nu, spring = j->spring != NULL ? j->spring[i] : 0.0;
     if (j->curve->pull > 0.0) return -1; /* the march goes by energy, too */
     for (int32_t k = 0; k < j->curve->stages; k++) {
         *stage = k;
         if (k == j->shaped) return film_own_piece(j, i, sqrt(2.0 * energy), 0.0);
-        if (energy >= j->whole[k]) {
+        if (energy >= j->whole[k] + stored_in_spring(spring, j->end_force[k])) {
             energy -= j->whole[k];
             continue;
         }
         int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
-        while (p < last && energy > j->piece_work[p]) p++;
+        while (p < last && energy > j->piece_work[p] + stored_in_spring(spring, j->piece_force[p])) p++;
         return p;
     }
     return -1;
@@ -63,8 +64,7 @@ static int32_t moving_piece(const batch_job *j, int64_t i, int32_t *stage) {
     return p;
 }
 
-/* Work and force at the ends of all pieces. */
-static void prepare_pieces(batch_job *j) {
+void film_prepare_pieces(batch_job *j) {
     for (int32_t k = 0; k < j->curve->stages; k++)
         for (int32_t p = j->curve->stage[k].first; p < j->curve->stage[k].first + j->curve->stage[k].count; p++) {
             j->piece_work[p] = j->piece_force[p] = INFINITY;
@@ -107,6 +107,7 @@ static void give(batch_job *j, const film_curve *curve, const film_mesh *mesh, c
     j->summary = summary;
     j->status = status;
     j->family = NULL;
+    j->spring = NULL;
     j->shaped = -1;
 }
 
@@ -116,7 +117,7 @@ static void run_batch(batch *b, int instructions, int64_t count) {
     const film_mesh *mesh = j->mesh;
     int in_lanes = film_prepare_job(j), moving = in_lanes && mesh->loading >= FEWEST && mesh->unloading >= FEWEST;
     b->run = routines[instructions];
-    if (in_lanes) prepare_pieces(j);
+    if (in_lanes) film_prepare_pieces(j);
     j->rule.count = 0;
     for (int32_t p = 0; p < FILM_MAX_PIECES; p++) j->across[p].terms = 0;
     film_prepare_damped(j);
@@ -132,8 +133,8 @@ static void run_batch(batch *b, int instructions, int64_t count) {
             if (b->damped.count == LANES) run_damped(b);
             continue;
         }
-        if (in_lanes && s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY && is_undisturbed(j->curve, s)) {
-            if (s->gamma == 0.0) piece = piece_on_fixed(j, i, &stage);
+        if (in_lanes && is_plain(j, s)) {
+            if (s->gamma == 0.0) piece = film_piece_on_fixed(j, i, &stage);
             else if (moving) piece = moving_piece(j, i, &stage);
         }
         if (piece < 0) {
@@ -157,20 +158,23 @@ void film_batch_with(int instructions, const film_curve *curve, const film_mesh 
     run_batch(&b, instructions, count);
 }
 
-static void run_shapes(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh,
-                       int64_t count, const film_start *start, const double *shape, film_summary *summary, int32_t *status) {
+void film_run_rows(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
+                   const film_start *start, const double *shape, const double *spring, film_summary *summary, int32_t *status) {
     batch b;
     own_stage own;
     give(&b.j, whole, mesh, start, summary, status);
-    b.j.family = family;
-    b.j.shape = shape;
-    film_own_stage(&b.j, &own);
+    b.j.spring = spring;
+    if (family != NULL) {
+        b.j.family = family;
+        b.j.shape = shape;
+        film_own_stage(&b.j, &own);
+    }
     run_batch(&b, instructions, count);
 }
 
 void film_batch_shaped(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh,
                        int64_t count, const film_start *start, const double *shape, film_summary *summary, int32_t *status) {
-    run_shapes(instructions, family, whole, mesh, count, start, shape, summary, status);
+    film_run_rows(instructions, family, whole, mesh, count, start, shape, NULL, summary, status);
     film_impacts_left(family, whole, mesh, count, start, shape, summary, status); /* its curve needs stack too */
 }
 

@@ -53,8 +53,8 @@ typedef struct {
 
 /* Gauss's rule on a way to the turn, in panels of at most PANEL points: after the fraction x of it, x = s^2 (2 - s^2), so that
  * sqrt(1 - x) = 1 - s^2, to which the velocity before a turn is proportional, and sqrt x, of which a force at first touch is a
- * power, have no root. For n segments: n + EXTRA_POINTS points, at most MOST_POINTS. One impact takes SEVERAL at a time: `filled`
- * points, the last of which have no weight. */
+ * power, have no root. For n segments: n + EXTRA_POINTS points, at most MOST_POINTS, less what does not fill panels of one size. One
+ * impact takes SEVERAL at a time: `filled` points, the last of which have no weight. */
 enum { PANEL = 16, EXTRA_POINTS = 2, MOST_POINTS = 256, SEVERAL = 8 };
 typedef struct {
     int32_t count, filled;
@@ -84,6 +84,7 @@ typedef struct {
 typedef struct {
     const film_family *family; /* NULL: all impacts share the curve */
     const double *shape;
+    const double *spring; /* compliance in series with each contact; NULL: none */
     int32_t shaped; /* the stage that differs between impacts; -1: none */
     own_stage *own;
     const film_curve *curve;
@@ -115,6 +116,12 @@ void film_prepare_stage(batch_job *j, int32_t k);
 /* What all impacts of j->curve on j->mesh share, but for the ends of pieces. 0: lanes cannot run this curve or mesh. */
 int film_prepare_job(batch_job *j);
 
+/* Work and force at the ends of all pieces. */
+void film_prepare_pieces(batch_job *j);
+
+/* The piece of *stage in which a fixed target should turn impact i; -1: none. */
+int32_t film_piece_on_fixed(const batch_job *j, int64_t i, int32_t *stage);
+
 /* What damped impacts of j->curve on j->mesh share: j->damped. */
 void film_prepare_damped(batch_job *j);
 
@@ -131,6 +138,12 @@ line_table *film_lines_of(batch_job *j, int32_t stage, int32_t direction, int32_
  * should not. */
 int film_single(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary, int32_t *status);
 
+/* Contacts in series with springs, as in film_batch_in_series, whose curves vary, one after another; LEFT_ALONE: lanes cannot run
+ * it. */
+void film_single_in_series(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                           const double *compliance, int32_t varying, const int32_t *places, const double *values,
+                           film_summary *summary, int32_t *status);
+
 /* Tables of whole ways, film_way_in.c and film_way_out.c: eight pieces for each doubling of 1 + number, up to MAP_END. */
 enum { MAP_PIECES = 32, FILM_WAY_IN_TERMS = 11, FILM_WAY_IN_VALUES = 2, FILM_WAY_OUT_TERMS = 14, FILM_WAY_OUT_VALUES = 3 };
 static const double MAP_END = 15.0;
@@ -143,13 +156,18 @@ static const double PUSH_END = 0.7, MARGIN = 0.4375;
 extern const double film_largest_share[PUSH_PIECES * LIMIT_TERMS];
 extern const double film_way_through[2 * PUSH_PIECES * THROUGH_NUMBERS];
 
-/* For film_batch_shaped: an impact that lanes cannot run. */
+/* For film_batch_shaped and film_batch_in_series: an impact that lanes cannot run. */
 enum { LEFT_ALONE = 100 };
 
-/* Leaves an impact to film_marched: at once, or when the curve of its shape is made. */
+/* Leaves an impact to film_marched: at once, or when the curve of its shape or in series with its spring is made. */
 static inline void leave_alone(const batch_job *j, int64_t i) {
-    j->status[i] = j->family != NULL ? LEFT_ALONE : film_marched(j->curve, j->mesh, &j->start[i], &j->summary[i]);
+    j->status[i] = j->family != NULL || j->spring != NULL ? LEFT_ALONE : film_marched(j->curve, j->mesh, &j->start[i], &j->summary[i]);
 }
+
+/* Impacts in blocks; family and spring: of film_batch_shaped and film_batch_in_series, or NULL. Those that lanes cannot run have
+ * the status LEFT_ALONE if one of them is given. */
+void film_run_rows(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
+                   const film_start *start, const double *shape, const double *spring, film_summary *summary, int32_t *status);
 
 /* The impacts that film_batch_shaped left alone, one after another. */
 void film_impacts_left(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
@@ -199,6 +217,12 @@ static inline double speed_after(double v, double work) {
 static inline int is_undisturbed(const film_curve *curve, const film_start *start) {
     int limited = start->time_limit < INFINITY && curve->pull == 0.0;
     return start->load == 0.0 && start->stop_velocity == 0.0 && !limited && start->damping == 0.0;
+}
+
+/* Whether lanes may run an undamped impact, if they can run its curve. */
+static inline int is_plain(const batch_job *j, const film_start *s) {
+    int known = s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY;
+    return known && !(j->spring != NULL && s->gamma > 0.0) && is_undisturbed(j->curve, s);
 }
 
 /* The largest share of the energy with which a motion of this push turns in a stage of exponent 3/2. place: push over the
@@ -269,6 +293,8 @@ typedef struct {
     void (*shape)(const batch_job *j, int32_t pieces, const double (*of)[LANES]);
     /* impacts that turn in `piece` of `stage` on a fixed target, from first touch to the end of contact */
     void (*fixed)(batch_job *j, int32_t stage, int32_t piece, const int64_t *index, int count);
+    /* the same, each in series with its spring */
+    void (*spring)(batch_job *j, int32_t stage, int32_t piece, const int64_t *index, int count);
     /* impacts that should turn in `stage`, to the turn */
     void (*load)(batch_job *j, int32_t stage, const int64_t *index, int count, turned_lanes *t);
     /* the whole way out from the turn, by a table, for those of exponent 3/2 and slowness below MAP_END */

@@ -53,11 +53,12 @@ int32_t film_own_piece(const batch_job *j, int64_t i, double v, double stored) {
     for (int32_t p = 0; p < j->own->usable - 1 && j->curve->piece[first + p + 1].end <= end; p++) {
         const double *next = family->numbers + family->nodes + family->varying + j->own->piece[p + 1].column;
         double work = -series_at(of, family->nodes, next, family->varying); /* work_at_begin counts from there */
+        double spring = j->spring != NULL ? j->spring[i] : 0.0, force = 0.0;
+        if (gamma > 0.0 || spring > 0.0) force = series_at(of, family->nodes, j->own->edge_force[p], 1);
         if (gamma == 0.0) {
-            if (0.5 * v * v <= work) return first + p;
+            if (0.5 * v * v <= work + 0.5 * spring * force * force) return first + p;
             continue;
         }
-        double force = series_at(of, family->nodes, j->own->edge_force[p], 1);
         if (turn_excess(stored + work, force, nu, gamma) > 0.0) return first + p;
     }
     return -1;

@@ -366,10 +366,11 @@ FILM_API void film_batch_varied(const film_curve *curve, const film_mesh *mesh, 
                                 int32_t varying, const int32_t *places, const double *values, film_summary *summary,
                                 int32_t *status);
 
-/* The same for contacts each of which is in series with a spring of its own, compliance[i] > 0, by film_spring without its check
- * of finite numbers; family and shape: as in film_batch_shaped, or NULL. status[i] is FILM_BAD_CURVE where it would snap through. */
-FILM_API void film_batch_in_series(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
-                                   const double *compliance, const film_family *family, const double *shape, int32_t varying,
+/* The same for contacts each of which is in series with a spring of its own, compliance[i] > 0, on less than 500 kB of stack; side
+ * by side where possible and the curves do not vary. family and shape: as in film_batch_shaped, or NULL. status[i] is
+ * FILM_BAD_CURVE where the contact would snap through. */
+FILM_API void film_batch_in_series(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
+                                   const film_start *start, const double *compliance, const film_family *family, const double *shape, int32_t varying,
                                    const int32_t *places, const double *values, film_summary *summary, int32_t *status);
 
 /* off[i]: the largest relative difference of two summaries of the contact that starts with start[i], relative to b[i]; 1 for a

@@ -1,5 +1,5 @@
-/* One contact from its start to its end: undisturbed or damped by the way of a batch, else by the march.
- * docs/method.md, section 10. */
+/* One contact from its start to its end: undisturbed or damped by the way of a batch, else by film_marched. And many, one after
+ * another, each on a curve of its own. docs/method.md, section 10. */
 #include "film_batch.h"
 
 #include <string.h>
@@ -64,9 +64,10 @@ static double most_work(const film_curve *curve, const film_start *start) {
     return start->gamma == 0.0 && is_undisturbed(curve, start) ? 0.5 * start->nu * start->nu : INFINITY;
 }
 
-void film_batch_in_series(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
-                          const double *compliance, const film_family *family, const double *shape, int32_t varying,
-                          const int32_t *places, const double *values, film_summary *summary, int32_t *status) {
+/* Those of status LEFT_ALONE by the march, one after another. */
+static void march_in_series(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                            const double *compliance, const film_family *family, const double *shape, int32_t varying,
+                            const int32_t *places, const double *values, film_summary *summary, int32_t *status) {
     film_curve own = *curve;
     free_ends whole;
     double *doubles = (double *)&own;
@@ -74,6 +75,7 @@ void film_batch_in_series(const film_curve *curve, const film_mesh *mesh, int64_
     int32_t numbers = family == NULL ? 0 : film_family_numbers(family);
     for (int64_t i = 0; i < count; i++) {
         double energy = most_work(curve, &start[i]);
+        if (status[i] != LEFT_ALONE) continue;
         for (int again = 1; again; energy = INFINITY) { /* again if rounding takes it beyond the pieces that are made */
             int shaped = FILM_OK;
             own.pieces = curve->pieces;
@@ -85,4 +87,12 @@ void film_batch_in_series(const film_curve *curve, const film_mesh *mesh, int64_
             again = status[i] == FILM_BEYOND_LAW && family != NULL && energy < INFINITY;
         }
     }
+}
+
+void film_batch_in_series(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                          const double *compliance, const film_family *family, const double *shape, int32_t varying,
+                          const int32_t *places, const double *values, film_summary *summary, int32_t *status) {
+    if (varying == 0) film_run_rows(instructions, family, curve, mesh, count, start, shape, compliance, summary, status);
+    else film_single_in_series(curve, mesh, count, start, compliance, varying, places, values, summary, status);
+    march_in_series(curve, mesh, count, start, compliance, family, shape, varying, places, values, summary, status);
 }

@@ -122,12 +122,43 @@ static void own_law_lanes(const own_stage *own, const film_piece *first, int32_t
     }
 }
 
-enum { FORCE_AND_WORK, RECOVERY_AND_EXPONENT };
+/* The slope of a force that is a series: T_k' = k U_{k-1}, the sum by Clenshaw's recurrence. */
+static void slope_lanes(const batch_job *j, int32_t stage, const film_piece *piece, const double *restrict xi,
+                        double *restrict slope) {
+    const film_function *g = &piece->force;
+    int32_t terms = g->terms;
+    double(*own)[LANES] = NULL; /* a row for each coefficient */
+    double z[LANES], a1[LANES] = {0.0}, a2[LANES] = {0.0};
+    if (stage == j->shaped) {
+        int32_t p = (int32_t)(piece - &j->curve->piece[j->curve->stage[stage].first]);
+        own = &j->own->value[j->own->piece[p].column + 1];
+        terms = j->own->piece[p].force;
+    }
+    variable_lanes(g, xi, z);
+    for (int32_t k = terms - 1; k > 0; k--) {
+        double of[LANES];
+        EACH(l) of[l] = own != NULL ? own[k][l] : g->series[k];
+        EACH(l) {
+            double a = 2.0 * z[l] * a1[l] - a2[l] + k * of[l];
+            a2[l] = a1[l];
+            a1[l] = a;
+        }
+    }
+    EACH(l) slope[l] = 2.0 * g->per_span * a1[l];
+    if (g->form != FILM_ROOT_SERIES) return;
+    EACH(l) { /* over the root: (z + 1)/2 = sqrt x */
+        double root = 0.5 * (1.0 + z[l]);
+        slope[l] *= 0.5 / (root > 1e-15 ? root : 1e-15);
+    }
+}
+
+enum { FORCE_AND_WORK, RECOVERY_AND_EXPONENT, SLOPE };
 
 static void piece_lanes(const batch_job *j, int32_t stage, const film_piece *piece, int which, const double *restrict xi,
                         double *restrict a, double *restrict b) {
     const film_piece *first = &j->curve->piece[j->curve->stage[stage].first];
     if (which == RECOVERY_AND_EXPONENT) value_lanes(&piece->recovery, &piece->exponent, xi, a, b);
+    else if (which == SLOPE) slope_lanes(j, stage, piece, xi, a), memcpy(b, a, LANES * sizeof *b);
     else if (stage == j->shaped) own_law_lanes(j->own, first, (int32_t)(piece - first), xi, a, b);
     else piece_law_lanes(piece, xi, a, b);
 }

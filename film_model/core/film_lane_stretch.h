@@ -4,8 +4,8 @@
 
 #include "film_lane_line.h"
 
-/* How far what stretch_lanes finds may be off, as a fraction of the force, before it is corrected once: of JKR's law it is
- * rounding and the fit. Lanes that are farther off are left to film_marched. */
+/* The largest error, as a fraction of the force, that stretch_lanes corrects by one Newton step: its closed form is of JKR's
+ * law, of which only rounding and the fit are left. Lanes with a larger one, of another law, are left to film_marched. */
 static const double STRETCH = 1e-9;
 
 /* FILM_SIMILAR: r and l of each lane, and the dent xi_f. */
@@ -17,25 +17,25 @@ typedef struct {
  * the way from the turn to where the stage `touch` begins for an impact. */
 static int32_t stretch_lanes(const batch_job *j, int32_t stage, lanes *restrict s, stretch *restrict by, double *restrict given) {
     const film_curve *curve = j->curve;
-    double square[LANES], none[LANES], wanted[LANES], x[LANES], slope[LANES], f[LANES], w[LANES], e[LANES], stored = 0.0;
+    double square[LANES], ignored[LANES], cubed[LANES], wanted[LANES], x[LANES], slope[LANES], f[LANES], w[LANES], e[LANES], stored = 0.0;
     int32_t k = stage;
     while (k > 0 && curve->stage[k].unloading == FILM_SIMILAR) k--;
     double low = curve->stage[k].begin, high = curve->piece[curve->stage[k].first + curve->stage[k].count - 1].end;
     for (int32_t i = j->touch; i < k; i++) stored += j->whole[i];
-    stage_lanes(j, stage, RECOVERY_AND_EXPONENT, s->xi, square, none);
+    stage_lanes(j, stage, RECOVERY_AND_EXPONENT, s->xi, square, ignored);
     EACH(l) {
         double root = sqrt(square[l] * sqrt(square[l])), r = root * root / (s->force[l] + 2.0 * root);
         by->force[l] = r > 1.0 ? r : 1.0;
         wanted[l] = s->force[l] / by->force[l];
-        none[l] = 1.0 + sqrt(1.0 + wanted[l]);
+        cubed[l] = 1.0 + sqrt(1.0 + wanted[l]);
         e[l] = 1.0 / 3;
     }
     power_lanes(by->force, e, by->length);
-    power_lanes(none, e, x);
+    power_lanes(cubed, e, x);
     EACH(l) {
         double c = by->length[l], u = x[l]; /* power_lanes errs by some ulps */
         c -= (c * c * c - by->force[l]) / (3.0 * c * c);
-        u -= (u * u * u - none[l]) / (3.0 * u * u);
+        u -= (u * u * u - cubed[l]) / (3.0 * u * u);
         by->length[l] = c;
         by->per_length[l] = 1.0 / c;
         x[l] = u * (3.0 * (u * u * u) - 4.0); /* JKR's law: f = u^6 - 2 u^3 */

@@ -34,7 +34,7 @@ typedef struct {
     double constant, slope, power; /* c, s, k */
     double gamma[GROUP];
     way_series z, nu, y, time; /* y: the relative velocity */
-} ways;
+} way_group;
 
 /* What rough_log2 gives for 1, and how much more it gives for twice a number. */
 static const double ROUGH_DOUBLE = 4294967296.0, ROUGH_ONE = 4503599627370496.0 + 1023.0 * 4294967296.0;
@@ -42,7 +42,7 @@ static const double ROUGH_DOUBLE = 4294967296.0, ROUGH_ONE = 4503599627370496.0 
 /* Term k of all series, and k + 1 of z and nu: z' = y/2, nu' = -F z by s. second, third: z^2 and z^3. stiff: by how much
  * gamma F grows with z. What depends on z_k itself comes last, so that the next term waits for two multiplications and a
  * subtraction alone. */
-INLINED void way_term(ways *restrict w, way_series second, way_series third, const double *restrict stiff, int k) {
+INLINED void way_term(way_group *restrict w, way_series second, way_series third, const double *restrict stiff, int k) {
     double per = 1.0 / (k + 1), even = k > 0 && k % 2 == 0 ? 0.5 : 0.0, half[GROUP], cubic[GROUP] = {0.0}, fourth[GROUP];
 #define OF_SECOND(i) EACH_OF(l) half[l] += w->z[i][l] * w->z[k - (i)][l];
 #define OF_THIRD(i) EACH_OF(l) cubic[l] += second[k - (i)][l] * w->z[i][l];
@@ -73,7 +73,7 @@ INLINED void way_term(ways *restrict w, way_series second, way_series third, con
     }
 }
 
-CALLED void way_terms(ways *restrict w) {
+CALLED void way_terms(way_group *restrict w) {
     double stiff[GROUP];
     way_series second, third;
     EACH_OF(l) stiff[l] = w->gamma[l] * w->z[0][l] * (2.0 * w->slope + 3.0 * w->power * w->z[0][l]);
@@ -104,7 +104,7 @@ INLINED void rough_log2(const double *restrict x, double *restrict out) {
 
 /* Lengths of steps: a share of the radius within which the last terms of y fall, relative to the velocity that the energy
  * would give. */
-CALLED void way_lengths(const ways *restrict w, double share, double *restrict h) {
+CALLED void way_lengths(const way_group *restrict w, double share, double *restrict h) {
     double energy[GROUP], whole[GROUP], least[GROUP];
     uint64_t bits[GROUP];
     EACH_OF(l) {
@@ -130,7 +130,7 @@ CALLED void way_lengths(const ways *restrict w, double share, double *restrict h
 }
 
 /* Puts the lanes of a group that still move inwards at the end of their step; last: the relative velocity there. */
-CALLED void way_step(ways *restrict w, const double *restrict h, double *restrict time, double *restrict moving,
+CALLED void way_step(way_group *restrict w, const double *restrict h, double *restrict time, double *restrict moving,
                      double *restrict last) {
     double z[GROUP], nu[GROUP], after[GROUP];
     sum_way(w->y, h, last);
@@ -147,7 +147,7 @@ CALLED void way_step(ways *restrict w, const double *restrict h, double *restric
 
 /* z and the time since the step began where y = 0: from the root of a parabola, by Halley's method with the y'' of y = 0.
  * missed: 1 where that is not accurate enough. */
-CALLED void way_turn(ways *restrict w, const double *restrict h, const double *restrict last, double *restrict z,
+CALLED void way_turn(way_group *restrict w, const double *restrict h, const double *restrict last, double *restrict z,
                      double *restrict after, double *restrict missed) {
     double s[GROUP], y[GROUP];
     EACH_OF(l) {
@@ -178,7 +178,7 @@ static void group_to_turn(const batch_job *j, int32_t stage, int from, lanes *re
     const film_function *g = &j->curve->piece[j->curve->stage[stage].first].force;
     double share = WAY_RADIUS / j->mesh->loading, time[GROUP], moving[GROUP], last[GROUP], h[GROUP];
     double z[GROUP], after[GROUP], missed[GROUP], any_moves = 1.0;
-    ways w;
+    way_group w;
     w.constant = g->constant;
     w.slope = g->slope;
     w.power = g->coefficient;

@@ -4,6 +4,7 @@
 #include "film_lane_fixed.h"
 #include "film_lane_load.h"
 #include "film_lane_sample.h"
+#include "film_lane_spring.h"
 #include "film_lane_unload.h"
 
 #ifndef FILM_ROUTINES
@@ -34,5 +35,5 @@ static void shape_lanes(const batch_job *j, int32_t pieces, const double (*of)[L
     law_lanes(j, j->shaped, at, force, own->whole);
 }
 
-FILM_OWN const block_routines FILM_ROUTINES = {shape_lanes, fixed_lanes, load_lanes, leave_lanes, unload_lanes, retrace_lanes,
-                                          damped_contact_lanes, sample_lanes};
+FILM_OWN const block_routines FILM_ROUTINES = {shape_lanes, fixed_lanes, spring_lanes, load_lanes, leave_lanes, unload_lanes,
+                                               retrace_lanes, damped_contact_lanes, sample_lanes};

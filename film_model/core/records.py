@@ -66,8 +66,8 @@ def _positions(begins: NDArray[np.int64], counts: NDArray[np.int32]) -> NDArray[
 
 
 def recorded(curve: native.Curve, cut: native.Mesh, start: NDArray[Any]) -> Iterator[tuple[slice, Lines]]:
-    """The lines of many contacts (START_DTYPE), of some that follow one another at a time: which, and their lines,
-    which the next overwrite. A contact that fails or does not begin with a velocity has none."""
+    """The lines of many contacts (START_DTYPE), in parts of contacts that follow one another: which contacts, and their
+    lines, in memory that the next part overwrites. A contact that fails or begins without a velocity has none."""
     start, record = np.ascontiguousarray(start, native.START_DTYPE), native.library().film_record_many
     memory, events = np.empty(LINES, native.LINE_DTYPE), np.empty(EVENTS * native.STATE_DTYPE.itemsize, np.uint8)
     counts, first = np.empty(start.size, np.int32), 0
@@ -84,6 +84,7 @@ def recorded(curve: native.Curve, cut: native.Mesh, start: NDArray[Any]) -> Iter
 
 
 def _alone(curve: native.Curve, cut: native.Mesh, begin: native.Start) -> NDArray[Any]:
+    """The lines of one contact that may have more than `LINES`."""
     status, lines, _ = native.record(curve, cut, native.initial_state(curve, begin), begin.time_limit, 4 * LINES)
     return lines if status >= 0 else lines[:0]
 

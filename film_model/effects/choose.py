@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from film_model.base.arrays import any_of, either
+from film_model.base.arrays import all_of, any_of, either
 from film_model.base.errors import SimulationError
 from film_model.effects import gravity, plasticity, rate_hardening, target_motion, viscoelasticity
 from film_model.effects.edge_effects import edged, support_of
@@ -157,14 +157,14 @@ def _held(moved: Problem, moves: Any) -> list[Problem]:
     """Many impacts, with a fixed target where its motion does not matter."""
     if moved.own.spring is not None:
         return _divided(moved, moves, target_motion.held)
-    if moves.all() or not np.isfinite(moved.impedance).any():
+    if all_of(moves) or not any_of(np.isfinite(moved.impedance)):
         return [moved]
     return [moved.again(impedance=either(moves, moved.impedance, math.inf))]
 
 
 def _divided(problem: Problem, stays: Any, changed: Callable[[Problem], Problem]) -> list[Problem]:
     """Many impacts: those that stay as they are, and the others changed."""
-    if stays.all():
+    if all_of(stays):
         return [problem]
     others = changed(problem).part(~stays)
     return [problem.part(stays), others] if stays.any() else [others]

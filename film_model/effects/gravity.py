@@ -16,7 +16,7 @@ from film_model.effects.effect import (
     agreeing,
     percent,
 )
-from film_model.effects.trial import change, matters
+from film_model.effects.trial import beyond, change, few, matters
 from film_model.problem.problem import Problem
 
 ESTIMATE_SERVES = 0.3
@@ -40,8 +40,8 @@ def needed(light: Problem) -> Any:
         return light.impacts.column(False)
     if wanted is True:
         return light.impacts.column(True)
-    if not light.impacts.many:
-        return not size_of(light)[0] <= light.scene.effect_tolerance
+    if few(light):
+        return beyond(size_of(light)[0], light.scene.effect_tolerance)
     pressed = light.again(load=light.impacts.numbers.weight)
     return matters(pressed, light, lambda with_weight, without: size_of(without, with_weight)[0])
 
@@ -49,7 +49,7 @@ def needed(light: Problem) -> Any:
 def size_of(light: Problem, pressed: Problem | None = None) -> tuple[Any, Problem | None]:
     """Change of the summary by the weight (nan if contact without it does not end); the problem with it, if marched."""
     ends = light.trial.ends
-    guess = _estimate_for(light)
+    guess = _estimate_for(light, ends)
     doubtful = guess > ESTIMATE_SERVES * light.scene.effect_tolerance
     if not any_of(doubtful & ends):
         return either(ends, guess, math.nan), pressed
@@ -57,10 +57,10 @@ def size_of(light: Problem, pressed: Problem | None = None) -> tuple[Any, Proble
     return either(ends, either(doubtful, change(pressed, light), guess), math.nan), pressed
 
 
-def _estimate_for(light: Problem) -> Any:
-    """The first-order estimate; infinite if the target moves or contact does not end."""
+def _estimate_for(light: Problem, ends: Any) -> Any:
+    """The first-order estimate; infinite if the target moves or contact does not end. ends: whether it does."""
     core, impacts = light.trial.summary, light.impacts
-    usable = light.trial.ends & (light.gamma == 0.0)
+    usable = ends & (light.gamma == 0.0)
     if not any_of(usable):
         return impacts.column(math.inf)
     with unwarned(usable):

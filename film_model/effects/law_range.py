@@ -35,4 +35,6 @@ def _first(inside: Any, values: Any) -> Any:
 
 
 def _share(inside: Any) -> str:
-    return "" if np.size(inside) == 1 else f" in {np.count_nonzero(inside)} of {inside.size} impacts"
+    if not isinstance(inside, np.ndarray) or inside.size == 1:
+        return ""
+    return f" in {np.count_nonzero(inside)} of {inside.size} impacts"

@@ -19,6 +19,7 @@ from film_model.effects import rate_hardening
 from film_model.effects.case import Pulse
 from film_model.effects.choose import chosen, problem_of
 from film_model.effects.edge_effects import edged, infinite_unless_judged, supports_of
+from film_model.effects.law_range import law_warnings
 from film_model.effects.target_motion import Support
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.unloading import BrakeUnloading
@@ -67,6 +68,23 @@ def problems_of(
         approaches[rows_of(problem)] = False
     left = approaches.nonzero()[0]
     return found + (_one_by_one(scene, columns, left, status, bool(found)) if left.size else [])
+
+
+def law_warnings_of_each(scene: Scene, columns: Mapping[str, Array], count: int) -> list[list[str]]:
+    """The warnings about the law of each of `count` impacts, as :func:`problems_of` has them; none if it fails."""
+    found, status = [list[str]() for _ in range(count)], np.zeros(count, np.int32)
+    try:
+        problems = problems_of(scene, columns, count, status)
+    except (SimulationError, ValueError):
+        return found
+    for problem in problems:
+        depths = problem.trial.summary.maximum_indentation
+        for place, row in enumerate(rows_of(problem).tolist()):
+            found[row] = law_warnings(problem.part(np.array([place])).as_first(), depths[place : place + 1])
+    for row in (status == VIBRATES).nonzero()[0].tolist():
+        own = {path: cast("Any", float(values[row])) for path, values in columns.items()}
+        found[row] = law_warnings(problem_of(scene_of_columns(scene, own)))
+    return found
 
 
 def rows_of(problem: Problem) -> Index:
@@ -176,8 +194,9 @@ def _groups(
     Raises ValueError where there are nearly as many curves as impacts.
     """
     for law, yields, own in _laws(part, index):
-        made = SceneLaw.of(part if own.size == index.size else _part(scene, columns, own), law).reduced()
-        slow = Impacts.several(scene, made, own, _picked(columns, own))
+        picked = columns if own.size == len(next(iter(columns.values()))) else _picked(columns, own)
+        varied = part if own.size == index.size else scene_of_columns(scene, picked)
+        slow = Impacts.several(scene, SceneLaw.of(varied, law).reduced(), own, picked, varied)
         for places in _shared_curves((slow.law,), own.size):
             for static, support in supports_of(slow if places is ALL else _alike(slow, places)):
                 for impacts, same in _by_curve(_hardened(static, support), static):
@@ -246,7 +265,7 @@ def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[Abstr
 def _shared_curves(laws: Iterable[SceneLaw], count: int) -> Iterator[Any]:
     """The places of the impacts of each curve under the laws; `ALL` if they share one. Most laws have stages that do
     not depend on the varied values."""
-    shapes = [shape for law in laws for shape in (*curve_keys(law), *_few_valued(law))]
+    shapes = [shape for law in laws for shape in (*curve_keys(law), *_few_valued(law))] if count > 1 else []
     if all(all_of(shape == shape[0]) for shape in shapes):
         yield ALL
         return

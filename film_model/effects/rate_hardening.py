@@ -30,6 +30,8 @@ SETTLED, MOST_ROUNDS = 1e-9, 60
 """Relative change of the strength at which the iteration ends. A round divides the change by 4 or more: the rate varies
 as S^{1/4} at most, the strength as C ln ε̇, C ≤ 1."""
 
+SWITCHED_OFF_BECAUSE = "the scene has rate_hardening = false"
+
 RULE = Rule("rate_hardening", "strain rate, 1/s", "Tabor 1951; Johnson & Cook 1983; marched with S and with S_y")
 
 
@@ -132,7 +134,7 @@ def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:
     matters, cost = size > static.scene.effect_tolerance, FREE
     state = SIMULATED if used is not None else NOT_NEEDED
     if used is None and scene.effects.rate_hardening is False:
-        state, why = NOT_MODELLED if matters else SWITCHED_OFF, f"the scene has rate_hardening = false; {why}"
+        state, why = NOT_MODELLED if matters else SWITCHED_OFF, f"{SWITCHED_OFF_BECAUSE}; {why}"
     elif used is None and matters:
         state, cost = NOT_MODELLED, ABSENT
         why += f"; the law {static.law.name} has no yield_strength: raise its own parameters"

@@ -66,6 +66,16 @@ def _relative(value: Any, to: Any) -> Any:
     return abs(value / to - 1.0) if to > 0.0 and value >= 0.0 else 1.0
 
 
+def few(problem: Problem) -> bool:
+    """Whether the impacts are each tried: one, or up to `FEW`."""
+    return not problem.impacts.many or problem.approach.size <= FEW
+
+
+def beyond(size: Any, tolerance: float) -> Any:
+    """Whether a change is larger than the tolerance, or unknown (nan)."""
+    return ~(size <= tolerance) if isinstance(size, np.ndarray) else not size <= tolerance
+
+
 def matters(
     full: Problem, without: Problem, size: Callable[[Problem, Problem], Any] = change, where: Mask | None = None
 ) -> Any:
@@ -76,8 +86,8 @@ def matters(
     answer, it is taken for the whole cell. where: mask of the impacts in question; False for the others.
     """
     tolerance = full.scene.effect_tolerance
-    if not full.impacts.many:
-        return not size(full, without) <= tolerance
+    if few(full) and where is None:
+        return beyond(size(full, without), tolerance)
     found = np.zeros(full.approach.shape, np.bool_)
     left = np.arange(found.size) if where is None else np.flatnonzero(where)
     for width, load_width, clear in LEVELS:

@@ -19,6 +19,7 @@ from film_model.core import modal, native
 from film_model.effects.choose import Choice, choose
 from film_model.effects.effect import COMPUTED, NOT_MODELLED, percent
 from film_model.effects.many import SURE
+from film_model.effects.rate_hardening import SWITCHED_OFF_BECAUSE
 from film_model.explorer import formulas, support
 from film_model.explorer.inputs import inputs_of
 from film_model.explorer.laws import laws_of
@@ -50,6 +51,9 @@ SAMPLES = 201
 
 SWITCHES = ("plasticity", "target_motion", "gravity")
 """Effects that the page decides again for every change, by the same formulas."""
+
+
+SLOW = "this page computes with the yield strength of slow loading"
 
 
 class Content:
@@ -106,7 +110,8 @@ class Content:
     def _scene(self, name: str, scene: Scene) -> dict[str, Any]:
         """A scene with what was decided for it."""
         choice = choose(scene)
-        if not not_simulated(choice):  # the page computes with the strength of slow loading, and says so
+        slow = not not_simulated(choice) and scene.effects.rate_hardening is not False
+        if slow:  # the page computes with the strength of slow loading, and says so
             scene = replace(scene, effects=scene.effects.changed(rate_hardening=False))
             choice = choose(scene)
         if not choice.problem.approach > 0.0:
@@ -123,6 +128,8 @@ class Content:
         if held is None and target.structural and target.finite and hasattr(target, "reflection_change"):
             reflected = self._named("reflections", formulas.reflections_function("reflections", scene, paths))
         effects = scene.effects
+        said = (lambda text: text.replace(SWITCHED_OFF_BECAUSE, SLOW)) if slow else str
+        hardening = next(effect for effect in choice.effects if effect.name == "rate_hardening")
         return {
             "name": name,
             "title": scene.title or f"Impact on a {target.kind}",
@@ -140,8 +147,9 @@ class Content:
             "tolerance": effects.tolerance,
             "solver": {key: getattr(scene.solver, key) for key in ("accuracy", "segments", "linearisation")},
             "given": given(choice, reason) if reason else None,
-            "judged": [effect.to_dict() | {"line": effect.line} for effect in choice.effects],
-            "warnings": list(choice.warnings),
+            "judged": [e.to_dict() | {"reason": said(e.reason), "line": said(e.line)} for e in choice.effects],
+            "warnings": list(map(said, choice.warnings)),
+            "hardening": hardening.change if slow and hardening.state == NOT_MODELLED else None,
         }
 
     def _law(self, found: Any, scene: Scene) -> int:

@@ -159,9 +159,13 @@ def _assembled(law: str, given: tuple[Stage, ...]) -> tuple[list[Stage], native.
 def _shaped(law: AbstractLaw, compliance: float) -> Curve:
     """The curve of a law of a family."""
     page = page_of(law)
-    assert page is not None
-    curve = _curve(_name(law), list(law.stages()), page.at(law.shape), compliance, page.fit_error, page.steepest)
-    return replace(curve, page=page)
+    assert page is not None and law.shape is not None
+    return replace(curve_on(page, law.shape, law, compliance), page=page)
+
+
+def curve_on(page: Page, shape: float | Array, law: AbstractLaw, compliance: float = 0.0) -> Curve:
+    """The curve of a law on a page of its family, as :func:`curve_of`. shape: its own, or its numbers in a mixture."""
+    return _curve(_name(law), list(law.stages()), page.at(shape), compliance, page.fit_error, page.steepest)
 
 
 def _curve(

@@ -33,6 +33,9 @@ NODES = 20
 TERMS = 18
 """Chebyshev terms in ξ on a piece, whose ends differ by a factor of two."""
 
+ANY_SHAPE = 1e-3
+"""Shape of the law that stands for all laws of a family, so that a page is found again whatever law asks for it."""
+
 CHECKED = (-0.97, -0.31, 0.44, 0.89)
 """2 ln(shape/low)/ln(high/low) − 1, where a page is compared with the law."""
 
@@ -68,7 +71,7 @@ def page_of(law: AbstractLaw) -> Page | None:
     if shape is None or not EDGES[0] <= shape < EDGES[-1]:
         return None
     number = int(page_number(shape))
-    return page_between(law.of_shape(1e-3), float(EDGES[number]), float(EDGES[number + 1]))
+    return page_between(law.of_shape(ANY_SHAPE), float(EDGES[number]), float(EDGES[number + 1]))
 
 
 @lru_cache(maxsize=64)

@@ -12,7 +12,7 @@ from film_model.base.arrays import Array, Mask
 from film_model.base.errors import SimulationError
 from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
 from film_model.problem.curve import steepest_fall
-from film_model.problem.families import EDGES, Page, page_number
+from film_model.problem.families import ANY_SHAPE, EDGES, Page, page_number
 from film_model.problem.fit import values_of
 from film_model.problem.problem import Impacts
 
@@ -47,7 +47,7 @@ def _fall_of(law: AbstractLaw, low: float, high: float) -> float:
 
 def _fall_of_page(law: AbstractLaw, page: Page) -> float:
     """The steepest fall of the laws of a page, of which one is given."""
-    number, laws = int(page_number(law.shape)), [law.of_shape(1e-3)]
+    number, laws = int(page_number(law.shape)), [law.of_shape(ANY_SHAPE)]
     if page.marks is not None:
         ((name, ends),) = law.shaped_beside.items()
         laws = [replace(laws[0], **{name: value}) for value in np.linspace(*ends, 3).tolist()]  # type: ignore[type-var]

@@ -120,12 +120,12 @@ class SceneLaw:
     def on_arrays(self, formula: Callable[[AbstractLaw, Any], tuple[Any, ...]], count: int) -> list[Array]:
         """A formula of the law and of places, for each of many impacts.
 
-        It is evaluated on whole arrays if this gives the same values as one by one for the first, middle and last
-        impact; otherwise one by one, because a law may accept numbers only.
+        It is evaluated on whole arrays if, of several, this gives the same values as one by one for the first, middle
+        and last impact; otherwise one by one, because a law may accept numbers only.
         """
         try:
             found = [column(value, count) for value in formula(self.at(ALL), ALL)]
-            if all(self._agrees(found, formula, place) for place in {0, count // 2, count - 1}):
+            if count == 1 or all(self._agrees(found, formula, place) for place in {0, count // 2, count - 1}):
                 return found
         except (TypeError, ValueError):
             pass

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,6 +49,11 @@ class OwnCurves(NamedTuple):
         """Whether all have one curve."""
         return all(values is None for values in self)
 
+    @property
+    def springs_alone(self) -> bool:
+        """Whether the curves differ in springs only."""
+        return self.spring is not None and self.page is None and self.varied is None
+
     def part(self, places: Any) -> OwnCurves:
         """Of some of the impacts."""
         if self.alike:
@@ -57,7 +62,7 @@ class OwnCurves(NamedTuple):
         return OwnCurves(self.page, shape, None if self.varied is None else self.varied.part(places), spring)
 
     def march(self, curve: Curve, mesh: native.Mesh, start: NDArray[Any]) -> tuple[NDArray[np.int32], NDArray[Any]]:
-        """The core's statuses and summaries. curve: of the first impact, without a spring."""
+        """The core's statuses and summaries. curve: of the first impact; without its spring if springs differ alone."""
         page, shape, varied, spring = self
         if spring is not None:
             family = None if page is None or shape is None else (page.family, page.whole, shape)
@@ -72,16 +77,15 @@ class OwnCurves(NamedTuple):
         for k in range(len(different)):
             yield np.flatnonzero(group.ravel() == k)
 
-    def first(self, curve: Curve) -> native.Curve:
-        """The curve of the first impact to the last digit. curve: that of its law alone, with its spring."""
-        made = None
+    def first(self, shared: Callable[[], native.Curve]) -> native.Curve:
+        """The curve of the first impact to the last digit. shared: without springs, of impacts that share it."""
         if self.varied is not None:
-            made = self.varied.curve_at(0)
+            curve = self.varied.curve_at(0)
         elif self.page is not None and self.shape is not None:
-            made = self.page.at(self.shape[0])
-        if made is None:
-            return curve.native
-        return made if self.spring is None else families.in_series(made, float(self.spring[0]))
+            curve = self.page.at(self.shape[0])
+        else:
+            curve = shared()
+        return curve if self.spring is None else families.in_series(curve, float(self.spring[0]))
 
     def dents(self, curve: Curve, depth: Any, end: Any) -> Any:
         """What contacts leave that turned at `depth` and ended at `end` [δ_s], laws that pull. curve: of the first."""

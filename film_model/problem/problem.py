@@ -17,8 +17,9 @@ import numpy as np
 from film_model.base.arrays import ALL, Array, Index, Number, any_of, column, either, greater
 from film_model.base.errors import STATUSES, VIBRATES, SimulationError
 from film_model.core import native
+from film_model.core.columns import Columns
 from film_model.laws.law import AbstractLaw
-from film_model.problem.curve import Curve, curve_of
+from film_model.problem.curve import Curve, curve_of, curve_on
 from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.own_curves import OwnCurves
@@ -38,18 +39,6 @@ TRIAL_SEGMENTS = 16
 
 TRIAL_TOLERANCE = 1e-3
 """Tolerance of a step in the trial of a contact that relaxes; its relative errors are about 1e-5."""
-
-
-class Columns:
-    """The core's summaries of many impacts: one array per value, by the names of native.Summary."""
-
-    __slots__ = ("table",)
-
-    def __init__(self, table: Any) -> None:
-        self.table = table
-
-    def __getattr__(self, name: str) -> Any:
-        return self.table[name]
 
 
 class Trial(NamedTuple):
@@ -86,9 +75,11 @@ class Impacts:
         return cls(scene, law, Numbers.of(scene, None))
 
     @classmethod
-    def several(cls, scene: Scene, law: SceneLaw, index: Index, columns: Mapping[str, Array]) -> Impacts:
-        """Many impacts."""
-        varied = scene_of_columns(scene, columns)
+    def several(
+        cls, scene: Scene, law: SceneLaw, index: Index, columns: Mapping[str, Array], varied: Scene | None = None
+    ) -> Impacts:
+        """Many impacts. varied: the scene with the columns, if it is made."""
+        varied = varied or scene_of_columns(scene, columns)
         return cls(scene, law, Numbers.of(varied, index.size), index, columns, varied)
 
     @property
@@ -137,8 +128,13 @@ class Impacts:
 
     @cached_property
     def curve(self) -> Curve:
-        """The curve that many impacts share."""
-        return curve_of(self.one_law)
+        """The curve of the one impact, or of the first of many, without a spring."""
+        return self._curve(self.own if self.many else OwnCurves())
+
+    def _curve(self, own: OwnCurves, spring: float = 0.0) -> Curve:
+        if own.page is not None and own.page.marks is not None and own.shape is not None:
+            return curve_on(own.page, own.shape[0], self.one_law, spring)  # the law alone would be fitted again
+        return curve_of(self.one_law, spring)
 
     @cached_property
     def _light_scales(self) -> Scales:
@@ -188,14 +184,14 @@ class Impacts:
         else:
             scales = self._light_scales
         springs = any_of(compliance > 0.0)
-        spring = compliance * scales.force / scales.length if springs else 0.0
+        spring: Any = compliance * scales.force / scales.length if springs else 0.0
         own = OwnCurves()
         if self.index is not None:
             own = self.own if fitted else OwnCurves.of(self.law, self.index.size, fitted=False)
         return Problem(
             impacts=self,
             law=self.one_law,
-            curve=curve_of(self.one_law, np.ravel(spring)[0].item()) if springs else self.curve,
+            curve=self._curve(own, np.ravel(spring)[0].item()) if springs or not fitted else self.curve,
             scales=scales,
             gamma=scales.force / (impedance * scales.velocity),
             load=load / scales.force,
@@ -313,7 +309,7 @@ class Problem:
         refuse_relaxation(self, "a march on lines")
         if not self.impacts.many:
             return native.marched(self.curve.native, mesh, self.start)
-        one = self.impacts.curve if self.own.spring is not None else self.curve
+        one = self.impacts.curve if self.own.springs_alone else self.curve
         status, table = self.own.march(one, mesh, self.start)
         return status, Columns(table)
 
@@ -329,10 +325,15 @@ class Problem:
             yield self
             return
         for places in self.own.groups():
-            part = self.part(places)
-            law, spring = part.impacts.one_law, 0.0 if part.own.spring is None else part.own.spring[0].item()
-            own = curve_of(law, spring)
-            yield replace(part, law=law, curve=replace(own, native=part.own.first(own)), own=OwnCurves())
+            yield self.part(places).as_first()
+
+    def as_first(self) -> Problem:
+        """Many impacts, all with the law and the curve of the first."""
+        law, curve, own = self.impacts.one_law, self.curve, self.own
+        if not own.alike:
+            error, made = max(curve.fit_error, own.fit_error), own.first(lambda: self.impacts.curve.native)
+            curve = replace(curve, native=made, stages=tuple(law.stages()), fit_error=error)
+        return replace(self, law=law, curve=curve, own=OwnCurves())
 
     @cached_property
     def trial(self) -> Trial:
@@ -349,8 +350,19 @@ class Problem:
     @property
     def limit(self) -> Any:
         """Time after which a contact under a load, or of a law that pulls, is no longer followed."""
-        loaded = (self.load > 0.0) | self.curve.pulls
-        return either(loaded, contact_limit(self.approach, self.gamma), math.inf) if any_of(loaded) else math.inf
+        if not (self.loaded or self.curve.pulls):
+            return math.inf
+        return either((self.load > 0.0) | self.curve.pulls, contact_limit(self.approach, self.gamma), math.inf)
+
+    @cached_property
+    def loaded(self) -> bool:
+        """Whether a load presses on the contact, or on any of many."""
+        return any_of(self.load > 0.0)
+
+    @cached_property
+    def damps(self) -> bool:
+        """Whether the law has damping in the impact, or in any of many."""
+        return any_of(self.damping > 0.0)
 
     def motion(self, t: Any, values: Any) -> dict[str, Any]:
         """As :func:`motion_of`."""

@@ -53,9 +53,10 @@ def rises(curve: native.Curve, ratio: int) -> tuple[Rise, ...]:
 def _speeds(curve: native.Curve, depths: NDArray[np.float64]) -> NDArray[np.float64]:
     """The velocities that lead to these depths."""
     before, stage, works = 0.0, 0, list[float]()
+    ends = [curve.stage[k].end for k in range(curve.stages - 1)]
     for depth in depths.tolist():
-        while stage < curve.stages - 1 and depth > curve.stage[stage].end:
-            before += native.stage_law(curve, stage, curve.stage[stage].end)[1]
+        while stage < len(ends) and depth > ends[stage]:
+            before += native.stage_law(curve, stage, ends[stage])[1]
             stage += 1
         works.append(before + native.stage_law(curve, stage, depth)[1])
     return np.sqrt(2.0 * np.array(works))

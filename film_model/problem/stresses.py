@@ -50,9 +50,10 @@ def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tupl
     hertz = hertz_stiffness(modulus, radius) * indentation * root(indentation)
     off = ratio(abs(force - hertz), hertz)
     elastic = off <= HERTZIAN
-    square, strength, poisson = radius * indentation, impacts.yield_strength, scene.poissons_ratio
+    square = radius * indentation
     if not any_of(off > HERTZIAN):
         return root(square), elastic
+    strength, poisson = impacts.yield_strength, scene.poissons_ratio
     if strength is None or poisson is None:
         return either(elastic, root(square), math.nan), elastic
     first = (yield_factor(poisson) * strength / modulus) ** 2 * radius
@@ -75,7 +76,7 @@ def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:
     else:  # on the way in, the contact is as wide as Hertz's at that indentation
         radius, elastic = root(scene.effective_radius * depth), force != force
     radius = radius * math.nan if problem.curve.pulls else radius
-    damped = any_of(problem.damping > 0.0) or problem.relaxation is not None
+    damped = problem.damps or problem.relaxation is not None
     left = summary["permanent_indentation"]
     dented = left > SHALLOW * depth
     mean = force * math.nan if damped else force / (math.pi * radius * radius)

@@ -11,9 +11,10 @@ from typing import Any
 
 from film_model.base.arrays import all_of, any_of, either, ratio, unwarned
 from film_model.core import native
+from film_model.core.columns import Columns
 from film_model.core.comparison import compare
 from film_model.core.comparison import rounding as rounding_of
-from film_model.problem.problem import Columns, Problem
+from film_model.problem.problem import Problem
 from film_model.problem.stresses import stresses_of
 
 SUMMARY: dict[str, tuple[str, str]] = {
@@ -56,12 +57,11 @@ def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
     over = status == native.EVENT
     turned = core.maximum_indentation > 0.0
     absorbed = either(abs(core.work) > WORK_ROUNDING * approach**2, core.work, 0.0)
-    no_dent = (problem.damping > 0.0) | (problem.relaxation is not None)
     left = core.permanent_indentation
     if problem.curve.pulls:
         left = problem.own.dents(problem.curve, core.maximum_indentation, left)
-    if any_of(no_dent):
-        left = either(no_dent, 0.0, left)
+    if problem.damps or problem.relaxation is not None:
+        left = either((problem.damping > 0.0) | (problem.relaxation is not None), 0.0, left)
     with unwarned(status):
         begun = {
             "maximum_indentation": core.maximum_indentation * s.length,

@@ -107,7 +107,7 @@ def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple
     """Segment counts of one impact that meet the accuracy, doubled until two meshes agree, and the error estimate."""
     assert solver.accuracy is not None
     n, counts_for = first_segments(problem.damping), problem.curve.segments
-    factor, fall = ORDER_FACTOR[solver.linearisation][1], REGULAR_FALL[solver.linearisation]
+    factor, regular = ORDER_FACTOR[solver.linearisation][1], REGULAR_FALL[solver.linearisation]
     counts = [counts_for(n // 2), counts_for(n)]
     coarsest, coarse = (_impact(problem, solver, each) for each in counts)
     before, last = _apart(problem, solver, counts, coarsest, coarse), math.inf
@@ -116,7 +116,7 @@ def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple
         counts = [counts[1], counts_for(n)]
         fine = _impact(problem, solver, counts[1])
         here = _apart(problem, solver, counts, coarse, fine)
-        apart, falls, before = max(here, before / fall), here < 0.5 * before, here
+        apart, falls, before = max(here, before / regular), here < 0.5 * before, here
         bound = coarse_factor(n, solver) if problem.load > 0.0 else factor
         found, rounds = max(bound * apart, unseen(problem, solver, n, fine)), rounding(problem, fine)
         found = 1.0 if same_way_in(problem, coarse, fine, here) else found
@@ -166,9 +166,8 @@ def unseen(problem: Problem, solver: Solver, n: int, core: Any) -> Any:
     if not any_of(problem.stop_velocity > 0.0):
         return 0.0
     chords = solver.linearisation == "chord"
-    first = (
-        1.0 / n if chords else math.sin(0.5 * math.pi / n) ** 2
-    )  # node, over the depth if that is in the first stage
+    # The first node over the depth, if that is in the first stage.
+    first = 1.0 / n if chords else math.sin(0.5 * math.pi / n) ** 2
     within = core.time_impactor_stops * problem.approach < 2.0 * first * core.maximum_indentation
     lost = 1.0 if chords else 1.0 - problem.stop_velocity / problem.approach
     return either(within, STOP_IN_A_LINE * lost, 0.0)

@@ -115,7 +115,7 @@ def simulate_batch(
     refined until its own estimate meets it.
 
     Raises ValueError for a velocity or mass that is not > 0 or outside the range of scenes, a velocity that is not
-    above a free target's, or empty arrays; SceneError for a bad option.
+    above a free target's, empty arrays, or arrays that do not broadcast together; SceneError for a bad option.
 
     >>> many = fm.simulate_batch(scene, velocity=["0.1 m/s", "1 m/s"])
     >>> many.summary["coefficient_of_restitution"].round(3)
@@ -123,7 +123,7 @@ def simulate_batch(
     """
     speeds = _in_si("velocity", velocity)
     masses = None if mass is None else _in_si("mass", mass)
-    shape = speeds.shape if masses is None else np.broadcast(speeds, masses).shape
+    shape = speeds.shape if masses is None else _common_shape(speeds, masses)
     given = {"impactor.velocity": speeds, "impactor.mass": masses}
     columns = {path: _spread(values, shape) for path, values in given.items() if values is not None}
     least = max(scene.target.velocity, 0.0)
@@ -143,12 +143,22 @@ def simulate_batch(
             raise ValueError(f"{name}: {wrong:g} {unit} is out of range: from {low:g} to {high:g} {unit}")
     solver = solver_for(scene.solver, accuracy, segments, None)
     result = simulate_many(scene, columns, solver)
-    shaped = {name: column.reshape(shape) for name, column in result.summary.items()}
     counts = result.segments.max(axis=0).tolist()
     worst = float(np.fmax.reduce(result.estimated, initial=0.0))
-    each, failed = result.estimated.reshape(shape), (result.status < 0).reshape(shape)
     varied = {path.partition(".")[2]: column.reshape(shape) for path, column in columns.items()}
-    return BatchResult(shaped, varied, each, worst, (counts[0], counts[1]), failed, result)
+    summary, each, failed = result.summary, result.estimated, result.status < 0
+    if len(shape) != 1:
+        summary = {name: column.reshape(shape) for name, column in summary.items()}
+        each, failed = each.reshape(shape), failed.reshape(shape)
+    return BatchResult(summary, varied, each, worst, (counts[0], counts[1]), failed, result)
+
+
+def _common_shape(speeds: Array, masses: Array) -> tuple[int, ...]:
+    try:
+        return np.broadcast_shapes(speeds.shape, masses.shape)
+    except ValueError:
+        shapes = f"velocity has the shape {speeds.shape}, mass {masses.shape}"
+        raise ValueError(f"{shapes}: shapes that broadcast together are needed") from None
 
 
 def _spread(values: Array, shape: tuple[int, ...]) -> Array:

@@ -16,11 +16,12 @@ import numpy as np
 from film_model.base.arrays import Array, Index, Mask
 from film_model.base.errors import SimulationError
 from film_model.core import native
+from film_model.core.columns import Columns
 from film_model.effects.decided import decided_impacts, decided_problem
 from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import FEW, curve_keys
 from film_model.effects.rate_hardening import factor_at
-from film_model.problem.problem import TRIAL_SEGMENTS, Columns, Impacts
+from film_model.problem.problem import TRIAL_SEGMENTS, Impacts
 from film_model.problem.varied import fitted_by
 from film_model.scene import Solver
 from film_model.solve.accuracy import mesh_of

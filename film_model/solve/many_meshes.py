@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, Mask, all_of, any_of
-from film_model.problem.problem import Columns, Problem
+from film_model.core.columns import Columns
+from film_model.problem.problem import Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import Solver
 from film_model.solve.accuracy import (
@@ -147,9 +148,9 @@ def _estimate(
     if problem.free:
         found = np.maximum(found, unseen(problem, solver, n, core))
     loaded = problem.load > 0.0
-    if n <= TOO_FEW and (problem.curve.pulls or any_of(loaded)):
+    if n <= TOO_FEW and (problem.curve.pulls or problem.loaded):
         found[(apart <= SAME) & (loaded | problem.curve.pulls)] = 1.0
-    if any_of(loaded):
+    if problem.loaded:
         found[same_way_in(problem, coarse, core, apart)] = 1.0
         found = np.where(loaded, np.maximum(found, LOADED * solver.accuracy), found)
     estimated = np.minimum(found + rounds, 1.0)
@@ -176,7 +177,7 @@ def _shared_segments(problem: Problem, solver: Solver) -> int:
     """Segments per stage with which `EASY` of a sample meet the accuracy."""
     assert solver.accuracy is not None
     count = problem.approach.size
-    damping = float(np.median(problem.damping)) if problem.damping.any() else 0.0
+    damping = float(np.median(problem.damping)) if problem.damps else 0.0
     n = first_segments(damping) if damping > 0.0 else FIRST_SEGMENTS
     if count <= SAMPLE_LEAST:
         return n

@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 from film_model.base.arrays import Array, Index
 from film_model.base.errors import VIBRATES, CoreError, SimulationError, TooManyModes
 from film_model.core import modal, native
+from film_model.core.columns import Columns
 from film_model.effects.choose import problem_of
 from film_model.effects.many import rows_of
 from film_model.laws import LAWS, AbstractLaw
 from film_model.problem.curve import curve_of
 from film_model.problem.law_of_scene import SceneLaw
-from film_model.problem.problem import Columns, Impacts, Problem
+from film_model.problem.problem import Impacts, Problem
 from film_model.problem.summary import SUMMARY, difference, radiated, summary_of
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.columns import scene_of_columns

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from film_model.base.arrays import Array
 from film_model.base.errors import CoreError
 from film_model.core import native, relaxing
-from film_model.problem.problem import TRIAL_TOLERANCE, Columns, Problem
+from film_model.core.columns import Columns
+from film_model.problem.problem import TRIAL_TOLERANCE, Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import DEFAULT_ACCURACY, Solver
 from film_model.solve.accuracy import raise_failure

@@ -28,7 +28,7 @@ GRAZING = 1e-12
 
 
 DEEPER = 1.0 + 1e-10
-"""A turn is deeper than those before by this factor, as in film_impact.c: contacts that swing turn at one depth."""
+"""A turn is deeper than those before by this factor, as in film_marched.c: contacts that swing turn at one depth."""
 
 
 def simulate(

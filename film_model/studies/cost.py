@@ -20,6 +20,9 @@ from film_model.studies.methods import FILM, FILM_ON_MODES, Prepared, methods_fo
 from film_model.studies.reference import COMPARED, QUADRATURE, reference
 from film_model.studies.timing import Timing, machine, timed
 
+NOT_INSTALLED = "not installed"
+"""The outcome of a method whose library cannot be imported."""
+
 
 @dataclass(frozen=True)
 class CostRun:
@@ -184,7 +187,7 @@ def _run(method: str, setting: str, make: Callable[[], Prepared], exact: Any) ->
         values, evaluations = prepared.single()
     except Exception as error:  # any failure of another library is an outcome
         missing = isinstance(error, ImportError)
-        said = "not installed" if missing else " ".join(str(error).split()) or type(error).__name__
+        said = NOT_INSTALLED if missing else " ".join(str(error).split()) or type(error).__name__
         return CostRun(method, setting, None, None, None, {}, said[:200])
     off = np.abs(np.array(values) / exact - 1.0)
     errors = {name: float(off[INTEGRATED_VALUES.index(name)]) for name in COMPARED}

@@ -15,13 +15,13 @@ import numpy as np
 from film_model.base.arrays import Array
 from film_model.base.errors import SimulationError
 from film_model.core import native
+from film_model.core.columns import Columns
 from film_model.effects.case import Pulse
 from film_model.laws import BigAlabo
 from film_model.laws.big_alabo import FULLY_PLASTIC
 from film_model.laws.yielding import yield_velocity
 from film_model.problem.curve import curve_of
 from film_model.problem.numbers import zener
-from film_model.problem.problem import Columns
 from film_model.scene import Scene
 
 LAMBDAS, RATIOS = (1e-3, 10.0), (0.1, 1000.0)

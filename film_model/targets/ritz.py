@@ -11,20 +11,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
-from scipy import linalg
 
 from film_model.base.arrays import Array, Index
 from film_model.base.errors import SimulationError, TooManyModes
 from film_model.targets.line_functions import SIMPLE, Line, line, polynomials
 from film_model.targets.modes import Modes, check_count, projected, sorted_modes
 from film_model.targets.plate_statics import levy_compliance
-
-_LINALG: Any = linalg
-_BLAS: Any = linalg.blas
-_LAPACK: Any = linalg.lapack
 
 Block = tuple[Index, Index]
 """Numbers p and q of some products."""
@@ -301,25 +296,28 @@ def _spectrum(energy: Array, seen: Array, least: float) -> tuple[Array, Array]:
     first entries of the tridiagonal matrix's eigenvectors are the components (Golub & Welsch 1969), and the
     eigenvectors of the whole matrix, which take most of the time, are not needed.
     """
+    import scipy.linalg  # takes as long as thousands of impacts, and most plates need no spectrum
+
+    blas, lapack, linalg = cast("tuple[Any, ...]", (scipy.linalg.blas, scipy.linalg.lapack, scipy.linalg))
     size = float(np.linalg.norm(seen))
     shift = max(least, SHIFT * float(np.median(np.diag(energy))))
     energy[np.diag_indices(seen.size)] += shift
     scale = 1.0 / np.sqrt(np.diag(energy))
     energy *= np.outer(scale, scale)
-    factor, failed = _LAPACK.dpotrf(energy.T, lower=1, clean=0, overwrite_a=1)
+    factor, failed = lapack.dpotrf(energy.T, lower=1, clean=0, overwrite_a=1)
     if failed:
         raise SimulationError("the stiffness of the plate's edges or bed is too small, or too large, beside its own")
-    inverse = _LAPACK.dpotri(factor, lower=1, overwrite_c=1)[0]
+    inverse = lapack.dpotri(factor, lower=1, overwrite_c=1)[0]
     inverse *= np.outer(scale, scale)
     mirror = seen.copy()
     mirror[0] += math.copysign(size, seen[0])
     mirror *= math.sqrt(2.0) / np.linalg.norm(mirror)
-    turned = _BLAS.dsymv(1.0, inverse, mirror, lower=1)
+    turned = blas.dsymv(1.0, inverse, mirror, lower=1)
     turned -= 0.5 * float(mirror @ turned) * mirror
-    inverse = _BLAS.dsyr2(-1.0, mirror, turned, lower=1, a=inverse, overwrite_a=1)
-    work = int(_LAPACK.dsytrd_lwork(seen.size, lower=1)[0])
-    _, diagonal, beside, _, _ = _LAPACK.dsytrd(inverse, lower=1, lwork=work, overwrite_a=1)
-    values, vectors = _LINALG.eigh_tridiagonal(diagonal, beside, lapack_driver="stemr")
+    inverse = blas.dsyr2(-1.0, mirror, turned, lower=1, a=inverse, overwrite_a=1)
+    work = int(lapack.dsytrd_lwork(seen.size, lower=1)[0])
+    _, diagonal, beside, _, _ = lapack.dsytrd(inverse, lower=1, lwork=work, overwrite_a=1)
+    values, vectors = linalg.eigh_tridiagonal(diagonal, beside, lapack_driver="stemr")
     found = projected(np.array([size]), values, vectors[:1])[::-1]
     known = values[::-1] > ROUNDED * values[-1]
     return 1.0 / values[::-1][known] - shift, found[known]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from film_datasets.impacts import ClosedForms, Impacts, simulate_impacts
 from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, side_name
 from film_datasets.sweeps.block import Block
-from film_datasets.sweeps.definition import MOST_COMBINATIONS, Sweep
+from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import GRID
 from film_datasets.sweeps.ragged import Columns, ragged_columns, ragged_dims
 from film_model.base.arrays import Index, index_or_all
@@ -38,26 +38,17 @@ def compute_impacts(sweep: Sweep, values: Sequence[NDArray[Any]]) -> Columns:
     if sweep.design != GRID:
         columns |= {axis.name: value for axis, value in zip(sweep.axes, values, strict=True)}
     in_range = np.ones(count, np.bool_)
-    numbers: dict[str, NDArray[Any]] = {}
     for place, (axis, value) in enumerate(zip(sweep.axes, values, strict=True)):
         if axis.kind != "choices":
-            numbers[axis.path] = value
             outside = axis.outside(value) & in_range
             columns["status"][outside] = OUT_OF_RANGE + place
             in_range &= ~outside
-    combination = sweep.combination_numbers(values)
-    few = sweep.combinations <= MOST_COMBINATIONS
     forms: list[tuple[Index, ClosedForms]] = []
-    for number in (np.flatnonzero(np.bincount(combination)) if few else np.unique(combination)).tolist():
-        index = np.flatnonzero((combination == number) & in_range)
-        if index.size:
-            scene = sweep.combination(number)
-            picked = {path: value[index] for path, value in numbers.items()}
-            picked = picked or {"impactor.velocity": np.full(index.size, scene.impactor.speed)}
-            impacts = simulate_impacts(scene, picked)
-            _put(sweep, columns, forms, impacts, index)
-            if sweep.derivatives:
-                _differentiate(sweep, columns, impacts, picked, index)
+    for scene, index, numbers in sweep.parts(values, in_range):
+        impacts = simulate_impacts(scene, numbers)
+        _put(sweep, columns, forms, impacts, index)
+        if sweep.derivatives:
+            _differentiate(sweep, columns, impacts, numbers, index)
     if sweep.keep == "segments":
         columns |= ragged_columns(forms, count, ragged_dims(sweep.variables))
     return columns

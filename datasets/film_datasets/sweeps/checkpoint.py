@@ -60,9 +60,10 @@ class Checkpoint:
             if (self.folder / "lock").is_file():
                 with open(self.folder / "lock") as lock:
                     lock_file(lock, self._target)
-            raise FileExistsError(
-                f"{self._target}: an interrupted run left {self.summary()}; or use overwrite=True to start again"
-            )
+            if self.finished():
+                raise FileExistsError(
+                    f"{self._target}: an interrupted run left {self.summary()}; or use overwrite=True to start again"
+                )
         try:
             self.folder.mkdir(exist_ok=True)
             lock = open(self.folder / "lock", "w")  # noqa: SIM115  # closed, and so unlocked, at the end
@@ -92,11 +93,9 @@ class Checkpoint:
     def summary(self) -> str:
         """How many blocks are finished, and how to resume."""
         count = len(self.finished())
-        return (
-            f"{count} of {len(self._blocks)} blocks in {self.folder}: use resume=True to continue"
-            if count
-            else "no blocks are saved"
-        )
+        if count:
+            return f"{count} of {len(self._blocks)} blocks in {self.folder}: use resume=True to continue"
+        return f"nothing to resume: no block was finished, or all can be computed again within {WORTH_SAVING:g} s"
 
     def finished(self) -> set[int]:
         """Numbers of the finished blocks."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,7 @@ from film_datasets.sweeps.axis_reading import read_axes, swept_mistakes
 from film_datasets.sweeps.design_table import is_table, over_of_table
 from film_datasets.sweeps.designs import DESIGNS, GRID, MOST_SAMPLES, SAMPLED, ZIP, points
 from film_datasets.sweeps.distributions import correlated, correlation_factor
+from film_model.base.arrays import Index
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.effects.edge_effects import edged
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
@@ -89,7 +90,8 @@ class Sweep:
         axes: tuple[Axis, ...] = ()
         first = scene
         try:
-            axes, first = read_axes(scene, over, design if design in DESIGNS else GRID)
+            assumed = GRID if samples is None else SAMPLED[0]  # by which axes are read if the design is unknown
+            axes, first = read_axes(scene, over, design if design in DESIGNS else assumed)
         except SceneError as error:
             mistakes += error.mistakes
         raise_all(mistakes)
@@ -265,6 +267,20 @@ class Sweep:
             changes = {axis.path: axis.choices[int(place)] for axis, place in zip(axes, places, strict=True)}
             self._scenes[number] = self.first.replace(changes) if changes else self.scene
         return self._scenes[number]
+
+    def parts(
+        self, values: Sequence[NDArray[Any]], wanted: NDArray[np.bool_]
+    ) -> Iterator[tuple[Scene, Index, dict[str, NDArray[Any]]]]:
+        """The impacts that are wanted of those with these values along the axes, by combination of choices: its scene,
+        the places of its impacts, and their numbers by path, at least one."""
+        combination = self.combination_numbers(values)
+        few = self.combinations <= MOST_COMBINATIONS
+        for number in (np.flatnonzero(np.bincount(combination)) if few else np.unique(combination)).tolist():
+            index = np.flatnonzero((combination == number) & wanted)
+            if index.size:
+                scene, pairs = self.combination(number), zip(self.axes, values, strict=True)
+                numbers = {axis.path: value[index] for axis, value in pairs if axis.kind != "choices"}
+                yield scene, index, numbers or {"impactor.velocity": np.full(index.size, scene.impactor.speed)}
 
     def scene_of(self, impact: int) -> Scene | None:
         """The scene of one impact, by its place in C order; None if a value is out of range."""

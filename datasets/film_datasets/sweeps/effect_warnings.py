@@ -11,7 +11,7 @@ from film_datasets.sweeps.designs import GRID
 from film_model.base.errors import SimulationError
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_MODELLED, percent
-from film_model.effects.law_range import law_warnings
+from film_model.effects.many import law_warnings_of_each
 from film_model.effects.plausibility import remarks
 
 MOST_CHECKED = 8
@@ -46,20 +46,20 @@ def effect_warnings(sweep: Sweep) -> list[str]:
 def sweep_law_warnings(sweep: Sweep) -> list[str]:
     """Warnings about the laws, from evenly spaced impacts: the first of each kind, and in how many it occurs."""
     found: dict[str, list[str]] = {}
-    places = np.unique(np.linspace(0, sweep.size - 1, 2 * MOST_CHECKED).astype(np.int64)).tolist()
-    for impact in places:
-        scene = sweep.scene_of(impact)
-        if scene is None or not scene.approach_velocity > 0.0:
-            continue
-        try:
-            said = law_warnings(choose(scene).problem)
-        except (SimulationError, ValueError):
-            continue
-        for sentence in said:
-            found.setdefault(" ".join(sentence.split()[:5]), []).append(sentence)
+    places = np.unique(np.linspace(0, sweep.size - 1, 2 * MOST_CHECKED).astype(np.int64))
+    values = [
+        np.concatenate(parts) for parts in zip(*(sweep.values(place, 1) for place in places.tolist()), strict=True)
+    ]
+    numbers = [(axis, value) for axis, value in zip(sweep.axes, values, strict=True) if axis.kind != "choices"]
+    outside = np.any([np.zeros(places.size, np.bool_), *(axis.outside(value) for axis, value in numbers)], axis=0)
+    said: dict[int, list[str]] = {}
+    for scene, index, columns in sweep.parts(values, ~outside):
+        said |= zip(index.tolist(), law_warnings_of_each(scene, columns, index.size), strict=True)
+    for sentence in itertools.chain.from_iterable(said[place] for place in sorted(said)):
+        found.setdefault(" ".join(sentence.split()[:5]), []).append(sentence)
     return [
-        f"{said[0]} (one of {len(said)} such impacts of the {len(places)} that were looked at)"
-        for said in found.values()
+        f"{alike[0]} (one of {len(alike)} such impacts of the {places.size} that were looked at)"
+        for alike in found.values()
     ]
 
 

@@ -69,7 +69,11 @@ def sweep_from_text(
         mistakes += option_mistakes(design, options.get("samples"), options.get("seed"))
     if sweep is None or mistakes:
         lines = lines_of_keys(text)
-        own = [m if m.file else replace(m, file=name, line=_line(lines, m.key, over)) for m in mistakes]
+        elsewhere = {*instead, *({"keep"} - given.keys())}
+        own = [
+            m if m.file or m.key in elsewhere else replace(m, file=name, line=_line(lines, m.key, over))
+            for m in mistakes
+        ]
         raise SceneError(sorted(own, key=lambda m: (m.file != name, m.line or 0)))
     return sweep
 

@@ -180,7 +180,7 @@ function energyChart(result, time, cursor) {
 
 /** What a reader must know before believing the result. @param {Scene} scene @param {Result} result */
 function showBanner(scene, result) {
-  const { given } = scene.base;
+  const { given, hardening } = scene.base;
   const { edges } = result.choice;
   const texts = [];
   if (given && result.choice.problem === null) {
@@ -190,6 +190,9 @@ function showBanner(scene, result) {
   }
   if (edges?.matter) {
     texts.push(`Waves from the edges would change the result by about ${percent(edges.change)}: here the target has no edges. Use film-model run.`);
+  }
+  if (hardening !== null) {
+    texts.push(`This page computes with the yield strength of slow loading; film-model run takes that at the strain rate, which changes the summary of the scene as given by about ${percent(hardening)}.`);
   }
   if (!unchanged(scene)) {
     texts.push("Plasticity, gravity and target motion were decided again for your changes; the other effects below were not.");
@@ -237,7 +240,9 @@ function showEffects(scene, result) {
     notes.push(`the contact yields above ${shown(result.n.yield_velocity, "velocity", 4)} on a target that does not move`);
   }
   notes.push(...scene.base.warnings.map((/** @type {string} */ text) => (same ? text : `for the scene as given: ${text}`)));
-  if (edges && !edges.matter) notes.push(`waves from the edges change the result by less than ${percent(edges.change)}`);
+  if (edges && !edges.matter) {
+    notes.push(edges.change > 0 ? `waves from the edges change the result by less than ${percent(edges.change)}` : "waves from the edges return after contact has ended");
+  }
   byId("notes").replaceChildren(...notes.map((text) => made("li", {}, text)));
 }
 

@@ -532,6 +532,8 @@ static void check_batch(const film_start *first) {
     for (int i = 0; i < count; i++) {
         if (film_impact(&curve, &mesh, &start[i], &alone) == FILM_EVENT && start[i].gamma > 0.0)
             HOLD(memcmp(&alone, &summary[i], sizeof alone) == 0);
+        else if (start[i].gamma == 0.0 && status[i] == FILM_EVENT && start[i].damping == 0.0)
+            HOLD(isfinite(alone.contact_duration) && isfinite(alone.final_velocity) && isfinite(alone.work));
         int one = film_marched(&curve, &mesh, &start[i], &alone);
         if (one != FILM_TOO_MANY || start[i].load <= 0.0) documented(one); /* a load alone swings without end */
         if (status[i] != FILM_TOO_MANY || start[i].load <= 0.0) documented(status[i]);

@@ -1,6 +1,7 @@
 """Batches give the results of single impacts."""
 
 import math
+import re
 import runpy
 import threading
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 from cases import DAMPED, LAWS, combinations, loads_straight, scene, zener_scene
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
+from scipy.special import hyp2f1
 
 import film_model as fm
 from film_model.core import native, records
@@ -149,9 +151,9 @@ VALUES += ("contact_duration", "final_velocity", "permanent_indentation", "work"
 TIMES = ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration")
 
 
-def alone(curve, mesh, start):
-    """Status and summary of each start by the march."""
-    found = [native.marched(curve, mesh, native.Start(*row.tolist())) for row in start]
+def alone(curve, mesh, start, by=native.marched):
+    """Status and summary of each start, by the march or by `native.impact`."""
+    found = [by(curve, mesh, native.Start(*row.tolist())) for row in start]
     rows = [tuple(getattr(summary, name) for name in native.SUMMARY_DTYPE.names) for _, summary in found]
     return np.array([status for status, _ in found]), np.array(rows, native.SUMMARY_DTYPE)
 
@@ -166,7 +168,8 @@ def differences(a, b, start):
 
 @pytest.mark.parametrize("law", [name for name in LAWS if name != "yigit-christoforou"])  # is left to the march
 def test_quadrature_on_a_half_space_converges_to_the_march(law):
-    """Error over segments, against 500 lines a leg: geometric until rounding. All but times need no quadrature."""
+    """Error over segments, against 500 lines a leg: geometric until rounding, of rows and of one impact. All but times
+    need no quadrature."""
     rng = np.random.default_rng(3)
     start = starts(np.exp(rng.uniform(-1.5, 3, 40)), 0.0)
     curve = curve_of(LAWS[law]).native
@@ -174,12 +177,39 @@ def test_quadrature_on_a_half_space_converges_to_the_march(law):
     done = expected == native.EVENT
     assert done.mean() > (0.2 if law == "tabulated" else 0.9)  # most turns are beyond the table
     for segments, error in ((1, 2e-3), (2, 4e-4), (4, 2e-5), (8, 4e-7), (16, 2e-9), (40, 1e-11), (400, 1e-11)):
-        status, batch = native.batch(curve, native.mesh(native.WORK_PRESERVING, segments, segments), start)
-        off = differences(batch[done], one[done], start[done])
-        assert np.array_equal(status, expected)
-        assert np.array_equal(batch["stage"][done], one["stage"][done])
-        assert off.max() <= error, segments
-        assert off[[name not in TIMES for name in VALUES]].max() <= 1e-14
+        mesh = native.mesh(native.WORK_PRESERVING, segments, segments)
+        for status, found in (native.batch(curve, mesh, start), alone(curve, mesh, start, native.impact)):
+            off = differences(found[done], one[done], start[done])
+            assert np.array_equal(status, expected)
+            assert np.array_equal(found["stage"][done], one["stage"][done])
+            assert off.max() <= error, segments
+            assert off[[name not in TIMES for name in VALUES]].max() <= 1e-14
+
+
+def test_an_elastic_stage_on_a_half_space_needs_no_quadrature():
+    """Thornton's law: behind the elastic stage it is linear, and the time to the turn an arctangent. Rows
+    and one impact have the same bits."""
+    curve = curve_of(fm.Thornton(1e11, 0.01, 1e9)).native
+    end = curve.stage[0].end
+    force, work = native.stage_law(curve, 0, end)
+    slope = (native.stage_law(curve, 1, 2.0 * end)[0] - force) / end
+    margin = np.random.default_rng(2).uniform(0.01, 0.999, 40)
+    nu = np.sqrt(2.0 * work / (1.0 - margin**2))
+    expected = end / nu * hyp2f1(0.5, 0.4, 1.4, 1.0 - margin**2)
+    expected += np.arctan(margin * nu * math.sqrt(slope) / force) / math.sqrt(slope)
+    mesh, start = native.mesh(native.WORK_PRESERVING, 40, 40), starts(nu, 0.0)
+    _, batch = native.batch(curve, mesh, start)
+    assert batch["time_of_maximum_indentation"] == pytest.approx(expected, rel=3e-15)
+    assert alone(curve, mesh, start, native.impact)[1].tobytes() == batch.tobytes()
+
+
+def test_points_of_gauss_rule():
+    """The numbers in film_gauss.c: one point of each pair, for 1 to 16 points."""
+    text = (Path(native.__file__).parent / "film_gauss.c").read_text(encoding="utf-8")
+    pairs = re.findall(r"\{([\d.e-]+), ([\d.e-]+)\}", text)
+    points = [np.polynomial.legendre.leggauss(count) for count in range(1, 17)]
+    halves = [(0.5 * (1.0 + x), 0.5 * w) for at, weight in points for x, w in zip(at, weight, strict=True) if x < 1e-9]
+    np.testing.assert_allclose(np.array(pairs, float), halves, rtol=2e-14)  # numpy errs by 1e-14
 
 
 @pytest.mark.parametrize("law", [name for name in LAWS if name not in (*STRAIGHT, *LEFT_TO_THE_MARCH)])

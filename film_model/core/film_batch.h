@@ -53,11 +53,13 @@ typedef struct {
 
 /* Gauss's rule on a way to the turn, in panels of at most PANEL points: after the fraction x of it, x = s^2 (2 - s^2), so that
  * sqrt(1 - x) = 1 - s^2, to which the velocity before a turn is proportional, and sqrt x, of which a force at first touch is a
- * power, have no root. For n segments: n + EXTRA_POINTS points, at most MOST_POINTS, less what does not fill panels of one size. */
-enum { PANEL = 16, EXTRA_POINTS = 2, MOST_POINTS = 256 };
+ * power, have no root. For n segments: n + EXTRA_POINTS points, at most MOST_POINTS, less what does not fill panels of one size. One
+ * impact takes SEVERAL at a time: `filled` points, the last of which have no weight. */
+enum { PANEL = 16, EXTRA_POINTS = 2, MOST_POINTS = 256, SEVERAL = 8 };
 typedef struct {
-    int32_t count;
-    double at[MOST_POINTS], rest[MOST_POINTS], weight[MOST_POINTS]; /* s, 1 - x; of 1/velocity over the length of the way */
+    int32_t count, filled;
+    double at[MOST_POINTS], rest[MOST_POINTS];       /* s, 1 - x */
+    double across[MOST_POINTS], weight[MOST_POINTS]; /* 4 s ds, and dx: of 1/velocity over the length of the way */
 } gauss_rule;
 
 void film_make_rule(int32_t segments, gauss_rule *rule);
@@ -92,6 +94,7 @@ typedef struct {
     int32_t *status;
     double whole[FILM_MAX_STAGES], end_force[FILM_MAX_STAGES]; /* work of a stage, force at its end */
     double piece_work[FILM_MAX_PIECES], piece_force[FILM_MAX_PIECES]; /* at its end; work from its stage's beginning */
+    double piece_slope[FILM_MAX_PIECES];                              /* the same, of the force; of one impact only */
     double exponent[FILM_MAX_STAGES]; /* of the branch of a contact that turned there; NAN: it depends on the depth */
     int32_t touch;  /* the stage in which contact begins: 0, unless the law pulls */
     double parting; /* work from the end of contact to first touch: 0, unless the law pulls */
@@ -103,6 +106,12 @@ typedef struct {
     line_table tables[TABLES];
     table_row rows[ROWS];
 } batch_job;
+
+/* Whether there are shorter ways than lines for this curve and mesh. */
+int film_is_quick(const film_curve *curve, const film_mesh *mesh);
+
+/* What tells how impacts unload that turn in stage k, and whether the stage is one power; j->simple[0] is known if k > 0. */
+void film_prepare_stage(batch_job *j, int32_t k);
 
 /* What all impacts of j->curve on j->mesh share, but for the ends of pieces. 0: lanes cannot run this curve or mesh. */
 int film_prepare_job(batch_job *j);
@@ -125,7 +134,8 @@ static inline int in_damped_lanes(const batch_job *j, const film_start *s) {
 /* The table of a run, made when it is first asked for; there is room for all that a batch can ask for. */
 line_table *film_lines_of(batch_job *j, int32_t stage, int32_t direction, int32_t segments, const double *nodes, double exponent);
 
-/* One impact on a target that moves, as a row of film_batch; 0: lanes cannot run it, or should not. */
+/* One impact as a row of film_batch; on a fixed target whole pieces are crossed by quadrature. 0: lanes cannot run it, or
+ * should not. */
 int film_single(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary, int32_t *status);
 
 /* Contacts in series with springs, as in film_batch_in_series, whose curves vary, one after another; LEFT_ALONE: lanes cannot run

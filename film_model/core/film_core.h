@@ -336,8 +336,8 @@ FILM_API int film_switch(const film_curve *curve, film_state *state);
 /* The true law: force, and work since the stage began, of loading stage `stage` at xi. */
 FILM_API void film_law(const film_curve *curve, int32_t stage, double xi, double *force, double *work);
 
-/* One contact: FILM_EVENT when it has ended, FILM_OK at the time limit, FILM_ENDLESS, or a failure. On a target that moves, and
- * without load and limit, or under a damped law, it is film_batch's row, faster than film_marched. */
+/* One contact: FILM_EVENT when it has ended, FILM_OK at the time limit, FILM_ENDLESS, or a failure. Without load and limit, or under
+ * a damped law, it is film_batch's row, faster than film_marched; on a fixed target times differ by less than their errors. */
 FILM_API int film_impact(const film_curve *curve, const film_mesh *mesh, const film_start *start,
                          film_summary *summary);
 

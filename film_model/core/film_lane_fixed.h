@@ -16,6 +16,45 @@ INLINED fixed_piece piece_of(const batch_job *j, int32_t stage, int32_t p) {
     return (fixed_piece){first ? j->curve->stage[stage].begin : j->curve->piece[p - 1].end, before, j->piece_work[p] - before};
 }
 
+enum { PLACES = LANES > 1 ? LANES : SEVERAL };
+
+/* The works of a piece, as piece_law_lanes has them, at PLACES: those of the lanes or, of one impact, SEVERAL points of the rule. */
+static void works_at(const film_piece *piece, const double *restrict xi, double *restrict work) {
+    const film_function *g = piece->force.form == FILM_POWER ? &piece->force : &piece->mean;
+    double x[PLACES], z[PLACES], a[PLACES] = {0.0}, before[PLACES] = {0.0}, term[FILM_MAX_TERMS + 4] = {0.0};
+    for (int i = 0; i < PLACES; i++) {
+        x[i] = xi[i] - piece->force.origin;
+        x[i] = x[i] > 0.0 ? x[i] : 0.0;
+    }
+    if (g->form == FILM_POWER) {
+        double per = work_factor(g->exponent);
+        int power = g->coefficient != 0.0, hertz = power && g->exponent == 1.5;
+        for (int i = 0; i < PLACES && hertz; i++) a[i] = x[i] * sqrt(x[i]);
+        for (int i = 0; i < PLACES && power && !hertz; i += LANES) power_lanes_of(&x[i], g->exponent, &a[i]);
+        for (int i = 0; i < PLACES; i++)
+            work[i] = x[i] * (g->constant + 0.5 * g->slope * x[i] + g->coefficient * a[i] * per) - piece->work_at_begin;
+        return;
+    }
+    for (int i = 0; i < PLACES; i++) {
+        z[i] = (xi[i] - g->origin) * g->per_span;
+        z[i] = z[i] > 0.0 ? z[i] : 0.0;
+    }
+    for (int i = 0; i < PLACES && g->form == FILM_ROOT_SERIES; i++) z[i] = sqrt(z[i]);
+    for (int i = 0; i < PLACES; i++) z[i] = 2.0 * (2.0 * z[i] - 1.0);
+    memcpy(term, g->series, (size_t)g->terms * sizeof *term);
+    for (int k = (g->terms + 2) / 4 * 4; k > 0; k -= 4) { /* Clenshaw's summation, as in chebyshev_lanes */
+        double t0 = term[k], t1 = term[k - 1], t2 = term[k - 2], t3 = term[k - 3];
+        for (int i = 0; i < PLACES; i++) {
+            double p = z[i] * a[i] - before[i] + t0, q = z[i] * p - a[i] + t1;
+            before[i] = z[i] * q - p + t2;
+            a[i] = z[i] * before[i] - q + t3;
+        }
+    }
+    for (int i = 0; i < PLACES; i++) work[i] = x[i] * (0.5 * z[i] * a[i] - before[i] + term[0]) - piece->work_at_begin;
+}
+
+static const double HERTZ_REST = 1.6453408471595659; /* rest_time(1.5) */
+
 /* Time of a run from rest, or to the turn, over x^q from 1 to 0: sqrt(pi (q + 1)/2) R(y) with y = 1/(q + 1) and
  * R = Gamma(1 + y)/Gamma(1/2 + y), by its asymptotic series at y + 12; rounding for 0 <= y <= 1. */
 INLINED double rest_time(double q) {
@@ -40,7 +79,7 @@ static void fit_crossing(const batch_job *j, int32_t p, const fixed_piece *own, 
     if (!(whole > 0.0)) terms = 1; /* without force */
     slope = slope > 0.0 ? slope : 0.0;
     for (int32_t first = 0; first < terms; first += LANES) {
-        double x[LANES], f[LANES], w[LANES], sum[LANES] = {0.0}, margin[LANES], root[LANES], ratio[LANES];
+        double x[PLACES], w[PLACES], sum[LANES] = {0.0}, margin[LANES], root[LANES], ratio[LANES];
         EACH(l) at[first + l] = cos(3.14159265358979323846 * (first + l + 0.5) / terms);
         EACH(l) {
             margin[l] = 0.5 * (1.0 + at[first + l]);
@@ -50,9 +89,9 @@ static void fit_crossing(const batch_job *j, int32_t p, const fixed_piece *own, 
             root[l] = ratio[l] / (1.0 + sqrt(1.0 - ratio[l]));
         }
         for (int32_t i = 0; i < points; i++) {
-            double s = j->rule.at[i], weight = j->rule.weight[i] / (1.0 - s * s);
+            double s = j->rule.at[i], weight = j->rule.across[i];
             EACH(l) x[l] = own->begin + length * (root[l] * s * s * (2.0 - root[l] * s * s) / ratio[l]);
-            piece_law_lanes(piece, x, f, w);
+            works_at(piece, x, w);
             EACH(l) {
                 double part = (w[l] - own->before) / whole;
                 sum[l] += weight * (1.0 - root[l] * s * s) / sqrt(margin[l] + (1.0 - margin[l]) * (1.0 - part));
@@ -75,6 +114,59 @@ static void fit_crossing(const batch_job *j, int32_t p, const fixed_piece *own, 
         }
         across->term[k] = (k > 0 ? 2.0 : 1.0) / terms * sum;
     }
+}
+
+/* The same for one impact, by the rule itself. square: of the velocity. */
+static void cross_by_rule(const batch_job *j, int32_t p, const fixed_piece *own, double *restrict square, double *restrict v,
+                        double *restrict time) {
+    const film_piece *piece = &j->curve->piece[p];
+    const gauss_rule *rule = &j->rule;
+    double part[PLACES], x[PLACES], w[PLACES], sum = 0.0, length = piece->end - own->begin, end = own->before + own->whole;
+    double left = *square - 2.0 * own->whole, force = j->piece_force[p], slope = j->piece_slope[p];
+    left = left > 0.0 ? left : 0.0;
+    slope = slope > 0.0 ? slope : 0.0;
+    double ratio = length / (length + left / (force + sqrt(force * force + slope * left)));
+    double root = ratio / (1.0 + sqrt(1.0 - ratio)), per = length * (root / ratio);
+    for (int32_t i = 0; i < rule->filled; i += PLACES) {
+        for (int k = 0; k < PLACES; k++) {
+            part[k] = rule->at[i + k] * rule->at[i + k];
+            x[k] = own->begin + per * part[k] * (2.0 - root * part[k]);
+        }
+        works_at(piece, x, w);
+        for (int k = 0; k < PLACES; k++) x[k] = rule->across[i + k] * (1.0 - root * part[k]) / sqrt(left + 2.0 * (end - w[k]));
+        for (int k = 0; k < PLACES; k++) sum += x[k];
+    }
+    *time += own->whole > 0.0 ? per * sum : length / *v;
+    *square = left;
+    *v = sqrt(left);
+}
+
+/* Time across a first stage of exponent 3/2 over its length and 1/v, a hypergeometric function of the margin m,
+ * 2F1(1/2, 2/5; 7/5; 1 - m^2), by powers of 2 m - 1: off by 4e-16.
+ * test_batch::test_an_elastic_stage_on_a_half_space_needs_no_quadrature. */
+enum { ELASTIC_TERMS = 20 };
+static const double elastic_crossing[ELASTIC_TERMS] = {
+    1.17669072775655, -0.21954913926491954, 0.0544358320439377, -0.014877384096266244, 0.0042711764881621225,
+    -0.0012631804300619256, 0.00038107214983778426, -0.00011660587036074875, 3.60634181062296e-05, -1.1246593899248536e-05,
+    3.5309996549791726e-06, -1.114603399891645e-06, 3.527924829633677e-07, -1.1223053038817836e-07, 3.673074447645098e-08,
+    -1.182339974532726e-08, 3.0401979392263163e-09, -9.48402834374613e-10, 6.615019596334223e-10, -2.1993559056499493e-10};
+
+static void cross_by_power(const fixed_piece *own, double length, double *restrict square, double *restrict v, double *restrict time) {
+    double z[LANES], per[LANES], even[LANES] = {0.0}, odd[LANES] = {0.0};
+    EACH(l) {
+        double left = square[l] - 2.0 * own->whole;
+        per[l] = 1.0 / v[l];
+        square[l] = left > 0.0 ? left : 0.0;
+        v[l] = sqrt(square[l]);
+        z[l] = 2.0 * (v[l] * per[l]) - 1.0;
+    }
+    for (int k = ELASTIC_TERMS - 2; k >= 0; k -= 2) {
+        EACH(l) {
+            even[l] = even[l] * (z[l] * z[l]) + elastic_crossing[k];
+            odd[l] = odd[l] * (z[l] * z[l]) + elastic_crossing[k + 1];
+        }
+    }
+    EACH(l) time[l] += length * per[l] * (even[l] + z[l] * odd[l]);
 }
 
 /* Across the whole of a piece. square: of the velocity. */
@@ -126,19 +218,56 @@ static void run_power_to_turn(const batch_job *j, int32_t stage, const double *r
 /* To the turn at xi in any other stage, from the beginning of a piece: the law at every point. */
 static void run_law_to_turn(const batch_job *j, int32_t stage, int32_t p, double begin, const double *restrict xi,
                             const double *restrict force, const double *restrict work, double *restrict time) {
-    double x[LANES], f[LANES], w[LANES], length[LANES], sum[LANES] = {0.0};
+    double x[PLACES], w[PLACES], none[LANES], length[LANES], sum[LANES] = {0.0};
+    const gauss_rule *rule = &j->rule;
     EACH(l) length[l] = xi[l] - begin;
-    for (int32_t i = 0; i < j->rule.count; i++) {
-        double rest = j->rule.rest[i], weight = j->rule.weight[i];
-        EACH(l) x[l] = xi[l] - length[l] * rest;
-        if (stage == j->shaped) law_lanes(j, stage, x, f, w);
-        else piece_law_lanes(&j->curve->piece[p], x, f, w);
+    for (int32_t i = 0; i < rule->count; i++) {
+        int32_t at = i % (PLACES / LANES);
+        for (int k = 0; k < PLACES && at == 0; k++) x[k] = xi[k % LANES] - length[k % LANES] * rule->rest[i + k / LANES];
+        if (stage == j->shaped) law_lanes(j, stage, x, none, w);
+        else if (at == 0) works_at(&j->curve->piece[p], x, w);
         EACH(l) {
-            double left = work[l] - w[l], least = 1e-3 * force[l] * length[l] * rest; /* against rounding on a short way */
-            sum[l] += weight / sqrt(2.0 * (left > least ? left : least));
+            double rest = rule->rest[i], left = work[l] - w[at + l];
+            double least = 1e-3 * force[l] * length[l] * rest; /* against rounding on a short way */
+            sum[l] += rule->weight[i] / sqrt(2.0 * (left > least ? left : least));
         }
     }
     EACH(l) time[l] += length[l] * sum[l];
+}
+
+/* The depth at which the work of a stage is `work`, in a piece that ends: steps of third order in a bracket, from the depth on
+ * a line that does the work of the piece and meets the force at its end. The slope is that of this line, then between the last
+ * two places: so of a step of 3e-7 of the depth, rounding is left. */
+static void depth_in_piece(const batch_job *j, int32_t p, const fixed_piece *own, const double *restrict work,
+                           double *restrict depth) {
+    const film_piece *piece = &j->curve->piece[p];
+    double length = piece->end - own->begin, at_end = j->piece_force[p], line = 2.0 * (at_end - own->whole / length) / length;
+    double force[LANES], f[LANES], w[LANES], moving[LANES], low[LANES], high[LANES], slope[LANES], step[LANES];
+    EACH(l) {
+        double rest = own->before + own->whole - work[l], square = at_end * at_end - 2.0 * line * rest;
+        depth[l] = piece->end - 2.0 * rest / (at_end + sqrt(square > 0.0 ? square : 0.0));
+        slope[l] = line;
+        moving[l] = 1.0;
+        low[l] = own->begin;
+        high[l] = piece->end;
+    }
+    for (int i = 0; i < DEPTH_STEPS && any(moving); i++) {
+        piece_law_lanes(piece, depth, f, w);
+        EACH(l) {
+            double missing = work[l] - w[l], at = depth[l], newton = missing / f[l];
+            if (i > 0) slope[l] = moving[l] > 0.0 ? (f[l] - force[l]) / step[l] : slope[l];
+            low[l] = missing >= 0.0 ? at : low[l];
+            high[l] = missing >= 0.0 ? high[l] : at;
+            double next = at + newton * (1.0 - 0.5 * slope[l] * newton / f[l]), halved = 0.5 * (low[l] + high[l]);
+            double near = next >= low[l] ? 3e-7 : 4e-16;
+            near = next <= high[l] ? near : 4e-16;
+            next = near > 1e-12 ? next : halved;
+            depth[l] = moving[l] > 0.0 ? next : at;
+            step[l] = next - at;
+            force[l] = f[l];
+            moving[l] = fabs(next - at) <= near * at ? 0.0 : moving[l];
+        }
+    }
 }
 
 /* Impacts on a fixed target: the turn, and what the way out gives. */
@@ -164,16 +293,23 @@ static void load_fixed(batch_job *j, int32_t stage, int32_t p, const double *res
         int32_t first = j->curve->stage[k].first, end = k < stage ? first + j->curve->stage[k].count : p;
         for (int32_t i = first; i < end; i++) {
             fixed_piece own = piece_of(j, k, i);
-            cross_piece(j, i, &own, square, v, b->turned);
+            if (has_way_in(j, k)) cross_by_power(&own, j->curve->piece[i].end - own.begin, square, v, b->turned);
+            else if (LANES == 1) cross_by_rule(j, i, &own, square, v, b->turned);
+            else cross_piece(j, i, &own, square, v, b->turned);
             if (j->piece_force[i] > b->peak) b->peak = j->piece_force[i];
         }
         if (k < stage) b->stored += j->whole[k];
     }
     EACH(l) work[l] = last.before + (square[l] > 1e-300 ? 0.5 * square[l] : 5e-301);
-    depth_lanes(j, stage, work, b->xi);
-    law_lanes(j, stage, b->xi, b->force, b->work);
+    if (stage == j->shaped || force_rises(j->curve, stage)) {
+        depth_lanes(j, stage, work, b->xi);
+        law_lanes(j, stage, b->xi, b->force, b->work);
+    } else {
+        depth_in_piece(j, p, &last, work, b->xi);
+        piece_law_lanes(&j->curve->piece[p], b->xi, b->force, b->work);
+    }
     if (plain_power(j, stage)) {
-        double rest = rest_time(j->curve->piece[0].force.exponent);
+        double q = j->curve->piece[0].force.exponent, rest = q == 1.5 ? HERTZ_REST : rest_time(q);
         EACH(l) b->turned[l] = rest * sqrt(b->xi[l] / b->force[l]);
     } else if (j->simple[stage]) {
         run_power_to_turn(j, stage, b->xi, b->turned);
@@ -195,7 +331,7 @@ static void unload_fixed(const batch_job *j, int32_t stage, fixed_block *b, doub
     }
     open_lanes(j, stage, b->xi, b->force, b->recovery, exponent);
     if (j->exponent[stage] == j->exponent[stage]) {
-        double same = rest_time(j->exponent[stage]);
+        double same = j->exponent[stage] == 1.5 ? HERTZ_REST : rest_time(j->exponent[stage]);
         EACH(l) rest[l] = same;
     } else {
         EACH(l) rest[l] = rest_time(exponent[l]);

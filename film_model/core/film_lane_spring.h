@@ -51,7 +51,7 @@ static void cross_in_series(const batch_job *j, int32_t stage, int32_t p, spring
         over[l] = 1.0 / (1.0 + sqrt(1.0 - ratio[l]));
     }
     for (int32_t i = 0; i < j->rule.count; i++) {
-        double s = j->rule.at[i], weight = j->rule.weight[i] / (1.0 - s * s);
+        double s = j->rule.at[i], weight = j->rule.across[i];
         EACH(l) x[l] = own.begin + length * (over[l] * s * s * (2.0 - ratio[l] * over[l] * s * s));
         law_and_slope_lanes(j, stage, p, x, f, w, rise);
         EACH(l) {

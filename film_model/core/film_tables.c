@@ -85,30 +85,44 @@ static int32_t add_exponent(double exponent, double *known, int32_t count) {
     return count + 1;
 }
 
-/* 0: lanes cannot run this stage. */
-static int prepare_stage(batch_job *j, int32_t k) {
+/* Whether lanes can run a stage: a shifted branch may creep out for ever, which only the march sees. */
+static int is_served(const film_curve *curve, int32_t k) {
+    return curve->stage[k].unloading != FILM_SHIFTED && (curve->stage[k].end < INFINITY || force_rises(curve, k));
+}
+
+void film_prepare_stage(batch_job *j, int32_t k) {
     const film_curve *curve = j->curve;
     const film_stage *stage = &curve->stage[k];
     const film_function *g = &curve->piece[stage->first].force;
-    int rising = force_rises(curve, k), reversible = stage->unloading == FILM_RETRACE;
-    if (!reversible && stage->unloading == FILM_SHIFTED) return 0; /* it may creep out for ever: only the march sees that */
-    j->simple[k] = rising && g->origin == stage->begin;
+    int reversible = stage->unloading == FILM_RETRACE;
+    j->simple[k] = force_rises(curve, k) && g->origin == stage->begin;
     j->exponent[k] = reversible || stage->unloading == FILM_SIMILAR ? NAN : branch_exponent(curve, k);
+    if (reversible && plain_power(j, k)) j->exponent[k] = g->exponent;
+}
+
+/* The work of a stage that has an end, and the force there. */
+static void prepare_end(batch_job *j, int32_t k) {
+    const film_curve *curve = j->curve;
+    const film_stage *stage = &curve->stage[k];
     j->whole[k] = j->end_force[k] = INFINITY;
     if (stage->end < INFINITY) stage_law(curve, k, stage->end, &j->end_force[k], &j->whole[k]);
-    else if (!rising) return 0;
     if (curve->pull > 0.0 && k <= j->touch) {
         double force, before = j->whole[k];
         if (k == j->touch) stage_law(curve, k, 0.0, &force, &before);
         j->parting += before;
         j->whole[k] -= before;
     }
-    if (reversible && plain_power(j, k)) j->exponent[k] = g->exponent;
-    return 1;
 }
 
 /* Whether the contacts of a mesh are marched along its lines. */
 static int needs_lines(const film_mesh *mesh) { return mesh->linearisation != FILM_WORK_PRESERVING || mesh->ways != FILM_ANY_WAY; }
+
+int film_is_quick(const film_curve *curve, const film_mesh *mesh) {
+    if (curve->compliance != 0.0 || needs_lines(mesh)) return 0;
+    for (int32_t k = 0; k < curve->stages; k++)
+        if (!is_served(curve, k)) return 0;
+    return 1;
+}
 
 int film_prepare_job(batch_job *j) {
     const film_curve *curve = j->curve;
@@ -117,9 +131,10 @@ int film_prepare_job(batch_job *j) {
     j->table_count = j->row_count = j->touch = 0;
     j->parting = 0.0;
     while (j->touch < curve->stages - 1 && !(curve->stage[j->touch].end > 0.0)) j->touch++;
-    if (curve->compliance != 0.0 || needs_lines(j->mesh) || n > ROWS || m > ROWS) return 0;
+    if (!film_is_quick(curve, j->mesh) || n > ROWS || m > ROWS) return 0;
     for (int32_t k = 0; k < curve->stages; k++) {
-        if (!prepare_stage(j, k)) return 0;
+        film_prepare_stage(j, k);
+        prepare_end(j, k);
         powers = add_exponent(j->simple[k] ? curve->piece[curve->stage[k].first].force.exponent : ANY_POWER, power, powers);
         if (j->exponent[k] == j->exponent[k]) branches = add_exponent(j->exponent[k], branch, branches);
     }

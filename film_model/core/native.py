@@ -312,7 +312,7 @@ def sample(
 
 
 def impact(curve: Curve, cut: Mesh, start: Start) -> tuple[int, Summary]:
-    """Status and summary of one contact; on targets that move, those of a batch of one."""
+    """Status and summary of one contact: those of a batch of one, but for the quadrature's error on fixed targets."""
     return _contact(library().film_impact, curve, cut, start)
 
 

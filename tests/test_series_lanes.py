@@ -67,8 +67,9 @@ def test_instructions_give_the_same_bytes_in_series():
 @pytest.mark.parametrize(
     ("law", "given"), [("jackson-green", {}), ("big-alabo", {}), ("jkr", {"work_of_adhesion": "0.1 J/m^2"})]
 )
-def test_impactors_stop_on_free_bodies_as_in_the_march(law, given):
-    problem = problem_on(fm.Body(MATERIAL, radius="20 mm"), law, VELOCITY, {}, **given)
+@pytest.mark.parametrize("radius", ["20 mm", "90 mm", "200 mm", "1 m", "100 m", "1 km"])
+def test_impactors_stop_on_free_bodies_as_in_the_march(law, given, radius):
+    problem = problem_on(fm.Body(MATERIAL, radius=radius), law, VELOCITY, {}, **given)
     assert (problem.start["stop_velocity"] < 0.0).all()
     exact, lines = problem.march(LINES)
     status, found = problem.march(native.mesh(native.WORK_PRESERVING, 24, 24))

@@ -168,14 +168,17 @@ static void unload_fixed(const batch_job *j, int32_t stage, fixed_block *b, doub
     }
 }
 
+static const double SMALL_SHARE = 1e-4; /* of the work, at which four powers of it leave rounding */
+
 /* When impactors stop on their branch, on which the share z = 1 - u^(q + 1) of the work is given back at the part u of the
- * recovery: at the speed sqrt(2 z given), NAN beyond the end. The integral of 1/velocity, by Gauss's rule. */
+ * recovery: at the speed sqrt(2 z given), NAN beyond the end. The integral of 1/velocity, by Gauss's rule; where z is small, and
+ * 1 - u rounding, that of 1/force over the velocity, by powers of z. */
 static void stop_fixed(const batch_job *j, const double *restrict exponent, const double *restrict stop, fixed_block *b,
                        double *restrict stopped) {
-    double kept[LANES], at[LANES], e[LANES], power[LANES], length[LANES], sum[LANES] = {0.0};
+    double share[LANES], kept[LANES], at[LANES], e[LANES], power[LANES], length[LANES], sum[LANES] = {0.0};
     EACH(l) {
-        kept[l] = 1.0 - 0.5 * stop[l] * stop[l] / b->given[l];
-        kept[l] = kept[l] > 0.0 ? kept[l] : 0.0;
+        share[l] = 0.5 * stop[l] * stop[l] / b->given[l];
+        kept[l] = share[l] < 1.0 ? 1.0 - share[l] : 0.0;
         e[l] = 1.0 / (exponent[l] + 1.0);
     }
     power_lanes(kept, e, at);
@@ -188,13 +191,15 @@ static void stop_fixed(const batch_job *j, const double *restrict exponent, cons
         EACH(l) at[l] = 1.0 - length[l] * rest;
         power_lanes(at, e, power);
         EACH(l) {
-            double share = 1.0 - power[l], least = length[l] * rest; /* against rounding on a short way */
-            sum[l] += weight / sqrt(2.0 * b->given[l] * (share > least ? share : least));
+            double given = 1.0 - power[l], least = length[l] * rest; /* against rounding on a short way */
+            sum[l] += weight / sqrt(2.0 * b->given[l] * (given > least ? given : least));
         }
     }
     EACH(l) {
-        double time = b->turned[l] + b->recovery[l] * length[l] * sum[l];
-        stopped[l] = stop[l] == 0.0 ? b->turned[l] : kept[l] > 0.0 ? time : NAN;
+        double q = exponent[l] / e[l], z = share[l];
+        double early = -stop[l] / b->force[l] * (1.0 + z * q * (1.0 / 3.0 + z * (q + 1.0) * (0.1 + z * (q + 2.0) * (1.0 / 42.0))));
+        double time = z < SMALL_SHARE ? early : b->recovery[l] * length[l] * sum[l];
+        stopped[l] = kept[l] > 0.0 ? b->turned[l] + time : NAN;
     }
 }
 

@@ -320,12 +320,12 @@ def test_a_ball_at_rest_on_a_half_space(made, velocity):
         effects=fm.Effects(gravity=True),
     )
     report = fmu_wrapper.check(made(on))
-    # at 1 nm/s the library states an error of 1e-3: the impact's energy is 1e-8 of the weight's work
-    allowed = {True: 2e-4, False: 0.0}
+    # at 1 nm/s the library states an error of 9e-4: the impact's energy is 1e-8 of the weight's work
+    allowed = {True: 4e-6, False: 0.0}
     wrong = [f for f in report.findings if not f.good and f.difference > allowed[velocity == "1 nm/s"]]
     assert not wrong and not report.problems, report
     turns = [finding for finding in report.findings if finding.what == "Model Exchange: time of maximum_indentation"]
-    assert len(turns) == 1 and turns[0].difference < 1e-5
+    assert len(turns) == 1 and turns[0].good
 
 
 @pytest.mark.slow

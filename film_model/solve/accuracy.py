@@ -111,13 +111,14 @@ def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple
         counts = [counts[1], counts_for(n)]
         fine = _impact(problem, solver, counts[1])
         here = _apart(problem, solver, counts, coarse, fine)
-        apart, before = max(here, before / regular), here
+        apart, falls, before = max(here, before / regular), here < 0.5 * before, here
         bound = coarse_factor(n, solver) if problem.load > 0.0 else factor
         found, rounds = max(bound * apart, unseen(problem, solver, n, fine)), rounding(problem, fine)
         estimated = found + rounds
         if estimated <= solver.accuracy:
             return counts[1], estimated
-        if n >= MOST_SEGMENTS or found < rounds or (estimated > 0.7 * last and estimated < 1e-9):
+        settled = (found < rounds and not falls) or (estimated > 0.7 * last and estimated < 1e-9)
+        if n >= MOST_SEGMENTS or settled:
             warnings.append(
                 f"accuracy {solver.accuracy:g} is not reached: the estimated relative error is {estimated:.1e} "
                 f"with {n} segments per stage"

@@ -251,7 +251,7 @@ def _constants() -> dict[str, Any]:
     return {
         "first_segments": FIRST_SEGMENTS,
         "most_segments": MOST_SEGMENTS,
-        "trial_segments": TRIAL_SEGMENTS,
+        "trial_segments": 4 * TRIAL_SEGMENTS,  # the page has lines only, Python's trial their shorter ways
         "order_factor": ORDER_FACTOR,
         "regular_fall": REGULAR_FALL,
         "coarse": [COARSE_FACTOR, COARSE],

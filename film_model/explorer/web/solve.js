@@ -232,11 +232,13 @@ function refine(problem, solver) {
     const off = apart(problem, line, here, coarse, fine);
     const bound = problem.p.load > 0 ? Math.max(order[line][1], doubtful * Math.min(1, few / n)) : order[line][1];
     const found = Math.max(bound * Math.max(off, before / fall[line]), unseen(problem, line, n, fine));
+    const falls = off < 0.5 * before;
     before = off;
     const rounds = roundingOf(problem, fine);
     const estimated = found + rounds;
     if (estimated <= accuracy) return { counts: here[1], estimated, warning: "" };
-    if (n >= most || found < rounds || (estimated > 0.7 * last && estimated < 1e-9)) {
+    const settled = (found < rounds && !falls) || (estimated > 0.7 * last && estimated < 1e-9);
+    if (n >= most || settled) {
       const reached = `the estimated relative error is ${estimated.toExponential(1)} with ${n} segments per stage`;
       return { counts: here[1], estimated, warning: `accuracy ${accuracy} is not reached: ${reached}` };
     }

@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from fmu_wrapper import platforms
 
 CORE = platforms.CORE
-ONE_IMPACT = tuple(f"{CORE}/film_{name}.c" for name in ("marched", "modal_impact", "compare"))
+ONE_IMPACT = tuple(f"{CORE}/film_{name}.c" for name in ("marched", "modal_impact", "compare", "solve"))
 SOURCES = (
     *platforms.MARCH,
     *(f"{CORE}/film_{name}.c" for name in ("impact", "single", "tables", "gauss", "way_in", "way_out", "way_through")),

@@ -15,7 +15,7 @@ from film_model.core.native import START_DTYPE, SUMMARY_DTYPE, Curve, Summary, a
 
 
 def compare(start: Any, a: Any, b: Any) -> Any:
-    """Largest relative difference of two summaries of each contact: see film_core.h."""
+    """Largest relative difference of two summaries of each contact: see film_solve.h."""
     if isinstance(b, Summary):
         found = c.c_double()
         library().film_compare(1, c.byref(start), c.byref(a), c.byref(b), c.byref(found))

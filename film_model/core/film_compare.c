@@ -1,5 +1,5 @@
 /* Differences of two summaries of the same contacts, and their rounding errors. docs/method.md, section 12. */
-#include "film_core.h"
+#include "film_solve.h"
 
 #include <float.h>
 #include <math.h>
@@ -38,6 +38,30 @@ static double apart(double a, double b, double scale) {
 }
 
 static double larger(double a, double b) { return a > b ? a : b; }
+
+/* Bounds on the error of n segments over the difference to n/2, and of n over the difference to 2n: asymptotically 1/15 and 16/15
+ * for fourth order, 1/3 and 4/3 for chords; larger, for meshes that are still coarse. */
+static const double OF_FINE[] = {0.6, 0.5}, OF_COARSE[] = {2.4, 1.6};
+
+/* By how much doubling the segments divides the error. If the difference of two meshes falls by more, they may agree by chance:
+ * the bound is then from the meshes before. tests/test_one_and_many.py. */
+static const double REGULAR_FALL[] = {4.0, 16.0};
+
+/* The bound over the difference to half as many segments, up to COARSE segments; it falls as 1/n to OF_FINE. Where errors do not
+ * yet fall with the fourth power, at kinks of the law and in slow contacts under a load, two meshes may agree by chance.
+ * tests/test_sweep_accuracy.py, tests/test_estimates.py. */
+static const double COARSE_FACTOR = 2.0, COARSE = 24.0;
+
+/* Tables of whole ways and lanes serve a limited number of segments, more than LANES_END. Where they serve only the coarser of
+ * two meshes, the finer one has more than MANY_LINES times as many lines and errors of its own: SWITCHED bounds them over the
+ * difference. tests/test_estimates.py. */
+enum { LANES_END = 48 };
+static const double MANY_LINES = 3.0, SWITCHED = 2.0;
+
+/* Bound on the relative error of the time at which the impactor stops within the first line from first touch, over the fraction
+ * of the approach velocity that it loses until then; of chords over 1. 0.006 under Hertz's law, 0.09 under tsuji, 0.2 under
+ * hunt-crossley. tests/test_estimates.py. */
+static const double STOP_IN_A_LINE = 0.25;
 
 static double difference(const film_start *start, const film_summary *a, const film_summary *b) {
     double depth = b->maximum_indentation, final = b->final_velocity, speed = larger(start->nu, 1e-300);
@@ -83,4 +107,33 @@ void film_rounding(const film_curve *curve, int64_t count, const film_start *sta
         double march = MARCH_ROUNDING * sqrt(summary[i].lines / 100.0);
         off[i] = fmin(march + rounding(curve, &start[i], &summary[i], clearance), 1.0);
     }
+}
+
+/* Bound on the error of the time at which the impactor stops where two meshes do not show it. A line that reaches the stop is made
+ * again to end there. If that is the first of n lines, meshes of fewer segments have the same line up to the stop; nor do they show
+ * much if the first line takes half of that way. Only of a free target that moves towards a slower impactor. */
+static double unseen(const film_mesh *mesh, const film_start *start, const film_summary *fine) {
+    if (!(start->stop_velocity > 0.0)) return 0.0;
+    int chords = mesh->linearisation == FILM_CHORD;
+    double half = sin(0.5 * 3.14159265358979323846 / mesh->loading);
+    double first = chords ? 1.0 / mesh->loading : half * half; /* the first node over the depth, if that is in the first stage */
+    double lost = chords ? 1.0 : 1.0 - start->stop_velocity / start->nu;
+    return fine->time_impactor_stops * start->nu < 2.0 * first * fine->maximum_indentation ? STOP_IN_A_LINE * lost : 0.0;
+}
+
+void film_bound_fine(const film_mesh *mesh, int by_three, int64_t count, const film_start *start, const film_summary *coarse,
+                     const film_summary *fine, const double *off, const double *before, double *bound) {
+    double settled = OF_FINE[mesh->linearisation], doubtful = larger(settled, COARSE_FACTOR * fmin(1.0, COARSE / mesh->loading));
+    double fall = REGULAR_FALL[mesh->linearisation];
+    for (int64_t i = 0; i < count; i++) {
+        double factor = by_three && !(start[i].load > 0.0) ? settled : doubtful;
+        if (mesh->loading >= LANES_END && fine[i].lines > MANY_LINES * coarse[i].lines) factor = SWITCHED;
+        bound[i] = larger(factor * larger(off[i], before[i] / fall), unseen(mesh, &start[i], &fine[i]));
+    }
+}
+
+void film_bound_coarse(const film_mesh *mesh, int64_t count, const film_start *start, const film_summary *coarse, const double *off,
+                       double *bound) {
+    for (int64_t i = 0; i < count; i++)
+        bound[i] = larger(OF_COARSE[mesh->linearisation] * off[i], unseen(mesh, &start[i], &coarse[i]));
 }

@@ -373,16 +373,6 @@ FILM_API void film_batch_in_series(int instructions, const film_curve *curve, co
                                    const film_start *start, const double *compliance, const film_family *family, const double *shape, int32_t varying,
                                    const int32_t *places, const double *values, film_summary *summary, int32_t *status);
 
-/* off[i]: the largest relative difference of two summaries of the contact that starts with start[i], relative to b[i]; 1 for a
- * value that exists in only one of them. Permanent indentations and velocities are relative to at least 1e-3 of the maximum
- * indentation and of the approach velocity, work to the impact energy. If the approach velocity is 0, only values up to the
- * maximum indentation count, because whether contact ends then depends on rounding. */
-FILM_API void film_compare(int64_t count, const film_start *start, const film_summary *a, const film_summary *b, double *off);
-
-/* off[i]: how much rounding may change summary[i], relative as in film_compare, at most 1. clearance: where the law's force begins. */
-FILM_API void film_rounding(const film_curve *curve, int64_t count, const film_start *start, const film_summary *summary,
-                            double clearance, double *off);
-
 /* dents[i]: what a contact leaves that turned at depth[i] and ended at end[i], of a law that pulls: xi_f of its branch, since
  * the contact ends below xi_f. varying, places, values: as in film_batch_varied. */
 FILM_API void film_dents(const film_curve *curve, int64_t count, int32_t varying, const int32_t *places, const double *values,

@@ -168,6 +168,12 @@ class Summary(c.Structure):
     _fields_ = [(name, _D) for name in SUMMARY] + [("stage", _I), ("lines", _I)]
 
 
+class Solution(c.Structure):
+    """film_solution: one contact to an accuracy."""
+
+    _fields_ = [("summary", Summary), ("estimated", _D), ("level", _I), ("reached", _I)]
+
+
 START_DTYPE, LINE_DTYPE, STATE_DTYPE, SUMMARY_DTYPE = (np.dtype(kind) for kind in (Start, Line, State, Summary))
 
 
@@ -212,6 +218,10 @@ def library() -> Any:
         "film_marched": ([pointer, pointer, pointer, pointer], c.c_int),
         "film_instructions": ([], c.c_int),
         "film_batch_shaped": ([c.c_int, pointer, pointer, pointer, i64, pointer, pointer, pointer, pointer], None),
+        "film_solve": ([pointer, pointer, pointer, _I, _D, _D, pointer], c.c_int),
+        "film_estimate": ([pointer, pointer, pointer, _D, pointer], c.c_int),
+        "film_bound_fine": ([pointer, c.c_int, i64, pointer, pointer, pointer, pointer, pointer, pointer], None),
+        "film_bound_coarse": ([pointer, i64, pointer, pointer, pointer, pointer], None),
         "film_compare": ([i64, pointer, pointer, pointer, pointer], None),
         "film_rounding": ([pointer, i64, pointer, pointer, _D, pointer], None),
         "film_dents": ([pointer, i64, c.c_int32, pointer, pointer, pointer, pointer, pointer], None),

@@ -29,15 +29,7 @@ from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.problem.problem import TRIAL_SEGMENTS
 from film_model.problem.summary import COMPARED, SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
-from film_model.solve.accuracy import (
-    COARSE,
-    COARSE_FACTOR,
-    FIRST_SEGMENTS,
-    MOST_SEGMENTS,
-    ORDER_FACTOR,
-    REGULAR_FALL,
-    STOP_IN_A_LINE,
-)
+from film_model.solve.accuracy import FIRST_SEGMENTS
 from film_model.solve.history import MOTION
 from film_model.solve.simulate import DEEPER, GRAZING, simulate_chosen
 from film_model.studies.regimes import limits, regimes
@@ -227,6 +219,7 @@ def layout() -> dict[str, Any]:
         "summary": native.Summary,
         "state": native.State,
         "line": native.Line,
+        "solution": native.Solution,
     }
     structures |= {"modal": modal.Modal, "modal_start": modal.Start, "modal_summary": modal.Summary}
     structures |= {"modal_segment": modal.Segment, "modal_event": modal.Event}
@@ -250,12 +243,7 @@ def size_of(kind: Any) -> int:
 def _constants() -> dict[str, Any]:
     return {
         "first_segments": FIRST_SEGMENTS,
-        "most_segments": MOST_SEGMENTS,
         "trial_segments": 4 * TRIAL_SEGMENTS,  # the page has lines only, Python's trial their shorter ways
-        "order_factor": ORDER_FACTOR,
-        "regular_fall": REGULAR_FALL,
-        "coarse": [COARSE_FACTOR, COARSE],
-        "stop_in_a_line": STOP_IN_A_LINE,
         "grazing": GRAZING,
         "deeper": DEEPER,
         "sure": SURE,

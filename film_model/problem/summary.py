@@ -123,7 +123,7 @@ def radiated_energy(problem: Problem, core: Any) -> Any:
 
 
 def difference(problem: Problem, a: Any, b: Any) -> Any:
-    """Largest relative difference of two summaries, relative to `b`: film_compare in film_core.h."""
+    """Largest relative difference of two summaries, relative to `b`: film_compare in film_solve.h."""
     return compare(problem.start, _core(a), _core(b))
 
 
@@ -140,7 +140,7 @@ def differences(problem: Problem, a: native.Summary, b: native.Summary) -> dict[
 
 
 def rounding(problem: Problem, summary: Any) -> Any:
-    """How much rounding may change a summary, relative as in :func:`difference`: film_rounding in film_core.h.
+    """How much rounding may change a summary, relative as in :func:`difference`: film_rounding in film_solve.h.
 
     It is large where the summary is a small difference of large numbers: the velocity of a ball whose weight does more
     work than its impact, or an indentation beyond a deep clearance.

@@ -4,25 +4,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, Mask, all_of, any_of
 from film_model.core.columns import Columns
+from film_model.core.solving import MOST_SEGMENTS, bound_coarse, bound_fine
 from film_model.problem.problem import Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import Solver
-from film_model.solve.accuracy import (
-    MOST_SEGMENTS,
-    ORDER_FACTOR,
-    REGULAR_FALL,
-    coarse_factor,
-    first_segments,
-    mesh_of,
-    unseen,
-)
+from film_model.solve.accuracy import first_segments, mesh_of
 from film_model.solve.relaxed import relax_many
 
 FIRST_SEGMENTS = 4
@@ -46,11 +38,6 @@ by tests/test_one_and_many.py."""
 LOADED = 0.05
 """Under a load two meshes may agree by chance, where the sign of their difference changes: an estimate is not less than
 this fraction of the accuracy. Needed by tests/test_sweep_accuracy.py."""
-
-LANES_END, MANY_LINES, SWITCHED = 48, 3.0, 2.0
-"""Tables of whole ways and lanes serve a limited number of segments, more than `LANES_END`. Where they serve only the
-coarser of two meshes, the finer one has more than `MANY_LINES` times as many lines, and errors of its own: `SWITCHED`
-bounds them over the difference. Needed by tests/test_estimates.py."""
 
 LINE_ERROR = 0.2
 """Bound on the relative error of times on a fixed target with n lines a leg, times n^4 (docs/method.md, section 4)."""
@@ -137,15 +124,10 @@ def _estimate(
     assert solver.accuracy is not None
     (coarse_status, coarse), (status, core) = coarser, finer
     apart, rounds, failed = difference(problem, coarse, core), _floor(problem, core), status < 0
-    factor: Any = coarse_factor(n, solver)
-    if n >= LANES_END:
-        switched = core.lines > MANY_LINES * coarse.lines
-        factor = np.where(switched, SWITCHED, factor)
-    found = factor * np.maximum(apart, made.apart[places] / REGULAR_FALL[solver.linearisation])
+    mesh = mesh_of(solver, problem.curve.segments(n))
+    found = bound_fine(mesh, problem.start, coarse.table, core.table, apart, made.apart[places])
     found[coarse_status < 0] = 1.0
     made.apart[places] = apart
-    if problem.free:
-        found = np.maximum(found, unseen(problem, solver, n, core))
     loaded = problem.load > 0.0
     if n <= TOO_FEW and (problem.curve.pulls or problem.loaded):
         found[(apart <= SAME) & (loaded | problem.curve.pulls)] = 1.0
@@ -166,7 +148,7 @@ def _with_segments(problem: Problem, solver: Solver, n: int) -> Marched:
     """March with the given number of segments; the estimates are from twice as many."""
     (status, core), (other, fine) = (problem.march(mesh_of(solver, (k, k))) for k in (n, 2 * n))
     apart = np.where(other >= 0, difference(problem, core, fine), 1.0)
-    found = np.maximum(ORDER_FACTOR[solver.linearisation][0] * apart, unseen(problem, solver, n, core))
+    found = bound_coarse(mesh_of(solver, (n, n)), problem.start, core.table, apart)
     estimated = np.where(status < 0, math.nan, np.minimum(found + _floor(problem, core), 1.0))
     return Marched(status, core, np.full((status.size, 2), n, np.int32), estimated, apart)
 
@@ -183,8 +165,10 @@ def _shared_segments(problem: Problem, solver: Solver) -> int:
     sample = problem.part(spread)
     while n < MOST_SEGMENTS:
         (status, coarse), (other, fine) = (_march(sample, solver, k) for k in (_half(n, solver), n))
-        off = np.where((status >= 0) & (other >= 0), coarse_factor(n, solver) * difference(sample, coarse, fine), 0.0)
-        typical = float(np.quantile(off, EASY))
+        off = difference(sample, coarse, fine)
+        mesh = mesh_of(solver, sample.curve.segments(n))
+        bound = bound_fine(mesh, sample.start, coarse.table, fine.table, off, np.zeros_like(off))
+        typical = float(np.quantile(np.where((status >= 0) & (other >= 0), bound, 0.0), EASY))
         if typical <= solver.accuracy:
             break
         # the difference decreases with about the fourth power of the segments

@@ -22,7 +22,7 @@ from film_model.effects.many import problems_of, rows_of
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY, summary_of
 from film_model.scene import Scene, Solver
-from film_model.solve.accuracy import ORDER_FACTOR, first_segments, mesh_of
+from film_model.solve.accuracy import first_segments, mesh_of
 
 STEP = 1e-3
 """Step over the number that is varied. The error of the differences is about STEP⁴/30 of a fifth derivative, and
@@ -31,6 +31,9 @@ rounding over STEP; both are near 1e-12. Needed by tests/test_derivatives.py."""
 TARGET, STALLED = 1e-9, 0.5
 """Error to which the derivatives of one impact are refined. Refinement ends, too, where an error falls by less than the
 factor `STALLED`: the rest is rounding."""
+
+MESH_FACTOR = {"work-preserving": (1.6, 0.5), "chord": (2.4, 0.6)}
+"""Bounds on the error of a derivative on n segments over the difference to 2n, and of 2n over the same."""
 
 FIRST_SEGMENTS, LEAST_SEGMENTS, MOST_SEGMENTS = 72, 4, 3072
 """Segments per stage of the coarser of the first two meshes, for `TARGET` and at least; and at most."""
@@ -169,7 +172,7 @@ class Meshes(NamedTuple):
     @classmethod
     def of(cls, problems: Sequence[Problem], solver: Solver, target: float) -> Meshes:
         """For some problems."""
-        of_coarse, of_fine = ORDER_FACTOR[solver.linearisation]
+        of_coarse, of_fine = MESH_FACTOR[solver.linearisation]
         if solver.segments is not None:
             return cls((2 * solver.segments, solver.segments), of_coarse, math.inf)
         damping = max((float(np.max(problem.damping)) for problem in problems), default=0.0)

@@ -3,7 +3,8 @@
 const EVENT = 1;
 const BAD_NUMBER = -1;
 const FULL = -7;
-const HALVINGS = 32;
+const FEW_MESHES = 6; // that nearly all contacts need
+const MOST_MESHES = 17;
 const MOST_MEMORY = 256e6; // bytes of meshes and modes that are kept
 const KEPT = 8; // curves of shapes that are kept
 const SPRUNG = 16; // curves in series with a spring that one impact may need at a time
@@ -38,6 +39,8 @@ class Core {
     this.shapes = new Map();
     this.family = this.allocate(32);
     this.numbers = this.allocate(65536);
+    this.c.film_sizes(this.numbers);
+    this.meshSize = Number(this.view().getBigInt64(this.numbers + 8, true));
     /** Modes in the core's form. @type {Map<string, {place: number, count: number, omitted: number, shares: number, damped: boolean}>} */
     this.structures = new Map();
     this.sprung = Array.from({ length: SPRUNG }, () => this.allocate(layout.curve));
@@ -128,16 +131,7 @@ class Core {
    * @param {string} linearisation @param {number} loading @param {number} unloading
    */
   mesh(linearisation, loading, unloading) {
-    const key = `${linearisation} ${loading} ${unloading}`;
-    const known = this.meshes.get(key);
-    if (known !== undefined) return known;
-    this.tidy();
-    const mesh = this.allocate(128);
-    const nodes = this.allocate(8 * this.c.film_mesh_size(loading, unloading));
-    const status = this.c.film_mesh_init(mesh, linearisation === "chord" ? 0 : 1, loading, unloading, nodes);
-    if (status !== 0) throw new Failure(status);
-    this.meshes.set(key, mesh);
-    return mesh;
+    return this.doubled(linearisation, [loading, unloading], 1);
   }
 
   /** @param {any} p problem @param {number} curve address @param {number} mesh address @returns {Impact} */
@@ -173,12 +167,48 @@ class Core {
     return this.view().getFloat64(this.counts, true);
   }
 
-  /** How much rounding may change a summary. @param {any} p @param {number} curve @param {Impact} summary @param {number} clearance */
-  rounding(p, curve, summary, clearance) {
+  /**
+   * One contact on the first of meshes, each of twice the segments of the one before, that meets an accuracy; null: on the first.
+   * @param {any} p problem @param {number} curve @param {string} line @param {number[]} counts of the first mesh
+   * @param {number|null} accuracy @param {number} clearance where the law's force begins
+   */
+  solve(p, curve, line, counts, accuracy, clearance) {
+    const { size, estimated, level, reached } = this.layout.solution;
+    const found = this.numbers;
     this.writeStart(p);
-    this.writeSummary(this.result, summary);
-    this.c.film_rounding(curve, 1n, this.start, this.result, clearance, this.counts);
-    return this.view().getFloat64(this.counts, true);
+    let status = FULL;
+    for (let count = accuracy === null ? 2 : FEW_MESHES; status === FULL && count <= MOST_MESHES; count += MOST_MESHES - FEW_MESHES) {
+      const meshes = this.doubled(line, counts, count);
+      status = accuracy === null ? this.c.film_estimate(curve, this.start, meshes, clearance, found)
+        : this.c.film_solve(curve, this.start, meshes, count, accuracy, clearance, found);
+    }
+    const view = this.view();
+    const doublings = 2 ** view.getInt32(found + level, true);
+    return {
+      status,
+      counts: counts.map((n) => n * doublings),
+      estimated: view.getFloat64(found + estimated, true),
+      reached: view.getInt32(found + reached, true) === 1,
+      summary: /** @type {Impact} */ ({ status, ...this.read("summary", found, ["stage", "lines"]) }),
+    };
+  }
+
+  /** The address of meshes side by side, each of twice the segments of the one before. @param {string} line @param {number[]} counts @param {number} count */
+  doubled(line, counts, count) {
+    const key = `${line} ${counts} ${count}`;
+    const known = this.meshes.get(key);
+    if (known !== undefined) return known;
+    this.tidy();
+    const size = this.meshSize;
+    const place = this.allocate(count * size);
+    for (let k = 0; k < count; k++) {
+      const [loading, unloading] = counts.map((n) => n * 2 ** k);
+      const nodes = this.allocate(8 * this.c.film_mesh_size(loading, unloading));
+      const status = this.c.film_mesh_init(place + k * size, line === "chord" ? 0 : 1, loading, unloading, nodes);
+      if (status !== 0) throw new Failure(status);
+    }
+    this.meshes.set(key, place);
+    return place;
   }
 
   /** The numbers of a structure. @param {string} kind @param {number} place @param {string[]} whole */
@@ -198,20 +228,6 @@ class Core {
     let status = this.c.film_init(curve, this.state, -0, p.approach, p.gamma, p.load, p.stop_velocity);
     if (status === 0) status = this.c.film_damp(this.state, p.damping);
     if (status !== 0) throw new Failure(BAD_NUMBER);
-  }
-
-  /**
-   * Indentation and velocity of an impactor that creeps in, at the time limit divided by powers of 2.
-   * @param {any} p @param {number} curve @param {number} mesh
-   */
-  creep(p, curve, mesh) {
-    this.begin(p, curve);
-    return Array.from({ length: HALVINGS + 1 }, (_, k) => {
-      const until = p.limit * 2 ** (k - HALVINGS);
-      while (this.c.film_step(curve, mesh, this.state, Math.max(until - this.motionAt(this.state).time, 0)) === EVENT);
-      const { xi, nu } = this.motionAt(this.state);
-      return [xi, nu];
-    });
   }
 
   /**

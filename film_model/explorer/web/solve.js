@@ -199,78 +199,18 @@ function marchOrThrow(problem, linearisation, counts) {
 }
 
 /**
- * Largest relative difference of the summaries on two meshes; of the motion itself if there is no deepest point.
- * @param {Problem} problem @param {string} line @param {number[][]} counts @param {Impact} a @param {Impact} b
+ * The contact on the mesh that meets the solver's accuracy, or on its number of segments: counts, error estimate, summary.
+ * @param {Problem} problem @param {Scene["solver"]} solver
  */
-function apart(problem, line, counts, a, b) {
-  const off = CORE.compare(problem.p, a, b);
-  if (a.maximum_indentation > 0 || b.maximum_indentation > 0 || !Number.isFinite(problem.p.limit)) return off;
-  const ways = counts.map(([loading, unloading]) => CORE.creep(problem.p, problem.curve, CORE.mesh(line, loading, unloading)));
-  const [first, second] = ways;
-  const worst = second[0].map((_, column) => {
-    const differences = first.map((row, k) => Math.abs(row[column] - second[k][column]));
-    return Math.max(...differences) / Math.max(...second.map((row) => Math.abs(row[column])), 1e-300);
-  });
-  return Math.max(off, ...worst);
-}
-
-/** Segments that meet the accuracy, doubled until two meshes agree, and the error estimate. @param {Problem} problem @param {Scene["solver"]} solver */
-function refine(problem, solver) {
-  const { first_segments: first, most_segments: most, order_factor: order, regular_fall: fall } = DATA.constants;
-  const [doubtful, few] = DATA.constants.coarse;
-  const line = solver.linearisation;
-  const accuracy = solver.accuracy ?? DATA.constants.accuracy;
-  const { damping } = problem.p;
-  let n = first * Math.min(2 ** Math.floor(Math.log2(1 + damping)), 256);
-  const counts = [n / 2, n].map((k) => countsFor(problem, k));
-  const [coarsest, start] = counts.map((each) => marchOrThrow(problem, line, each));
-  let [coarse, before, last] = [start, apart(problem, line, counts, coarsest, start), Infinity];
-  for (;;) {
-    n *= 2;
-    const here = [countsFor(problem, n / 2), countsFor(problem, n)];
-    const fine = marchOrThrow(problem, line, here[1]);
-    const off = apart(problem, line, here, coarse, fine);
-    const bound = problem.p.load > 0 ? Math.max(order[line][1], doubtful * Math.min(1, few / n)) : order[line][1];
-    const found = Math.max(bound * Math.max(off, before / fall[line]), unseen(problem, line, n, fine));
-    const falls = off < 0.5 * before;
-    before = off;
-    const rounds = roundingOf(problem, fine);
-    const estimated = found + rounds;
-    if (estimated <= accuracy) return { counts: here[1], estimated, warning: "" };
-    const settled = (found < rounds && !falls) || (estimated > 0.7 * last && estimated < 1e-9);
-    if (n >= most || settled) {
-      const reached = `the estimated relative error is ${estimated.toExponential(1)} with ${n} segments per stage`;
-      return { counts: here[1], estimated, warning: `accuracy ${accuracy} is not reached: ${reached}` };
-    }
-    [coarse, last] = [fine, estimated];
-  }
-}
-
-/**
- * Bound on the error of the time at which the impactor stops within the first line, which two meshes do not show.
- * @param {Problem} problem @param {string} line @param {number} n @param {Impact} summary
- */
-function unseen(problem, line, n, summary) {
-  const { approach, stop_velocity: stop } = problem.p;
-  const [first, lost] = line === "chord" ? [1 / n, 1] : [Math.sin((0.5 * Math.PI) / n) ** 2, 1 - stop / approach];
-  const within = stop > 0 && summary.time_impactor_stops * approach < 2 * first * summary.maximum_indentation;
-  return within ? DATA.constants.stop_in_a_line * lost : 0;
-}
-
-/** @param {Problem} problem @param {Impact} summary */
-function roundingOf(problem, summary) {
-  return CORE.rounding(problem.p, problem.curve, summary, problem.law.clearance);
-}
-
-/** The error estimate for a number of segments. @param {Problem} problem @param {Scene["solver"]} solver */
-function estimate(problem, solver) {
-  const n = solver.segments ?? DATA.constants.first_segments;
-  const line = solver.linearisation;
-  const [given, double] = [n, 2 * n].map((k) => marchOrThrow(problem, line, [k, k]));
-  const off = apart(problem, line, [[n, n], [2 * n, 2 * n]], given, double);
-  const found = Math.max(DATA.constants.order_factor[line][0] * off, unseen(problem, line, n, given));
-  const estimated = found + roundingOf(problem, given);
-  return { counts: [n, n], estimated, warning: "" };
+function solved(problem, { accuracy, segments, linearisation }) {
+  const { first_segments: first, accuracy: usual } = DATA.constants;
+  const n = segments ?? (first / 2) * Math.min(2 ** Math.floor(Math.log2(1 + problem.p.damping)), 256);
+  const counts = segments === null ? countsFor(problem, n) : [n, n];
+  const goal = segments === null ? accuracy ?? usual : null;
+  const found = CORE.solve(problem.p, problem.curve, linearisation, counts, goal, problem.law.clearance);
+  if (found.status < 0) throw new Failure(found.status);
+  const missed = `accuracy ${goal} is not reached: the estimated relative error is ${found.estimated.toExponential(1)} with ${found.counts[0]} segments per stage`;
+  return { ...found, warning: goal === null || found.reached ? "" : missed };
 }
 
 /** Segments, recorded motion and the core's summary of it. @param {Problem} problem @param {string} line @param {number[]} counts */
@@ -348,7 +288,7 @@ function summaryOf(scene, p, core, n) {
 function run(scene, n, problem, samples) {
   if (problem.vibrates) return runOnModes(scene, n, problem, samples);
   const solver = scene.solver;
-  const mesh = solver.segments !== null ? estimate(problem, solver) : refine(problem, solver);
+  const mesh = solved(problem, solver);
   const found = recorded(problem, solver.linearisation, mesh.counts);
   const { p, law } = problem;
   const summary = summaryOf(scene, p, found.core, n);

@@ -60,8 +60,7 @@ function restitutionCurve(scene) {
 
 /** The summary of an impact without its motion. @param {Scene} scene @param {Problem} problem @param {any} n */
 function summaryAlone(scene, problem, n) {
-  const { counts } = scene.solver.segments === null ? refine(problem, scene.solver) : estimate(problem, scene.solver);
-  return summaryOf(scene, problem.p, marchOrThrow(problem, scene.solver.linearisation, counts), n);
+  return summaryOf(scene, problem.p, solved(problem, scene.solver).summary, n);
 }
 
 const COUNTS = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256];

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 from film_model.base.errors import SceneError, SimulationError
+from film_model.core.solving import MOST_SEGMENTS
 from film_model.scene import Contact, Effects, Scene, Solver, Sphere
-from film_model.solve.accuracy import MOST_SEGMENTS
 from film_model.solve.component import ImpactComponent
 from film_model.solve.simulate import simulate_quietly
 from film_model.studies import quadrature

@@ -22,14 +22,15 @@ sys.path.insert(0, str(Path(__file__).parent))
 from fmu_wrapper import platforms
 
 CORE = platforms.CORE
-ONE_IMPACT = tuple(f"{CORE}/film_{name}.c" for name in ("marched", "modal_impact", "compare", "solve"))
+ONE_IMPACT = (*platforms.core("march", "marched", "compare", "solve"), *platforms.core("modal", "modal_impact"))
 SOURCES = (
     *platforms.MARCH,
-    *(f"{CORE}/film_{name}.c" for name in ("impact", "single", "tables", "gauss", "way_in", "way_out", "way_through")),
-    *(f"{CORE}/film_{name}.c" for name in ("batch", "batch_shape", "many", "lanes", "avx2", "avx512")),
+    *platforms.core("tables", "tables", "gauss", "way_in", "way_out", "way_through"),
+    *platforms.core("lanes", "lanes", "avx2", "avx512"),
+    *platforms.core("batch", "batch", "batch_shape", "impact", "in_series", "many", "single"),
     *platforms.MODES,
     *ONE_IMPACT,
-    *(f"{CORE}/film_relax{part}.c" for part in ("", "_step")),
+    *platforms.RELAXING,
 )
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 FLAGS = platforms.FLAGS
@@ -38,7 +39,7 @@ LINK = () if sys.platform == "win32" else ("-lm",)
 WASM = "film_model/explorer/_film_core.wasm"
 WASM_SOURCES = (*platforms.MARCH, *platforms.MODES, *ONE_IMPACT)
 WASM_FLAGS = (
-    *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-O2", "-s"),
+    *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-O2", "-s", f"-I{CORE}"),
     *("-Wl,--export-dynamic", "-Wl,--export=__heap_base"),
 )
 OLDEST_GLIBC = (2, 17)  # the oldest that Python's package index serves on all processors (manylinux2014)
@@ -138,7 +139,7 @@ class CustomBuildHook(BuildHookInterface):
         own = system_compiler()
         compiler, fmu = own or zig_compiler(), platforms.built_library()
         old = ["-include", str(Path(self.root, platforms.RUNTIME, "old_glibc.h"))] if own else []
-        self.compile(compiler, LIBRARY, [*old, *SOURCES])
+        self.compile(compiler, LIBRARY, [*old, f"-I{CORE}", *SOURCES])
         self.compile(compiler, fmu, [*old, *platforms.arguments(Path(self.root))])
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{wheel_tag([Path(self.root, name).read_bytes() for name in (LIBRARY, fmu)])}"
@@ -150,7 +151,7 @@ class CustomBuildHook(BuildHookInterface):
     def compile_for_browsers(self) -> None:
         """The core in WebAssembly for the explorer, unless it is newer than all that it is made of."""
         root = Path(self.root)
-        made_of = [root / name for name in (*WASM_SOURCES, __file__)] + list((root / CORE).glob("*.h"))
+        made_of = [root / name for name in (*WASM_SOURCES, __file__)] + list((root / CORE).rglob("*.h"))
         built = root / WASM
         if not (built.exists() and built.stat().st_mtime > max(file.stat().st_mtime for file in made_of)):
             self.run([sys.executable, "-m", "ziglang", "cc", *WASM_FLAGS, *WASM_SOURCES], WASM)

@@ -23,7 +23,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-CORE = Path(__file__).resolve().parent.parent / "film_model" / "core"
+CORE = Path(__file__).resolve().parent.parent / "film_model" / "core" / "tables"
 PER_OCTAVE, OCTAVES = 8, 4
 """Pieces of each doubling of 1 + Λ, and doublings: up to Λ = 15."""
 PUSH_END, PUSH_PIECES, MARGINS, THROUGH_TERMS, LIMIT_TERMS = 0.7, 4, (0.0, 0.4375, 1.0), 14, 14
@@ -181,7 +181,7 @@ def text(name: str) -> str:
     head = (
         f"/* Table of a whole way: {gives}. Written by examples/map_tables.py, which has the equations.",
         f" * Relative error: at most {error:g}. film_lane_map.h evaluates it. docs/method.md, section 10. */",
-        '#include "film_batch.h"',
+        '#include "tables/film_job.h"',
         "",
         f"const double {name}[MAP_PIECES * {name.upper()}_TERMS * {name.upper()}_VALUES + 2] = {{",
     )
@@ -194,7 +194,7 @@ def text_through() -> str:
     head = (
         "/* Table of the way through an elastic stage: velocity and time. Written by examples/map_tables.py, which has",
         " * the equations. Relative error: at most 2e-14. film_lane_map.h evaluates it. docs/method.md, section 10. */",
-        '#include "film_batch.h"',
+        '#include "tables/film_job.h"',
         "",
         "const double film_largest_share[PUSH_PIECES * LIMIT_TERMS] = {",
     )

@@ -22,17 +22,24 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
 CORE, RUNTIME = "film_model/core", "fmu_wrapper/runtime"
-MARCH = tuple(
-    f"{CORE}/film_{name}.c" for name in ("march", "aim", "draw", "damping", "branch", "series", "integrator", "setup")
-)  # one impact; the core's batches are not in FMUs
-MODES = (
-    f"{CORE}/film_instructions.c",
-    *(
-        f"{CORE}/film_modal{part}.c"
-        for part in ("", "_table", "_loops", "_avx2", "_avx512", "_root", "_force", "_contact", "_flight")
-    ),
+
+
+def core(folder: str, *names: str) -> tuple[str, ...]:
+    """C files of a folder of the core, from the root of the project."""
+    return tuple(f"{CORE}/{folder}/film_{name}.c" for name in names)
+
+
+MARCH = (  # one impact; the core's batches are not in FMUs
+    *core("curve", "curve", "series", "unload"),
+    *core("march", "setup", "energy", "damping", "branch", "follow", "draw", "turn", "next", "release", "aim", "march"),
+    *core("march", "integrator"),
 )
-RELAXING = tuple(f"{CORE}/film_relax{part}.c" for part in ("", "_step"))
+MODES = (
+    *core("lanes", "instructions"),
+    *core("modal", "modal", "modal_table", "modal_loops", "modal_avx2", "modal_avx512", "modal_root", "modal_force"),
+    *core("modal", "modal_contact", "modal_flight"),
+)
+RELAXING = core("relax", "relax", "relax_step")
 SOURCES = (
     *MARCH,
     *MODES,
@@ -47,8 +54,10 @@ SOURCES = (
     *(f"{RUNTIME}/{name}.c" for name in ("resource", "instance", "fmi2", "fmi3")),
 )
 HEADERS = (
-    *(f"{CORE}/film_{name}.h" for name in ("core", "law", "line", "march", "wide")),
-    *(f"{CORE}/film_{name}.h" for name in ("modal", "modal_parts", "relax", "relax_parts")),
+    f"{CORE}/film_core.h",
+    *(f"{CORE}/{name}.h" for name in ("curve/film_law", "march/film_line", "march/film_march", "lanes/film_wide")),
+    *(f"{CORE}/{name}.h" for name in ("modal/film_modal", "modal/film_modal_parts")),
+    *(f"{CORE}/{name}.h" for name in ("relax/film_relax", "relax/film_relax_parts")),
     *(f"{RUNTIME}/{name}.h" for name in ("model", "model_parts", "instance", "variables", "failures")),
 )
 INCLUDES = (CORE, RUNTIME)
@@ -108,9 +117,10 @@ def built_library() -> str:
 def prefixed_sources(identifier: str, fmi_version: int) -> dict[str, bytes]:
     """The C sources of one FMI version by file name; names begin with the model identifier, to link FMUs together.
 
-    The names of FMI's own functions are changed by FMI2_FUNCTION_PREFIX or FMI3_FUNCTION_PREFIX, as the standards say.
+    All are in one folder, so includes lose theirs. The names of FMI's own functions are changed by FMI2_FUNCTION_PREFIX
+    or FMI3_FUNCTION_PREFIX, as the standards say.
     """
-    texts = {Path(name).name: (ROOT / name).read_bytes() for name in (*SOURCES, *HEADERS)}
+    texts = {Path(name).name: _flat((ROOT / name).read_bytes()) for name in (*SOURCES, *HEADERS)}
     del texts["fmi3.c" if fmi_version == 2 else "fmi2.c"]
     together = b"\n".join(texts.values())
     tables = b", ".join(re.findall(rb"\bextern const \w+ ([\w, ]+);", together)).split(b", ")
@@ -118,6 +128,10 @@ def prefixed_sources(identifier: str, fmi_version: int) -> dict[str, bytes]:
     made = {name: b'#include "prefix.h"\n' + text if name.endswith(".c") else text for name, text in texts.items()}
     lines = [b"#define %s %s_%s\n" % (one, identifier.encode(), one) for one in names]
     return {**made, "prefix.h": b"/* Names of functions and tables in this FMU. */\n" + b"".join(lines)}
+
+
+def _flat(source: bytes) -> bytes:
+    return re.sub(rb'#include "\w+/', b'#include "', source)
 
 
 def license_text() -> bytes:

@@ -3,7 +3,7 @@
 #define CORE_CHECK_TOOLS_H
 
 #include "film_core.h"
-#include "film_line.h"
+#include "march/film_line.h"
 #include "power_function.h"
 #include "random_numbers.h"
 

@@ -205,7 +205,7 @@ def test_an_elastic_stage_on_a_half_space_needs_no_quadrature():
 
 def test_points_of_gauss_rule():
     """The numbers in film_gauss.c: one point of each pair, for 1 to 16 points."""
-    text = (Path(native.__file__).parent / "film_gauss.c").read_text(encoding="utf-8")
+    text = (Path(native.__file__).parent / "tables/film_gauss.c").read_text(encoding="utf-8")
     pairs = re.findall(r"\{([\d.e-]+), ([\d.e-]+)\}", text)
     points = [np.polynomial.legendre.leggauss(count) for count in range(1, 17)]
     halves = [(0.5 * (1.0 + x), 0.5 * w) for at, weight in points for x, w in zip(at, weight, strict=True) if x < 1e-9]

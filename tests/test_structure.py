@@ -18,12 +18,16 @@ LADDER = (
 FACES = {"film_model": "methods", "film_model.face": "methods"}
 """`import film_model`, the public face, counts as an import of the last package that it shows."""
 
-LONGEST_FILE, LONGEST_FUNCTION = 400, 60
+CORE = "film_model/core/"
+CORE_LADDER = ("curve", "march", "tables", "lanes", "batch", "modal", "relax")
+"""Folders of the core, from the bottom; a file includes and calls what is in its own folder and in those before it."""
+
+LONGEST_FILE, LONGEST_FUNCTION, MOST_FILES = 400, 60, 20
 
 EXCEPTIONS = {
     "film_model/studies/modal_reference.py integrate": "events and restarts of the integrator share its local state",
 }
-"""A file, or a file and a function as in "film_model/core/film_march.c plan" → why it is longer. At most six."""
+"""A file, or a file and a function as in "film_model/core/march/film_march.c plan" → why it is longer. At most six."""
 
 SOURCES = {
     path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8")
@@ -98,6 +102,54 @@ def test_the_export_of_fmus_does_not_need_datasets():
     assert not [module for module in found if module.startswith("film_datasets")]
 
 
+C_SOURCES = {
+    file.removeprefix(CORE): re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
+    for file, text in SOURCES.items()
+    if file.startswith(CORE) and file.endswith((".c", ".h")) and file != f"{CORE}film_core.h"
+}
+DEFINITION = re.compile(r"^(?!static)[a-zA-Z][^;{}#=()]*?\b(film_\w+)\([^;{}]*\)\s*\{.*$", re.MULTILINE)
+DEFINED = {name: file for file, text in C_SOURCES.items() for name in DEFINITION.findall(text)}
+
+
+def called(file):
+    """Functions of other files of the core that a C file calls, by name: bodies only, not declarations."""
+    bodies = re.findall(r"^[^\s#/}][^\n]*\{$(.*?)^\}", C_SOURCES[file], re.MULTILINE | re.DOTALL)
+    names = re.findall(r"\b(film_\w+)(?=\()", "".join(bodies))
+    return {name for name in names if DEFINED.get(name, file) != file}
+
+
+def floor(file):
+    return CORE_LADDER.index(file.split("/")[0])
+
+
+def test_every_folder_of_the_core_is_on_its_ladder():
+    assert {file.split("/")[0] for file in C_SOURCES} == set(CORE_LADDER)
+    for folder in CORE_LADDER:
+        assert sum(file.startswith(f"{folder}/") for file in C_SOURCES) <= MOST_FILES, folder
+
+
+@pytest.mark.parametrize("file", C_SOURCES)
+def test_includes_and_calls_of_the_core_go_down(file):
+    included = re.findall(r'^#include "(.+)"', C_SOURCES[file], re.MULTILINE)
+    above = [name for name in included if name != "film_core.h" and floor(name) > floor(file)]
+    above += [name for name in called(file) if floor(DEFINED[name]) > floor(file)]
+    assert not above, f"{file} includes or calls {', '.join(above)}"
+
+
+def test_no_file_of_the_core_calls_itself_in_a_circle():
+    left = {file: {DEFINED[name] for name in called(file)} for file in C_SOURCES}
+    while ready := [file for file, needs in left.items() if not needs & left.keys()]:
+        for file in ready:
+            del left[file]
+    assert not left, f"circles among {', '.join(sorted(left))}"
+
+
+def test_calls_of_the_core_are_seen():
+    """Or the patterns above would find no call that goes up."""
+    assert {"film_next_line", "film_follow", "film_turning_point"} <= called("march/film_aim.c")
+    assert "film_law_in_series" in called("curve/film_law.h") and "film_marched" in called("lanes/film_lanes.h")
+
+
 def long_files():
     return {file for file, text in SOURCES.items() if text.count("\n") > LONGEST_FILE}
 
@@ -125,7 +177,7 @@ def test_files_and_functions_are_short():
 
 def test_functions_of_c_are_seen():
     """Or the pattern above would find no function too long."""
-    text = SOURCES["film_model/core/film_march.c"]
+    text = SOURCES["film_model/core/march/film_march.c"]
     names = re.findall(r"^[a-zA-Z][^;{}#=]*?(\w+)\([^;{}]*\)\s*\{$", text, re.MULTILINE)
     assert {"film_step", "film_record"} <= set(names)
 

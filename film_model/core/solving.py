@@ -1,4 +1,4 @@
-"""One contact to an accuracy, and bounds on errors from two meshes: film_solve.c and film_compare.c."""
+"""One contact to an accuracy, and bounds on errors from two meshes: march/film_solve.c and march/film_compare.c."""
 
 from __future__ import annotations
 

@@ -4,8 +4,8 @@
 #ifndef FILM_MODEL_H
 #define FILM_MODEL_H
 
-#include "film_modal.h"
-#include "film_relax.h"
+#include "modal/film_modal.h"
+#include "relax/film_relax.h"
 #include "variables.h"
 
 enum { STATES = 3 };                   /* indentation, impactor velocity, target displacement */

@@ -1,0 +1,188 @@
+/* Many impacts at once, by faster ways than the march where there are any; on targets that move the results differ from
+ * film_marched's by less than the error of the lines. Impacts are sorted into blocks by the piece of the law in which they
+ * should turn; film_lanes.c runs a block. docs/method.md, section 10. */
+#include "batch/film_blocks.h"
+
+#if defined(FILM_WIDE)
+static const block_routines *const routines[] = {&film_plain, &film_avx2, &film_avx512};
+#else
+static const block_routines *const routines[] = {&film_plain};
+#endif
+
+const block_routines *film_routines(int instructions) { return routines[instructions]; }
+
+/* ---------------------------------------------------------------- sorting */
+
+/* Makes the own stages of a block that should turn in `piece`. */
+static void make_own(batch *b, const block *waiting, int32_t piece) {
+    double of[FILM_MAX_NODES][LANES];
+    film_own_factors(&b->j, waiting->index, waiting->count, of);
+    b->run->shape(&b->j, piece - b->j.curve->stage[b->j.shaped].first + 2, (const double(*)[LANES])of);
+}
+
+static void run_fixed(batch *b, int32_t stage, block *waiting) {
+    if (waiting->count == 0) return;
+    if (stage == b->j.shaped) make_own(b, waiting, (int32_t)(waiting - b->fixed));
+    if (b->j.rule.count == 0) film_make_rule(b->j.mesh->loading, &b->j.rule);
+    (b->j.spring != NULL ? b->run->spring : b->run->fixed)(&b->j, stage, (int32_t)(waiting - b->fixed), waiting->index, waiting->count);
+    waiting->count = 0;
+}
+
+/* A block to the turn, and out. */
+static void run_block(batch *b, int32_t stage, block *waiting) {
+    if (waiting->count > 0 && stage == b->j.shaped) make_own(b, waiting, (int32_t)(waiting - b->moving));
+    run_moving(b, stage, waiting);
+}
+
+static double stored_in_spring(double spring, double force) { return spring > 0.0 ? 0.5 * spring * force * force : 0.0; }
+
+int32_t film_piece_on_fixed(const batch_job *j, int64_t i, int32_t *stage) {
+    double nu = j->start[i].nu, energy = 0.5 * nu * nu, spring = j->spring != NULL ? j->spring[i] : 0.0;
+    if (j->curve->pull > 0.0) return -1; /* the march goes by energy, too */
+    for (int32_t k = 0; k < j->curve->stages; k++) {
+        *stage = k;
+        if (k == j->shaped) return film_own_piece(j, i, sqrt(2.0 * energy), 0.0);
+        if (energy >= j->whole[k] + stored_in_spring(spring, j->end_force[k])) {
+            energy -= j->whole[k];
+            continue;
+        }
+        int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
+        while (p < last && energy > j->piece_work[p] + stored_in_spring(spring, j->piece_force[p])) p++;
+        return p;
+    }
+    return -1;
+}
+
+/* The same for a target that moves. */
+static int32_t moving_piece(const batch_job *j, int64_t i, int32_t *stage) {
+    double stored, nu = j->start[i].nu, gamma = j->start[i].gamma;
+    int32_t k = *stage = moving_stage(j, nu, gamma, &stored);
+    if (k < 0) return -1;
+    if (k == j->shaped) return film_own_piece(j, i, nu, stored);
+    int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
+    while (p < last && !(turn_excess(stored + j->piece_work[p], j->piece_force[p], nu, gamma) > 0.0)) p++;
+    return p;
+}
+
+void film_prepare_pieces(batch_job *j) {
+    for (int32_t k = 0; k < j->curve->stages; k++)
+        for (int32_t p = j->curve->stage[k].first; p < j->curve->stage[k].first + j->curve->stage[k].count; p++) {
+            j->piece_work[p] = j->piece_force[p] = INFINITY;
+            double end = j->curve->piece[p].end;
+            if (end < INFINITY) stage_law(j->curve, k, end, &j->piece_force[p], &j->piece_work[p]);
+        }
+}
+
+enum { FEW = 4 }; /* impacts that one by one take less time than a block of them */
+
+/* A block that is not full. */
+static void run_few(batch *b, int32_t stage, block *waiting) {
+    batch_job *j = &b->j;
+    int alone = waiting->count <= FEW && j->family == NULL;
+    for (int l = 0; alone && l < waiting->count; l++) {
+        int64_t i = waiting->index[l];
+        alone = film_single(j->curve, j->mesh, &j->start[i], &j->summary[i], &j->status[i]);
+    }
+    if (alone) waiting->count = 0;
+    else run_block(b, stage, waiting);
+}
+
+/* Runs all blocks that are not full. */
+static void run_rest(batch *b) {
+    const film_curve *curve = b->j.curve;
+    for (int32_t k = 0; k < curve->stages; k++) {
+        for (int32_t p = curve->stage[k].first; p < curve->stage[k].first + curve->stage[k].count; p++) {
+            run_fixed(b, k, &b->fixed[p]);
+            run_few(b, k, &b->moving[p]);
+        }
+        for (int32_t g = 0; g < 3; g++) run_unloading(b, k, g);
+    }
+}
+
+static void give(batch_job *j, const film_curve *curve, const film_mesh *mesh, const film_start *start,
+                 film_summary *summary, int32_t *status) {
+    j->curve = curve;
+    j->mesh = mesh;
+    j->start = start;
+    j->summary = summary;
+    j->status = status;
+    j->family = NULL;
+    j->spring = NULL;
+    j->shaped = -1;
+}
+
+/* Runs the impacts of b->j. */
+static void run_batch(batch *b, int instructions, int64_t count) {
+    batch_job *j = &b->j;
+    const film_mesh *mesh = j->mesh;
+    int in_lanes = film_prepare_job(j), moving = in_lanes && mesh->loading >= FEWEST && mesh->unloading >= FEWEST;
+    b->run = routines[instructions];
+    if (in_lanes) film_prepare_pieces(j);
+    j->rule.count = 0;
+    for (int32_t p = 0; p < FILM_MAX_PIECES; p++) j->across[p].terms = 0;
+    film_prepare_damped(j);
+    b->damped.count = 0;
+    for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b->fixed[p].count = b->moving[p].count = 0;
+    for (int32_t k = 0; k < FILM_MAX_STAGES; k++)
+        for (int32_t g = 0; g < 3; g++) b->unloading[k][g].count = 0;
+    for (int64_t i = 0; i < count; i++) {
+        const film_start *s = &j->start[i];
+        int32_t stage = 0, piece = -1;
+        if (in_damped_lanes(j, s)) {
+            b->damped.index[b->damped.count++] = i;
+            if (b->damped.count == LANES) run_damped(b);
+            continue;
+        }
+        if (in_lanes && is_plain(j, s)) {
+            if (s->gamma == 0.0) piece = film_piece_on_fixed(j, i, &stage);
+            if (s->stop_velocity < 0.0 && j->curve->stage[stage].unloading == FILM_RETRACE) piece = -1; /* it may stop in any stage */
+            else if (s->gamma > 0.0 && moving) piece = moving_piece(j, i, &stage);
+        }
+        if (piece < 0) {
+            leave_alone(j, i);
+            continue;
+        }
+        block *waiting = s->gamma == 0.0 ? &b->fixed[piece] : &b->moving[piece];
+        waiting->index[waiting->count++] = i;
+        if (waiting->count < LANES) continue;
+        if (s->gamma == 0.0) run_fixed(b, stage, waiting);
+        else run_block(b, stage, waiting);
+    }
+    if (in_lanes) run_rest(b);
+    run_damped(b);
+}
+
+void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,
+                     const film_start *start, film_summary *summary, int32_t *status) {
+    batch b;
+    give(&b.j, curve, mesh, start, summary, status);
+    run_batch(&b, instructions, count);
+}
+
+void film_run_rows(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
+                   const film_start *start, const double *shape, const double *spring, film_summary *summary, int32_t *status) {
+    batch b;
+    own_stage own;
+    give(&b.j, whole, mesh, start, summary, status);
+    b.j.spring = spring;
+    if (family != NULL) {
+        b.j.family = family;
+        b.j.shape = shape;
+        film_own_stage(&b.j, &own);
+    }
+    run_batch(&b, instructions, count);
+}
+
+void film_batch_shaped(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh,
+                       int64_t count, const film_start *start, const double *shape, film_summary *summary, int32_t *status) {
+    film_run_rows(instructions, family, whole, mesh, count, start, shape, NULL, summary, status);
+    film_impacts_left(family, whole, mesh, count, start, shape, summary, status); /* its curve needs stack too */
+}
+
+enum { WORTH_ASKING = 2000 }; /* impacts, for the microseconds that film_instructions may take */
+
+void film_batch(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                film_summary *summary, int32_t *status) {
+    int instructions = count < WORTH_ASKING ? FILM_PLAIN : film_instructions();
+    film_batch_with(instructions, curve, mesh, count, start, summary, status);
+}

@@ -1,0 +1,38 @@
+/* Many impacts: sorted into blocks by film_batch.c, or one after another by film_impact.c. Internal. docs/method.md,
+ * section 10. */
+#ifndef FILM_BATCH_H
+#define FILM_BATCH_H
+
+#include "lanes/film_lanes.h"
+
+const block_routines *film_routines(int instructions);
+
+/* The piece of *stage in which a fixed target should turn impact i; -1: none. */
+int32_t film_piece_on_fixed(const batch_job *j, int64_t i, int32_t *stage);
+
+/* One impact as a row of film_batch; on a fixed target whole pieces are crossed by quadrature. 0: lanes cannot run it, or
+ * should not. */
+int film_single(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary, int32_t *status);
+
+/* Contacts in series with springs, as in film_batch_in_series, whose curves vary, one after another; LEFT_ALONE: lanes cannot run
+ * it. */
+void film_single_in_series(const film_curve *curve, const film_mesh *mesh, int64_t count, const film_start *start,
+                           const double *compliance, int32_t varying, const int32_t *places, const double *values,
+                           film_summary *summary, int32_t *status);
+
+/* Impacts in blocks; family and spring: of film_batch_shaped and film_batch_in_series, or NULL. Those that lanes cannot run have
+ * the status LEFT_ALONE if one of them is given. */
+void film_run_rows(int instructions, const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
+                   const film_start *start, const double *shape, const double *spring, film_summary *summary, int32_t *status);
+
+/* The impacts that film_batch_shaped left alone, one after another. */
+void film_impacts_left(const film_family *family, const film_curve *whole, const film_mesh *mesh, int64_t count,
+                       const film_start *start, const double *shape, film_summary *summary, int32_t *status);
+
+/* Laws with a shape: film_batch_shape.c. Prepares the last stage; the piece in which an impact should
+ * turn that begins the last stage at v, with `stored` work done, -1: none that lanes may use; the factors of a block. */
+void film_own_stage(batch_job *j, own_stage *own);
+int32_t film_own_piece(const batch_job *j, int64_t i, double v, double stored);
+void film_own_factors(const batch_job *j, const int64_t *index, int count, double (*of)[LANES]);
+
+#endif

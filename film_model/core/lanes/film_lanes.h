@@ -1,0 +1,138 @@
+/* Blocks of impacts that run side by side in lanes. Internal. docs/method.md, section 10. */
+#ifndef FILM_LANES_H
+#define FILM_LANES_H
+
+#include "lanes/film_wide.h"
+#include "march/film_march.h"
+#include "tables/film_job.h"
+
+/* For film_batch_shaped and film_batch_in_series: an impact that lanes cannot run. */
+enum { LEFT_ALONE = 100 };
+
+/* Leaves an impact to film_marched: at once, or when the curve of its shape or in series with its spring is made. */
+static inline void leave_alone(const batch_job *j, int64_t i) {
+    j->status[i] = j->family != NULL || j->spring != NULL ? LEFT_ALONE : film_marched(j->curve, j->mesh, &j->start[i], &j->summary[i]);
+}
+
+/* Whether lanes can run a damped impact. */
+static inline int in_damped_lanes(const batch_job *j, const film_start *s) {
+    return j->damped.root > 0 && s->damping > 0.0 && s->damping < INFINITY && s->nu > 0.0 && s->nu < INFINITY && s->gamma >= 0.0 &&
+           s->gamma < INFINITY && s->load >= 0.0 && s->load < INFINITY;
+}
+
+/* W + g f (0.79 nu - 0.27 g f) - nu^2/2, which is near 0 where a target that moves turns the impactor; g f <= nu.
+ * docs/method.md, section 10. */
+static inline double turn_excess(double work, double force, double nu, double gamma) {
+    double push = gamma * force < nu ? gamma * force : nu;
+    return work + push * (0.79 * nu - 0.27 * push) - 0.5 * nu * nu;
+}
+
+/* No load, no damping, and no time limit that ends other contacts than those of a law that pulls, which may never end. */
+static inline int is_free(const film_curve *curve, const film_start *start) {
+    int limited = start->time_limit < INFINITY && curve->pull == 0.0;
+    return start->load == 0.0 && !limited && start->damping == 0.0;
+}
+
+/* The same without a moving support: what the shorter ways can do. */
+static inline int is_undisturbed(const film_curve *curve, const film_start *start) {
+    return start->stop_velocity == 0.0 && is_free(curve, start);
+}
+
+/* Whether lanes may run an undamped impact, if they can run its curve. */
+static inline int is_plain(const batch_job *j, const film_start *s) {
+    int known = s->gamma >= 0.0 && s->gamma < INFINITY && s->nu > 0.0 && s->nu < INFINITY, fixed = s->gamma == 0.0;
+    int stops = s->stop_velocity == 0.0 || (fixed && s->stop_velocity < 0.0 && s->stop_velocity > -INFINITY && j->spring == NULL);
+    return known && stops && (fixed || j->spring == NULL) && is_free(j->curve, s);
+}
+
+/* The largest share of the energy with which a motion of this push turns in a stage of exponent 3/2. place: push over the
+ * length of a piece, in piece. */
+static inline double largest_share(double place, int piece) {
+    const double *row = &film_largest_share[piece * LIMIT_TERMS];
+    double at = 2.0 * (place - piece) - 1.0, square = at * at, even = 0.0, odd = 0.0;
+    for (int k = LIMIT_TERMS - 2; k >= 0; k -= 2) {
+        even = even * square + row[k];
+        odd = odd * square + row[k + 1];
+    }
+    return even + at * odd;
+}
+
+/* Whether the first stage, of exponent 3/2 and a push below PUSH_END, turns the impactor. */
+static inline int turns_elastically(const batch_job *j, double nu, double gamma) {
+    double place = gamma * j->end_force[0] / nu * (PUSH_PIECES / PUSH_END);
+    return 2.0 * j->whole[0] / (nu * nu) >= largest_share(place, (int)place);
+}
+
+/* turn_excess at the end of stage k, but right where the table of the first stage tells; stored: work of the stages before. */
+static inline int turns_within(const batch_job *j, int32_t k, double stored, double nu, double gamma) {
+    double excess = turn_excess(stored + j->whole[k], j->end_force[k], nu, gamma);
+    int near = fabs(excess) < 0.05 * nu * nu; /* more than turn_excess errs by up to PUSH_END */
+    if (near && has_way_in(j, k) && gamma * j->end_force[k] < PUSH_END * nu) return turns_elastically(j, nu, gamma);
+    return excess > 0.0;
+}
+
+/* The stage in which a target that moves should turn the impactor, by the estimate of turn_excess, or else the one that
+ * differs between impacts, and the work of those before; -1: none. */
+static inline int32_t moving_stage(const batch_job *j, double nu, double gamma, double *stored) {
+    int32_t first = j->touch;
+    *stored = 0.0;
+    if (j->curve->pull > 0.0) *stored = j->whole[first++]; /* what turns under a pull is left to the march */
+    for (int32_t k = first; k < j->curve->stages; k++) {
+        if (k == j->shaped || !(j->whole[k] < INFINITY) || turns_within(j, k, *stored, nu, gamma)) return k;
+        *stored += j->whole[k];
+    }
+    return -1;
+}
+
+enum { FEWEST = 3 }; /* segments of a leg on targets that move: fewer are too rough to find the turn from */
+
+/* Impacts on targets that move, where they are on the law. */
+typedef struct {
+    double gamma[LANES], w[LANES], time[LANES];  /* w: impactor velocity */
+    double xi[LANES], force[LANES], work[LANES]; /* where each lane is, and the law there */
+    double bad[LANES];                           /* > 0: left to film_marched */
+} lanes;
+
+/* Impacts at their deepest: work so far, largest force, the branch that begins there, and gamma sqrt(force/depth) on it. */
+typedef struct {
+    lanes at;
+    double stored[LANES], peak[LANES], recovery[LANES], exponent[LANES], slowness[LANES];
+    double lines[LANES]; /* so far: 0 where no stage was passed by lines */
+} turned_lanes;
+
+/* Impacts that have turned and wait to unload, of one grading and stage. */
+typedef struct {
+    int64_t index[LANES];
+    double gamma[LANES], time[LANES], top[LANES], force[LANES], recovery[LANES], exponent[LANES], stored[LANES];
+    int count;
+} unloading_queue;
+
+/* What runs a block, for one instruction set. */
+typedef struct {
+    /* the own stage of each lane; of: the factors at its shape */
+    void (*shape)(const batch_job *j, int32_t pieces, const double (*of)[LANES]);
+    /* impacts that turn in `piece` of `stage` on a fixed target, from first touch to the end of contact */
+    void (*fixed)(batch_job *j, int32_t stage, int32_t piece, const int64_t *index, int count);
+    /* the same, each in series with its spring */
+    void (*spring)(batch_job *j, int32_t stage, int32_t piece, const int64_t *index, int count);
+    /* impacts that should turn in `stage`, to the turn */
+    void (*load)(batch_job *j, int32_t stage, const int64_t *index, int count, turned_lanes *t);
+    /* the whole way out from the turn, by a table, for those of exponent 3/2 and slowness below MAP_END */
+    void (*leave)(batch_job *j, const int64_t *index, int count, const turned_lanes *t);
+    /* from the turn out along their branches; exponent NAN: each has its own */
+    void (*unload)(batch_job *j, int32_t grading, double exponent, unloading_queue *q);
+    /* from the turn in `stage` back along the law */
+    void (*retrace)(batch_job *j, int32_t stage, const int64_t *index, int count, lanes *s, const double *stored);
+    /* impacts under a damped power law, from first touch to the end of contact */
+    void (*damped)(batch_job *j, const int64_t *index, int count);
+    /* the five values of film_evaluate at times on a contact's lines: value k of time i to values[k stride + i] */
+    void (*sample)(const film_curve *curve, const film_line *lines, int32_t line_count, const double *times, int64_t count,
+                   double *values, int64_t stride);
+} block_routines;
+
+extern const block_routines film_plain;
+#if defined(FILM_WIDE)
+extern const block_routines film_avx2, film_avx512;
+#endif
+
+#endif

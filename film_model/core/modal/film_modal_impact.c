@@ -1,0 +1,135 @@
+/* Whole impacts on a structure: until the impactor is out of its reach, with a record of what happened, or many of them.
+ * docs/method.md, section 13. */
+#include "modal/film_modal_parts.h"
+
+#include <string.h>
+
+/* A turn counts as deeper than those before only beyond this factor, as in film_marched.c. */
+static const double DEEPER = 1.0 + 1e-10;
+
+enum { COSTLY_MODES = 100 }; /* a step takes twice as long, so that half as many are allowed: some seconds in all */
+
+static double now_of(const film_modal *s) { return s->time + s->tau; }
+
+/* A step in contact that ends it needs two segments: its own, and that of the flight. */
+static int has_room(const film_modal_record *record) {
+    return record == NULL || (record->segment_count + 1 < record->segment_room && record->event_count < record->event_room &&
+                              record->flight_count < record->flight_room);
+}
+
+static void record_segment(const film_structure *structure, const film_modal *s, const double *waves, int32_t kind,
+                           film_modal_record *record) {
+    film_modal_segment *to = &record->segments[record->segment_count++];
+    memset(to, 0, sizeof *to);
+    to->time = s->time;
+    to->h = kind == FILM_STEP_CONTACT ? s->h : INFINITY;
+    to->x = s->x;
+    to->v = s->v;
+    to->depth = s->x - s->shift;
+    to->depth_rate = s->v - s->rate;
+    to->load = s->load;
+    to->unit = s->unit;
+    to->rest = s->rest;
+    to->line = s->contact.line;
+    to->line.branch = s->contact.branch;
+    to->flight = -1;
+    if (kind == FILM_STEP_REST) return;
+    if (kind == FILM_STEP_CONTACT) {
+        memcpy(to->force, s->force, sizeof to->force);
+        memcpy(to->bend, s->bend, sizeof to->bend);
+        return;
+    }
+    size_t size = 2 * (size_t)structure->modes;
+    to->flight = record->flight_count++;
+    memcpy(record->flights + (size_t)to->flight * size, waves + begins_at(structure, s), size * sizeof(double));
+}
+
+/* The event just met, in the record and in the summary. */
+static void note_event(const film_structure *structure, const film_curve *curve, const film_modal *s, const double *waves,
+                       film_modal_summary *summary, film_modal_record *record) {
+    film_modal_event event;
+    film_summary *core = &summary->core;
+    memset(&event, 0, sizeof event);
+    film_modal_motion(structure, curve, s, waves, event.values);
+    event.time = now_of(s);
+    event.event = s->contact.event;
+    event.branch = s->contact.branch;
+    if (record != NULL) record->events[record->event_count++] = event;
+    core->maximum_force = fmax(core->maximum_force, fmax(s->peak, event.values[2]));
+    if (event.event == FILM_MAXIMUM_INDENTATION && event.values[0] > DEEPER * core->maximum_indentation) {
+        core->maximum_indentation = event.values[0];
+        core->time_of_maximum_indentation = event.time;
+        core->stage = s->contact.stage_max;
+    } else if (event.event == FILM_IMPACTOR_STOPS && isnan(core->time_impactor_stops)) {
+        core->time_impactor_stops = event.time;
+    } else if (event.event == FILM_CONTACT_ENDS) {
+        summary->contacts++;
+        if (isnan(core->contact_duration)) core->contact_duration = event.time;
+        core->permanent_indentation = event.values[0];
+        core->final_velocity = event.values[3];
+        core->shift = event.values[4];
+    }
+}
+
+/* How long a flight is followed: as long as the impact so far, and for the longest period. */
+static double patience(const film_structure *structure, const film_modal *s) {
+    double slowest = structure->rigid < structure->modes ? 2.0 * PI / structure->frequency[structure->rigid] : 0.0;
+    return now_of(s) + fmax(now_of(s), slowest);
+}
+
+int film_modal_go_on(film_structure *structure, const film_curve *curve, double limit, film_modal *s, double *waves,
+                     film_modal_summary *summary, film_modal_record *record) {
+    double until = s->contact.branch == FILM_FREE && summary->contacts > 0 ? patience(structure, s) : limit;
+    int status = FILM_OK, in_flight = s->contact.branch == FILM_FREE;
+    int32_t most = FILM_MAX_STEP_LINES / (1 + structure->modes / COSTLY_MODES);
+    for (int32_t k = 0; status >= 0; k++) {
+        if (!has_room(record)) return FILM_FULL;
+        if (k >= most || s->steps >= most) return FILM_TOO_MANY;
+        if (!s->has_step) {
+            status = film_plan_step(structure, curve, s, waves);
+            if (status < 0) break;
+            if (record != NULL && !in_flight && s->h > 0.0) record_segment(structure, s, waves, s->kind, record);
+        }
+        double dt = fmax(until - now_of(s), 0.0);
+        int fallen = in_flight && s->load > 0.0 && summary->contacts > 0 && film_leaves(structure, s, waves);
+        if (s->h == INFINITY || fallen) status = FILM_ENDLESS; /* out of reach, or at rest; a fall back is another impact */
+        else status = film_advance(structure, curve, s, &dt);
+        if (status < 0 || status == FILM_ENDLESS) break;
+        if (status == FILM_EVENT) {
+            note_event(structure, curve, s, waves, summary, record);
+            if (record != NULL && s->contact.event == FILM_CONTACT_ENDS) record_segment(structure, s, waves, FILM_STEP_FLIGHT, record);
+            in_flight = s->contact.branch == FILM_FREE;
+            until = in_flight ? patience(structure, s) : limit;
+            status = FILM_OK;
+        } else if (!(now_of(s) < until)) {
+            break;
+        }
+    }
+    summary->core.maximum_force = fmax(summary->core.maximum_force, s->peak);
+    summary->core.work = s->spent;
+    summary->core.lines = s->steps;
+    if (status < 0) return status;
+    if (!in_flight) {
+        summary->core.contact_duration = summary->core.permanent_indentation = summary->core.final_velocity = NAN;
+        return status;
+    }
+    summary->waited = status != FILM_ENDLESS;
+    return FILM_EVENT;
+}
+
+int film_modal_impact(film_structure *structure, const film_curve *curve, const film_modal_start *start, film_modal *s,
+                      double *waves, film_modal_summary *summary, film_modal_record *record) {
+    memset(summary, 0, sizeof *summary);
+    summary->core.time_impactor_stops = summary->core.contact_duration = summary->core.permanent_indentation = NAN;
+    summary->core.final_velocity = NAN;
+    int status = film_modal_init(structure, curve, s, waves, start, 0.0);
+    if (status < 0) return status;
+    return film_modal_go_on(structure, curve, start->limit, s, waves, summary, record);
+}
+
+void film_modal_batch(film_structure *structure, const film_curve *curve, int64_t count, const film_modal_start *start,
+                      double *waves, film_modal_summary *summary, int32_t *status) {
+    film_modal s;
+    for (int64_t i = 0; i < count; i++)
+        status[i] = film_modal_impact(structure, curve, &start[i], &s, waves, &summary[i], NULL);
+}

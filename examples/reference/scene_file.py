@@ -34,6 +34,7 @@ EXAMPLES = {
     "source": '"data sheet"',
     "loss_factor": "0.01",
     "strain_rate_coefficient": "0.02",
+    "strain_hardening_exponent": "0.1",
     "law": '"stronge"',
     "unloading": '"brake"',
     "plasticity": "false",

@@ -63,9 +63,10 @@ class Material:
     name: in messages. youngs_modulus: Pa. poissons_ratio: dimensionless. density: kg/m³. yield_strength: Pa; none for a
     brittle material or if unknown. source: where the values come from.
 
-    strain_rate_coefficient: C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength. surface_energy: of
-    one surface, J/m²; those of both bodies give the work of adhesion. loss_factor: tan δ at the frequency of the
-    contact, only to estimate damping. tensile_strength: of a brittle material, Pa, only to estimate whether it cracks.
+    strain_rate_coefficient: C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength.
+    strain_hardening_exponent: n of the flow stress S_y (1 + E ε_p/S_y)^n; none if unknown. surface_energy: of one
+    surface, J/m²; those of both bodies give the work of adhesion. loss_factor: tan δ at the frequency of the contact,
+    only to estimate damping. tensile_strength: of a brittle material, Pa, only to estimate whether it cracks.
 
     prony: of a viscoelastic material, pairs of a relative modulus g and a relaxation time τ [s]. The modulus relaxes as
     E(t) = E₀ [1 − Σ g (1 − exp(−t/τ))] at a constant Poisson's ratio; youngs_modulus is then the instantaneous E₀, and
@@ -84,6 +85,7 @@ class Material:
         "source": words("a source"),
         "loss_factor": measure("dimensionless", 0, 10),
         "strain_rate_coefficient": measure("dimensionless", 0, 1),
+        "strain_hardening_exponent": measure("dimensionless", 0, 0.6),
         "tensile_strength": measure("pressure", 1, 1e12),
         "surface_energy": measure("surface_energy", 0, 1e3),
         "prony": PRONY,
@@ -97,6 +99,7 @@ class Material:
     source: str
     loss_factor: float | None
     strain_rate_coefficient: float | None
+    strain_hardening_exponent: float | None
     tensile_strength: float | None
     surface_energy: float | None
     prony: tuple[tuple[float, float], ...] | None
@@ -114,6 +117,7 @@ class Material:
         tensile_strength: Value | None = None,
         surface_energy: Value | None = None,
         prony: Sequence[tuple[float | str, Value]] | None = None,
+        strain_hardening_exponent: float | str | None = None,
     ) -> None:
         raise_all(fill(self, locals()))
 

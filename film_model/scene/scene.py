@@ -201,6 +201,17 @@ class Scene:
         return None if np.isnan(found).all() else cast("float", found)
 
     @property
+    def strain_hardening_exponent(self) -> float:
+        """n of the body that yields first; 0 if its material gives none."""
+        materials = (self.impactor.material, self.target.material)
+        known = [m for m in materials if m is not None and m.yield_strength is not None]
+        if not known:
+            return 0.0
+        exponents = [0.0 if m.strain_hardening_exponent is None else m.strain_hardening_exponent for m in known]
+        first = cast("Any", known[0].yield_strength) <= cast("Any", known[-1].yield_strength)
+        return either(first, exponents[0], exponents[-1])
+
+    @property
     def poissons_ratio(self) -> float | None:
         """The value in [contact], or that of the body that yields first; without yield strengths, the target's."""
         if self.contact.poissons_ratio is not None:

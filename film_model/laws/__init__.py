@@ -15,6 +15,7 @@ from film_model.laws.unloading import BrakeUnloading, Retrace
 if TYPE_CHECKING:
     from film_model.laws.big_alabo import BigAlabo
     from film_model.laws.dmt import Dmt
+    from film_model.laws.elastoplastic import Elastoplastic
     from film_model.laws.hertz import Hertz
     from film_model.laws.hunt_crossley import HuntCrossley
     from film_model.laws.jackson_green import JacksonGreen
@@ -37,8 +38,8 @@ if TYPE_CHECKING:
 LAWS: LateClasses[AbstractLaw] = LateClasses(
     __name__,
     (
-        *("hertz", "meyer", "big-alabo", "stronge", "thornton", "kogut-etsion", "jackson-green", "yigit-christoforou"),
-        *("rigid-plastic", "walton-braun", "luding", "tan-sun", "tabulated"),
+        *("hertz", "meyer", "elastoplastic", "big-alabo", "stronge", "thornton", "kogut-etsion", "jackson-green"),
+        *("yigit-christoforou", "rigid-plastic", "walton-braun", "luding", "tan-sun", "tabulated"),
         *("linear-dashpot", "tsuji", "hunt-crossley", "kuwabara-kono", "jkr", "dmt", "thornton-ning"),
     ),
 )
@@ -55,6 +56,7 @@ __all__ = [
     "BigAlabo",
     "BrakeUnloading",
     "Dmt",
+    "Elastoplastic",
     "Hertz",
     "HuntCrossley",
     "JacksonGreen",

@@ -1,9 +1,10 @@
 """Families of curves of laws whose last stage depends on one more number beside the shape, such as Poisson's ratio.
 
-The force at any indentation is interpolated between the law's own forces at few indentations, the marks: a sum of them
-times functions of the indentation that are the same for all laws of the family. Marks and functions are found by cross
-approximation with full pivoting (Goreinov, Tyrtyshnikov & Zamarashkin 1997, Linear Algebra Appl. 261:1) of the forces
-of laws at Chebyshev nodes in both numbers. The core sums the curve of a law from its forces at the marks.
+The force at any indentation, and what else depends on these numbers, is interpolated between the law's own values at
+few indentations, the marks: a sum of them times functions of the indentation that are the same for all laws of the
+family. Marks and functions are found by cross approximation with full pivoting (Goreinov, Tyrtyshnikov & Zamarashkin
+1997, Linear Algebra Appl. 261:1) of the values of laws at Chebyshev nodes in both numbers. The core sums the curve of a
+law from its values at the marks.
 """
 
 from __future__ import annotations
@@ -24,21 +25,25 @@ from film_model.problem.families import (
     EDGES,
     LAST_PAGE,
     NODES,
+    ONLY,
     TERMS,
     Page,
     applied,
     difference,
     edges_of,
     mean_matrix,
-    needed,
     nodes_of,
     page_number,
     places_of,
     series_matrix,
+    shared_part,
+    trimmed,
+    values_at,
+    varying,
     whole_of,
 )
 
-MOST_MARKS, SMALL = 32, 1e-13
+MOST_MARKS, SMALL = 48, 1e-13
 """Largest number of marks (FILM_MAX_NODES), of which laws need 20 to 30; remaining difference at which no more are
 needed, over the largest force on a piece."""
 
@@ -61,17 +66,17 @@ def mixture_of(law: AbstractLaw) -> Page:
 
 
 def mixed_numbers(page: Page, law_at: Callable[[Any], AbstractLaw], count: int) -> Array:
-    """The family's numbers of `count` laws: forces at the marks, and the end of the last stage; a row each.
+    """The family's numbers of `count` laws: values at the marks, and the end of the last stage; a row each.
 
     law_at: the law at an index, or, at several indices, with arrays of their shape in its fields. Raises ValueError if
     the laws with arrays differ from the first, middle or last law.
     """
     found = np.empty((count, page.family.nodes + 1))
     last: Any = law_at((slice(None), None)).stages()[-1]
-    found[:, :-1], found[:, -1:] = last.force(page.marks), last.end
+    found[:, :-1], found[:, -1:] = values_at(last, page.marks), last.end
     for place in {0, count // 2, count - 1}:
         alone: Any = law_at(place).stages()[-1]
-        own = np.append(alone.force(page.marks), alone.end)
+        own = np.append(values_at(alone, page.marks), alone.end)
         if not (abs(found[place] - own) <= SAME * abs(own)).all():
             raise ValueError("a law with arrays differs from that of one impact")
     return found
@@ -89,24 +94,29 @@ def _between(law: AbstractLaw, low: float, high: float) -> Page:
 
     x, y = np.polynomial.chebyshev.chebpts1(NODES), np.polynomial.chebyshev.chebpts1(BESIDE)
     every = law_at(np.repeat(x, BESIDE)[:, None], np.tile(y, NODES)[:, None]).stages()
-    first, last = law_at(0.0, 0.0).stages()[:-1], law_at(0.0, 0.0).stages()[-1]
-    if every[:-1] != first or replace(every[-1], end=last.end, force=last.force) != last:
-        raise ValueError(f"law {law.name!r}: only the force and the end of the last stage may depend on its shape")
-    edges = edges_of(last, float(every[-1].end.max()))
+    middle = law_at(0.0, 0.0).stages()
+    if shared_part(every) != shared_part(middle):
+        raise ValueError(f"law {law.name!r}: {ONLY}")
+    names = varying((law_at(-1.0, -1.0).stages()[-1], law_at(1.0, 1.0).stages()[-1]))
+    edges = edges_of(middle[-1], float(every[-1].end.max()))
     xi = nodes_of(edges)
-    force = every[-1].force(xi.ravel()).reshape(-1, *xi.shape)
-    size = abs(force).max(axis=(0, 2), keepdims=True)
-    laws, marks, shares = _cross((force / size).reshape(len(force), -1))
-    scale = np.broadcast_to(size[0], xi.shape).ravel()
-    given = applied(series_matrix(TERMS), force[laws])
-    kept = [given[0, k, : needed(given[:, k])] for k in range(edges.size - 1)]
-    whole, error, steepest = whole_of(law, (*first, last), edges, kept)
-    series = applied(series_matrix(TERMS), (shares * (scale / scale[marks][:, None])).reshape(-1, *xi.shape))
-    mean = applied(mean_matrix(), series)
+    table = values_at(every[-1], dict.fromkeys(names, xi.ravel()))
+    values = table.reshape(len(table), len(names), *xi.shape)
+    size = np.broadcast_to(abs(values).max(axis=(0, 3), keepdims=True), (1, *values.shape[1:])).ravel()
+    laws, marks, shares = _cross(table / size)
+    order = np.argsort(marks, kind="stable")  # those of the force first
+    shares = shares[order] * (size / size[marks[order]][:, None])
+    given = applied(series_matrix(TERMS), values[laws].swapaxes(0, 1))
+    whole, error, steepest = whole_of(law, middle, edges, dict(zip(names, map(trimmed, given), strict=True)))
+    found = applied(series_matrix(TERMS), shares.reshape(len(shares), len(names), *xi.shape).swapaxes(0, 1))
+    series = dict(zip(names, found, strict=True))
+    mean = applied(mean_matrix(), series["force"])
     work = np.diff(edges) * mean.sum(axis=-1)
-    places, columns = places_of(whole, work - np.cumsum(work, axis=-1), series, mean)
+    places, columns = places_of(whole, work - np.cumsum(work, axis=-1), {**series, "mean": mean})
     family = Family.of(0.0, 0.0, np.zeros(len(marks)), places, np.array(columns).T)
-    page = Page(whole, family, error, steepest, xi.ravel()[marks])
+    number, place = np.divmod(marks[order], xi.size)
+    points = {name: xi.ravel()[place[number == k]] for k, name in enumerate(names)}
+    page = Page(whole, family, error, steepest, points)
 
     def off(x: float, y: float) -> float:
         one = law_at(x, y)

@@ -8,18 +8,37 @@ static double series_at(const double *of, int32_t nodes, const double *first, in
     return sum;
 }
 
-/* Whether the family's columns from `column` on are work_at_begin, force and mean of a piece, one after the other. */
-static int is_in_order(const film_family *family, const film_curve *whole, const film_piece *piece, int32_t column) {
-    const double *from[3] = {&piece->work_at_begin, piece->force.series, piece->mean.series};
+/* Whether the family's columns from `column` on are `count` doubles of the curve, one after the other. */
+static int are_next(const film_family *family, const film_curve *whole, const double *from, int32_t count, int32_t column) {
     const double *places = family->numbers + family->nodes;
-    int32_t terms[3] = {1, piece->force.terms, piece->mean.terms};
-    int32_t room = family->varying < OWN_DOUBLES ? family->varying : OWN_DOUBLES;
-    if (piece->force.form != FILM_SERIES || piece->mean.form != FILM_SERIES) return 0;
-    if (column + 1 + terms[1] + terms[2] > room) return 0;
-    for (int part = 0; part < 3; part++)
-        for (int32_t k = 0; k < terms[part]; k++)
-            if (places[column++] != (double)(from[part] + k - (const double *)whole)) return 0;
+    if (column + count > family->varying || column + count > OWN_DOUBLES) return 0;
+    for (int32_t k = 0; k < count; k++)
+        if (places[column + k] != (double)(from + k - (const double *)whole)) return 0;
     return 1;
+}
+
+/* Terms of a series of the unloading that the family varies from `column` on; 0: it does not. */
+static int32_t own_terms(const film_family *family, const film_curve *whole, const film_function *g, int32_t column) {
+    return g->form == FILM_SERIES && are_next(family, whole, g->series, g->terms, column) ? g->terms : 0;
+}
+
+/* What the family varies of piece p of the last stage, and where its columns end; -1: other numbers than lanes can have. */
+static int32_t own_columns(const film_family *family, const film_curve *whole, own_stage *own, int32_t p, int32_t column) {
+    const film_piece *piece = &whole->piece[whole->stage[whole->stages - 1].first + p];
+    own->piece[p].column = column;
+    own->piece[p].force = piece->force.terms;
+    own->piece[p].mean = piece->mean.terms;
+    if (piece->force.form != FILM_SERIES || piece->mean.form != FILM_SERIES) return -1;
+    if (!are_next(family, whole, &piece->work_at_begin, 1, column++)) return -1;
+    if (!are_next(family, whole, piece->force.series, piece->force.terms, column)) return -1;
+    column += piece->force.terms;
+    if (!are_next(family, whole, piece->mean.series, piece->mean.terms, column)) return -1;
+    column += piece->mean.terms;
+    column += own->piece[p].recovery = own_terms(family, whole, &piece->recovery, column);
+    column += own->piece[p].exponent = own_terms(family, whole, &piece->exponent, column);
+    double next = (double)((const double *)(piece + 1) - (const double *)whole); /* another number of this piece varies */
+    if (column < family->varying && family->numbers[family->nodes + column] < next) return -1;
+    return column;
 }
 
 void film_own_stage(batch_job *j, own_stage *own) {
@@ -27,17 +46,14 @@ void film_own_stage(batch_job *j, own_stage *own) {
     const double *table = family->numbers + family->nodes + family->varying;
     int32_t stage = j->curve->stages - 1, first = j->curve->stage[stage].first, column = 0, p = 0;
     for (; p < OWN_PIECES && first + p < j->curve->pieces; p++) {
-        const film_piece *piece = &j->curve->piece[first + p];
-        if (!is_in_order(family, j->curve, piece, column)) break;
-        own->piece[p].column = column;
-        own->piece[p].force = piece->force.terms;
-        own->piece[p].mean = piece->mean.terms;
+        int32_t behind = own_columns(family, j->curve, own, p, column);
+        if (behind < 0) break;
         for (int32_t n = 0; n < family->nodes && n < FILM_MAX_NODES; n++) {
             double sum = 0.0; /* at the end of a piece every polynomial is 1 */
-            for (int32_t k = 0; k < piece->force.terms; k++) sum += table[(int64_t)n * family->varying + column + 1 + k];
+            for (int32_t k = 0; k < own->piece[p].force; k++) sum += table[(int64_t)n * family->varying + column + 1 + k];
             own->edge_force[p][n] = sum;
         }
-        column += 1 + piece->force.terms + piece->mean.terms;
+        column = behind;
     }
     own->usable = p;
     j->own = own;

@@ -152,12 +152,38 @@ static void slope_lanes(const batch_job *j, int32_t stage, const film_piece *pie
     }
 }
 
+/* A series of which each lane has its own terms. */
+static void own_series_lanes(const film_function *g, const double (*of)[LANES], int32_t terms, const double *restrict xi,
+                             double *restrict out) {
+    double z[LANES], a1[LANES] = {0.0}, a2[LANES] = {0.0};
+    variable_lanes(g, xi, z);
+    for (int32_t k = terms - 1; k > 0; k--) {
+        EACH(l) {
+            double a = 2.0 * z[l] * a1[l] - a2[l] + of[k][l];
+            a2[l] = a1[l];
+            a1[l] = a;
+        }
+    }
+    EACH(l) out[l] = z[l] * a1[l] - a2[l] + of[0][l];
+}
+
+/* Recovery and exponent of a piece of the stage that differs between lanes. */
+static void own_unloading_lanes(const own_stage *own, const film_piece *piece, int32_t p, const double *restrict xi,
+                                double *restrict recovery, double *restrict exponent) {
+    const double(*of)[LANES] = &own->value[own->piece[p].column + 1 + own->piece[p].force + own->piece[p].mean];
+    int32_t terms = own->piece[p].recovery, more = own->piece[p].exponent;
+    if (terms == 0 || more == 0) value_lanes(&piece->recovery, &piece->exponent, xi, recovery, exponent);
+    if (terms > 0) own_series_lanes(&piece->recovery, of, terms, xi, recovery);
+    if (more > 0) own_series_lanes(&piece->exponent, of + terms, more, xi, exponent);
+}
+
 enum { FORCE_AND_WORK, RECOVERY_AND_EXPONENT, SLOPE };
 
 static void piece_lanes(const batch_job *j, int32_t stage, const film_piece *piece, int which, const double *restrict xi,
                         double *restrict a, double *restrict b) {
     const film_piece *first = &j->curve->piece[j->curve->stage[stage].first];
-    if (which == RECOVERY_AND_EXPONENT) value_lanes(&piece->recovery, &piece->exponent, xi, a, b);
+    if (which == RECOVERY_AND_EXPONENT && stage == j->shaped) own_unloading_lanes(j->own, piece, (int32_t)(piece - first), xi, a, b);
+    else if (which == RECOVERY_AND_EXPONENT) value_lanes(&piece->recovery, &piece->exponent, xi, a, b);
     else if (which == SLOPE) slope_lanes(j, stage, piece, xi, a), memcpy(b, a, LANES * sizeof *b);
     else if (stage == j->shaped) own_law_lanes(j->own, first, (int32_t)(piece - first), xi, a, b);
     else piece_law_lanes(piece, xi, a, b);

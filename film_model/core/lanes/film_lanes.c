@@ -17,9 +17,9 @@
 /* The numbers that differ, of the first pieces of the last stage: as film_shape has them. */
 static void shape_lanes(const batch_job *j, int32_t pieces, const double (*of)[LANES]) {
     own_stage *own = j->own;
-    int32_t nodes = j->family->nodes, varying = j->family->varying, count = own->piece[pieces - 1].column;
+    int32_t nodes = j->family->nodes, varying = j->family->varying, last = pieces - 1, count = own->piece[last].column + 1;
     const double *table = j->family->numbers + nodes + varying;
-    count += 1 + own->piece[pieces - 1].force + own->piece[pieces - 1].mean;
+    count += own->piece[last].force + own->piece[last].mean + own->piece[last].recovery + own->piece[last].exponent;
     for (int32_t v = 0; v < count; v++) {
         double sum[LANES] = {0.0};
         for (int32_t n = 0; n < nodes; n++) {

@@ -31,14 +31,16 @@ typedef struct {
 static const double ANY_POWER = 1.5; /* exponent of a table of which only the nodes are used */
 enum { UNIT_POWER = -1, ROWS = 3456, TABLES = 128, AIMING_SEGMENTS = 4 };
 
-/* Of every lane, the force and the mean of its own last stage: what differs between the curves of a family. */
-enum { OWN_PIECES = 14, OWN_DOUBLES = 640 };
+/* Of every lane, the force and the mean of its own last stage, and the unloading if it varies: what differs between the curves
+ * of a family. */
+enum { OWN_PIECES = 14, OWN_DOUBLES = 768 };
 typedef struct {
     int32_t usable; /* pieces of the last stage, from its beginning, for which there is room */
     int32_t pieces; /* those that the block may reach */
     double end;     /* of the last of them */
     double whole[LANES]; /* work up to there */
-    struct { int32_t column, force, mean; } piece[OWN_PIECES]; /* where its work_at_begin is in `value`; terms of both series behind */
+    /* where its work_at_begin is in `value`; terms of the series behind; recovery, exponent: 0 if all lanes share them */
+    struct { int32_t column, force, mean, recovery, exponent; } piece[OWN_PIECES];
     double edge_force[OWN_PIECES][FILM_MAX_NODES]; /* of each row: force where the piece ends */
     double value[OWN_DOUBLES][LANES];
 } own_stage;

@@ -1,0 +1,149 @@
+"""Finite elements of a ball on a half-space that yields and hardens: loading and unloading."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from film_model.base.arrays import all_of, exponential
+from film_model.laws.law import AbstractLaw, Array, Family, Power, Stage, Unloading
+from film_model.laws.yielding import MOST_YIELD_STRAIN, limit_point
+
+FITTED_RADIUS = 0.4  # a/R
+FITTED_STRAIN = (0.001, 0.017)  # S_y/E
+FITTED_EXPONENT = 0.4  # n
+RATIO = 0.3  # Poisson's ratio whose C enters the shape
+
+SPREAD, NARROWED = 0.0641, 1.525  # of a/a_Y: exponent, and how n lowers it
+PRESSURE, FLATTENING, BEND = 1.723, 0.434, 1.183  # of the mean pressure: rise, less by a/R, how soon
+HARDENED, STRAINED = 1.346, 0.1763  # of the hardening: exponent over n, plastic strain over a/a_Y
+STIFFENED, STIFFENING = 0.2657, 0.2745  # of the secant over a/a_Y
+ROUNDED, ROUNDING = 0.113, 0.987  # of the exponent of unloading
+
+
+@dataclass(frozen=True)
+class Plastic:
+    """f(w) beyond first yield, for S_y/E times C(ν)/C(0.3) and n."""
+
+    yield_strain: float
+    exponent: float
+
+    @property
+    def first_radius(self) -> Any:
+        """a/R at first yield, π C e_y/2."""
+        return 0.5 * math.pi * pressure_factor(RATIO) * self.yield_strain
+
+    @property
+    def end(self) -> Any:
+        """w at which a = R, if w is far above 1."""
+        spread = 2.0 * self._spread
+        return self.first_radius ** (-2.0 / (1.0 + spread))
+
+    @property
+    def _spread(self) -> Any:
+        return SPREAD / (1.0 + NARROWED * self.exponent)
+
+    def contact_radius(self, w: Any) -> Any:
+        """a over that at first yield."""
+        return (w * (1.0 + (w - 1.0) ** 2.0) ** self._spread) ** 0.5
+
+    def __call__(self, w: Any) -> Any:
+        radius = self.contact_radius(w)
+        slope = self.first_radius * radius
+        most = PRESSURE / (1.0 + (FLATTENING * slope) ** 2.0)
+        mean = 1.0 + most * (1.0 - (1.0 + (w**0.5 - 1.0) / (BEND * most)) ** -BEND)
+        return radius * radius * mean * (1.0 + STRAINED * (radius - 1.0)) ** (HARDENED * self.exponent)
+
+
+@dataclass(frozen=True)
+class Secant:
+    """f_m/(w_m − w_f)."""
+
+    plastic: Plastic
+
+    def __call__(self, w: Any) -> Any:
+        return self.plastic.contact_radius(w) * (1.0 + STIFFENED * (1.0 - w**-STIFFENING))
+
+
+def _exponent(w: Array) -> Array:
+    return 1.5 - ROUNDED * (1.0 - w**-ROUNDING)
+
+
+def pressure_factor(poissons_ratio: Any) -> Any:
+    """C: the largest contact pressure at first yield over the yield strength."""
+    return 1.295 * exponential(0.736 * poissons_ratio)
+
+
+@dataclass(frozen=True)
+class Elastoplastic(AbstractLaw):
+    """With w = δ/δ_Y, δ_Y = (π C S_y/2E)² R, C = 1.295 e^{0.736 ν}, and f over the force there:
+
+    f = w^{3/2} up to first yield, w = 1. Beyond, α = a/a_Y = √(w (1 + (w − 1)²)^{0.0641/(1 + 1.525 n)}),
+    f = α² (1 + M [1 − (1 + (√w − 1)/(1.183 M))^{−1.183}]) (1 + 0.1763 (α − 1))^{1.346 n},
+    M = 1.723/(1 + (0.434 a/R)²). Unloading: f_m/(w_m − w_f) = α (1 + 0.2657 (1 − w_m^{−0.2745})), with the exponent
+    1.5 − 0.113 (1 − w_m^{−0.987}).
+
+    Fitted to impacts of a rigid ball, without friction, on a half-space: von Mises' yield, flow stress
+    S_y (1 + E ε_p/S_y)^n, 2 to 1000 times the velocity of first yield, S_y/E from 0.001 to 0.017, ν from 0.2 to 0.45, n
+    up to 0.4. Restitution differs from these runs by 3 % at most.
+
+    strain_hardening_exponent: n, of the material; 0, without hardening, if it gives none. Of two bodies that yield, the
+    law takes the strength, ν and n of the softer: the other stays elastic. Two equal bodies share the indentation, each
+    as deep as the half of it, which the finite elements do not have: this is an estimate. Ends where a = R.
+    """
+
+    name: ClassVar[str] = "elastoplastic"
+    family: ClassVar[Family] = "yields"
+    summary: ClassVar[str] = "finite elements of a sphere that yields and hardens, loading and unloading"
+    source: ClassVar[str] = "fitted to axisymmetric finite elements made for this package"
+    validity: ClassVar[str] = "computed for a/R up to 0.4, S_y/E from 0.001 to 0.017 and n up to 0.4; ends where a = R"
+    shaped_by: ClassVar[tuple[str, ...]] = ("effective_modulus", "yield_strength", "poissons_ratio")
+    shaped_beside: ClassVar[Mapping[str, tuple[float, float]]] = {"strain_hardening_exponent": (0.0, 0.6)}
+
+    effective_modulus: float
+    radius: float
+    yield_strength: float
+    poissons_ratio: float
+    strain_hardening_exponent: float = 0.0
+
+    def __post_init__(self) -> None:
+        strain = self.yield_strength / self.effective_modulus
+        if not all_of(strain < MOST_YIELD_STRAIN):
+            raise ValueError(f"law elastoplastic: S_y/E is {np.max(strain):.3g}; it must be below {MOST_YIELD_STRAIN}")
+
+    @property
+    def shape(self) -> float:
+        """e_y C(ν)/C(0.3): a/R at first yield depends on it alone."""
+        ratio = pressure_factor(self.poissons_ratio) / pressure_factor(RATIO)
+        return self.yield_strength / self.effective_modulus * ratio
+
+    def of_shape(self, shape: float) -> Elastoplastic:
+        return Elastoplastic(1.0, 1.0, shape, RATIO, self.strain_hardening_exponent)
+
+    def outside(self, depth: float) -> str:
+        strain, said = self.yield_strength / self.effective_modulus, list[str]()
+        if not FITTED_STRAIN[0] <= strain <= FITTED_STRAIN[1]:
+            said.append(f"S_y/E is {strain:.3g}, computed were {FITTED_STRAIN[0]} to {FITTED_STRAIN[1]}")
+        if self.strain_hardening_exponent > FITTED_EXPONENT:
+            said.append(f"n is {self.strain_hardening_exponent:.3g}, computed was up to {FITTED_EXPONENT}")
+        plastic = Plastic(self.shape, self.strain_hardening_exponent)
+        radius = plastic.first_radius * plastic.contact_radius(depth)
+        if radius > FITTED_RADIUS:
+            said.append(f"the contact radius is {radius:.3g} of the ball's, computed was up to {FITTED_RADIUS}")
+        return " and ".join(said) if depth > 1.0 else ""
+
+    def scales(self, energy: float) -> tuple[float, float]:
+        strength = pressure_factor(self.poissons_ratio) * self.yield_strength
+        return limit_point(self.effective_modulus, self.radius, strength)
+
+    def stages(self) -> tuple[Stage, ...]:
+        plastic = Plastic(self.shape, self.strain_hardening_exponent)
+        unloading = Unloading(secant=Secant(plastic), exponent=_exponent)
+        return (
+            Stage("elastic", 0.0, 1.0, Power(coefficient=1.0, exponent=1.5, origin=0.0)),
+            Stage("elastoplastic", 1.0, plastic.end, plastic, unloading),
+        )

@@ -133,7 +133,6 @@ BAD_CONTACTS = [
         'dissipation_time = "1 us"\nunloading = "brake"',
         'contact.unloading: law "kuwabara-kono" is damped: it takes no rule of unloading',
     ),
-    ("thornton", "", 'contact.yield_pressure: missing: law "thornton" needs it (limiting contact pressure'),
     ("thornton", 'yield_pressure = "1 N"', 'contact.yield_pressure: "1 N" is a force, a pressure is needed'),
     ("thornton", 'yield_pressure = "0 Pa"', 'contact.yield_pressure: "0 Pa" must be > 0'),
     ("thornton", 'hardness = "1 Pa"', 'contact.hardness: unknown key; it belongs to law "kogut-etsion"'),
@@ -196,6 +195,8 @@ def test_missing_material_data_are_named():
     text = '[impactor]\nradius = "1 mm"\nmass = "1 g"\nvelocity = "1 m/s"\n[target]\nkind = "half-space"\n[contact]\n'
     with pytest.raises(fm.SceneError, match=r"contact.poissons_ratio: missing: law .kogut-etsion. needs it"):
         fm.Scene.from_text(text + 'law = "kogut-etsion"\nhardness = "1 GPa"\neffective_modulus = "9 GPa"')
+    with pytest.raises(fm.SceneError, match=r"contact.yield_pressure: missing: law .thornton. needs it, or a yield"):
+        fm.Scene.from_text(text + 'law = "thornton"\neffective_modulus = "9 GPa"')
     with pytest.raises(fm.SceneError, match=r"contact.effective_modulus: missing"):
         fm.Scene.from_text(text + 'law = "tabulated"\n' + TWO)
     reversible = fm.Scene.from_text(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import film_model as fm
+from film_model.base.rate_law import RateHardening
 from film_model.effects.choose import choose, problem_of
 from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF
 from film_model.effects.many import problems_of
@@ -55,7 +56,7 @@ def test_the_iteration_converges(coefficient, velocity):
 
 
 def test_an_iteration_that_does_not_settle_is_unknown():
-    assert math.isnan(settled(lambda factor: math.e**3 if factor < 2.0 else 1.0, 1.0))
+    assert math.isnan(settled(lambda factor: math.e**3 if factor < 2.0 else 1.0, RateHardening(1.0, 0.0, 1.0)))
 
 
 def test_a_rise_below_the_tolerance_is_neglected_and_true_computes_it():

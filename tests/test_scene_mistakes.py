@@ -173,7 +173,7 @@ BAD_SCENES = [
     ),
     (
         BRITTLE + '[contact]\nlaw = "stronge"\n',
-        ['s.toml:9: contact.law: law "stronge" needs a yield strength: give yield_strength in [target.material]'],
+        ['s.toml:9: contact.law: law "stronge" needs a yield strength: give hardness or yield_strength'],
     ),
     (
         BRITTLE + "[effects]\nplasticity = true\n",

@@ -16,7 +16,7 @@ from film_model.targets import TARGETS, BendingStiffness
 from film_model.targets.layup import PlyMaterial
 
 _SAID_ELSEWHERE = re.compile(
-    r"(^|, )(m|m²|kg|kg/m²|kg/m³|Pa|N·m|N/m|N/m²|N/m³|m/s|rad|Hz|J/m²|N·s/m|m/N)(?=[;,]|$)"
+    r"(^|, )(m|m²|kg|kg/m²|kg/m³|Pa|N·m|N/m|N/m²|N/m³|m/s|rad|Hz|J/m²|N·s/m|m/N|1/s)(?=[;,]|$)"
     r"|; or, to the constructor, diameter|^dimensionless$"
 )
 """Units, which the other columns show, and what concerns Python only."""
@@ -33,8 +33,13 @@ EXAMPLES = {
     "name": '"our steel"',
     "source": '"data sheet"',
     "loss_factor": "0.01",
+    "hardness": '"200 HV"',
     "strain_rate_coefficient": "0.02",
     "strain_hardening_exponent": "0.1",
+    "strength_coefficient": '"275 MPa"',
+    "strength_exponent": "0.36",
+    "rate_multiplier": '"40 s^-1"',
+    "rate_exponent": "5",
     "law": '"stronge"',
     "unloading": '"brake"',
     "plasticity": "false",

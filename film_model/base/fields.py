@@ -21,7 +21,8 @@ class Field:
     """One entry of a table. read: converts and checks a value. need: the message if a required entry is missing.
 
     low, high: range of a quantity, SI; with `open_ends`, the range excludes its ends. inside: names of
-    the entries of a part. write: a stored value as a scene file contains it; default :func:`written`.
+    the entries of a part. write: a stored value as a scene file contains it; default :func:`written`. width: reads a
+    difference of two values, where this is not a quantity of the dimension.
     """
 
     read: Callable[[object], Any]
@@ -33,6 +34,11 @@ class Field:
     open_ends: bool = False
     inside: tuple[str, ...] = ()
     write: Callable[[Any], Any] | None = None
+    width: Callable[[object], float] | None = None
+
+    def read_width(self, value: object) -> float:
+        """A difference of two values, such as a standard deviation or a tolerance, SI."""
+        return to_si(value, self.dimension) if self.width is None else self.width(value)
 
 
 class Part(Protocol):

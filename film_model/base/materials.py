@@ -9,9 +9,19 @@ from functools import cache
 from typing import Any, ClassVar, TypeAlias, cast
 
 from film_model.base.catalogue import ROWS, Row
-from film_model.base.errors import raise_all, shown
-from film_model.base.fields import Field, fill, measure, part, words, written
-from film_model.base.units import Value
+from film_model.base.errors import Mistake, raise_all, shown
+from film_model.base.fields import Field, fill, measure, mistake, part, words, written
+from film_model.base.flow_stress import (
+    MOST_HARDENING,
+    MOST_OVER_YIELD,
+    SCATTER,
+    flow_of_hardness,
+    flow_of_yield,
+    johnson_cook_exponent,
+    yield_of_flow,
+)
+from film_model.base.hardness import HARDNESS
+from film_model.base.units import Value, format_si
 
 MOST_RELAXATIONS = 12
 """Pairs of a Prony series."""
@@ -63,10 +73,20 @@ class Material:
     name: in messages. youngs_modulus: Pa. poissons_ratio: dimensionless. density: kg/m³. yield_strength: Pa; none for a
     brittle material or if unknown. source: where the values come from.
 
-    strain_rate_coefficient: C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength.
-    strain_hardening_exponent: n of the flow stress S_y (1 + E ε_p/S_y)^n; none if unknown. surface_energy: of one
-    surface, J/m²; those of both bodies give the work of adhesion. loss_factor: tan δ at the frequency of the contact,
-    only to estimate damping. tensile_strength: of a brittle material, Pa, only to estimate whether it cracks.
+    hardness: "600 HV", "200 HB", "60 HRC" or a pressure; stored as the mean pressure over the projected area, Pa. Laws
+    then take hardness/2.8, ±15 %, as the strength, instead of the yield strength. HB and HRC are converted as for
+    steels, ±5 %.
+
+    strain_hardening_exponent: n of the flow stress Y (1 + E ε/Y)^n. strength_coefficient: B of Johnson and Cook's flow
+    stress A + B ε^m, Pa, whose A is the yield strength, in place of n. strength_exponent: m of this stress.
+
+    strain_rate_coefficient: C of Johnson and Cook's factor 1 + C ln(ε̇/(1/s)) on the yield strength. rate_multiplier: D
+    of Cowper and Symonds' factor 1 + (ε̇/D)^(1/q), 1/s, in place of C. rate_exponent: q of this
+    factor.
+
+    surface_energy: of one surface, J/m²; those of both bodies give the work of adhesion. loss_factor: tan δ at the
+    frequency of the contact, only to estimate damping. tensile_strength: of a brittle material, Pa, only to estimate
+    whether it cracks.
 
     prony: of a viscoelastic material, pairs of a relative modulus g and a relaxation time τ [s]. The modulus relaxes as
     E(t) = E₀ [1 − Σ g (1 − exp(−t/τ))] at a constant Poisson's ratio; youngs_modulus is then the instantaneous E₀, and
@@ -82,10 +102,15 @@ class Material:
         "poissons_ratio": measure("dimensionless", -1, 0.5, required=True, open_ends=True),
         "density": measure("density", 1e-3, 1e6, required=True),
         "yield_strength": measure("pressure", 1, 1e13),
+        "hardness": HARDNESS,
         "source": words("a source"),
         "loss_factor": measure("dimensionless", 0, 10),
         "strain_rate_coefficient": measure("dimensionless", 0, 1),
-        "strain_hardening_exponent": measure("dimensionless", 0, 0.6),
+        "strain_hardening_exponent": measure("dimensionless", 0, MOST_HARDENING),
+        "strength_coefficient": measure("pressure", 1, 1e13),
+        "strength_exponent": measure("dimensionless", 0, 1, open_ends=True),
+        "rate_multiplier": measure("rate", 1e-9, 1e15),
+        "rate_exponent": measure("dimensionless", 1, 100),
         "tensile_strength": measure("pressure", 1, 1e12),
         "surface_energy": measure("surface_energy", 0, 1e3),
         "prony": PRONY,
@@ -96,10 +121,15 @@ class Material:
     poissons_ratio: float
     density: float
     yield_strength: float | None
+    hardness: float | None
     source: str
     loss_factor: float | None
     strain_rate_coefficient: float | None
     strain_hardening_exponent: float | None
+    strength_coefficient: float | None
+    strength_exponent: float | None
+    rate_multiplier: float | None
+    rate_exponent: float | None
     tensile_strength: float | None
     surface_energy: float | None
     prony: tuple[tuple[float, float], ...] | None
@@ -118,8 +148,72 @@ class Material:
         surface_energy: Value | None = None,
         prony: Sequence[tuple[float | str, Value]] | None = None,
         strain_hardening_exponent: float | str | None = None,
+        hardness: Value | None = None,
+        strength_coefficient: Value | None = None,
+        strength_exponent: float | str | None = None,
+        rate_multiplier: Value | None = None,
+        rate_exponent: float | str | None = None,
     ) -> None:
-        raise_all(fill(self, locals()))
+        mistakes = fill(self, locals())
+        raise_all(mistakes or self._contradictions())
+
+    def _contradictions(self) -> list[Mistake]:
+        """Values that do not fit each other."""
+        found: dict[str, str] = {}
+        for one, other in (("strength_coefficient", "strength_exponent"), ("rate_multiplier", "rate_exponent")):
+            for name, partner in ((one, other), (other, one)):
+                if getattr(self, name) is None and getattr(self, partner) is not None:
+                    found[name] = f"missing: {partner} needs it"
+        if self.strength_coefficient is not None and self.yield_strength is None:
+            found["yield_strength"] = "missing: strength_coefficient needs it, Johnson and Cook's A"
+        elif self.strength_coefficient is not None and self.strain_hardening_exponent is not None:
+            found["strain_hardening_exponent"] = "give it, or strength_coefficient and strength_exponent, not both"
+        elif self.strength_coefficient is not None and not found and self.hardening_exponent > MOST_HARDENING:
+            found["strength_coefficient"] = (
+                f"it hardens as the exponent {self.hardening_exponent:.3g}, which must be <= {MOST_HARDENING:g}"
+            )
+        if self.rate_multiplier is not None and self.strain_rate_coefficient is not None:
+            found["rate_multiplier"] = "give it and rate_exponent, or strain_rate_coefficient, not both"
+        if self.hardness is not None and self.yield_strength is not None:
+            flow, least = flow_of_hardness(self.hardness), (1.0 - SCATTER) * self.yield_strength
+            if not least <= flow <= MOST_OVER_YIELD * self.yield_strength:
+                found["hardness"] = (
+                    f"it gives a flow stress of {format_si(flow, 'pressure', 3)}, and with the yield strength "
+                    f"{format_si(self.yield_strength, 'pressure', 3)} it must be from {1.0 - SCATTER:g} to "
+                    f"{MOST_OVER_YIELD:g} times that: correct one of them"
+                )
+        return [mistake(self, name, message) for name, message in found.items()]
+
+    @property
+    def hardening_exponent(self) -> float:
+        """n of the flow stress, given or from Johnson and Cook's constants; 0 if neither is known."""
+        if self.strain_hardening_exponent is not None:
+            return self.strain_hardening_exponent
+        if self.strength_coefficient is None:
+            return 0.0
+        constants = (self.yield_strength, self.strength_coefficient, self.strength_exponent, self.youngs_modulus)
+        return johnson_cook_exponent(*constants)
+
+    @property
+    def flow_strength(self) -> float | None:
+        """Flow stress at 8 % plastic strain, Pa, the strength of laws without hardening: from the hardness, else from
+        the yield strength and hardening; None if neither is known."""
+        if self.hardness is not None:
+            return flow_of_hardness(self.hardness)
+        if self.yield_strength is None or not self._hardens:
+            return self.yield_strength
+        return flow_of_yield(self.yield_strength, self.hardening_exponent, self.youngs_modulus)
+
+    @property
+    def initial_strength(self) -> float | None:
+        """Strength at first yield, Pa, of laws with hardening: it gives the flow strength with the exponent n."""
+        if self.hardness is None or not self._hardens:
+            return self.yield_strength if self.hardness is None else self.flow_strength
+        return yield_of_flow(self.flow_strength, self.hardening_exponent, self.youngs_modulus)
+
+    @property
+    def _hardens(self) -> bool:
+        return self.strain_hardening_exponent is not None or self.strength_coefficient is not None
 
 
 @cache

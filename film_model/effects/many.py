@@ -221,8 +221,8 @@ def _alike(impacts: Impacts, places: Any) -> Impacts:
 def _hardened(impacts: Impacts, support: Support) -> Impacts:
     """The impacts, those that call for it with the yield strength at their own strain rate."""
     static, count = impacts.law, impacts.numbers.mass.size
-    coefficient, wanted = impacts.scene.strain_rate_coefficient, impacts.base.effects.rate_hardening
-    if wanted is False or coefficient is None or static.strength is None:
+    rate_law, wanted = impacts.scene.rate_hardening, impacts.base.effects.rate_hardening
+    if wanted is False or rate_law is None or static.strength is None:
         return impacts
 
     def problem(under: Impacts, places: Any) -> Problem:
@@ -235,7 +235,7 @@ def _hardened(impacts: Impacts, support: Support) -> Impacts:
             found[places] = rate_hardening.strain_rate(problem(strong, places))
         return found
 
-    factor = rate_hardening.settled(rates, coefficient, np.ones(count))
+    factor = rate_hardening.settled(rates, rate_law, np.ones(count))
     known = factor == factor
     hard, used = impacts.under(static.strengthened(np.where(known, factor, 1.0))), np.zeros(count, np.bool_)
     for places in _shared_curves(impacts, hard):

@@ -125,7 +125,7 @@ def fracture(case: Case, rule: Rule) -> Effect:
     bodies = {"impactor": scene.impactor.material, "target": scene.target.material}
     brittle = [m for m in bodies.values() if m is not None and m.tensile_strength is not None]
     if not brittle:
-        unknown = [f"{part}.material" for part, m in bodies.items() if m is None or m.yield_strength is None]
+        unknown = [f"{part}.material" for part, m in bodies.items() if m is None or m.initial_strength is None]
         if unknown:
             return rule.unjudged("missing: tensile_strength of " + " and ".join(unknown))
         return rule.absent("no body is brittle: none has a tensile_strength")

@@ -1,7 +1,8 @@
 """Rate hardening: the yield strength at the strain rate of the impact itself.
 
-S = S_y (1 + C ln ε̇), ε̇ in 1/s and at least 1 (Johnson & Cook 1983), with C = strain_rate_coefficient of the body that
-yields first. ε̇ = 0.2 (a/R)/t_m is Tabor's mean strain 0.2 a/R (1951) over the time to the maximum indentation,
+S = S_y (1 + C ln ε̇), ε̇ in 1/s and at least 1 (Johnson & Cook 1983), with C = strain_rate_coefficient, or
+S = S_y (1 + (ε̇/D)^(1/q)) (Cowper & Symonds 1957), with rate_multiplier D and rate_exponent q, of the body that yields
+first. ε̇ = 0.2 (a/R)/t_m is Tabor's mean strain 0.2 a/R (1951) over the time to the maximum indentation,
 a² = R δ_m. δ_m and t_m are those of the impact with S, on the target's impedance or static stiffness, without weight:
 S is iterated until it changes by less than 1e-9. It replaces S_y in a law that has a yield_strength; for other laws the
 effect is judged by Big-Alabo's. For a material of the catalogue without C it counts as important from 100 1/s.
@@ -13,9 +14,10 @@ import math
 from collections.abc import Callable
 from typing import Any, cast
 
-from film_model.base.arrays import any_of, either, greater, logarithm, root
+from film_model.base.arrays import any_of, either, root
 from film_model.base.errors import SimulationError
 from film_model.base.materials import catalogue
+from film_model.base.rate_law import RateHardening
 from film_model.base.units import format_si
 from film_model.effects.case import ABSENT, YIELDS, Rule, absorbed
 from film_model.effects.effect import FREE, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
@@ -28,11 +30,15 @@ RATE_SENSITIVE = 100.0
 
 SETTLED, MOST_ROUNDS = 1e-9, 60
 """Relative change of the strength at which the iteration ends. A round divides the change by 4 or more: the rate varies
-as S^{1/4} at most, the strength as C ln ε̇, C ≤ 1."""
+as S^{1/4} at most, the strength as C ln ε̇, C ≤ 1, or as a power 1/q ≤ 1 of ε̇."""
 
 SWITCHED_OFF_BECAUSE = "the scene has rate_hardening = false"
 
-RULE = Rule("rate_hardening", "strain rate, 1/s", "Tabor 1951; Johnson & Cook 1983; marched with S and with S_y")
+RULE = Rule(
+    "rate_hardening",
+    "strain rate, 1/s",
+    "Tabor 1951; Johnson & Cook 1983; Cowper & Symonds 1957; marched with S and with S_y",
+)
 
 
 def strain_rate(problem: Problem) -> Any:
@@ -42,11 +48,13 @@ def strain_rate(problem: Problem) -> Any:
 
 def factor_at(problem: Problem, status: Any, core: Any) -> Any:
     """S/S_y at the strain rate of impacts whose trial march had this status and summary."""
-    return _factor(problem.impacts.scene.strain_rate_coefficient, _rate(problem, status, core))
+    return _law(problem).factor(_rate(problem, status, core))
 
 
-def _factor(coefficient: Any, rate: Any) -> Any:
-    return 1.0 + coefficient * logarithm(greater(rate, 1.0))
+def _law(problem: Problem) -> RateHardening:
+    law = problem.impacts.scene.rate_hardening
+    assert law is not None
+    return law
 
 
 def _rate(problem: Problem, status: Any, core: Any) -> Any:
@@ -56,11 +64,11 @@ def _rate(problem: Problem, status: Any, core: Any) -> Any:
     return either(known, 0.2 * root(depth / problem.impacts.numbers.radius) / either(known, turn, 1.0), math.nan)
 
 
-def settled(rate_of: Callable[[Any], Any], coefficient: Any, factor: Any = 1.0) -> Any:
+def settled(rate_of: Callable[[Any], Any], law: RateHardening, factor: Any = 1.0) -> Any:
     """S/S_y from the strain rate as a function of it; nan if unknown. Each of many impacts settles by itself."""
     open_ = factor == factor
     for _ in range(MOST_ROUNDS):
-        found = _factor(coefficient, rate_of(factor))
+        found = law.factor(rate_of(factor))
         moved = abs(found - factor) > SETTLED * factor
         factor = either(open_, found, factor)
         open_ = open_ & moved
@@ -76,13 +84,13 @@ def strengthened(static: Problem, factor: Any) -> Problem:
 
 
 def hardened(static: Problem) -> Problem | None:
-    """One impact with the strength at its own rate. None if C is unknown, the law has no yield strength, the impactor
-    has no velocity, or the impact cannot be marched. static: without weight."""
-    coefficient = static.scene.strain_rate_coefficient
-    if coefficient is None or static.impacts.law.strength is None or not static.approach > 0.0:
+    """One impact with the strength at its own rate. None if its rate law is unknown, the law has no yield strength, the
+    impactor has no velocity, or the impact cannot be marched. static: without weight."""
+    law = static.scene.rate_hardening
+    if law is None or static.impacts.law.strength is None or not static.approach > 0.0:
         return None
     try:
-        factor = settled(lambda factor: strain_rate(strengthened(static, factor)), coefficient)
+        factor = settled(lambda factor: strain_rate(strengthened(static, factor)), law)
         return None if math.isnan(factor) else strengthened(static, factor)
     except ValueError:  # the higher strength is beyond the law's range
         return None
@@ -117,7 +125,7 @@ def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:
         return RULE.unjudged("contact did not end")
     if not yields or absorbed(static) <= YIELDS:
         return RULE.absent("nothing yields")
-    if scene.strain_rate_coefficient is None:
+    if scene.rate_hardening is None:
         return _without_coefficient(static)
     own = static.impacts.law.strength is not None
     slow = static if own else static.again(law=_substitute(static))
@@ -126,7 +134,7 @@ def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:
     if hard is None or math.isnan(size):
         return RULE.unjudged("the impact with the higher yield strength cannot be marched", strain_rate(slow))
     rate = strain_rate(hard)
-    raised = scene.strain_rate_coefficient * math.log(max(rate, 1.0))
+    raised = scene.rate_hardening.factor(rate) - 1.0
     why = (
         f"at {rate:.3g} 1/s the yield strength is {format_si(hard.impacts.yield_strength, 'pressure', 3)}, "
         f"{100.0 * raised:.2g} % higher than in slow loading"
@@ -144,14 +152,14 @@ def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:
 def _substitute(static: Problem) -> AbstractLaw:
     """The law with which rate hardening is judged for a law without a yield strength."""
     scene, law = static.scene, cast("Any", LAWS["big-alabo"])
-    return law(scene.effective_modulus, scene.effective_radius, scene.yield_strength)
+    return law(scene.effective_modulus, scene.effective_radius, scene.flow_strength)
 
 
 def _without_coefficient(static: Problem) -> Effect:
     """The effect for a material without C: important if its strength is the catalogue's, that of slow loading."""
     rate, soft = strain_rate(static), static.scene.first_to_yield
     if soft is None or rate < RATE_SENSITIVE or catalogue().get(soft.name) != soft:
-        return RULE.unjudged("missing: strain_rate_coefficient of the material that yields", rate)
+        return RULE.unjudged("missing: strain_rate_coefficient or rate_multiplier of the material that yields", rate)
     why = (
         f"at {rate:.3g} 1/s {soft.name} is stronger than in slow loading, and the catalogue has no coefficient for "
         "it: 10 % more strength changes the restitution by about 6 %"

@@ -21,7 +21,7 @@ from film_model.effects.effect import COMPUTED, NOT_MODELLED, percent
 from film_model.effects.many import SURE
 from film_model.effects.rate_hardening import SWITCHED_OFF_BECAUSE
 from film_model.explorer import formulas, support
-from film_model.explorer.inputs import inputs_of
+from film_model.explorer.inputs import inputs_of, with_yield_strengths
 from film_model.explorer.laws import laws_of
 from film_model.plot.style import COLOURS
 from film_model.problem.families import TERMS, mean_matrix, series_matrix
@@ -80,7 +80,7 @@ class Content:
             "laws": [table for _, table in self._laws.values()],
             "materials": {
                 name: {"youngs_modulus": m.youngs_modulus, "poissons_ratio": m.poissons_ratio, "density": m.density}
-                | {"yield_strength": m.yield_strength, "source": m.source}
+                | {"yield_strength": m.flow_strength, "source": m.source}
                 for name, m in catalogue().items()
             },
             "units": {symbol: [float(size), list(powers)] for symbol, (size, powers) in SYMBOLS.items()},
@@ -99,6 +99,7 @@ class Content:
 
     def _scene(self, name: str, scene: Scene) -> dict[str, Any]:
         """A scene with what was decided for it."""
+        scene = with_yield_strengths(scene)
         choice = choose(scene)
         slow = not not_simulated(choice) and scene.effects.rate_hardening is not False
         if slow:  # the page computes with the strength of slow loading, and says so

@@ -32,6 +32,10 @@ OPTIONAL = {"yield_strength": math.inf}
 """Entries that may be missing, and the value that then serves: a material without a yield strength does not yield."""
 
 
+STRENGTHS = ("hardness", "strain_hardening_exponent", "strength_coefficient", "strength_exponent")
+"""Entries of a material from which its flow strength follows."""
+
+
 @dataclass(frozen=True)
 class Input:
     """One entry: its path in the scene, its field, and its value [SI]; None if it is missing and may be."""
@@ -71,6 +75,17 @@ class Input:
             "optional": name in OPTIONAL or name == "mass",
             "empty": "from the density" if name == "mass" else "none",
         }
+
+
+def with_yield_strengths(scene: Scene) -> Scene:
+    """The scene with the flow strength of each material as its yield strength, in place of hardness and hardening."""
+    changes: dict[str, Any] = {}
+    for path, body in (("impactor", scene.impactor), ("target", scene.target)):
+        material = body.material
+        if material is not None and material.flow_strength != material.yield_strength:
+            changes |= dict.fromkeys(f"{path}.material.{name}" for name in STRENGTHS)
+            changes[f"{path}.material.yield_strength"] = f"{material.flow_strength!r} Pa"
+    return scene.replace(changes) if changes else scene
 
 
 def inputs_of(scene: Scene) -> tuple[Input, ...]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from film_model.laws.law import AbstractLaw, Array, ExampleBall, Family, Parameter, Power, Stage, Unloading
+from film_model.laws.law import AbstractLaw, Array, Family, Parameter, Power, Stage, Unloading
 from film_model.laws.yielding import limit_point
 
 LAST = 1e5  # ω/ω_c at which the law ends: beyond 2e5 the unloading exponent would fall below one
@@ -48,7 +48,12 @@ class KogutEtsion(AbstractLaw):
     )
     validity: ClassVar[str] = "fitted up to 110 critical indentations (unloading: 170); ends at 100000"
     parameters: ClassVar[Mapping[str, Parameter]] = {
-        "hardness": Parameter("H of the body that yields, about 2.8 yield strengths", dimension="pressure"),
+        "hardness": Parameter(
+            "H of the body that yields, by default the material's, or 2.8 times its strength",
+            "pressure",
+            required=False,
+            over_strength=2.8,
+        ),
         "constants": Parameter(
             "coefficients: continuous force, or as printed", choices=("continuous", "printed"), required=False
         ),
@@ -64,10 +69,6 @@ class KogutEtsion(AbstractLaw):
     def pressure_factor(self) -> float:
         """K_ν: the largest contact pressure at first yield over the hardness."""
         return 0.454 + 0.41 * self.poissons_ratio
-
-    @classmethod
-    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
-        return {"hardness": 2.8 * ball.yield_strength}
 
     def outside(self, depth: float) -> str:
         return f"{depth:.4g} critical indentations, fitted were up to 110" if depth > FULLY_PLASTIC else ""

@@ -135,6 +135,7 @@ class Parameter:
 
     dimension: a key of `units.DIMENSIONS`, "meyer_stiffness" (N/m^q, q from the entry `exponent`) or "file" (a path).
     minimum, above: the value must be >= minimum or > above. several: the entry is a list of values.
+    over_strength: an entry that is not given is this many times the strength of the body that yields.
     """
 
     help: str
@@ -144,6 +145,7 @@ class Parameter:
     minimum: float | None = None
     above: float | None = 0.0
     several: bool = False
+    over_strength: float | None = None
 
 
 @dataclass(frozen=True)
@@ -219,7 +221,13 @@ class AbstractLaw(ABC):
     @classmethod
     def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
         """Values, SI, of the law's required own parameters for a ball: pictures and tests run the law with them."""
-        return {}
+        return cls.over_strength(ball.yield_strength)
+
+    @classmethod
+    def over_strength(cls, strength: Any) -> dict[str, Any]:
+        """The own parameters that are multiples of the strength of the body that yields."""
+        factors = {name: parameter.over_strength for name, parameter in cls.parameters.items()}
+        return {name: factor * strength for name, factor in factors.items() if factor is not None}
 
     @classmethod
     def settle(cls, values: dict[str, Any]) -> dict[str, str]:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Power, Stage
+from film_model.laws.law import AbstractLaw, Family, Parameter, Power, Stage
 from film_model.laws.unloading import brake_unloading
 
 
@@ -29,16 +29,17 @@ class RigidPlastic(AbstractLaw):
     source: ClassVar[str] = "Johnson 1985, Contact Mechanics, section 11.5"
     validity: ClassVar[str] = "far beyond yield, V above some hundred V_Y; no elastic stage"
     parameters: ClassVar[Mapping[str, Parameter]] = {
-        "yield_pressure": Parameter("dynamic contact pressure p_d, about 3 yield strengths", dimension="pressure")
+        "yield_pressure": Parameter(
+            "dynamic contact pressure p_d, by default 3 times the strength",
+            "pressure",
+            required=False,
+            over_strength=3.0,
+        )
     }
 
     effective_modulus: float
     radius: float
     yield_pressure: float
-
-    @classmethod
-    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
-        return {"yield_pressure": 3.0 * ball.yield_strength}
 
     def scales(self, energy: float) -> tuple[float, float]:
         indentation = 9.0 * math.pi**2 / 8.0 * (self.yield_pressure / self.effective_modulus) ** 2 * self.radius

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from film_model.laws.law import AbstractLaw, ExampleBall, Family, Parameter, Power, Stage
+from film_model.laws.law import AbstractLaw, Family, Parameter, Power, Stage
 from film_model.laws.unloading import brake_unloading
 from film_model.laws.yielding import limit_point
 
@@ -32,16 +32,17 @@ class Thornton(AbstractLaw):
     source: ClassVar[str] = "Thornton 1997, J. Appl. Mech. 64:383"
     validity: ClassVar[str] = "a/R below about 0.2; no strain hardening, one pressure from yield to full plasticity"
     parameters: ClassVar[Mapping[str, Parameter]] = {
-        "yield_pressure": Parameter("limiting contact pressure p_y, about 1.6 yield strengths", dimension="pressure")
+        "yield_pressure": Parameter(
+            "limiting contact pressure p_y, by default 1.6 times the strength",
+            "pressure",
+            required=False,
+            over_strength=1.6,
+        )
     }
 
     effective_modulus: float
     radius: float
     yield_pressure: float
-
-    @classmethod
-    def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
-        return {"yield_pressure": 1.6 * ball.yield_strength}
 
     def scales(self, energy: float) -> tuple[float, float]:
         return limit_point(self.effective_modulus, self.radius, self.yield_pressure)

@@ -90,7 +90,12 @@ class ThorntonNing(AdhesiveLaw):
         "no yield by adhesion alone"
     )
     parameters: ClassVar[Mapping[str, Parameter]] = {
-        "yield_pressure": Parameter("limiting contact pressure p_y, about 1.6 yield strengths", dimension="pressure")
+        "yield_pressure": Parameter(
+            "limiting contact pressure p_y, by default 1.6 times the strength",
+            "pressure",
+            required=False,
+            over_strength=1.6,
+        )
     }
 
     yield_pressure: float
@@ -107,7 +112,7 @@ class ThorntonNing(AdhesiveLaw):
 
     @classmethod
     def example(cls, ball: ExampleBall) -> Mapping[str, Any]:
-        return {**super().example(ball), "yield_pressure": 1.6 * ball.yield_strength}
+        return {**super().example(ball), **cls.over_strength(ball.yield_strength)}
 
     def scales(self, energy: float) -> tuple[float, float]:
         return jkr_scales(self.effective_modulus, self.radius, self.work_of_adhesion)

@@ -161,9 +161,14 @@ def _picked(values: Mapping[str, Any], places: Any) -> dict[str, Any]:
 
 def law_values(scene: Scene, law: type[AbstractLaw]) -> dict[str, Any]:
     """Values of a law's fields from the scene; with the parameters in [contact] if it is the scene's law."""
-    filled = {field: getattr(scene, _FROM_SCENE[field]) for field in law_fields(law) if field in _FROM_SCENE}
+    names = law_fields(law)
+    filled = {field: getattr(scene, _FROM_SCENE[field]) for field in names if field in _FROM_SCENE}
+    if "yield_strength" in filled and "strain_hardening_exponent" not in names:
+        filled["yield_strength"] = scene.flow_strength  # see base/flow_stress.py
     if scene.contact.law != law.name and filled.get("poissons_ratio", 0.0) is None:
         filled["poissons_ratio"] = ASSUMED_POISSONS_RATIO
+    if scene.flow_strength is not None:
+        filled |= law.over_strength(scene.flow_strength)
     return filled | (dict(scene.contact.parameters) if scene.contact.law == law.name else {})
 
 

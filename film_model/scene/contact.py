@@ -99,6 +99,12 @@ class Contact:
         return name in self._law.__dataclass_fields__
 
     @property
+    def from_strength(self) -> list[str]:
+        """The law's parameters that are not given and follow from the strength of the body that yields."""
+        known = {} if self.law == "auto" or not isinstance(self.law, str) else self._law.over_strength(1.0)
+        return [name for name in known if name not in self.parameters]
+
+    @property
     def unloading_name(self) -> str | None:
         """The rule that replaces the law's own unloading, or None."""
         if self.unloading is not None or self.law == "auto":

@@ -16,6 +16,7 @@ from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all,
 from film_model.base.fields import build, key_text, mistake, table_of
 from film_model.base.late import Late
 from film_model.base.materials import Material
+from film_model.base.rate_law import RateHardening, rate_constants
 from film_model.base.text import Text
 from film_model.base.units import format_si
 from film_model.laws import AbstractLaw
@@ -175,41 +176,56 @@ class Scene:
 
     @property
     def yield_strength(self) -> float | None:
-        """The value in [contact], or the lower of the materials' values, Pa; None if none is given."""
+        """Strength at first yield: the value in [contact], or the lower of the materials', Pa; None if unknown."""
+        return self._lower_strength("initial_strength")
+
+    @property
+    def flow_strength(self) -> float | None:
+        """Strength of laws without hardening: the value in [contact], or the lower of the materials' flow stresses at
+        8 % plastic strain, Pa; None if unknown."""
+        return self._lower_strength("flow_strength")
+
+    def _lower_strength(self, name: str) -> float | None:
         if self.contact.yield_strength is not None:
             return self.contact.yield_strength
-        materials = (self.impactor.material, self.target.material)
-        strengths = [m.yield_strength for m in materials if m is not None and m.yield_strength is not None]
+        found = [getattr(m, name) for m in (self.impactor.material, self.target.material) if m is not None]
+        strengths = [strength for strength in found if strength is not None]
         return reduce(lesser, strengths) if strengths else None
 
     @property
     def first_to_yield(self) -> Material | None:
         """The material with the lowest yield strength; the impactor's of two alike. Not for a scene with arrays."""
-        materials = [m for m in (self.impactor.material, self.target.material) if m is not None]
-        known = [m for m in materials if m.yield_strength is not None]
-        return min(known, key=lambda m: cast("float", m.yield_strength), default=None)
+        return min(self._yielding, key=lambda m: cast("float", m.initial_strength), default=None)
 
     @property
-    def strain_rate_coefficient(self) -> float | None:
-        """C of the body that yields first; None if it is unknown, nan where it is for some of many impacts."""
+    def _yielding(self) -> list[Material]:
         materials = [m for m in (self.impactor.material, self.target.material) if m is not None]
-        known = [m for m in materials if m.yield_strength is not None]
+        return [m for m in materials if m.initial_strength is not None]
+
+    def _of_first_to_yield(self, value: Callable[[Material], Any]) -> Any:
+        """A value of the material with the lowest yield strength; None if no strength is known."""
+        known = self._yielding
         if len(known) < 2:
-            return known[0].strain_rate_coefficient if known else None
-        own, other = (math.nan if m.strain_rate_coefficient is None else m.strain_rate_coefficient for m in known)
-        found = either(cast("Any", known[0].yield_strength) <= known[1].yield_strength, own, other)
-        return None if np.isnan(found).all() else cast("float", found)
+            return value(known[0]) if known else None
+        own, other = map(value, known)
+        return either(cast("Any", known[0].initial_strength) <= known[1].initial_strength, own, other)
 
     @property
     def strain_hardening_exponent(self) -> float:
         """n of the body that yields first; 0 if its material gives none."""
-        materials = (self.impactor.material, self.target.material)
-        known = [m for m in materials if m is not None and m.yield_strength is not None]
-        if not known:
-            return 0.0
-        exponents = [0.0 if m.strain_hardening_exponent is None else m.strain_hardening_exponent for m in known]
-        first = cast("Any", known[0].yield_strength) <= cast("Any", known[-1].yield_strength)
-        return either(first, exponents[0], exponents[-1])
+        found = self._of_first_to_yield(lambda material: material.hardening_exponent)
+        return 0.0 if found is None else found
+
+    @property
+    def rate_hardening(self) -> RateHardening | None:
+        """The rate law of the body that yields first; None if it is unknown, with nan where it is for some of many
+        impacts."""
+        constants = [
+            self._of_first_to_yield(lambda material, name=name: rate_constants(material)[name]) for name in range(3)
+        ]
+        if constants[0] is None or np.isnan(constants[0]).all():
+            return None
+        return RateHardening(*constants)
 
     @property
     def poissons_ratio(self) -> float | None:
@@ -220,7 +236,7 @@ class Scene:
         if own is None or other is None:
             only = own or other
             return None if only is None else only.poissons_ratio
-        one, two = (math.inf if m.yield_strength is None else m.yield_strength for m in (own, other))
+        one, two = (math.inf if m.initial_strength is None else m.initial_strength for m in (own, other))
         return either(one <= two, own.poissons_ratio, other.poissons_ratio)
 
     @property
@@ -291,17 +307,20 @@ class Scene:
                 f'law "{name}" needs a value > 0: give it, or materials with surface_energy'
             )
         if self.yield_strength is None:
-            where = "give yield_strength in [target.material], [impactor.material] or [contact]"
+            where = "give hardness or yield_strength of a material, or yield_strength in [contact]"
             if contact.needs("yield_strength"):
                 found["contact.law"] = f'law "{name}" needs a yield strength: {where}'
             elif self.effects.plasticity is True and name == "auto":
                 found["effects.plasticity"] = f"plasticity needs a yield strength: {where}"
+            for parameter in contact.from_strength:
+                found[f"contact.{parameter}"] = f'missing: law "{name}" needs it, or a yield strength: {where}'
         if self.effects.rate_hardening is True:
             if name != "auto" and not contact.has("yield_strength"):
                 found["effects.rate_hardening"] = f'law "{name}" has no yield_strength that could rise'
-            elif self.strain_rate_coefficient is None:
+            elif self.rate_hardening is None:
                 found["effects.rate_hardening"] = (
-                    "missing: the material that yields needs a yield strength and a strain_rate_coefficient"
+                    "missing: the material that yields needs a yield strength, and strain_rate_coefficient "
+                    "or rate_multiplier"
                 )
         return [Mistake(None, None, f"Scene.{key}", message) for key, message in found.items()]
 

@@ -200,9 +200,7 @@ def _tolerance(path: str, field: Field, text: str, design: str, unit: str) -> Ax
     middle = field.read(value)
     try:
         half = (
-            abs(middle) * to_si(width[:-1], "dimensionless") / 100
-            if width.endswith("%")
-            else to_si(width, field.dimension)
+            abs(middle) * to_si(width[:-1], "dimensionless") / 100 if width.endswith("%") else field.read_width(width)
         )
     except ValueError as error:
         raise ValueError(f"the tolerance {error}") from None

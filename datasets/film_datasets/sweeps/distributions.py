@@ -101,8 +101,8 @@ def read_distribution(kind: str, given: Any, field: Field) -> tuple[float, ...]:
         raise ValueError(f"{kind} needs a list of {count} values: {distribution.what}")
     numbers: list[float] = []
     for role, value in zip(distribution.roles, given, strict=True):
-        dimension = "dimensionless" if role == "number" else field.dimension
-        numbers.append(field.read(value) if role == "value" else to_si(value, dimension))
+        read = field.read if role == "value" else field.read_width
+        numbers.append(to_si(value, "dimensionless") if role == "number" else read(value))
         if role != "value" and not numbers[-1] > 0.0:
             name = "standard deviation" if "deviation" in distribution.what else "shape or scale"
             raise ValueError(f"the {name} {shown(value)} must be > 0")

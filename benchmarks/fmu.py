@@ -77,7 +77,7 @@ def vibrating(steps: int = 200, size: float = 1e-6) -> dict[str, float]:
 
 def scenes() -> dict[str, fm.Scene]:
     """Laws and targets that march in different ways."""
-    ball = fm.Sphere(radius="10 mm", mass="60.74 g", material="tungsten carbide", velocity="0.25 m/s")
+    ball = fm.Sphere(radius="10 mm", mass="60.74 g", material="WC, Big-Alabo 2017", velocity="0.25 m/s")
     steel = fm.Material("steel", "210 GPa", 0.30, "7850 kg/m^3", "1 GPa")
     half_space, plate = fm.HalfSpace(steel), fm.Plate(steel, thickness="14 mm")
     return {

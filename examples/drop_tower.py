@@ -37,7 +37,7 @@ END = 130e-6  # s, after the contact
 def scene() -> fm.Scene:
     """An elastic impact, so that the reference is a plain differential equation."""
     return fm.Scene(
-        fm.Sphere(radius="10 mm", velocity="0.25 m/s", material="tungsten carbide"),
+        fm.Sphere(radius="10 mm", velocity="0.25 m/s", material="WC, Big-Alabo 2017"),
         fm.HalfSpace("mild steel"),
         contact=fm.Contact(law="hertz"),
         effects=fm.Effects(gravity=False),

@@ -72,7 +72,7 @@ def own_mesh(loading: int, inward: Fractions, unloading: int, outward: Fractions
 
 def ball(law: fm.AbstractLaw | None = None) -> fm.Scene:
     """A tungsten-carbide ball on a mild-steel half-space, with Hertz's law unless another is given."""
-    sphere = fm.Sphere(radius="10 mm", mass="60.74 g", velocity="0.25 m/s", material="tungsten carbide")
+    sphere = fm.Sphere(radius="10 mm", mass="60.74 g", velocity="0.25 m/s", material="WC, Big-Alabo 2017")
     contact = fm.Contact(law="hertz") if law is None else fm.Contact(law=law)
     return fm.Scene(sphere, fm.HalfSpace("mild steel"), contact=contact, effects=fm.Effects(gravity=False))
 

@@ -13,7 +13,7 @@ from film_model.laws.example_ball import example_ball, example_law
 EFFECTIVE_MODULUS = 1 / ((1 - 0.28**2) / 600e9 + (1 - 0.30**2) / 210e9)  # Pa, tungsten carbide on steel
 RADIUS, MASS, VELOCITY, YIELD = 0.01, 0.06074, 0.25, 1e9  # m, kg, m/s, Pa
 
-BALL = {"radius": "10 mm", "mass": "60.74 g", "material": "tungsten carbide"}
+BALL = {"radius": "10 mm", "mass": "60.74 g", "material": "WC, Big-Alabo 2017"}
 STEEL = fm.Material("steel of the paper", "210 GPa", 0.30, "7850 kg/m^3", "1 GPa")
 
 

@@ -35,7 +35,7 @@ CONTACTS = {
 def scene_text(law, target="half-space", contact=None):
     kind = 'kind = "half-space"' if target == "half-space" else 'kind = "plate"\nthickness = "14 mm"'
     return (
-        '[impactor]\nradius = "10 mm"\nmass = "60.74 g"\nvelocity = "0.25 m/s"\nmaterial = "tungsten carbide"\n'
+        '[impactor]\nradius = "10 mm"\nmass = "60.74 g"\nvelocity = "0.25 m/s"\nmaterial = "WC, Big-Alabo 2017"\n'
         f"[target]\n{kind}\n[target.material]\n{STEEL}"
         f'[contact]\nlaw = "{law}"\n{CONTACTS[law] if contact is None else contact}\n'
     )

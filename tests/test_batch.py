@@ -50,7 +50,7 @@ def test_masses_and_velocities_broadcast():
     assert batch.summary["maximum_force"].shape == (2, 3)
     for row, mass in enumerate(masses[:, 0].tolist()):
         for column, speed in enumerate(speeds.tolist()):
-            ball = fm.Sphere("10 mm", velocity=f"{speed} m/s", mass=f"{mass} kg", material="tungsten carbide")
+            ball = fm.Sphere("10 mm", velocity=f"{speed} m/s", mass=f"{mass} kg", material="WC, Big-Alabo 2017")
             one = fm.simulate(fm.Scene(ball, case.target, contact=case.contact), accuracy=1e-9).summary
             for name in ("maximum_force", "contact_duration", "rebound_velocity", "time_impactor_stops"):
                 assert batch.summary[name][row, column] == pytest.approx(one[name], rel=1e-7)

@@ -319,7 +319,7 @@ def test_initialize_begins_at_another_time_and_velocity():
 
 def test_a_ball_at_rest_on_a_thin_plate_creeps_in_until_the_time_limit():
     on = fm.Scene(
-        fm.Sphere(radius="10 mm", velocity="0 m/s", material="tungsten carbide"),
+        fm.Sphere(radius="10 mm", velocity="0 m/s", material="WC, Big-Alabo 2017"),
         fm.Plate("mild steel", thickness="1 mm"),
         contact=fm.Contact(law="hertz"),
     )
@@ -334,7 +334,7 @@ def test_a_ball_at_rest_on_a_thin_plate_creeps_in_until_the_time_limit():
 
 def test_a_ball_that_stops_and_moves_in_again_on_one_line_is_seen():
     """It turns back for 60 us of a contact that does not end: neither end of a coarse line tells."""
-    ball = fm.Sphere("10 mm", velocity="83.697 mm/s", mass="182.28 g", material="tungsten carbide")
+    ball = fm.Sphere("10 mm", velocity="83.697 mm/s", mass="182.28 g", material="WC, Big-Alabo 2017")
     law = fm.Contact("linear-dashpot", stiffness="1e8 N/m", restitution=0.6)
     plate = fm.Plate("mild steel", "5 mm")
     scene = fm.Scene(ball, plate, law, fm.Effects(gravity=True, boundary_reflections=False))
@@ -365,7 +365,7 @@ def test_a_ball_that_is_laid_down_is_followed_for_one_swing(law):
 def test_a_creeping_contact_meets_the_requested_accuracy(velocity, accuracy):
     """The indentation on a thin plate has no maximum: the accuracy is that of the motion."""
     on = fm.Scene(
-        fm.Sphere(radius="10 mm", velocity=velocity, material="tungsten carbide"),
+        fm.Sphere(radius="10 mm", velocity=velocity, material="WC, Big-Alabo 2017"),
         fm.Plate("mild steel", thickness="1 mm"),
         contact=fm.Contact(law="hertz"),
         effects=fm.Effects(gravity=True),

@@ -21,7 +21,7 @@ from fmu_wrapper.instance import opened, started
 from fmu_wrapper.variables import reference
 
 VERSIONS = pytest.mark.parametrize("version", [2, 3])
-BALL = {"radius": "10 mm", "mass": "60.74 g", "velocity": "0.25 m/s", "material": "tungsten carbide"}
+BALL = {"radius": "10 mm", "mass": "60.74 g", "velocity": "0.25 m/s", "material": "WC, Big-Alabo 2017"}
 CONTACTS = {
     "linear-dashpot of a restitution": {"law": "linear-dashpot", "stiffness": "40 MN/m", "restitution": 0.7},
     "linear-dashpot": {"law": "linear-dashpot", "stiffness": "40 MN/m", "damping": "300 N*s/m"},

@@ -223,7 +223,10 @@ def test_derivatives_are_shown_as_a_line_and_as_a_small_table():
 
 
 def test_a_ball_has_derivatives_by_its_diameter():
-    for part, target in (("impactor", fm.HalfSpace("mild steel")), ("target", fm.Body("steel", radius="15 mm"))):
+    for part, target in (
+        ("impactor", fm.HalfSpace("mild steel")),
+        ("target", fm.Body("S235", radius="15 mm")),
+    ):
         one = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), target)
         whole, half = (
             fm.simulate(one, derivatives=[f"{part}.{name}"]).derivatives.values["contact_duration"]
@@ -244,12 +247,12 @@ CHAINED = {
     ),
     "damped": (
         ("contact.restitution", "impactor.velocity"),
-        fm.HalfSpace("steel"),
+        fm.HalfSpace("S235"),
         {"law": "tsuji", "restitution": 0.8},
     ),
     "two curves": (
         ("contact.unloading_stiffness", "contact.loading_stiffness"),
-        fm.Body("steel", radius="15 mm", velocity="-0.1 m/s"),
+        fm.Body("S235", radius="15 mm", velocity="-0.1 m/s"),
         {"law": "walton-braun", "loading_stiffness": "40 MN/m", "unloading_stiffness": "80 MN/m"},
     ),
 }

@@ -238,7 +238,7 @@ def test_a_fixed_target_reports_the_error_of_neglecting_its_motion():
 
 def test_a_fixed_beam_is_explained_under_a_damped_law():
     """Such a law cannot follow the beam's static stiffness: only the vibrations could tell the error."""
-    ball = fm.Sphere("3 mm", velocity="0.4 mm/s", material="tungsten carbide")
+    ball = fm.Sphere("3 mm", velocity="0.4 mm/s", material="WC, Big-Alabo 2017")
     beam = fm.Beam("aluminium 6061-T6", "400 mm", "7.4 mm", "2.8 mm")
     contact = fm.Contact("hunt-crossley", restitution=0.6)
     history = fm.simulate(fm.Scene(ball, beam, contact, fm.Effects(target_motion=False, gravity=False)))

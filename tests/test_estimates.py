@@ -50,7 +50,7 @@ def in_rows(scene, speeds, accuracy, finest=FINE.accuracy):
 def towards(speed, law, target_speed=-1.1255, **given):
     """A heavy ball that moves towards a slower one, which therefore stops early."""
     ball = fm.Sphere("10 mm", velocity=f"{speed!r} m/s", material="aluminium 6061-T6")
-    body = fm.Body("tungsten carbide", radius="0.5 m", velocity=f"{target_speed!r} m/s")
+    body = fm.Body("WC, Big-Alabo 2017", radius="0.5 m", velocity=f"{target_speed!r} m/s")
     return fm.Scene(ball, body, fm.Contact(law, **given), fm.Effects(gravity=False, rate_hardening=False))
 
 
@@ -74,7 +74,7 @@ def test_rounding_of_an_early_stop_is_part_of_the_estimate():
 
 def test_the_estimate_bounds_the_error_where_lines_take_over_from_tables():
     """Lanes hold tables of up to about 200 segments. The march beyond leaves an error that half as many have not."""
-    ball = fm.Sphere("10 mm", velocity="0.25 m/s", mass="60.74 g", material="tungsten carbide")
+    ball = fm.Sphere("10 mm", velocity="0.25 m/s", mass="60.74 g", material="WC, Big-Alabo 2017")
     effects = fm.Effects(gravity=False, boundary_reflections=False, rate_hardening=False)
     scene = fm.Scene(
         ball, fm.Plate("mild steel", "5 mm"), fm.Contact("jackson-green", yield_strength="0.6 GPa"), effects

@@ -19,7 +19,7 @@ from film_model.cli.main import main
 from film_model.studies import explain
 
 SCENE = fm.Scene(
-    fm.Sphere("10 mm", "0.25 m/s", material="tungsten carbide"),
+    fm.Sphere("10 mm", "0.25 m/s", material="WC, Big-Alabo 2017"),
     fm.HalfSpace("mild steel"),
     fm.Contact("stronge"),
     fm.Effects(rate_hardening=False),
@@ -150,7 +150,7 @@ def test_a_missing_library_is_named(capsys, monkeypatch):
 
 
 def test_a_ball_is_given_by_its_radius_or_its_diameter():
-    ball = fm.Sphere(diameter="20 mm", velocity="0.25 m/s", material="tungsten carbide")
+    ball = fm.Sphere(diameter="20 mm", velocity="0.25 m/s", material="WC, Big-Alabo 2017")
     assert ball == SCENE.impactor and fm.Body("brass", diameter="1 in") == fm.Body("brass", radius="0.5 in")
     assert SCENE.replace({"impactor.diameter": "8 mm"}).impactor.radius == 0.004
     text = fm.Scene(ball, fm.Body("brass", "30 mm")).to_toml().replace('radius = "0.03 m"', 'diameter = "60 mm"')

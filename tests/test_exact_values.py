@@ -149,7 +149,7 @@ def test_chung_and_ooi(target, modulus, ratio, density, radius, speed, depth, fo
 
 def test_a_ball_at_rest_under_its_weight():
     """A sudden weight gives 5/2 of itself on a spring of power 3/2; on a soft target the force creeps up to it."""
-    ball = fm.Sphere(radius="10 mm", velocity="0 m/s", material="tungsten carbide")
+    ball = fm.Sphere(radius="10 mm", velocity="0 m/s", material="WC, Big-Alabo 2017")
     hertz, heavy = fm.Contact(law="hertz"), fm.Effects(gravity=True)
     on = fm.Scene(ball, fm.HalfSpace("mild steel"), contact=hertz, effects=heavy)
     weight = on.mass * 9.80665

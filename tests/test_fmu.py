@@ -175,7 +175,7 @@ def test_model_exchange_as_an_importer_runs_it_by_default(made, law, version):
 @combinations(size=[1e-6, 7.3e-6, 2e-3], version=[2, 3], fast=2)
 def test_bounces_with_a_gap_and_gravity(made, version, size):
     on = fm.Scene(
-        fm.Sphere(radius="10 mm", velocity="0.1 m/s", material="tungsten carbide"),
+        fm.Sphere(radius="10 mm", velocity="0.1 m/s", material="WC, Big-Alabo 2017"),
         fm.Plate("mild steel", thickness="20 mm"),
         effects=fm.Effects(gravity=True),
     )
@@ -301,7 +301,7 @@ def test_target_impedance_after_export(made):
 def test_a_ball_at_rest_under_its_weight(made):
     """A weight at rest begins an endless oscillation: the FMU's experiment covers the first period."""
     on = fm.Scene(
-        fm.Sphere(radius="10 mm", velocity="0 m/s", material="tungsten carbide"),
+        fm.Sphere(radius="10 mm", velocity="0 m/s", material="WC, Big-Alabo 2017"),
         fm.Plate("mild steel", thickness="20 mm"),
         effects=fm.Effects(gravity=True),
     )
@@ -314,7 +314,7 @@ def test_a_ball_at_rest_under_its_weight(made):
 def test_a_ball_at_rest_on_a_half_space(made, velocity):
     """The ball returns to first touch with velocity 0: whether it separates there is decided by rounding."""
     on = fm.Scene(
-        fm.Sphere(radius="10 mm", velocity=velocity, material="tungsten carbide"),
+        fm.Sphere(radius="10 mm", velocity=velocity, material="WC, Big-Alabo 2017"),
         fm.HalfSpace("mild steel"),
         contact=fm.Contact("hertz"),
         effects=fm.Effects(gravity=True),
@@ -332,7 +332,7 @@ def test_a_ball_at_rest_on_a_half_space(made, velocity):
 def test_a_creeping_contact(made):
     """On a thin plate the motion is over-damped: the indentation has no maximum."""
     on = fm.Scene(
-        fm.Sphere(radius="10 mm", velocity="0 m/s", material="tungsten carbide"),
+        fm.Sphere(radius="10 mm", velocity="0 m/s", material="WC, Big-Alabo 2017"),
         fm.Plate("mild steel", thickness="1 mm"),
         effects=fm.Effects(gravity=True),
     )

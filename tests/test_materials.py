@@ -8,6 +8,7 @@ import pytest
 
 from film_model.base.errors import SceneError
 from film_model.base.materials import Material, catalogue, material, search, synonyms
+from film_model.base.metals import METALS
 
 
 @pytest.mark.parametrize("name", catalogue())
@@ -22,8 +23,24 @@ def test_every_material_is_plausible_and_has_a_source(name: str) -> None:
         assert 0.0003 < found.yield_strength / found.youngs_modulus < 0.05
 
 
-def test_tungsten_carbide_is_the_papers() -> None:
-    found = material("tungsten carbide")
+def test_steel_alone_is_refused_with_grades() -> None:
+    with pytest.raises(ValueError, match='"Steel" yields at 200 to 2500 MPa.*"structural steel S235", "mild steel"'):
+        material("Steel")
+
+
+def test_every_hardness_of_a_metal_has_a_source() -> None:
+    hard = [row for row in METALS if row.hardness is not None]
+    assert len(catalogue()) >= 60 and len(hard) >= 18
+    for row in hard:
+        assert "ardness" in row.more, row.name
+        found = catalogue()[row.name]
+        assert found.flow_strength is not None and found.initial_strength is not None
+        assert found.initial_strength <= found.flow_strength
+
+
+def test_tungsten_carbide_of_the_paper() -> None:
+    assert material("tungsten carbide").poissons_ratio == 0.22
+    found = material("WC, Big-Alabo 2017")
     assert (found.youngs_modulus, found.poissons_ratio, found.density) == (600e9, 0.28, 14500)
     assert found.yield_strength is None
 
@@ -39,7 +56,7 @@ def test_names_ignore_case_and_misprints_get_a_suggestion() -> None:
     [
         ("aluminum", "aluminium"),
         ("Aluminum 6061-T6", "aluminium 6061-T6"),
-        ("STEEL", "steel"),
+        ("s235", "structural steel S235"),
         ("PA", "nylon 6/6"),
         ("plexiglas", "PMMA"),
         ("window  glass", "float glass, annealed"),

@@ -34,7 +34,7 @@ FLOOR = 1e-3
 FACTORS = np.array([1.0, 0.6, 1.9])
 """Velocities of a batch over that of the scene."""
 
-MATERIALS = ("mild steel", "bearing steel", "tungsten carbide", "aluminium 6061-T6")
+MATERIALS = ("mild steel", "bearing steel", "WC, Big-Alabo 2017", "aluminium 6061-T6")
 LAW_NAMES = ("auto", "auto", *(name for name, law in LAWS.items() if law.family != "adhesive"))
 ALL_LAWS = ("auto", "auto", *LAWS)
 SPEEDS = ((1e-4, 30), (0.01, 1), (1e-7, 1e-3))

@@ -19,7 +19,7 @@ LAWS = ("auto", "big-alabo", "stronge", "yigit-christoforou")
 
 
 def scene(law="auto", velocity="1 m/s", target=None, material=STEEL, **effects):
-    ball = fm.Sphere("5 mm", velocity=velocity, material="tungsten carbide")
+    ball = fm.Sphere("5 mm", velocity=velocity, material="WC, Big-Alabo 2017")
     target = target or fm.HalfSpace(material)
     return fm.Scene(ball, target, fm.Contact(law), fm.Effects(**{"gravity": False, **effects}))
 

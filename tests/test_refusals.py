@@ -4,7 +4,7 @@ import pytest
 
 import film_model as fm
 
-BALL = fm.Sphere("10 mm", velocity="0.25 m/s", mass="60.74 g", material="tungsten carbide")
+BALL = fm.Sphere("10 mm", velocity="0.25 m/s", mass="60.74 g", material="WC, Big-Alabo 2017")
 STEEL = fm.HalfSpace("mild steel")
 BEAM = fm.Beam("mild steel", "300 mm", "30 mm", "10 mm")
 SOFT = {"youngs_modulus": "1 GPa", "poissons_ratio": 0.3, "density": "1000 kg/m^3", "yield_strength": "0.25 GPa"}
@@ -32,7 +32,7 @@ def test_a_table_of_less_than_two_points_is_refused(points):
 @pytest.mark.parametrize("target", [STEEL, BEAM], ids=["half-space", "beam"])
 @pytest.mark.parametrize("speed", ["1 mm/s", "5 m/s"])
 def test_law_auto_unloads_by_brakes_rule_below_and_above_yield(target, speed):
-    ball = fm.Sphere("10 mm", velocity=speed, mass="60.74 g", material="tungsten carbide")
+    ball = fm.Sphere("10 mm", velocity=speed, mass="60.74 g", material="WC, Big-Alabo 2017")
     fixed = fm.Effects(target_motion=False)
     history = fm.simulate(fm.Scene(ball, target, fm.Contact("auto", unloading="brake"), fixed))
     assert 0.0 < history.summary["coefficient_of_restitution"] <= 1.0 + 1e-9

@@ -17,7 +17,7 @@ from film_model.solve.batch import STATUSES, simulate_many
 from film_model.solve.history import SUMMARY
 
 STIFFNESS = {"D11": "154.9 N*m", "D12": "4.76 N*m", "D22": "91.4 N*m", "D66": "8.97 N*m"}
-BALL = {"radius": "10 mm", "velocity": "0.3 m/s", "material": "tungsten carbide"}
+BALL = {"radius": "10 mm", "velocity": "0.3 m/s", "material": "WC, Big-Alabo 2017"}
 
 BENDS = fm.Effects(boundary_reflections=True, target_inertia=False)
 

@@ -11,7 +11,7 @@ import film_model as fm
 from film_model.problem.summary import SUMMARY
 from film_model.solve.batch import simulate_many
 
-BALL = fm.Sphere("10 mm", velocity="0.25 m/s", mass="60.74 g", material="tungsten carbide")
+BALL = fm.Sphere("10 mm", velocity="0.25 m/s", mass="60.74 g", material="WC, Big-Alabo 2017")
 PLATE = fm.Plate("mild steel", "5 mm")
 RELATIVE = ("maximum_force", "maximum_indentation", "time_of_maximum_indentation", "contact_duration")
 
@@ -97,7 +97,7 @@ def test_segments_of_impacts_on_different_meshes_are_recorded():
 @pytest.mark.parametrize("law", ["big-alabo", "stronge"])
 def test_recorded_lines_are_as_accurate_as_the_summary_on_a_half_space(law):
     """The summary there comes from quadrature: on as few segments, recorded lines would be 100 times less accurate."""
-    scene = fm.Scene(BALL, fm.HalfSpace("steel"), fm.Contact(law), fm.Effects(boundary_reflections=False))
+    scene = fm.Scene(BALL, fm.HalfSpace("S235"), fm.Contact(law), fm.Effects(boundary_reflections=False))
     scene = dataclasses.replace(scene, solver=fm.Solver(accuracy=1e-7))
     values = {"impactor.velocity": {"from": "0.05 m/s", "to": "20 m/s", "count": 8, "spacing": "log"}}
     ds = fd.sweep(scene, values, keep="segments")
@@ -109,7 +109,7 @@ def test_recorded_lines_are_as_accurate_as_the_summary_on_a_half_space(law):
 def test_rounding_is_part_of_the_estimate():
     """An elastic contact gives its energy back. Where the weight does 1e10 times the work of the impact, or a clearance
     is 3e7 times as deep as the contact, the restitution is only rounding, and the estimate says so."""
-    heavy = fm.Sphere("10 mm", velocity="0.1 um/s", mass="600 kg", material="tungsten carbide")
+    heavy = fm.Sphere("10 mm", velocity="0.1 um/s", mass="600 kg", material="WC, Big-Alabo 2017")
     law = fm.Contact("meyer", stiffness="1e9 N/m^1.5", exponent=1.5, initial_indentation="1 km")
     free = fm.Effects(gravity=False, target_motion=False)
     weighed = fm.Scene(heavy, fm.HalfSpace("mild steel"), fm.Contact("hertz"), fm.Effects(gravity=True))

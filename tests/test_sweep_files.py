@@ -106,7 +106,7 @@ def test_cf_checker_finds_nothing_in_sweeps(name: str, tmp_path: Path) -> None:
     over = {**SPEEDS, "contact.law": ["hertz", "big-alabo"]}
     drawn = {
         **STRENGTHS,
-        "impactor.material": ["mild steel", "tungsten carbide"],
+        "impactor.material": ["mild steel", "WC, Big-Alabo 2017"],
         "impactor.radius": {"normal": ["10 mm", "8 mm"]},
     }
     options = {

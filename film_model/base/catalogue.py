@@ -1,176 +1,33 @@
-"""The rows of the catalogue of materials, each value with its source."""
+"""The rows of the catalogue of materials, each value with its source: metals are in `metals`."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-
-class Row(NamedTuple):
-    """One material: modulus in GPa, density in kg/m³, strengths in MPa, surface energy in J/m².
-
-    words: other names. more: sources of the values after the yield strength.
-    """
-
-    name: str
-    modulus: float
-    ratio: float
-    density: float
-    strength: float | None
-    source: str
-    rate: float | None = None
-    loss: float | None = None
-    tensile: float | None = None
-    surface: float | None = None
-    more: str = ""
-    words: tuple[str, ...] = ()
-
+from film_model.base.material_row import BRITTLE, DAMPING, Row
+from film_model.base.metals import METALS
 
 _PAPER = "Big-Alabo, Cartmell & Harrison 2017, Table 2"
-_METAL = "nominal handbook value for the "
-_BRITTLE = "nominal handbook value; breaks before it yields"
 _POLYMER = "nominal handbook value at room temperature and slow loading"
-_JOHNSON_COOK = "C of {}: Johnson & Cook 1983"
-_DAMPING = "loss factor: within the range of Beranek & Vér 1992, Noise and Vibration Control Engineering"
 _GLASS = "EN 572-1 (elastic constants, density), {} (characteristic strength in bending)"
 _GENT = "modulus from the hardness: Gent 1958, Rubber Chem. Technol. 31:896, density typical of the kind, ±5 %"
 _WOOD = "Hearmon 1948, in Kollmann & Côté 1968 (radial modulus), as isotropic, along the grain 6 to 20 times stiffer"
 _PLY = "Daniel & Ishai 2006, table A.4, modulus across the plies, as isotropic: for the contact, not for bending"
-_STACK = ", averaged over 0, 45, 90 and -45 degrees"
+_CARBIDE = "nominal handbook value of sintered grades, Poisson's ratio 0.21 to 0.24"
+_CERAMIC = "Callister, Materials Science and Engineering, appendix B; breaks before it yields"
+_IN_BENDING = "tensile strength: least in bending, the same"
+_PLASTIC = "Callister, Materials Science and Engineering, appendix B, middle of the range"
+_ASHBY = "loss factor: 0.04 GPa/E, Ashby, Materials Selection in Mechanical Design, within a factor of 2"
 
 ROWS: tuple[Row, ...] = (
-    Row(
-        "steel",
-        210,
-        0.30,
-        7850,
-        235,
-        "EN 1993-1-1, S235, the weakest structural steel, hardened steels yield at up to 2000 MPa",
-        0.022,
-        3e-4,
-        more=f"{_JOHNSON_COOK.format('1006 steel')}; {_DAMPING}",
-        words=("generic steel", "structural steel", "S235"),
-    ),
-    Row(
-        "mild steel",
-        210,
-        0.30,
-        7850,
-        250,
-        _METAL + "hot-rolled state",
-        0.022,
-        3e-4,
-        more=f"{_JOHNSON_COOK.format('1006 steel')}; {_DAMPING}",
-        words=("carbon steel", "low-carbon steel"),
-    ),
-    Row(
-        "bearing steel",
-        210,
-        0.30,
-        7810,
-        2030,
-        _METAL + "hardened state of AISI 52100",
-        loss=3e-4,
-        more=_DAMPING,
-        words=("AISI 52100", "52100", "100Cr6"),
-    ),
-    Row(
-        "stainless steel 304",
-        193,
-        0.29,
-        8000,
-        215,
-        _METAL + "annealed state",
-        loss=3e-4,
-        more=_DAMPING,
-        words=("stainless steel", "AISI 304", "304"),
-    ),
-    Row(
-        "aluminium",
-        70,
-        0.30,
-        2700,
-        140,
-        "EN 1999-1-1, extruded EN AW-6060 T6, a soft structural alloy, others yield at up to 500 MPa",
-        loss=1e-4,
-        more=_DAMPING,
-        words=("generic aluminium", "EN AW-6060"),
-    ),
-    Row(
-        "aluminium 6061-T6",
-        68.9,
-        0.33,
-        2700,
-        276,
-        _METAL + "T6 state",
-        0.002,
-        1e-4,
-        more=f"C: Lesuer, Kay & LeBlanc 2001, UCRL-JC-134118; {_DAMPING}",
-        words=("6061-T6", "6061"),
-    ),
-    Row(
-        "aluminium 2024-T3",
-        73.1,
-        0.33,
-        2780,
-        345,
-        _METAL + "T3 state",
-        0.015,
-        1e-4,
-        more=f"{_JOHNSON_COOK.format('2024-T351')}; {_DAMPING}",
-        words=("2024-T3", "2024"),
-    ),
-    Row(
-        "titanium Ti-6Al-4V",
-        113.8,
-        0.342,
-        4430,
-        880,
-        _METAL + "annealed state",
-        0.014,
-        more="C: Lesuer 2000, DOT/FAA/AR-00/25",
-        words=("titanium", "Ti-6Al-4V", "Ti64"),
-    ),
-    Row(
-        "copper",
-        117,
-        0.34,
-        8940,
-        70,
-        _METAL + "annealed state",
-        0.025,
-        2e-3,
-        more=f"{_JOHNSON_COOK.format('OFHC copper')}; {_DAMPING}",
-        words=("Cu",),
-    ),
-    Row(
-        "brass",
-        105,
-        0.34,
-        8500,
-        200,
-        _METAL + "half-hard state of cartridge brass",
-        0.009,
-        more=_JOHNSON_COOK.format("cartridge brass"),
-    ),
-    Row(
-        "cast iron",
-        110,
-        0.26,
-        7200,
-        None,
-        _BRITTLE + " (grey iron)",
-        tensile=250,
-        more="tensile strength: EN 1561, EN-GJL-250",
-        words=("grey iron", "gray iron"),
-    ),
-    Row("tungsten carbide", 600, 0.28, 14500, None, _PAPER, words=("WC", "cemented carbide")),
+    *METALS,
+    Row("tungsten carbide", 600, 0.22, 14500, None, _CARBIDE, words=("WC", "cemented carbide")),
+    Row("WC, Big-Alabo 2017", 600, 0.28, 14500, None, _PAPER),
     Row(
         "alumina",
         370,
         0.22,
         3900,
         None,
-        _BRITTLE + " (99 % pure)",
+        BRITTLE + " (99 % pure)",
         tensile=262,
         more="tensile strength: data sheet of CoorsTek AD-995",
         words=("Al2O3", "aluminium oxide"),
@@ -181,7 +38,7 @@ ROWS: tuple[Row, ...] = (
         0.30,
         6050,
         None,
-        _BRITTLE + " (yttria-stabilised)",
+        BRITTLE + " (yttria-stabilised)",
         tensile=800,
         more="strength in four-point bending: least of ISO 13356",
         words=("ZrO2", "Y-TZP"),
@@ -192,8 +49,37 @@ ROWS: tuple[Row, ...] = (
         0.27,
         3200,
         None,
-        _BRITTLE + " (bearing grade)",
+        BRITTLE + " (bearing grade)",
         words=("Si3N4",),
+    ),
+    Row(
+        "silicon carbide",
+        393,
+        0.17,
+        3100,
+        None,
+        "Dowling, Mechanical Behavior of Materials, table 3.10, reaction-bonded",
+        tensile=307,
+        more="Poisson's ratio: Callister, appendix B; tensile strength: Dowling",
+        words=("SiC",),
+    ),
+    *(
+        Row(
+            name,
+            modulus,
+            ratio,
+            density,
+            None,
+            _CERAMIC,
+            tensile=tensile,
+            more="strength in bending: the same",
+            words=words,
+        )
+        for name, modulus, ratio, density, tensile, words in (
+            ("fused silica", 73, 0.17, 2200, 104, ("quartz glass", "SiO2")),
+            ("borosilicate glass", 70, 0.20, 2230, 69, ("pyrex",)),
+            ("glass-ceramic", 120, 0.25, 2600, 123, ("pyroceram",)),
+        )
     ),
     Row(
         "soda-lime glass",
@@ -201,10 +87,10 @@ ROWS: tuple[Row, ...] = (
         0.22,
         2500,
         None,
-        _BRITTLE,
+        BRITTLE,
         loss=1e-3,
         tensile=45,
-        more=f"strength of annealed glass in bending: characteristic value of EN 572-1; {_DAMPING}",
+        more=f"strength of annealed glass in bending: characteristic value of EN 572-1; {DAMPING}",
         words=("glass",),
     ),
     Row(
@@ -216,7 +102,7 @@ ROWS: tuple[Row, ...] = (
         _GLASS.format("EN 572-1"),
         loss=1e-3,
         tensile=45,
-        more=_DAMPING,
+        more=DAMPING,
         words=("float glass", "annealed glass", "window glass"),
     ),
     Row(
@@ -228,7 +114,7 @@ ROWS: tuple[Row, ...] = (
         _GLASS.format("EN 12150-1"),
         loss=1e-3,
         tensile=120,
-        more=_DAMPING,
+        more=DAMPING,
         words=("toughened glass", "tempered glass"),
     ),
     Row(
@@ -251,7 +137,7 @@ ROWS: tuple[Row, ...] = (
         "EN 1992-1-1 (mean values), crushes before it yields",
         loss=0.01,
         tensile=2.9,
-        more=f"tensile strength: f_ctm of EN 1992-1-1; {_DAMPING}",
+        more=f"tensile strength: f_ctm of EN 1992-1-1; {DAMPING}",
         words=("concrete", "C30/37"),
     ),
     Row(
@@ -265,6 +151,16 @@ ROWS: tuple[Row, ...] = (
         more="tensile strength: the same",
     ),
     Row(
+        "marble",
+        55.8,
+        0.25,
+        2700,
+        None,
+        "Goodman 1989, Introduction to Rock Mechanics: Cherokee marble, density nominal",
+        tensile=1.79,
+        more="tensile strength: the same",
+    ),
+    Row(
         "PMMA",
         3.0,
         0.37,
@@ -273,10 +169,37 @@ ROWS: tuple[Row, ...] = (
         _POLYMER,
         loss=0.03,
         surface=0.041,
-        more=f"{_DAMPING}; surface energy: Wu 1982, Polymer Interface and Adhesion",
+        more=f"{DAMPING}; surface energy: Wu 1982, Polymer Interface and Adhesion",
         words=("acrylic", "acrylic glass", "plexiglas", "plexiglass", "perspex", "polymethyl methacrylate"),
     ),
-    Row("polycarbonate", 2.4, 0.37, 1200, 62, _POLYMER, words=("PC", "makrolon", "lexan")),
+    Row(
+        "polycarbonate",
+        2.4,
+        0.37,
+        1200,
+        62,
+        _POLYMER,
+        loss=0.017,
+        more=_ASHBY,
+        words=("PC", "makrolon", "lexan"),
+    ),
+    *(
+        Row(name, modulus, ratio, density, strength, _PLASTIC, loss=round(0.04 / modulus, 3), more=_ASHBY, words=words)
+        for name, modulus, ratio, density, strength, words in (
+            ("polyethylene, high density", 1.08, 0.46, 959, 30, ("HDPE", "PE-HD")),
+            ("polypropylene", 1.35, 0.40, 905, 34, ("PP",)),
+            ("PVC, rigid", 3.3, 0.38, 1440, 43, ("PVC", "polyvinyl chloride")),
+            ("PET", 3.4, 0.33, 1350, 59, ("polyester", "polyethylene terephthalate")),
+            ("polystyrene", 2.8, 0.33, 1050, None, ("PS",)),
+        )
+    ),
+    *(
+        Row(name, modulus, 0.35, density, strength, _POLYMER, loss=round(0.04 / modulus, 3), more=_ASHBY, words=words)
+        for name, modulus, density, strength, words in (
+            ("polyoxymethylene", 3.1, 1410, 69, ("POM", "acetal", "delrin")),
+            ("ABS", 2.3, 1050, 40, ("acrylonitrile butadiene styrene",)),
+        )
+    ),
     Row(
         "nylon 6/6",
         2.9,
@@ -284,8 +207,9 @@ ROWS: tuple[Row, ...] = (
         1140,
         80,
         _POLYMER + ", dry",
+        loss=0.014,
         surface=0.0465,
-        more="surface energy: Wu 1982, Polymer Interface and Adhesion",
+        more=f"{_ASHBY}; surface energy: Wu 1982, Polymer Interface and Adhesion",
         words=("nylon", "PA", "PA66", "PA 66", "PA 6/6", "polyamide", "polyamide 6/6"),
     ),
     *(
@@ -306,26 +230,26 @@ ROWS: tuple[Row, ...] = (
         Row(f"polyurethane {hardness} Shore A", modulus, 0.499, 1150, None, _GENT, words=(f"PU {hardness} Shore A",))
         for hardness, modulus in ((80, 9.35e-3), (90, 20.8e-3))
     ),
-    Row("beech, across the grain", 2.24, 0.30, 750, None, _WOOD, loss=0.01, more=_DAMPING, words=("beech",)),
-    Row("spruce, across the grain", 0.71, 0.30, 390, None, _WOOD, loss=0.01, more=_DAMPING, words=("spruce",)),
+    Row("beech, across the grain", 2.24, 0.30, 750, None, _WOOD, loss=0.01, more=DAMPING, words=("beech",)),
+    Row("spruce, across the grain", 0.71, 0.30, 390, None, _WOOD, loss=0.01, more=DAMPING, words=("spruce",)),
     Row("carbon/epoxy UD", 10.3, 0.30, 1600, None, f"AS4/3501-6: {_PLY}", words=("CFRP UD", "carbon/epoxy")),
     Row(
         "carbon/epoxy quasi-isotropic",
-        13.6,
+        10.3,
         0.30,
         1600,
         None,
-        f"AS4/3501-6: {_PLY}{_STACK}",
+        f"AS4/3501-6: {_PLY}",
         words=("CFRP", "CFRP quasi-isotropic"),
     ),
     Row("glass/epoxy UD", 10.4, 0.30, 1970, None, f"E-glass/epoxy: {_PLY}", words=("GFRP UD", "glass/epoxy")),
     Row(
         "glass/epoxy quasi-isotropic",
-        12.0,
+        10.4,
         0.30,
         1970,
         None,
-        f"E-glass/epoxy: {_PLY}{_STACK}",
+        f"E-glass/epoxy: {_PLY}",
         words=("GFRP", "GFRP quasi-isotropic"),
     ),
 )

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar, TypeAlias, cast
 
-from film_model.base.catalogue import ROWS, Row
+from film_model.base.catalogue import ROWS
 from film_model.base.errors import Mistake, raise_all, shown
 from film_model.base.fields import Field, fill, measure, mistake, part, words, written
 from film_model.base.flow_stress import (
@@ -21,6 +21,7 @@ from film_model.base.flow_stress import (
     yield_of_flow,
 )
 from film_model.base.hardness import HARDNESS
+from film_model.base.material_row import Row
 from film_model.base.units import Value, format_si
 
 MOST_RELAXATIONS = 12
@@ -216,6 +217,10 @@ class Material:
         return self.strain_hardening_exponent is not None or self.strength_coefficient is not None
 
 
+AMBIGUOUS = {"steel": ("structural steel S235", "mild steel", "bearing steel", "stainless steel 304")}
+"""Words that are too wide for a material, and materials that may be meant."""
+
+
 @cache
 def catalogue() -> Mapping[str, Material]:
     """The catalogue, by name. Values are nominal: real ones vary with grade, heat treatment, rate and temperature."""
@@ -226,6 +231,7 @@ def _material(row: Row) -> Material:
     def with_unit(value: float | None, unit: str) -> str | None:
         return None if value is None else f"{value} {unit}"
 
+    constants = None if row.johnson_cook is None else (*row.johnson_cook, 1e3 * row.modulus)
     return Material(
         row.name,
         f"{row.modulus} GPa",
@@ -237,6 +243,8 @@ def _material(row: Row) -> Material:
         row.rate,
         with_unit(row.tensile, "MPa"),
         with_unit(row.surface, "J/m^2"),
+        hardness=row.hardness,
+        strain_hardening_exponent=None if constants is None else johnson_cook_exponent(*constants),
     )
 
 
@@ -257,6 +265,9 @@ def material(name: str) -> Material:
     276000000.0
     """
     word, names = _plain(name), _names()
+    if word in AMBIGUOUS:
+        kinds = ", ".join(f'"{kind}"' for kind in AMBIGUOUS[word])
+        raise ValueError(f"{shown(name)} yields at 200 to 2500 MPa, depending on the grade: give one, e.g. {kinds}")
     if word in names:
         return catalogue()[names[word]]
     parts = [found.name for found in search(name)][:6]

@@ -119,6 +119,7 @@ def _print_law(row: dict[str, Any]) -> None:
 
 
 def materials(options: argparse.Namespace) -> int:
+    from film_model.base.hardness import VICKERS
     from film_model.base.materials import Material, catalogue, material, search, synonyms
     from film_model.base.units import format_si
 
@@ -135,13 +136,16 @@ def materials(options: argparse.Namespace) -> int:
     if options.name is not None:
         _print_material(chosen[0])
         return DONE
-    print(f'{"name":30}{"E":>10}{"nu":>7}{"density":>14}{"yield":>10}  main source ("materials NAME" shows all)')
+    heads = f"{'name':33}{'E':>10}{'nu':>7}{'density':>14}{'yield':>10}{'hardness':>10}"
+    print(f'{heads}  main source ("materials NAME" shows all)')
     for m in chosen:
         strength = "-" if m.yield_strength is None else format_si(m.yield_strength, "pressure")
+        hardness = "-" if m.hardness is None else f"{m.hardness / VICKERS:.0f} HV"
         density = f"{m.density:g} kg/m3"
         modulus = format_si(m.youngs_modulus, "pressure")
         print(
-            f"{m.name:30}{modulus:>10}{m.poissons_ratio:>7}{density:>14}{strength:>10}  {m.source.partition('; ')[0]}"
+            f"{m.name:33}{modulus:>10}{m.poissons_ratio:>7}{density:>14}{strength:>10}{hardness:>10}"
+            f"  {m.source.partition('; ')[0]}"
         )
     return DONE
 

@@ -9,7 +9,7 @@ title = "Tungsten-carbide ball on a mild-steel slab (Big-Alabo et al. 2017, Tabl
 radius = "10 mm"
 mass = "60.74 g"
 velocity = "0.25 m/s"
-material = "tungsten carbide"
+material = "WC, Big-Alabo 2017"
 [target]
 kind = "half-space"
 [target.material]

@@ -21,7 +21,7 @@ def ball_on_steel(velocity: str, plate: str | None = None, **changes: Any) -> Sc
     """A tungsten-carbide ball on a half-space or on a plate of the given thickness, under gravity."""
     target = HalfSpace("mild steel") if plate is None else Plate("mild steel", thickness=plate)
     return Scene(
-        Sphere(radius="10 mm", velocity=velocity, material="tungsten carbide"),
+        Sphere(radius="10 mm", velocity=velocity, material="WC, Big-Alabo 2017"),
         target,
         contact=Contact(law="big-alabo"),
         effects=Effects(gravity=True),

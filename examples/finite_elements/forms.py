@@ -1,0 +1,61 @@
+"""Closed forms of a rigid ball on a half-space that yields, fitted to finite elements (fit.py).
+
+w = δ/δ_Y, force F/F_Y, radius a/a_Y in units of first yield: the largest pressure there is C Y, C = 1.295 exp(0.736 ν),
+δ_Y = (π C e_y/2)² R, a_Y = √(R δ_Y), F_Y = (4/3) E* √R δ_Y^1.5; e_y = Y/E*; n of σ_y = Y (1 + E ε_p/Y)^n.
+Up to w = 1 they are Hertz's, with continuous value and slope.
+"""
+
+from typing import Any
+
+import numpy as np
+
+C_STEEL = 1.615  # C at ν = 0.3
+RADIUS = (1.26, 1.986, 0.1318, 1.273, 0.6322, -0.4182)
+FORCE = (0.645, 0.4917, 1.779, 0.6133, 0.2945, -1.469, 3.216, 0.1011)
+SECANT = (0.2228, 0.7234, -0.03723, -0.9466, 0.09154)
+ENERGY = (0.4573, 0.5071, -0.277, -1.068, 0.4269)
+
+
+def radius(w: Any, e_y: float, n: float, c: float = C_STEEL, constants: Any = RADIUS) -> Any:
+    """α = √(w (1 + z)^{p/k}), z = ((w − 1)/b)^k, where b and p fall with n as powers of e."""
+    b, k, growth, of_n, of_c, b_of_n = constants
+    z = (np.maximum(w - 1.0, 0.0) / (b * np.exp(b_of_n * n))) ** k
+    return np.sqrt(w * (1.0 + z) ** (growth * np.exp(-of_n * n) * (c / C_STEEL) ** of_c / k))
+
+
+def force(w: Any, e_y: float, n: float, c: float = C_STEEL, constants: Any = FORCE) -> Any:
+    """f = α² P: the mean pressure P follows Hertz (α), then a power of α, then the plateau of full plasticity.
+
+    Both of the latter grow as (1 + h (α − 1))^n, which is Tabor's: the strain is in proportion to a/R.
+    """
+    slope, power, plateau, strain, of_radius, of_c, sharp, of_n = constants
+    alpha = radius(w, e_y, n, c)
+    u = np.maximum(alpha - 1.0, 1e-12)
+    harder = (1.0 + strain * u) ** n
+    part = u / (slope * u**power * harder * np.exp(of_n * n))
+    full = u / (plateau * (c / C_STEEL) ** of_c * harder * np.exp(-of_radius * (alpha * np.pi * c * e_y / 2.0) ** 2))
+    mean = 1.0 + u * (1.0 + part**sharp + full**sharp) ** (-1.0 / sharp)
+    return np.where(w <= 1.0, np.asarray(w) ** 1.5, alpha**2 * mean)
+
+
+def _beyond_hertz(hertz: float, w: Any, e_y: float, n: float, c: float, constants: Any) -> Any:
+    rise, power, of_n, of_c, of_radius = constants
+    alpha = np.maximum(radius(w, e_y, n, c), np.where(w <= 1.0, 0.0, 1.0))
+    above = np.maximum(alpha, 1.0)
+    gained = (rise + of_n * n + of_radius * alpha * np.pi * c * e_y / 2.0) * (c / C_STEEL) ** of_c
+    return alpha * (hertz + gained * (1.0 - above**-power))
+
+
+def secant(w: Any, e_y: float, n: float, c: float = C_STEEL, constants: Any = SECANT) -> Any:
+    """s = (F_m/F_Y)/(w_m − w_f) of the unloading from w_m = w; Hertz: √w."""
+    return _beyond_hertz(1.0, w, e_y, n, c, constants)
+
+
+def stored(w: Any, e_y: float, n: float, c: float = C_STEEL, constants: Any = ENERGY) -> Any:
+    """s (q + 1) = (F_m/F_Y)² over the work of unloading; Hertz: 2.5 √w."""
+    return _beyond_hertz(2.5, w, e_y, n, c, constants)
+
+
+def exponent(w: Any, e_y: float, n: float, c: float = C_STEEL) -> Any:
+    """q of F = F_m ((w − w_f)/(w_m − w_f))^q, from the work of unloading F_m (w_m − w_f)/(q + 1)."""
+    return stored(w, e_y, n, c) / secant(w, e_y, n, c) - 1.0

@@ -89,7 +89,8 @@ def effects_page() -> str:
 
 Made from the code by `python -m examples.reference_pages`. Each effect of a scene has an indicator with its value and
 the threshold from which it matters, the error if it is neglected, and a state: simulated, not needed, switched off
-(by the scene), needed but not modelled (a warning in every output), or not judged (the scene lacks data for it).
+(by the scene, without harm), needed but not modelled (a warning in every output, also if the scene's switch or law
+leaves it out), or not judged (the scene lacks data for it).
 `film-model explain` has a line for each, in groups, and a sentence on what the results leave out; with `--verbose` it
 adds indicators, thresholds and sources.
 "Error if neglected" is the largest relative difference of a summary value: force, indentation and times relative to

@@ -199,11 +199,12 @@ def _other_support(problem: Problem, own: Problem) -> frozenset[str]:
 
 
 def _failing(choice: Choice, highest: float | None) -> frozenset[str]:
-    """Effects that matter and are not simulated.
+    """Effects that matter and are not simulated; plasticity has a limit of its own, `Validity.elastic`.
 
     highest: frequency up to which the FMU contains vibrations, rad/s; None if it contains none.
     """
     missing = {effect.name.replace("_", " ") for effect in choice.effects if effect.state == NOT_MODELLED}
+    missing.discard("plasticity")
     if highest is not None:
         missing.discard("boundary reflections")
         if _needs_more(choice, highest):

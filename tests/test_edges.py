@@ -302,7 +302,7 @@ def test_the_vibration_indicator_decides():
     endless = _effects(OLSSON.replace({"target.size": None}))["boundary_reflections"]
     assert endless.state == "not judged" and endless.reason == "missing: target.size"
     off = _effects(OLSSON.replace({"effects.boundary_reflections": False}))["boundary_reflections"]
-    assert off.state == "switched off" and off.value == chosen.value
+    assert off.state == "needed but not modelled" and off.value == chosen.value
     still = problem_of(OLSSON.replace({"effects.target_motion": False}))
     assert not still.vibrates and still.gamma == still.curve.native.compliance == 0.0
     given = choose(OLSSON.replace({"target.static_stiffness": "1e5 N/m"}))

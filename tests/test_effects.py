@@ -185,10 +185,15 @@ def test_a_ball_that_comes_to_rest():
     assert laid["wave_losses"].state == NOT_JUDGED
 
 
-def test_a_named_elastic_law_above_yield_is_switched_off_with_its_estimate():
-    plasticity = by_name(ball_on(fm.HalfSpace(STEEL), contact=fm.Contact(law="hertz")))["plasticity"]
-    assert plasticity.state == SWITCHED_OFF
+def test_a_named_elastic_law_above_yield_causes_a_warning():
+    scene = ball_on(fm.HalfSpace(STEEL), contact=fm.Contact(law="hertz"))
+    plasticity = by_name(scene)["plasticity"]
+    assert plasticity.state == NOT_MODELLED
     assert plasticity.change > 0.1
+    off = scene.replace({"contact.law": "auto", "effects.plasticity": False})
+    for elastic, why in ((scene, "the scene asks for the law hertz"), (off, "the scene has plasticity = false")):
+        said = [text for text in fm.simulate(elastic).warnings if "plasticity" in text]
+        assert len(said) == 1 and f"{100 * plasticity.change:.2g} %" in said[0] and why in said[0]
     below = by_name(ball_on(fm.HalfSpace(STEEL), "1 mm/s", contact=fm.Contact(law="hertz")))["plasticity"]
     assert (below.state, below.change) == (NOT_NEEDED, 0.0)
     late = {
@@ -230,8 +235,9 @@ def test_a_fixed_target_reports_the_error_of_neglecting_its_motion():
     for target in (fm.Plate(STEEL, thickness="5 mm"), beam):
         moving, held = (ball_on(target, target_motion=motion) for motion in ("auto", False))
         effect = by_name(held)["target_motion"]
-        assert (effect.state, effect.reason) == (SWITCHED_OFF, "the scene has target_motion = false")
+        assert (effect.state, effect.reason) == (NOT_MODELLED, "the scene has target_motion = false")
         assert effect.change > 0.1
+        assert sum("target motion" in text for text in fm.simulate(held).warnings) == 1
         energy = fm.simulate(held).summary["energy_radiated"]
         assert energy == 0.0 and by_name(moving)["target_motion"].simulated
 
@@ -243,7 +249,15 @@ def test_a_fixed_beam_is_explained_under_a_damped_law():
     contact = fm.Contact("hunt-crossley", restitution=0.6)
     history = fm.simulate(fm.Scene(ball, beam, contact, fm.Effects(target_motion=False, gravity=False)))
     motion = {effect.name: effect for effect in history.effects}["target_motion"]
-    assert (motion.state, motion.change) == (SWITCHED_OFF, None)
+    assert (motion.state, motion.change) == (NOT_MODELLED, None)
+    assert any("target motion, which would change the summary by an unknown" in text for text in history.warnings)
+
+
+def test_gravity_switched_off_causes_a_warning_only_where_it_matters():
+    heavy = ball_on(fm.HalfSpace({**STEEL, "youngs_modulus": "1 MPa"}), "0.1 m/s", gravity=False)
+    light = ball_on(fm.HalfSpace(STEEL), gravity=False)
+    assert [by_name(scene)["gravity"].state for scene in (heavy, light)] == [NOT_MODELLED, SWITCHED_OFF]
+    assert [sum("gravity" in text for text in fm.simulate(scene).warnings) for scene in (heavy, light)] == [1, 0]
 
 
 def test_a_ball_that_its_small_weight_keeps_on_an_infinite_plate_is_judged_without_it():
@@ -630,3 +644,19 @@ def test_every_effect_that_matters_and_is_not_simulated_is_a_warning():
         assert [warning for warning in choice.warnings if warning.startswith("not modelled")] == said
         warned += len(said)
     assert warned
+
+
+def test_an_elastic_law_above_yield_is_warned_of_by_rows_too(tmp_path, capsys):
+    scene = ball_on(fm.HalfSpace(STEEL), contact=fm.Contact(law="hertz"))
+    size = by_name(scene)["plasticity"].change
+    many = fm.simulate_batch(scene, velocity=["1 mm/s", "0.5 m/s", "1 m/s"])
+    (said,) = (text for text in many.warnings if "plasticity" in text)
+    assert f"up to {100 * size:.2g} % in 2 of 3 impacts; law hertz does not yield" in said
+    assert not fm.simulate_batch(scene, velocity=["1 mm/s"]).warnings
+    swept = film_datasets.sweep(scene, {"impactor.velocity": ["1 mm/s", "1 m/s"]})
+    assert f"not modelled: plasticity, which would change the summary by up to {100 * size:.2g} % in 1" in str(
+        swept.attrs["warnings"]
+    )
+    (tmp_path / "scene.toml").write_text(scene.to_toml())
+    assert main(["table", str(tmp_path / "scene.toml"), "--from", "1 mm/s", "--to", "1 m/s", "--count", "3"]) == 0
+    assert "not modelled: plasticity" in capsys.readouterr().err

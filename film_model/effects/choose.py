@@ -66,13 +66,33 @@ class Choice:
 
         Nothing is decided here: the additional marches only complete the numbers.
         """
-        heavy, moves, keeps_law = self.decided
-        found = [gravity.describe(self.light, heavy), target_motion.describe(self.moved, self.support, moves)]
-        return _in_order([*found, *plasticity.describe(self.yielding, keeps_law), *self._judged])
+        return _in_order([self._gravity, self._motion, *self._plasticity, *self._judged])
+
+    @cached_property
+    def _gravity(self) -> Effect:
+        return gravity.describe(self.light, self.decided[0])
+
+    @cached_property
+    def _motion(self) -> Effect:
+        return target_motion.describe(self.moved, self.support, self.decided[1])
+
+    @cached_property
+    def _plasticity(self) -> tuple[Effect, Effect]:
+        return plasticity.describe(self.yielding, self.decided[2])
+
+    @property
+    def _neglected(self) -> tuple[Effect, ...]:
+        """The effects that the scene's switches or its law may leave out; only these take marches for a warning."""
+        wanted, found = self.scene.effects, list[Effect]()
+        found += [self._gravity] if wanted.gravity is False else []
+        found += [self._motion] if wanted.target_motion is False else []
+        fixed = wanted.plasticity is False or self.scene.contact.law != "auto"
+        found += self._plasticity if fixed and not plasticity.dissipates(self.problem) else ()
+        return _in_order([*found, *self._judged])
 
     @cached_property
     def _judged(self) -> tuple[Effect, ...]:
-        """The effects that may matter without being simulated, about which there may be warnings."""
+        """The effects that are decided without the switches and marches of the others, or only estimated."""
         _, moves, keeps_law = self.decided
         found = [rate_hardening.describe(self.static, self.hard, keeps_law), viscoelasticity.describe(self.problem)]
         held = self.scene.target.gives_way and self.scene.effects.target_motion is not False and not moves
@@ -92,8 +112,8 @@ class Choice:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Warnings of the law, about unlikely numbers, and about effects that matter but are not modelled."""
-        said = (effect.warning for effect in self._judged)
+        """Warnings of the law, about unlikely numbers, and about effects that matter but are not simulated."""
+        said = (effect.warning for effect in self._neglected)
         law = (*self.problem.law.remarks(), *self.problem.curve.warnings, *law_warnings(self.problem))
         law = (*law, *remarks(self.scene))
         return (*law, *(warning for warning in said if warning is not None))

@@ -25,6 +25,7 @@ from film_model.effects.effect import (
     SIMULATED,
     SWITCHED_OFF,
     Effect,
+    off_state,
 )
 from film_model.effects.judged import judged
 from film_model.effects.target_motion import Support
@@ -81,7 +82,8 @@ def support_of(impacts: Impacts) -> Supported:
             raise SimulationError(
                 f"effects.boundary_reflections is false, but an infinite {target.kind} has no impedance"
             )
-        return edges.infinite(SWITCHED_OFF, "the scene has boundary_reflections = false")
+        state = NOT_MODELLED if edges.reflections.state == NOT_MODELLED else SWITCHED_OFF
+        return edges.infinite(state, "the scene has boundary_reflections = false")
     seen = edges.reflections
     if wanted == "auto" and target.finite and not edges.bounded and seen.state != NOT_MODELLED:
         return edges.infinite(seen.state, seen.reason)
@@ -97,7 +99,8 @@ def support_of(impacts: Impacts) -> Supported:
             f"effects.target_inertia is false, but nothing holds the {target.kind}: it has no static stiffness"
         )
     if inertia is False:
-        return edges.static(SWITCHED_OFF, f"the scene has target_inertia = false: {static} alone")
+        state = off_state(edges.inertia or 0.0, scene.effect_tolerance)
+        return edges.static(state, f"the scene has target_inertia = false: {static} alone")
     if inertia == "auto" and edges.inertia is not None and edges.inertia <= scene.effect_tolerance:
         return edges.static(NOT_NEEDED, f"the target follows by {static} alone")
     if not target.modes_missing:

@@ -37,8 +37,8 @@ class Effect(NamedTuple):
 
     value: of the indicator. threshold: value of the indicator from which the effect matters; None if there is none.
     change: largest relative change of the summary if the effect is neglected, None if unknown. state: "simulated",
-    "not needed", "switched off" (by the scene), "needed but not modelled" or "not judged" (the scene lacks an entry;
-    `reason` says which). source: of indicator and change. cost: of simulating the effect.
+    "not needed", "switched off" (by the scene, and it does not matter), "needed but not modelled" or "not judged" (the
+    scene lacks an entry; `reason` says which). source: of indicator and change. cost: of simulating the effect.
     """
 
     name: str
@@ -58,7 +58,7 @@ class Effect(NamedTuple):
 
     @property
     def warning(self) -> str | None:
-        """The warning if the effect matters and cannot be simulated, otherwise None."""
+        """The warning if the effect matters and is not simulated, otherwise None."""
         if self.state != NOT_MODELLED:
             return None
         size = "by an unknown amount" if self.change is None else f"by about {percent(self.change)}"
@@ -86,6 +86,11 @@ def agreeing(value: float | None, threshold: float | None, size: float | None, t
     if value is None or threshold is None or size is None or (value > threshold) == (size > tolerance):
         return threshold
     return value * tolerance / size if size > 0.0 else None
+
+
+def off_state(size: float | None, tolerance: float) -> str:
+    """The state of an effect that the scene switches off: needed if it is larger than the tolerance, or unknown."""
+    return NOT_MODELLED if size is None or size > tolerance else SWITCHED_OFF
 
 
 def percent(change: float) -> str:

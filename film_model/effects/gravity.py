@@ -11,9 +11,9 @@ from film_model.effects.effect import (
     NOT_NEEDED,
     PUSHED,
     SIMULATED,
-    SWITCHED_OFF,
     Effect,
     agreeing,
+    off_state,
     percent,
 )
 from film_model.effects.trial import beyond, change, few, matters
@@ -82,9 +82,10 @@ def describe(light: Problem, heavy: bool) -> Effect:
         source = source if pressed is None else "marched with the weight and without"
     if heavy and pressed is None:
         pressed = light.again(load=light.impacts.numbers.weight)
-    state = SIMULATED if heavy else SWITCHED_OFF if wanted is False and not light.free else NOT_NEEDED
+    off = wanted is False and not light.free
+    state = SIMULATED if heavy else off_state(size, tolerance) if off else NOT_NEEDED
     reason = "both bodies fall with the same acceleration" if light.free else _pressing(ratio, size)
-    if state == SWITCHED_OFF:
+    if off:
         reason = f"the scene has gravity = false; {reason}"
     elif heavy and wanted is True:
         reason = f"the scene asks for it; {reason}"

@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
+from film_model.base.arrays import any_of, either
 from film_model.core import native
-from film_model.effects.effect import FREE, NOT_JUDGED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
+from film_model.effects.effect import FREE, NOT_JUDGED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect, off_state
 from film_model.effects.trial import change, matters
 from film_model.laws.law import AbstractLaw, Stage
 from film_model.laws.yielding import MOST_YIELD_STRAIN, yield_velocity
@@ -60,6 +61,15 @@ def elastic(problem: Problem) -> Problem:
     return problem.again(law=ELASTIC)
 
 
+def left_out(problem: Problem) -> Any:
+    """Change of the summary of many impacts whose law does not yield because the scene says so; 0 for the others."""
+    scene, impacts = problem.scene, problem.impacts
+    fixed, yields = scene.contact.law != "auto" or scene.effects.plasticity is False, reaches_yield(impacts.scene)
+    if not fixed or yields is None or not any_of(yields & can_yield(impacts.scene)) or dissipates(problem):
+        return impacts.column(0.0)
+    return either(yields, change(problem.again(law=YIELDING), problem), 0.0)
+
+
 def describe(problem: Problem, kept: bool) -> tuple[Effect, Effect]:
     """The effects on one impact: plasticity, and full plasticity. problem: before Hertz's law may replace its law.
 
@@ -80,17 +90,17 @@ def describe(problem: Problem, kept: bool) -> tuple[Effect, Effect]:
     if strength is not None and modulus is not None:
         limit = yield_velocity(modulus, scene.effective_radius, strength, scene.effective_mass)
         ratio = scene.approach_velocity / limit
-    if not auto:
-        small = size is not None and size <= tolerance
-        state = SIMULATED if yielding else NOT_NEEDED if small else SWITCHED_OFF
-        reason = f"the scene asks for the law {law.name}"
-    elif wanted is False:
-        state, reason = SWITCHED_OFF, "the scene has plasticity = false: law hertz"
+    if not auto and yielding:
+        state, reason = SIMULATED, f"the scene asks for the law {law.name}"
     elif yields is None:
-        state, reason = NOT_JUDGED, "missing: a yield strength; law hertz"
+        state, reason = NOT_JUDGED, "missing: a yield strength; the law does not yield"
     elif yields and not able and strength is not None and modulus is not None:
         state = NOT_JUDGED
-        reason = f"S_y/E is {strength / modulus:.3g}, at least {MOST_YIELD_STRAIN}: no law for it; law hertz"
+        reason = f"S_y/E is {strength / modulus:.3g}, at least {MOST_YIELD_STRAIN}: no law for it; law {law.name}"
+    elif not auto or wanted is False:
+        given = "has plasticity = false: law hertz" if auto else f"asks for the law {law.name}"
+        state, reason = off_state(size, tolerance), f"the scene {given}, which does not yield"
+        state = NOT_NEEDED if size == 0.0 and not auto else state
     elif not kept:
         state = NOT_NEEDED
         reason = f"beyond the yield velocity {limit:.4g} m/s, but by less than the tolerance: law hertz"

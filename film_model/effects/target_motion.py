@@ -15,9 +15,9 @@ from film_model.effects.effect import (
     ON_MODES,
     SIMULATED,
     SPRUNG,
-    SWITCHED_OFF,
     Effect,
     agreeing,
+    off_state,
 )
 from film_model.effects.trial import change, matters
 from film_model.problem.curve import can_be_in_series
@@ -95,7 +95,7 @@ def describe(problem: Problem, support: Support, moves: bool) -> Effect:
         state, size, value = NOT_NEEDED, 0.0, 0.0
         reason = "the target is a free body: reduced mass" if problem.free else f"the target is a {target.kind}"
     elif wanted is False:
-        state, reason = SWITCHED_OFF, "the scene has target_motion = false"
+        state, reason = NOT_NEEDED, "the scene has target_motion = false"
     elif moves:
         state, reason = SIMULATED, f"the target {support.how}"
     else:
@@ -112,6 +112,8 @@ def describe(problem: Problem, support: Support, moves: bool) -> Effect:
     if math.isfinite(scene.target_impedance):
         found = zener(scene, scene.target_impedance)
         value = None if math.isnan(found) else found
+    if target.gives_way and wanted is False:
+        state = off_state(size, tolerance)
     source = "Zener 1941, Phys. Rev. 59:669; marched with the target's motion and without"
     threshold = agreeing(value, tolerance / FIRST_ORDER_LOSS, size, tolerance)
     return Effect("target_motion", "Zener's λ", value, threshold, size, state, reason, source, cost)

@@ -16,8 +16,10 @@ from film_model.base.arrays import Array, Mask, index_or_all
 from film_model.base.errors import VIBRATES
 from film_model.base.late import Late
 from film_model.core import native
+from film_model.effects.effect import percent
 from film_model.effects.law_range import law_warnings
 from film_model.effects.many import problems_of, rows_of
+from film_model.effects.plasticity import left_out
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY, summary_of
 from film_model.scene import SLOWEST, Scene, Solver, Sphere
@@ -84,7 +86,8 @@ class BatchResult:
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """Sentences about laws: energy gained, restitution that rises with velocity, and depths outside their range."""
+        """Sentences about laws: energy gained, restitution that rises with velocity, depths outside their range, and
+        yielding that a law without it leaves out."""
         said: list[str] = []
         for problem in self._many.problems:
             rows = rows_of(problem)
@@ -95,6 +98,14 @@ class BatchResult:
                     f"law {problem.law.name}: in {gains} impacts its unloading returns more energy than it stored"
                 )
             said += law_warnings(problem, self._many.summary["maximum_indentation"][rows] / problem.scales.length)
+            changes = left_out(problem)
+            beyond = ~(changes <= problem.scene.effect_tolerance)
+            if beyond.any():
+                most = percent(float(changes.max()))
+                said.append(
+                    f"not modelled: plasticity, which would change the summary by up to {most} "
+                    f"in {np.count_nonzero(beyond)} of {rows.size} impacts; law {problem.law.name} does not yield"
+                )
         return tuple(said)
 
 

@@ -116,7 +116,6 @@ def _size(effect: Effect) -> str:
 def _conclusion(effects: tuple[Effect, ...], tolerance: float) -> str:
     """What the results leave out, as one sentence or two."""
     wrong = [effect for effect in effects if effect.state == NOT_MODELLED]
-    wrong += [e for e in effects if e.state == SWITCHED_OFF and e.change is not None and e.change > tolerance]
     unknown = sum(effect.state == NOT_JUDGED for effect in effects)
     if wrong:
         listed = ", ".join(f"{e.name.replace('_', ' ')} (error {_size(e)})" for e in wrong)

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import zipfile
 from functools import cached_property
 from pathlib import Path
@@ -460,9 +461,12 @@ def test_strain_rate_hardens_what_yields():
 def test_heating_equals_plastic_work_over_heated_volume():
     scene = ball_on(fm.HalfSpace(STEEL))
     summary, effect = fm.simulate(scene).summary, by_name(scene)["heating"]
-    volume = 2 / 3 * math.pi * (5e-3 * summary["maximum_indentation"]) ** 1.5
+    volume = 2 / 3 * math.pi * summary["contact_radius"] ** 3
     assert effect.value == pytest.approx(summary["energy_absorbed"] / volume, rel=1e-12)
     assert effect.state == NOT_JUDGED
+    carbide = fm.Scene(fm.Sphere("5 mm", velocity="5 m/s", material="tungsten carbide"), fm.HalfSpace("mild steel"))
+    (hot,) = re.findall(r"by ([0-9.]+) K", by_name(carbide)["heating"].reason)
+    assert float(hot) == pytest.approx(15.5, rel=0.1)  # by hand, with the radius of the contact that yields
 
 
 def test_a_contact_wider_than_the_plate_is_thick():

@@ -16,7 +16,7 @@ from film_model.targets import TARGETS, BendingStiffness
 from film_model.targets.layup import PlyMaterial
 
 _SAID_ELSEWHERE = re.compile(
-    r"(^|, )(m|m²|kg|kg/m²|kg/m³|Pa|N·m|N/m|N/m²|N/m³|m/s|rad|Hz|J/m²|N·s/m|m/N|1/s)(?=[;,]|$)"
+    r"(^|, )(m|m²|kg|kg/m²|kg/m³|Pa|N·m|N/m|N/m²|N/m³|m/s|rad|Hz|J/m²|N·s/m|m/N|1/s|Pa·m\^0\.5)(?=[;,]|$)"
     r"|; or, to the constructor, diameter|^dimensionless$"
 )
 """Units, which the other columns show, and what concerns Python only."""
@@ -28,6 +28,7 @@ EXAMPLES = {
     "effective_modulus": '"115 GPa"',
     "yield_strength": '"250 MPa"',
     "tensile_strength": '"45 MPa"',
+    "fracture_toughness": '"0.7 MPa*m^0.5"',
     "E2": '"10 GPa"',
     "G12": '"7 GPa"',
     "name": '"our steel"',

@@ -5,9 +5,11 @@ from __future__ import annotations
 from film_model.base.material_row import BRITTLE, DAMPING, Row
 from film_model.base.metals import METALS
 
+
 _PAPER = "Big-Alabo, Cartmell & Harrison 2017, Table 2"
 _POLYMER = "nominal handbook value at room temperature and slow loading"
 _GLASS = "EN 572-1 (elastic constants, density), {} (characteristic strength in bending)"
+_TOUGHNESS = "fracture toughness by spherical indentation: Warren 1995, J. Eur. Ceram. Soc. 15:201"
 _GENT = "modulus from the hardness: Gent 1958, Rubber Chem. Technol. 31:896, density typical of the kind, ±5 %"
 _WOOD = "Hearmon 1948, in Kollmann & Côté 1968 (radial modulus), as isotropic, along the grain 6 to 20 times stiffer"
 _PLY = "Daniel & Ishai 2006, table A.4, modulus across the plies, as isotropic: for the contact, not for bending"
@@ -29,7 +31,8 @@ ROWS: tuple[Row, ...] = (
         None,
         BRITTLE + " (99 % pure)",
         tensile=262,
-        more="tensile strength: data sheet of CoorsTek AD-995",
+        more=f"tensile strength: data sheet of CoorsTek AD-995; {_TOUGHNESS}",
+        toughness=3.7,
         words=("Al2O3", "aluminium oxide"),
     ),
     Row(
@@ -90,7 +93,8 @@ ROWS: tuple[Row, ...] = (
         BRITTLE,
         loss=1e-3,
         tensile=45,
-        more=f"strength of annealed glass in bending: characteristic value of EN 572-1; {DAMPING}",
+        more=f"strength of annealed glass in bending: characteristic value of EN 572-1; {_TOUGHNESS}; {DAMPING}",
+        toughness=0.71,
         words=("glass",),
     ),
     Row(
@@ -102,7 +106,8 @@ ROWS: tuple[Row, ...] = (
         _GLASS.format("EN 572-1"),
         loss=1e-3,
         tensile=45,
-        more=DAMPING,
+        more=f"{_TOUGHNESS}; {DAMPING}",
+        toughness=0.71,
         words=("float glass", "annealed glass", "window glass"),
     ),
     Row(

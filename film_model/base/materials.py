@@ -87,7 +87,7 @@ class Material:
 
     surface_energy: of one surface, J/m²; those of both bodies give the work of adhesion. loss_factor: tan δ at the
     frequency of the contact, only to estimate damping. tensile_strength: of a brittle material, Pa, only to estimate
-    whether it cracks.
+    whether it cracks. fracture_toughness: K_Ic of a brittle material, Pa·m^0.5, for the same, instead of the strength.
 
     prony: of a viscoelastic material, pairs of a relative modulus g and a relaxation time τ [s]. The modulus relaxes as
     E(t) = E₀ [1 − Σ g (1 − exp(−t/τ))] at a constant Poisson's ratio; youngs_modulus is then the instantaneous E₀, and
@@ -114,6 +114,7 @@ class Material:
         "rate_exponent": measure("dimensionless", 1, 100),
         "tensile_strength": measure("pressure", 1, 1e12),
         "surface_energy": measure("surface_energy", 0, 1e3),
+        "fracture_toughness": measure("fracture_toughness", 1, 1e12),
         "prony": PRONY,
     }
 
@@ -133,6 +134,7 @@ class Material:
     rate_exponent: float | None
     tensile_strength: float | None
     surface_energy: float | None
+    fracture_toughness: float | None
     prony: tuple[tuple[float, float], ...] | None
 
     def __init__(
@@ -154,6 +156,7 @@ class Material:
         strength_exponent: float | str | None = None,
         rate_multiplier: Value | None = None,
         rate_exponent: float | str | None = None,
+        fracture_toughness: Value | None = None,
     ) -> None:
         mistakes = fill(self, locals())
         raise_all(mistakes or self._contradictions())
@@ -245,6 +248,7 @@ def _material(row: Row) -> Material:
         with_unit(row.surface, "J/m^2"),
         hardness=row.hardness,
         strain_hardening_exponent=None if constants is None else johnson_cook_exponent(*constants),
+        fracture_toughness=with_unit(row.toughness, "MPa*m^0.5"),
     )
 
 

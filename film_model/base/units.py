@@ -60,6 +60,7 @@ DIMENSIONS: dict[str, Dimension] = {
     "stiffness_per_area": Dimension("N m-3", "a stiffness per area", "5e7 N/m^3"),
     "compliance": Dimension("m N-1", "a compliance", "2e-6 m/N"),
     "surface_energy": Dimension("J m-2", "a surface energy", "0.1 J/m^2"),
+    "fracture_toughness": Dimension("Pa m0.5", "a fracture toughness", "0.7 MPa*m^0.5"),
     "impedance": Dimension("N s m-1", "an impedance", "150 N*s/m"),
     "impulse": Dimension("N s", "an impulse", "0.03 N*s"),
     "power": Dimension("W", "a power", "1 W"),
@@ -136,7 +137,7 @@ def scene_unit(dimension: str) -> str:
     """The SI unit as scene files write it, e.g. "kg/m^3" or "kg^-1"; empty if dimensionless."""
     above: list[str] = []
     below: list[str] = []
-    found = re.findall(r"([A-Za-z]+)(-?[0-9])?", si_unit(dimension))
+    found = re.findall(r"([A-Za-z]+)(-?[0-9.]+)?", si_unit(dimension))
     for word, power in found:
         (below if "-" in power else above).append(f"{word}^{power.strip('-')}" if power.strip("-1") else word)
     if below and not above:
@@ -149,12 +150,12 @@ def quotient_unit(above: str, below: str) -> str:
 
     Raises KeyError for the stiffness of a power law, whose unit they cannot write.
     """
-    powers: dict[str, int] = {}
+    powers: dict[str, float] = {}
     for dimension, sign in ((above, 1), (below, -1)):
-        for word, power in re.findall(r"([A-Za-z]+)(-?[0-9])?", si_unit(dimension)):
-            powers[word] = powers.get(word, 0) + sign * int(power or 1)
+        for word, power in re.findall(r"([A-Za-z]+)(-?[0-9.]+)?", si_unit(dimension)):
+            powers[word] = powers.get(word, 0) + sign * float(power or 1)
     ordered = sorted((item for item in powers.items() if item[1]), key=lambda item: item[1] < 0)
-    return " ".join(word + (str(power) if power != 1 else "") for word, power in ordered) or "1"
+    return " ".join(word + (f"{power:g}" if power != 1 else "") for word, power in ordered) or "1"
 
 
 def needed(dimension: str) -> str:

@@ -83,7 +83,11 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "material_damping": ("tan δ", "half a cycle of linear hysteresis", material_damping),
     "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", wave_losses),
     "heating": ("plastic work/volume, J/m³", "balance of energy", heating),
-    "fracture": ("tensile stress/strength", "Hertz 1881; Auerbach 1891; Johnson 1985, section 4.2", fracture),
+    "fracture": (
+        "force/least force of a crack",
+        "Auerbach 1891; Frank & Lawn 1967; Warren 1995, J. Eur. Ceram. Soc. 15:201; Johnson 1985, section 4.2",
+        fracture,
+    ),
     "obliqueness": ("angle from the normal, °", "impulse and angular momentum of a solid ball", obliqueness),
 }
 """Name → indicator, source and rule."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import cast
 
+from film_model.base.arrays import interpolated
 from film_model.base.materials import Material
 from film_model.base.units import format_si
 from film_model.effects.case import YIELDS, Case, Rule
@@ -15,6 +16,13 @@ from film_model.problem.stresses import contact_radius, edge_tension
 STEEL_HEAT = 3.6e6
 """Heat capacity of steel per volume, J/(m³ K): 460 J/(kg K) at 7850 kg/m³."""
 
+
+RING_CRACK = (
+    (0.0, 0.1, 0.2, 0.25, 0.3, 0.35, 0.4),
+    (-4.0125, -4.6667, -5.5099, -6.0452, -6.7017, -7.5505, -8.7511),
+)
+"""Poisson's ratio, and ln ψ: K² = F² ψ/(π² a³) of the ring crack around a contact that F drives most. K is the integral
+2 √(c/π) ∫ σ_r g dz/√(c² − z²) with Huber's stress and g = 1.3 − 0.3 (z/c)^1.25 of an edge crack."""
 
 RUBBERY = 1e8
 """Young's modulus below which a material is a rubber or a foam, whose losses no impact is without, Pa."""
@@ -102,10 +110,13 @@ def _loss(of: Material) -> float:
 
 
 def heating(case: Case, rule: Rule) -> Effect:
-    """Plastic work over the hemisphere (2/3) π a³ under the contact. The softening that it causes is not estimated."""
+    """Plastic work over the hemisphere (2/3) π a³ under the contact. The softening that it causes is not estimated.
+
+    a is the contact's own radius, which is larger than Hertz's where it yields.
+    """
     if case.fraction <= YIELDS:
         return rule.absent("nothing yields")
-    value = case.fraction * case.energy / (2.0 / 3.0 * math.pi * case.contact_radius**3)
+    value = case.fraction * case.energy / (2.0 / 3.0 * math.pi * _own_radius(case) ** 3)
     return rule.unjudged(
         f"the plastic work would heat steel under the contact by {value / STEEL_HEAT:.2g} K; how much this softens the "
         "material is unknown",
@@ -113,35 +124,53 @@ def heating(case: Case, rule: Rule) -> Effect:
     )
 
 
-def fracture(case: Case, rule: Rule) -> Effect:
-    """A crack where the tensile stress at the edge of the contact, (1 − 2ν) p0/3 (Hertz), exceeds the tensile strength.
+def _own_radius(case: Case) -> float:
+    """Contact radius at the largest force, m; Hertz's if no other is known."""
+    radius, _ = contact_radius(case.problem.impacts, case.force, case.indentation)
+    return case.contact_radius if math.isnan(radius) else float(radius)
 
-    p0 is 1.5 times the mean pressure. This is a criterion for a possible ring crack, not a prediction: the stress falls
-    within a fraction of the contact radius, so that small contacts bear several times the strength of large samples.
-    The load at which balls crack glass is proportional to R instead of R² (Auerbach 1891). What a crack absorbs is
-    unknown.
+
+def fracture(case: Case, rule: Rule) -> Effect:
+    """A cone crack at the edge of the contact, if the material has a fracture_toughness or a tensile_strength.
+
+    With a toughness: a ring crack of depth c around the contact has K² = F² ψ/(π² a³), where ψ(c/a, r/a) follows from
+    Huber's radial stress over the depth. Its maximum over c and r (at r = 1.18 a, c = 0.05 a for ν = 0.2) gives
+    the least force that can crack the surface, whatever flaws it has: F = (3 π²/4 ψ) K_Ic² R/E. It is proportional to R
+    (Auerbach 1891), and toughnesses that Warren 1995 finds so agree with others. Surfaces without flaws of that size
+    bear more. Without a toughness: the tensile stress at the edge, (1 − 2ν) p0/3 (Hertz), p0 = 1.5 times the mean
+    pressure, against the strength; that stress falls within a fraction of a, so that small contacts bear several times
+    as much. What a crack absorbs is unknown.
     """
     scene = case.scene
     bodies = {"impactor": scene.impactor.material, "target": scene.target.material}
-    brittle = [m for m in bodies.values() if m is not None and m.tensile_strength is not None]
+    given = [m for m in bodies.values() if m is not None]
+    brittle = [m for m in given if m.tensile_strength is not None or m.fracture_toughness is not None]
     if not brittle:
         unknown = [f"{part}.material" for part, m in bodies.items() if m is None or m.initial_strength is None]
         if unknown:
-            return rule.unjudged("missing: tensile_strength of " + " and ".join(unknown))
-        return rule.absent("no body is brittle: none has a tensile_strength")
-    radius, _ = contact_radius(case.problem.impacts, case.force, case.indentation)
-    radius = case.contact_radius if math.isnan(radius) else float(radius)
-    peak = 1.5 * case.force / (math.pi * radius**2)
-
-    def over(body: Material) -> float:
-        return edge_tension(body.poissons_ratio, peak) / cast("float", body.tensile_strength)
-
-    worst = max(brittle, key=over)
-    value, stress = over(worst), edge_tension(worst.poissons_ratio, peak)
-    why = (
-        f"the tensile stress at the edge of the contact, {format_si(stress, 'pressure', 3)}, is {value:.3g} times the "
-        f"strength of {worst.name or 'the brittle body'}"
-    )
+            return rule.unjudged("missing: fracture_toughness or tensile_strength of " + " and ".join(unknown))
+        return rule.absent("no body is brittle: none has a fracture_toughness or tensile_strength")
+    radius = _own_radius(case)
+    indicator, value, why = max((_cracking(body, case.force, radius) for body in brittle), key=lambda found: found[1])
+    rule = rule._replace(indicator=indicator)
     if value <= 1.0:
         return rule.sized(case.tolerance, value, 1.0, 0.0, why)
-    return rule.failing(f"{why}: it may crack, though small contacts bear more (Auerbach's law)", value, 1.0)
+    return rule.failing(f"{why}: it may crack", value, 1.0)
+
+
+def _cracking(body: Material, force: float, radius: float) -> tuple[str, float, str]:
+    """Indicator of a crack in a brittle body, its value (1: it may crack), and a sentence."""
+    name = body.name or "the brittle body"
+    if body.fracture_toughness is not None:
+        shape = math.exp(interpolated(body.poissons_ratio, *RING_CRACK))
+        value = force**2 * shape / (math.pi**2 * radius**3 * body.fracture_toughness**2)
+        least = format_si(force / value, "force", 2)
+        why = f"the force is {value:.3g} times the least that can crack {name}, {least} (Auerbach's law)"
+        return "force/least force of a crack", value, why
+    stress = edge_tension(body.poissons_ratio, 1.5 * force / (math.pi * radius**2))
+    value = stress / cast("float", body.tensile_strength)
+    why = (
+        f"the tensile stress at the edge of the contact, {format_si(stress, 'pressure', 3)}, is {value:.3g} times the "
+        f"strength of {name}, though small contacts bear more (give its fracture_toughness)"
+    )
+    return "tensile stress/strength", value, why

@@ -200,7 +200,7 @@ def _stresses(problem: Problem) -> Stresses:
     known.hertzian, known.shallow = stresses.HERTZIAN, stresses.SHALLOW
     if poisson is not None:
         known.yield_factor = stresses.yield_factor(poisson)
-        known.shear, known.depth = stresses.shear_below(poisson)
+        known.shear, known.depth = stresses.shear_below(stresses.stressed_ratio(scene))
     return known
 
 

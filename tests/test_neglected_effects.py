@@ -4,13 +4,14 @@ import math
 
 import numpy as np
 import pytest
-from scipy import optimize
+from scipy import integrate, optimize
 
 import film_datasets
 import film_model as fm
 from film_model.base.materials import catalogue
 from film_model.cli.main import main
 from film_model.effects import elastic_ball
+from film_model.effects.air_drag import terminal_velocity
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, SIMULATED
 from film_model.effects.material_rules import RING_CRACK
@@ -36,10 +37,12 @@ def test_the_loss_factor_of_one_body_counts():
     assert effect.value == pytest.approx(0.1, rel=1e-4)  # the rubber has nearly all the compliance
     assert effect.change == pytest.approx(0.1 * math.pi, rel=1e-4)
     assert "loss factor of the target is not given and taken as 0" in effect.warning
+    assert f"restitution about {math.sqrt(1 - 0.1 * math.pi):.2g}" in effect.warning
+    assert effect_of(scene("nylon"), "material_damping").state == NOT_MODELLED  # without loss factor: never silent
     lossy = {**STEEL, "loss_factor": 0.01}
     bare = effect_of(scene({**STEEL, "youngs_modulus": "2 MPa"}, fm.HalfSpace(lossy)), "material_damping")
     assert bare.state == NOT_MODELLED and "restitution is too high" in bare.warning  # rubber is never without loss
-    stiff = effect_of(scene({**STEEL, "youngs_modulus": "2 GPa"}, fm.HalfSpace(lossy)), "material_damping")
+    stiff = effect_of(scene({**STEEL, "youngs_modulus": "6 GPa"}, fm.HalfSpace(lossy)), "material_damping")
     assert stiff.state == NOT_JUDGED and stiff.reason.startswith("missing: impactor.material.loss_factor")
     damped = scene({**STEEL, "youngs_modulus": "2 MPa"}, contact=fm.Contact("hunt-crossley", restitution=0.8))
     assert effect_of(damped, "material_damping").state == NOT_NEEDED
@@ -253,6 +256,32 @@ def test_glass_cracks_by_auerbachs_law():
     by_law = 3 * math.pi**2 / (4 * math.exp(np.interp(0.22, *RING_CRACK))) * 0.71e6**2 * 5e-3 / modulus
     assert least[1] == pytest.approx(by_law, rel=1e-2)
     assert 100.0 < by_law < 300.0
+
+
+def test_the_drag_of_a_fall():
+    def falls(height, radius="10 mm", material="ice"):
+        return fm.Scene(fm.Sphere(radius, drop_height=height, material=material), fm.HalfSpace(STEEL))
+
+    hail = effect_of(falls("500 m"), "air_drag")
+    assert hail.state == NOT_MODELLED and "not 99 m/s" in hail.warning
+    assert effect_of(falls("1 m", material="bearing steel"), "air_drag").state == NOT_NEEDED
+    assert effect_of(scene(), "air_drag").reason == "the velocity at the impact is given"
+    final = terminal_velocity(falls("500 m").mass, 0.01)
+    assert final == pytest.approx(21.3, rel=0.01) and hail.change == pytest.approx(1 - (final / 99) ** 2, rel=1e-2)
+    tiny = 4 / 3 * math.pi * 1e-5**3 * 2500  # Stokes: 2/9 (ρ g R²/µ)
+    assert terminal_velocity(tiny, 1e-5) == pytest.approx(2 / 9 * 2500 * 9.80665 * 1e-10 / 1.813e-5, rel=0.03)
+    middle = falls("20 m", material="nylon")
+    speed, weight = terminal_velocity(middle.mass, 0.01), 9.80665
+
+    def slowed(_, state):
+        return [state[1], weight * (1 - (state[1] / speed) ** 2)]
+
+    def lands(_, state):
+        return state[0] - 20.0
+
+    lands.terminal = True
+    end = integrate.solve_ivp(slowed, (0, 10), [0.0, 0.0], events=lands, rtol=1e-9, atol=1e-9).y[1, -1]
+    assert effect_of(middle, "air_drag").change == pytest.approx(1 - end**2 / (2 * weight * 20), rel=1e-5)
 
 
 def test_surface_energies_bound_the_adhesion_of_small_balls():

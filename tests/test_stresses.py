@@ -46,6 +46,18 @@ def test_values_of_the_textbook():
     assert edge_tension(0.3, 3e9) == pytest.approx(0.4e9)  # 0.133 p0
 
 
+def test_the_shear_stress_is_that_of_the_body_where_it_is_larger():
+    glass = fm.HalfSpace({"youngs_modulus": "70 GPa", "poissons_ratio": 0.22, "density": "2500 kg/m^3"})
+    summary = fm.simulate(scene(velocity="0.01 m/s", target=glass)).summary
+    ratio = summary["maximum_shear_stress"] / summary["peak_pressure"]
+    assert ratio == pytest.approx(on_axis(0.22, summary["depth_of_maximum_stress"] / summary["contact_radius"]) / 2)
+    assert round(ratio, 3) == 0.329  # in the glass; 0.310 in the steel, which alone has a yield strength
+    many = fm.simulate_batch(scene(velocity="0.01 m/s", target=glass), velocity=["0.01 m/s", "0.02 m/s"])
+    assert many.summary["maximum_shear_stress"][0] == pytest.approx(summary["maximum_shear_stress"])
+    given = fm.simulate(scene(velocity="0.01 m/s", target=glass, poissons_ratio=0.3)).summary
+    assert given["maximum_shear_stress"] == pytest.approx(0.31002 * given["peak_pressure"], rel=1e-4)
+
+
 def test_an_elastic_contact():
     summary = fm.simulate(scene(velocity="0.01 m/s")).summary
     force, depth = summary["maximum_force"], summary["maximum_indentation"]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from film_model.effects.air_drag import air_drag
 from film_model.effects.case import Case, Rule, case_of
 from film_model.effects.effect import Effect
 from film_model.effects.geometry_rules import (
@@ -88,6 +89,7 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
         "Auerbach 1891; Frank & Lawn 1967; Warren 1995, J. Eur. Ceram. Soc. 15:201; Johnson 1985, section 4.2",
         fracture,
     ),
+    "air_drag": ("2 g h/v_t²", "Schiller & Naumann 1933: drag of a sphere; balance of energy", air_drag),
     "obliqueness": ("angle from the normal, °", "impulse and angular momentum of a solid ball", obliqueness),
 }
 """Name → indicator, source and rule."""

@@ -24,8 +24,8 @@ RING_CRACK = (
 """Poisson's ratio, and ln ψ: K² = F² ψ/(π² a³) of the ring crack around a contact that F drives most. K is the integral
 2 √(c/π) ∫ σ_r g dz/√(c² − z²) with Huber's stress and g = 1.3 − 0.3 (z/c)^1.25 of an edge crack."""
 
-RUBBERY = 1e8
-"""Young's modulus below which a material is a rubber or a foam, whose losses no impact is without, Pa."""
+SOFT = 5e9
+"""Young's modulus below which a material is a plastic, rubber or foam, whose losses no impact is without, Pa."""
 
 
 def adhesion(case: Case, rule: Rule) -> Effect:
@@ -72,8 +72,9 @@ def material_damping(case: Case, rule: Rule) -> Effect:
     For a linear spring and dashpot this gives 1 − e = (π/2) tan δ. The loss factors of two bodies are averaged,
     weighted with their compliances. If one body has none, it is taken as 0, and the effect says so; it is not judged if
     the loss is then below the tolerance, but the body has more than a tenth of the compliance. The loss of a body with
-    a prony series is that of the effect viscoelasticity, and 0 here. A body softer than 100 MPa, a rubber or foam,
-    never rebounds without loss: if its loss factor is unknown, the effect matters. A damped law has the losses itself.
+    a prony series is that of the effect viscoelasticity, and 0 here. A body softer than 5 GPa, a plastic, rubber
+    or foam, never rebounds without loss: if its loss factor is unknown, the effect matters. A damped law has the losses
+    itself.
     """
     if case.problem.law.damped:
         return rule.absent(f"it is in the law {case.problem.law.name}")
@@ -84,10 +85,10 @@ def material_damping(case: Case, rule: Rule) -> Effect:
         return rule.absent("the effect viscoelasticity accounts for it: both materials have a prony series")
     known = {part: m for part, m in bodies.items() if m is not None and (m.loss_factor is not None or part in relaxing)}
     missing = [part for part in bodies if part not in known]
-    rubber = [part for part in missing if (m := bodies[part]) is not None and m.youngs_modulus < RUBBERY]
-    if rubber:
+    polymer = [part for part in missing if (m := bodies[part]) is not None and m.youngs_modulus < SOFT]
+    if polymer:
         return rule.failing(
-            f"the loss factor of the {rubber[0]}, as soft as rubber, is not known, so the restitution is too high: "
+            f"the loss factor of the {polymer[0]}, as soft as a polymer, is not known, so the restitution is too high: "
             'give loss_factor or prony, or law = "hunt-crossley" with a measured restitution'
         )
     if not known:
@@ -95,7 +96,9 @@ def material_damping(case: Case, rule: Rule) -> Effect:
     soft = {part: (1.0 - m.poissons_ratio**2) / m.youngs_modulus for part, m in bodies.items() if m is not None}
     total = sum(soft.values()) if len(soft) == len(bodies) or modulus is None else 1.0 / modulus
     value = sum(_loss(m) * soft[part] for part, m in known.items()) / total
-    why = f"the materials dissipate {100 * min(1.0, math.pi * value):.2g} % of the elastic energy"
+    share = min(1.0, math.pi * value)
+    left = case.restitution * math.sqrt(1.0 - share)
+    why = f"the materials dissipate {100 * share:.2g} % of the elastic energy: restitution about {left:.2g}"
     size = min(1.0, math.pi * value * (1.0 - case.fraction))
     if missing:
         given = sum(soft[part] for part in known) / total

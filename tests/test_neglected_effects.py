@@ -153,12 +153,36 @@ def test_no_law_is_valid_deeper_than_the_radius():
         fm.simulate(heavy.replace({"contact.law": "auto"}))
 
 
-@pytest.mark.parametrize("factor", [2000.0, 1 / 2000.0])
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"density": "2.7 kg/m^3"}, "density: 2.7 kg/m^3, but a light foam has 10 kg/m^3"),
+        ({"density": "78500 kg/m^3"}, "but osmium has"),
+        ({"youngs_modulus": "70 kPa", "name": "aluminum 6061-T6"}, "youngs_modulus: 70 kPa, but aluminium 6061-T6 has"),
+        (
+            {"density": "27 kg/m^3", "youngs_modulus": "70 GPa", "name": "aluminum 6061-T6"},
+            "density: 27 kg/m^3, but aluminium 6061-T6 has",
+        ),
+        (
+            {"youngs_modulus": "210 MPa", "yield_strength": "250 MPa"},
+            "210 MPa is less than the yield strength, 250 MPa",
+        ),
+    ],
+)
+def test_unlikely_numbers_of_a_material_are_remarked(changes, said):
+    (remark,) = [w for w in choose(scene({**STEEL, **changes})).warnings if w.startswith("impactor.material")]
+    assert said in remark and remark.endswith("check units")
+    assert not [w for w in choose(scene()).warnings if "material" in w]
+
+
+@pytest.mark.parametrize("factor", [4.0, 0.25])
 def test_a_mass_far_from_that_of_a_ball_is_remarked(factor):
     ball = 7850 * 4 / 3 * math.pi * 5e-3**3
     (remark,) = [w for w in fm.simulate(scene(mass=f"{factor * ball!r} kg")).warnings if w.startswith("impactor.mass")]
     assert f"{factor:.3g} times density × volume" in remark
-    assert not [w for w in fm.simulate(scene(mass=f"{100 * ball!r} kg")).warnings if w.startswith("impactor.mass")]
+    assert not [
+        w for w in fm.simulate(scene(mass=f"{factor**0.5 * ball!r} kg")).warnings if w.startswith("impactor.mass")
+    ]
     speeds = {"impactor.velocity": ["1 m/s", "2 m/s"]}
     swept = film_datasets.sweep(scene(mass=f"{factor * ball!r} kg"), speeds)
     assert "times density × volume" in swept.attrs["warnings"]

@@ -262,18 +262,24 @@ def _plain(name: str) -> str:
     return " ".join(name.lower().split()).replace("aluminum", "aluminium")
 
 
+def named(name: str) -> Material | None:
+    """The material of the catalogue with that name or synonym, None if there is none."""
+    found = _names().get(_plain(name))
+    return None if found is None else catalogue()[found]
+
+
 def material(name: str) -> Material:
     """The material of that name, or of another word for it; case and the American spelling of aluminium are ignored.
 
     >>> fm.material("aluminum 6061-T6").yield_strength  # Pa
     276000000.0
     """
+    if (found := named(name)) is not None:
+        return found
     word, names = _plain(name), _names()
     if word in AMBIGUOUS:
         kinds = ", ".join(f'"{kind}"' for kind in AMBIGUOUS[word])
         raise ValueError(f"{shown(name)} yields at 200 to 2500 MPa, depending on the grade: give one, e.g. {kinds}")
-    if word in names:
-        return catalogue()[names[word]]
     parts = [found.name for found in search(name)][:6]
     if len(parts) > 1:
         hint = "; there are " + ", ".join(f'"{part}"' for part in parts)

@@ -4,24 +4,55 @@ from __future__ import annotations
 
 import math
 
+from film_model.base.materials import Material, named
 from film_model.base.units import format_si
 from film_model.scene import Scene
 
-UNLIKELY = 1000.0
-"""Mass over density × volume of a ball of the contact's radius, or its inverse, that causes a remark."""
+LEAST, MOST = 0.3, 3.0
+"""Mass over density × volume of a ball of the contact's radius, and numbers of a material over those of the catalogue
+under its name, beyond which there is a remark."""
+
+LIGHTEST, HEAVIEST = 10.0, 23000.0
+"""Densities of light foams and of osmium, kg/m³."""
 
 
 def remarks(scene: Scene) -> tuple[str, ...]:
-    """A sentence for each given mass that is far from that of a ball of its radius and material."""
+    """A sentence for each number of a material, and each given mass, that is far from what is possible or usual."""
     found: list[str] = []
     for part, body in (("impactor", scene.impactor), ("target", scene.target)):
         mass, material = getattr(body, "mass", None), body.material
-        if mass is None or material is None or not math.isfinite(body.radius):
+        if material is None:
+            continue
+        found += [f"{part}.material.{said}" for said in _of_material(material)]
+        if mass is None or not math.isfinite(body.radius):
             continue
         ball = material.density * 4.0 / 3.0 * math.pi * body.radius**3
-        if not ball / UNLIKELY < mass < ball * UNLIKELY:
+        if not ball * LEAST <= mass <= ball * MOST:
             found.append(
                 f"{part}.mass: {format_si(mass, 'mass')} is {mass / ball:.3g} times density × volume of a ball of its "
                 f"radius, {format_si(ball, 'mass')}; right for a heavy body with a rounded nose, otherwise check units"
             )
     return tuple(found)
+
+
+def _of_material(material: Material) -> list[str]:
+    """Sentences about the numbers of a material that is not from the catalogue."""
+    usual = named(material.name)
+    if usual == material:
+        return []
+    found: list[str] = []
+    for entry, dimension in (("density", "density"), ("youngs_modulus", "pressure")):
+        value = getattr(material, entry)
+        if usual is not None and not LEAST <= value / getattr(usual, entry) <= MOST:
+            known = format_si(getattr(usual, entry), dimension)
+            found.append(f"{entry}: {format_si(value, dimension)}, but {usual.name} has {known}; check units")
+    if not found and not LIGHTEST <= material.density <= HEAVIEST:
+        of = "a light foam" if material.density < LIGHTEST else "osmium"
+        limit = format_si(LIGHTEST if material.density < LIGHTEST else HEAVIEST, "density")
+        found.append(f"density: {format_si(material.density, 'density')}, but {of} has {limit}; check units")
+    if material.yield_strength is not None and material.yield_strength > material.youngs_modulus:
+        strength, modulus = (
+            format_si(value, "pressure") for value in (material.yield_strength, material.youngs_modulus)
+        )
+        found.append(f"youngs_modulus: {modulus} is less than the yield strength, {strength}; check units")
+    return found

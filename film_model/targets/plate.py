@@ -47,14 +47,10 @@ from film_model.targets.target import (
     no_effect,
     place_mistakes,
 )
-from film_model.targets.waves import THIN, pressure_velocity, radiated_energy, shear_velocity
+from film_model.targets.waves import BESIDE_BENDING, THIN, pressure_velocity, radiated_energy, shear_velocity
 
 REFLECTION_CHANGE = 0.03, 2.2
 """c and p of the change c m (1 + e)/(Z e t_c) (t/t_return)^p by waves reflected from the edges of a plate."""
-
-BESIDE_BENDING = 0.25
-"""Energy that a plate between thick and thin radiates beside bending, over what a half-space takes: finite elements of
-plates with h/R = 2, 3 and 4 give 0.27, 0.18 and 0.23."""
 
 MEAN_FREQUENCY = 0.7737 * math.pi
 """Mean of ω t_c over |F(ω)|² of a half-sine."""
@@ -346,10 +342,8 @@ class Plate(AbstractTarget):
     def wave_losses(self, impact: Impact) -> Estimate:
         """The energy of waves that the bending waves of the plate lack.
 
-        A contact that ends before a wave has crossed the plate and returned, 2h/c_L, radiates into it as into a
-        half-space. One longer than 10 h/c_T excites bending waves, which the impedance describes. Between these a
-        quarter of what a half-space would take comes on top of bending and shear, by finite elements of a rigid ball
-        on steel plates 2 to 4 radii thick; a thicker plate lacks what a half-space takes more than bending carries.
+        A contact shorter than 2h/c_L radiates as into a half-space; one longer than 10 h/c_T excites bending waves.
+        Between, a quarter of what a half-space takes comes on top of bending and shear, or what it takes more than it.
         """
         material = self.material
         if self.thickness is None or material is None:
@@ -358,11 +352,10 @@ class Plate(AbstractTarget):
             return no_effect("the contact is slow enough for bending waves, which are part of the target's motion")
         carried = 1.0 - impact.restitution**2 - impact.fraction if impact.by_impedance else 0.0
         radiated = radiated_energy(material, impact) / impact.energy
-        size = min(1.0, abs(radiated - carried))
-        reason = "contact ends before a wave returns from the far side, so that the plate radiates as a half-space"
-        if impact.duration >= self._crossing(material):
-            size = min(1.0, max(BESIDE_BENDING * radiated, radiated - carried))
-            reason = "the plate is too thick for bending waves alone and too thin for a half-space"
+        size = min(1.0, max(BESIDE_BENDING * radiated, radiated - carried))
+        reason = "the plate is too thick for bending waves alone and too thin for a half-space"
+        if impact.duration < self._crossing(material):
+            reason = "contact ends before a wave returns from the far side, so that the plate radiates as a half-space"
         return Estimate(reason, size, impact.tolerance, size)
 
     def _crossing(self, material: Material) -> float:

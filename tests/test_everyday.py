@@ -21,7 +21,7 @@ from film_model.studies import explain
 SCENE = fm.Scene(
     fm.Sphere("10 mm", "0.25 m/s", material="WC, Big-Alabo 2017"),
     fm.HalfSpace("mild steel"),
-    fm.Contact("stronge"),
+    fm.Contact("stronge", yield_strength="250 MPa"),
     fm.Effects(rate_hardening=False),
 )
 HISTORY = fm.simulate(SCENE)

@@ -8,6 +8,8 @@ import pytest
 import film_model as fm
 from film_model.base.flow_stress import SCATTER, flow_of_hardness, flow_of_yield, johnson_cook_exponent, yield_of_flow
 from film_model.base.hardness import VICKERS, vickers_of_rockwell
+from film_model.base.materials import catalogue
+from film_model.effects.plasticity import BY_YIELD_STRENGTH
 from film_model.problem.law_of_scene import law_named
 from film_model.solve.batch import simulate_many
 
@@ -181,6 +183,38 @@ def test_a_sweep_over_hardness_and_hardening_is_each_impact_alone():
             own["target.material.hardness"] = f"{own['target.material.hardness']!r} Pa"
             alone = fm.simulate(changed.replace(own)).summary["coefficient_of_restitution"]
             assert many[k] == pytest.approx(alone, rel=1e-4)
+
+
+def restitution(found, **strength):
+    """Of the body of a Leeb tester, type D: 3 mm ball of tungsten carbide, 5.45 g, 2.05 m/s."""
+    elastic = {name: getattr(found, name) for name in ("poissons_ratio", "strain_rate_coefficient")}
+    elastic |= {"youngs_modulus": f"{found.youngs_modulus} Pa", "density": f"{found.density} kg/m^3"}
+    ball = fm.Sphere("1.5 mm", "2.05 m/s", mass="5.45 g", material="tungsten carbide")
+    history = fm.simulate(fm.Scene(ball, fm.HalfSpace(fm.Material(**elastic, **strength))))
+    return history.summary["coefficient_of_restitution"]
+
+
+@pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
+def test_what_a_yield_strength_alone_is_worth():
+    """The numbers of the note BY_YIELD_STRENGTH. Lead is beyond the law with its yield strength."""
+    metals = [m for m in catalogue().values() if m.hardness and m.yield_strength and m.name != "lead"]
+    assert len(metals) == 27
+    lower = [
+        1.0 - restitution(m, yield_strength=f"{m.yield_strength} Pa") / restitution(m, hardness=f"{m.hardness!r} Pa")
+        for m in metals
+    ]
+    found = [round(100 * value) for value in (min(lower), np.median(lower), max(lower))]
+    assert found == [6, 31, 51]
+    assert "6 to 51 %" in BY_YIELD_STRENGTH and "median 31 %" in BY_YIELD_STRENGTH
+
+
+def test_a_yield_strength_alone_is_noted_once():
+    def reasons(**values):
+        effects = fm.simulate(impact(**values)).choice.effects
+        return [effect.reason for effect in effects if "give hardness" in effect.reason]
+
+    assert len(reasons(yield_strength="250 MPa")) == 1
+    assert not reasons(hardness="120 HV") and not reasons(yield_strength="250 MPa", strain_hardening_exponent=0.1)
 
 
 def test_sweep_files_take_hardness_numbers():

@@ -24,7 +24,7 @@ def test_every_material_is_plausible_and_has_a_source(name: str) -> None:
 
 
 def test_steel_alone_is_refused_with_grades() -> None:
-    with pytest.raises(ValueError, match='"Steel" yields at 200 to 2500 MPa.*"structural steel S235", "mild steel"'):
+    with pytest.raises(ValueError, match=r'"Steel" yields at 200 to 2500 MPa.*"structural steel S235", "mild steel"'):
         material("Steel")
 
 

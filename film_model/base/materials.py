@@ -216,6 +216,11 @@ class Material:
         return yield_of_flow(self.flow_strength, self.hardening_exponent, self.youngs_modulus)
 
     @property
+    def flow_known(self) -> bool:
+        """Whether the strength at the strain of a contact is known, not only that at first yield."""
+        return self.hardness is not None or self._hardens
+
+    @property
     def _hardens(self) -> bool:
         return self.strain_hardening_exponent is not None or self.strength_coefficient is not None
 

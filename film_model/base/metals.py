@@ -25,8 +25,9 @@ METALS: tuple[Row, ...] = (
         "EN 1993-1-1, S235, the weakest structural steel, hardened steels yield at up to 2000 MPa",
         0.022,
         3e-4,
-        more=f"{_JOHNSON_COOK.format('1006 steel')}; {DAMPING}",
+        more="; ".join((f"{_JOHNSON_COOK.format('1006 steel')}; {DAMPING}", _BY_TENSILE.format(360))),
         words=("structural steel", "S235"),
+        hardness="113 HV",
     ),
     Row(
         "mild steel",
@@ -37,8 +38,9 @@ METALS: tuple[Row, ...] = (
         _METAL + "hot-rolled state",
         0.022,
         3e-4,
-        more=f"{_JOHNSON_COOK.format('1006 steel')}; {DAMPING}",
+        more="; ".join((f"{_JOHNSON_COOK.format('1006 steel')}; {DAMPING}", "hardness: a supplier's list, ASTM A36")),
         words=("carbon steel", "low-carbon steel"),
+        hardness="120 HB",
     ),
     Row(
         "bearing steel",
@@ -48,8 +50,9 @@ METALS: tuple[Row, ...] = (
         2030,
         _METAL + "hardened state of AISI 52100",
         loss=3e-4,
-        more=DAMPING,
+        more="; ".join((DAMPING, "hardness: balls of ISO 3290-1, 60 to 67 HRC")),
         words=("AISI 52100", "52100", "100Cr6"),
+        hardness="62 HRC",
     ),
     Row(
         "stainless steel 304",
@@ -59,8 +62,9 @@ METALS: tuple[Row, ...] = (
         215,
         _METAL + "annealed state",
         loss=3e-4,
-        more=DAMPING,
+        more="; ".join((DAMPING, "hardness: MatWeb, AISI 304")),
         words=("stainless steel", "AISI 304", "304"),
+        hardness="129 HV",
     ),
     Row(
         "aluminium",
@@ -70,8 +74,9 @@ METALS: tuple[Row, ...] = (
         140,
         "EN 1999-1-1, extruded EN AW-6060 T6, a soft structural alloy, others yield at up to 500 MPa",
         loss=1e-4,
-        more=DAMPING,
+        more="; ".join((DAMPING, "hardness: a supplier's list, hardened EN AW-6060, by ISO 18265 for steels")),
         words=("generic aluminium", "EN AW-6060"),
+        hardness="75 HB",
     ),
     Row(
         "aluminium 6061-T6",
@@ -82,8 +87,9 @@ METALS: tuple[Row, ...] = (
         _METAL + "T6 state",
         0.002,
         1e-4,
-        more=f"C: Lesuer, Kay & LeBlanc 2001, UCRL-JC-134118; {DAMPING}",
+        more="; ".join((f"C: Lesuer, Kay & LeBlanc 2001, UCRL-JC-134118; {DAMPING}", "hardness: MatWeb, from 95 HB")),
         words=("6061-T6", "6061"),
+        hardness="107 HV",
     ),
     Row(
         "aluminium 2024-T3",
@@ -94,8 +100,14 @@ METALS: tuple[Row, ...] = (
         _METAL + "T3 state",
         0.015,
         1e-4,
-        more=f"{_JOHNSON_COOK.format('2024-T351')}; {DAMPING}",
+        more="; ".join(
+            (
+                f"{_JOHNSON_COOK.format('2024-T351')}; {DAMPING}",
+                "hardness: Aluminum Association, 500 kgf",
+            )
+        ),
         words=("2024-T3", "2024"),
+        hardness="120 HB",
     ),
     Row(
         "titanium Ti-6Al-4V",
@@ -105,8 +117,9 @@ METALS: tuple[Row, ...] = (
         880,
         _METAL + "annealed state",
         0.014,
-        more="C: Lesuer 2000, DOT/FAA/AR-00/25",
+        more="; ".join(("C: Lesuer 2000, DOT/FAA/AR-00/25", "hardness: MatWeb, from 36 HRC")),
         words=("titanium", "Ti-6Al-4V", "Ti64"),
+        hardness="349 HV",
     ),
     Row(
         "copper",
@@ -117,8 +130,9 @@ METALS: tuple[Row, ...] = (
         _METAL + "annealed state",
         0.025,
         2e-3,
-        more=f"{_JOHNSON_COOK.format('OFHC copper')}; {DAMPING}",
+        more="; ".join((f"{_JOHNSON_COOK.format('OFHC copper')}; {DAMPING}", "hardness: MatWeb, annealed copper")),
         words=("Cu",),
+        hardness="50 HV",
     ),
     Row(
         "brass",
@@ -128,8 +142,9 @@ METALS: tuple[Row, ...] = (
         350,
         "Olin Brass, data sheet of C26000, half-hard state",
         0.009,
-        more=_JOHNSON_COOK.format("cartridge brass"),
+        more="; ".join((_JOHNSON_COOK.format("cartridge brass"), "hardness: least of EN 1652, CuZn30 R410")),
         words=("cartridge brass", "brass, half-hard", "C26000"),
+        hardness="120 HV",
     ),
     Row(
         "brass, quarter-hard",
@@ -150,8 +165,9 @@ METALS: tuple[Row, ...] = (
         None,
         BRITTLE + " (grey iron)",
         tensile=250,
-        more="tensile strength: EN 1561, EN-GJL-250",
+        more="; ".join(("tensile strength: EN 1561, EN-GJL-250", "hardness: a supplier's list")),
         words=("grey iron", "gray iron"),
+        hardness="200 HB",
     ),
     Row(
         "structural steel S355",

@@ -1,113 +1,172 @@
 """Write docs/validation.md and its picture: `python examples/validation_page.py [FOLDER]`.
 
-The contact laws against the published dataset `measured_impacts`. Every number on the page is computed here.
+The laws against the published dataset `measured_impacts`, with a section for each kind of evidence.
+Every number is computed here, but for the intervals of the model, which `python examples/model_intervals.py` stores:
+run that first when a law or the rows change.
 """
 
+import math
 import statistics
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import film_datasets as fd
 from film_datasets.evidence import evidence_rows
 from film_model.plot.validation import plot_validation
-from film_model.studies.validation import AUTO, LawReport, Prediction, compare, elastic, measured, own_numbers
+from film_model.problem.model_intervals import FAMILIES, residuals_of, stored
+from film_model.studies.residuals import Coverage, coverage
+from film_model.studies.validation import (
+    GROUPS,
+    LawReport,
+    Prediction,
+    absolute,
+    compare,
+    elastic,
+    error_cell,
+    own_numbers,
+)
+from film_model.studies.validation_rows import Row
 
 DOCS = Path(__file__).parent.parent / "docs"
 
 TEXT = """# Validation
 
 Made by `python examples/validation_page.py` from `datasets/published/measured_impacts.csv`; `film-model validate`
-prints the same numbers. {count} values from {sources} sources: {kinds}. Each has its conditions, its uncertainty,
-and how it was read: "recollection" marks the {recollected} that could not be opened again. Measured values that
-could not be traced are left out, so they are few: Leeb hardness testers (tungsten carbide balls on steel of known
-hardness), and two elastic rebounds.
+prints the same errors. Errors are absolute and in percent, median / worst.
+
+## Measured values
+
+{measured} measured values from {sources} sources that can be opened, each with how it was read; none from memory. Of
+{complete} values from {complete_sources} sources sizes, mass, velocity and hardness or stiffness are all known: these
+are compared. A third of the rows, drawn by a hash of source and number, is held out: never used to choose or fit a
+law, nor for the intervals below.
+
+{families}
+
+What this evidence is worth: nearly all of it are rebounds and dents of Leeb hardness testers, small balls of tungsten
+carbide or diamond at 1.3 to 3 m/s on steel. {conversions} values are conversions of hardness or tensile strength,
+which sum up many tests. Neighbours in one table are not independent, so that held-out rows of a table say
+less than those of a new source. There are no complete rows of force, duration, polymers, ice or adhesion. Hardness
+becomes a flow strength H/2.8 with H = 9.80665 HV/0.927 MPa. The printed `dent_diameter` is the one compared. "Outside"
+counts rows beyond the range that the law names.
 
 ![computed over published values, and the distribution of the errors](validation.png)
 
-## The laws that yield
-
-Absolute errors in percent, median / worst, and of all values the quartiles. "Measured": rebounds and dents of Leeb
-hardness testers. "Finite elements": fits of restitution by Jackson, Green & Marghitu and by Wu, Li & Thornton.
-"Theory": Johnson's fully plastic impact.
-
+| law | {heads} | restitution |
+|---|{lines}---|
 {laws}
 
 {said}
 
-`auto` takes `jackson-green`: it has the smallest median error of all values, and its restitution falls with
-velocity. It is right for elastic, perfectly plastic bodies. Its measured restitution is too small by {low} to
-{high} %: the steels of the measurements harden, by strain and by strain rate, and their strengths were taken from
-static hardness. `kogut-etsion` is closer to these measurements, and further from the finite elements beyond 35
-yield velocities, where its restitution falls too slowly. Dents are compared as caps of the ball as deep as the
-permanent indentation, without pile-up.
+## Intervals of the model
 
-## Elastic contacts
+`film-model run` prints the 90 % interval of measured values behind a value of law "auto", where measurements of this
+kind are known: [Accuracy and cost](understand/accuracy_and_cost.md#how-far-measurements-lie). It comes from
+ln(measured/computed) of the rows that are not held out. Of the {held} held-out rows that have an interval, {inside}
+lie in it: {share} %, where 90 ± {spread} % is expected of independent rows.
+
+| family | quantity | rows | from, % | to, % | held-out rows inside |
+|---|---|---|---|---|---|
+{intervals}
+
+## Computed for contacts that yield
+
+{finite_elements}Johnson's fully plastic impact.
+
+{theory}
+
+## Elastic theories
 
 Hertz's law on a half-space, or on a plate of the given impedance. Waves in a half-space and losses in the material
 are not simulated, so a rebound from a half-space is complete.
 
 {elastic}
 
-## Values computed with a law
+## Every measured value under law "auto"
 
-Table 3 of Big-Alabo, Cartmell & Harrison (2017), for five segments a stage, against the converged answer of the
-same law.
+{rows}
 
-{own}
+## Measured values with incomplete conditions
+
+They are kept for whoever finds the missing number; nothing is compared with them.
+
+{incomplete}
 
 ## Sources
 
 {references}
 
-## Every value under law "auto"
+## A law against its own authors' fit, and values computed with a law
 
-{rows}
+These confirm the implementation, not the law. Jackson, Green & Marghitu fitted restitution to their own semi-analytic
+model with the law `jackson-green`. Table 3 of Big-Alabo, Cartmell & Harrison (2017) is for five segments a stage, and
+compared with the converged answer of the same law.
+
+{own}
 """
 
 
-def cell(errors: Sequence[float]) -> str:
-    """Median and worst error in percent."""
-    return f"{100 * statistics.median(errors):.1f} / {100 * max(errors):.1f}" if errors else ""
+def family_rows(predictions: Sequence[Prediction]) -> str:
+    """One line a family and quantity under one law: used and held-out rows apart."""
+    lines = ["| family | quantity | rows | outside | all | used | held out |", "|---|---|---|---|---|---|---|"]
+    groups = dict.fromkeys((p.family or "", p.row.quantity) for p in predictions)
+    for family, quantity in sorted(groups, key=lambda key: (list(FAMILIES).index(key[0]), key[1])):
+        own = [p for p in predictions if (p.family, p.row.quantity) == (family, quantity)]
+        parts = (own, [p for p in own if not p.row.held_out], [p for p in own if p.row.held_out])
+        cells = (error_cell(absolute(part)) for part in parts)
+        counts = f"{len(own)} | {sum(p.outside for p in own)}"
+        lines.append(f"| {FAMILIES[family]} | {quantity.replace('_', ' ')} | {counts} | {' | '.join(cells)} |")
+    return "\n".join(lines)
 
 
-def quartiles(errors: Sequence[float]) -> str:
-    """The quartiles in percent."""
-    return " – ".join(f"{100 * value:.1f}" for value in statistics.quantiles(errors, n=4))
+def interval_rows(predictions: Sequence[Prediction]) -> str:
+    """One line a family and quantity with an interval of its own: its ends, and how many held-out rows it covers."""
+    lines: list[str] = []
+    for found in stored().values():
+        if residuals_of(found.family, found.quantity) != found:
+            continue
+        own = coverage(p for p in predictions if residuals_of(p.family or "", p.row.quantity) == found)
+        ends = (f"{100 * math.expm1(end):+.1f}" for end in (found.low, found.high))
+        name, inside = found.quantity.replace("_", " "), f"{own.inside} of {own.rows}"
+        lines.append(f"| {FAMILIES[found.family]} | {name} | {found.rows} | {' | '.join(ends)} | {inside} |")
+    return "\n".join(lines)
 
 
 def law_rows(reports: Sequence[LawReport]) -> str:
     """One line a law."""
-    lines = [
-        "| law | all values | quartiles | measured | finite elements | theory | restitution |",
-        "|---|---|---|---|---|---|---|",
-    ]
+    lines: list[str] = []
     for report in reports:
-        kinds = [
-            report.errors(lambda row, kind=kind: row.kind == kind) for kind in ("measured", "finite_element", "theory")
-        ]
-        falls = "falls" if report.monotone else "not monotone"
-        cells = [cell(report.errors()), quartiles(report.errors()), *map(cell, kinds), falls]
-        lines.append(f"| `{report.law}` | " + " | ".join(cells) + " |")
+        cells = [error_cell(report.errors(where)) for where in shown_groups(reports).values()]
+        lines.append(f"| `{report.law}` | {' | '.join(cells)} | {'falls' if report.monotone else 'not monotone'} |")
     return "\n".join(lines)
+
+
+def shown_groups(reports: Sequence[LawReport]) -> dict[str, Callable[[Row], bool]]:
+    """The groups of which there are rows."""
+    return {name: where for name, where in GROUPS.items() if reports[0].errors(where)}
 
 
 def prediction_rows(predictions: Sequence[Prediction]) -> str:
     """One line a value."""
     lines = [
-        "| source | quantity | published | computed | error, % | read from | conditions |",
-        "|---|---|---|---|---|---|---|",
+        "| source | quantity | published | computed | error, % | | read from | conditions |",
+        "|---|---|---|---|---|---|---|---|",
     ]
     for p in predictions:
-        row = p.row
-        words = [
-            row.source,
-            row.quantity.replace("_", " "),
-            f"{row.value:.4g}",
-            f"{p.value:.4g}",
-            f"{100 * p.error:.1f}",
-        ]
-        lines.append("| " + " | ".join([*words, row.sureness, row.note]) + " |")
+        row, marks = p.row, ["outside"] * p.outside + ["held out"] * (p.row.usable and p.row.held_out)
+        numbers = f"{row.value:.4g} | {p.value:.4g} | {100 * p.error:.1f} | {', '.join(marks)}"
+        name = row.quantity.replace("_", " ")
+        lines.append(f"| {row.source} | {name} | {numbers} | {row.sureness} | {row.note} |")
+    return "\n".join(lines)
+
+
+def incomplete_rows(rows: Sequence[Row]) -> str:
+    """One line a value that cannot be simulated."""
+    lines = ["| source | quantity | published | read from | conditions |", "|---|---|---|---|---|"]
+    for row in rows:
+        cells = (row.source, row.quantity.replace("_", " "), f"{row.value:.4g}", row.sureness, row.note)
+        lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
 
@@ -116,31 +175,43 @@ def page() -> tuple[str, list[LawReport]]:
     ds = fd.load("measured_impacts")
     rows = evidence_rows(ds)
     reports = compare(rows)
-    auto = next(report for report in reports if report.law == AUTO)
-    kinds = {kind: sum(row.kind == kind for row in rows) for kind in dict.fromkeys(row.kind for row in rows)}
-    rebounds = [
-        -100 * p.error for p in auto.predictions if measured(p.row) and p.row.quantity == "coefficient_of_restitution"
-    ]
+    auto = reports[0]
+    found = [p for p in auto.predictions if p.row.usable]
+    computed = [p for p in auto.predictions if not p.row.usable]
+    measured = [row for row in rows if row.kind == "measured"]
+    usable = [row for row in measured if row.usable]
+    covered: Coverage = coverage(found)
+    heads = list(shown_groups(reports))
     said = [f"`{report.law}`: restitution rises with velocity, {rise}." for report in reports for rise in report.rises]
-    every = [abs(p.error) for p in elastic(rows).predictions if measured(p.row)] + auto.errors(measured)
+    errors = absolute(found)
     said.append(
-        f"All {len(every)} measured values, elastic ones included, under `auto`: median error "
-        f"{100 * statistics.median(every):.1f} %, worst {100 * max(every):.1f} %."
+        f"`auto` on all {len(found)} measured values: median {100 * statistics.median(errors):.1f} %, 90 % of them "
+        f"within {100 * errors[int(0.9 * len(errors))]:.1f} %, worst {100 * max(errors):.1f} %."
     )
     lines = str(ds.attrs["sources"]).split("\n")
     text = TEXT.format(
-        count=len(rows),
-        sources=len({row.source for row in rows}),
-        recollected=sum(row.sureness == "recollection" for row in rows),
-        kinds=", ".join(f"{count} {kind.replace('_', ' ')}" for kind, count in kinds.items()),
+        measured=len(measured),
+        sources=len({row.source for row in measured}),
+        complete=len(usable),
+        complete_sources=len({row.source for row in usable}),
+        conversions=sum(row.sureness == "conversion" for row in usable),
+        families=family_rows(found),
+        heads=" | ".join(heads),
+        lines="---|" * len(heads),
         laws=law_rows(reports),
         said="\n".join(said),
-        low=f"{min(rebounds):.0f}",
-        high=f"{max(rebounds):.0f}",
-        elastic=prediction_rows(elastic(rows).predictions),
-        own=prediction_rows(own_numbers(rows)),
+        held=covered.rows,
+        inside=covered.inside,
+        share=f"{100 * covered.share:.0f}",
+        spread=f"{100 * covered.spread:.0f}",
+        intervals=interval_rows(found),
+        finite_elements="Finite elements, and " if any(p.row.kind == "finite_element" for p in computed) else "",
+        theory=prediction_rows(computed),
+        elastic=prediction_rows(elastic(rows)),
+        rows=prediction_rows(found),
+        incomplete=incomplete_rows([row for row in measured if not row.complete]),
         references="\n".join(f"- `{word}`: {said}" for word, _, said in (line.partition(": ") for line in lines)),
-        rows=prediction_rows(auto.predictions),
+        own=prediction_rows(own_numbers(rows)),
     )  # fmt: skip
     return text, reports
 

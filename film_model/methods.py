@@ -59,7 +59,7 @@ def explain(self: Scene, *, verbose: bool = False) -> Text:
 def history_as_html(self: History) -> str:
     """For notebooks: the summary and the warnings, and the picture if matplotlib is installed."""
     rows = (
-        (name.replace("_", " "), format_si(value, SUMMARY[name][0], 6))
+        (name.replace("_", " "), format_si(value, SUMMARY[name][0], 6) + self.interval_text(name))
         for name, value in self.summary.items()
         if value is not None
     )

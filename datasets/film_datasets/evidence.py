@@ -11,8 +11,8 @@ import numpy as np
 
 from film_datasets.provenance import provenance
 from film_datasets.schema import MEASUREMENT, TABLE, content_sha256, flag_meanings, flag_words
-from film_datasets.schema.tables import EVIDENCE_KINDS, EVIDENCE_QUANTITIES, EVIDENCE_SURENESS
-from film_model.studies.validation import Row
+from film_datasets.schema.tables import EVIDENCE_KINDS, EVIDENCE_MATTER, EVIDENCE_QUANTITIES, EVIDENCE_SURENESS
+from film_model.studies.validation_rows import Row
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,7 +24,9 @@ NUMBERS = (
 """Columns of numbers, SI; an empty cell is NaN."""
 
 _WORDS = {"quantity": EVIDENCE_QUANTITIES, "kind": EVIDENCE_KINDS, "sureness": EVIDENCE_SURENESS}
-_VARIABLES = {"kind": "kind_of_value"}
+_VARIABLES = {"kind": "kind_of_value", "source": "source_of_value"}
+_LINES = {"notes": "note", "balls": "ball", "targets": "target"}
+"""Attributes with one line for each row → their columns."""
 
 
 def evidence_from_csv(path: str | os.PathLike[str], references: str | os.PathLike[str]) -> xr.Dataset:
@@ -40,15 +42,20 @@ def evidence_from_csv(path: str | os.PathLike[str], references: str | os.PathLik
     rows = list(csv.DictReader(lines))
     known = {**_WORDS, "source": tuple(sources)}
     laws = tuple(dict.fromkeys(row["law"] for row in rows if row["law"]))
-    columns: dict[str, Any] = {"law": [laws.index(row["law"]) if row["law"] else -1 for row in rows]}
     for name, words in known.items():
         wrong = sorted({row[name] for row in rows} - set(words))
         if wrong:
             raise ValueError(f"{path}: column {name}: {wrong[0]!r} is not one of {', '.join(words)}")
-        variable = "source_of_value" if name == "source" else _VARIABLES.get(name, name)
-        columns[variable] = [words.index(row[name]) for row in rows]
-    for name in NUMBERS:
-        columns[name] = [float(row[name]) if row[name] else np.nan for row in rows]
+    plain = [_row(row) for row in rows]
+    columns: dict[str, Any] = {
+        **{name: [getattr(row, name) for row in plain] for name in NUMBERS},
+        **{_VARIABLES.get(name, name): [words.index(row[name]) for row in rows] for name, words in known.items()},
+        "law": [laws.index(row.law) if row.law else -1 for row in plain],
+        "matter": [EVIDENCE_MATTER.index(row.matter) if row.matter else -1 for row in plain],
+        "row_number": [row.number for row in plain],
+        "complete": [row.complete for row in plain],
+        "held_out": [row.held_out for row in plain],
+    }
     meanings = {"sources": flag_words(list(sources)), "laws": flag_words(laws)}
     table = TABLE[f"{MEASUREMENT} values"]
     ds = xr.Dataset({v.name: (v.dims, np.asarray(columns[v.name], v.dtype), v.attributes(meanings)) for v in table})
@@ -59,34 +66,39 @@ def evidence_from_csv(path: str | os.PathLike[str], references: str | os.PathLik
             summary=f"{len(rows)} values from {len(sources)} sources, with their conditions and uncertainty.",
             source=f"published values, from the file {Path(path).name}",
             command="film_datasets.evidence.evidence_from_csv",
-            comment="One value a row. The yield strength of a steel is the pressure of its Vickers hardness on the "
-            "projected area over 2.8 (Tabor 1951).",
+            comment="One value a row. Attributes notes, balls and targets have one line for each row; the last two "
+            "are the materials of measured impacts, as in a scene file.",
         ),
         "measured": "values",
         "sources": "\n".join(f"{word}: {reference}" for word, reference in sources.items()),
-        "notes": "\n".join(row["note"] or "none" for row in rows),
+        **{name: "\n".join(row[column] or "none" for row in rows) for name, column in _LINES.items()},
     }
     ds.attrs["content_sha256"] = content_sha256(ds)
     return ds
 
 
+def _row(row: dict[str, str]) -> Row:
+    """A row of the table, whose cells are text."""
+    numbers: dict[str, Any] = {name: float(row[name]) if row[name] else np.nan for name in NUMBERS}
+    words: dict[str, Any] = {
+        name: row[name] for name in ("quantity", "source", "kind", "sureness", "law", "matter", "ball", "target")
+    }
+    return Row(**numbers, **words, number=int(row["number"]), complete=row["complete"] == "yes", note=row["note"])
+
+
 def evidence_rows(ds: xr.Dataset) -> list[Row]:
     """The rows of such a dataset."""
-    words = {name: flag_meanings(ds[name]) for name in ("quantity", "source_of_value", "kind_of_value", "sureness")}
-    laws, notes = flag_meanings(ds["law"]), str(ds.attrs["notes"]).split("\n")
+    names = {"quantity": "quantity", "source": "source_of_value", "kind": "kind_of_value", "sureness": "sureness"}
+    words = {name: flag_meanings(ds[variable]) for name, variable in names.items()}
+    optional = {name: ("", *flag_meanings(ds[name])[1:]) for name in ("law", "matter")}
+    lines = {name: str(ds.attrs[name]).split("\n") for name in _LINES}
     rows: list[Row] = []
-    for k, note in enumerate(notes):
-        at = {name: words[name][int(ds[name][k])] for name in words}
-        number = int(ds["law"][k])
-        rows.append(
-            Row(
-                **{name: float(ds[name][k]) for name in NUMBERS},
-                quantity=at["quantity"],
-                source=at["source_of_value"],
-                kind=at["kind_of_value"],
-                sureness=at["sureness"],
-                law="" if number < 0 else laws[number + 1],
-                note=note,
-            )
-        )
+    for k in range(ds.sizes["row"]):
+        cells: dict[str, Any] = {
+            **{name: float(ds[name][k]) for name in NUMBERS},
+            **{name: words[name][int(ds[variable][k])] for name, variable in names.items()},
+            **{name: found[int(ds[name][k]) + 1] for name, found in optional.items()},
+            **{column: "" if lines[name][k] == "none" else lines[name][k] for name, column in _LINES.items()},
+        }
+        rows.append(Row(**cells, number=int(ds["row_number"][k]), complete=bool(ds["complete"][k])))
     return rows

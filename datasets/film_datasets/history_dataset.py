@@ -87,6 +87,8 @@ def history_dataset(history: History, samples: int = 201, command: str = "film_d
         if v.name in columns
     }
     ds = xr.Dataset({name: value for name, value in data.items() if name != "t"}, coords={"t": data["t"]})
+    for name, interval in history.intervals.items():
+        ds[name].attrs |= {"model_interval": np.array([interval.low, interval.high]), "evidence": interval.evidence}
     ds.attrs = _attributes(history, command)
     ds.attrs["content_sha256"] = content_sha256(ds)
     return ds

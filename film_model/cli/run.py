@@ -88,7 +88,8 @@ def _table(history: History) -> str:
     lines = [history.scene.title or "Impact", f"law {problem.law.name}; {history.outcome.value}", ""]
     for name, (dimension, _) in SUMMARY.items():
         value = history.summary[name]
-        lines.append(f"  {name.replace('_', ' '):30}{'-' if value is None else format_si(value, dimension, 6):>16}")
+        text = "-" if value is None else format_si(value, dimension, 6)
+        lines.append(f"  {name.replace('_', ' '):30}{text:>16}{history.interval_text(name)}")
     lines += ["", f"  {'event':24}{'time':>14}{'indentation':>16}{'force':>14}"]
     for event in history.events[:MOST_EVENTS]:
         numbers = (

@@ -25,7 +25,7 @@ def add_commands(named: Any) -> None:
 
 
 def validate(options: argparse.Namespace) -> int:
-    """Print median and worst error by law and source."""
+    """Print median and worst error by law and group of rows."""
     from film_datasets import load
     from film_datasets.evidence import evidence_rows
     from film_model.studies.validation import TESTED, compare, table
@@ -61,9 +61,12 @@ def _rows_as_csv(reports: list[LawReport]) -> str:
 
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["source", "quantity", "published", "uncertainty", "kind", *(report.law for report in reports)])
+    writer.writerow(
+        ["source", "quantity", "published", "uncertainty", "kind", "held_out", *(report.law for report in reports)]
+    )
     for predictions in zip(*(report.predictions for report in reports), strict=True):
         row = predictions[0].row
         found = (f"{prediction.value:.6g}" for prediction in predictions)
-        writer.writerow([row.source, row.quantity, f"{row.value:.6g}", row.uncertainty, row.kind, *found])
+        held = "yes" if row.held_out else "no"
+        writer.writerow([row.source, row.quantity, f"{row.value:.6g}", row.uncertainty, row.kind, held, *found])
     return text.getvalue()

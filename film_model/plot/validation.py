@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from film_model.plot.style import COLOURS, HIGHLIGHT, picture
-from film_model.studies.validation import AUTO, LawReport, measured
+from film_model.studies.validation import AUTO, GROUPS, LawReport
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 OTHERS = tuple(colour for colour in COLOURS if colour != HIGHLIGHT)
+RESTITUTION = "coefficient_of_restitution"
 MARKS = {"measured": "o", "finite_element": "s", "theory": "^"}
 
 
@@ -29,7 +30,7 @@ def plot_validation(
             colour = _colour(report, k)
             for kind, mark in MARKS.items():
                 found = [p for p in report.predictions if p.row.kind == kind and p.value == p.value]
-                values = [p.row.value if p.row.value < 1.0 and p.row.value > 0.01 else 1e3 * p.row.value for p in found]
+                values = [p.row.value if p.row.quantity == RESTITUTION else 1e3 * p.row.value for p in found]
                 style: Any = {"linestyle": "", "marker": mark, "markersize": 5.0 if first else 3.0, "color": colour}
                 left.plot(values, [1.0 + p.error for p in found], **style, alpha=1.0 if first else 0.45)
         _legend(figure, reports)
@@ -50,7 +51,7 @@ def plot_validation(
         right.set(xscale="symlog", xlabel="absolute error, %")
         right.xaxis.set_major_formatter("{x:g}")
         for k, report in enumerate(reports):
-            own = [100 * error for error in report.errors(measured)]
+            own = [100 * error for error in report.errors(GROUPS["measured"])]
             right.plot(own, [k + 1] * len(own), "o", markersize=3.0, color=HIGHLIGHT)
 
     return picture(path, draw, (11.0, 5.0), dpi)

@@ -5,17 +5,19 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base import units
-from film_model.base.errors import Outcome
+from film_model.base.errors import Outcome, did_you_mean, shown
 from film_model.base.late import Late
 from film_model.core import native
 from film_model.effects.choose import Choice
 from film_model.effects.effect import Effect
+from film_model.problem.model_intervals import ModelInterval, model_interval
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
@@ -187,6 +189,30 @@ class History:
         """Every effect with the number that decided."""
         return self.choice.effects
 
+    @cached_property
+    def intervals(self) -> Mapping[str, ModelInterval]:
+        """Of the summary values of which measurements of this kind are known: the 90 % interval of the model, SI."""
+        found = {name: model_interval(self.problem, name, value) for name, value in self.summary.items()}
+        return {name: interval for name, interval in found.items() if interval is not None}
+
+    def interval(self, name: str) -> tuple[Any, Any, str] | None:
+        """The 90 % interval of the model of a summary value: two quantities, and the measurements that it comes from.
+
+        None where no measurements of this kind are known. It stands beside the numerical error, `accuracy`.
+        Raises ValueError for a name that is not in the summary.
+
+        >>> history = fm.simulate(scene)
+        >>> history.interval("maximum_force") is None
+        True
+        """
+        if name not in SUMMARY:
+            raise ValueError(f"{shown(name)} is no summary value{did_you_mean(name, SUMMARY)}")
+        found = self.intervals.get(name)
+        if found is None:
+            return None
+        low, high = (units.quantity(end, SUMMARY[name][0]) for end in (found.low, found.high))
+        return low, high, found.evidence
+
     @property
     def vibration_energy_by_mode(self) -> NDArray[np.float64] | None:
         """Energy of each natural vibration at the end, J, in the order of `vibration.frequency`; None without modes."""
@@ -250,7 +276,8 @@ class History:
             "law": self.problem.law.name,
             "outcome": self.outcome.value,
             "summary": {
-                name: {"value": value, "units": units.si_unit(SUMMARY[name][0])} for name, value in self.summary.items()
+                name: {"value": value, "units": units.si_unit(SUMMARY[name][0]), **self._evidence(name)}
+                for name, value in self.summary.items()
             },
             **found,
             "events": [event.to_dict() for event in self.events],
@@ -258,6 +285,16 @@ class History:
             "accuracy": {f.name: getattr(self.accuracy, f.name) for f in fields(self.accuracy)},
             "warnings": list(self.warnings),
         }
+
+    def interval_text(self, name: str) -> str:
+        """What is printed behind a summary value about its interval; nothing without evidence."""
+        found = self.intervals.get(name)
+        return "" if found is None else found.text(SUMMARY[name][0])
+
+    def _evidence(self, name: str) -> dict[str, Any]:
+        """The interval of a summary value and its evidence, for JSON; nothing without evidence."""
+        found = self.intervals.get(name)
+        return {} if found is None else {"interval": [found.low, found.high], "evidence": found.evidence}
 
     def to_json(self) -> str:
         """The same values as the text of one JSON object."""

@@ -1,4 +1,4 @@
-"""Every law against measured and computed values: errors by source, and whether restitution falls with velocity."""
+"""Every law against measured and computed values: errors by family, and whether restitution falls with velocity."""
 
 from __future__ import annotations
 
@@ -6,16 +6,18 @@ import math
 import statistics
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 from film_model.base.errors import SimulationError
+from film_model.effects.law_range import law_warnings
 from film_model.laws import LAWS
 from film_model.laws.example_ball import example_ball, example_law
 from film_model.problem.curve import curve_of
-from film_model.problem.law_of_scene import YIELDING
+from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIELDING
+from film_model.problem.model_intervals import family_of
 from film_model.scene import Contact, Effects, Scene, Sphere
 from film_model.solve.simulate import simulate_quietly
+from film_model.studies.validation_rows import Row, material
 from film_model.targets import HalfSpace, Plate
 
 AUTO = "auto"
@@ -24,37 +26,23 @@ TESTED = (AUTO, *(name for name, law in LAWS.items() if law.family == "yields"))
 
 ACCURACY = 1e-5
 
-
-class Row(NamedTuple):
-    """One value and its conditions, SI; nan: not given. See datasets/published/measured_impacts.csv."""
-
-    value: float
-    uncertainty: float
-    radius: float
-    mass: float
-    velocity: float
-    effective_modulus: float
-    yield_strength: float
-    poissons_ratio: float
-    target_impedance: float
-    quantity: str
-    source: str
-    kind: str
-    sureness: str
-    law: str
-    note: str
-
-    @property
-    def yields(self) -> bool:
-        """Whether it says something about a law that yields."""
-        return self.yield_strength == self.yield_strength and self.kind != "same_law"
+GROUPS: dict[str, Callable[[Row], bool]] = {
+    "measured": lambda row: row.usable,
+    "measured, used": lambda row: row.usable and not row.held_out,
+    "measured, held out": lambda row: row.usable and row.held_out,
+    "finite elements": lambda row: row.kind == "finite_element",
+    "theory": lambda row: row.kind == "theory",
+}
+"""Groups of rows whose errors are shown."""
 
 
 class Prediction(NamedTuple):
-    """What a law gives for a row; nan: it cannot simulate it."""
+    """What a law gives for a row; nan: it cannot simulate it. outside: of the range of the law, or of plasticity."""
 
     row: Row
     value: float
+    family: str | None
+    outside: bool
 
     @property
     def error(self) -> float:
@@ -78,30 +66,25 @@ class LawReport:
 
     def errors(self, where: Callable[[Row], bool] = lambda row: True) -> list[float]:
         """Absolute errors of the rows that the law can simulate, sorted."""
-        found = (abs(p.error) for p in self.predictions if where(p.row))
-        return sorted(error for error in found if not math.isnan(error))
-
-    @cached_property
-    def sources(self) -> dict[str, list[float]]:
-        """Errors by source."""
-        words = dict.fromkeys(p.row.source for p in self.predictions)
-        return {word: self.errors(lambda row, word=word: row.source == word) for word in words}
+        return absolute(p for p in self.predictions if where(p.row))
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values."""
+        groups = {name: self.errors(where) for name, where in GROUPS.items()}
         return {
             "law": self.law,
             "monotone": self.monotone,
             "rises": list(self.rises),
-            "median": median(self.errors()),
-            "measured_median": median(self.errors(measured)),
-            "sources": {word: {"median": median(e), "worst": max(e, default=None)} for word, e in self.sources.items()},
+            "groups": {
+                name: {"count": len(e), "median": median(e), "worst": max(e, default=None)}
+                for name, e in groups.items()
+            },
         }
 
 
-def measured(row: Row) -> bool:
-    """Whether the row is a measurement of a contact that yields."""
-    return row.kind == "measured"
+def absolute(predictions: Any) -> list[float]:
+    """Absolute errors, sorted, of those that were simulated."""
+    return sorted(abs(p.error) for p in predictions if not math.isnan(p.value))
 
 
 def median(errors: Sequence[float]) -> float | None:
@@ -110,27 +93,26 @@ def median(errors: Sequence[float]) -> float | None:
 
 
 def compare(rows: Sequence[Row], laws: Sequence[str] = TESTED) -> list[LawReport]:
-    """Reports of laws on the rows of contacts that yield, best median first. Raises ValueError for an unknown name."""
+    """Reports of laws on measured rows and on those computed for contacts that yield: "auto", then the best first.
+
+    They are sorted by the median of the measured rows. Raises ValueError for an unknown name.
+    """
     wrong = [name for name in laws if name not in TESTED]
     if wrong:
         raise ValueError(f"law {wrong[0]!r} is not compared; there are {', '.join(TESTED)}")
-    own = [row for row in rows if row.yields]
+    own = [row for row in rows if row.usable or row.yields]
     reports = [_report(law, own) for law in laws]
-    return sorted(reports, key=lambda report: median(report.errors()) or math.inf)
+    return sorted(reports, key=lambda r: (r.law != AUTO, median(r.errors(GROUPS["measured"])) or math.inf))
 
 
-def elastic(rows: Sequence[Row]) -> LawReport:
-    """Hertz's law on the rows of elastic contacts."""
-    return LawReport("hertz", tuple(predict("hertz", row) for row in rows if _is_elastic(row)), 1.0, ())
+def elastic(rows: Sequence[Row]) -> list[Prediction]:
+    """Hertz's law on theories of elastic contacts."""
+    return [predict(ELASTIC, row) for row in rows if row.kind == "theory" and not row.yields]
 
 
 def own_numbers(rows: Sequence[Row]) -> list[Prediction]:
-    """What the laws give for values that were computed with them."""
-    return [predict(row.law, row) for row in rows if row.kind == "same_law"]
-
-
-def _is_elastic(row: Row) -> bool:
-    return row.yield_strength != row.yield_strength and row.kind != "same_law"
+    """What laws give for values computed with them, or fitted by their own authors: they confirm no law."""
+    return [predict(row.law, row) for row in rows if row.kind in ("own_fit", "same_law")]
 
 
 def _report(law: str, rows: Sequence[Row]) -> LawReport:
@@ -138,65 +120,72 @@ def _report(law: str, rows: Sequence[Row]) -> LawReport:
     restitution = [p.value for p in predictions if p.row.quantity == "coefficient_of_restitution"]
     largest = max((value for value in restitution if not math.isnan(value)), default=0.0)
     name = YIELDING if law == AUTO else law
-    said = (f"from {r.low:.3f} to {r.high:.3f}" for r in curve_of(_law_of(name, rows[0])).rises) if rows else ()
-    return LawReport(law, predictions, largest, tuple(said))
+    first = next((scene_of(AUTO, row) for row in rows if row.yields or row.usable), None)
+    said = () if first is None else curve_of(_law_of(name, first)).rises
+    return LawReport(law, predictions, largest, tuple(f"from {r.low:.3f} to {r.high:.3f}" for r in said))
 
 
 def predict(law: str, row: Row) -> Prediction:
     """What a law gives for a row."""
+    family = family_of(scene_of(AUTO, row))
     try:
-        summary = simulate_quietly(scene_of(law, row), accuracy=ACCURACY).summary
+        history = simulate_quietly(scene_of(law, row), accuracy=ACCURACY)
     except (SimulationError, ValueError):
-        return Prediction(row, math.nan)
-    if row.quantity == "dent_diameter":
-        return Prediction(row, _dent(row, summary))
-    found = summary[row.quantity]
-    return Prediction(row, math.nan if found is None else float(found))
+        return Prediction(row, math.nan, family, False)
+    found = history.summary[row.quantity]
+    outside = any("outside its range" in said for said in law_warnings(history.problem))
+    return Prediction(row, math.nan if found is None else float(found), family, outside)
 
 
-def _dent(row: Row, summary: Any) -> float:
-    """Diameter of the cap of the ball that is as deep as the permanent indentation, without pile-up: √(8 R δ_f)."""
-    return math.sqrt(8.0 * row.radius * max(summary["permanent_indentation"] or 0.0, 0.0))
-
-
-def _law_of(name: str, row: Row) -> Any:
-    ball = example_ball(
-        row.effective_modulus, row.radius, row.yield_strength, row.poissons_ratio, row.mass, row.velocity
-    )
+def _law_of(name: str, scene: Scene) -> Any:
+    """A named law with the parameters that follow from the strength of a scene of law "auto"."""
+    modulus, strength, ratio = scene.effective_modulus, scene.yield_strength, scene.poissons_ratio
+    if modulus is None or strength is None:
+        raise ValueError(f"law {name} needs a strength")
+    ratio = ASSUMED_POISSONS_RATIO if ratio is None else ratio
+    ball = example_ball(modulus, scene.effective_radius, strength, ratio, scene.effective_mass, scene.approach_velocity)
     return example_law(LAWS[name], ball)
 
 
 def scene_of(law: str, row: Row) -> Scene:
     """The scene of a row: a ball on a half-space, or on an infinite plate of the row's impedance."""
-    ball = Sphere(f"{row.radius!r} m", velocity=f"{row.velocity!r} m/s", mass=f"{row.mass!r} kg")
-    given: dict[str, Any] = {"effective_modulus": f"{row.effective_modulus!r} Pa"}
-    effects = Effects(gravity=False)
-    if law == AUTO:
-        given |= {"yield_strength": f"{row.yield_strength!r} Pa", "poissons_ratio": row.poissons_ratio}
-        contact = Contact(AUTO, **given)
-    elif law == "hertz":
-        contact = Contact(law, **given)
+    ball: dict[str, Any] = {"velocity": f"{row.velocity!r} m/s", "mass": f"{row.mass!r} kg"}
+    effects, given = Effects(gravity=False), dict[str, Any]()
+    if row.target:
+        sphere = Sphere(f"{row.radius!r} m", **ball, material=material(row.ball))
+        scene = Scene(sphere, HalfSpace(material(row.target)), Contact(AUTO), effects)
     else:
-        contact = Contact(_law_of(law, row))
+        given |= {"effective_modulus": f"{row.effective_modulus!r} Pa"}
+        if row.yield_strength == row.yield_strength:
+            given |= {"yield_strength": f"{row.yield_strength!r} Pa", "poissons_ratio": row.poissons_ratio}
+        scene = Scene(Sphere(f"{row.radius!r} m", **ball), _target(row), Contact(AUTO, **given), effects)
+    if law == AUTO:
+        return scene
+    if law == ELASTIC:
+        return Scene(scene.impactor, scene.target, Contact(law, **given), effects)
+    return Scene(scene.impactor, scene.target, Contact(_law_of(law, scene)), effects)
+
+
+def _target(row: Row) -> HalfSpace | Plate:
     impedance = row.target_impedance
     if impedance != impedance:
-        return Scene(ball, HalfSpace(), contact, effects)
+        return HalfSpace()
     bending = (impedance / 8.0) ** 2  # of an isotropic plate of 1 kg/m²: Z = 8 sqrt(ρ_A D)
     shares = {"D11": 1.0, "D12": 0.3, "D22": 1.0, "D66": 0.35}
     stiffness = {name: f"{share * bending!r} N*m" for name, share in shares.items()}
-    return Scene(ball, Plate(mass_per_area="1 kg/m^2", bending_stiffness=stiffness), contact, effects)
+    return Plate(mass_per_area="1 kg/m^2", bending_stiffness=stiffness)
 
 
 def table(reports: Sequence[LawReport]) -> str:
-    """Median and worst error in percent, law × source, for a terminal."""
-    words = list(reports[0].sources)
-    lines = [f"{'median / worst error in %':26}" + "".join(f"{word[:17]:>19}" for word in (*words, "all", "measured"))]
+    """Median and worst error in percent, law × group of rows, for a terminal."""
+    names = [f"{name} ({len(reports[0].errors(where))})" for name, where in GROUPS.items()]
+    lines = [f"{'median / worst error in %':26}" + "".join(f"{name:>24}" for name in names)]
     for report in reports:
-        cells = [*report.sources.values(), report.errors(), report.errors(measured)]
-        shown = "".join(f"{_cell(errors):>19}" for errors in cells)
+        shown = "".join(f"{error_cell(report.errors(where)) or '-':>24}" for where in GROUPS.values())
         lines.append(f"{report.law:26}{shown}  {'falls' if report.monotone else 'not monotone'}")
     return "\n".join(lines)
 
 
-def _cell(errors: Sequence[float]) -> str:
-    return f"{100 * statistics.median(errors):.1f} / {100 * max(errors):.1f}" if errors else "-"
+def error_cell(errors: Sequence[float]) -> str:
+    """Median and worst error in percent; empty without values."""
+    return f"{100 * statistics.median(errors):.1f} / {100 * max(errors):.1f}" if errors else ""

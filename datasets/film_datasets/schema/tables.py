@@ -61,7 +61,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.4": (),
         "1.5": _STEPS,
     },
-    MEASUREMENT: {"1.0": (), "1.1": ()},
+    MEASUREMENT: {"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter")},
     COST: {"1.0": ()},
 }
 """Kinds of datasets (attribute film_model_schema): the versions that can be read, oldest first, each with the names of
@@ -184,10 +184,11 @@ _MEASURED_IMPACTS = (
 
 EVIDENCE_QUANTITIES = (
     *("coefficient_of_restitution", "maximum_force", "maximum_indentation"),
-    *("time_of_maximum_indentation", "contact_duration", "dent_diameter"),
+    *("time_of_maximum_indentation", "contact_duration", "dent_diameter", "permanent_indentation"),
 )
-EVIDENCE_KINDS = ("measured", "finite_element", "theory", "same_law")
-EVIDENCE_SURENESS = ("table", "figure", "formula", "recollection")
+EVIDENCE_KINDS = ("measured", "finite_element", "theory", "same_law", "own_fit")
+EVIDENCE_SURENESS = ("table", "figure", "formula", "text", "conversion")
+EVIDENCE_MATTER = ("metal", "brittle", "polymer")
 
 _EVIDENCE = (
     Variable("quantity", ("row",), BYTE, None, "what the value is", flags=tuple(enumerate(EVIDENCE_QUANTITIES))),
@@ -195,16 +196,23 @@ _EVIDENCE = (
         *("value", ("row",), FLOAT, None, "value of the quantity"),
         comment="SI: 1 for a coefficient of restitution, N, m and s for the others",
     ),
-    number("uncertainty", ("row",), "dimensionless", "relative uncertainty of the value"),
+    number("uncertainty", ("row",), "dimensionless", "relative uncertainty of the value", "NaN: not given", True),
     Variable("source_of_value", ("row",), BYTE, None, "source", "attribute sources has the references", more="sources"),
     Variable("kind_of_value", ("row",), BYTE, None, "where it is from", flags=tuple(enumerate(EVIDENCE_KINDS))),
     Variable("sureness", ("row",), BYTE, None, "how it was read", flags=tuple(enumerate(EVIDENCE_SURENESS))),
+    Variable("row_number", ("row",), INTEGER, "1", "number of the row among those of its source"),
+    Variable("complete", ("row",), BYTE, None, "whether the conditions are known", flags=((0, "no"), (1, "yes"))),
+    Variable("held_out", ("row",), BYTE, None, "whether it is never used to fit", flags=((0, "no"), (1, "yes"))),
+    Variable(
+        *("matter", ("row",), BYTE, None, "bodies of measured values"),
+        flags=((-1, "none"), *enumerate(EVIDENCE_MATTER)),
+    ),
     Variable("law", ("row",), BYTE, None, "law that it was computed with", flags=((-1, "none"),), more="laws"),
-    number("radius", ("row",), "length", "effective radius"),
-    number("mass", ("row",), "mass", "effective mass"),
-    number("velocity", ("row",), "velocity", "approach velocity"),
-    number("effective_modulus", ("row",), "pressure", "effective contact modulus"),
-    number("yield_strength", ("row",), "pressure", "yield strength", "NaN: elastic contact", True),
+    number("radius", ("row",), "length", "effective radius", _ABSENT, True),
+    number("mass", ("row",), "mass", "effective mass", _ABSENT, True),
+    number("velocity", ("row",), "velocity", "approach velocity", _ABSENT, True),
+    number("effective_modulus", ("row",), "pressure", "effective contact modulus", _ABSENT, True),
+    number("yield_strength", ("row",), "pressure", "yield strength", "NaN: elastic, or from a material", True),
     number("poissons_ratio", ("row",), "dimensionless", "Poisson's ratio of the body that yields", _ABSENT, True),
     number("target_impedance", ("row",), "impedance", "wave impedance of the target", "NaN: a half-space", True),
 )

@@ -1,0 +1,129 @@
+"""How far measurements lie from what law "auto" computes: 90 % intervals of the model, by family of impacts.
+
+The intervals come from the residuals ln(measured/computed) of published measurements (`film_model.studies.residuals`),
+which `python examples/model_intervals.py` stores in model_intervals.json. They say nothing about numerical errors.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+from film_model.base.units import format_si
+from film_model.laws.yielding import yield_point
+from film_model.problem.problem import Problem
+from film_model.scene import Scene
+
+STORED = Path(__file__).with_suffix(".json")
+
+COVERED = 0.9
+"""Share of the measurements in an interval."""
+
+FEWEST = 9
+"""Residuals that a family needs for an interval of its own: 90 % of fewer cannot be told from all of them. With fewer
+it takes that of all impacts that yield."""
+
+MANY_YIELD_VELOCITIES = 50.0
+"""Approach velocity over yield velocity that parts the two families of impacts that yield."""
+
+STIFFEST_POLYMER = 6e9
+"""Effective modulus, Pa, below which one of the bodies is a polymer: no measurement is known with whole conditions."""
+
+BELOW, ABOVE = "yielding_below_50", "yielding_above_50"
+FAMILIES = {
+    "elastic": "elastic contacts",
+    BELOW: f"steel of known hardness at 1 to {MANY_YIELD_VELOCITIES:g} yield velocities",
+    ABOVE: f"steel of known hardness beyond {MANY_YIELD_VELOCITIES:g} yield velocities",
+    "yielding": "steel of known hardness that yields",
+}
+"""Families of impacts → in words; "yielding" pools the two before it."""
+
+_POOLED = {BELOW: "yielding", ABOVE: "yielding"}
+
+
+class Residuals(NamedTuple):
+    """Residuals of one family and quantity. low, high: of ln(measured/computed). most: yield velocities of any row."""
+
+    family: str
+    quantity: str
+    rows: int
+    low: float
+    high: float
+    most: float
+
+
+class ModelInterval(NamedTuple):
+    """A 90 % interval of the model, SI, and the measurements that it comes from."""
+
+    low: float
+    high: float
+    evidence: str
+
+    def text(self, dimension: str) -> str:
+        """For behind a value: ", 0.44 to 0.52 (90 % of 61 measurements of steel that yields)"."""
+        low, high = (format_si(end, dimension, 3) for end in (self.low, self.high))
+        return f", {low} to {high} ({100 * COVERED:g} % of {self.evidence})"
+
+
+def yield_velocities(scene: Scene) -> float | None:
+    """Approach velocity over the yield velocity of slow loading, by energy; None without a strength or a modulus."""
+    strength, modulus = scene.yield_strength, scene.effective_modulus
+    if strength is None or modulus is None:
+        return None
+    indentation, force = yield_point(modulus, scene.effective_radius, strength)
+    return math.sqrt(scene.kinetic_energy / (0.4 * force * indentation))
+
+
+def family_of(scene: Scene) -> str | None:
+    """The family of a scene's impact; None for a polymer, of which there is no evidence."""
+    modulus, ratio = scene.effective_modulus, yield_velocities(scene)
+    if modulus is not None and modulus < STIFFEST_POLYMER:
+        return None
+    if ratio is None or ratio <= 1.0:
+        return "elastic"
+    return BELOW if ratio <= MANY_YIELD_VELOCITIES else ABOVE
+
+
+def model_interval(problem: Problem, name: str, value: float | None) -> ModelInterval | None:
+    """The interval of a summary value of one impact; None if no measurements of this kind are known.
+
+    They are of law "auto" on bodies that do not move, vibrate, stick or creep.
+    """
+    moves = problem.free or problem.gamma > 0.0 or problem.vibrates
+    if value is None or not value > 0.0 or problem.scene.contact.law != "auto" or moves:
+        return None
+    if problem.relaxation is not None or problem.curve.pulls:
+        return None
+    family = family_of(problem.scene)
+    found = None if family is None else residuals_of(family, name)
+    if found is None:
+        return None
+    bound = 1.0 if name == "coefficient_of_restitution" else math.inf
+    low, high = (min(value * math.exp(residual), bound) for residual in (found.low, found.high))
+    said = f"{found.rows} measurements of {FAMILIES[found.family]}"
+    if found.family != family:
+        said += f"; fewer than {FEWEST} of them are like this one"
+    ratio = yield_velocities(problem.scene)
+    if ratio is not None and ratio > found.most:
+        said += f"; extrapolated from {found.most:.0f} to {ratio:.0f} yield velocities"
+    return ModelInterval(low, high, said)
+
+
+def residuals_of(family: str, quantity: str) -> Residuals | None:
+    """The residuals of a family, or of the wider one if it has too few; None if that has too few too."""
+    known = stored()
+    for one in (family, _POOLED.get(family)):
+        found = known.get((one or "", quantity))
+        if found is not None and found.rows >= FEWEST:
+            return found
+    return None
+
+
+@cache
+def stored() -> dict[tuple[str, str], Residuals]:
+    """The stored residuals, by family and quantity."""
+    rows = (Residuals(**entry) for entry in json.loads(STORED.read_text("utf-8"))["residuals"])
+    return {(row.family, row.quantity): row for row in rows}

@@ -1,0 +1,84 @@
+"""Residuals of measured rows, from which the stored intervals of the model are made, and their coverage."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from film_model.problem.model_intervals import (
+    ABOVE,
+    BELOW,
+    COVERED,
+    FAMILIES,
+    Residuals,
+    residuals_of,
+    yield_velocities,
+)
+from film_model.studies.validation import AUTO, Prediction, predict, scene_of
+from film_model.studies.validation_rows import Row
+
+DIGITS = 4
+"""Decimals of a stored residual: 0.01 % of the value."""
+
+
+class Coverage(NamedTuple):
+    """How many rows lie in their interval, of how many that have one. spread: one standard deviation of the share."""
+
+    inside: int
+    rows: int
+
+    @property
+    def share(self) -> float:
+        """The share of the rows in their interval."""
+        return self.inside / self.rows if self.rows else math.nan
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the share if 90 % is true and the rows are independent."""
+        return math.sqrt(COVERED * (1.0 - COVERED) / self.rows) if self.rows else math.nan
+
+
+def predictions(rows: Iterable[Row]) -> list[Prediction]:
+    """What law "auto" gives for the measured rows whose conditions are complete."""
+    return [predict(AUTO, row) for row in rows if row.usable]
+
+
+def residuals(found: Sequence[Prediction]) -> list[Residuals]:
+    """By family and quantity, of rows that are not held out."""
+    used = [one for one in found if not one.row.held_out and one.value > 0.0]
+    table: list[Residuals] = []
+    for family in FAMILIES:
+        own = [one for one in used if one.family in ((BELOW, ABOVE) if family == "yielding" else (family,))]
+        for quantity in dict.fromkeys(one.row.quantity for one in used):
+            rows = [one for one in own if one.row.quantity == quantity]
+            if rows:
+                low, high = central(sorted(math.log(one.row.value / one.value) for one in rows))
+                most = max(yield_velocities(scene_of(AUTO, one.row)) or 0.0 for one in rows)
+                ends = (round(low, DIGITS), round(high, DIGITS), round(most, 1))
+                table.append(Residuals(family, quantity, len(rows), *ends))
+    return table
+
+
+def central(values: Sequence[float]) -> tuple[float, float]:
+    """Interval about the median into which the next of exchangeable values falls with a probability of 90 %.
+
+    Its half width is the ⌈0.9 (n + 1)⌉-th smallest distance from the median, or the largest of fewer than 9 values
+    (split conformal prediction, Vovk et al. 2005).
+    """
+    middle = statistics.median(values)
+    distances = sorted(abs(value - middle) for value in values)
+    half = distances[min(math.ceil(COVERED * (len(values) + 1)), len(values)) - 1]
+    return middle - half, middle + half
+
+
+def coverage(found: Iterable[Prediction]) -> Coverage:
+    """Of the held-out rows, how many lie in the stored interval of their family."""
+    inside = count = 0
+    for one in found:
+        own = residuals_of(one.family or "", one.row.quantity) if one.row.held_out and one.value > 0.0 else None
+        if own is not None:
+            count += 1
+            inside += own.low <= math.log(one.row.value / one.value) <= own.high
+    return Coverage(inside, count)

@@ -1,0 +1,129 @@
+"""The intervals of the model: stored residuals, coverage of held-out rows, and where they are printed."""
+
+import json
+import math
+from collections import Counter
+
+import pytest
+from test_examples import example
+
+import film_datasets as fd
+import film_model as fm
+from film_datasets.evidence import evidence_rows
+from film_model.cli.main import main
+from film_model.problem.model_intervals import (
+    ABOVE,
+    BELOW,
+    FEWEST,
+    STORED,
+    family_of,
+    residuals_of,
+    stored,
+    yield_velocities,
+)
+from film_model.studies.residuals import central, coverage, predictions
+from film_model.studies.validation import scene_of
+from film_model.studies.validation_rows import flow_strength
+
+STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3", "yield_strength": "1.2 GPa"}
+E, DENT = "coefficient_of_restitution", "permanent_indentation"
+
+
+def scene(velocity="2 m/s", law="auto", **target):
+    ball = fm.Sphere("1.5 mm", velocity=velocity, mass="5.5 g", material="tungsten carbide")
+    return fm.Scene(ball, fm.HalfSpace(STEEL | target), fm.Contact(law), effects=fm.Effects(gravity=False))
+
+
+@pytest.fixture(scope="module")
+def found():
+    return predictions(evidence_rows(fd.load("measured_impacts")))
+
+
+def test_the_stored_residuals_are_those_of_the_rows(tmp_path):
+    path = example("model_intervals").main(tmp_path / "made.json")
+    assert json.loads(path.read_text("utf-8")) == json.loads(STORED.read_text("utf-8"))
+
+
+def test_held_out_rows_lie_in_their_interval(found):
+    covered = coverage(found)
+    assert covered.rows >= 20
+    assert abs(covered.share - 0.9) <= max(0.05, 2.0 * covered.spread)
+
+
+def test_a_central_interval_covers_nine_of_ten():
+    """Of 99 values the 90th smallest distance from the median; of 8 the largest."""
+    low, high = central([float(k) for k in range(1, 100)])
+    assert (low, high) == (5.0, 95.0)
+    assert central([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 7.0]) == (-7.0, 7.0)
+
+
+def test_a_family_with_too_few_rows_takes_the_wider_one():
+    assert stored()[BELOW, E].rows < FEWEST <= stored()["yielding", E].rows
+    assert residuals_of(BELOW, E) == stored()["yielding", E] != residuals_of(ABOVE, E)
+    assert residuals_of("elastic", E) is None and residuals_of(ABOVE, "maximum_force") is None
+    history = fm.simulate(scene("0.5 m/s"))
+    assert family_of(history.scene) == BELOW
+    assert "; fewer than 9 of them are like this one" in history.interval(E)[2]
+
+
+def test_an_interval_is_the_value_times_the_residuals():
+    history = fm.simulate(scene())
+    low, high, evidence = history.interval(E)
+    own = residuals_of(ABOVE, E)
+    assert low.magnitude == pytest.approx(history.summary[E] * math.exp(own.low))
+    assert high.magnitude == pytest.approx(history.summary[E] * math.exp(own.high))
+    assert evidence == f"{own.rows} measurements of steel of known hardness beyond 50 yield velocities"
+    assert history.interval(DENT)[0].check("[length]")
+    slow = f"{2.0 / yield_velocities(scene('1 m/s')):.6g} m/s"
+    assert fm.simulate(scene(slow)).interval(E)[1].magnitude == 1.0
+    assert "; extrapolated from " in fm.simulate(scene("6 m/s", yield_strength="600 MPa")).interval(E)[2]
+    with pytest.raises(ValueError, match="is no summary value"):
+        history.interval("restitution")
+
+
+@pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
+def test_without_evidence_there_is_no_interval():
+    soft = {"youngs_modulus": "3 GPa", "yield_strength": "60 MPa"}
+    for other in (scene("1 mm/s"), scene(**soft), scene(law="hertz")):
+        history = fm.simulate(other)
+        assert history.intervals == {} and history.interval(E) is None
+    bodies = fm.Scene(
+        fm.Sphere("5 mm", velocity="2 m/s", material="mild steel"), fm.Plate("mild steel", thickness="5 mm")
+    )
+    assert fm.simulate(bodies).intervals == {}
+
+
+def test_json_text_html_and_dataset_have_it(tmp_path, capsys):
+    path = tmp_path / "scene.toml"
+    path.write_text(scene().to_toml(), "utf-8")
+    assert main(["run", str(path), "--json"]) == 0
+    summary = json.loads(capsys.readouterr().out)["summary"]
+    low, high = summary[E]["interval"]
+    assert low < high and summary[E]["evidence"].startswith(f"{residuals_of(ABOVE, E).rows} measurements of ")
+    assert "interval" not in summary["maximum_force"] and "evidence" not in summary["maximum_force"]
+    assert main(["run", str(path)]) == 0
+    printed = capsys.readouterr().out
+    assert f", {low:.3g} to {high:.3g} (90 % of {summary[E]['evidence']})" in printed
+    history = fm.simulate(scene())
+    assert f", {low:.3g} to {high:.3g} (90 % of" in history._repr_html_()
+    ds = history.to_dataset()
+    assert fd.validate(ds) == []
+    assert ds[E].attrs["model_interval"].tolist() == [low, high] and ds[E].attrs["evidence"] == summary[E]["evidence"]
+    fd.write(ds, tmp_path / "history.nc")
+    read = fd.read(tmp_path / "history.nc")
+    assert read[E].attrs["model_interval"].tolist() == [low, high]
+    assert "model_interval" not in read["maximum_force"].attrs
+
+
+def test_families_part_at_fifty_yield_velocities(found):
+    for one in found:
+        ratio = yield_velocities(scene_of("auto", one.row))
+        assert one.family == ("elastic" if ratio is None else BELOW if ratio <= 50.0 else ABOVE)
+    assert Counter(one.family for one in found)[ABOVE] > 30
+
+
+def test_hardness_becomes_a_flow_strength():
+    """Tabor: H = HV 9.80665 MPa/0.927 on the projected area, flow strength H/2.8."""
+    assert flow_strength("300 HV") == pytest.approx(1.1334e9, rel=1e-4)
+    with pytest.raises(ValueError, match="hardness '60 HRC' is not a number of HV"):
+        flow_strength("60 HRC")

@@ -15,7 +15,7 @@ from film_model.problem.model_intervals import STORED
 from film_model.studies.residuals import predictions, residuals
 
 
-def main(path: Path = STORED) -> Path:
+def main(path: Path = Path(STORED)) -> Path:
     """Write the file; returns its path."""
     found = residuals(predictions(evidence_rows(fd.load("measured_impacts"))))
     rows = ",\n".join(f"    {json.dumps(one._asdict())}" for one in found)

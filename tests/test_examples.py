@@ -15,6 +15,7 @@ import pytest
 import film_datasets as fd
 import film_model as fm
 from film_model.effects.choose import problem_of
+from film_model.problem import model_intervals
 from film_model.studies import quadrature
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -321,6 +322,12 @@ def test_tune_drop_height():
 
 
 @pytest.mark.slow
+def test_model_intervals(tmp_path):
+    """The stored residuals of the measured rows are those of today's law."""
+    path = example("model_intervals").main(tmp_path / "made.json")
+    assert path.read_text("utf-8") == Path(model_intervals.STORED).read_text("utf-8")
+
+
 def test_validation_page(tmp_path):
     page, picture = example("validation_page").main(tmp_path)
     assert page.read_text("utf-8") == (EXAMPLES.parent / "docs" / "validation.md").read_text("utf-8")

@@ -5,7 +5,6 @@ import math
 from collections import Counter
 
 import pytest
-from test_examples import example
 
 import film_datasets as fd
 import film_model as fm
@@ -15,7 +14,6 @@ from film_model.problem.model_intervals import (
     ABOVE,
     BELOW,
     FEWEST,
-    STORED,
     family_of,
     residuals_of,
     stored,
@@ -37,11 +35,6 @@ def scene(velocity="2 m/s", law="auto", **target):
 @pytest.fixture(scope="module")
 def found():
     return predictions(evidence_rows(fd.load("measured_impacts")))
-
-
-def test_the_stored_residuals_are_those_of_the_rows(tmp_path):
-    path = example("model_intervals").main(tmp_path / "made.json")
-    assert json.loads(path.read_text("utf-8")) == json.loads(STORED.read_text("utf-8"))
 
 
 def test_held_out_rows_lie_in_their_interval(found):

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from functools import cache
-from pathlib import Path
 from typing import NamedTuple
 
 from film_model.base.units import format_si
@@ -17,7 +17,7 @@ from film_model.laws.yielding import yield_point
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
 
-STORED = Path(__file__).with_suffix(".json")
+STORED = f"{os.path.splitext(__file__)[0]}.json"
 
 COVERED = 0.9
 """Share of the measurements in an interval."""
@@ -125,5 +125,6 @@ def residuals_of(family: str, quantity: str) -> Residuals | None:
 @cache
 def stored() -> dict[tuple[str, str], Residuals]:
     """The stored residuals, by family and quantity."""
-    rows = (Residuals(**entry) for entry in json.loads(STORED.read_text("utf-8"))["residuals"])
+    with open(STORED, encoding="utf-8") as file:
+        rows = [Residuals(**entry) for entry in json.load(file)["residuals"]]
     return {(row.family, row.quantity): row for row in rows}

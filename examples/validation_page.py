@@ -15,7 +15,7 @@ import film_datasets as fd
 from film_datasets.evidence import evidence_rows
 from film_model.plot.validation import plot_validation
 from film_model.problem.model_intervals import FAMILIES, residuals_of, stored
-from film_model.studies.residuals import Coverage, coverage
+from film_model.studies.residuals import coverage, coverage_of_new_sources
 from film_model.studies.validation import (
     GROUPS,
     LawReport,
@@ -64,7 +64,8 @@ counts rows beyond the range that the law names.
 `film-model run` prints the 90 % interval of measured values behind a value of law "auto", where measurements of this
 kind are known: [Accuracy and cost](understand/accuracy_and_cost.md#how-far-measurements-lie). It comes from
 ln(measured/computed) of the rows that are not held out. Of the {held} held-out rows that have an interval, {inside}
-lie in it: {share} %, where 90 ± {spread} % is expected of independent rows.
+lie in it: {share} %, where 90 ± {spread} % is expected of independent rows. Of {new} in intervals made without
+the source of the row, {new_inside} do: a source that is not in the table is covered less.
 
 | family | quantity | rows | from, % | to, % | held-out rows inside |
 |---|---|---|---|---|---|
@@ -180,7 +181,7 @@ def page() -> tuple[str, list[LawReport]]:
     computed = [p for p in auto.predictions if not p.row.usable]
     measured = [row for row in rows if row.kind == "measured"]
     usable = [row for row in measured if row.usable]
-    covered: Coverage = coverage(found)
+    covered, new = coverage(found), coverage_of_new_sources(found)
     heads = list(shown_groups(reports))
     said = [f"`{report.law}`: restitution rises with velocity, {rise}." for report in reports for rise in report.rises]
     errors = absolute(found)
@@ -202,6 +203,8 @@ def page() -> tuple[str, list[LawReport]]:
         said="\n".join(said),
         held=covered.rows,
         inside=covered.inside,
+        new_inside=new.inside,
+        new=new.rows,
         share=f"{100 * covered.share:.0f}",
         spread=f"{100 * covered.spread:.0f}",
         intervals=interval_rows(found),

@@ -19,7 +19,7 @@ from film_model.problem.model_intervals import (
     stored,
     yield_velocities,
 )
-from film_model.studies.residuals import central, coverage, predictions
+from film_model.studies.residuals import central, coverage, coverage_of_new_sources, predictions
 from film_model.studies.validation import scene_of
 from film_model.studies.validation_rows import flow_strength
 
@@ -41,6 +41,7 @@ def test_held_out_rows_lie_in_their_interval(found):
     covered = coverage(found)
     assert covered.rows >= 20
     assert abs(covered.share - 0.9) <= max(0.05, 2.0 * covered.spread)
+    assert coverage_of_new_sources(found).inside < covered.inside, "neighbours in a table help each other"
 
 
 def test_a_central_interval_covers_nine_of_ten():

@@ -9,8 +9,9 @@ from __future__ import annotations
 import json
 import math
 import os
+from collections.abc import Iterable
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from film_model.base.units import format_si
 from film_model.laws.yielding import yield_point
@@ -112,9 +113,16 @@ def model_interval(problem: Problem, name: str, value: float | None) -> ModelInt
     return ModelInterval(low, high, said)
 
 
-def residuals_of(family: str, quantity: str) -> Residuals | None:
-    """The residuals of a family, or of the wider one if it has too few; None if that has too few too."""
-    known = stored()
+Table: TypeAlias = dict[tuple[str, str], Residuals]
+"""Residuals by family and quantity."""
+
+
+def residuals_of(family: str, quantity: str, table: Table | None = None) -> Residuals | None:
+    """The residuals of a family, or of the wider one if it has too few; None if that has too few too.
+
+    table: where they are; default those that are stored.
+    """
+    known = stored() if table is None else table
     for one in (family, _POOLED.get(family)):
         found = known.get((one or "", quantity))
         if found is not None and found.rows >= FEWEST:
@@ -123,8 +131,12 @@ def residuals_of(family: str, quantity: str) -> Residuals | None:
 
 
 @cache
-def stored() -> dict[tuple[str, str], Residuals]:
-    """The stored residuals, by family and quantity."""
+def stored() -> Table:
+    """The stored residuals."""
     with open(STORED, encoding="utf-8") as file:
-        rows = [Residuals(**entry) for entry in json.load(file)["residuals"]]
+        return by_family(Residuals(**entry) for entry in json.load(file)["residuals"])
+
+
+def by_family(rows: Iterable[Residuals]) -> Table:
+    """Residuals as a table."""
     return {(row.family, row.quantity): row for row in rows}

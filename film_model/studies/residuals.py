@@ -13,6 +13,8 @@ from film_model.problem.model_intervals import (
     COVERED,
     FAMILIES,
     Residuals,
+    Table,
+    by_family,
     residuals_of,
     yield_velocities,
 )
@@ -75,10 +77,26 @@ def central(values: Sequence[float]) -> tuple[float, float]:
 
 def coverage(found: Iterable[Prediction]) -> Coverage:
     """Of the held-out rows, how many lie in the stored interval of their family."""
-    inside = count = 0
+    return _covered((one for one in found if one.row.held_out), None)
+
+
+def coverage_of_new_sources(found: Sequence[Prediction]) -> Coverage:
+    """Of the held-out rows, how many lie in an interval from the other sources, as for a source not yet seen."""
+    parts = [
+        _covered(
+            (one for one in found if one.row.held_out and one.row.source == source),
+            by_family(residuals([one for one in found if one.row.source != source])),
+        )
+        for source in dict.fromkeys(one.row.source for one in found)
+    ]
+    return Coverage(sum(part.inside for part in parts), sum(part.rows for part in parts))
+
+
+def _covered(found: Iterable[Prediction], table: Table | None) -> Coverage:
+    inside = rows = 0
     for one in found:
-        own = residuals_of(one.family or "", one.row.quantity) if one.row.held_out and one.value > 0.0 else None
+        own = residuals_of(one.family or "", one.row.quantity, table) if one.value > 0.0 else None
         if own is not None:
-            count += 1
+            rows += 1
             inside += own.low <= math.log(one.row.value / one.value) <= own.high
-    return Coverage(inside, count)
+    return Coverage(inside, rows)

@@ -23,7 +23,17 @@ from scipy.stats import qmc
 
 HERE = Path(__file__).parent
 FLAGS = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-Ofast", "-march=native"]
-TABLE = (2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0)  # V/V_Y of the first impacts: E/Y = 200, ν = 0.3, n = 0
+TABLE = (
+    2.0,
+    5.0,
+    10.0,
+    20.0,
+    50.0,
+    100.0,
+    200.0,
+    500.0,
+    1000.0,
+)  # V/V_Y of the first impacts: E/Y = 200, ν = 0.3, n = 0
 DESIGNED = 187  # impacts after these
 WIDEST = 0.45  # a/R that is expected at most
 EVERY_COARSE = 10  # every tenth impact is computed on a coarser mesh, too
@@ -116,7 +126,9 @@ def strike(impact: Impact, mesh: Mesh = Mesh()) -> dict:
     mass = 2.0 * impact.energy / speed**2 / (2.0 * math.pi)  # of one radian
     words = [impact.stiffness, impact.poisson, impact.hardening, mass, speed, a / mesh.elements,
              int(1.2 * mesh.elements), mesh.growth, mesh.extent * a, mesh.hourglass, int(impact.yields)]  # fmt: skip
-    lines = subprocess.run([program(), *(repr(float(word)) for word in words)], capture_output=True, text=True, check=True, timeout=600)
+    lines = subprocess.run(
+        [program(), *(repr(float(word)) for word in words)], capture_output=True, text=True, check=True, timeout=600
+    )
     parts = [line.split() for line in lines.stdout.splitlines()]
     history = np.array([part[1:] for part in parts if part[0] == "history"], dtype=float)
     touched = np.array([part[1:] for part in parts if part[0] == "contact"], dtype=float)
@@ -138,7 +150,9 @@ def reduced(impact: Impact, history: np.ndarray, touched: np.ndarray, element: f
     known = np.append(np.log(edge), log_a[1])
     radius = np.exp(smooth(np.append(np.log(at), math.log(most)), known, np.log(grid), 0.1))
     radius[-1] = math.exp(log_a[1])
-    loading = np.exp(smooth(np.log(x[x > 0.5 * at[0]]), np.log(np.maximum(y[x > 0.5 * at[0]], 1e-9)), np.log(grid), 0.05))
+    loading = np.exp(
+        smooth(np.log(x[x > 0.5 * at[0]]), np.log(np.maximum(y[x > 0.5 * at[0]], 1e-9)), np.log(grid), 0.05)
+    )
     loading[-1] = peak
     out, back = depth[turn:], force[turn:] / peak
     low = (back > 0.02) & (back < 0.15)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from film_model.base.material_row import BRITTLE, DAMPING, Row
 from film_model.base.metals import METALS
 
-
 _PAPER = "Big-Alabo, Cartmell & Harrison 2017, Table 2"
 _POLYMER = "nominal handbook value at room temperature and slow loading"
 _GLASS = "EN 572-1 (elastic constants, density), {} (characteristic strength in bending)"

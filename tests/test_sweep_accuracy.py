@@ -84,7 +84,8 @@ def test_a_sweep_holds_the_estimate_of_each_impact():
 
 
 def test_segments_of_impacts_on_different_meshes_are_recorded():
-    scene = fm.Scene(BALL, PLATE, fm.Contact("big-alabo"), fm.Effects(boundary_reflections=False))
+    law = fm.Contact("big-alabo", yield_strength="250 MPa")
+    scene = fm.Scene(BALL, PLATE, law, fm.Effects(boundary_reflections=False))
     values = {"impactor.velocity": {"from": "0.05 m/s", "to": "20 m/s", "count": 200, "spacing": "log"}}
     ds = fd.sweep(scene, values, keep="segments")
     assert len(np.unique(ds["segment_count"])) > 3
@@ -130,7 +131,7 @@ def test_rounding_is_small_in_usual_impacts():
 
 
 def test_every_summary_value_of_a_failed_impact_is_nan():
-    scene = fm.Scene(BALL, fm.HalfSpace("mild steel"), fm.Contact("jackson-green"))
+    scene = fm.Scene(BALL, fm.HalfSpace("mild steel"), fm.Contact("jackson-green", yield_strength="250 MPa"))
     found = simulate_many(scene, {"impactor.velocity": np.array([0.1, 1e-300, 5.0])})
     failed = found.status < 0
     for name in SUMMARY:

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import film_model as fm
+from examples.effects_compared import compared
 from examples.reference.files_and_commands import command_page, csv_page, sweep_page
 from examples.reference.scene_file import scene_page
 from examples.reference.variables import dataset_page, fmu_page
@@ -117,6 +118,12 @@ Boundary reflections. {reflections}
 These are not simulated. Their size is estimated to first order: expect the order of magnitude, not two digits.
 
 {judged}
+## Compared
+
+What the package judges beside numbers that were found without it (`examples/effects_compared.py`). The force of
+a crack is the least for any flaw: surfaces without a flaw of the worst size bear more.
+
+{compared()}
 ## An example
 
 `film-model explain examples/scenes/olsson_plate.toml`:

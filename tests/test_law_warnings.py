@@ -73,7 +73,7 @@ def test_a_law_that_gains_energy_says_so_in_batches():
 def test_laws_whose_restitution_falls_say_nothing(law):
     contact = {"restitution": 0.8} if law == "tsuji" else {}
     batch = fm.simulate_batch(of_law(law, **contact), velocity=speeds(0.02, 1.0, 30))
-    assert batch.warnings == ()
+    assert not [sentence for sentence in batch.warnings if sentence.startswith("law ")]
 
 
 def test_impacts_outside_the_fit_of_a_law_are_named_with_the_number():

@@ -264,7 +264,7 @@ def _scalar(value: Any, need: str) -> float:
 
 def _described(powers: Powers, unit: str) -> str:
     for name, dimension in DIMENSIONS.items():
-        if _powers(name) == powers:
+        if _powers(name) == powers and "." not in dimension.unit:  # Hertz's stiffness has the unit of a toughness
             return f"is {dimension.phrase}"
     return f'has the unit "{unit}"'
 

@@ -67,7 +67,7 @@ material = "bearing steel"
 kind = "{kind}"
 {target}
 [contact]
-law = "auto"                    # hertz below yield, jackson-green above; "film-model laws" lists all
+law = "auto"                    # hertz below yield, elastoplastic above; "film-model laws" lists all
 
 [effects]
 tolerance = 0.01                # an effect that changes a result by more is simulated, or causes a warning

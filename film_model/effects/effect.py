@@ -20,7 +20,7 @@ ON_MODES = "motion of the modes, about 100 times slower"
 """7 to 160 times against infinite plates: a steel ball on steel plates of 2 and 4 mm, 115 to 1068 modes."""
 
 COMPUTED = {
-    "plasticity": 'the contact yields: for law "auto", jackson-green instead of hertz',
+    "plasticity": 'the contact yields: for law "auto", elastoplastic instead of hertz',
     "rate_hardening": "the yield strength rises with the strain rate of the impact",
     "viscoelasticity": "the modulus of a material with a prony series relaxes during the contact",
     "fully_plastic": "the contact reaches the last stage of a law that yields",

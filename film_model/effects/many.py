@@ -219,7 +219,7 @@ def _alike(impacts: Impacts, places: Any) -> Impacts:
 
 
 def _hardened(impacts: Impacts, support: Support) -> Impacts:
-    """The impacts, those that call for it with the yield strength at their own strain rate."""
+    """The impacts, those faster than 1/s with the yield strength at their own strain rate."""
     static, count = impacts.law, impacts.numbers.mass.size
     rate_law, wanted = impacts.scene.rate_hardening, impacts.base.effects.rate_hardening
     if wanted is False or rate_law is None or static.strength is None:
@@ -236,13 +236,7 @@ def _hardened(impacts: Impacts, support: Support) -> Impacts:
         return found
 
     factor = rate_hardening.settled(rates, rate_law, np.ones(count))
-    known = factor == factor
-    hard, used = impacts.under(static.strengthened(np.where(known, factor, 1.0))), np.zeros(count, np.bool_)
-    for places in _shared_curves(impacts, hard):
-        used[places] = rate_hardening.needed(problem(hard, places), problem(impacts, places))
-    used &= known
-    if used.all():
-        return hard
+    used = factor > 1.0  # nan: unknown
     return impacts.under(static.strengthened(np.where(used, factor, 1.0))) if used.any() else impacts
 
 

@@ -4,8 +4,9 @@ S = S_y (1 + C ln ε̇), ε̇ in 1/s and at least 1 (Johnson & Cook 1983), with 
 S = S_y (1 + (ε̇/D)^(1/q)) (Cowper & Symonds 1957), with rate_multiplier D and rate_exponent q, of the body that yields
 first. ε̇ = 0.2 (a/R)/t_m is Tabor's mean strain 0.2 a/R (1951) over the time to the maximum indentation,
 a² = R δ_m. δ_m and t_m are those of the impact with S, on the target's impedance or static stiffness, without weight:
-S is iterated until it changes by less than 1e-9. It replaces S_y in a law that has a yield_strength; for other laws the
-effect is judged by Big-Alabo's. For a material of the catalogue without C it counts as important from 100 1/s.
+S is iterated until it changes by less than 1e-9. From a rate of 1/s on it replaces S_y in a law that has a
+yield_strength, however small the change: restitution then has no step over the velocity. For other laws the effect is
+judged by Big-Alabo's. For a material of the catalogue without C it counts as important from 100 1/s.
 """
 
 from __future__ import annotations
@@ -96,13 +97,6 @@ def hardened(static: Problem) -> Problem | None:
         return None
 
 
-def needed(hard: Problem, static: Problem) -> Any:
-    """Whether an impact, or each of many, is simulated with its own strength."""
-    if hard.scene.effects.rate_hardening is True:
-        return hard.impacts.column(True)
-    return change(hard, static) > hard.scene.effect_tolerance
-
-
 def applied(static: Problem) -> Problem | None:
     """One impact with the strength at its own rate if this is simulated, else None."""
     wanted, able = static.scene.effects.rate_hardening, static.impacts.law.strength is not None
@@ -111,7 +105,8 @@ def applied(static: Problem) -> Problem | None:
         raise SimulationError(
             "effects.rate_hardening is true, but the impact with the higher strength cannot be marched"
         )
-    return hard if hard is not None and needed(hard, static) else None
+    raised = hard is not None and hard.impacts.law.strength > static.impacts.law.strength
+    return hard if raised or wanted is True else None
 
 
 def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:

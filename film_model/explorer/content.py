@@ -149,8 +149,8 @@ class Content:
         table = found.to_dict(self._named("problem", found.function("problem", scene)), curve)
         table["example"] = self._named("example", found.example) if found.derived else None
         if table["shape"] is not None:
-            shape, force = formulas.shape_functions("last", found.law, found.fixed)
-            named = {"function": self._named("lastShape", shape), "force": self._named("lastForce", force)}
+            shape, values = formulas.shape_functions("last", found.law, found.fixed)
+            named = {"function": self._named("lastShape", shape), "values": self._named("lastValues", values)}
             table["shape"] |= named
         return self._laws.setdefault(repr(table), (len(self._laws), table))[0]
 

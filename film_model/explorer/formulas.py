@@ -25,6 +25,8 @@ from film_model.laws.example_ball import example_ball
 from film_model.laws.law import SCENE_FIELDS, AbstractLaw, Stage
 from film_model.laws.yielding import yield_velocity
 from film_model.problem.curve import Curve
+from film_model.problem.families import EDGES, varying
+from film_model.problem.fit import functions_of
 from film_model.problem.law_of_scene import SceneLaw, can_yield, reaches_yield
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.problem import Impacts, Problem, Trial
@@ -132,13 +134,21 @@ def own_entry(name: str) -> str:
 
 
 def shape_functions(name: str, law: AbstractLaw, fixed: frozenset[str]) -> tuple[str, str]:
-    """Of a law with a shape: the shape and the end of the last stage; the force in that stage at the indentation w."""
+    """Of a law with a shape: the shape and the end of the last stage; the functions of that stage that depend on the
+    shape, at the indentation w."""
     recording = Recording()
     unknown = law_symbols(recording, law, fixed)
     last = unknown.stages()[-1]
     shape = recording.function(f"{name}Shape", "n", {"shape": unknown.shape, "end": last.end})
-    force = cast("Any", last.force)(recording.symbol("w"))
-    return shape, recording.function(f"{name}Force", "n, w", {"force": force})
+    functions: Any = functions_of(last)
+    values = {each: functions[each](recording.symbol("w")) for each in varying_of(law)}
+    return shape, recording.function(f"{name}Values", "n, w", values)
+
+
+def varying_of(law: AbstractLaw) -> tuple[str, ...]:
+    """The functions of the last stage of a law with a shape that depend on it."""
+    one, other = (law.of_shape(shape).stages()[-1] for shape in (EDGES[2], EDGES[3]))
+    return varying((one, other))
 
 
 def law_symbols(recording: Recording, law: AbstractLaw, fixed: frozenset[str], live: Sequence[str] = ()) -> AbstractLaw:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -11,13 +10,13 @@ from typing import Any
 from film_model.base.fields import measure
 from film_model.base.units import DIMENSIONS
 from film_model.core import native
-from film_model.explorer.formulas import LEAST_RESTITUTION, entry_of, example_function, problem_function
+from film_model.explorer.formulas import LEAST_RESTITUTION, entry_of, example_function, problem_function, varying_of
 from film_model.explorer.inputs import Input
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.example_ball import STEEL_BALL, example_ball
-from film_model.laws.law import SCENE_FIELDS, Power, law_fields
+from film_model.laws.law import SCENE_FIELDS, law_fields
 from film_model.problem.curve import Curve, can_be_in_series, curve_of
-from film_model.problem.families import EDGES, Page, page_between, page_of
+from film_model.problem.families import EDGES, Page, page_between, page_of, shared_part
 from film_model.problem.law_of_scene import SceneLaw, law_named
 from film_model.scene import Scene
 
@@ -126,7 +125,7 @@ class PageLaw:
             "dissipates": any(rule != native.RETRACE for rule in stages),
             "series": can_be_in_series(self.law, _SOFT),
             "remarks": [*self.law.remarks(), *curve.warnings],
-            "shape": None if self.page is None else _shape_data(self.page),
+            "shape": None if self.page is None else _shape_data(self.page, varying_of(self.law)),
             "needs": [entry_of(name) for name in SCENE_FIELDS if name in law_fields(kind) and name not in self.fixed],
             "derived": self.derived,
             "live": [
@@ -206,16 +205,20 @@ def _rest(law: AbstractLaw) -> Any:
     """The part of the curve that the page has as it is."""
     if page_of(law) is None:
         return bytes(curve_of(law).native)
-    *first, last = law.stages()
-    return first, replace(last, end=math.inf, force=Power())
+    return shared_part(law.stages())
 
 
-def _shape_data(page: Page) -> dict[str, Any]:
-    """The pieces of the last stage, and the places in the curve of what depends on the shape, piece by piece."""
+def _shape_data(page: Page, names: tuple[str, ...]) -> dict[str, Any]:
+    """The pieces of the last stage, and the places in the curve of what depends on the shape, piece by piece.
+
+    names: of the functions that do; their terms follow those of the force and of its mean.
+    """
     family, whole = page.family, page.whole
     first = whole.stage[whole.stages - 1].first
     ends = [whole.piece[k].end for k in range(first, whole.pieces)]
-    terms = [[whole.piece[k].force.terms, whole.piece[k].mean.terms] for k in range(first, whole.pieces)]
+    series = ("force", "mean", *names[1:])
+    terms = [[getattr(whole.piece[k], name).terms for name in series] for k in range(first, whole.pieces)]
     places = family.memory[family.nodes : family.nodes + family.varying]
     begin = whole.stage[whole.stages - 1].begin
-    return {"edges": [begin, *ends], "terms": terms, "places": places.astype(int).tolist(), "range": list(ALL_SHAPES)}
+    found = {"edges": [begin, *ends], "terms": terms, "places": places.astype(int).tolist()}
+    return found | {"names": list(names), "range": list(ALL_SHAPES)}

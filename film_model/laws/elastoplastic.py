@@ -14,15 +14,15 @@ from film_model.laws.law import AbstractLaw, Array, Family, Power, Stage, Unload
 from film_model.laws.yielding import MOST_YIELD_STRAIN, limit_point
 
 FITTED_RADIUS = 0.4  # a/R
-FITTED_STRAIN = (0.001, 0.017)  # S_y/E
+FITTED_STRAIN = (0.0008, 0.019)  # S_y/E
 FITTED_EXPONENT = 0.4  # n
+MOST_EXPONENT = 0.6  # n
 RATIO = 0.3  # Poisson's ratio whose C enters the shape
-
-SPREAD, NARROWED = 0.0641, 1.525  # of a/a_Y: exponent, and how n lowers it
-PRESSURE, FLATTENING, BEND = 1.723, 0.434, 1.183  # of the mean pressure: rise, less by a/R, how soon
-HARDENED, STRAINED = 1.346, 0.1763  # of the hardening: exponent over n, plastic strain over a/a_Y
-STIFFENED, STIFFENING = 0.2657, 0.2745  # of the secant over a/a_Y
-ROUNDED, ROUNDING = 0.113, 0.987  # of the exponent of unloading
+SPREAD, NARROWED = 0.0648, 1.29  # of a/a_Y: exponent, and how n lowers it
+PRESSURE, FLATTENING, BEND = 1.702, 0.299, 1.2136  # of the mean pressure: rise, less by a/R, how soon
+HARDENED, STRAINED = 0.7033, 0.5488  # of the hardening: exponent over n, plastic strain over a/a_Y
+STIFFENED, STIFFENING = 0.2578, 0.2794  # of the secant over a/a_Y
+ROUNDED, ROUNDING = 0.1228, 0.8388  # of the exponent of unloading
 
 
 @dataclass(frozen=True)
@@ -52,11 +52,12 @@ class Plastic:
         return (w * (1.0 + (w - 1.0) ** 2.0) ** self._spread) ** 0.5
 
     def __call__(self, w: Any) -> Any:
+        """Hardening begins with (α − 1)², the force with Hertz's slope: otherwise restitution would exceed 1."""
         radius = self.contact_radius(w)
         slope = self.first_radius * radius
-        most = PRESSURE / (1.0 + (FLATTENING * slope) ** 2.0)
+        most = PRESSURE / (1.0 + (FLATTENING * slope) ** 1.5)
         mean = 1.0 + most * (1.0 - (1.0 + (w**0.5 - 1.0) / (BEND * most)) ** -BEND)
-        return radius * radius * mean * (1.0 + STRAINED * (radius - 1.0)) ** (HARDENED * self.exponent)
+        return radius * radius * mean * (1.0 + STRAINED * (radius - 1.0) ** 2.0 / radius) ** (HARDENED * self.exponent)
 
 
 @dataclass(frozen=True)
@@ -82,14 +83,15 @@ def pressure_factor(poissons_ratio: Any) -> Any:
 class Elastoplastic(AbstractLaw):
     """With w = δ/δ_Y, δ_Y = (π C S_y/2E)² R, C = 1.295 e^{0.736 ν}, and f over the force there:
 
-    f = w^{3/2} up to first yield, w = 1. Beyond, α = a/a_Y = √(w (1 + (w − 1)²)^{0.0641/(1 + 1.525 n)}),
-    f = α² (1 + M [1 − (1 + (√w − 1)/(1.183 M))^{−1.183}]) (1 + 0.1763 (α − 1))^{1.346 n},
-    M = 1.723/(1 + (0.434 a/R)²). Unloading: f_m/(w_m − w_f) = α (1 + 0.2657 (1 − w_m^{−0.2745})), with the exponent
-    1.5 − 0.113 (1 − w_m^{−0.987}).
+    f = w^{3/2} up to first yield, w = 1. Beyond, α = a/a_Y = √(w (1 + (w − 1)²)^{0.0648/(1 + 1.29 n)}),
+    f = α² (1 + M [1 − (1 + (√w − 1)/(1.2136 M))^{−1.2136}]) (1 + 0.5488 (α − 1)²/α)^{0.7033 n},
+    M = 1.702/(1 + (0.299 a/R)^{3/2}). Unloading: f_m/(w_m − w_f) = α (1 + 0.2578 (1 − w_m^{−0.2794})), with the
+    exponent 1.5 − 0.1228 (1 − w_m^{−0.8388}).
 
-    Fitted to impacts of a rigid ball, without friction, on a half-space: von Mises' yield, flow stress
-    S_y (1 + E ε_p/S_y)^n, 2 to 1000 times the velocity of first yield, S_y/E from 0.001 to 0.017, ν from 0.2 to 0.45, n
-    up to 0.4. Restitution differs from these runs by 3 % at most.
+    Fitted to 189 impacts of a rigid ball, without friction, on a half-space: von Mises' yield, flow stress
+    S_y (1 + E ε_p/S_y)^n, 1.5 to 1000 times the velocity of first yield, S_y/E from 0.0008 to 0.019, ν from 0.2 to
+    0.45, n up to 0.4, a/R up to 0.4. Restitution differs from them by 1.5 % on average and by 5 % at most, the force by
+    1.2 and 3.6 %, the indentation by 0.7 and 2.3 %.
 
     strain_hardening_exponent: n, of the material; 0, without hardening, if it gives none. Of two bodies that yield, the
     law takes the strength, ν and n of the softer: the other stays elastic. Two equal bodies share the indentation, each
@@ -100,9 +102,9 @@ class Elastoplastic(AbstractLaw):
     family: ClassVar[Family] = "yields"
     summary: ClassVar[str] = "finite elements of a sphere that yields and hardens, loading and unloading"
     source: ClassVar[str] = "fitted to axisymmetric finite elements made for this package"
-    validity: ClassVar[str] = "computed for a/R up to 0.4, S_y/E from 0.001 to 0.017 and n up to 0.4; ends where a = R"
+    validity: ClassVar[str] = "computed for a/R up to 0.4, S_y/E from 0.0008 to 0.019 and n up to 0.4; ends where a = R"
     shaped_by: ClassVar[tuple[str, ...]] = ("effective_modulus", "yield_strength", "poissons_ratio")
-    shaped_beside: ClassVar[Mapping[str, tuple[float, float]]] = {"strain_hardening_exponent": (0.0, 0.6)}
+    shaped_beside: ClassVar[Mapping[str, tuple[float, float]]] = {"strain_hardening_exponent": (0.0, MOST_EXPONENT)}
 
     effective_modulus: float
     radius: float
@@ -114,6 +116,9 @@ class Elastoplastic(AbstractLaw):
         strain = self.yield_strength / self.effective_modulus
         if not all_of(strain < MOST_YIELD_STRAIN):
             raise ValueError(f"law elastoplastic: S_y/E is {np.max(strain):.3g}; it must be below {MOST_YIELD_STRAIN}")
+        n = self.strain_hardening_exponent
+        if not all_of((n >= 0.0) & (n <= MOST_EXPONENT)):
+            raise ValueError(f"law elastoplastic: the strain hardening exponent must be from 0 to {MOST_EXPONENT}")
 
     @property
     def shape(self) -> float:

@@ -11,7 +11,7 @@ YIELD_PRESSURE_RATIO = 1.1
 """Mean contact pressure at first yield over the yield strength, p_m = 1.1 S_y."""
 
 MOST_YIELD_STRAIN = 0.2
-"""S_y/E from which jackson-green does not hold: it was fitted up to 0.009, and e^{23 S_y/E} grows without bound."""
+"""S_y/E from which jackson-green and elastoplastic do not hold: fitted were up to 0.009 and 0.019."""
 
 
 def yield_point(effective_modulus: float, radius: float, yield_strength: float) -> tuple[float, float]:

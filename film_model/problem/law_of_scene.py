@@ -16,7 +16,7 @@ from film_model.laws.law import law_fields
 from film_model.laws.yielding import MOST_YIELD_STRAIN, yield_point
 from film_model.scene import STANDARD_GRAVITY, Scene
 
-ELASTIC, YIELDING = "hertz", "jackson-green"
+ELASTIC, YIELDING = "hertz", "elastoplastic"
 """What law "auto" means below and above yield; docs/validation.md compares the laws with measurements."""
 
 ASSUMED_POISSONS_RATIO = 0.3

@@ -92,14 +92,14 @@ class Core {
   }
 
   /**
-   * The address of the curve of a law with a shape: the force of its last stage, from the law's own formula, in series.
+   * The address of the curve of a law with a shape: the functions of its last stage, from the law's own formulas, in series.
    * @param {any} law @param {any} n numbers of the scene
    */
   curveOfShape(law, n) {
     const { shape, end } = FORMULAS[law.shape.function](n);
     const [low, high] = law.shape.range;
     if (!(shape >= low && shape < high)) throw new Unsupported(`law ${law.name} is not on this page for a shape of ${shape}`);
-    const key = `${law.curve} ${law.shape.force} ${shape} ${end}`;
+    const key = `${law.curve} ${law.shape.values} ${shape} ${end}`;
     const known = this.shapes.get(key);
     if (known !== undefined) return known;
     const place = this.shapes.size < KEPT ? this.shaped[this.shapes.size] : this.forget();
@@ -304,20 +304,21 @@ class Core {
  * @param {any} law @param {any} n @param {number} end
  */
 function lastStage(law, n, end) {
-  const { edges, terms, places, force } = law.shape;
-  const { points, force: toForce, mean: toMean } = DATA.series;
+  const { edges, terms, places, names, values } = law.shape;
+  const { points, force: toSeries, mean: toMean } = DATA.series;
   const row = new Float64Array(places.length);
   let [at, work] = [0, 0];
   for (let k = 0; k < terms.length; k++) {
     const [a, b] = [edges[k], edges[k + 1]];
     const inside = k === 0 || a < end;
-    const values = inside ? points.map((/** @type {number} */ x) => FORMULAS[force](n, a + (b - a) * 0.5 * (1 + x)).force) : points.map(() => 0);
-    const series = product(toForce, values);
-    const mean = product(toMean, series);
-    row[at] = -work;
-    row.set(series.slice(0, terms[k][0]), at + 1);
-    row.set(mean.slice(0, terms[k][1]), at + 1 + terms[k][0]);
-    at += 1 + terms[k][0] + terms[k][1];
+    const found = points.map((/** @type {number} */ x) => (inside ? FORMULAS[values](n, a + (b - a) * 0.5 * (1 + x)) : null));
+    const series = names.map((/** @type {string} */ name) => product(toSeries, found.map((/** @type {any} */ one) => (one ? one[name] : 0))));
+    const mean = product(toMean, series[0]);
+    row[at++] = -work;
+    [series[0], mean, ...series.slice(1)].forEach((numbers, which) => {
+      row.set(numbers.slice(0, terms[k][which]), at);
+      at += terms[k][which];
+    });
     work += (b - a) * mean.reduce((sum, value) => sum + value, 0);
   }
   return Float64Array.from([Math.log(end), 0, ...places, ...row, ...new Float64Array(places.length)]);

@@ -4,6 +4,7 @@ import json
 import math
 from collections import Counter
 
+import numpy as np
 import pytest
 
 import film_datasets as fd
@@ -45,10 +46,14 @@ def test_held_out_rows_lie_in_their_interval(found):
 
 
 def test_a_central_interval_covers_nine_of_ten():
-    """Of 99 values the 90th smallest distance from the median; of 8 the largest."""
-    low, high = central([float(k) for k in range(1, 100)])
-    assert (low, high) == (5.0, 95.0)
-    assert central([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 7.0]) == (-7.0, 7.0)
+    """Of 99 values the 5th and the 95th; of 29 between the first two and the last two; of a few all."""
+    assert central([float(k) for k in range(1, 100)]) == pytest.approx((5.0, 95.0))
+    assert central([float(k) for k in range(1, 30)]) == pytest.approx((1.5, 28.5))
+    assert central([0.0, 0.0, 0.0, 7.0]) == (0.0, 7.0) and central([2.0]) == (2.0, 2.0)
+    draws = np.sort(np.random.default_rng(1).normal(size=(4000, 30)))
+    new = np.random.default_rng(2).normal(size=4000)
+    inside = [low <= value <= high for (low, high), value in zip(map(central, draws.tolist()), new, strict=True)]
+    assert np.mean(inside) == pytest.approx(0.9, abs=0.015)
 
 
 def test_a_family_with_too_few_rows_takes_the_wider_one():
@@ -68,6 +73,7 @@ def test_an_interval_is_the_value_times_the_residuals():
     assert high.magnitude == pytest.approx(history.summary[E] * math.exp(own.high))
     assert evidence == f"{own.rows} measurements of steel of known hardness beyond 50 yield velocities"
     assert history.interval(DENT)[0].check("[length]")
+    assert "; so few cover 83 % of the next; fewer than 9 of them are like this one" in history.interval(DENT)[2]
     slow = f"{2.0 / yield_velocities(scene('1 m/s')):.6g} m/s"
     assert fm.simulate(scene(slow)).interval(E)[1].magnitude == 1.0
     assert "; extrapolated from " in fm.simulate(scene("6 m/s", yield_strength="600 MPa")).interval(E)[2]

@@ -24,8 +24,8 @@ COVERED = 0.9
 """Share of the measurements in an interval."""
 
 FEWEST = 9
-"""Residuals that a family needs for an interval of its own: 90 % of fewer cannot be told from all of them. With fewer
-it takes that of all impacts that yield."""
+"""Residuals that a family needs for an interval of its own, which covers 80 % if it spans so few. With fewer it takes
+that of all impacts that yield."""
 
 MANY_YIELD_VELOCITIES = 50.0
 """Approach velocity over yield velocity that parts the two families of impacts that yield."""
@@ -105,6 +105,9 @@ def model_interval(problem: Problem, name: str, value: float | None) -> ModelInt
     bound = 1.0 if name == "coefficient_of_restitution" else math.inf
     low, high = (min(value * math.exp(residual), bound) for residual in (found.low, found.high))
     said = f"{found.rows} measurements of {FAMILIES[found.family]}"
+    likely = (found.rows - 1) / (found.rows + 1)
+    if likely < COVERED:
+        said += f"; so few cover {100 * likely:.0f} % of the next"
     if found.family != family:
         said += f"; fewer than {FEWEST} of them are like this one"
     ratio = yield_velocities(problem.scene)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import statistics
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
@@ -64,15 +63,21 @@ def residuals(found: Sequence[Prediction]) -> list[Residuals]:
 
 
 def central(values: Sequence[float]) -> tuple[float, float]:
-    """Interval about the median into which the next of exchangeable values falls with a probability of 90 %.
+    """Interval into which the next of exchangeable values falls with a probability of 90 %.
 
-    Its half width is the ⌈0.9 (n + 1)⌉-th smallest distance from the median, or the largest of fewer than 9 values
-    (split conformal prediction, Vovk et al. 2005).
+    Its ends are the order statistics of the ranks 0.05 (n + 1) and 0.95 (n + 1), interpolated (split conformal
+    prediction, Vovk et al. 2005). Of fewer than 19 values it spans all, with a probability of (n − 1)/(n + 1).
     """
-    middle = statistics.median(values)
-    distances = sorted(abs(value - middle) for value in values)
-    half = distances[min(math.ceil(COVERED * (len(values) + 1)), len(values)) - 1]
-    return middle - half, middle + half
+    outside = 0.5 * (1.0 - COVERED)
+    return _ranked(values, outside), _ranked(values, 1.0 - outside)
+
+
+def _ranked(values: Sequence[float], share: float) -> float:
+    """The order statistic of rank share (n + 1), interpolated and within the sorted values."""
+    place = min(max(share * (len(values) + 1), 1.0), len(values)) - 1.0
+    below = min(int(place), max(len(values) - 2, 0))
+    above = min(below + 1, len(values) - 1)
+    return values[below] + (place - below) * (values[above] - values[below])
 
 
 def coverage(found: Iterable[Prediction]) -> Coverage:

@@ -65,7 +65,9 @@ counts rows beyond the range that the law names.
 kind are known: [Accuracy and cost](understand/accuracy_and_cost.md#how-far-measurements-lie). It comes from
 ln(measured/computed) of the rows that are not held out. Of the {held} held-out rows that have an interval, {inside}
 lie in it: {share} %, where 90 ± {spread} % is expected of independent rows. Of {new} in intervals made without
-the source of the row, {new_inside} do: a source that is not in the table is covered less.
+the source of the row, {new_inside} do: a source that is not in the table is covered less. No residual of a
+held-out row enters an interval, but of two ways to form intervals (ranks, or equal distances from the median) the one
+here was taken after the coverage of both had been seen: the share above is no blind test of that choice.
 
 | family | quantity | rows | from, % | to, % | held-out rows inside |
 |---|---|---|---|---|---|

@@ -198,9 +198,9 @@ def _stresses(problem: Problem) -> Stresses:
     known.growth, known.growth_rate, known.most_growth = stresses.GROWTH, stresses.GROWTH_RATE, stresses.MOST_GROWTH
     known.widest, known.elastic_limit = stresses.WIDEST, stresses.ELASTIC_LIMIT
     known.hertzian, known.shallow = stresses.HERTZIAN, stresses.SHALLOW
-    if poisson is not None:
+    if poisson is not None and scene.stressed_poissons_ratio is not None:
         known.yield_factor = stresses.yield_factor(poisson)
-        known.shear, known.depth = stresses.shear_below(stresses.stressed_ratio(scene))
+        known.shear, known.depth = stresses.shear_below(scene.stressed_poissons_ratio)
     return known
 
 

@@ -35,7 +35,7 @@ from film_model.problem.summary import radiated, summary_of
 from film_model.scene import Effects, Scene
 from film_model.scene.columns import scene_of_columns
 
-FROM_SCENE = ("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio")
+FROM_SCENE = ("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio", "stressed_poissons_ratio")
 """Properties of a scene, besides its :class:`Numbers`, that laws take."""
 
 LEAST_RESTITUTION = 0.1
@@ -186,8 +186,8 @@ def _damping_over(law: AbstractLaw, restitution: Any) -> Any:
 
 def _example(recording: Recording, law: type[AbstractLaw]) -> Mapping[str, Any]:
     """The required parameters that a law derives from the values of a scene."""
-    numbers = recording.symbols("n", ("mass", "approach", *FROM_SCENE))
     names = ("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio", "mass", "approach")
+    numbers = recording.symbols("n", names)
     return law.example(example_ball(*(cast("Any", numbers[name]) for name in names)))
 
 

@@ -14,7 +14,6 @@ import numpy as np
 from film_model.base.arrays import Number, any_of, either, exponential, greater, lesser, ratio, root
 from film_model.laws.hertz import hertz_stiffness
 from film_model.problem.problem import Impacts, Problem
-from film_model.scene import Scene
 
 HERTZIAN = 1e-3
 """Relative difference of a force from Hertz's at the same indentation, up to which the contact is elastic."""
@@ -68,7 +67,7 @@ def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:
 
     They hold at the largest force, which is that at the largest indentation; of damped laws and viscoelastic materials
     it is not, so that only the radius is known. Nothing is known for laws that pull. Stresses are those of the body
-    in which they are larger (`stressed_ratio`).
+    in which they are larger (`Scene.stressed_poissons_ratio`).
     """
     scene, force = problem.impacts.scene, summary["maximum_force"]
     depth = summary["maximum_indentation"]
@@ -82,7 +81,7 @@ def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:
     dented = left > SHALLOW * depth
     mean = force * math.nan if damped else force / (math.pi * radius * radius)
     peak = either(elastic, 1.5 * mean, math.nan)
-    poisson = stressed_ratio(scene)
+    poisson = scene.stressed_poissons_ratio
     shear, below = (math.nan, math.nan) if poisson is None else shear_below(poisson)
     return {
         "contact_radius": radius,
@@ -93,15 +92,6 @@ def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:
         "maximum_von_mises_stress": 2.0 * shear * peak,
         "depth_of_maximum_stress": either(elastic, below * radius, math.nan),
     }
-
-
-def stressed_ratio(scene: Scene) -> Any:
-    """Poisson's ratio in [contact], or the smaller one of the bodies, in which the shear stress is larger; None if
-    unknown."""
-    known = [m.poissons_ratio for m in (scene.impactor.material, scene.target.material) if m is not None]
-    if scene.contact.poissons_ratio is not None or not known:
-        return scene.contact.poissons_ratio
-    return lesser(known[0], known[-1])
 
 
 def shear_below(poissons_ratio: Number) -> tuple[Number, Number]:

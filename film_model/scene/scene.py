@@ -240,6 +240,14 @@ class Scene:
         return either(one <= two, own.poissons_ratio, other.poissons_ratio)
 
     @property
+    def stressed_poissons_ratio(self) -> float | None:
+        """The value in [contact], or the smaller one of the bodies: where it is smaller, the shear stress is larger."""
+        known = [m.poissons_ratio for m in (self.impactor.material, self.target.material) if m is not None]
+        if self.contact.poissons_ratio is not None or not known:
+            return self.contact.poissons_ratio
+        return either(known[0] <= known[-1], known[0], known[-1])
+
+    @property
     def work_of_adhesion(self) -> float | None:
         """The value in [contact], or 2 √(γ₁ γ₂) from the materials' surface energies, J/m²; None if unknown."""
         if self.contact.work_of_adhesion is not None:

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 C_STEEL = 1.615  # C at ν = 0.3
-RADIUS = (1.26, 1.986, 0.1318, 1.273, 0.6322, -0.4182)
-FORCE = (0.645, 0.4917, 1.779, 0.6133, 0.2945, -1.469, 3.216, 0.1011)
-SECANT = (0.2228, 0.7234, -0.03723, -0.9466, 0.09154)
-ENERGY = (0.4573, 0.5071, -0.277, -1.068, 0.4269)
+RADIUS = (1.231, 1.929, 0.1308, 1.284, 0.6381, -0.4461)
+FORCE = (0.6491, 0.4946, 1.805, 0.5854, 0.183, -1.374, 3.056, 0.1458)
+SECANT = (0.2625, 0.5226, -0.06327, -0.8842, 0.08009)
+ENERGY = (0.4747, 0.4784, -0.3027, -1.023, 0.4131)
 
 
 def radius(w: Any, e_y: float, n: float, c: float = C_STEEL, constants: Any = RADIUS) -> Any:
@@ -39,8 +39,9 @@ def force(w: Any, e_y: float, n: float, c: float = C_STEEL, constants: Any = FOR
 
 
 def _beyond_hertz(hertz: float, w: Any, e_y: float, n: float, c: float, constants: Any) -> Any:
+    """α times what is Hertz's up to first yield and rises from there to a plateau."""
     rise, power, of_n, of_c, of_radius = constants
-    alpha = np.maximum(radius(w, e_y, n, c), np.where(w <= 1.0, 0.0, 1.0))
+    alpha = radius(w, e_y, n, c)
     above = np.maximum(alpha, 1.0)
     gained = (rise + of_n * n + of_radius * alpha * np.pi * c * e_y / 2.0) * (c / C_STEEL) ** of_c
     return alpha * (hertz + gained * (1.0 - above**-power))

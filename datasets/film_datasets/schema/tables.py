@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.schema.derivative_variables import derivatives_in
+from film_datasets.schema.finite_element_variables import FINITE_ELEMENTS
 from film_datasets.schema.motion_variables import (
     MODE_ENERGY,
     SEGMENT_PLACES,
@@ -244,6 +245,7 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     f"{MEASUREMENT} history": _MEASURED_HISTORY,
     f"{MEASUREMENT} impacts": _MEASURED_IMPACTS,
     f"{MEASUREMENT} values": _EVIDENCE,
+    f"{MEASUREMENT} finite_elements": FINITE_ELEMENTS,
     COST: _COST,
 }
 """Variables by the kind of dataset and what is kept in it, in the order in which `content_sha256` reads them."""

@@ -27,7 +27,9 @@ def validate(ds: xr.Dataset) -> list[str]:
     except ValueError as error:
         return [str(error)]
     if kind == MEASUREMENT and f"{kind} {ds.attrs.get('measured')}" not in TABLE:
-        return [f"attribute measured is {ds.attrs.get('measured')!r}, not 'history', 'impacts' or 'values'"]
+        return [
+            f"attribute measured is {ds.attrs.get('measured')!r}, not 'history', 'impacts', 'values' or 'finite_elements'"
+        ]
     variables = variables_of(ds)
     found = [f"attribute {name} is missing" for name in ATTRIBUTES[kind] if name not in ds.attrs]
     version = ds.attrs.get("film_model_schema_version", VERSIONS[kind])

@@ -83,6 +83,9 @@ class Mesh:
     slowness: float = 60.0
 
 
+FINE = Mesh()
+
+
 @cache
 def program() -> str:
     """The compiled program."""
@@ -118,7 +121,7 @@ def smooth(x: np.ndarray, y: np.ndarray, at: np.ndarray, width: float) -> np.nda
     return np.array(found)
 
 
-def strike(impact: Impact, mesh: Mesh = Mesh()) -> dict:
+def strike(impact: Impact, mesh: Mesh = FINE) -> dict:
     """Run one impact, and reduce its history."""
     depth, a = expected(impact)
     wave = math.sqrt(impact.stiffness * (1 - impact.poisson) / (1 + impact.poisson) / (1 - 2 * impact.poisson))
@@ -189,7 +192,7 @@ def main() -> None:
     folder = parser.parse_args().folder
     folder.mkdir(parents=True, exist_ok=True)
     for index, impact in enumerate(design()):
-        meshes = {"": Mesh()} | ({"_coarse": Mesh(elements=20)} if index % EVERY_COARSE == 0 else {})
+        meshes = {"": FINE} | ({"_coarse": Mesh(elements=20)} if index % EVERY_COARSE == 0 else {})
         for suffix, mesh in meshes.items():
             path = folder / f"{index:04d}{suffix}.json"
             if not path.exists():

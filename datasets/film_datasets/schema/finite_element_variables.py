@@ -7,7 +7,7 @@ from film_datasets.schema.variable import BYTE, Variable
 
 _RUN, _WAY_IN, _WAY_OUT = ("run",), ("run", "depth_fraction"), ("run", "recovery_fraction")
 
-FINITE_ELEMENTS = tuple(
+_NUMBERS = tuple(
     number(name, dims, "dimensionless", long_name, comment)
     for name, dims, long_name, comment in (
         ("velocity_ratio", _RUN, "velocity over that of first yield", ""),
@@ -20,13 +20,24 @@ FINITE_ELEMENTS = tuple(
         ("largest_radius", _RUN, "contact radius at the largest depth over that of first yield", ""),
         ("residual_depth", _RUN, "depth at which the force vanishes over that of first yield", ""),
         ("energy_balance", _RUN, "energy at the end over that of the approach less 1", ""),
-        ("mesh_error", _RUN, "estimated relative error of the restitution from the mesh",
-         "difference to a mesh of 20 instead of 32 elements over the contact radius, of the nearest velocity"),
+        (
+            "mesh_error",
+            _RUN,
+            "estimated relative error of the restitution from the mesh",
+            "difference to a mesh of 20 instead of 32 elements over the contact radius, of the nearest velocity",
+        ),
         ("depth_fraction", ("depth_fraction",), "depth over the largest depth", ""),
         ("loading_force", _WAY_IN, "force over that of first yield", ""),
         ("loading_radius", _WAY_IN, "contact radius over that of first yield", ""),
         ("recovery_fraction", ("recovery_fraction",), "depth less residual depth over the recovered depth", ""),
         ("unloading_force", _WAY_OUT, "force over that at the largest depth", ""),
     )
-) + (Variable("held_out", _RUN, BYTE, None, "whether the fit of the closed forms leaves it out",
-              flags=((0, "fitted"), (1, "held_out"))),)  # fmt: skip
+)
+
+FINITE_ELEMENTS = (
+    *_NUMBERS,
+    Variable(
+        *("held_out", _RUN, BYTE, None, "whether the fit of the closed forms leaves it out"),
+        flags=((0, "fitted"), (1, "held_out")),
+    ),
+)

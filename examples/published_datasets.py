@@ -3,7 +3,7 @@
 paper_big_alabo, paper_stronge, paper_plate: the impacts of Big-Alabo, Cartmell & Harrison 2017. zener: the coefficient
 of restitution over Zener's inelasticity parameter, on plates of any thickness. restitution: over velocity, for the laws
 of `CONTACTS`. measured_impacts: published values, from the tables in CSV beside it. finite_element_impacts: copied; the
-runs take ten minutes (examples/finite_elements/run.py and publish.py). Published data stay as they are: a
+runs take twenty minutes (examples/finite_elements/run.py and publish.py). Published data stay as they are: a
 law that is added later does not change them.
 """
 

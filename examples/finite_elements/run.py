@@ -2,7 +2,7 @@
 
 Compiles impact.c and elements.c with gcc and runs the design: one JSON file per impact, FOLDER/0000.json and so on.
 Runs that are there are kept, so that the command can be stopped at any time and started again; the first part of the
-design spans all of it. 196 impacts take ten minutes on one core; publish.py makes the dataset.
+design spans all of it. 196 impacts take twenty minutes on one core; publish.py makes the dataset.
 
 Depth, force and radius are in units of first yield: the largest pressure there is p = C(ν) Y, C = 1.295 exp(0.736 ν)
 (Jackson & Green 2005, J. Tribol. 127:343), and by Hertz δ_Y = (π p/(2 E*))² R, F_Y = (4/3) E* √R δ_Y^1.5,

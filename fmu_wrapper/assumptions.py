@@ -74,7 +74,7 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
     viscoelasticity matters at the scene's velocity has it at all velocities, with Hertz's law.
 
     >>> fmu_wrapper.served(scene).contact.law_name
-    'jackson-green'
+    'elastoplastic'
     """
     effects = scene.effects
     if kind == "impact" and relaxation_of(scene) is not None and choose(scene).problem.relaxation is not None:

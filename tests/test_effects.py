@@ -207,7 +207,7 @@ def test_a_named_elastic_law_above_yield_causes_a_warning():
 
 
 @pytest.mark.parametrize(
-    ("ratio", "law", "change"), [(0.9, "hertz", 0.0), (1.08, "hertz", 0.0087), (1.2, "jackson-green", 0.0162)]
+    ("ratio", "law", "change"), [(0.9, "hertz", 0.0), (1.08, "hertz", 0.0087), (1.2, "elastoplastic", 0.0162)]
 )
 def test_yielding_below_the_tolerance_is_neglected(ratio, law, change):
     scene = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml").replace({"contact.law": "auto"})
@@ -217,7 +217,7 @@ def test_yielding_below_the_tolerance_is_neglected(ratio, law, change):
     assert fm.simulate(slow).problem.law.name == law
     assert plasticity.value == pytest.approx(ratio)
     assert plasticity.change == pytest.approx(change, rel=0.05)
-    assert plasticity.state == (SIMULATED if law == "jackson-green" else NOT_NEEDED)
+    assert plasticity.state == (SIMULATED if law == "elastoplastic" else NOT_NEEDED)
     assert ("by less than the tolerance" in plasticity.reason) is (ratio == 1.08)
 
 

@@ -197,7 +197,7 @@ def test_effects_are_those_of_each_impact(law, target):
             for name, value in (("weight", start["load"] > 0), ("motion", start["gamma"] > 0), ("law", rows.law.name)):
                 effects[name].add(bool(value) if name != "law" else value)
     assert effects["weight"] == {True, False}
-    assert law != "auto" or effects["law"] == {"hertz", "jackson-green"}
+    assert law != "auto" or effects["law"] == {"hertz", "elastoplastic"}
 
 
 def test_curves_are_shared_where_the_dimensionless_form_allows():
@@ -277,7 +277,7 @@ def test_effects_tried_for_neighbours_are_those_tried_for_each(target, monkeypat
     cells = simulate_many(base, columns)
     monkeypatch.setattr("film_model.effects.trial.LEVELS", ())
     each = simulate_many(base, columns)
-    assert cells.laws == each.laws == ("hertz", "jackson-green") and np.array_equal(cells.law, each.law)
+    assert cells.laws == each.laws == ("hertz", "elastoplastic") and np.array_equal(cells.law, each.law)
     loads = [np.concatenate([part.load[np.argsort(part.impacts.index)] for part in r.problems]) for r in (cells, each)]
     assert np.array_equal(*loads) and 0.1 < np.mean(loads[0] > 0.0) < 0.9
 

@@ -14,7 +14,7 @@ from film_model.laws.law import AbstractLaw, Array, Family, Power, Stage, Unload
 from film_model.laws.yielding import MOST_YIELD_STRAIN, limit_point
 
 FITTED_RADIUS = 0.4  # a/R
-FITTED_STRAIN = (0.0008, 0.019)  # S_y/E
+FITTED_STRAIN = 0.019  # S_y/E
 FITTED_EXPONENT = 0.4  # n
 MOST_EXPONENT = 0.6  # n
 RATIO = 0.3  # Poisson's ratio whose C enters the shape
@@ -102,7 +102,7 @@ class Elastoplastic(AbstractLaw):
     family: ClassVar[Family] = "yields"
     summary: ClassVar[str] = "finite elements of a sphere that yields and hardens, loading and unloading"
     source: ClassVar[str] = "fitted to axisymmetric finite elements made for this package"
-    validity: ClassVar[str] = "computed for a/R up to 0.4, S_y/E from 0.0008 to 0.019 and n up to 0.4; ends where a = R"
+    validity: ClassVar[str] = "computed for a/R and n up to 0.4 and S_y/E up to 0.019; ends where a = R"
     shaped_by: ClassVar[tuple[str, ...]] = ("effective_modulus", "yield_strength", "poissons_ratio")
     shaped_beside: ClassVar[Mapping[str, tuple[float, float]]] = {"strain_hardening_exponent": (0.0, MOST_EXPONENT)}
 
@@ -131,8 +131,8 @@ class Elastoplastic(AbstractLaw):
 
     def outside(self, depth: float) -> str:
         strain, said = self.yield_strength / self.effective_modulus, list[str]()
-        if not FITTED_STRAIN[0] <= strain <= FITTED_STRAIN[1]:
-            said.append(f"S_y/E is {strain:.3g}, computed were {FITTED_STRAIN[0]} to {FITTED_STRAIN[1]}")
+        if strain > FITTED_STRAIN:
+            said.append(f"S_y/E is {strain:.3g}, computed was up to {FITTED_STRAIN}")
         if self.strain_hardening_exponent > FITTED_EXPONENT:
             said.append(f"n is {self.strain_hardening_exponent:.3g}, computed was up to {FITTED_EXPONENT}")
         plastic = Plastic(self.shape, self.strain_hardening_exponent)

@@ -179,8 +179,8 @@ class AbstractLaw(ABC):
     name: in scene files. summary, source, validity: one phrase each for lists and pages; validity is the range in which
     the law holds. family: a key of `FAMILIES`; laws of a user's own script need none. default_unloading: name of the
     unloading rule (:mod:`film_model.laws.unloading`) for a law without one. damped: the stage of the law has damping.
-    shaped_by: fields that enter the stages through `shape` only. shaped_beside: a field beside these on which force and
-    end of the last stage depend smoothly, and the ends of its range.
+    shaped_by: fields that enter the stages through `shape` only. shaped_beside: a field beside these on which the
+    functions and the end of the last stage depend smoothly, and the ends of its range.
     """
 
     name: ClassVar[str]
@@ -208,7 +208,7 @@ class AbstractLaw(ABC):
 
     @property
     def shape(self) -> Any:
-        """The one number on which the force of the last stage and its end depend smoothly, such as S_y/E; None: none.
+        """The one number on which the functions of the last stage and its end depend smoothly, such as S_y/E; None: none.
 
         For a law with a shape, the curves of all shapes are fitted together (:mod:`film_model.problem.families`).
         """

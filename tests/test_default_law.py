@@ -1,4 +1,4 @@
-"""The law that "auto" takes above yield beside others and a published fit, monotone, and what happens without its inputs."""
+"""The law that "auto" takes above yield: beside others and a published fit, monotone, without its inputs."""
 
 import math
 

@@ -208,7 +208,7 @@ class AbstractLaw(ABC):
 
     @property
     def shape(self) -> Any:
-        """The one number on which the functions of the last stage and its end depend smoothly, such as S_y/E; None: none.
+        """The one number on which functions and end of the last stage depend smoothly, such as S_y/E; None: none.
 
         For a law with a shape, the curves of all shapes are fitted together (:mod:`film_model.problem.families`).
         """

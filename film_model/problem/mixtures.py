@@ -71,6 +71,7 @@ def mixed_numbers(page: Page, law_at: Callable[[Any], AbstractLaw], count: int) 
     law_at: the law at an index, or, at several indices, with arrays of their shape in its fields. Raises ValueError if
     the laws with arrays differ from the first, middle or last law.
     """
+    assert page.marks is not None
     found = np.empty((count, page.family.nodes + 1))
     last: Any = law_at((slice(None), None)).stages()[-1]
     found[:, :-1], found[:, -1:] = values_at(last, page.marks), last.end

@@ -1,7 +1,7 @@
 /* The core alone, without Python: thousands of pseudo-random impacts, what must hold in each of them, and one hash over
  * all results, which must not depend on how the compiler optimises. Builds with nothing but the core's sources:
  *
- *     cc -std=c99 -O2 -ffp-contract=off -I film_model/core tests/core_check.c film_model/core/*/film_*.c -lm
+ *     cc -std=c99 -O2 -ffp-contract=off -I film_model/core tests/core_check.c $(find film_model/core -name 'film_*.c') -lm
  *
  * Prints one line with counts and the hash, which is to be that of core_check_result.txt; exits with 1 after saying what
  * does not hold. */

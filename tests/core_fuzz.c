@@ -5,12 +5,12 @@
  * With a guide that looks for new ways through the code (clang's libFuzzer), for as long as one likes:
  *
  *     clang -std=c99 -O1 -g -DGUIDED -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -ffp-contract=off \
- *         -I film_model/core tests/core_fuzz.c film_model/core/*/film_*.c -lm -o core_fuzz
+ *         -I film_model/core tests/core_fuzz.c $(find film_model/core -name 'film_*.c') -lm -o core_fuzz
  *     mkdir corpus && ./core_fuzz corpus -max_len=600 -timeout=60 -max_total_time=3600
  *
  * Without: `core_fuzz 20000` runs that many inputs of its own, always the same; `core_fuzz FILE...` runs inputs again.
  *
- *     cc -std=c99 -O2 -ffp-contract=off -I film_model/core tests/core_fuzz.c film_model/core/*/film_*.c -lm -o core_fuzz
+ *     cc -std=c99 -O2 -ffp-contract=off -I film_model/core tests/core_fuzz.c $(find film_model/core -name 'film_*.c') -lm -o core_fuzz
  */
 #include "film_core.h"
 #include "power_function.h"

@@ -2,7 +2,7 @@
  * that the outcome is one that film_core.h names, that no number is NaN, that no step draws on without end, that energy is
  * kept where the law is reversible, that a saved state runs on to the same bits, and that all instruction sets give the same.
  *
- *     cc -std=c99 -O2 -ffp-contract=off -I film_model/core tests/modal_fuzz.c film_model/core/*/film_*.c -lm -o modal_fuzz
+ *     cc -std=c99 -O2 -ffp-contract=off -I film_model/core tests/modal_fuzz.c $(find film_model/core -name 'film_*.c') -lm -o modal_fuzz
  *     ./modal_fuzz 2000
  */
 #include "modal/film_modal_parts.h"

@@ -2,7 +2,7 @@
  * Of each it is asked that the outcome is one that film_core.h names, that no number is NaN, that no force pulls, that a
  * contact without load keeps its balance of energy, and that a saved state runs on to the same bits.
  *
- *     cc -std=c99 -O2 -ffp-contract=off -I film_model/core tests/relax_fuzz.c film_model/core/*/film_*.c -lm -o relax_fuzz
+ *     cc -std=c99 -O2 -ffp-contract=off -I film_model/core tests/relax_fuzz.c $(find film_model/core -name 'film_*.c') -lm -o relax_fuzz
  *     ./relax_fuzz 2000
  */
 #include "relax/film_relax.h"

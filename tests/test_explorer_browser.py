@@ -38,9 +38,8 @@ ON_MODES = 1e-9
 SEEDS = 4
 """Parts of the comparison with Python, so that several processes share it."""
 
-FRAME = 25.0
-"""Milliseconds of processor time from a slider to the new picture, at the 95th percentile. The aim is 16; other
-programs that use the same caches add to it."""
+FEW_UNSURE = 0.002
+"""At most so many of the random scenes may have errors of 1 and more, which bound no difference."""
 
 
 @pytest.fixture(scope="module")
@@ -118,7 +117,7 @@ def test_random_scenes_equal_python(shown, everything, seed):
     address, table = everything
     addresses = random_addresses(table, 10_000 // SEEDS, seed)
     results = shown(address).evaluate(SUMMARIES, addresses)
-    compared = Counter()
+    compared, unsure = Counter(), []
     for fragment, (found, text) in zip(addresses, results, strict=True):
         assert found["ignored"] == [], fragment
         try:
@@ -134,7 +133,9 @@ def test_random_scenes_equal_python(shown, everything, seed):
             assert here or unreached, (fragment, found)  # rounding may decide where contacts are too many
         elif not (warned and (history.accuracy.modes or history.problem.compliance)):
             compared[found["law"]] += 1
-            check(history, found, fragment)
+            if check(history, found, fragment):
+                unsure.append(fragment)
+    assert len(unsure) <= FEW_UNSURE * len(addresses), unsure
     assert compared.total() > 0.85 * len(addresses)
     assert compared.keys() == {law["name"] for law in table["laws"]}
 
@@ -144,7 +145,8 @@ def check(history, found, fragment):
 
     To 1e-12, or to the estimated rounding error where contact ends slowly. Contacts on a target that vibrates follow
     each other and amplify rounding. Where contact does not end, the accuracy is not reached, or other digits of it end
-    the page's search earlier, the two errors bound the difference; errors of 1 and more say nothing.
+    the page's search earlier, the two errors bound the difference. Returns whether they
+    bound nothing: on modes, errors of 1 and more.
     """
     assert found["law"] == history.problem.law.name
     worst = off(history, found)
@@ -152,13 +154,17 @@ def check(history, found, fragment):
         reached = not any("is not reached" in text for text in found["warnings"])
         same = reached and found["modes"] == history.accuracy.modes
         allowed = ON_MODES if same else found["error"] + history.accuracy.estimated
-        assert worst <= allowed or allowed >= 1.0, fragment
-    elif worst > SAME:
+    else:
         same = found["segments"] == history.accuracy.lines and history.outcome is fm.Outcome.SEPARATED
-        assert worst <= (amplified(history) if same else found["error"] + history.accuracy.estimated), fragment
+        allowed = SAME
+        if worst > SAME:
+            allowed = amplified(history) if same else found["error"] + history.accuracy.estimated
+    unsure = found["modes"] and allowed >= 1.0
+    assert unsure or worst <= allowed, fragment
     decided = {effect.name: effect.simulated for effect in history.effects}
     for name, effect in found["effects"].items():
         assert effect["simulated"] == decided[name], (fragment, name)
+    return unsure
 
 
 BALL = {"radius": "5 mm", "velocity": "1 m/s", "material": "bearing steel"}
@@ -408,31 +414,3 @@ def test_keyboard_alone(shown, address):
         window.keyboard.press("Tab")
         reached.add(window.evaluate("document.activeElement.id"))
     assert {"law", "accuracy", "keep", "cursor", "copy-link", "csv", "png"} <= reached
-
-
-def test_a_slider_is_followed_within_a_frame(shown, address):
-    """In processor time: other programs on the machine do not count."""
-    window = shown(f"{address}#scene=ball-on-plate")
-    session = window.context.new_cdp_session(window)
-    session.send("Performance.enable", {"timeDomain": "threadTicks"})
-
-    def milliseconds(script, argument=None):
-        def passed():
-            metrics = session.send("Performance.getMetrics")["metrics"]
-            return next(metric["value"] for metric in metrics if metric["name"] == "TaskDuration")
-
-        before = passed()
-        window.evaluate(script, argument)
-        return 1e3 * (passed() - before)
-
-    move = """place => {
-        const slider = document.querySelector("#entry-impactor-velocity ~ input[type=range]");
-        slider.value = place;
-        slider.dispatchEvent(new Event("input"));
-        document.body.getBoundingClientRect();
-    }"""
-    times = sorted([milliseconds(move, place) for place in range(100, 900, 8)][20:])
-    nothing = sorted(milliseconds("() => 0") for _ in range(20))[10]
-    most = times[76] - nothing
-    print(f"slider to picture: median {times[40] - nothing:.1f} ms, 95th percentile {most:.1f} ms")
-    assert most <= FRAME

@@ -24,5 +24,6 @@ def test_files_and_functions_exist(page):
 def test_every_package_is_listed():
     text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     packages = [path.parent.relative_to(ROOT).as_posix() for path in (ROOT / "film_model").glob("*/__init__.py")]
+    packages += [path.name for path in (ROOT / "film_model/core").iterdir() if any(path.glob("*.c"))]
     listed = re.findall(r"^\| `([a-z_/]+)` \|", text, re.MULTILINE)
     assert set(listed) == {*packages, "film_datasets", "fmu_wrapper"}

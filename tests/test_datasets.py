@@ -131,7 +131,7 @@ def test_flags_read_as_stages_and_events(dataset: xr.Dataset, history: fm.Histor
 @pytest.mark.parametrize(
     ("stem", "changes", "count"),
     [
-        ("two_steel_balls", {"impactor.mass": "1 kg"}, 5),
+        ("two_steel_balls", {"impactor.mass": "1 kg", "impactor.velocity": "3 m/s"}, 5),
         ("olsson_plate", {"impactor.mass": "8 g", "impactor.velocity": "1 mm/s", "target.size": None}, 11),
     ],
 )

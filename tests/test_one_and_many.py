@@ -37,6 +37,8 @@ FACTORS = np.array([1.0, 0.6, 1.9])
 MATERIALS = ("mild steel", "bearing steel", "WC, Big-Alabo 2017", "aluminium 6061-T6")
 LAW_NAMES = ("auto", "auto", *(name for name, law in LAWS.items() if law.family != "adhesive"))
 ALL_LAWS = ("auto", "auto", *LAWS)
+NAMED_LAWS = tuple(law for law in ALL_LAWS if law != "elastoplastic")
+"""Laws of the scenes that tests name by their seed."""
 SPEEDS = ((1e-4, 30), (0.01, 1), (1e-7, 1e-3))
 """Ranges of velocity, m/s: all; about the yield velocities; where the weight dominates."""
 

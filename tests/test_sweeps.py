@@ -483,7 +483,8 @@ def test_validate_finds_any_damage() -> None:
     begun.attrs["content_sha256"] = fd.content_sha256(begun)
     assert fd.validate(begun) == ["segment_begin is not the sum of the segment_count before"]
     foreign = xr.Dataset(attrs={"film_model_schema": "impact_measurement", "measured": "nothing"})
-    assert fd.validate(foreign) == ["attribute measured is 'nothing', not 'history', 'impacts' or 'values'"]
+    kinds = "'history', 'impacts', 'values' or 'finite_elements'"
+    assert fd.validate(foreign) == [f"attribute measured is 'nothing', not {kinds}"]
 
 
 def test_a_damped_contact_that_does_not_end_has_no_dent() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes as c
+import math
 from functools import lru_cache
 from typing import Any
 
@@ -15,8 +16,8 @@ from film_model.core.native import FULL, START_DTYPE, SUMMARY_DTYPE, Curve, Mesh
 MOST_SEGMENTS = 49152
 """Segments of loading beyond which no mesh is refined (FILM_MOST_SEGMENTS)."""
 
-_FEW, _MANY = 6, 17
-"""Meshes that nearly all contacts need, and that take 3 segments beyond `MOST_SEGMENTS`."""
+_FEW = 6
+"""Meshes that nearly all contacts need."""
 
 
 @lru_cache(maxsize=64)
@@ -30,14 +31,14 @@ def solve(
     curve: Curve, start: Start, linearisation: int, first: tuple[int, int], accuracy: float, clearance: float
 ) -> tuple[int, Solution]:
     """Status and solution of one contact. first: segments of loading and unloading of the coarsest mesh."""
-    found, count = Solution(), _FEW
-    while True:
+    found, most = Solution(), math.ceil(math.log2(MOST_SEGMENTS / first[0])) + 1
+    for count in (min(_FEW, most), most):
         meshes, _ = doubled(linearisation, *first, count)
         given = c.byref(curve), c.byref(start), meshes, count, accuracy, clearance, c.byref(found)
         status = library().film_solve(*given)
-        if status != FULL or count == _MANY:
-            return status, found
-        count = _MANY
+        if status != FULL:
+            break
+    return status, found
 
 
 def estimate(

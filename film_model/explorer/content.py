@@ -16,6 +16,7 @@ from film_model.base.materials import catalogue
 from film_model.base.unit_symbols import SYMBOLS, parse_unit
 from film_model.base.units import DIMENSIONS, PREFIXED, scene_unit, si_unit
 from film_model.core import modal, native
+from film_model.core.solving import MOST_SEGMENTS
 from film_model.effects.choose import Choice, choose
 from film_model.effects.effect import COMPUTED, NOT_MODELLED, percent
 from film_model.effects.many import SURE
@@ -230,6 +231,7 @@ def layout() -> dict[str, Any]:
     }
     return found | {
         "curve": size_of(native.Curve),
+        "most_segments": MOST_SEGMENTS,
         "events": native.EVENTS,
         "phases": native.PHASES,
         "levels": modal.LEVELS,

@@ -4,7 +4,6 @@ const EVENT = 1;
 const BAD_NUMBER = -1;
 const FULL = -7;
 const FEW_MESHES = 6; // that nearly all contacts need
-const MOST_MESHES = 17;
 const MOST_MEMORY = 256e6; // bytes of meshes and modes that are kept
 const KEPT = 8; // curves of shapes that are kept
 const SPRUNG = 16; // curves in series with a spring that one impact may need at a time
@@ -177,7 +176,9 @@ class Core {
     const found = this.numbers;
     this.writeStart(p);
     let status = FULL;
-    for (let count = accuracy === null ? 2 : FEW_MESHES; status === FULL && count <= MOST_MESHES; count += MOST_MESHES - FEW_MESHES) {
+    const most = accuracy === null ? 2 : Math.ceil(Math.log2(this.layout.most_segments / counts[0])) + 1;
+    for (const count of [Math.min(FEW_MESHES, most), most]) {
+      if (status !== FULL) break;
       const meshes = this.doubled(line, counts, count);
       status = accuracy === null ? this.c.film_estimate(curve, this.start, meshes, clearance, found)
         : this.c.film_solve(curve, this.start, meshes, count, accuracy, clearance, found);

@@ -346,3 +346,10 @@ def test_finite_element_bracket(tmp_path):
     assert history.summary["maximum_force"] == pytest.approx(512.7, rel=0.05)
     assert fm.Scene.from_toml(tmp_path / "scene.toml").target == target
     assert is_png(tmp_path / "impact.png")
+
+
+def test_effects_compared():
+    """The table of effects agrees with what was counted without the package."""
+    for row in example("effects_compared").rows():
+        least = 0.3 if "fracture" in row.quantity else 0.9  # the least force for any flaw
+        assert least < row.found / row.counted < 1.1, row

@@ -9,6 +9,7 @@ import pickle
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pint
 import pytest
 from hypothesis import given
@@ -19,6 +20,7 @@ from film_model.base.materials import material
 from film_model.base.units import DIMENSIONS
 from film_model.laws import LAWS, Hertz
 from film_model.scene import Contact, Effects, Scene, Solver, Sphere
+from film_model.scene.columns import scene_of_columns
 from film_model.targets import Body, HalfSpace, Plate, Rod
 
 SCENES = sorted((Path(__file__).parent.parent / "examples" / "scenes").glob("*.toml"))
@@ -147,3 +149,16 @@ def test_every_law_has_parameters_that_a_scene_can_read(law: Any) -> None:
     known = {*DIMENSIONS, "meyer_stiffness", "file"}
     assert {parameter.dimension for parameter in law.parameters.values()} <= known
     assert not {*Contact.FIELDS, "self"} & set(law.parameters)
+
+
+def test_a_yield_strength_that_is_set_replaces_the_hardness_of_the_catalogue() -> None:
+    """Alone and as a column it decides, however it is set; given beside a hardness, the hardness does."""
+    scene = Scene(Sphere("1 mm", "1 m/s", material="bearing steel"), HalfSpace("mild steel"))
+    path, hardness = "target.material.yield_strength", "target.material.hardness"
+    assert scene.flow_strength != pytest.approx(300e6)
+    assert scene.replace({path: "300 MPa"}).yield_strength == pytest.approx(300e6)
+    assert scene_of_columns(scene, {path: np.array([3e8, 4e8])}).yield_strength.tolist() == [3e8, 4e8]
+    both = {path: "300 MPa", hardness: "1 GPa"}
+    assert scene.replace(both).flow_strength == pytest.approx(1e9 / 2.8)
+    arrays = {path: np.array([3e8]), hardness: np.array([1e9])}
+    assert scene_of_columns(scene, arrays).flow_strength == pytest.approx(1e9 / 2.8)

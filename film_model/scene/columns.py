@@ -7,6 +7,7 @@ from typing import Any
 
 from film_model.base.arrays import Array
 from film_model.scene.scene import Scene
+from film_model.scene.toml import in_place_of
 
 
 def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
@@ -22,6 +23,8 @@ def scene_of_columns(scene: Scene, columns: Mapping[str, Array]) -> Scene:
             object.__setattr__(owner, "radius", 0.5 * values)
         else:
             object.__setattr__(owner, name, values)
+            if name == "yield_strength" and (other := in_place_of(path)) is not None and other not in columns:
+                object.__setattr__(owner, "hardness", None)
     return made
 
 

@@ -61,20 +61,32 @@ def toml_table(text: str, name: str) -> dict[str, Any]:
         raise SceneError([Mistake(name, line, "", f"not TOML: {message}")]) from None
 
 
+_IN_PLACE_OF = {
+    "solver.segments": "solver.accuracy",
+    "solver.accuracy": "solver.segments",
+    "impactor.diameter": "impactor.radius",
+    "target.diameter": "target.radius",
+    "impactor.material.yield_strength": "impactor.material.hardness",
+    "target.material.yield_strength": "target.material.hardness",
+}
+"""A number that is set → the one that it replaces."""
+
+
+def in_place_of(path: str) -> str | None:
+    """The number that no longer holds where the one at a path is set; None if there is none."""
+    return _IN_PLACE_OF.get(path)
+
+
 def change_table(table: dict[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
     """The table with the entries at paths such as "impactor.velocity" changed, or removed where None.
 
-    Segments replace an accuracy (which may be the default), and vice versa; the diameter of a ball its radius.
+    A number replaces the other one that says the same (`_IN_PLACE_OF`), unless both are given.
     """
-    table, given = copy.deepcopy(table), {path for path, value in changes.items() if value is not None}
-    pairs = {
-        "solver.segments": "solver.accuracy",
-        "solver.accuracy": "solver.segments",
-        "impactor.diameter": "impactor.radius",
-    }
-    if table.get("target", {}).get("kind") == "body":
-        pairs["target.diameter"] = "target.radius"
-    replaced = {other: None for path, other in pairs.items() if path in given and other not in given}
+    table = copy.deepcopy(table)
+    given = {path for path, value in changes.items() if value is not None}
+    ball = table.get("target", {}).get("kind") == "body"
+    others = {in_place_of(path) for path in given if ball or path != "target.diameter"}
+    replaced = dict.fromkeys(other for other in others if other is not None and other not in given)
     for path, value in {**changes, **replaced}.items():
         *sections, key = path.split(".")
         section = table

@@ -23,7 +23,7 @@ def ball_on_steel(velocity: str, plate: str | None = None, **changes: Any) -> Sc
     return Scene(
         Sphere(radius="10 mm", velocity=velocity, material="WC, Big-Alabo 2017"),
         target,
-        contact=Contact(law="big-alabo"),
+        contact=Contact(law="big-alabo", yield_strength="250 MPa"),
         effects=Effects(gravity=True),
         **changes,
     )

@@ -78,7 +78,7 @@ class ImpactComponent:
 
     >>> component = fm.ImpactComponent(scene, initial_gap="1 mm")
     >>> [event.name for event in component.step("1.02 ms").events]
-    ['contact_begins', 'stage_changes', 'stage_changes']
+    ['contact_begins', 'stage_changes']
     >>> component.phase
     'loading'
     """

@@ -250,7 +250,7 @@ def _write(data: bytes) -> Callable[[Path], None]:
     ("make", "said"),
     [
         (lambda path: None, ": cannot be read: No such file"),
-        (Path.mkdir, ": cannot be read: Is a directory"),
+        (Path.mkdir, ": is a folder, a regular file is needed"),
         (_write(b"\x7fELF\x00\xff\xfe"), ":1: is not UTF-8 text: byte 0xff at offset 5"),
         (_write(GOOD.encode("utf-16")), ":1: is not UTF-8 text: byte 0xff at offset 0"),
         (_write(b"title = '\xe9'"), ":1: is not UTF-8 text: byte 0xe9"),

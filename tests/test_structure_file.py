@@ -143,9 +143,9 @@ def test_only_files_of_limited_size_are_read(tmp_path, monkeypatch):
     monkeypatch.setattr("film_model.targets.structure_file.MOST_BYTES", 10)
     (tmp_path / "large").write_text(GOOD)
     for path, message in (
-        (tmp_path, "is not a file"),
-        (tmp_path / "pipe", "is not a file"),
-        (tmp_path / "large", "at most"),
+        (tmp_path, "is a folder, a regular file is needed"),
+        (tmp_path / "pipe", "is a pipe or a device, a regular file is needed"),
+        (tmp_path / "large", "read at most"),
     ):
         with pytest.raises(fm.SceneError, match=message):
             fm.Structure(str(path))

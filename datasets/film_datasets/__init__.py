@@ -37,6 +37,7 @@ __all__ = [
     "Identification",
     "Tolerance",
     "Variable",
+    "check",
     "compare_laws",
     "content_sha256",
     "convert",
@@ -60,6 +61,7 @@ __all__ = [
 
 _MODULES = {
     "accessor": ("Film",),
+    "checking": ("check",),
     "conversion": ("to_dataset",),
     "csv_measurement": ("from_csv",),
     "dataset_plots": ("plot",),

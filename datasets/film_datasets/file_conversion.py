@@ -6,7 +6,8 @@ import os
 from pathlib import Path
 
 from film_datasets.csv_measurement import from_csv
-from film_datasets.files import SUFFIX, ZARR, check_file, open_dataset, write
+from film_datasets.files import CHECKED_AT_ONCE, SUFFIX, ZARR, check_file, open_dataset, write
+from film_datasets.schema.validation import damage
 from film_datasets.tables import left_out
 
 
@@ -25,5 +26,7 @@ def convert(source: str | os.PathLike[str], target: str | os.PathLike[str], over
         write(from_csv(given), wanted, overwrite)
         return []
     with open_dataset(given) as ds:
+        if ds.nbytes > CHECKED_AT_ONCE and (wrong := damage(ds)):
+            raise OSError(f"{given}: is damaged ({'; '.join(wrong)})")
         write(ds, wanted, overwrite)
         return [] if wanted.suffix in (SUFFIX, ZARR) else left_out(ds)

@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from film_datasets.quantities import in_numbers
-from film_datasets.schema import HISTORY, holds_text, kind_of, variables_of
+from film_datasets.schema import ADDED, HISTORY, content_sha256, holds_text, kind_of, variables_of
+from film_datasets.schema.validation import damage
 from film_datasets.tables import TABLES, check_parquet, write_table
-from film_model.base.files import check_replaceable, flush, written_whole
+from film_model.base.errors import shown
+from film_model.base.files import check_regular, check_replaceable, flush, written_whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,6 +30,10 @@ STORES = ("zarr.json", ".zgroup")
 
 MOST_INDEXED = 10_000_000
 """A coordinate with more values than this is not indexed by `open_dataset`: the index is held in memory."""
+
+CHECKED_AT_ONCE = 100_000_000
+"""A dataset of more bytes than this is not compared with its hash when it is opened: it is read lazily. Its variables
+have checksums, which every reader compares."""
 
 NEEDS_ZARR = 'Zarr folders need zarr: install film-model[zarr] (pip install "film-model[zarr]")'
 
@@ -44,7 +50,8 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
 
     It is written under another name in the same folder, flushed to the disk and renamed, so that `path` is never
     incomplete; the same dataset gives the same bytes. Long variables are shuffled and deflated at level 1. Quantities
-    (`ds.film.quantify()`) are written as SI numbers.
+    (`ds.film.quantify()`) are written as SI numbers. The attribute content_sha256 is that of what is written; a dataset
+    of which variables were dropped has none.
 
     Returns the path. Raises ValueError for another suffix; ImportError for Parquet without pyarrow or Zarr without
     zarr; FileExistsError if the file exists and `overwrite` is not set; IsADirectoryError, FileNotFoundError,
@@ -60,7 +67,7 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
         raise TypeError(f"write takes a dataset, not a {type(ds).__name__}: to_dataset converts a history")
     target = Path(path)
     check_file(target, overwrite)
-    ds = in_numbers(ds)
+    ds = _with_hash(in_numbers(ds))
     if target.suffix == ZARR:
         return _write_folder(ds, target)
     try:
@@ -77,13 +84,27 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     return target
 
 
+def _with_hash(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset with the hash of its values as they are now."""
+    if "content_sha256" not in ds.attrs:
+        return ds
+    try:
+        return ds.assign_attrs(content_sha256=content_sha256(ds))
+    except ValueError:
+        part = ds.copy()
+        del part.attrs["content_sha256"]
+        return part
+
+
 def _write_folder(ds: xr.Dataset, target: Path) -> Path:
     """Write a Zarr folder, of format 3."""
     beside = temporary_path(target)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # consolidated metadata and texts are not yet in the specification
-            ds.drop_encoding().to_zarr(beside, mode="w", zarr_format=3, consolidated=True)
+            ds.drop_encoding().to_zarr(
+                beside, mode="w", zarr_format=3, consolidated=True, encoding=_zarr_encoding(ds), write_empty_chunks=True
+            )
     except ImportError as error:
         raise ImportError(f"{target}: {NEEDS_ZARR}") from error
     put_in_place(beside, target)
@@ -102,7 +123,8 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     A history is read into memory; a sweep is read lazily. A coordinate of more than `MOST_INDEXED` values has no
     index, so `sel` does not take it.
 
-    Raises OSError if the file does not exist or cannot be read, ValueError for a file of another program.
+    Raises OSError if the file does not exist, cannot be read, does not match its hashes (values up to `CHECKED_AT_ONCE`
+    bytes are compared) or leads to other files; ValueError for a file of another program or of a later version.
 
     >>> path = fd.write(fd.to_dataset(fm.simulate(scene)), "impact.nc")
     >>> with fd.open(path) as ds:
@@ -114,9 +136,16 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     source = Path(path)
     if not source.exists():
         raise FileNotFoundError(f"{source}: there is no such file")
+    if not source.is_dir():
+        try:
+            check_regular(source)
+        except ValueError as error:
+            raise OSError(f"{source}: {error}") from None
     if source.suffix in TABLES:
         raise ValueError(f"{source}: a table does not hold the whole dataset: give the .nc or .zarr it was made from")
     engine = "zarr" if source.is_dir() else "netcdf4"
+    if engine == "netcdf4":
+        _check_hdf5(source)
     try:
         ds = _indexed(xr.open_dataset(source, engine=engine, create_default_indexes=False))
     except ImportError as error:
@@ -127,16 +156,45 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         kind = "a Zarr folder" if engine == "zarr" else "a netCDF file"
         raise OSError(f"{source}: is not {kind}, or is damaged ({error})") from error
     try:
-        if kind_of(ds) == HISTORY:
-            ds.load()
-            ds.close()
+        kind, version = kind_of(ds), ds.attrs.get("film_model_schema_version")
+        if version not in ADDED[kind]:
+            raise ValueError(f"version {version!r} of {kind} is not known: at most {list(ADDED[kind])[-1]!r} is")
     except ValueError as error:
         ds.close()
         raise ValueError(f"{source}: {error}") from None
+    try:
+        wrong = damage(ds, "content_sha256" in ds.attrs and ds.nbytes <= CHECKED_AT_ONCE)
+        if wrong:
+            raise OSError("; ".join(wrong))
+        if kind == HISTORY:
+            ds.load()
+            ds.close()
     except Exception as error:
         ds.close()
         raise OSError(f"{source}: is damaged ({error})") from error
     return ds
+
+
+def _check_hdf5(source: Path) -> None:
+    """OSError for an HDF5 file whose content is in other files, or whose attributes are damaged: the netCDF library may
+    end the process for these."""
+    import h5py  # lazy: reading a Zarr folder does not need it
+
+    try:
+        if not h5py.is_hdf5(source):
+            return  # classic netCDF, or for the netCDF library to refuse
+        with h5py.File(source, "r") as file:
+            dict(file.attrs)
+            for name in file:
+                hard = isinstance(file.get(name, getlink=True), h5py.HardLink)
+                found: Any = file[name] if hard else None
+                if not hard or (isinstance(found, h5py.Dataset) and (found.is_virtual or found.external)):
+                    raise ValueError(f"{source}: {shown(name)} is in another file, which is not read")
+                dict(found.attrs)
+    except ValueError as error:
+        raise OSError(str(error)) from None
+    except Exception as error:  # h5py has no common class
+        raise OSError(f"{source}: is not a netCDF file, or is damaged ({error})") from error
 
 
 def _indexed(ds: xr.Dataset) -> xr.Dataset:
@@ -214,13 +272,28 @@ def size_of(path: str | os.PathLike[str]) -> int:
 
 
 def _encoding(ds: xr.Dataset) -> dict[str, Any]:
-    """Per variable: compression for long ones, a fill value only for optional ones."""
+    """Per variable: compression for long ones, a checksum for the others (deflate has one), a fill value only for
+    optional ones."""
     missing = {variable.name for variable in variables_of(ds) if variable.optional}
     deflate = {"zlib": True, "complevel": 1, "shuffle": True}
     return {
         str(name): {
-            **(deflate if array.dims and array.nbytes >= DEFLATE_FROM and not holds_text(array) else {}),
+            **_filters(array, deflate),
             "_FillValue": float("nan") if name in missing else None,
         }
         for name, array in ds.variables.items()
     }
+
+
+def _filters(array: Any, deflate: dict[str, Any]) -> dict[str, Any]:
+    if not array.size or not array.dims or holds_text(array):  # for which netCDF has no filters
+        return {}
+    return deflate if array.nbytes >= DEFLATE_FROM else {"fletcher32": True, "chunksizes": array.shape}
+
+
+def _zarr_encoding(ds: xr.Dataset) -> dict[str, Any]:
+    """Per variable: compression, and a checksum of the compressed bytes."""
+    from zarr.codecs import Crc32cCodec, ZstdCodec  # lazy: an optional dependency
+
+    names = [str(name) for name, array in ds.variables.items() if not holds_text(array)]
+    return {name: {"compressors": (ZstdCodec(), Crc32cCodec())} for name in names}

@@ -27,6 +27,7 @@ COMMANDS = {
     "contact-for": "film-model contact-for mujoco scene.toml --velocity 0.1..2",
     "sweep": "film-model sweep sweep.toml --output sweep.nc",
     "plot": "film-model plot sweep.nc --quantity maximum_force",
+    "check": "film-model check sweep.nc",
     "convert": "film-model convert sweep.nc sweep.csv",
     "summarise": "film-model summarise sweep.nc --quantity maximum_force",
     "tolerance": "film-model tolerance sweep.toml --quantity maximum_force --plot tornado.png",

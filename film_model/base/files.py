@@ -1,14 +1,32 @@
-"""Atomic writing of files."""
+"""Files: read whole if regular, written whole or not at all."""
 
 from __future__ import annotations
 
 import contextlib
 import os
+import stat
 from collections.abc import Generator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+
+def check_regular(path: str | os.PathLike[str]) -> None:
+    """Raise ValueError for a pipe, a device or a folder, reading from which may never end; OSError if there is none."""
+    mode = os.stat(path).st_mode
+    if not stat.S_ISREG(mode):
+        raise ValueError(f"is a {'folder' if stat.S_ISDIR(mode) else 'pipe or a device'}, a regular file is needed")
+
+
+def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:
+    """The content of a regular file of at most `most` bytes. Raises ValueError for another one, or OSError."""
+    check_regular(path)
+    with open(path, "rb") as file:
+        data = file.read(most + 1)
+    if len(data) > most:
+        raise ValueError(f"is larger than {most // 1_000_000} MB, which are read at most")
+    return data
 
 
 def check_replaceable(target: str | Path, overwrite: bool = True) -> None:

@@ -28,7 +28,7 @@ COMMANDS = {
     "engines": ("contact-for",),
     "datasets": ("sweep", "plot", "identify"),
     "tolerance": ("tolerance",),
-    "tables": ("convert", "summarise", "table"),
+    "tables": ("check", "convert", "summarise", "table"),
     "catalogues": ("explain", "laws", "materials"),
 }
 """Modules of `film_model.cli`, in the order of `--help`, and the commands that each adds."""

@@ -1,4 +1,4 @@
-"""film-model convert, summarise, table: files in other formats, and sweeps in few numbers."""
+"""film-model check, convert, summarise, table: files checked, in other formats, and sweeps in few numbers."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 from film_model.base.errors import did_you_mean, shown
 from film_model.cli.output import (
     DONE,
+    FAILED,
     add_force,
     add_json,
     check_writable,
@@ -26,7 +27,14 @@ COLUMNS = ("coefficient_of_restitution", "contact_duration", "maximum_force", "m
 
 def add_commands(named: Any) -> None:
     """The commands and their options."""
-    parser: argparse.ArgumentParser = named.add_parser("convert", help="write a dataset in another format")
+    parser: argparse.ArgumentParser = named.add_parser(
+        "check", help="whether a dataset is whole and holds what the simulation gives"
+    )
+    parser.add_argument("file", metavar="FILE", help="FILE.nc or FILE.zarr")
+    parser.add_argument("--rows", type=int, default=10, metavar="N", help="impacts to simulate again (default: 10)")
+    parser.set_defaults(command=check)
+
+    parser = named.add_parser("convert", help="write a dataset in another format")
     parser.add_argument("file", metavar="FILE", help="FILE.nc, FILE.zarr, or a measurement in FILE.csv")
     parser.add_argument("output", metavar="OUTPUT", help="FILE.nc, .zarr, .csv, .parquet or .mat")
     add_force(parser, "overwrite an existing file")
@@ -47,6 +55,14 @@ def add_commands(named: Any) -> None:
     parser.add_argument("--output", metavar="FILE", help="write .csv, .parquet or .mat instead of printing CSV")
     add_force(parser, "overwrite an existing file")
     parser.set_defaults(command=table)
+
+
+def check(options: argparse.Namespace) -> int:
+    import film_datasets
+
+    wrong = film_datasets.check(options.file, options.rows)
+    print("\n".join(wrong) if wrong else f"{options.file}: nothing is wrong")
+    return FAILED if wrong else DONE
 
 
 def convert(options: argparse.Namespace) -> int:

@@ -11,10 +11,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from film_model.base.errors import shown
+from film_model.base.files import read_bytes
 from film_model.base.tables import HEADING, rows_of
 from film_model.base.units import to_si
 from film_model.laws.law import AbstractLaw, Array, ExampleBall, Family, Parameter, Stage
 
+MOST_BYTES = 50_000_000
 MOST_ROWS = 5000
 MOST_KNOTS = 60
 """Most points that are interpolated; a longer table is represented by 60 of its points."""
@@ -167,8 +169,12 @@ def read_table(path: str) -> tuple[tuple[float, ...], tuple[float, ...]]:
     Raises OSError, or ValueError with the line of what is wrong.
     """
     columns: tuple[list[float], list[float]] = ([], [])
-    with open(path, encoding="utf-8-sig", newline="") as file:
-        rows = rows_of(path, file.read(50_000_000))
+    try:
+        rows = rows_of(path, read_bytes(path, MOST_BYTES).decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{shown(path)} is not a text in UTF-8: byte {error.start}") from None
+    except ValueError as error:
+        raise ValueError(f"{shown(path)} {error}") from None
     line, heading = next(rows, (1, []))
     where = dict(_heading(path, line, heading))
     if set(where) != set(_COLUMNS):

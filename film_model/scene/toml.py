@@ -12,6 +12,7 @@ from typing import Any, cast
 
 from film_model.base.errors import Mistake, SceneError, shown
 from film_model.base.fields import key_text
+from film_model.base.files import read_bytes
 
 LARGEST_FILE = 1_000_000  # bytes; a typical scene file has 1000
 LARGEST_TABLE = 100_000_000  # bytes; a million rows of five numbers
@@ -22,11 +23,7 @@ def read_text(path: str | os.PathLike[str], most: int = LARGEST_FILE) -> tuple[s
     name = os.fspath(path)
     shown_name = name if name.isprintable() else ascii(name)
     try:
-        with open(path, "rb") as file:
-            data = file.read(most + 1)
-        if len(data) > most:
-            raise ValueError(f"is larger than {most // 1_000_000} MB, which are read at most")
-        text = data.decode("utf-8-sig")
+        text = read_bytes(path, most).decode("utf-8-sig")
     except OSError as error:
         raise SceneError([Mistake(shown_name, None, "", f"cannot be read: {error.strerror or error}")]) from None
     except UnicodeDecodeError as error:

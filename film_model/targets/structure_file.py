@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
-import stat
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from film_model.base.errors import did_you_mean, shown
+from film_model.base.files import read_bytes
 from film_model.base.tables import HEADING, rows_of
 from film_model.base.units import to_si
 from film_model.targets.modes import Array
@@ -48,13 +47,10 @@ def read_structure(path: str) -> Listed:
     Units stand in the heading, `frequency [Hz]`, beside each value, or in the attribute `units`. The order of the rows
     does not matter. Raises OSError, or ValueError with the line of what is wrong.
     """
-    about = os.stat(path)
-    if not stat.S_ISREG(about.st_mode):
-        raise ValueError(f"{shown(path)} is not a file")
-    if about.st_size > MOST_BYTES:
-        raise ValueError(f"{shown(path)} has {about.st_size} bytes: at most {MOST_BYTES} are allowed")
-    with open(path, "rb") as file:
-        content = file.read()
+    try:
+        content = read_bytes(path, MOST_BYTES)
+    except ValueError as error:
+        raise ValueError(f"{shown(path)} {error}") from None
     if content.startswith((b"\x89HDF\r\n", b"CDF")):
         places, columns, static = _netcdf(path)
     else:

@@ -74,14 +74,23 @@ def _type_name(variable: Variable) -> str:
     return "text" if variable.dtype == TEXT else variable.dtype.name
 
 
-def _inconsistencies(ds: xr.Dataset) -> list[str]:
-    """Contradictions within a dataset that has every variable and attribute."""
-    checks = {"content_sha256 does not match the variables": ds.attrs["content_sha256"] == content_sha256(ds)}
+def damage(ds: xr.Dataset, values: bool = True) -> list[str]:
+    """What does not match the hashes that were stored with it: texts and, if `values`, numbers. Raises ValueError if a
+    variable is missing."""
+    checks: dict[str, bool] = {}
+    if values:
+        checks["content_sha256 does not match the variables"] = ds.attrs.get("content_sha256") == content_sha256(ds)
     for name in ("scene", "sweep"):
         if f"{name}_toml" in ds.attrs:
             text = str(ds.attrs[f"{name}_toml"]).encode()
             good = ds.attrs.get(f"{name}_sha256") == hashlib.sha256(text).hexdigest()
             checks[f"{name}_sha256 does not match {name}_toml"] = good
+    return [message for message, good in checks.items() if not good]
+
+
+def _inconsistencies(ds: xr.Dataset) -> list[str]:
+    """Contradictions within a dataset that has every variable and attribute."""
+    checks = dict.fromkeys(damage(ds), False)
     if "t" in ds.variables:
         checks["t does not increase"] = bool((np.diff(ds["t"].values) > 0).all())
     if "event_time" in ds.variables:

@@ -119,7 +119,7 @@ class NetCDFWriter:
         self.path = path
         self._file: Any = None
         self._variables: dict[str, Any] = {}
-        self._chunks: dict[str, tuple[tuple[int, ...], np.dtype[Any], float, bool]] = {}
+        self._chunks: dict[str, tuple[tuple[int, ...], np.dtype[Any], float]] = {}
         self._growth: dict[str, _Growth] = {}
         self._ready: dict[str, list[tuple[Region, Any]]] = {}
 
@@ -138,23 +138,25 @@ class NetCDFWriter:
             for variable, attributes in variables:
                 values = math.prod(sizes[dim] if dim in sizes else chunks[dim] for dim in variable.dims)
                 long = variable.dtype != TEXT and values * variable.dtype.itemsize >= DEFLATE_FROM
-                chunked, shape = long or _grows(variable), chunk_shape(variable, sizes, chunks)
+                shape = chunk_shape(variable, sizes, chunks)
+                checked = variable.dtype != TEXT and 0 not in shape and variable.dims != ()
                 created: Any = file.createVariable(
                     variable.name,
                     str if variable.dtype == TEXT else variable.dtype,
                     variable.dims,
-                    chunksizes=shape if chunked else None,
+                    chunksizes=shape if checked else None,
                     fill_value=np.nan if variable.optional else False,
-                    contiguous=not chunked and variable.dtype != TEXT,
+                    contiguous=not checked and variable.dtype != TEXT,
+                    fletcher32=checked and not long,
                     compression="zlib" if long else None,
                     complevel=1,
                     shuffle=True,
                 )
                 created.setncatts(attributes)
                 self._ready[variable.name] = []
-                if chunked:
+                if long:
                     fill = np.nan if variable.optional else 0
-                    self._chunks[variable.name] = shape, variable.dtype, fill, long
+                    self._chunks[variable.name] = shape, variable.dtype, fill
                 if _grows(variable):
                     self._growth[variable.name] = _Growth(chunks[variable.dims[0]])
         self._file = h5py.File(self.path, "r+")
@@ -162,9 +164,8 @@ class NetCDFWriter:
 
     def put(self, name: str, region: Region, values: Any) -> None:
         if name in self._chunks:
-            shape, dtype, fill, long = self._chunks[name]
-            whole = padded(np.asarray(values, dtype), shape, fill)
-            values = deflated(whole) if long else whole.tobytes()
+            shape, dtype, fill = self._chunks[name]
+            values = deflated(padded(np.asarray(values, dtype), shape, fill))
         self._ready[name].append((region, values))
 
     def grow(self, name: str, values: Any) -> None:
@@ -175,11 +176,11 @@ class NetCDFWriter:
         for name, ready in self._ready.items():
             variable = self._variables[name]
             for region, values in ready:
+                if name in self._growth:
+                    variable.resize(region[0].stop, 0)
                 if name not in self._chunks:
                     variable[region] = values
                     continue
-                if name in self._growth:
-                    variable.resize(region[0].stop, 0)
                 variable.id.write_direct_chunk(tuple(part.start for part in region), values)
             ready.clear()
 
@@ -228,17 +229,18 @@ class ZarrWriter:
     def create(
         self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
     ) -> None:
-        from zarr.codecs import BloscCodec  # lazy: an optional dependency
+        from zarr.codecs import BloscCodec, Crc32cCodec  # lazy: an optional dependency
 
         for variable, attributes in variables:
             own = list(chunk_shape(variable, sizes, chunks))
             divided = [k for k, dim in enumerate(variable.dims) if own[k] < sizes.get(dim, own[k] + 1)]
             if divided and variable.dims != (variable.name,):
                 own[divided[-1]] *= FILE_BLOCKS
-            packed: dict[str, Any] = {}
-            if variable.dtype != TEXT and variable.dims:
+            packed: dict[str, Any] = {} if variable.dtype == TEXT else {"compressors": (Crc32cCodec(),)}
+            if packed and variable.dims:
                 size = variable.dtype.itemsize
-                packed["compressors"] = BloscCodec(typesize=size, cname="lz4", clevel=5, shuffle="shuffle")
+                blosc = BloscCodec(typesize=size, cname="lz4", clevel=5, shuffle="shuffle")
+                packed["compressors"] = (blosc, Crc32cCodec())
             self._arrays[variable.name] = self._group.create_array(
                 variable.name,
                 shape=tuple(sizes.get(dim, 0) for dim in variable.dims),
@@ -268,14 +270,16 @@ class ZarrWriter:
 
     def _write(self, name: str, region: Region, values: Any) -> None:
         """Write the chunk that begins where the region does."""
-        from numcodecs.blosc import SHUFFLE, Blosc  # lazy: comes with zarr
+        from google_crc32c import value as crc32c  # lazy: these come with zarr
+        from numcodecs.blosc import SHUFFLE, Blosc
 
         array = self._arrays[name]
         whole = padded(np.asarray(values, array.dtype.newbyteorder("<")), array.chunks, array.fill_value)
         places = (str(part.start // chunk) for part, chunk in zip(region, array.chunks, strict=True))
         file = self.path.joinpath(name, "c", *places)
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_bytes(Blosc("lz4", 5, SHUFFLE).encode(whole))
+        packed = Blosc("lz4", 5, SHUFFLE).encode(whole)
+        file.write_bytes(packed + crc32c(packed).to_bytes(4, "little"))
 
     def read(self, name: str, region: Region) -> Any:
         """What was written to a region of a variable, in whole files."""

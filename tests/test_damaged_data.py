@@ -1,0 +1,175 @@
+"""No damaged, foreign or endless file is taken for a result."""
+
+from __future__ import annotations
+
+import os
+import random
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+import film_datasets as fd
+import film_model as fm
+from film_model.cli.main import main
+
+SCENE = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), fm.HalfSpace("mild steel"))
+SPEEDS = {"impactor.velocity": {"uniform": ["0.1 m/s", "5 m/s"]}}
+
+
+def sample(kind: str, suffix: str, folder: Path) -> Path:
+    path = folder / f"good{suffix}"
+    if kind == "history":
+        return fd.write(fd.to_dataset(fm.simulate(SCENE), samples=20), path)
+    fd.sweep(SCENE, SPEEDS, "sobol", samples=100, output=path).close()
+    return path
+
+
+def same_values(one: xr.Dataset, other: xr.Dataset) -> bool:
+    return set(one.variables) == set(other.variables) and all(
+        one[name].dtype == other[name].dtype and one[name].values.tobytes() == other[name].values.tobytes()
+        for name in one.variables
+    )
+
+
+def flip(content: bytes, bit: int) -> bytes:
+    changed = bytearray(content)
+    changed[bit // 8] ^= 1 << bit % 8
+    return bytes(changed)
+
+
+@pytest.mark.parametrize("reader", ["ours", "xarray"])
+@pytest.mark.parametrize("kind", ["history", "sweep"])
+def test_a_flipped_bit_of_a_netcdf_file_changes_no_value(tmp_path: Path, kind: str, reader: str) -> None:
+    path, rng = sample(kind, ".nc", tmp_path), random.Random(5)
+    good, content = fd.read(path), path.read_bytes()
+    refused = 0
+    for number in range(60):
+        damaged = tmp_path / f"damaged{number}.nc"
+        damaged.write_bytes(flip(content, rng.randrange(8 * len(content))))
+        try:
+            if reader == "ours":
+                found = fd.read(damaged)
+            else:
+                with h5py.File(damaged) as file:  # the netCDF library aborts at damaged attributes
+                    attributes = [dict(file[name].attrs) for name in file], dict(file.attrs)
+                assert attributes
+                with xr.open_dataset(damaged, engine="netcdf4") as ds:
+                    found = ds.load()
+        except Exception:  # each library raises its own
+            refused += 1
+            continue
+        flat = {str(name) for name, array in good.variables.items() if array.dims}
+        if reader == "xarray":  # HDF5 has no checksum for numbers without dimension, texts and attributes
+            lost = flat - set(found.variables)
+            found, kept = found[sorted(flat - lost)], good[sorted(flat - lost)]
+            texts = [name for name in kept.variables if kept[name].dtype.kind not in "fi"]
+            assert same_values(found.drop_vars(texts), kept.drop_vars(texts)), number
+        else:
+            assert same_values(found, good), number
+    assert refused > 10
+
+
+@pytest.mark.parametrize("kind", ["history", "sweep"])
+def test_a_flipped_bit_of_a_zarr_chunk_is_refused(tmp_path: Path, kind: str) -> None:
+    pytest.importorskip("zarr")
+    path, rng = sample(kind, ".zarr", tmp_path), random.Random(5)
+    chunks = sorted(file for file in path.rglob("*") if "c" in file.relative_to(path).parts and file.is_file())
+    texts = {name for name, array in fd.read(path).variables.items() if array.dtype.kind not in "fi"}
+    good, refused = fd.read(path), []
+    for file in rng.sample([c for c in chunks if c.relative_to(path).parts[0] not in texts], 12):
+        content = file.read_bytes()
+        file.write_bytes(flip(content, rng.randrange(8 * len(content))))
+        with pytest.raises(Exception, match=r"damaged|crc|[Cc]hecksum"):  # of zarr
+            xr.open_zarr(path).load()
+        with pytest.raises(OSError, match="damaged"):
+            fd.read(path)
+        file.unlink()  # zarr gives the fill value in place of a chunk that is not there
+        try:
+            assert same_values(fd.read(path), good)  # all of them were the fill value
+        except OSError as error:
+            refused.append(str(error))
+        file.write_bytes(content)
+    assert len(refused) > 5 and all("content_sha256 does not match the variables" in text for text in refused)
+    assert fd.check(path) == []
+
+
+def test_a_changed_dataset_is_written_with_its_own_hash(tmp_path: Path) -> None:
+    ds = fd.to_dataset(fm.simulate(SCENE)).copy(deep=True)
+    ds["maximum_force"] = ds["maximum_force"] * 1.5
+    path = fd.write(ds, tmp_path / "changed.nc")
+    assert fd.read(path)["maximum_force"] == ds["maximum_force"]
+    (wrong,) = fd.check(path)
+    assert wrong.startswith("maximum_force is ") and "if it is simulated again" in wrong
+    part = fd.write(ds.drop_vars("impulse"), tmp_path / "part.nc")
+    assert "content_sha256" not in fd.read(part).attrs
+    assert fd.check(part) == ["attribute content_sha256 is missing", "variable impulse is missing"]
+
+
+def test_check_simulates_rows_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = sample("sweep", ".nc", tmp_path)
+    assert main(["check", str(path)]) == 0
+    assert capsys.readouterr().out == f"{path}: nothing is wrong\n"
+    ds = fd.read(path).copy(deep=True)
+    ds["maximum_force"][0] *= 1.001
+    fd.write(ds, path, overwrite=True)
+    assert main(["check", str(path), "--rows", "3"]) == 3
+    assert capsys.readouterr().out.startswith("impact 0: maximum_force is ")
+    with pytest.raises(ValueError, match="rows is -1"):
+        fd.check(path, -1)
+
+
+def test_a_later_version_is_refused(tmp_path: Path) -> None:
+    ds = fd.to_dataset(fm.simulate(SCENE)).assign_attrs(film_model_schema_version="99.0")
+    with pytest.raises(ValueError, match=r"version '99\.0' of impact_history is not known"):
+        fd.read(fd.write(ds, tmp_path / "later.nc"))
+
+
+@pytest.mark.parametrize("kind", ["link", "soft link", "virtual", "external"])
+def test_a_file_that_leads_to_another_one_is_refused(tmp_path: Path, kind: str) -> None:
+    path = sample("sweep", ".nc", tmp_path)
+    other = tmp_path / "other.nc"
+    other.write_bytes(path.read_bytes())
+    with h5py.File(path, "r+") as file:
+        values = file["maximum_force"][:]
+        del file["maximum_force"]
+        if kind == "link":
+            file["maximum_force"] = h5py.ExternalLink(str(other), "/maximum_force")
+        elif kind == "soft link":
+            file["maximum_force"] = h5py.SoftLink("/impulse")
+        elif kind == "virtual":
+            layout = h5py.VirtualLayout(values.shape, values.dtype)
+            layout[:] = h5py.VirtualSource(str(other), "maximum_force", values.shape)
+            file.create_virtual_dataset("maximum_force", layout)
+        else:
+            raw = tmp_path / "raw"
+            raw.write_bytes(np.zeros_like(values).tobytes())
+            file.create_dataset("maximum_force", values.shape, values.dtype, external=[(str(raw), 0, values.nbytes)])
+    with pytest.raises(OSError, match='"maximum_force" is in another file, which is not read'):
+        fd.open(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes")
+def test_no_command_waits_for_a_pipe(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A scene, a sweep, a measurement, a dataset and a table are read from regular files only."""
+    pipe, scene = str(tmp_path / "pipe.nc"), tmp_path / "scene.toml"
+    os.mkfifo(pipe)
+    scene.write_text(SCENE.to_toml(), encoding="utf-8")
+    commands: list[list[Any]] = [
+        ["run", pipe],
+        ["run", "/dev/zero"],
+        ["sweep", pipe, "--output", tmp_path / "out.nc"],
+        ["identify", pipe, scene, "--fit", "contact.yield_strength"],
+        ["plot", pipe],
+        ["summarise", pipe],
+        ["check", pipe],
+        ["convert", pipe, tmp_path / "out.csv"],
+    ]
+    for command in commands:
+        assert main(list(map(str, command))) in (2, 3), command
+        assert "regular file" in capsys.readouterr().err, command
+    with pytest.raises(fm.SceneError, match="is a pipe or a device"):
+        SCENE.replace({"contact.law": "tabulated", "contact.file": pipe})

@@ -173,3 +173,11 @@ def test_no_command_waits_for_a_pipe(tmp_path: Path, capsys: pytest.CaptureFixtu
         assert "regular file" in capsys.readouterr().err, command
     with pytest.raises(fm.SceneError, match="is a pipe or a device"):
         SCENE.replace({"contact.law": "tabulated", "contact.file": pipe})
+
+
+def test_a_value_far_outside_those_of_a_sweep_selects_no_impact() -> None:
+    ds = fd.sweep(SCENE, {"impactor.velocity": ["1 m/s", "5 m/s"]})
+    assert ds.film.scene(impactor_velocity="4.9 m/s").impactor.velocity == 5.0
+    assert ds.film.scene(impactor_velocity="5.02 m/s").impactor.velocity == 5.0
+    with pytest.raises(KeyError, match="the values are from 1 to 5 m"):
+        ds.film.scene(impactor_velocity=1e9)

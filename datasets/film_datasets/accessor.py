@@ -46,6 +46,10 @@ ENERGY_STEPS = 4000
 """The trapezoidal rule is then within 1e-6 of the impact energy (tests/test_datasets.py)."""
 
 
+BEYOND = 0.01
+"""A value that lies further outside those of a sweep, over their range, is not taken for the nearest of them."""
+
+
 class Film:
     """Histories, and each impact of a sweep, can be sampled, plotted and run again from their file.
 
@@ -219,7 +223,12 @@ class Film:
         array = self._ds[dim]
         present = words_of(array)  # of a selection not all
         if not present:
-            return int(np.abs(array.values - to_si(value, dimension_of(array), bare=True)).argmin())
+            wanted, values = to_si(value, dimension_of(array), bare=True), array.values
+            near, least, most = int(np.abs(values - wanted).argmin()), values.min(), values.max()
+            beyond = max(least - wanted, wanted - most)
+            if beyond > BEYOND * (most - least if most > least else abs(most)):
+                raise KeyError(f"{dim} {shown(value)}: the values are from {least:g} to {most:g} {array.units}")
+            return near
         if str(value) not in present:
             raise KeyError(f"{dim} {value}: there are {', '.join(present)}")
         return present.index(str(value))

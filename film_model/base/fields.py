@@ -41,6 +41,10 @@ class Field:
         return to_si(value, self.dimension) if self.width is None else self.width(value)
 
 
+LONGEST_KEY = 80
+"""Longer keys are cut in messages."""
+
+
 class Part(Protocol):
     """A frozen dataclass with a table of its fields."""
 
@@ -50,20 +54,30 @@ class Part(Protocol):
 AnyPart = TypeVar("AnyPart")
 
 
-def measure(dimension: str, low: float, high: float, *, required: bool = False, open_ends: bool = False) -> Field:
-    """A quantity between `low` and `high` in SI units, or strictly between them."""
+@dataclass(frozen=True)
+class _Measure:
+    """Reads a quantity within a range; a class, so that a sweep over it can be pickled."""
 
-    def read(value: object) -> float:
-        result = to_si(value, dimension)
+    dimension: str
+    low: float
+    high: float
+    open_ends: bool
+
+    def __call__(self, value: object) -> float:
+        low, high, result = self.low, self.high, to_si(value, self.dimension)
         if result <= 0 <= low and not low == result == 0:
-            raise ValueError(f"{shown(value)} must be {'>=' if low == 0 and not open_ends else '>'} 0")
-        if not (low < result < high if open_ends else low <= result <= high):
-            unit = scene_unit(dimension)
-            between = "between" if open_ends else "from"
-            and_ = "and" if open_ends else "to"
+            raise ValueError(f"{shown(value)} must be {'>=' if low == 0 and not self.open_ends else '>'} 0")
+        if not (low < result < high if self.open_ends else low <= result <= high):
+            unit = scene_unit(self.dimension)
+            between = "between" if self.open_ends else "from"
+            and_ = "and" if self.open_ends else "to"
             raise ValueError(f"{shown(value)} is out of range: {between} {low:g} {and_} {high:g} {unit}".rstrip())
         return result
 
+
+def measure(dimension: str, low: float, high: float, *, required: bool = False, open_ends: bool = False) -> Field:
+    """A quantity between `low` and `high` in SI units, or strictly between them."""
+    read = _Measure(dimension, low, high, open_ends)
     return Field(read, needed(dimension), required, dimension, low, high, open_ends)
 
 
@@ -238,7 +252,7 @@ def _instead(key: str, fields: Mapping[str, Field], allowed: Sequence[str]) -> s
 
 def key_text(key: str) -> str:
     """A key as messages show it."""
-    return key if key.replace("-", "_").isidentifier() else shown(key)
+    return key if key.replace("-", "_").isidentifier() and len(key) <= LONGEST_KEY else shown(key)
 
 
 def table_of(source: object) -> dict[str, Any]:

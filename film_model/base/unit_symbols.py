@@ -30,7 +30,7 @@ _SYMBOLS: tuple[tuple[Powers, str], ...] = (
     ((0, 0, 1), "s 1, ns 1e-9, us 1e-6, ms 1e-3, min 60, h 3600"),
     ((0, 0, -1), "Hz 1, kHz 1e3, MHz 1e6"),
     ((0, 1, -1), "mph 0.44704"),
-    ((1, 1, -2), "N 1, uN 1e-6, mN 1e-3, kN 1e3, MN 1e6, lbf 4.4482216152605"),
+    ((1, 1, -2), "N 1, pN 1e-12, nN 1e-9, uN 1e-6, mN 1e-3, kN 1e3, MN 1e6, GN 1e9, lbf 4.4482216152605"),
     ((1, -1, -2), "Pa 1, kPa 1e3, MPa 1e6, GPa 1e9, TPa 1e12, bar 1e5, psi 6894.757293168361, ksi 6894757.293168361"),
     ((1, 2, -2), "J 1, nJ 1e-9, uJ 1e-6, mJ 1e-3, kJ 1e3"),
     ((1, 2, -3), "W 1, mW 1e-3, kW 1e3"),

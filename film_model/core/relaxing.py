@@ -107,7 +107,20 @@ def batch(laws: NDArray[Any], start: NDArray[Any], tolerance: float) -> tuple[ND
     return status, summary
 
 
-class Motion:
+class _Stepped:
+    """What has steps: its pickle has their bytes."""
+
+    _steps: Any
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_steps": bytes(self._steps)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        content: bytes = state["_steps"]
+        self.__dict__.update(state, _steps=(Step * (len(content) // c.sizeof(Step))).from_buffer_copy(content))
+
+
+class Motion(_Stepped):
     """A contact that is advanced in steps; times in t_s. Raises ValueError for a start that the core refuses."""
 
     def __init__(self, law: Law, start: native.Start, tolerance: float, gap: float = 0.0) -> None:
@@ -150,7 +163,7 @@ class Motion:
         c.memmove(self._steps, saved[size:], len(saved) - size)
 
 
-class Record:
+class Record(_Stepped):
     """One contact with its steps. status: as of :func:`impact`."""
 
     def __init__(self, law: Law, start: native.Start, tolerance: float) -> None:

@@ -8,7 +8,7 @@ simulated are estimated by formulas (:mod:`film_model.effects.judged`).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -24,7 +24,7 @@ from film_model.effects.judged import judge
 from film_model.effects.law_range import law_warnings
 from film_model.effects.plausibility import remarks
 from film_model.effects.target_motion import Support
-from film_model.problem.law_of_scene import law_of_scene
+from film_model.problem.law_of_scene import SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
 
@@ -125,27 +125,15 @@ def _in_order(effects: Iterable[Effect]) -> tuple[Effect, ...]:
 
 def choose(scene: Scene) -> Choice:
     """Law, target motion and load of one impact. Raises SimulationError if the scene asks for an unsupported effect."""
-    law, yields = law_of_scene(scene)
-    impacts = Impacts.one(scene, law)
+    law, _ = next(laws_of(scene))
+    impacts = Impacts.one(scene, SceneLaw.of(scene, law))
     support, edges = Support(impacts.numbers.impedance), ()
     if edged(scene):
         support, edges = support_of(impacts)
     static = impacts.problem(support.impedance, 0.0, support.compliance)
     hard = rate_hardening.applied(static)
     light = hard or static
-    heavy, moved = _weighed(light)
-    moves = target_motion.needed(moved, support)
-    yielding = moved if moves else target_motion.held(moved)
-    decided = heavy, moves, plasticity.needed(yielding, yields)
-    problem = yielding if decided[2] else plasticity.elastic(yielding)
-    if support.vibrates and decided[1]:
-        if problem.curve.pulls:
-            raise SimulationError(
-                f"law {problem.law.name}: laws that pull are not supported on targets that vibrate; "
-                "target_motion = false in [effects] fixes the target"
-            )
-        problem = problem.impacts.problem(math.inf, problem.given[1], vibrates=True)
-    problem = viscoelasticity.applied(problem)
+    ((problem, moved, yielding, decided),) = _decided(light, support)
     return Choice(problem, light, moved, yielding, static, hard, support, edges, decided)
 
 
@@ -154,28 +142,30 @@ def problem_of(scene: Scene) -> Problem:
     return choose(scene).problem
 
 
-def chosen(impacts: Impacts, support: Support, yields: bool | None) -> list[Problem]:
-    """The problems of many impacts that share a law and a curve; Hertz's law may replace it for some.
-
-    Their targets have an impedance or a static stiffness, or do not move.
-    """
-    _, moved = _weighed(impacts.problem(support.impedance, impacts.column(0.0), support.compliance))
-    made = list[Problem]()
-    for yielding in _held(moved, target_motion.needed(moved, support)):
-        keeps_law = plasticity.needed(yielding, yields)
-        made += _divided(yielding, keeps_law, plasticity.elastic)
-    return [part for problem in made for part in viscoelasticity.divided(problem)]
+def chosen(impacts: Impacts, support: Support) -> list[Problem]:
+    """The problems of many impacts that share a law and a curve; Hertz's law may replace it for some."""
+    light = impacts.problem(support.impedance, impacts.column(0.0), support.compliance)
+    return [problem for problem, *_ in _decided(light, support)]
 
 
-def _weighed(light: Problem) -> tuple[Any, Problem]:
-    """Whether the weight is simulated, and the problem with this decision. light: without the weight."""
+def _decided(light: Problem, support: Support) -> Iterator[tuple[Problem, Problem, Problem, tuple[Any, Any, Any]]]:
+    """Problem, moved, yielding and decided, as of :class:`Choice`: of one impact, or of many in parts that share law,
+    curve and kind of motion. light: without weight."""
     heavy = gravity.needed(light)
-    return heavy, light if not any_of(heavy) else light.again(load=either(heavy, light.impacts.numbers.weight, 0.0))
+    moved = light if not any_of(heavy) else light.again(load=either(heavy, light.impacts.numbers.weight, 0.0))
+    moves = target_motion.needed(moved, support)
+    for yielding in _held(moved, moves):
+        keeps_law = plasticity.needed(yielding)
+        for plain in _divided(yielding, keeps_law, plasticity.elastic):
+            problem = _vibrating(plain) if support.vibrates and moves else plain
+            relaxed, relaxes = viscoelasticity.relaxing(problem)
+            for part in _divided(relaxed, relaxes, lambda _, without=problem: without):
+                yield part, moved, yielding, (heavy, moves, keeps_law)
 
 
 def _held(moved: Problem, moves: Any) -> list[Problem]:
-    """Many impacts, with a fixed target where its motion does not matter."""
-    if moved.own.spring is not None:
+    """Impacts with a fixed target where its motion does not matter."""
+    if moved.own.spring is not None or not moved.impacts.many:
         return _divided(moved, moves, target_motion.held)
     if all_of(moves) or not any_of(np.isfinite(moved.impedance)):
         return [moved]
@@ -183,8 +173,18 @@ def _held(moved: Problem, moves: Any) -> list[Problem]:
 
 
 def _divided(problem: Problem, stays: Any, changed: Callable[[Problem], Problem]) -> list[Problem]:
-    """Many impacts: those that stay as they are, and the others changed."""
+    """The impacts that stay as they are, and the others changed."""
     if all_of(stays):
         return [problem]
-    others = changed(problem).part(~stays)
-    return [problem.part(stays), others] if stays.any() else [others]
+    others = changed(problem)
+    return [problem.part(stays), others.part(~stays)] if any_of(stays) else [others]
+
+
+def _vibrating(problem: Problem) -> Problem:
+    """One impact on a target that moves by its natural vibrations."""
+    if problem.curve.pulls:
+        raise SimulationError(
+            f"law {problem.law.name}: laws that pull are not supported on targets that vibrate; "
+            "target_motion = false in [effects] fixes the target"
+        )
+    return problem.impacts.problem(math.inf, problem.given[1], vibrates=True)

@@ -10,8 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from film_model.base.arrays import Array, Mask
-from film_model.laws import LAWS, AbstractLaw
-from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw
+from film_model.problem.law_of_scene import YIELDING, SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
@@ -56,21 +55,13 @@ def decisions_of(problem: Problem) -> dict[Decision, Mask]:
     return found
 
 
-def law_decided(scene: Scene) -> AbstractLaw | type[AbstractLaw]:
-    """The law of a scene that contains a decision."""
-    law = scene.contact.law
-    if law == "auto":
-        law = YIELDING if scene.effects.plasticity else ELASTIC
-    return LAWS[law] if isinstance(law, str) else law
-
-
 def decided_impacts(scene: Scene, columns: Mapping[str, Array], count: int) -> Impacts:
     """Many impacts of a scene that contains a decision, with the strength of slow loading.
 
     columns: path → SI values.
     """
-    made = SceneLaw.of(scene_of_columns(scene, columns), law_decided(scene)).reduced()
-    return Impacts.several(scene, made, np.arange(count), columns)
+    varied, ((law, _),) = scene_of_columns(scene, columns), laws_of(scene)
+    return Impacts.several(scene, SceneLaw.of(varied, law).reduced(), np.arange(count), columns, varied)
 
 
 def decided_problem(impacts: Impacts) -> Problem:

@@ -21,10 +21,10 @@ from film_model.effects.choose import chosen, problem_of
 from film_model.effects.edge_effects import edged, infinite_unless_judged, supports_of
 from film_model.effects.law_range import law_warnings
 from film_model.effects.target_motion import Support
-from film_model.laws import LAWS, AbstractLaw
+from film_model.laws import AbstractLaw
 from film_model.laws.unloading import BrakeUnloading
 from film_model.problem.families import LAST_PAGE, page_number
-from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield, reaches_yield
+from film_model.problem.law_of_scene import SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
 from film_model.problem.varied import fitted_by
 from film_model.scene import Scene
@@ -58,7 +58,7 @@ def problems_of(
         part = _part(scene, columns, moving)
     try:
         groups = _groups(scene, columns, moving, part)
-        found = [problem for impacts, support, yields in groups for problem in chosen(impacts, support, yields)]
+        found = [problem for impacts, support in groups for problem in chosen(impacts, support)]
     except (TypeError, ValueError, SimulationError):  # a law or a target that accepts numbers only
         return _one_by_one(scene, columns, moving, status)
     if infinite_unless_judged(part) and edged(part) and scene.effects.boundary_reflections == "auto":
@@ -184,23 +184,22 @@ def _picked(columns: Mapping[str, Array], index: Index) -> dict[str, Array]:
     return {path: values[index] for path, values in columns.items()}
 
 
-def _groups(
-    scene: Scene, columns: Mapping[str, Array], index: Index, part: Scene
-) -> Iterator[tuple[Impacts, Support, bool | None]]:
+def _groups(scene: Scene, columns: Mapping[str, Array], index: Index, part: Scene) -> Iterator[tuple[Impacts, Support]]:
     """The impacts of `index` by law and curve, how their targets move, and whether they reach the yield point.
 
     part: has their columns. Omitted are impacts whose targets :func:`supports_of` omits.
 
     Raises ValueError where there are nearly as many curves as impacts.
     """
-    for law, yields, own in _laws(part, index):
+    for law, places in laws_of(part) if index.size else ():
+        own = index if all_of(places) else index[places]
         picked = columns if own.size == len(next(iter(columns.values()))) else _picked(columns, own)
         varied = part if own.size == index.size else scene_of_columns(scene, picked)
         slow = Impacts.several(scene, SceneLaw.of(varied, law).reduced(), own, picked, varied)
         for places in _shared_curves(slow):
             for static, support in supports_of(slow if places is ALL else _alike(slow, places)):
                 for impacts, same in _by_curve(_hardened(static, support), static):
-                    yield impacts, support.part(same), yields
+                    yield impacts, support.part(same)
 
 
 def _by_curve(impacts: Impacts, shared: Impacts) -> Iterator[tuple[Impacts, Any]]:
@@ -238,22 +237,6 @@ def _hardened(impacts: Impacts, support: Support) -> Impacts:
     factor = rate_hardening.settled(rates, rate_law, np.ones(count))
     used = factor > 1.0  # nan: unknown
     return impacts.under(static.strengthened(np.where(used, factor, 1.0))) if used.any() else impacts
-
-
-def _laws(scene: Scene, index: Index) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], bool | None, Index]]:
-    """Laws, whether they yield, and their impacts. scene: has the columns of the impacts `index`."""
-    law, wanted = scene.contact.law, scene.effects.plasticity
-    if index.size == 0:
-        return
-    if law != "auto":
-        yield (law if isinstance(law, AbstractLaw) else LAWS[law]), None, index
-        return
-    yields = reaches_yield(scene)
-    auto = wanted == "auto" and yields is not None
-    plastic = np.broadcast_to(yields & can_yield(scene) if auto else wanted is True, index.shape)
-    for name, mask in ((ELASTIC, ~plastic), (YIELDING, plastic)):
-        if mask.any():
-            yield LAWS[name], name == YIELDING, index[mask]
 
 
 def _shared_curves(*impacts: Impacts) -> Iterator[Any]:

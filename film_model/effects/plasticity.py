@@ -54,11 +54,11 @@ def dissipates(problem: Problem) -> bool:
     return any(core.stage[k].unloading != native.RETRACE for k in range(core.stages))
 
 
-def needed(problem: Problem, yields: bool | None) -> Any:
-    """Whether an impact under law "auto" keeps the law that yields. yields: whether it reaches the yield point."""
+def needed(problem: Problem) -> Any:
+    """Whether an impact keeps its law: not, if law "auto" took the one that yields, and Hertz's does as well."""
     scene = problem.scene
     chosen = scene.contact.law == "auto" and scene.effects.plasticity == "auto"
-    if not (chosen and yields and problem.law.name == YIELDING):
+    if not (chosen and problem.law.name == YIELDING):
         return problem.impacts.column(True)
     return matters(problem, elastic(problem))
 

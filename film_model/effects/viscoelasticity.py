@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
-import numpy as np
-
+from film_model.base.arrays import any_of
 from film_model.base.errors import SimulationError
 from film_model.effects.case import ABSENT, Rule
 from film_model.effects.effect import NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect
-from film_model.effects.trial import change
+from film_model.effects.trial import beyond, change
 from film_model.problem.law_of_scene import ELASTIC
 from film_model.problem.problem import Problem
 from film_model.problem.relaxation import Relaxation, relaxation_of
@@ -43,37 +43,20 @@ def hindered(problem: Problem) -> str:
     return ""
 
 
-def applied(problem: Problem) -> Problem:
-    """One impact with the relaxation of its materials, if this is simulated."""
-    relaxation, wanted = relaxation_of(problem.scene), problem.scene.effects.viscoelasticity
-    if relaxation is None or wanted is False:
-        return problem
-    why = hindered(problem)
+def relaxing(problem: Problem) -> tuple[Problem, Any]:
+    """Impacts with the relaxation of their materials, and for which of them it is simulated; if for none, the impacts
+    as they are. Raises TypeError if each of many relaxes differently."""
+    wanted = problem.scene.effects.viscoelasticity
+    relaxation = None if wanted is False else relaxation_of(problem.impacts.scene)
+    why = "" if relaxation is None else hindered(problem)
     if why and wanted is True:
         raise SimulationError(f"viscoelasticity = true in [effects] is not supported: {why}")
-    relaxing = replace(problem, relaxation=relaxation)
-    return relaxing if not why and (wanted is True or _matters(relaxing, problem)) else problem
-
-
-def divided(problem: Problem) -> list[Problem]:
-    """Many impacts: those that relax, and the others. Raises TypeError if each relaxes differently."""
-    if problem.scene.effects.viscoelasticity is False:
-        return [problem]
-    relaxation = relaxation_of(problem.impacts.scene)
-    if relaxation is None:
-        return [problem]
-    if hindered(problem):
-        return [applied(problem)]
-    relaxing = replace(problem, relaxation=relaxation)
-    wanted = problem.scene.effects.viscoelasticity is True
-    chosen = problem.impacts.column(wanted) | ~(change(relaxing, problem) <= problem.scene.effect_tolerance)
-    parts = (relaxing, chosen), (problem, ~chosen)
-    return [part if places.all() else part.part(np.flatnonzero(places)) for part, places in parts if places.any()]
-
-
-def _matters(relaxing: Problem, problem: Problem) -> bool:
-    """Whether neglecting the relaxation changes the summary by more than the tolerance, or by an unknown amount."""
-    return not problem.approach > 0.0 or not change(relaxing, problem) <= problem.scene.effect_tolerance
+    if relaxation is None or why:
+        return problem, False
+    relaxed = replace(problem, relaxation=relaxation)
+    if wanted is True or not any_of(problem.approach > 0.0):
+        return relaxed, True
+    return relaxed, beyond(change(relaxed, problem), problem.scene.effect_tolerance)
 
 
 def describe(problem: Problem) -> Effect:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from typing import Any, cast
 
 import numpy as np
 
-from film_model.base.arrays import ALL, Array, column
+from film_model.base.arrays import ALL, Array, all_of, any_of, column
 from film_model.base.errors import Mistake, SceneError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
 from film_model.laws.law import law_fields
@@ -204,11 +204,17 @@ def yielding_entries(scene: Scene) -> dict[str, Any]:
     return {"contact.law": YIELDING} | ({} if known else {"contact.poissons_ratio": ASSUMED_POISSONS_RATIO})
 
 
-def law_of_scene(scene: Scene) -> tuple[SceneLaw, bool | None]:
-    """The law of one impact before plasticity is tried; under "auto" also whether it yields (None: unknown)."""
-    wanted, law = scene.effects.plasticity, scene.contact.law
+def laws_of(scene: Scene) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], Any]]:
+    """The laws of a scene's impacts before plasticity is tried: the one of one impact, and True; of a scene with
+    arrays each, with which impacts have it, a mask, or True for all."""
+    law, plastic = scene.contact.law, scene.effects.plasticity
     if law != "auto":
-        return SceneLaw.of(scene, law if isinstance(law, AbstractLaw) else LAWS[law]), None
-    yields = reaches_yield(scene)
-    plastic = wanted is True or (wanted is not False and yields is True and can_yield(scene))
-    return law_named(scene, YIELDING if plastic else ELASTIC), yields
+        yield law if isinstance(law, AbstractLaw) else LAWS[law], True
+        return
+    if plastic == "auto":
+        yields = reaches_yield(scene)
+        plastic = False if yields is None else yields & can_yield(scene)
+    if not all_of(plastic):
+        yield LAWS[ELASTIC], np.logical_not(plastic)
+    if any_of(plastic):
+        yield LAWS[YIELDING], plastic

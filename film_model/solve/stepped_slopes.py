@@ -20,8 +20,7 @@ from film_model.base.arrays import Array
 from film_model.base.errors import SimulationError
 from film_model.effects import rate_hardening
 from film_model.effects.choose import Choice
-from film_model.effects.decided import law_decided
-from film_model.problem.law_of_scene import SceneLaw
+from film_model.problem.law_of_scene import SceneLaw, laws_of
 from film_model.problem.problem import Impacts
 from film_model.problem.relaxation import relaxation_of
 from film_model.problem.summary import SUMMARY, summary_of
@@ -149,7 +148,7 @@ def _impacts(choice: Choice, pair: Pairs, path: str, value: float) -> Impacts:
     """The impact with another number, and the decisions of the impact itself."""
     number: dict[str, Any] = {path: value}
     scene = scene_of_columns(pair.scene, number)
-    impacts = Impacts.one(scene, SceneLaw.of(scene, law_decided(scene)))
+    impacts = Impacts.one(scene, SceneLaw.of(scene, next(laws_of(scene))[0]))
     if choice.hard is None:
         return impacts
     compliance = (scene.target.compliance or 0.0) if choice.support.compliance else 0.0

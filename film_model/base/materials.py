@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, ClassVar, TypeAlias, cast
 
 from film_model.base.catalogue import ROWS
@@ -188,7 +188,7 @@ class Material:
                 )
         return [mistake(self, name, message) for name, message in found.items()]
 
-    @property
+    @cached_property
     def hardening_exponent(self) -> float:
         """n of the flow stress, given or from Johnson and Cook's constants; 0 if neither is known."""
         if self.strain_hardening_exponent is not None:
@@ -198,7 +198,7 @@ class Material:
         constants = (self.yield_strength, self.strength_coefficient, self.strength_exponent, self.youngs_modulus)
         return johnson_cook_exponent(*constants)
 
-    @property
+    @cached_property
     def flow_strength(self) -> float | None:
         """Flow stress at 8 % plastic strain, Pa, the strength of laws without hardening: from the hardness, else from
         the yield strength and hardening; None if neither is known."""
@@ -208,7 +208,7 @@ class Material:
             return self.yield_strength
         return flow_of_yield(self.yield_strength, self.hardening_exponent, self.youngs_modulus)
 
-    @property
+    @cached_property
     def initial_strength(self) -> float | None:
         """Strength at first yield, Pa, of laws with hardening: it gives the flow strength with the exponent n."""
         if self.hardness is None or not self._hardens:

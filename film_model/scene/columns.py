@@ -38,7 +38,7 @@ def _copied(section: str, owners: dict[str, Any]) -> Any:
 
 
 def _shared(owner: Any) -> Any:
-    """A copy with the same attributes; what copy.copy does to find them takes most of its time."""
-    made = object.__new__(type(owner))
-    made.__dict__.update(owner.__dict__)
+    """A copy with the same fields, without what is derived from them and kept."""
+    made, names = object.__new__(type(owner)), owner.__dataclass_fields__
+    made.__dict__.update({name: value for name, value in owner.__dict__.items() if name in names})
     return made

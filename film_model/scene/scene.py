@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import reduce
+from functools import cached_property, reduce
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -144,27 +144,27 @@ class Scene:
         """
         return Scene.from_table(change_table(self.to_table(), changes))
 
-    @property
+    @cached_property
     def mass(self) -> float:
         """Mass of the impactor, kg."""
         mass = self.impactor.own_mass
         assert mass is not None
         return mass
 
-    @property
+    @cached_property
     def effective_mass(self) -> float:
         """1/(1/m + 1/m_t) for a free target, otherwise the mass of the impactor, kg."""
         other = self.target.own_mass
         assert other is not None
         return self.mass if endless(other) else self.mass * other / (self.mass + other)
 
-    @property
+    @cached_property
     def effective_radius(self) -> float:
         """1/(1/R + 1/R_t), m."""
         own, other = self.impactor.radius, self.target.radius
         return own if endless(other) else own * other / (own + other)
 
-    @property
+    @cached_property
     def effective_modulus(self) -> float | None:
         """1/((1 − ν²)/E + (1 − ν_t²)/E_t), or the value in [contact], Pa; None only if the law does not need it."""
         if self.contact.effective_modulus is not None:
@@ -174,12 +174,12 @@ class Scene:
             return None
         return 1 / ((1 - one.poissons_ratio**2) / one.youngs_modulus + (1 - two.poissons_ratio**2) / two.youngs_modulus)
 
-    @property
+    @cached_property
     def yield_strength(self) -> float | None:
         """Strength at first yield: the value in [contact], or the lower of the materials', Pa; None if unknown."""
         return self._lower_strength("initial_strength")
 
-    @property
+    @cached_property
     def flow_strength(self) -> float | None:
         """Strength of laws without hardening: the value in [contact], or the lower of the materials' flow stresses at
         8 % plastic strain, Pa; None if unknown."""
@@ -192,12 +192,12 @@ class Scene:
         strengths = [strength for strength in found if strength is not None]
         return reduce(lesser, strengths) if strengths else None
 
-    @property
+    @cached_property
     def first_to_yield(self) -> Material | None:
         """The material with the lowest yield strength; the impactor's of two alike. Not for a scene with arrays."""
         return min(self._yielding, key=lambda m: cast("float", m.initial_strength), default=None)
 
-    @property
+    @cached_property
     def _yielding(self) -> list[Material]:
         materials = [m for m in (self.impactor.material, self.target.material) if m is not None]
         return [m for m in materials if m.initial_strength is not None]
@@ -210,13 +210,13 @@ class Scene:
         own, other = map(value, known)
         return either(cast("Any", known[0].initial_strength) <= known[1].initial_strength, own, other)
 
-    @property
+    @cached_property
     def strain_hardening_exponent(self) -> float:
         """n of the body that yields first; 0 if its material gives none."""
         found = self._of_first_to_yield(lambda material: material.hardening_exponent)
         return 0.0 if found is None else found
 
-    @property
+    @cached_property
     def rate_hardening(self) -> RateHardening | None:
         """The rate law of the body that yields first; None if it is unknown, with nan where it is for some of many
         impacts."""
@@ -227,7 +227,7 @@ class Scene:
             return None
         return RateHardening(*constants)
 
-    @property
+    @cached_property
     def poissons_ratio(self) -> float | None:
         """The value in [contact], or that of the body that yields first; without yield strengths, the target's."""
         if self.contact.poissons_ratio is not None:
@@ -239,7 +239,7 @@ class Scene:
         one, two = (math.inf if m.initial_strength is None else m.initial_strength for m in (own, other))
         return either(one <= two, own.poissons_ratio, other.poissons_ratio)
 
-    @property
+    @cached_property
     def stressed_poissons_ratio(self) -> float | None:
         """The value in [contact], or the smaller one of the bodies: where it is smaller, the shear stress is larger."""
         known = [m.poissons_ratio for m in (self.impactor.material, self.target.material) if m is not None]
@@ -257,22 +257,22 @@ class Scene:
             return None
         return 2.0 * root(math.prod(cast("list[float]", energies)))
 
-    @property
+    @cached_property
     def approach_velocity(self) -> float:
         """Velocity of the impactor relative to the target when contact begins, m/s."""
         return self.impactor.speed - self.target.velocity
 
-    @property
+    @cached_property
     def target_impedance(self) -> float:
         """Wave impedance of the target, N·s/m; infinite if it has none: a half-space, a beam, a free body."""
         return self.target.impedance
 
-    @property
+    @cached_property
     def kinetic_energy(self) -> float:
         """½ m v² of the effective mass at the approach velocity, J: the impact energy."""
         return 0.5 * self.effective_mass * self.approach_velocity**2
 
-    @property
+    @cached_property
     def effect_tolerance(self) -> float:
         """Largest relative change of the summary by a neglected effect; see :class:`Effects`."""
         if self.effects.tolerance is not None:

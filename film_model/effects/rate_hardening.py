@@ -4,7 +4,7 @@ S = S_y (1 + C ln ε̇), ε̇ in 1/s and at least 1 (Johnson & Cook 1983), with 
 S = S_y (1 + (ε̇/D)^(1/q)) (Cowper & Symonds 1957), with rate_multiplier D and rate_exponent q, of the body that yields
 first. ε̇ = 0.2 (a/R)/t_m is Tabor's mean strain 0.2 a/R (1951) over the time to the maximum indentation,
 a² = R δ_m. δ_m and t_m are those of the impact with S, on the target's impedance or static stiffness, without weight:
-S is iterated until it changes by less than 1e-9. From a rate of 1/s on it replaces S_y in a law that has a
+S is iterated until it would change by less than 1e-9. From a rate of 1/s on it replaces S_y in a law that has a
 yield_strength, however small the change: restitution then has no step over the velocity. For other laws the effect is
 judged by Big-Alabo's. For a material of the catalogue without C it counts as important from 100 1/s.
 """
@@ -15,7 +15,7 @@ import math
 from collections.abc import Callable
 from typing import Any, cast
 
-from film_model.base.arrays import any_of, either, root
+from film_model.base.arrays import any_of, either, greater, ratio, root
 from film_model.base.errors import SimulationError
 from film_model.base.materials import catalogue
 from film_model.base.rate_law import RateHardening
@@ -29,9 +29,10 @@ from film_model.problem.problem import Problem
 RATE_SENSITIVE = 100.0
 """Strain rate, 1/s, from which a yield strength measured in slow loading may be too low by more than a few per cent."""
 
-SETTLED, MOST_ROUNDS = 1e-9, 60
-"""Relative change of the strength at which the iteration ends. A round divides the change by 4 or more: the rate varies
-as S^{1/4} at most, the strength as C ln ε̇, C ≤ 1, or as a power 1/q ≤ 1 of ε̇."""
+SETTLED, LEAST_SLOPE, MOST_ROUNDS = 1e-9, 1e-3, 60
+"""Relative change of the strength that would follow, at which the iteration ends; three rounds nearly always. It is the
+last change times the slope, which is 1/4 at most, as the rate varies as S^{1/4} at most, the strength as C ln ε̇, C ≤ 1,
+or as a power 1/q ≤ 1 of ε̇; a slope that is less by chance counts as `LEAST_SLOPE` (tests/test_rate_hardening.py)."""
 
 SWITCHED_OFF_BECAUSE = "the scene has rate_hardening = false"
 
@@ -66,15 +67,18 @@ def _rate(problem: Problem, status: Any, core: Any) -> Any:
 
 
 def settled(rate_of: Callable[[Any], Any], law: RateHardening, factor: Any = 1.0) -> Any:
-    """S/S_y from the strain rate as a function of it; nan if unknown. Each of many impacts settles by itself."""
-    open_ = factor == factor
+    """S/S_y from the strain rate as a function of it, by secants; nan if unknown. Each of many impacts settles by
+    itself."""
+    before, factor = factor, law.factor(rate_of(factor))
+    value, open_ = factor, abs(factor - before) > 0.0
     for _ in range(MOST_ROUNDS):
-        found = law.factor(rate_of(factor))
-        moved = abs(found - factor) > SETTLED * factor
-        factor = either(open_, found, factor)
-        open_ = open_ & moved
         if not any_of(open_):
             return factor
+        found = law.factor(rate_of(factor))
+        slope = ratio(found - value, factor - before)
+        step = (found - factor) / (1.0 - slope)
+        before, value, factor = factor, found, either(open_, factor + step, factor)
+        open_ = open_ & (abs(step) * greater(abs(slope), LEAST_SLOPE) > SETTLED * factor)
     return either(open_, math.nan, factor)
 
 
@@ -99,14 +103,15 @@ def hardened(static: Problem) -> Problem | None:
 
 def applied(static: Problem) -> Problem | None:
     """One impact with the strength at its own rate if this is simulated, else None."""
-    wanted, able = static.scene.effects.rate_hardening, static.impacts.law.strength is not None
-    hard = None if wanted is False else hardened(static)
-    if hard is None and wanted is True and able and static.approach > 0.0:
+    wanted, slow = static.scene.effects.rate_hardening, static.impacts.law.strength
+    if wanted is False or slow is None:
+        return None
+    hard = hardened(static)
+    if hard is None and wanted is True and static.approach > 0.0:
         raise SimulationError(
             "effects.rate_hardening is true, but the impact with the higher strength cannot be marched"
         )
-    raised = hard is not None and hard.impacts.law.strength > static.impacts.law.strength
-    return hard if raised or wanted is True else None
+    return hard if wanted is True or (hard is not None and hard.impacts.law.strength > slow) else None
 
 
 def describe(static: Problem, used: Problem | None, yields: bool) -> Effect:

@@ -22,6 +22,7 @@ from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import rows_of
 from film_model.problem.problem import Problem, refuse_relaxation
 from film_model.problem.scales import Scales, motion_of
+from film_model.problem.summary import gains_energy
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.solve.accuracy import mesh_of
@@ -35,9 +36,6 @@ from film_model.solve.many_modes import Followed, closed_forms
 
 SEGMENT_UNITS = (*(f"scale_{scale.name}" for scale in fields(Scales)), "drift_velocity", "impactor_share")
 """Values that convert an impact's closed form to SI, by the names of the schema."""
-
-ENERGY_GAIN = 1e-9
-"""Fraction of the kinetic energy: a smaller negative energy_absorbed is rounding error, not a law that gains energy."""
 
 
 @dataclass(frozen=True)
@@ -189,15 +187,14 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
     found = simulate_many(scene, numbers)
     law = np.full(found.status.size, -1, np.int8)
     zener_number = np.full(law.size, np.nan)
-    gains_energy = np.zeros(law.size, np.bool_)
+    gains = np.zeros(law.size, np.bool_)
     on_modes = found.on_modes
     law[on_modes] = found.law[on_modes]
     for problem in found.problems:
         index = index_or_all(rows_of(problem), law.size)
         law[index] = found.law[index]
         zener_number[index] = problem.impacts.zener
-        energy = 0.5 * problem.mass * (problem.approach * problem.scales.velocity) ** 2
-        gains_energy[index] = found.summary["energy_absorbed"][index] < -ENERGY_GAIN * energy
+        gains[index] = gains_energy(problem, found.summary["energy_absorbed"][index])
     return Impacts(
         scene,
         found.summary,
@@ -205,7 +202,7 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
         found.laws,
         law,
         zener_number,
-        gains_energy,
+        gains,
         found.estimated,
         found.problems,
         found.segments,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from functools import lru_cache
 from typing import Any, TypeAlias
@@ -19,6 +19,9 @@ Number: TypeAlias = Any
 
 ALL = slice(None)
 """The places of all of many impacts."""
+
+AGREEMENT = 1e-12
+"""Relative difference between a formula with arrays and with the numbers of one impact, up to which both are one."""
 
 _AS_IT_IS = nullcontext()
 
@@ -133,6 +136,21 @@ def same(condition: Any) -> bool:
 def endless(x: Any) -> bool:
     """Whether x is the float infinity; False for an array, whatever its values."""
     return not isinstance(x, np.ndarray) and math.isinf(x)
+
+
+def agree(many: Sequence[Any], alone: Callable[[int], Sequence[Any]], count: int) -> bool:
+    """Whether values of `count` impacts, arrays or what all share, are those of the first, middle and last alone: a
+    formula may accept arrays and yet be meant for numbers only."""
+
+    def same_at(place: int, value: Any, one: Any) -> bool:
+        if not isinstance(value, np.ndarray):
+            return bool(value == one)
+        return bool(np.all(abs(value[place] - one) <= AGREEMENT * abs(one)))
+
+    return all(
+        len(values) == len(many) and all(same_at(place, *both) for both in zip(many, values, strict=True))
+        for place, values in ((place, alone(place)) for place in {0, count // 2, count - 1})
+    )
 
 
 def largest(x: Any) -> float:

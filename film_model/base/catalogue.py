@@ -14,7 +14,6 @@ _WOOD = "Hearmon 1948, in Kollmann & Côté 1968 (radial modulus), as isotropic,
 _PLY = "Daniel & Ishai 2006, table A.4, modulus across the plies, as isotropic: for the contact, not for bending"
 _CARBIDE = "nominal handbook value of sintered grades, Poisson's ratio 0.21 to 0.24"
 _CERAMIC = "Callister, Materials Science and Engineering, appendix B; breaks before it yields"
-_IN_BENDING = "tensile strength: least in bending, the same"
 _PLASTIC = "Callister, Materials Science and Engineering, appendix B, middle of the range"
 _ASHBY = "loss factor: 0.04 GPa/E, Ashby, Materials Selection in Mechanical Design, within a factor of 2"
 

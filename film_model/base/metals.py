@@ -6,8 +6,6 @@ from film_model.base.material_row import BRITTLE, DAMPING, Row
 
 _METAL = "nominal handbook value for the "
 _JOHNSON_COOK = "C of {}: Johnson & Cook 1983"
-_HARDENING = "hardening of {}: Johnson & Cook 1983"
-_LESUER = "hardening: Lesuer, Kay & LeBlanc 2001, UCRL-JC-134118"
 _BY_TENSILE = "hardness: that of the least tensile strength, {} MPa, by ISO 18265, table A.1"
 _ALUMINUM_ASSOCIATION = "Aluminum Association, typical values"
 _BRINELL_500 = "hardness: the same, 500 kgf, read as Vickers by ISO 18265 for steels, which is up to 7 % low"

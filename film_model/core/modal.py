@@ -17,7 +17,6 @@ from film_model.core.native import Curve, Line, State
 Array = NDArray[np.float64]
 
 LEVELS = 40
-MOST_MODES = 10_000_000
 MOST_MEMORY = 256 * 2**20
 """Limit of a record, bytes: 10,000 contacts on 200 modes with 100 steps each."""
 

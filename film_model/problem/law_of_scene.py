@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from film_model.base.arrays import ALL, Array, all_of, any_of, column
+from film_model.base.arrays import ALL, Array, agree, all_of, any_of, column
 from film_model.base.errors import Mistake, SceneError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
 from film_model.laws.law import law_fields
@@ -121,21 +121,16 @@ class SceneLaw:
     def on_arrays(self, formula: Callable[[AbstractLaw, Any], tuple[Any, ...]], count: int) -> list[Array]:
         """A formula of the law and of places, for each of many impacts.
 
-        It is evaluated on whole arrays if, of several, this gives the same values as one by one for the first, middle
-        and last impact; otherwise one by one, because a law may accept numbers only.
+        It is evaluated on whole arrays if this gives the same values (:func:`agree`), otherwise one by one.
         """
         try:
             found = [column(value, count) for value in formula(self.at(ALL), ALL)]
-            if count == 1 or all(self._agrees(found, formula, place) for place in {0, count // 2, count - 1}):
+            if count == 1 or agree(found, lambda place: formula(self.at(place), place), count):
                 return found
         except (TypeError, ValueError):
             pass
         table = np.array([formula(self.at(place), place) for place in range(count)])
         return list(table.T)
-
-    def _agrees(self, found: list[Array], formula: Callable[[AbstractLaw, Any], tuple[Any, ...]], place: int) -> bool:
-        alone = formula(self.at(place), place)
-        return all(abs(many[place] - one) <= 1e-13 * abs(one) for many, one in zip(found, alone, strict=True))
 
 
 @lru_cache(maxsize=64)

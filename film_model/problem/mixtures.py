@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from film_model.base.arrays import Array, Index
+from film_model.base.arrays import Array, Index, agree
 from film_model.core.families import Family
 from film_model.laws.law import AbstractLaw
 from film_model.problem.families import (
@@ -51,9 +51,6 @@ BESIDE = 10
 """Chebyshev nodes in the number beside the shape: from 6 on, only rounding is left of the error under jackson-green,
 1e-14 to 5e-14."""
 
-SAME = 1e-12
-"""Relative difference between the forces of laws with arrays and of each law alone, up to which both are the same."""
-
 
 def mixture_of(law: AbstractLaw) -> Page:
     """The page of a law for any value of its number beside the shape. ValueError if the shape is outside all pages."""
@@ -69,17 +66,20 @@ def mixed_numbers(page: Page, law_at: Callable[[Any], AbstractLaw], count: int) 
     """The family's numbers of `count` laws: values at the marks, and the end of the last stage; a row each.
 
     law_at: the law at an index, or, at several indices, with arrays of their shape in its fields. Raises ValueError if
-    the laws with arrays differ from the first, middle or last law.
+    laws with arrays differ from laws alone.
     """
-    assert page.marks is not None
+    marks = page.marks
+    assert marks is not None
     found = np.empty((count, page.family.nodes + 1))
     last: Any = law_at((slice(None), None)).stages()[-1]
-    found[:, :-1], found[:, -1:] = values_at(last, page.marks), last.end
-    for place in {0, count // 2, count - 1}:
-        alone: Any = law_at(place).stages()[-1]
-        own = np.append(values_at(alone, page.marks), alone.end)
-        if not (abs(found[place] - own) <= SAME * abs(own)).all():
-            raise ValueError("a law with arrays differs from that of one impact")
+    found[:, :-1], found[:, -1:] = values_at(last, marks), last.end
+
+    def alone(place: int) -> list[Array]:
+        one: Any = law_at(place).stages()[-1]
+        return [np.append(values_at(one, marks), one.end)]
+
+    if not agree([found], alone, count):
+        raise ValueError("a law with arrays differs from that of one impact")
     return found
 
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from film_model.base.arrays import ALL, Array, Index, Number, any_of, column, either, greater
-from film_model.base.errors import STATUSES, VIBRATES, SimulationError
+from film_model.base.errors import SimulationError
 from film_model.core import native
 from film_model.core.columns import Columns
 from film_model.laws.law import AbstractLaw
@@ -386,15 +386,3 @@ def refuse_relaxation(problem: Problem, what: str) -> None:
             f"{what} is not supported for a viscoelastic material; use simulate(), or take its instantaneous modulus "
             "by viscoelasticity = false in [effects]"
         )
-
-
-def refuse_vibrations(problem: Problem, what: str) -> None:
-    """SimulationError if the target vibrates or a material relaxes; `what` does not support that."""
-    refuse_relaxation(problem, what)
-    if problem.vibrates:
-        raise SimulationError(vibrations_refused(what))
-
-
-def vibrations_refused(what: str) -> str:
-    """The message that `what` is not supported for a vibrating target."""
-    return f"{what} is not supported: {STATUSES[VIBRATES].sentence}"

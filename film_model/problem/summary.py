@@ -47,6 +47,9 @@ COMPARED = (
 
 _SHOWN = {"final_velocity": "rebound_velocity", "work": "energy_absorbed"}  # the core's names → those of `SUMMARY`
 
+ENERGY_GAIN = 1e-9
+"""Fraction of the impact energy: a smaller negative energy_absorbed is rounding, not a law that gains energy."""
+
 WORK_ROUNDING = 1e-14
 """Absorbed work below this, over the square of the approach velocity in the core's units, is rounding and set to 0."""
 
@@ -153,11 +156,16 @@ def _core(summary: Any) -> Any:
     return summary.table if isinstance(summary, Columns) else summary
 
 
+def gains_energy(problem: Problem, absorbed: Any) -> Any:
+    """Whether the law's unloading returns more energy than its loading stored. absorbed: energy, J."""
+    return absorbed < -ENERGY_GAIN * (0.5 * problem.approach**2 * problem.scales.energy)
+
+
 def energy_warning(problem: Problem, summary: dict[str, float | None]) -> list[str]:
-    """A warning if the law's unloading returns more energy than its loading stored."""
+    """A warning if the law gains energy."""
     absorbed = summary["energy_absorbed"]
-    impact = 0.5 * problem.approach**2 * problem.scales.energy
-    if absorbed is None or absorbed >= -1e-9 * impact:
+    if absorbed is None or not gains_energy(problem, absorbed):
         return []
+    impact = 0.5 * problem.approach**2 * problem.scales.energy
     share = f" ({-100 * absorbed / impact:.3g} % of the impact energy)" if impact > 0.0 else ""
     return [f"law {problem.law.name}: its unloading returns {-absorbed:.4g} J{share} more than its loading stored"]

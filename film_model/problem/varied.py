@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array
+from film_model.base.arrays import Array, agree
 from film_model.core import native
 from film_model.laws.law import AbstractLaw, Power, Stage, origin_of
 from film_model.problem.curve import curve_of
@@ -19,9 +19,6 @@ from film_model.problem.law_of_scene import SceneLaw
 _NUMBERS = ("constant", "slope", "coefficient")
 """What may vary of a power, with its origin: with its exponent, the pieces of a fit would vary too. Where a stage ends
 may vary, too, if the pieces before do not depend on it, and the stage behind is not fitted."""
-
-_CLOSE = 1e-13
-"""Relative difference between the numbers of laws with arrays and of each law alone, up to which both are the same."""
 
 
 class Varied(NamedTuple):
@@ -47,14 +44,13 @@ class Varied(NamedTuple):
 def varied_of(law: SceneLaw, count: int) -> Varied | None:
     """What differs between the curves of `count` laws with arrays; None if it is more than numbers of powers.
 
-    The stages are evaluated once with arrays; those of the first, middle and last impact must be the same alone.
+    The stages are evaluated once with arrays.
     """
     if law.rule is not None or isinstance(law.law, AbstractLaw) or law.law.shaped_by:
         return None
     try:
         numbers = _numbers(law.at(slice(None)).stages())
-        some = {place: _numbers(law.at(place).stages()) for place in (0, count // 2, count - 1)}
-        if not all(_same(numbers, alone, place) for place, alone in some.items()):
+        if not agree(_flat(numbers), lambda place: _flat(_numbers(law.at(place).stages())), count):
             return None
         curve = curve_of(law.at(0)).native
     except (TypeError, ValueError):  # stages that cannot be evaluated with arrays
@@ -114,15 +110,8 @@ def _of_stage(stage: Stage) -> Iterator[tuple[tuple[str, str], Any]]:
         yield (name, "moved origin" if moved else "origin"), origin_of(function, stage)
 
 
-def _same(numbers: list[dict[tuple[str, str], Any]], alone: list[dict[tuple[str, str], Any]], place: int) -> bool:
-    """Whether the stages with arrays are, at one place, those of its law alone."""
-    if [list(stage) for stage in numbers] != [list(stage) for stage in alone]:
-        return False
-    pairs = ((stage[key], other[key]) for stage, other in zip(numbers, alone, strict=True) for key in stage)
-    return all(
-        abs(value[place] - one) <= _CLOSE * abs(one) if isinstance(value, np.ndarray) else bool(value == one)
-        for value, one in pairs
-    )
+def _flat(numbers: list[dict[tuple[str, str], Any]]) -> list[Any]:
+    return [each for stage in numbers for item in stage.items() for each in item]
 
 
 def _place(piece: int, function: str, name: str | None = None) -> int:

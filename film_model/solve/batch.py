@@ -21,7 +21,7 @@ from film_model.effects.law_range import law_warnings
 from film_model.effects.many import problems_of, rows_of
 from film_model.effects.plasticity import left_out
 from film_model.problem.problem import Problem
-from film_model.problem.summary import SUMMARY, summary_of
+from film_model.problem.summary import SUMMARY, gains_energy, summary_of
 from film_model.scene import SLOWEST, Scene, Solver, Sphere
 from film_model.solve.accuracy import solver_for
 from film_model.solve.many_meshes import march_many
@@ -91,8 +91,7 @@ class BatchResult:
         said: list[str] = []
         for problem in self._many.problems:
             rows = rows_of(problem)
-            impact = 0.5 * problem.mass * (problem.approach * problem.scales.velocity) ** 2
-            gains = np.count_nonzero(self._many.summary["energy_absorbed"][rows] < -1e-9 * impact)
+            gains = np.count_nonzero(gains_energy(problem, self._many.summary["energy_absorbed"][rows]))
             if gains:
                 said.append(
                     f"law {problem.law.name}: in {gains} impacts its unloading returns more energy than it stored"

@@ -15,7 +15,6 @@ from film_model.problem.curve import Curve
 from film_model.problem.families import Page, page_of
 from film_model.problem.law_of_scene import SceneLaw
 from film_model.problem.mixtures import mixed_numbers, mixture_of
-from film_model.problem.rows import march_rows
 from film_model.problem.varied import Varied, fitted_by, varied_of
 
 
@@ -67,7 +66,11 @@ class OwnCurves(NamedTuple):
         if spring is not None:
             family = None if page is None or shape is None else (page.family, page.whole, shape)
             return families.batch_in_series(curve.native, family, varied, spring, mesh, start)
-        return march_rows(curve, page, mesh, start, shape, varied)
+        if varied is not None:
+            return families.batch_varied(*varied, mesh, start)
+        if shape is not None and page is not None:
+            return families.batch(page.family, page.whole, mesh, start, shape)
+        return native.batch(curve.native, mesh, start)
 
     def groups(self) -> Iterator[Index]:
         """The impacts of each curve that differs from the others."""

@@ -12,8 +12,8 @@ from film_model.base.arrays import Array, Index, Mask
 from film_model.core import native
 from film_model.problem.curve import Curve
 from film_model.problem.families import page_between
+from film_model.problem.own_curves import OwnCurves
 from film_model.problem.problem import Problem
-from film_model.problem.rows import march_rows
 from film_model.problem.varied import fitted_by
 from film_model.solve.slopes import KINK
 
@@ -155,10 +155,10 @@ class CoreSlopes:
         start = np.ascontiguousarray(rows[:, : len(_START)]).view(native.START_DTYPE)[:, 0]
         own, curve, varied = rows[:, len(_START) :], self.curve, self._varied
         if varied is not None:
-            return march_rows(curve, None, mesh, start, None, varied._replace(values=own))
+            return OwnCurves(varied=varied._replace(values=own)).march(curve, mesh, start)
         if self._fitted:
             curve = self._curve_at(tuple(own[0, 1:].tolist()))
-        return march_rows(curve, curve.page, mesh, start, own[:, 0] if own.size else None, None)
+        return OwnCurves(curve.page, own[:, 0] if own.size else None).march(curve, mesh, start)
 
     def _curve_at(self, values: tuple[float, ...]) -> Curve:
         """The curve that is fitted to some values."""

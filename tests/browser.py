@@ -10,7 +10,7 @@ import pytest
 from law_cases import CONTACTS, scene_text
 
 from film_model.explorer import page as page_module
-from film_model.explorer.content import Content
+from film_model.explorer.content import SWITCHES, Content
 from film_model.explorer.page import examples, page
 from film_model.scene import Scene
 
@@ -102,8 +102,9 @@ def _address(table, base, chance, as_given):
     for entry in law["live"]:
         if not as_given and chance.random() < 0.7:
             found[entry["path"]] = _between(*entry["slider"], entry["slider"][0] > 0.0, chance)
-    for switch in ("plasticity", "target_motion", "gravity"):
-        found[switch] = chance.choice(["auto", "auto", "auto", "true", "false"])
+    for switch in SWITCHES:
+        automatic = 8 if switch == "rate_hardening" else 3  # which few materials allow to be asked for
+        found[switch] = chance.choice([*["auto"] * automatic, "true", "false"])
     vibrates = base["support"] is not None and base["support"]["modes"]
     found["accuracy"] = chance.choice(["0.0001", "0.001", *([] if vibrates else ["0.000001", "1e-8"])])
     if chance.random() < 0.2:

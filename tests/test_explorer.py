@@ -172,22 +172,20 @@ def test_a_target_that_is_held_brings_its_compliance_and_its_modes():
         assert table["given"] is None and table["table"]["effects"]["boundary_reflections"] is True
 
 
-def test_a_page_says_that_it_leaves_out_rate_hardening():
-    """Only of a scene in which film-model run simulates it, and never as if the scene had switched it off."""
-    tables = (
-        {"impactor": BALL, "target": SLAB},
-        {"impactor": BALL, "target": SLAB, "effects": {"rate_hardening": False}},
-    )
-    own, off = Content((str(k), fm.Scene.from_table(table)) for k, table in enumerate(tables)).table()["scenes"]
-    history = fm.simulate(fm.Scene.from_table(tables[0]))
-    change = next(effect.change for effect in history.effects if effect.name == "rate_hardening")
-    assert own["hardening"] == pytest.approx(change) and change > 0.01 and off["hardening"] is None
-    for scene, said in (
-        (own, "this page computes with the yield strength of slow"),
-        (off, "the scene has rate_hardening = false"),
-    ):
-        effect = next(effect for effect in scene["judged"] if effect["name"] == "rate_hardening")
-        assert all(said in text for text in (effect["reason"], effect["line"], *scene["warnings"][:1]))
+def test_a_page_says_that_it_leaves_out_strain_hardening():
+    """The flow stress at 8 % strain is the yield strength of its materials; rates harden it as in film-model run."""
+    target = {"kind": "half-space", "material": "nickel 200"}
+    hard, soft = (fm.Scene.from_table({"impactor": BALL, "target": one}) for one in (target, SLAB))
+    table = Content([("hard", hard), ("soft", soft)]).table()
+    found, plain = table["scenes"]
+    without = hard.replace({"target.material.strain_hardening_exponent": None})
+    restitutions = [fm.simulate(scene).summary["coefficient_of_restitution"] for scene in (hard, without)]
+    assert found["hardening"] >= abs(restitutions[1] / restitutions[0] - 1.0) > 0.1
+    assert plain["hardening"] is None
+    values = {entry["path"]: entry["value"] for entry in found["inputs"]}
+    assert values["target.material.yield_strength"] == fm.material("nickel 200").flow_strength
+    assert values["target.material.strain_rate_coefficient"] == 0.006
+    assert table["materials"]["nickel 200"]["strain_rate_coefficient"] == 0.006
 
 
 def test_a_scene_without_an_impact_has_no_page():
@@ -200,16 +198,10 @@ def test_a_recorded_formula_is_the_general_one():
     recording = Recording()
     x = recording.symbol("x")
     found = either(x > 2.0, greater(0.0, x) ** 0.5, root(x)) + np.array([3.0])
-    assert recording.function("f", "x", {"y": found, "z": 1.0, "n": None}).splitlines() == [
+    assert recording.function("f", "x", {"y": found, "root": root(x), "z": 1.0, "n": None}).splitlines() == [
         "function f(x) {",
-        "  const t0 = x;",
-        "  const t1 = t0 > 2.0;",
-        "  const t2 = t0 > 0.0 ? t0 : 0.0;",
-        "  const t3 = Math.pow(t2, 0.5);",
-        "  const t4 = Math.sqrt(t0);",
-        "  const t5 = t1 ? t3 : t4;",
-        "  const t6 = t5 + 3.0;",
-        "  return { y: t6, z: 1.0, n: null };",
+        "  const t0 = Math.sqrt(x);",
+        "  return { y: (((x > 2.0) ? Math.pow((x > 0.0 ? x : 0.0), 0.5) : t0) + 3.0), root: t0, z: 1.0, n: null };",
         "}",
     ]
 

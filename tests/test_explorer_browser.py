@@ -15,6 +15,7 @@ from cases import creeps
 import film_model as fm
 from film_model.base.errors import SceneError
 from film_model.core import native
+from film_model.effects import rate_hardening
 from film_model.explorer.page import WASM, page, write_page
 from film_model.problem.summary import rounding
 from film_model.studies.regimes import regimes
@@ -32,14 +33,21 @@ EXAMPLES = sorted((Path(__file__).parent.parent / "examples" / "scenes").glob("*
 SAME = 1e-12
 """Largest relative difference between the page and Python: the rounding of two libraries of elementary functions."""
 
+SAME_STRENGTH = 1e-4
+"""The same of the strength at the strain rate, which depends on impacts on a coarse mesh: of lines on the page, in
+Python by shorter ways. Errors of both are about 1e-5 on thin plates, 1e-9 on fixed targets."""
+
+SETTLED = rate_hardening.settled
+
 ON_MODES = 1e-9
 """The same on the modes of a target, where each contact amplifies the rounding of those before."""
 
 SEEDS = 4
 """Parts of the comparison with Python, so that several processes share it."""
 
-FEW_UNSURE = 0.002
-"""At most so many of the random scenes may have errors of 1 and more, which bound no difference."""
+FEW_UNSURE = 0.004
+"""At most so many of the random scenes may have errors of 1 and more, which bound little: under a damped law, whose
+omitted modes are one stiff mode more, the ball rattles on the few modes of a structure, up to hundreds of times."""
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +85,7 @@ def shown(browser):
 
 
 def off(history, found):
-    """The largest difference of two summaries."""
+    """The largest relative difference of two summaries; 1 where only one of them has a value."""
     summary, scene = history.summary, history.scene
     depth = summary["maximum_indentation"] or 0.0
     least = dict.fromkeys(("energy_absorbed", "energy_radiated"), scene.kinetic_energy)
@@ -88,7 +96,7 @@ def off(history, found):
     for name, value in summary.items():
         other = found["summary"][name]
         if value is None or other is None:
-            worst = worst if value is other or creeping else math.inf
+            worst = worst if value is other or creeping else max(worst, 1.0)
         elif value != other:
             worst = max(worst, abs(value - other) / max(abs(value), abs(other), least.get(name, 0.0)))
     return worst
@@ -121,7 +129,7 @@ def test_random_scenes_equal_python(shown, everything, seed):
     for fragment, (found, text) in zip(addresses, results, strict=True):
         assert found["ignored"] == [], fragment
         try:
-            history = fm.simulate(fm.Scene.from_text(text)) if text else None
+            history = simulated(fm.Scene.from_text(text), found) if text else None
         except (SceneError, fm.SimulationError):
             history = None
         warned = found.get("edges") and found["edges"]["matter"]  # the page says that it has no edges
@@ -145,8 +153,8 @@ def check(history, found, fragment):
 
     To 1e-12, or to the estimated rounding error where contact ends slowly. Contacts on a target that vibrates follow
     each other and amplify rounding. Where contact does not end, the accuracy is not reached, or other digits of it end
-    the page's search earlier, the two errors bound the difference. Returns whether they
-    bound nothing: on modes, errors of 1 and more.
+    the page's search earlier, the two errors bound the difference. Returns whether these
+    are 1 and more: the page says then that the accuracy is not reached.
     """
     assert found["law"] == history.problem.law.name
     worst = off(history, found)
@@ -159,12 +167,39 @@ def check(history, found, fragment):
         allowed = SAME
         if worst > SAME:
             allowed = amplified(history) if same else found["error"] + history.accuracy.estimated
-    unsure = found["modes"] and allowed >= 1.0
-    assert unsure or worst <= allowed, fragment
+    assert worst <= allowed, fragment
+    unsure = allowed >= 1.0
+    assert not unsure or any("is not reached" in text for text in found["warnings"]), fragment
     decided = {effect.name: effect.simulated for effect in history.effects}
     for name, effect in found["effects"].items():
         assert effect["simulated"] == decided[name], (fragment, name)
+    if worst <= ON_MODES:
+        same_intervals(history, found["intervals"], fragment)
     return unsure
+
+
+def same_intervals(history, shown, fragment):
+    """The intervals of measured values, and what they come from."""
+    expected = history.intervals
+    assert {each["name"]: each["evidence"] for each in shown} == {n: e.evidence for n, e in expected.items()}, fragment
+    for each in shown:
+        interval = expected[each["name"]]
+        assert [each["low"], each["high"]] == pytest.approx([interval.low, interval.high], rel=1e-8), fragment
+
+
+def simulated(scene, found):
+    """Python's history with the page's strength at the strain rate: that of both agrees as far as their trials do."""
+
+    def settled(rate_of, law):
+        factor = SETTLED(rate_of, law)
+        if found.get("strength_factor") is None:
+            return factor
+        assert found["strength_factor"] == pytest.approx(factor, rel=SAME_STRENGTH)
+        return found["strength_factor"]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rate_hardening, "settled", settled)
+        return fm.simulate(scene)
 
 
 BALL = {"radius": "5 mm", "velocity": "1 m/s", "material": "bearing steel"}
@@ -197,7 +232,7 @@ def test_targets_that_vibrate_equal_python(shown, tmp_path, kind):
             assert "cannot be in series" in found["reason"], (fragment, found)
             continue
         compared += 1
-        check(fm.simulate(fm.Scene.from_text(text)), found, fragment)
+        check(simulated(fm.Scene.from_text(text), found), found, fragment)
         assert (found["modes"] > 0) is (kind != "static" and "target_motion=false" not in fragment)
     assert compared >= 6
     window.click("#part-laws > summary")
@@ -281,7 +316,7 @@ def test_comparison_studies_and_files(shown, address):
     for part in ("laws", "restitution", "accuracy", "map"):
         window.click(f"#part-{part} > summary")
         window.wait_for_selector(f"#chart-{part} path")
-    assert window.locator("#laws tbody tr").count() == 12
+    assert window.locator("#laws tbody tr").count() == 13
     before = window.inner_text("#readout")
     moved(window, "#cursor", 100)
     assert window.inner_text("#readout") != before

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from film_model.base.arrays import either, ratio
+from film_model.base.arrays import either, greater, ratio
 from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, Effect, agreeing
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
@@ -143,7 +143,7 @@ def absorbed(problem: Problem) -> float:
     all, and of one that yields this counts as deformation."""
     if problem.curve.pulls and problem.curve.reversible:
         return 0.0
-    return max(0.0, problem.trial.summary.work / (0.5 * problem.approach**2))
+    return greater(problem.trial.summary.work / (0.5 * problem.approach**2), 0.0)
 
 
 def case_of(problem: Problem, vibrates: bool) -> Case:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterable
-from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -17,16 +16,19 @@ from film_model.base.unit_symbols import SYMBOLS, parse_unit
 from film_model.base.units import DIMENSIONS, PREFIXED, scene_unit, si_unit
 from film_model.core import modal, native
 from film_model.core.solving import MOST_SEGMENTS
+from film_model.effects.case import YIELDS
 from film_model.effects.choose import Choice, choose
 from film_model.effects.effect import COMPUTED, NOT_MODELLED, percent
 from film_model.effects.many import SURE
-from film_model.effects.rate_hardening import SWITCHED_OFF_BECAUSE
+from film_model.effects.rate_hardening import MOST_ROUNDS, SETTLED
+from film_model.effects.trial import change
 from film_model.explorer import formulas, support
 from film_model.explorer.inputs import inputs_of, with_yield_strengths
 from film_model.explorer.laws import laws_of
 from film_model.plot.style import COLOURS
 from film_model.problem.families import TERMS, mean_matrix, series_matrix
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
+from film_model.problem.model_intervals import COVERED, KINDS, LARGEST, evidence, residuals_of
 from film_model.problem.problem import TRIAL_SEGMENTS
 from film_model.problem.summary import COMPARED, SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, DEFAULT_TOLERANCE, Scene, Sphere
@@ -40,11 +42,8 @@ from film_model.version import __version__
 SAMPLES = 201
 """Times at which the motion of an impact is sampled that the page cannot simulate."""
 
-SWITCHES = ("plasticity", "target_motion", "gravity")
+SWITCHES = ("plasticity", "target_motion", "gravity", "rate_hardening")
 """Effects that the page decides again for every change, by the same formulas."""
-
-
-SLOW = "this page computes with the yield strength of slow loading"
 
 
 class Content:
@@ -58,6 +57,7 @@ class Content:
         free, fixed = _samples()
         texts = [*formulas.result_functions("Free", free), *formulas.result_functions("Fixed", fixed)]
         texts += [formulas.change_function("change", fixed), *formulas.vibrating_functions(fixed)]
+        texts += formulas.hardening_functions(fixed)
         texts += [formulas.gravity_function("gravityChange", fixed), formulas.mass_function("sphereMass")]
         self._functions |= {text: text for text in texts}
 
@@ -81,7 +81,8 @@ class Content:
             "laws": [table for _, table in self._laws.values()],
             "materials": {
                 name: {"youngs_modulus": m.youngs_modulus, "poissons_ratio": m.poissons_ratio, "density": m.density}
-                | {"yield_strength": m.flow_strength, "source": m.source}
+                | {"yield_strength": m.flow_strength}
+                | ({} if m.strain_rate_coefficient is None else {"strain_rate_coefficient": m.strain_rate_coefficient})
                 for name, m in catalogue().items()
             },
             "units": {symbol: [float(size), list(powers)] for symbol, (size, powers) in SYMBOLS.items()},
@@ -94,18 +95,16 @@ class Content:
             "series": {"points": chebyshev.chebpts1(TERMS).tolist()}
             | {"force": series_matrix(TERMS).tolist(), "mean": mean_matrix().tolist()},
             "map": regime_map(),
+            "intervals": _intervals(),
             "layout": layout(),
             "constants": _constants(),
         }
 
     def _scene(self, name: str, scene: Scene) -> dict[str, Any]:
         """A scene with what was decided for it."""
-        scene = with_yield_strengths(scene)
+        whole, scene = scene, with_yield_strengths(scene)
         choice = choose(scene)
-        slow = not not_simulated(choice) and scene.effects.rate_hardening is not False
-        if slow:  # the page computes with the strength of slow loading, and says so
-            scene = replace(scene, effects=scene.effects.changed(rate_hardening=False))
-            choice = choose(scene)
+        hardening = change(choose(whole).light, choice.light) if whole.strain_hardening_exponent > 0.0 else 0.0
         if not choice.problem.approach > 0.0:
             raise SimulationError("the impactor has no velocity: there is no impact to show on a page")
         held, reason = (None, why) if (why := not_simulated(choice)) else support.data(choice)
@@ -120,8 +119,6 @@ class Content:
         if held is None and target.structural and target.finite and hasattr(target, "reflection_change"):
             reflected = self._named("reflections", formulas.reflections_function("reflections", scene, paths))
         effects = scene.effects
-        said = (lambda text: text.replace(SWITCHED_OFF_BECAUSE, SLOW)) if slow else str
-        hardening = next(effect for effect in choice.effects if effect.name == "rate_hardening")
         return {
             "name": name,
             "title": scene.title or f"Impact on a {target.kind}",
@@ -139,9 +136,9 @@ class Content:
             "tolerance": effects.tolerance,
             "solver": {key: getattr(scene.solver, key) for key in ("accuracy", "segments", "linearisation")},
             "given": given(choice, reason) if reason else None,
-            "judged": [e.to_dict() | {"reason": said(e.reason), "line": said(e.line)} for e in choice.effects],
-            "warnings": list(map(said, choice.warnings)),
-            "hardening": hardening.change if slow and hardening.state == NOT_MODELLED else None,
+            "judged": [effect.to_dict() for effect in choice.effects],
+            "warnings": list(choice.warnings),
+            "hardening": hardening if hardening > scene.effect_tolerance else None,
         }
 
     def _law(self, found: Any, scene: Scene) -> int:
@@ -214,6 +211,22 @@ def regime_map() -> list[dict[str, Any]]:
     ]
 
 
+def _intervals() -> list[list[dict[str, Any]]]:
+    """The residuals of measured values from law "auto", by the number of the family of the impact."""
+    found: list[list[dict[str, Any]]] = []
+    for family in KINDS:
+        known = {name: residuals_of(family, name) for name in SUMMARY}
+        found.append(
+            [
+                {"name": name, "low": one.low, "high": one.high, "most": one.most, "covered": COVERED}
+                | {"largest": LARGEST.get(name), "evidence": evidence(family, one)}
+                for name, one in known.items()
+                if one is not None
+            ]
+        )
+    return found
+
+
 def layout() -> dict[str, Any]:
     """Sizes and offsets of the core's structures, in bytes; without pointers they are the same on all platforms."""
     structures: dict[str, Any] = {
@@ -250,6 +263,9 @@ def _constants() -> dict[str, Any]:
         "grazing": GRAZING,
         "deeper": DEEPER,
         "sure": SURE,
+        "settled": SETTLED,
+        "most_rounds": MOST_ROUNDS,
+        "yields": YIELDS,
         "accuracy": DEFAULT_ACCURACY,
         "tolerance": DEFAULT_TOLERANCE,
         "elastic": ELASTIC,

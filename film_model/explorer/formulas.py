@@ -16,9 +16,11 @@ from numpy.polynomial import chebyshev
 
 from film_model.base.arrays import either, logarithm
 from film_model.base.materials import Material, sphere_mass
+from film_model.base.rate_law import RateHardening
 from film_model.core import native
 from film_model.effects import gravity
-from film_model.effects.case import Pulse
+from film_model.effects.case import Pulse, absorbed
+from film_model.effects.rate_hardening import factor_at
 from film_model.effects.trial import change
 from film_model.explorer.trace import Recording
 from film_model.laws.example_ball import example_ball
@@ -28,6 +30,7 @@ from film_model.problem.curve import Curve
 from film_model.problem.families import EDGES, varying
 from film_model.problem.fit import functions_of
 from film_model.problem.law_of_scene import SceneLaw, can_yield, reaches_yield
+from film_model.problem.model_intervals import family_number, yield_velocities
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.problem import Impacts, Problem, Trial
 from film_model.problem.scales import Scales, motion_of
@@ -37,6 +40,9 @@ from film_model.scene.columns import scene_of_columns
 
 FROM_SCENE = ("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio", "stressed_poissons_ratio")
 """Properties of a scene, besides its :class:`Numbers`, that laws take."""
+
+RATE_LAW = tuple(f"rate_{name}" for name in RateHardening._fields)
+"""Names of the numbers of a :class:`RateHardening`; its coefficient is nan or infinite if it is unknown."""
 
 LEAST_RESTITUTION = 0.1
 """Of a damped law on the page: below it, the series for its damping converges slowly."""
@@ -82,12 +88,19 @@ def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
     outputs["yields"] = reaches_yield(replace_effects(scene, Effects()))
     outputs["yields_light"] = reaches_yield(replace_effects(scene, Effects(gravity=False)))
     outputs["zener"] = zener(scene, numbers.impedance)
+    outputs |= {"family": family_number(scene), "yield_velocities": yield_velocities(scene)}
+    known_rate = scene.rate_hardening
+    outputs |= dict.fromkeys(RATE_LAW, math.nan) if known_rate is None else _named_rate_law(known_rate)
     outputs["yield_velocity"] = math.nan
     if scene.yield_strength is not None and scene.effective_modulus is not None:
         given = scene.effective_modulus, scene.effective_radius, scene.yield_strength, scene.effective_mass
         outputs["yield_velocity"] = yield_velocity(*given)
     known = {entry: math.nan if value is None else value for entry, value in outputs.items()}
     return recording.function(name, "x", known)
+
+
+def _named_rate_law(law: RateHardening) -> dict[str, Any]:
+    return dict(zip(RATE_LAW, law, strict=True))
 
 
 def replace_effects(scene: Scene, effects: Effects) -> Scene:
@@ -204,6 +217,9 @@ def _problem(
     found = recording.symbols("n", FROM_SCENE)
     strength = found["yield_strength"]  # infinite if there is none
     varied: Any = SimpleNamespace(**found | {"yield_strength": either(strength < math.inf, strength, math.nan)})
+    varied.rate_hardening = RateHardening(
+        **{name.removeprefix("rate_"): n for name, n in recording.symbols("n", RATE_LAW).items()}
+    )
     law = SceneLaw(cast("Any", None), {}, None, {})
     impacts = Impacts(template, law, _numbers(recording), varied=varied)
     values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": float(damped)}
@@ -256,6 +272,15 @@ def change_function(name: str, template: Scene) -> str:
     r = Recording()
     found = change(_tried(r, "p", "a", template), _tried(r, "q", "b", template))
     return r.function(name, "p, a, q, b", {"change": found})
+
+
+def hardening_functions(template: Scene) -> list[str]:
+    """Of the impact `p`, `a`: the strength at its strain rate over that of slow loading, and its absorbed energy."""
+    r = Recording()
+    tried = _tried(r, "p", "a", template)
+    factor = r.function("strengthFactor", "p, a, n", {"factor": factor_at(tried, *tried.trial)})
+    r = Recording()
+    return [factor, r.function("absorbed", "p, a", {"share": absorbed(_tried(r, "p", "a", template))})]
 
 
 def gravity_function(name: str, template: Scene) -> str:

@@ -27,9 +27,10 @@ LABELS = {
     "D66": "bending stiffness D66",
 }
 
-MATERIAL_ENTRIES = ("youngs_modulus", "poissons_ratio", "density", "yield_strength")
-OPTIONAL = {"yield_strength": math.inf}
-"""Entries that may be missing, and the value that then serves: a material without a yield strength does not yield."""
+RATE_ENTRIES = ("strain_rate_coefficient", "rate_multiplier", "rate_exponent")
+MATERIAL_ENTRIES = ("youngs_modulus", "poissons_ratio", "density", "yield_strength", *RATE_ENTRIES)
+OPTIONAL = ("yield_strength", *RATE_ENTRIES)
+"""Entries that may be missing: infinite for the formulas, so that the material does not yield or harden."""
 
 
 STRENGTHS = ("hardness", "strain_hardening_exponent", "strength_coefficient", "strength_exponent")
@@ -98,7 +99,9 @@ def _entries(path: str, owner: Any) -> Iterator[Input]:
     for name, field in owner.FIELDS.items():
         value, here = getattr(owner, name), f"{path}.{name}"
         if isinstance(value, Material):
-            for entry in MATERIAL_ENTRIES:
+            multiplied = value.rate_multiplier is not None
+            others = ("strain_rate_coefficient",) if multiplied else ("rate_multiplier", "rate_exponent")
+            for entry in (entry for entry in MATERIAL_ENTRIES if entry not in others):
                 yield Input(f"{here}.{entry}", Material.FIELDS[entry], getattr(value, entry))
         elif hasattr(value, "FIELDS"):
             yield from _entries(here, value)

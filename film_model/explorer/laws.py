@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from film_model.base.fields import measure
 from film_model.base.units import DIMENSIONS
 from film_model.core import native
@@ -103,8 +105,12 @@ class PageLaw:
 
     @property
     def embedded(self) -> bytes:
-        """The curve for the page; of a law with a shape, with all pieces that any of them needs."""
-        return bytes(self.curve.native if self.page is None else self.page.whole)
+        """The curve for the page; of a law with a shape, all pieces that any needs, without what the shape gives."""
+        if self.page is None:
+            return bytes(self.curve.native)
+        doubles = np.frombuffer(bytes(self.page.whole)).copy()
+        doubles[places_of(self.page)] = 0.0
+        return doubles.tobytes()
 
     def to_dict(self, function: str, place: int) -> dict[str, Any]:
         """What the page needs of it. place: of its curve among the curves of the page."""
@@ -213,12 +219,17 @@ def _shape_data(page: Page, names: tuple[str, ...]) -> dict[str, Any]:
 
     names: of the functions that do; their terms follow those of the force and of its mean.
     """
-    family, whole = page.family, page.whole
+    whole = page.whole
     first = whole.stage[whole.stages - 1].first
     ends = [whole.piece[k].end for k in range(first, whole.pieces)]
     series = ("force", "mean", *names[1:])
     terms = [[getattr(whole.piece[k], name).terms for name in series] for k in range(first, whole.pieces)]
-    places = family.memory[family.nodes : family.nodes + family.varying]
     begin = whole.stage[whole.stages - 1].begin
-    found = {"edges": [begin, *ends], "terms": terms, "places": places.astype(int).tolist()}
+    found = {"edges": [begin, *ends], "terms": terms, "places": places_of(page)}
     return found | {"names": list(names), "range": list(ALL_SHAPES)}
+
+
+def places_of(page: Page) -> list[int]:
+    """The places in the curve, among its doubles, of what depends on the shape."""
+    family = page.family
+    return family.memory[family.nodes : family.nodes + family.varying].astype(int).tolist()

@@ -11,7 +11,7 @@ from typing import Any
 from film_model.base.errors import TooManyModes
 from film_model.base.fields import measure
 from film_model.effects.choose import Choice
-from film_model.effects.edge_effects import felt_compliance
+from film_model.effects.edge_effects import CLOSE, SLOW
 from film_model.explorer.inputs import Input
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve import structures
@@ -74,8 +74,7 @@ def damping_of(target: AbstractTarget) -> list[Input]:
 def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     """Compliance and modes of the target for the page, None if it has neither; and why the page cannot carry them.
 
-    felt: compliance by which effects are decided. lacking: that of vibrations which the scene does not give; None where
-    the page has not all of those it gives.
+    lacking: that of vibrations which the scene does not give; None where the page has not all of those it gives.
     """
     target, vibrates = choice.scene.target, choice.problem.vibrates
     if not vibrates and not (choice.decided[1] and choice.support.compliance > 0.0):
@@ -83,7 +82,6 @@ def data(choice: Choice) -> tuple[dict[str, Any] | None, str]:
     found: dict[str, Any] = {"compliance": target.compliance or 0.0, "modes": None}
     if not vibrates:
         return found, ""
-    found["felt"], _ = felt_compliance(choice.problem.impacts)
     asked = choice.scene.solver.accuracy or DEFAULT_ACCURACY
     own = vibrate(choice.problem, target, asked, [])[0]
     whole = isinstance(target, Structure)  # all of its vibrations are known
@@ -120,6 +118,8 @@ def constants() -> dict[str, float]:
         "longest": LONGEST,
         "most_work": LIVE_WORK,
         "refined": REFINED,
+        "slow": SLOW,
+        "close": CLOSE,
         "slowest": SLOWEST,
         "step": STEP,
         "tightest": TIGHTEST,

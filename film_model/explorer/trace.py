@@ -8,6 +8,8 @@ all, no: the recorded formula is the general one, which serves every impact.
 from __future__ import annotations
 
 import math
+import re
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any
 
@@ -27,6 +29,7 @@ _UNARY: dict[Any, str] = {
     **{np.cos: "Math.cos({})", np.arctan: "Math.atan({})"},
 }
 _FORMS = _BINARY | _UNARY
+_NAME, _PLACE = re.compile(r"t\d+"), re.compile(r"{(\d)}")
 
 
 class Symbol(np.ndarray):
@@ -120,14 +123,34 @@ class Recording:
         return f"({number!r})" if math.copysign(1.0, number) < 0.0 else repr(number)
 
     def function(self, name: str, arguments: str, outputs: Mapping[str, Any]) -> str:
-        """A JavaScript function that returns an object with these values."""
+        """A JavaScript function that returns an object with these values; what is used once stands where it is used."""
         texts = {key: self._text(value) for key, value in outputs.items()}
-        needed, waiting = set[int](), [text for text in texts.values()]
+        uses = self._uses(list(texts.values()))
+        written, lines = dict[str, str](), list[str]()
+        for index, (form, inputs) in enumerate(self._expressions):
+            here = f"t{index}"
+            if here not in uses:
+                continue
+            text = form.format(*(written.get(text, text) for text in inputs))
+            if uses[here] > 1 and inputs:
+                written[here] = f"t{len(lines)}"
+                lines.append(f"  const {written[here]} = {text};")
+            else:
+                written[here] = f"({text})" if " " in form and not form.startswith("Math.") else text
+        result = ", ".join(f"{key}: {written.get(text, text)}" for key, text in texts.items())
+        return "\n".join([f"function {name}({arguments}) {{", *lines, f"  return {{ {result} }};", "}"])
+
+    def _uses(self, outputs: list[str]) -> Counter[str]:
+        """How often each expression that the outputs need is written, by the text that stands for it."""
+        uses, waiting = Counter(outputs), [*outputs]
         while waiting:
             text = waiting.pop()
-            if text.startswith("t") and text != "true" and int(text[1:]) not in needed:
-                needed.add(int(text[1:]))
-                waiting += self._expressions[int(text[1:])][1]
-        lines = [f"  const t{k} = {form.format(*i)};" for k, (form, i) in enumerate(self._expressions) if k in needed]
-        result = ", ".join(f"{key}: {text}" for key, text in texts.items())
-        return "\n".join([f"function {name}({arguments}) {{", *lines, f"  return {{ {result} }};", "}"])
+            if not _NAME.fullmatch(text):
+                continue
+            form, inputs = self._expressions[int(text[1:])]
+            for each in _PLACE.findall(form.replace("{}", "{0}", 1).replace("{}", "{1}", 1).replace("{}", "{2}", 1)):
+                used = inputs[int(each)]
+                if used not in uses:
+                    waiting.append(used)
+                uses[used] += 1
+        return uses

@@ -11,14 +11,18 @@ import math
 import os
 from collections.abc import Iterable
 from functools import cache
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
+from film_model.base.arrays import either, root
 from film_model.base.units import format_si
 from film_model.laws.yielding import yield_point
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
 
 STORED = f"{os.path.splitext(__file__)[0]}.json"
+
+LARGEST = {"coefficient_of_restitution": 1.0}
+"""Bounds of summary values."""
 
 COVERED = 0.9
 """Share of the measurements in an interval."""
@@ -41,6 +45,9 @@ FAMILIES = {
     "yielding": "steel of known hardness that yields",
 }
 """Families of impacts → in words; "yielding" pools the two before it."""
+
+KINDS = ("elastic", BELOW, ABOVE)
+"""Families that an impact belongs to, by its approach velocity over the yield velocity."""
 
 _POOLED = {BELOW: "yielding", ABOVE: "yielding"}
 
@@ -69,23 +76,26 @@ class ModelInterval(NamedTuple):
         return f", {low} to {high} ({100 * COVERED:g} % of {self.evidence})"
 
 
-def yield_velocities(scene: Scene) -> float | None:
+def yield_velocities(scene: Scene) -> Any:
     """Approach velocity over the yield velocity of slow loading, by energy; None without a strength or a modulus."""
     strength, modulus = scene.yield_strength, scene.effective_modulus
     if strength is None or modulus is None:
         return None
     indentation, force = yield_point(modulus, scene.effective_radius, strength)
-    return math.sqrt(scene.kinetic_energy / (0.4 * force * indentation))
+    return root(scene.kinetic_energy / (0.4 * force * indentation))
+
+
+def family_number(scene: Scene) -> Any:
+    """The place in `KINDS` of each impact of a scene; -1 for a polymer, of which there is no evidence."""
+    modulus, ratio = scene.effective_modulus, yield_velocities(scene)
+    yielding = 0 if ratio is None else either(ratio > 1.0, either(ratio > MANY_YIELD_VELOCITIES, 2, 1), 0)
+    return yielding if modulus is None else either(modulus < STIFFEST_POLYMER, -1, yielding)
 
 
 def family_of(scene: Scene) -> str | None:
-    """The family of a scene's impact; None for a polymer, of which there is no evidence."""
-    modulus, ratio = scene.effective_modulus, yield_velocities(scene)
-    if modulus is not None and modulus < STIFFEST_POLYMER:
-        return None
-    if ratio is None or ratio <= 1.0:
-        return "elastic"
-    return BELOW if ratio <= MANY_YIELD_VELOCITIES else ABOVE
+    """The family of a scene's impact; None for a polymer."""
+    number = family_number(scene)
+    return None if number < 0 else KINDS[number]
 
 
 def model_interval(problem: Problem, name: str, value: float | None) -> ModelInterval | None:
@@ -102,18 +112,23 @@ def model_interval(problem: Problem, name: str, value: float | None) -> ModelInt
     found = None if family is None else residuals_of(family, name)
     if found is None:
         return None
-    bound = 1.0 if name == "coefficient_of_restitution" else math.inf
-    low, high = (min(value * math.exp(residual), bound) for residual in (found.low, found.high))
+    low, high = (min(value * math.exp(residual), LARGEST.get(name, math.inf)) for residual in (found.low, found.high))
+    said = evidence(family or "", found)
+    ratio = yield_velocities(problem.scene)
+    if ratio is not None and ratio > found.most:
+        said += f"; extrapolated from {found.most:.0f} to {ratio:.0f} yield velocities"
+    return ModelInterval(low, high, said)
+
+
+def evidence(family: str, found: Residuals) -> str:
+    """The measurements that an interval of an impact of this family comes from, in words."""
     said = f"{found.rows} measurements of {FAMILIES[found.family]}"
     likely = (found.rows - 1) / (found.rows + 1)
     if likely < COVERED:
         said += f"; so few cover {100 * likely:.0f} % of the next"
     if found.family != family:
         said += f"; fewer than {FEWEST} of them are like this one"
-    ratio = yield_velocities(problem.scene)
-    if ratio is not None and ratio > found.most:
-        said += f"; extrapolated from {found.most:.0f} to {ratio:.0f} yield velocities"
-    return ModelInterval(low, high, said)
+    return said
 
 
 Table: TypeAlias = dict[tuple[str, str], Residuals]

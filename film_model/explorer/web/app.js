@@ -125,6 +125,12 @@ function showSummary(scene, result, other) {
   const ended = result.status === EVENT ? "" : " Contact does not end: the impactor stays on the target.";
   const error = result.error.toExponential(1);
   const means = result.modes > 0 ? ` with ${result.modes} natural vibrations` : result.segments > 0 ? ` with ${result.segments} segments` : "";
+  const measured = intervalsOf(scene, result).map(({ name, low, high, covered, evidence }) => {
+    const [from, to] = [low, high].map((value) => shown(value, DATA.summary[name][0], 3));
+    return `${name.replaceAll("_", " ")}: ${from} to ${to} (${100 * covered} % of ${evidence})`;
+  });
+  byId("intervals").hidden = measured.length === 0;
+  byId("intervals").textContent = `Measured values would lie within: ${measured.join("; ")}.`;
   byId("error").textContent = `Law ${result.law.name}. Estimated relative error of every value ≤ ${error}${means}.${ended}`;
 }
 
@@ -192,10 +198,10 @@ function showBanner(scene, result) {
     texts.push(`Waves from the edges would change the result by about ${percent(edges.change)}: here the target has no edges. Use film-model run.`);
   }
   if (hardening !== null) {
-    texts.push(`This page computes with the yield strength of slow loading; film-model run takes that at the strain rate, which changes the summary of the scene as given by about ${percent(hardening)}.`);
+    texts.push(`This page computes without strain hardening, with the flow stress at 8 % strain; film-model run takes the hardening, which changes the summary of the scene as given by about ${percent(hardening)}.`);
   }
   if (!unchanged(scene)) {
-    texts.push("Plasticity, gravity and target motion were decided again for your changes; the other effects below were not.");
+    texts.push("Plasticity, rate hardening, gravity and target motion were decided again for your changes; the other effects below were not.");
   }
   byId("banner").hidden = texts.length === 0;
   byId("banner").textContent = texts.join(" ");
@@ -352,7 +358,8 @@ function impact(fragment) {
   const { result, reason } = attempt(scene);
   if (!result) return { reason, ignored };
   const { summary, error, segments, modes, law, warnings, choice } = result;
-  return { summary: { ...summary }, error, segments, modes, law: law.name, warnings, effects: choice.found, edges: choice.edges, ignored };
+  const strength = choice.n?.strength_factor ?? null;
+  return { summary: { ...summary }, error, segments, modes, law: law.name, warnings, effects: choice.found, edges: choice.edges, intervals: intervalsOf(scene, result), strength_factor: strength, ignored };
 }
 
 /** Draw everything again, in another size or theme. */

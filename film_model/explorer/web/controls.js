@@ -131,9 +131,9 @@ function materialRow(scene, body, changed) {
     const material = DATA.materials[name];
     if (!material) return;
     scene.materials[body] = name;
-    for (const [key, value] of Object.entries(material)) {
-      const path = `${body}.material.${key}`;
-      if (path in scene.values) scene.values[path] = /** @type {number|null} */ (value);
+    for (const path of Object.keys(scene.values)) {
+      const [owner, part, key] = path.split(".");
+      if (owner === body && part === "material") scene.values[path] = material[key] ?? null;
     }
     changed();
   });

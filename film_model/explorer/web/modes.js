@@ -7,6 +7,41 @@ function rounded(value) {
   return 2 ** (Math.ceil(4 * Math.log2(value)) / 4);
 }
 
+/** Compliance of a target's modes from the one with this number on, m/N. @param {any} support @param {number} count */
+function omittedFrom({ compliance, lacking, modes: { frequency, share } }, count) {
+  const bent = (/** @type {number} */ from, /** @type {number} */ to) => {
+    let sum = 0;
+    for (let k = from; k < to; k++) if (frequency[k] > 0) sum += share[k] / frequency[k] ** 2;
+    return sum;
+  };
+  return lacking === null ? Math.max(compliance - bent(0, count), 0) : bent(count, frequency.length) + lacking;
+}
+
+/** Sum of the modes' shares up to the one with this number, 1/kg. @param {any} support @param {number} count */
+function sharesUpTo({ modes: { share } }, count) {
+  return share.slice(0, count).reduce((/** @type {number} */ sum, /** @type {number} */ value) => sum + value, 0);
+}
+
+/**
+ * The part of a target's static compliance that an impact feels, by film_model/effects/edge_effects.py: its slow modes move as free masses.
+ * @param {any} support @param {Problem} fixed on a target that does not move @param {number} mass of the impactor
+ */
+function feltCompliance(support, fixed, mass) {
+  const found = trial(fixed);
+  if (!(support.compliance > 0) || found.status !== EVENT) return support.compliance;
+  const { slow, close } = DATA.constants.vibration;
+  const shortest = found.contact_duration * fixed.p.time;
+  const contact = (found.maximum_indentation * fixed.p.length) / (found.maximum_force * fixed.p.force);
+  for (let duration = shortest; ;) {
+    const above = support.modes.frequency.findIndex((/** @type {number} */ frequency) => frequency > slow / duration);
+    const count = above < 0 ? support.modes.frequency.length : above;
+    const felt = omittedFrom(support, count);
+    const lasts = shortest * Math.sqrt((1 + felt / contact) / (1 + mass * sharesUpTo(support, count)));
+    if (lasts <= duration || count === 0) return felt;
+    duration = lasts * (1 + close);
+  }
+}
+
 /**
  * The modes up to a frequency in the core's form, kept; with the omitted ones as one more mode for a law that no spring can follow.
  * @param {Scene} scene @param {number} highest in rad/s @param {number} longest step in s @param {boolean} series
@@ -22,14 +57,7 @@ function structureOf(scene, highest, longest, series) {
   CORE.tidy();
   let count = frequency.length;
   while (count > 0 && frequency[count - 1] > highest) count--;
-  const bent = (/** @type {number} */ from, /** @type {number} */ to) => {
-    let sum = 0;
-    for (let k = from; k < to; k++) if (frequency[k] > 0) sum += share[k] / frequency[k] ** 2;
-    return sum;
-  };
-  const { lacking } = support;
-  const omitted = lacking === null ? Math.max(support.compliance - bent(0, count), 0) : bent(count, frequency.length) + lacking;
-  const shares = share.slice(0, count).reduce((/** @type {number} */ sum, /** @type {number} */ value) => sum + value, 0);
+  const [omitted, shares] = [omittedFrom(support, count), sharesUpTo(support, count)];
   const columns = [frequency, share, ratio].map((/** @type {number[]} */ column) => column.slice(0, count));
   if (!series && omitted > 0) {
     const above = DATA.constants.vibration.above * highest;

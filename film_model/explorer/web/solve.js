@@ -101,24 +101,59 @@ function changeOf(full, without) {
   return FORMULAS.change(full.p, trial(full), without.p, trial(without)).change;
 }
 
+/**
+ * The numbers of a scene with the law's strength at the strain rate of the impact, without weight; null if it stays that of
+ * slow loading, by the rules of film_model/effects/rate_hardening.py.
+ * @param {Scene} scene @param {any} n @param {any} law @param {number} impedance @param {number} compliance
+ */
+function hardened(scene, n, law, impedance, compliance) {
+  const { settled, most_rounds: rounds } = DATA.constants;
+  const wanted = scene.effects.rate_hardening;
+  const [known, able] = [Number.isFinite(n.rate_coefficient), law.needs.includes("yield_strength")];
+  if (wanted === true && !known) throw new Unsupported("rate hardening needs a strain rate coefficient of the material that yields");
+  if (wanted === true && !able && scene.law !== "auto") throw new Unsupported(`law ${law.name} has no yield strength that could rise`);
+  if (wanted === false || !known || !able) return null;
+  const times = (/** @type {number} */ factor) => ({ ...n, yield_strength: n.yield_strength * factor, strength_factor: factor });
+  let factor = 1;
+  for (let k = 0; k < rounds; k++) {
+    const problem = problemOf(law, times(factor), impedance, 0, compliance);
+    const found = FORMULAS.strengthFactor(problem.p, trial(problem), n).factor;
+    const moved = Math.abs(found - factor) > settled * factor;
+    factor = found;
+    if (!moved) break;
+  }
+  if (wanted === true && Number.isNaN(factor)) throw new Unsupported("the impact with the higher yield strength cannot be computed");
+  return factor > 1 || wanted === true ? times(factor) : null;
+}
+
+/** The effect of rate hardening, where it can be judged. @param {Problem} slow @param {Problem} hard @param {boolean} yields */
+function hardeningOf(slow, hard, yields) {
+  const found = trial(slow);
+  if (found.status !== EVENT) return {};
+  if (!yields || FORMULAS.absorbed(slow.p, found).share <= DATA.constants.yields) return { rate_hardening: { simulated: false, change: 0 } };
+  const change = changeOf(hard, slow);
+  return Number.isNaN(change) ? {} : { rate_hardening: { simulated: hard !== slow, change } };
+}
+
 /** @param {Scene} scene */
 function toleranceOf(scene) {
   return scene.tolerance ?? Math.max(DATA.constants.tolerance, scene.solver.accuracy ?? 0);
 }
 
 /**
- * Law, load and target motion of a scene, with the change that each effect makes.
- * @param {Scene} scene @param {any} n
+ * Law, strength, load and target motion of a scene, with the change that each effect makes.
+ * @param {Scene} scene @param {any} slow numbers with the strength of slow loading
  */
-function choose(scene, n) {
+function choose(scene, slow) {
   const { plasticity, target_motion: motion, gravity } = scene.effects;
   const tolerance = toleranceOf(scene);
   const { elastic, yielding } = DATA.constants;
-  const yields = gravity === false ? n.yields_light : n.yields;
+  const yields = gravity === false ? slow.yields_light : slow.yields;
   const automatic = scene.law === "auto";
-  const plastic = plasticity === true || (plasticity !== false && yields === true && n.able);
-  const law = lawOrThrow(scene, n, automatic ? (plastic ? yielding : elastic) : scene.law);
-  const { impedance: own, compliance } = supportOf(scene, n, law);
+  const plastic = plasticity === true || (plasticity !== false && yields === true && slow.able);
+  const law = lawOrThrow(scene, slow, automatic ? (plastic ? yielding : elastic) : scene.law);
+  const { impedance: own, compliance } = supportOf(scene, slow, law);
+  const n = hardened(scene, slow, law, own, compliance) ?? slow;
   const held = motion !== false && scene.base.support !== null;
   const light = problemOf(law, n, own, 0, compliance);
   /** @type {Record<string, {simulated: boolean, change: number|null}>} */
@@ -155,8 +190,9 @@ function choose(scene, n) {
   } else if (yields === false) {
     found.plasticity = { simulated: false, change: 0 };
   }
+  if (n !== slow) Object.assign(found, hardeningOf(problemOf(law, slow, own, 0, compliance), light, keeps));
   if (moves && held && scene.base.support.modes) problem = problemOf(problem.law, n, Infinity, problem.load, 0, true);
-  return { problem, found, edges: edgesOf(scene, n, light, tolerance) };
+  return { n, problem, found, edges: edgesOf(scene, n, light, tolerance) };
 }
 
 /**
@@ -169,9 +205,10 @@ function supportOf(scene, n, law) {
   if (scene.effects.target_motion === false) return fixed;
   if (!support) return { impedance: n.impedance, compliance: 0 };
   const follows = law.series || support.compliance === 0;
-  const own = support.modes ? support.felt : support.compliance;
+  const waves = n.impedance < Infinity;
+  const own = support.modes && follows && !waves ? feltCompliance(support, problemOf(law, n, Infinity, 0), n.impactor_mass) : support.compliance;
   const bent = { impedance: Infinity, compliance: follows || !support.modes ? own : 0 };
-  if (!support.modes || n.impedance === Infinity) return bent;
+  if (!support.modes || !waves) return bent;
   const force = (/** @type {Problem} */ problem) => trial(problem).maximum_force * problem.p.force;
   const infinite = problemOf(law, n, n.impedance, 0);
   const trusted = trial(infinite).status === EVENT;
@@ -257,12 +294,12 @@ function simulate(scene, samples) {
     throw new Unsupported(`${scene.base.given.reason}, which this page cannot simulate: it shows the scene as given only`);
   }
   const choice = choose(scene, n);
-  return { n, choice, ...run(scene, n, choice.problem, samples) };
+  return { n, choice, ...run(scene, choice.n, choice.problem, samples) };
 }
 
 /**
- * n: numbers of the scene. choice: what is simulated; its problem is null for a result that Python computed.
- * @typedef {ReturnType<typeof run> & {n: any, choice: {problem: Problem|null, found: ReturnType<typeof choose>["found"],
+ * n: numbers of the scene. choice: what is simulated, n with its strength; null for a result that Python computed.
+ * @typedef {ReturnType<typeof run> & {n: any, choice: {n: any, problem: Problem|null, found: ReturnType<typeof choose>["found"],
  *   edges: ReturnType<typeof edgesOf>}}} Result
  */
 
@@ -275,13 +312,28 @@ function givenResult(scene) {
   const summary = Object.fromEntries(Object.entries(given.summary).map(([name, value]) => [name, value ?? NaN]));
   const { error, segments, warnings, stage } = given;
   const status = given.ended ? EVENT : 0;
-  const choice = { problem: null, found: {}, edges: null };
+  const choice = { n: null, problem: null, found: {}, edges: null };
   return { n: numbersOf(scene), choice, summary, error, segments, modes: 0, warnings, counts: [], status, law: { name: given.law }, motion: { motion, stage } };
 }
 
 /** The summary in SI. @param {Scene} scene @param {any} p @param {any} core @param {any} n */
 function summaryOf(scene, p, core, n) {
   return FORMULAS[`summary${scene.base.free ? "Free" : "Fixed"}${p.damping > 0 ? "Damped" : ""}`](p, core, n);
+}
+
+/**
+ * How far measured values lie from those of law "auto", by film_model/problem/model_intervals.py. @param {Scene} scene @param {Result} result
+ * @returns {{name: string, low: number, high: number, covered: number, evidence: string}[]}
+ */
+function intervalsOf(scene, { n, choice: { problem }, summary }) {
+  if (scene.law !== "auto" || scene.base.free || !problem || problem.vibrates || problem.p.gamma > 0) return [];
+  const known = (DATA.intervals[n.family] ?? []).filter((/** @type {any} */ { name }) => summary[name] > 0);
+  return known.map((/** @type {any} */ { name, low, high, most, largest, covered, evidence }) => {
+    const [least, greatest] = [low, high].map((residual) => Math.min(summary[name] * Math.exp(residual), largest ?? Infinity));
+    const ratio = n.yield_velocities;
+    const beyond = ratio > most ? `; extrapolated from ${most.toFixed(0)} to ${ratio.toFixed(0)} yield velocities` : "";
+    return { name, low: least, high: greatest, covered, evidence: evidence + beyond };
+  });
 }
 
 /** One impact under decided effects. @param {Scene} scene @param {any} n @param {Problem} problem @param {number} samples */

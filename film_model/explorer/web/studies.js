@@ -1,14 +1,15 @@
 // Studies of a scene: every law, restitution against velocity, what accuracy costs, the map of regimes.
 
-/** The scene's impact under every law, with the load and target motion of the scene. @param {Scene} scene @param {any} n @param {Problem} problem */
-function everyLaw(scene, n, problem) {
+/** The scene's impact under every law, with the load and target motion of the scene. @param {Scene} scene @param {any} slow numbers with the strength of slow loading @param {Problem} problem */
+function everyLaw(scene, slow, problem) {
   const { impedance, load, compliance, vibrates } = problem;
   return lawNames(scene).filter((name) => name !== "auto").map((name) => {
-    const { law, reason } = lawOf(scene, n, name);
+    const { law, reason } = lawOf(scene, slow, name);
     if (!law) return { name, reason: reason ?? "" };
     if (vibrates && !law.series && law !== problem.law) return { name, reason: "takes seconds on a target that vibrates: choose it to see it" };
     try {
-      return { name, reason: "", found: run(scene, n, problemOf(law, n, impedance, load, compliance, vibrates), 200) };
+      const hard = hardened(scene, slow, law, impedance, compliance) ?? slow;
+      return { name, reason: "", found: run(scene, hard, problemOf(law, hard, impedance, load, compliance, vibrates), 200) };
     } catch (error) {
       return { name, reason: reasonOf(error) };
     }
@@ -45,8 +46,7 @@ function restitutionCurve(scene) {
     const other = copyOf(scene);
     other.values[path] = own * factor ** power;
     try {
-      const n = numbersOf(other);
-      const { problem } = choose(other, n);
+      const { n, problem } = choose(other, numbersOf(other));
       const summary = problem.vibrates ? vibratingSummary(problem, vibrate(scene, problem), n) : summaryAlone(scene, problem, n);
       if (!(summary.coefficient_of_restitution >= 0)) continue;
       curve.x.push(n.approach);

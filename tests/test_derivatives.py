@@ -171,12 +171,15 @@ def test_decisions_are_those_of_the_impact():
 
 def test_keys_that_are_no_numbers_are_refused_at_once():
     one = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), fm.HalfSpace("mild steel"))
-    keys = ["impactor.velocty", "impactor.mass", "contact.law", "solver.accuracy", 3, "impactor.velocity"]
+    strength = "target.material.yield_strength"
+    keys = ["impactor.velocty", "impactor.mass", strength, "contact.law", "solver.accuracy", 3, "impactor.velocity"]
     with pytest.raises(fm.SceneError) as refused:
         fm.simulate(one, derivatives=keys)
     assert str(refused.value).splitlines() == [
         'derivatives.impactor.velocty: unknown key; did you mean "velocity"?',
         "derivatives.impactor.mass: is not given in the scene: give it there first",
+        f"derivatives.{strength}: has no effect beside the hardness of the material: differentiate by that, or set it "
+        "first",
         "derivatives.contact.law: is not a number: there is no derivative by it",
         "derivatives.solver.accuracy: is not a number: there is no derivative by it",
         'derivatives.3: 3 is not the key of a scene such as "impactor.velocity"',
@@ -238,7 +241,7 @@ def test_a_ball_has_derivatives_by_its_diameter():
 
 
 CHAINED = {
-    "auto, hard": (("target.material.yield_strength", "impactor.radius"), fm.HalfSpace("mild steel"), {}),
+    "auto, hard": (("target.material.hardness", "impactor.radius"), fm.HalfSpace("mild steel"), {}),
     "auto, plate": (("target.thickness", "target.material.density"), fm.Plate("mild steel", thickness="10 mm"), {}),
     "auto, Poisson's ratio": (
         ("target.material.poissons_ratio", "impactor.material.poissons_ratio"),

@@ -168,6 +168,8 @@ def _entry(scene: Scene, path: object) -> Entry:
     value = getattr(owner, "parameters", {}).get(name, getattr(owner, name, None))
     if value is None or not math.isfinite(value):
         raise ValueError("is not given in the scene: give it there first")
+    if name == "yield_strength" and getattr(owner, "hardness", None) is not None:
+        raise ValueError("has no effect beside the hardness of the material: differentiate by that, or set it first")
     of_zero = {"velocity": scene.approach_velocity, "angle": 1.0, "dimensionless": 1.0}.get(number.dimension, 0.0)
     if value == 0.0 and not of_zero > 0.0:
         raise ValueError("is 0: a derivative by it needs another value")

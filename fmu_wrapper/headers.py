@@ -5,7 +5,7 @@ from __future__ import annotations
 from film_model.base.errors import STATUSES
 from film_model.base.units import scene_unit
 from fmu_wrapper import platforms
-from fmu_wrapper.variables import KINDS, RIGID, VARIABLES, Real, Variable, Whole, settable
+from fmu_wrapper.variables import CHANGES, KINDS, RIGID, VARIABLES, Real, Variable, Whole, settable
 
 _ROLES = {"independent": "OUTPUT", "parameter": "PARAMETER", "input": "INPUT", "output": "OUTPUT", "local": "OUTPUT"}
 _TYPES = {Real: "REAL", Whole: "WHOLE"}
@@ -38,12 +38,13 @@ def _variables() -> str:
         "enum { IMPACT, CONTACT, KINDS };",
         "enum { ABSENT, PARAMETER, INPUT, OUTPUT };",
         "enum { REAL, WHOLE, ENUMERATION };",
+        f"enum {{ {', '.join(map(str.upper, CHANGES))} }}; /* when a real one changes: CHANGES in variables.py */",
         "",
         f"static const double RIGID = {RIGID!r}; /* N s/m: a target with this impedance or more does not move */",
         "",
         "typedef struct {",
         "    const char *name, *unit;",
-        "    int type, role[KINDS];",
+        "    int type, changes, role[KINDS];",
         "    double low, high;",
         "} film_variable;",
         "",
@@ -63,7 +64,7 @@ def _variable(v: Variable) -> str:
     low = repr(float(v.low)) if checked and v.low is not None else "-1e300"
     high = repr(float(v.high)) if checked and v.high is not None else "1e300"
     unit = "" if v.dimension is None else scene_unit(v.dimension)
-    return f'    {{"{v.name}", "{unit}", {_TYPES.get(v.type, "ENUMERATION")}, {{{roles}}}, {low}, {high}}},'
+    return f'    {{"{v.name}", "{unit}", {_TYPES.get(v.type, "ENUMERATION")}, {v.changes.upper()}, {{{roles}}}, {low}, {high}}},'
 
 
 def _failures() -> str:

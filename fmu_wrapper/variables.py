@@ -42,6 +42,11 @@ EVENT_KINDS = {
 """Items of the enumerations in the order of the core's codes, which are their values."""
 
 
+CHANGES = ("any_time", "in_model_exchange", "at_steps", "at_events", "at_contacts")
+"""When real variables change: at any time; the same, of variables of Model Exchange only; with the steps of
+Co-Simulation; with events; with the events of a contact, at whose beginning they are 0 again."""
+
+
 @dataclass(frozen=True)
 class Variable:
     """One variable. Its index in `VARIABLES` is its value reference.
@@ -50,7 +55,8 @@ class Variable:
     kind of FMU; kinds that do not have the variable are left out. low, high: range of values that may be set, or that
     an output can have (none for energies that are differences, since rounding may pass it, for forces and ends of
     contacts that adhere, and for times, which the importer may begin below zero). rate_of: the state whose time
-    derivative it is. event: the event whose time it is. depends: states and inputs that it depends on directly;
+    derivative it is. event: the event whose time it is. changes: when, one of
+    `CHANGES`. depends: states and inputs that it depends on directly;
     depends_damped: further ones if the law is damped.
     """
 
@@ -66,6 +72,7 @@ class Variable:
     depends: Mapping[Kind, tuple[str, ...]] = field(default_factory=dict)
     depends_damped: Mapping[Kind, tuple[str, ...]] = field(default_factory=dict)
     event: str | None = None
+    changes: str = "any_time"
 
 
 def _parameter(name: str, dimension: str, low: float, high: float, description: str, *kinds: Kind) -> Variable:
@@ -87,7 +94,7 @@ def _motion(name: str, dimension: str, description: str, *depends: str, damped: 
 def _of_steps(name: str, dimension: str, description: str) -> Variable:
     """An output that Co-Simulation computes over its steps."""
     text = f"{description}; 0 in Model Exchange"
-    return Variable(name, Real, dimension, {"impact": "output"}, "discrete", text)
+    return Variable(name, Real, dimension, {"impact": "output"}, "discrete", text, changes="at_steps")
 
 
 def _discrete(
@@ -98,22 +105,24 @@ def _discrete(
     *kinds: Kind,
     low: float | None = None,
     high: float | None = None,
+    changes: str = "any_time",
 ) -> Variable:
     role = dict.fromkeys(kinds or ("impact",), "output")
-    return Variable(name, of, dimension, role, "discrete", description, low, high)
+    return Variable(name, of, dimension, role, "discrete", description, low, high, changes=changes)
 
 
 def _time_of(event: str, name: str, description: str) -> Variable:
     role: dict[Kind, str] = {"impact": "output"}
     text = f"{description}, latest contact; 0 before it happens"
-    return Variable(name, Real, "time", role, "discrete", text, event=event)
+    return Variable(name, Real, "time", role, "discrete", text, event=event, changes="at_contacts")
 
 
 def _summary(name: str, *kinds: Kind, low: float | None = None) -> Variable:
     """An output that is a summary value of the latest contact."""
     dimension, description = SUMMARY[name]
     unknown = "before it is known, or if it is not" if name in STRESSES else "before it is known"
-    return _discrete(name, Real, dimension, f"{description}; latest contact, 0 {unknown}", *kinds, low=low)
+    text = f"{description}; latest contact, 0 {unknown}"
+    return _discrete(name, Real, dimension, text, *kinds, low=low, changes="at_contacts")
 
 
 STRESSES = (
@@ -129,7 +138,8 @@ def _rate(state: str, dimension: str, depends: tuple[str, ...], damped: tuple[st
     more: dict[Kind, tuple[str, ...]] = {"impact": damped}
     role: dict[Kind, str] = {"impact": "local"}
     text = f"time derivative of {state}"
-    return Variable(f"rate_of_{state}", Real, dimension, role, "continuous", text, None, None, state, on, more)
+    found = Variable(f"rate_of_{state}", Real, dimension, role, "continuous", text, None, None, state, on, more)
+    return replace(found, changes="in_model_exchange")
 
 
 _BOTH: tuple[Kind, Kind] = KINDS
@@ -259,7 +269,7 @@ VARIABLES: tuple[Variable, ...] = (
     _discrete("contact_count", Whole, None, "number of contacts so far", *_BOTH, low=0),
     _discrete("event_count", Whole, None, "number of events so far", low=0),
     _discrete("last_event", EventKind, None, "the latest event"),
-    _discrete("time_of_last_event", Real, "time", "time of the latest event; 0 before the first"),
+    _discrete("time_of_last_event", Real, "time", "time of the latest event; 0 before the first", changes="at_events"),
     _time_of("contact_begins", "time_contact_begins", "time of first touch"),
     _time_of("maximum_indentation", "time_of_maximum_indentation", "time of maximum indentation"),
     _summary("maximum_indentation", *_BOTH, low=0.0),
@@ -298,6 +308,7 @@ VARIABLES: tuple[Variable, ...] = (
             dict.fromkeys(KINDS, "local"),
             "continuous",
             f"event indicator, positive until an event is due: {what}",
+            changes="in_model_exchange",
         )
         for k, what in enumerate(
             (

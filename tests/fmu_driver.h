@@ -194,7 +194,7 @@ static inline double get(unit *u, unsigned reference) {
 }
 
 static inline int has(const resources *r, unsigned reference) {
-    if (beside(r) && reference >= RATE_OF_INDENTATION) return 0;
+    if (beside(r) && VARIABLE[reference].changes == IN_MODEL_EXCHANGE) return 0;
     return VARIABLE[reference].role[r->data.kind] != ABSENT && (reference >= SETTABLE || r->data.available[reference]);
 }
 

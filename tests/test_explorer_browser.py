@@ -110,6 +110,16 @@ def amplified(history):
     return rounding(history.problem, summary)
 
 
+def shaken(history):
+    """How much the last digit of the velocity changes the summary."""
+    ball = history.scene.impactor
+    path, value = ("velocity", ball.velocity) if ball.velocity is not None else ("drop_height", ball.drop_height)
+    unit = "m/s" if path == "velocity" else "m"
+    others = [f"{math.nextafter(value, to)!r} {unit}" for to in (0.0, math.inf)]
+    changed = [fm.simulate(history.scene.replace({f"impactor.{path}": text})).summary for text in others]
+    return max(off(history, {"summary": summary}) for summary in changed)
+
+
 @pytest.fixture(scope="module")
 def everything(tmp_path_factory):
     """Address and data of a page with every kind of target and every law."""
@@ -129,7 +139,7 @@ def test_random_scenes_equal_python(shown, everything, seed):
     for fragment, (found, text) in zip(addresses, results, strict=True):
         assert found["ignored"] == [], fragment
         try:
-            history = simulated(fm.Scene.from_text(text), found) if text else None
+            history, factor = simulated(fm.Scene.from_text(text), found) if text else (None, None)
         except (SceneError, fm.SimulationError):
             history = None
         warned = found.get("edges") and found["edges"]["matter"]  # the page says that it has no edges
@@ -141,22 +151,24 @@ def test_random_scenes_equal_python(shown, everything, seed):
             assert here or unreached, (fragment, found)  # rounding may decide where contacts are too many
         elif not (warned and (history.accuracy.modes or history.problem.compliance)):
             compared[found["law"]] += 1
-            if check(history, found, fragment):
+            if check(history, factor, found, fragment):
                 unsure.append(fragment)
     assert len(unsure) <= FEW_UNSURE * len(addresses), unsure
     assert compared.total() > 0.85 * len(addresses)
     assert compared.keys() == {law["name"] for law in table["laws"]}
 
 
-def check(history, found, fragment):
+def check(history, factor, found, fragment):
     """The same law, the same effects and the same summary.
 
-    To 1e-12, or to the estimated rounding error where contact ends slowly. Contacts on a target that vibrates follow
+    To 1e-12, or to the estimated rounding error where contact ends slowly, or to what the last digit of the velocity
+    changes, where the march decides by it. Contacts on a target that vibrates follow
     each other and amplify rounding. Where contact does not end, the accuracy is not reached, or other digits of it end
     the page's search earlier, the two errors bound the difference. Returns whether these
     are 1 and more: the page says then that the accuracy is not reached.
     """
     assert found["law"] == history.problem.law.name
+    assert found["strength_factor"] is None or found["strength_factor"] == pytest.approx(factor, rel=SAME_STRENGTH)
     worst = off(history, found)
     if found["modes"]:
         reached = not any("is not reached" in text for text in found["warnings"])
@@ -167,6 +179,8 @@ def check(history, found, fragment):
         allowed = SAME
         if worst > SAME:
             allowed = amplified(history) if same else found["error"] + history.accuracy.estimated
+        if worst > allowed:
+            allowed = shaken(history)
     assert worst <= allowed, fragment
     unsure = allowed >= 1.0
     assert not unsure or any("is not reached" in text for text in found["warnings"]), fragment
@@ -178,28 +192,32 @@ def check(history, found, fragment):
     return unsure
 
 
+def rounded(evidence):
+    """Without the last digits of a number of yield velocities that is far beyond all measurements."""
+    return re.sub(r"\d{7,} yield", "many yield", evidence)
+
+
 def same_intervals(history, shown, fragment):
     """The intervals of measured values, and what they come from."""
     expected = history.intervals
-    assert {each["name"]: each["evidence"] for each in shown} == {n: e.evidence for n, e in expected.items()}, fragment
+    said = {each["name"]: rounded(each["evidence"]) for each in shown}
+    assert said == {name: rounded(interval.evidence) for name, interval in expected.items()}, fragment
     for each in shown:
         interval = expected[each["name"]]
         assert [each["low"], each["high"]] == pytest.approx([interval.low, interval.high], rel=1e-8), fragment
 
 
 def simulated(scene, found):
-    """Python's history with the page's strength at the strain rate: that of both agrees as far as their trials do."""
+    """Python's history with the page's strength at the strain rate, and the strength that Python finds itself."""
+    factors = []
 
     def settled(rate_of, law):
-        factor = SETTLED(rate_of, law)
-        if found.get("strength_factor") is None:
-            return factor
-        assert found["strength_factor"] == pytest.approx(factor, rel=SAME_STRENGTH)
-        return found["strength_factor"]
+        factors.append(SETTLED(rate_of, law))
+        return found.get("strength_factor") or factors[0]
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(rate_hardening, "settled", settled)
-        return fm.simulate(scene)
+        return fm.simulate(scene), factors[0] if factors else None
 
 
 BALL = {"radius": "5 mm", "velocity": "1 m/s", "material": "bearing steel"}
@@ -232,7 +250,7 @@ def test_targets_that_vibrate_equal_python(shown, tmp_path, kind):
             assert "cannot be in series" in found["reason"], (fragment, found)
             continue
         compared += 1
-        check(simulated(fm.Scene.from_text(text), found), found, fragment)
+        check(*simulated(fm.Scene.from_text(text), found), found, fragment)
         assert (found["modes"] > 0) is (kind != "static" and "target_motion=false" not in fragment)
     assert compared >= 6
     window.click("#part-laws > summary")

@@ -218,7 +218,14 @@ def _intervals() -> list[list[dict[str, Any]]]:
         known = {name: residuals_of(family, name) for name in SUMMARY}
         found.append(
             [
-                {"name": name, "low": one.low, "high": one.high, "most": one.most, "covered": COVERED}
+                {
+                    "name": name,
+                    "low": one.low,
+                    "high": one.high,
+                    "most": one.most,
+                    "up_to": f"{one.most:.0f}",
+                    "covered": COVERED,
+                }
                 | {"largest": LARGEST.get(name), "evidence": evidence(family, one)}
                 for name, one in known.items()
                 if one is not None

@@ -21,7 +21,8 @@ void model_record_event(const model *m, const film_state *state, double time, do
     set_value(record, TIME_OF_LAST_EVENT, time);
     switch (state->event) {
     case FILM_CONTACT_BEGINS:
-        for (unsigned k = TIME_CONTACT_BEGINS; k <= DEPTH_OF_MAXIMUM_STRESS; k++) set_value(record, k, 0.0);
+        for (unsigned k = SETTABLE; k < VARIABLES; k++)
+            if (VARIABLE[k].changes == AT_CONTACTS) set_value(record, k, 0.0);
         record->contacts = state->contacts;
         record->had = 0;
         set_value(record, TIME_CONTACT_BEGINS, time);

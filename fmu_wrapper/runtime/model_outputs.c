@@ -93,7 +93,7 @@ static int get_constant(const model *m, unsigned reference, double *value) {
     case EXTERNAL_WORK: *value = now->external; return 1;
     default: break;
     }
-    if (reference < TIME_OF_LAST_EVENT || reference > DEPTH_OF_MAXIMUM_STRESS) return 0;
+    if (VARIABLE[reference].changes < AT_EVENTS) return 0;
     *value = now->reported.value[reference - SETTABLE];
     return 1;
 }
@@ -129,7 +129,7 @@ static int get_output(model *m, unsigned reference, double *value) {
     }
     if (!now->initialized && model_initialize(m, now->start_time) < 0) return -1;
     if (get_constant(m, reference, value)) return 0;
-    if (reference < EVENT_INDICATOR_1) return get_motion(m, reference, value);
+    if (reference - EVENT_INDICATOR_1 >= FILM_INDICATORS) return get_motion(m, reference, value);
     double indicators[FILM_INDICATORS];
     if (model_indicators(m, indicators) < 0) return -1;
     *value = indicators[reference - EVENT_INDICATOR_1];
@@ -137,7 +137,7 @@ static int get_output(model *m, unsigned reference, double *value) {
 }
 
 /* Variables of Model Exchange only. */
-static int is_exchanged(unsigned reference) { return reference >= RATE_OF_INDENTATION; }
+static int is_exchanged(unsigned reference) { return reference < VARIABLES && VARIABLE[reference].changes == IN_MODEL_EXCHANGE; }
 
 int model_has(const model *m, unsigned reference) {
     return reference < VARIABLES && VARIABLE[reference].role[m->data->kind] != ABSENT &&

@@ -33,11 +33,11 @@ static const stencil STENCIL[] = {
 static const double FOURTH[POINTS] = {1.0, -4.0, 6.0, -4.0, 1.0};
 
 int model_is_discrete(unsigned reference) {
-    return reference >= MEAN_CONTACT_FORCE && reference <= DEPTH_OF_MAXIMUM_STRESS && VARIABLE[reference].type == REAL;
+    return reference < VARIABLES && VARIABLE[reference].changes >= AT_STEPS;
 }
 
 static int is_unknown(const model *m, unsigned reference, int initial) {
-    return reference < EVENT_INDICATOR_1 && reference != TIME && VARIABLE[reference].role[m->data->kind] == OUTPUT &&
+    return reference - EVENT_INDICATOR_1 >= FILM_INDICATORS && reference != TIME && VARIABLE[reference].role[m->data->kind] == OUTPUT &&
            VARIABLE[reference].type == REAL &&
            (initial ? model_has(m, reference) : model_is_discrete(reference) && reference != MEAN_CONTACT_FORCE);
 }
@@ -72,12 +72,13 @@ static int as_marched(model *m, const model *of, double values[VARIABLES]) {
     if (model_initialize(m, then->start_time) < 0) return -1;
     memcpy(&record, &m->memory.actual, sizeof record);
     int status = march(m, then->time, 0, events, &record);
-    for (unsigned k = CONTACT_IMPULSE; k <= EXTERNAL_WORK; k++)
-        if (model_get(m, k, &values[k]) < 0) return -1;
+    for (unsigned k = SETTABLE; k < VARIABLES; k++)
+        if (VARIABLE[k].changes == AT_STEPS && k != MEAN_CONTACT_FORCE && model_get(m, k, &values[k]) < 0) return -1;
     if (status == 0 && m->memory.actual.events < events)
         status = march(m, 2.0 * then->time - then->start_time, 1, events, &record);
     if (status != 0) return status;
-    for (unsigned k = TIME_OF_LAST_EVENT; k <= DEPTH_OF_MAXIMUM_STRESS; k++) values[k] = record.value[k - SETTABLE];
+    for (unsigned k = SETTABLE; k < VARIABLES; k++)
+        if (VARIABLE[k].changes >= AT_EVENTS) values[k] = record.value[k - SETTABLE];
     const model_record *shown = &then->reported;
     return record.events != events || record.last_event != shown->last_event || record.contacts != shown->contacts ||
                    record.had != shown->had ? OTHER_EVENTS : 0;

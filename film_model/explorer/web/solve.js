@@ -328,10 +328,10 @@ function summaryOf(scene, p, core, n) {
 function intervalsOf(scene, { n, choice: { problem }, summary }) {
   if (scene.law !== "auto" || scene.base.free || !problem || problem.vibrates || problem.p.gamma > 0) return [];
   const known = (DATA.intervals[n.family] ?? []).filter((/** @type {any} */ { name }) => summary[name] > 0);
-  return known.map((/** @type {any} */ { name, low, high, most, largest, covered, evidence }) => {
+  return known.map((/** @type {any} */ { name, low, high, most, up_to: reach, largest, covered, evidence }) => {
     const [least, greatest] = [low, high].map((residual) => Math.min(summary[name] * Math.exp(residual), largest ?? Infinity));
     const ratio = n.yield_velocities;
-    const beyond = ratio > most ? `; extrapolated from ${most.toFixed(0)} to ${ratio.toFixed(0)} yield velocities` : "";
+    const beyond = ratio > most ? `; extrapolated from ${reach} to ${ratio.toFixed(0)} yield velocities` : "";
     return { name, low: least, high: greatest, covered, evidence: evidence + beyond };
   });
 }

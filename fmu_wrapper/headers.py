@@ -64,7 +64,8 @@ def _variable(v: Variable) -> str:
     low = repr(float(v.low)) if checked and v.low is not None else "-1e300"
     high = repr(float(v.high)) if checked and v.high is not None else "1e300"
     unit = "" if v.dimension is None else scene_unit(v.dimension)
-    return f'    {{"{v.name}", "{unit}", {_TYPES.get(v.type, "ENUMERATION")}, {v.changes.upper()}, {{{roles}}}, {low}, {high}}},'
+    what = f"{_TYPES.get(v.type, 'ENUMERATION')}, {v.changes.upper()}"
+    return f'    {{"{v.name}", "{unit}", {what}, {{{roles}}}, {low}, {high}}},'
 
 
 def _failures() -> str:

@@ -23,6 +23,8 @@ def plot_validation(
     """Left: computed over published value for every row and law. Right: the distribution of the errors of each law."""
 
     def draw(figure: Figure) -> None:
+        from matplotlib.ticker import LogLocator
+
         figure.set_layout_engine("constrained")
         left, right = figure.subplots(1, 2, width_ratios=(3, 2))
         for k, report in _drawn(reports):
@@ -42,6 +44,7 @@ def plot_validation(
             ylabel="computed over published value",
         )
         left.xaxis.set_major_formatter("{x:g}")
+        left.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
         left.xaxis.set_minor_formatter("{x:g}")
         errors: list[Any] = [[100 * error for error in report.errors()] for report in reports]
         right.boxplot(errors, orientation="horizontal", whis=(0, 100))

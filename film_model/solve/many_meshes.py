@@ -14,11 +14,12 @@ from film_model.core.solving import MOST_SEGMENTS, bound_coarse, bound_fine
 from film_model.problem.problem import Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import Solver
-from film_model.solve.accuracy import first_segments, mesh_of
+from film_model.solve.accuracy import mesh_of
 from film_model.solve.relaxed import relax_many
 
-FIRST_SEGMENTS = 4
-"""Segments per stage of the first trial: few, because every segment costs time in all impacts."""
+FIRST_SEGMENTS = 6
+"""Segments per stage of the first trial: few, because every segment costs time in all impacts, but lanes need three on the
+coarser mesh of half as many."""
 
 SAMPLE_LEAST, SAMPLE_SHARE = 64, 256
 """The shared mesh is found from at least this number and this fraction (1/256) of the impacts."""
@@ -157,8 +158,7 @@ def _shared_segments(problem: Problem, solver: Solver) -> int:
     """Segments per stage with which `EASY` of a sample meet the accuracy."""
     assert solver.accuracy is not None
     count = problem.approach.size
-    damping = float(np.median(problem.damping)) if problem.damps else 0.0
-    n = first_segments(damping) if damping > 0.0 else FIRST_SEGMENTS
+    n = FIRST_SEGMENTS
     if count <= SAMPLE_LEAST:
         return n
     spread = np.linspace(0, count - 1, max(SAMPLE_LEAST, count // SAMPLE_SHARE)).astype(np.intp)

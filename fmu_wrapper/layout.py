@@ -59,10 +59,7 @@ class Stresses(c.Structure):
 
     _fields_ = tuple(
         (name, _D)
-        for name in (
-            *("radius", "hertz", "strain", "yield_factor", "growth", "growth_rate", "most_growth", "widest"),
-            *("elastic_limit", "hertzian", "shallow", "shear", "depth"),
-        )
+        for name in (*("radius", "hertz", "first_radius", "onset", "spread", "hertzian", "shallow", "shear", "depth"),)
     )
 
 

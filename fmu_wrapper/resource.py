@@ -189,17 +189,16 @@ def _put_validity(data: Data, validity: Validity) -> None:
 
 def _stresses(problem: Problem) -> Stresses:
     """The numbers from which the runtime computes what `film_model.problem.stresses` does; 0 for what is unknown."""
-    impacts, scene = problem.impacts, problem.impacts.scene
-    modulus, radius, poisson = scene.effective_modulus, scene.effective_radius, scene.poissons_ratio
+    scene = problem.impacts.scene
+    modulus, radius = scene.effective_modulus, scene.effective_radius
     known = Stresses(radius)
     if modulus is None or problem.curve.pulls:
         return known
-    known.hertz, known.strain = hertz_stiffness(modulus, radius), (impacts.yield_strength or 0.0) / modulus
-    known.growth, known.growth_rate, known.most_growth = stresses.GROWTH, stresses.GROWTH_RATE, stresses.MOST_GROWTH
-    known.widest, known.elastic_limit = stresses.WIDEST, stresses.ELASTIC_LIMIT
-    known.hertzian, known.shallow = stresses.HERTZIAN, stresses.SHALLOW
-    if poisson is not None and scene.stressed_poissons_ratio is not None:
-        known.yield_factor = stresses.yield_factor(poisson)
+    known.hertz, known.hertzian, known.shallow = hertz_stiffness(modulus, radius), stresses.HERTZIAN, stresses.SHALLOW
+    plastic = stresses.plastic_contact(problem.impacts)
+    if plastic is not None:
+        known.first_radius, known.onset, known.spread = plastic.first_radius, plastic.constants.onset, plastic.spread
+    if scene.stressed_poissons_ratio is not None:
         known.shear, known.depth = stresses.shear_below(scene.stressed_poissons_ratio)
     return known
 

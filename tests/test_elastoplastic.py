@@ -8,26 +8,13 @@ from cases import SPHERE, scene
 
 import film_model as fm
 from film_model.core import families, native
+from film_model.laws.elastoplastic import pressure_factor
 from film_model.laws.yielding import limit_point
 from film_model.problem.curve import curve_of
 from film_model.problem.families import page_of
 from film_model.problem.mixtures import mixed_numbers, mixture_of
 from film_model.solve.batch import simulate_many
 
-FINITE_ELEMENTS = [  # V/V_Y, E/S_y, n, ν; restitution, δ/δ_Y, F/F_Y, residual δ/δ_Y, all over those at p_max = C S_y
-    (2.0, 200.0, 0.0, 0.3, 0.9772, 1.740, 2.2749, 0.08798),
-    (10.0, 200.0, 0.0, 0.3, 0.8319, 6.551, 14.49, 2.007),
-    (100.0, 200.0, 0.0, 0.3, 0.5919, 48.02, 187.65, 30.37),
-    (1000.0, 200.0, 0.0, 0.3, 0.3731, 391.9, 2178.1, 329.2),
-    (103.0, 780.581, 0.0, 0.4331, 0.5786, 49.61, 190.41, 31.73),
-    (199.301, 175.42, 0.2943, 0.2355, 0.6374, 81.81, 447.43, 47.74),
-    (639.015, 263.206, 0.2443, 0.2129, 0.5320, 230.2, 1605.0, 162.3),
-    (189.891, 72.9024, 0.0, 0.2967, 0.5079, 85.69, 367.1, 61.37),
-    (9.7072, 62.4989, 0.2912, 0.4347, 0.8742, 6.316, 14.316, 1.478),
-    (98.0787, 67.1483, 0.2137, 0.3812, 0.6521, 45.3, 194.49, 25.49),
-    (929.242, 995.555, 0.2707, 0.3416, 0.5086, 320.5, 2416.6, 233.1),
-    (376.826, 130.971, 0.01909, 0.4489, 0.4520, 160.5, 764.14, 122.4),
-]
 MASS, MATERIALS = 0.01, 200
 
 
@@ -35,27 +22,12 @@ def law_of(strain, exponent=0.0, ratio=0.3):
     return fm.Elastoplastic(*SPHERE, strain * SPHERE[0], ratio, exponent)
 
 
-@pytest.mark.parametrize("run", FINITE_ELEMENTS)
-def test_impacts_are_those_of_the_finite_elements(run):
-    speed, stiffness, exponent, ratio, restitution, depth, force, residual = run
-    law = law_of((1.0 - ratio**2) / stiffness, exponent, ratio)
-    length, unit = law.scales(0.0)
-    velocity = speed * math.sqrt(0.8 * length * unit / MASS)
-    ball = fm.Sphere("10 mm", velocity=f"{velocity!r} m/s", mass=f"{MASS} kg")
-    found = fm.simulate(fm.Scene(ball, fm.HalfSpace(), fm.Contact(law), fm.Effects(gravity=False))).summary
-    assert found["coefficient_of_restitution"] == pytest.approx(restitution, rel=0.05)
-    assert found["maximum_indentation"] == pytest.approx(depth * length, rel=0.023)
-    assert found["maximum_force"] == pytest.approx(force * unit, rel=0.036)
-    assert found["permanent_indentation"] == pytest.approx(residual * length, abs=0.046 * depth * length)
-
-
 def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material():
     rng = np.random.default_rng(11)
     modulus, ratio = np.exp(rng.uniform(np.log(5e9), np.log(5e11), MATERIALS)), rng.uniform(0.1, 0.45, MATERIALS)
     strength = modulus * np.exp(rng.uniform(np.log(3e-4), np.log(2e-2), MATERIALS))
-    exponent, speeds = rng.uniform(0.0, 0.6, MATERIALS), np.geomspace(1.0001, 150.0, 24)
-    pressure = 1.295 * np.exp(0.736 * ratio) * strength
-    critical = np.sqrt(0.8 * math.prod(limit_point(modulus, 0.01, pressure)) / MASS)
+    exponent, speeds = rng.uniform(0.0, 0.6, MATERIALS), np.append([1.01, 1.02], np.geomspace(1.04, 150.0, 24))
+    critical = np.sqrt(0.8 * math.prod(limit_point(modulus, 0.01, pressure_factor(ratio) * strength)) / MASS)
     base = fm.Scene(
         fm.Sphere("10 mm", velocity="1 m/s", mass=f"{MASS} kg"),
         fm.HalfSpace(fm.Material("one", "100 GPa", 0.3, "7850 kg/m^3", "1 GPa", strain_hardening_exponent=0.1)),
@@ -72,7 +44,9 @@ def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material(
     result = simulate_many(base, columns)
     assert not (result.status < 0).any() and len(result.problems) <= 5
     restitution = result.summary["coefficient_of_restitution"].reshape(speeds.size, MATERIALS)
-    np.testing.assert_allclose(restitution[0], 1.0, rtol=1e-5)
+    first, twice = 1.0 - restitution[:2]
+    assert (first < 2e-5).all()
+    np.testing.assert_allclose(twice / first, 4.0, rtol=0.1)  # it leaves 1 without a kink
     assert (np.diff(restitution, axis=0) < 1e-9).all()
 
 

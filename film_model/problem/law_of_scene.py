@@ -83,10 +83,14 @@ class SceneLaw:
             return law
         return Retrace(law) if self.rule == "retrace" else BrakeUnloading(law, **_picked(self.sphere, places))
 
+    def value(self, name: str) -> Any:
+        """A field of the law; None if it has none of this name."""
+        return self.values.get(name, getattr(self.law, name, None))
+
     @property
     def strength(self) -> Any:
         """The law's yield strength, Pa; None if it has none."""
-        return self.values.get("yield_strength", getattr(self.law, "yield_strength", None))
+        return self.value("yield_strength")
 
     @cached_property
     def read(self) -> dict[str, Array]:

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from film_model.base.arrays import Number, any_of, either, exponential, greater, lesser, ratio, root
+from film_model.base.arrays import Number, any_of, either, greater, lesser, ratio, root
+from film_model.laws.elastoplastic import Plastic, scaled_strain
 from film_model.laws.hertz import hertz_stiffness
 from film_model.problem.problem import Impacts, Problem
 
@@ -21,27 +22,25 @@ HERTZIAN = 1e-3
 SHALLOW = 1e-3
 """Permanent over maximum indentation up to which nothing is called a dent."""
 
-ELASTIC_LIMIT = 1.9
-"""Indentation over that at first yield up to which Hertz's contact radius holds (Jackson & Green 2005)."""
 
-WIDEST = 2.0
-"""Largest a²/(R δ) beyond it: that of a rigid-plastic sphere."""
+def plastic_contact(impacts: Impacts) -> Plastic | None:
+    """The contact beyond yield, that of law elastoplastic with strength, ν and n of the impacts' law.
 
-GROWTH, GROWTH_RATE, MOST_GROWTH = 0.14, 23.0, 5.0
-"""a²/(R δ) grows with the power B = GROWTH e^{GROWTH_RATE S_y/E} of δ; that exponent is at most MOST_GROWTH."""
-
-
-def yield_factor(poissons_ratio: Number) -> Number:
-    """π C/2 of the indentation at first yield, (π C S_y/2E)² R, with C = 1.295 e^{0.736 ν} (Jackson & Green 2005)."""
-    return 0.5 * math.pi * (1.295 * exponential(0.736 * poissons_ratio))
+    n = 0 for a law without. None if the strength or Poisson's ratio is unknown.
+    """
+    scene, strength = impacts.scene, impacts.yield_strength
+    poisson, exponent = (impacts.law.value(name) for name in ("poissons_ratio", "strain_hardening_exponent"))
+    poisson = scene.poissons_ratio if poisson is None else poisson
+    if strength is None or poisson is None or scene.effective_modulus is None:
+        return None
+    strain = scaled_strain(strength / scene.effective_modulus, poisson)
+    return Plastic(strain, 0.0 if exponent is None else exponent)
 
 
 def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tuple[Number, Any]:
     """Contact radius at the largest force [N] and indentation [m], m (nan if unknown); and whether contact is Hertz's.
 
-    √(R δ) while the force is Hertz's. Beyond, the finite-element fit of Jackson & Green 2005:
-    a² = R δ (w/1.9)^B, B = 0.14 e^{23 S_y/E}, w = δ/ω_c > 1.9, ω_c = (π C S_y/2E)² R, C = 1.295 e^{0.736 ν};
-    at most 2 R δ, the rigid-plastic sphere's. It needs a yield strength and Poisson's ratio.
+    √(R δ) while the force is Hertz's; beyond, that of the finite elements (`plastic_contact`), at most R.
     """
     scene = impacts.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius
@@ -53,13 +52,11 @@ def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tupl
     square = radius * indentation
     if not any_of(off > HERTZIAN):
         return root(square), elastic
-    strength, poisson = impacts.yield_strength, scene.poissons_ratio
-    if strength is None or poisson is None:
+    plastic = plastic_contact(impacts)
+    if plastic is None:
         return either(elastic, root(square), math.nan), elastic
-    first = (yield_factor(poisson) * strength / modulus) ** 2 * radius
-    growth = GROWTH * exponential(lesser(GROWTH_RATE * strength / modulus, MOST_GROWTH))
-    wider = lesser(greater(indentation / (ELASTIC_LIMIT * first), 1.0) ** growth, WIDEST)
-    return root(square * either(elastic, 1.0, wider)), elastic
+    w = greater(indentation / (plastic.first_radius**2.0 * radius), 1.0)
+    return root(either(elastic, square, lesser(square * plastic.widening(w), radius * radius))), elastic
 
 
 def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:

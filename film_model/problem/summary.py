@@ -29,7 +29,7 @@ SUMMARY: dict[str, tuple[str, str]] = {
     "energy_absorbed": ("energy", "work done on the indentation and not given back"),
     "energy_radiated": ("energy", "energy that went into the motion of the target"),
     "impulse": ("impulse", "of the contact force, until the end of contact"),
-    "contact_radius": ("length", "largest radius of contact: Hertz's, and beyond yield Jackson and Green's"),
+    "contact_radius": ("length", "largest radius of contact: Hertz's, and beyond yield that of finite elements"),
     "dent_diameter": ("length", "twice contact_radius if an indentation is left; its depth is permanent_indentation"),
     "mean_pressure": ("pressure", "largest force over the area of contact"),
     "peak_pressure": ("pressure", "at the centre of contact; elastic contacts only, none beyond yield"),

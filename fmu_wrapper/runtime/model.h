@@ -35,11 +35,11 @@ typedef struct {
 } model_relaxation;
 
 /* What Python's film_model/problem/stresses.py computes, in numbers; 0 for what is unknown. radius: m; hertz: force over the
- * indentation to the power 1.5 of an elastic contact, N/m^1.5; strain: S_y/E; shear, depth: largest shear stress and its
- * place below the surface, over the peak pressure and the contact radius. The others are the constants there. */
+ * indentation to the power 1.5 of an elastic contact, N/m^1.5; first_radius: contact radius at first yield over the ball's;
+ * onset, spread: of law elastoplastic; shear, depth: largest shear stress and its place below the surface, over the peak
+ * pressure and the contact radius. The others are the constants there. */
 typedef struct {
-    double radius, hertz, strain, yield_factor, growth, growth_rate, most_growth, widest, elastic_limit, hertzian, shallow;
-    double shear, depth;
+    double radius, hertz, first_radius, onset, spread, hertzian, shallow, shear, depth;
 } model_stresses;
 
 /* The data of an export: resources/model.film, written by fmu_wrapper/resource.py, with fmu_wrapper/layout.py, this structure

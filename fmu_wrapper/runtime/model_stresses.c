@@ -12,9 +12,10 @@ static double ratio_of(const model *m, int parameter) { return m->memory.value[p
 /* a^2/(R delta) of a contact that is not Hertz's; 0: unknown. */
 static double widening(const model *m, double radius, double indentation) {
     const model_stresses *s = &m->data->stresses;
-    double strain = s->strain * ratio_of(m, YIELD_STRENGTH) / ratio_of(m, EFFECTIVE_MODULUS), root = s->yield_factor * strain;
-    double first = root * root * radius, growth = s->growth * exp(fmin(s->growth_rate * strain, s->most_growth));
-    return first > 0.0 ? fmin(pow(fmax(indentation / (s->elastic_limit * first), 1.0), growth), s->widest) : 0.0;
+    double root = s->first_radius * ratio_of(m, YIELD_STRENGTH) / ratio_of(m, EFFECTIVE_MODULUS), first = root * root * radius;
+    if (!(first > 0.0)) return 0.0;
+    double beyond = (fmax(indentation / first, 1.0) - 1.0) / s->onset;
+    return fmin(pow(1.0 + beyond * beyond, s->spread), radius / indentation);
 }
 
 static double *output(model_record *record, unsigned reference) { return &record->value[reference - SETTABLE]; }

@@ -94,10 +94,8 @@ def picture(
 def svg(figure: Figure) -> bytes:
     """A figure as SVG, byte for byte reproducible."""
     matplotlib, _ = _matplotlib()
-    picture = io.BytesIO()
     with matplotlib.rc_context({"svg.hashsalt": "film-model"}):
-        figure.savefig(picture, format="svg", metadata={"Date": None})
-    return picture.getvalue()
+        return _printed(figure, "svg", figure.dpi)
 
 
 @contextlib.contextmanager
@@ -177,8 +175,21 @@ def _darken(figure: Figure) -> None:
 
 def _save(figure: Figure, target: Path, dpi: float) -> None:
     """Write the whole picture or nothing; without a date, so that equal pictures are equal files."""
-    kind = target.suffix[1:].lower()
-    picture, undated = io.BytesIO(), {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
-    figure.savefig(picture, format=kind, dpi=dpi, metadata=undated.get(kind))
+    picture = _printed(figure, target.suffix[1:].lower(), dpi)
     with written_whole(target) as beside:
-        beside.write_bytes(picture.getbuffer())
+        beside.write_bytes(picture)
+
+
+def _printed(figure: Figure, kind: str, dpi: float) -> bytes:
+    """A figure in a file's format. `savefig` draws it twice, which only a layout engine needs."""
+    from matplotlib.backend_bases import get_registered_canvas_class
+
+    picture, undated = io.BytesIO(), {"svg": {"Date": None}, "pdf": {"CreationDate": None}}
+    if figure.get_layout_engine() is not None:
+        figure.savefig(picture, format=kind, dpi=dpi, metadata=undated.get(kind))
+        return picture.getvalue()
+    canvas: Any = get_registered_canvas_class(kind)
+    before, figure.dpi = figure.dpi, dpi
+    getattr(canvas(figure), f"print_{kind}")(picture, metadata=undated.get(kind))
+    figure.dpi = before
+    return picture.getvalue()

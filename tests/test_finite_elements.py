@@ -66,23 +66,32 @@ def test_the_design_is_that_of_the_published_runs():
     assert [impact.velocity for impact in designed] == pytest.approx(ds["velocity_ratio"].values, rel=1e-9)
 
 
-BOUNDS = {  # median and largest error of all runs, and of those that the fit left out
-    "coefficient_of_restitution": (0.005, 0.02),
-    "largest_force": (0.006, 0.02),
-    "largest_depth": (0.004, 0.01),
-    "largest_radius": (0.006, 0.022),
-    "residual_depth": (0.008, 0.025),  # of the largest depth: dents near first yield are small
+BOUNDS = {  # median and largest error up to 1000 V_Y, fitted and held out; beyond
+    "coefficient_of_restitution": (0.006, 0.02, 0.016, 0.06),
+    "largest_force": (0.007, 0.02, 0.008, 0.05),
+    "largest_depth": (0.005, 0.011, 0.006, 0.016),
+    "largest_radius": (0.006, 0.022, 0.013, 0.03),
+    "residual_depth": (0.008, 0.025, 0.009, 0.015),  # of the largest depth: dents near first yield are small
 }
+
+
+def assert_within_bounds(name, errors, ds):
+    out, fast = ds["held_out"].values == 1, ds["velocity_ratio"].values > fit.FAST
+    median, most, median_fast, most_fast = BOUNDS[name]
+    for rows, middle, largest in (
+        (~fast & out, median, most),
+        (~fast & ~out, median, most),
+        (fast, median_fast, most_fast),
+    ):
+        assert np.median(np.abs(errors[rows])) < middle, name
+        assert np.abs(errors[rows]).max() < largest, name
 
 
 def test_the_constants_of_the_law_are_those_of_the_fit():
     best, found = fit.main()
     assert astuple(best) == pytest.approx(astuple(FITTED), rel=2e-3)
-    out = fd.load("finite_element_impacts")["held_out"].values == 1
-    for name, (median, most) in BOUNDS.items():
-        for rows in (out, ~out):
-            assert np.median(np.abs(found[name][rows])) < median, name
-            assert np.abs(found[name][rows]).max() < most, name
+    for name, values in found.items():
+        assert_within_bounds(name, values, fd.load("finite_element_impacts"))
 
 
 def test_simulated_impacts_are_those_of_the_finite_elements():
@@ -114,9 +123,7 @@ def test_simulated_impacts_are_those_of_the_finite_elements():
         ("largest_radius", "contact_radius", np.sqrt(radius * length), ds["largest_radius"].values),
         ("residual_depth", "permanent_indentation", length, ds["largest_depth"].values),
     ):
-        difference = np.abs(result.summary[entry] / over - ds[name].values) / compared
-        assert np.median(difference) < BOUNDS[name][0], name
-        assert difference.max() < BOUNDS[name][1], name
+        assert_within_bounds(name, (result.summary[entry] / over - ds[name].values) / compared, ds)
     left = result.summary["permanent_indentation"] / length / ds["residual_depth"].values - 1.0
     assert np.abs(left[ds["residual_depth"].values > 0.4 * ds["largest_depth"].values]).max() < 0.05
     np.testing.assert_array_equal(result.summary["dent_diameter"], 2.0 * result.summary["contact_radius"])

@@ -15,7 +15,7 @@ static double widening(const model *m, double radius, double indentation) {
     double root = s->first_radius * ratio_of(m, YIELD_STRENGTH) / ratio_of(m, EFFECTIVE_MODULUS), first = root * root * radius;
     if (!(first > 0.0)) return 0.0;
     double beyond = (fmax(indentation / first, 1.0) - 1.0) / s->onset;
-    return fmin(pow(1.0 + beyond * beyond, s->spread), radius / indentation);
+    return fmin(1.0 + s->spread * log1p(beyond * beyond), radius / indentation);
 }
 
 static double *output(model_record *record, unsigned reference) { return &record->value[reference - SETTABLE]; }

@@ -72,6 +72,18 @@ def test_equal_histories_compare_equal(history: fm.History) -> None:
     assert other != history and len({history, again, other}) == 2
 
 
+@EVERY_SCENE
+def test_a_history_is_written_as_its_dataset(path: Path, tmp_path: Path) -> None:
+    """To netCDF without xarray: the same bytes."""
+    history = fm.simulate(fm.Scene.from_toml(path))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SOURCE_DATE_EPOCH", "0")
+        one = fd.write(fd.to_dataset(history), tmp_path / "one.nc")
+        patch.setattr(xr.Dataset, "to_netcdf", None)
+        other = fd.write(history, tmp_path / "other.nc")
+    assert one.read_bytes() == other.read_bytes()
+
+
 def test_times_are_read_with_their_unit(history: fm.History) -> None:
     quantity = history.maximum_force.__class__
     expected = history.sample_si(20e-6)
@@ -85,8 +97,8 @@ def test_times_are_read_with_their_unit(history: fm.History) -> None:
 def test_a_wrong_type_is_named_in_the_error(history: fm.History, tmp_path: Path) -> None:
     with pytest.raises(TypeError, match="not a Scene"):
         fd.to_dataset(history.scene)
-    with pytest.raises(TypeError, match="not a History: to_dataset converts a history"):
-        fd.write(history, tmp_path / "x.nc")  # pyright: ignore[reportArgumentType]
+    with pytest.raises(TypeError, match="takes a dataset or a history, not a Scene"):
+        fd.write(history.scene, tmp_path / "x.nc")  # pyright: ignore[reportArgumentType]
     with pytest.raises(TypeError, match=r'not "scene\.toml": Scene'):
         fm.simulate("scene.toml")  # pyright: ignore[reportArgumentType]
 

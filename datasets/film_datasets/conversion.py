@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from film_datasets.cost_dataset import cost_dataset
-from film_datasets.history_dataset import history_dataset
+from film_datasets.history_dataset import SAMPLES, history_dataset
 from film_model.solve.history import History
 from film_model.studies.cost import Study
 
@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def to_dataset(result: History | Study, samples: int = 201, command: str = "film_datasets.to_dataset") -> xr.Dataset:
+def to_dataset(
+    result: History | Study, samples: int = SAMPLES, command: str = "film_datasets.to_dataset"
+) -> xr.Dataset:
     """A history or a cost study as an xarray.Dataset with the variables of `TABLE`, in SI, with CF 1.11 attributes.
 
     samples: of a history, the number of evenly spaced times from first touch to the last event, both included; the

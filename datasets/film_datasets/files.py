@@ -5,17 +5,20 @@ from __future__ import annotations
 import os
 import shutil
 import warnings
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from film_datasets.history_dataset import SAMPLES, history_contents
 from film_datasets.quantities import in_numbers
 from film_datasets.schema import ADDED, HISTORY, content_sha256, holds_text, kind_of, variables_of
 from film_datasets.schema.validation import damage
 from film_datasets.tables import TABLES, check_parquet, write_table
 from film_model.base.errors import shown
 from film_model.base.files import check_regular, check_replaceable, flush, written_whole
+from film_model.solve.history import History
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,9 +47,9 @@ NO_SPACE = 1_000_000
 """A disk with fewer free bytes than this is full."""
 
 
-def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False) -> Path:
+def write(ds: xr.Dataset | History, path: str | os.PathLike[str], overwrite: bool = False) -> Path:
     """Write `ds` to the netCDF-4 file or Zarr folder `path`, or as a table (see `to_frame`) to a .csv, .parquet or .mat
-    file.
+    file. A history is written as its dataset (`to_dataset`), to netCDF without importing xarray.
 
     It is written under another name in the same folder, flushed to the disk and renamed, so that `path` is never
     incomplete; the same dataset gives the same bytes. Long variables are shuffled and deflated at level 1. Quantities
@@ -61,22 +64,35 @@ def write(ds: xr.Dataset, path: str | os.PathLike[str], overwrite: bool = False)
     >>> fd.read(path).attrs["outcome"]
     'contact ended'
     """
+    target = Path(path)
+    if isinstance(ds, History):
+        check_file(target, overwrite)
+        contents = history_contents(ds, SAMPLES, "film_datasets.to_dataset")
+        if target.suffix == SUFFIX:
+            return _write_netcdf(target, lambda beside: contents.write(beside, _encoding(cast("Any", contents))))
+        ds = contents.dataset()
     import xarray as xr
 
     if not isinstance(ds, xr.Dataset):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise TypeError(f"write takes a dataset, not a {type(ds).__name__}: to_dataset converts a history")
-    target = Path(path)
+        raise TypeError(f"write takes a dataset or a history, not a {type(ds).__name__}")
     check_file(target, overwrite)
-    ds = _with_hash(in_numbers(ds))
-    if target.suffix == ZARR:
-        return _write_folder(ds, target)
+    found = _with_hash(in_numbers(ds))
+    if target.suffix in TABLES:
+        with written_whole(target) as beside:
+            write_table(found, target, beside)
+        return target
+    if target.suffix == SUFFIX:
+        how: dict[str, Any] = {"format": "NETCDF4", "engine": "netcdf4", "encoding": _encoding(found)}
+        return _write_netcdf(target, lambda beside: found.to_netcdf(beside, mode="w", **how))
+    return _write_folder(found, target)
+
+
+def _write_netcdf(target: Path, write_to: Callable[[Path], object]) -> Path:
+    """Write a netCDF file, whole or not at all."""
     try:
         with written_whole(target) as beside:
-            if target.suffix in TABLES:
-                write_table(ds, target, beside)
-                return target
             try:
-                ds.to_netcdf(beside, mode="w", format="NETCDF4", engine="netcdf4", encoding=_encoding(ds))
+                write_to(beside)
             except PermissionError as error:
                 raise OSError(reason_of(error, target)) from error
     except RuntimeError as error:  # the netCDF library raises it for a full disk

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import contextlib
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from film_datasets.contents import Contents, Values
 from film_datasets.provenance import (
     PROGRAM,
     choice_of,
@@ -44,6 +45,9 @@ from film_model.solve.simulate import simulate_chosen
 if TYPE_CHECKING:
     import xarray as xr
 
+SAMPLES = 201
+"""Evenly spaced times of a history, if no other number is asked for."""
+
 NEAREST_SAMPLE = 1e-9
 """Even samples closer to an event than this fraction of the contact are omitted: over so short a time the difference
 of two samples is rounding error."""
@@ -63,10 +67,15 @@ STEPS_COMMENT = (
 )
 
 
-def history_dataset(history: History, samples: int = 201, command: str = "film_datasets.history_dataset") -> xr.Dataset:
+def history_dataset(
+    history: History, samples: int = SAMPLES, command: str = "film_datasets.history_dataset"
+) -> xr.Dataset:
     """A history as a dataset of kind impact_history; see `film_datasets.to_dataset`."""
-    import xarray as xr
+    return history_contents(history, samples, command).dataset()
 
+
+def history_contents(history: History, samples: int, command: str) -> Contents:
+    """Variables and attributes of that dataset."""
     if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ValueError(f"samples: {samples!r} must be a whole number, 2 or more")
     columns = {
@@ -81,17 +90,17 @@ def history_dataset(history: History, samples: int = 201, command: str = "film_d
     curve = history.problem.curve
     stages = flag_words(curve.stage_names, tuple(BRANCHES.values()))
     meanings = {"stages": stages, "branches": branch_words(stages, curve.pulls and not curve.reversible)}
-    data: dict[str, Any] = {
-        v.name: (v.dims, np.asarray(columns[v.name], dtype=v.dtype), v.attributes(meanings))
+    data = {
+        v.name: Values(v.dims, np.asarray(columns[v.name], dtype=v.dtype), v.attributes(meanings))
         for v in (*TABLE[HISTORY], *TABLE[f"{HISTORY} steps"], *CONSTANTS, SCENE_KEY.over(()))
         if v.name in columns
     }
-    ds = xr.Dataset({name: value for name, value in data.items() if name != "t"}, coords={"t": data["t"]})
     for name, interval in history.intervals.items():
-        ds[name].attrs |= {"model_interval": np.array([interval.low, interval.high]), "evidence": interval.evidence}
-    ds.attrs = _attributes(history, command)
-    ds.attrs["content_sha256"] = content_sha256(ds)
-    return ds
+        ends = np.array([interval.low, interval.high])
+        data[name].attrs.update(model_interval=ends, evidence=interval.evidence)
+    found = Contents(data, _attributes(history, command))
+    found.attrs["content_sha256"] = content_sha256(cast("Any", found))
+    return found
 
 
 def tables_of(ds: xr.Dataset) -> dict[str, NDArray[Any]]:

@@ -62,8 +62,7 @@ def run(options: argparse.Namespace) -> int:
     if options.output:
         import film_datasets
 
-        dataset = film_datasets.to_dataset(history)
-        film_datasets.write(dataset, options.output, overwrite=options.force)
+        film_datasets.write(history, options.output, overwrite=options.force)
     if options.plot:
         from film_model.plot.history import plot_history
 

@@ -352,7 +352,8 @@ static void check_batch(int which, const film_mesh *mesh, double same, double li
         stir_summary(status[i], &single);
         int stops_late = start[i].gamma == 0.0 && start[i].stop_velocity < 0.0; /* which lanes find on a branch */
         int moved = start[i].stop_velocity != 0.0 && !stops_late;
-        if (mesh->linearisation == FILM_CHORD || (!damped && (start[i].load != 0.0 || moved)))
+        int fixed_load = start[i].load != 0.0 && start[i].gamma == 0.0;
+        if (mesh->linearisation == FILM_CHORD || (!damped && (fixed_load || moved)))
             HOLD(memcmp(&alone, &slow, sizeof alone) == 0);
         int straight = which == LINEAR || which == SOFTENING;
         if (status[i] != FILM_EVENT || (straight && start[i].gamma > 1.5)) continue; /* near critical damping */

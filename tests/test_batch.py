@@ -233,6 +233,26 @@ def test_batch_kernel_is_as_accurate_as_the_march_on_moving_targets(law):
         assert (differences(batch[done], one[done], start[done]) <= 1.1 * error).all()
 
 
+@combinations(law=["hertz", "meyer", "big-alabo", "stronge", "jackson-green"], load=[0.001, 0.02], fast=4)
+def test_contacts_under_a_load_in_lanes_converge_to_the_march(law, load):
+    """With the order of lines; the slowest, which the load nearly turns back, have up to 10 times the march's error."""
+    rng = np.random.default_rng(4)
+    curve = curve_of(LAWS[law]).native
+    start = starts(np.exp(rng.uniform(-1.5, 3, 150)), np.exp(rng.uniform(-4, 0.3, 150)))
+    start["load"], start["time_limit"] = load * start["nu"], 1e4
+    _, truth = alone(curve, native.mesh(native.WORK_PRESERVING, 320, 640), start)
+    for n in (20, 40, 80):
+        mesh = native.mesh(native.WORK_PRESERVING, n, n)
+        status, batch = native.batch(curve, mesh, start)
+        expected, one = alone(curve, mesh, start)
+        assert np.array_equal(status, expected)
+        done = status == native.EVENT
+        assert (batch["maximum_force"] != one["maximum_force"])[done].mean() > 0.9  # those of the march are equal
+        error = differences(one[done], truth[done], start[done]) + 1e-12
+        apart = differences(batch[done], truth[done], start[done])
+        assert (apart <= 12.0 * error).all() and np.median(apart / error) < 2.0
+
+
 def test_ways_of_exponent_three_halves_come_from_exact_tables():
     """Against the Taylor series that the tables are made of, at random numbers; on both sides of the end of a table."""
     tables = runpy.run_path(str(Path(__file__).parents[1] / "examples" / "map_tables.py"))

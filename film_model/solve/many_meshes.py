@@ -17,9 +17,9 @@ from film_model.scene import Solver
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.relaxed import relax_many
 
-FIRST_SEGMENTS = 6
-"""Segments per stage of the first trial: few, because every segment costs time in all impacts, but lanes need three on the
-coarser mesh of half as many."""
+FIRST_SEGMENTS = 8
+"""Segments per stage of the first trial: few, because every segment costs time in all impacts. Lanes need three on the
+mesh of half as many, and meshes of three agree by chance (tests/test_sweep_accuracy.py)."""
 
 SAMPLE_LEAST, SAMPLE_SHARE = 64, 256
 """The shared mesh is found from at least this number and this fraction (1/256) of the impacts."""
@@ -31,8 +31,8 @@ EASY = 0.9
 """Fraction of the sample that meets the accuracy on the shared mesh; refining the others costs less than finer lines
 for all."""
 
-SAME, TOO_FEW = 1e-6, 2 * FIRST_SEGMENTS
-"""Two meshes of up to `TOO_FEW` segments that agree to `SAME`, under a load or of a law that pulls, are no evidence:
+SAME = 1e-6
+"""Two meshes of up to `FIRST_SEGMENTS` that agree to this, under a load or of a law that pulls, are no evidence:
 they agree by chance, or an impactor that turns back within the first lines of both has the same lines on both. Needed
 by tests/test_one_and_many.py."""
 
@@ -130,7 +130,7 @@ def _estimate(
     found[coarse_status < 0] = 1.0
     made.apart[places] = apart
     loaded = problem.load > 0.0
-    if n <= TOO_FEW and (problem.curve.pulls or problem.loaded):
+    if n <= FIRST_SEGMENTS and (problem.curve.pulls or problem.loaded):
         found[(apart <= SAME) & (loaded | problem.curve.pulls)] = 1.0
     if problem.loaded:
         found = np.where(loaded, np.maximum(found, LOADED * solver.accuracy), found)

@@ -38,7 +38,6 @@ static double stored_in_spring(double spring, double force) { return spring > 0.
 
 int32_t film_piece_on_fixed(const batch_job *j, int64_t i, int32_t *stage) {
     double nu = j->start[i].nu, energy = 0.5 * nu * nu, spring = j->spring != NULL ? j->spring[i] : 0.0;
-    if (j->curve->pull > 0.0) return -1; /* the march goes by energy, too */
     for (int32_t k = 0; k < j->curve->stages; k++) {
         *stage = k;
         if (k == j->shaped) return film_own_piece(j, i, sqrt(2.0 * energy), 0.0);
@@ -111,6 +110,40 @@ static void give(batch_job *j, const film_curve *curve, const film_mesh *mesh, c
     j->shaped = -1;
 }
 
+/* Gives each impact to its block, and runs those that are full; of those under a load, which lanes may run, only if j->loaded, and
+ * no others then. Returns the number of those that are left for the other time. */
+static int64_t sort_impacts(batch *b, int64_t count, int in_lanes, int moving) {
+    batch_job *j = &b->j;
+    int64_t others = 0;
+    for (int64_t i = 0; i < count; i++) {
+        const film_start *s = &j->start[i];
+        int32_t stage = 0, piece = -1;
+        int damped = in_damped_lanes(j, s), plain = !damped && in_lanes && is_plain(j, s), fixed = by_quadrature(j, s);
+        if ((plain && s->load > 0.0) != j->loaded) {
+            others++;
+            continue;
+        }
+        if (damped) {
+            b->damped.index[b->damped.count++] = i;
+            if (b->damped.count == LANES) run_damped(b);
+            continue;
+        }
+        if (plain && fixed) piece = film_piece_on_fixed(j, i, &stage);
+        if (s->stop_velocity < 0.0 && (!fixed || j->curve->stage[stage].unloading == FILM_RETRACE)) piece = -1; /* it may stop in any stage */
+        else if (plain && !fixed && moving) piece = moving_piece(j, i, &stage);
+        if (piece < 0) {
+            leave_alone(j, i);
+            continue;
+        }
+        block *waiting = fixed ? &b->fixed[piece] : &b->moving[piece];
+        waiting->index[waiting->count++] = i;
+        if (waiting->count < LANES) continue;
+        if (fixed) run_fixed(b, stage, waiting);
+        else run_block(b, stage, waiting);
+    }
+    return others;
+}
+
 /* Runs the impacts of b->j. */
 static void run_batch(batch *b, int instructions, int64_t count) {
     batch_job *j = &b->j;
@@ -125,31 +158,14 @@ static void run_batch(batch *b, int instructions, int64_t count) {
     for (int32_t p = 0; p < FILM_MAX_PIECES; p++) b->fixed[p].count = b->moving[p].count = 0;
     for (int32_t k = 0; k < FILM_MAX_STAGES; k++)
         for (int32_t g = 0; g < 3; g++) b->unloading[k][g].count = 0;
-    for (int64_t i = 0; i < count; i++) {
-        const film_start *s = &j->start[i];
-        int32_t stage = 0, piece = -1;
-        if (in_damped_lanes(j, s)) {
-            b->damped.index[b->damped.count++] = i;
-            if (b->damped.count == LANES) run_damped(b);
-            continue;
-        }
-        if (in_lanes && is_plain(j, s)) {
-            if (s->gamma == 0.0) piece = film_piece_on_fixed(j, i, &stage);
-            if (s->stop_velocity < 0.0 && j->curve->stage[stage].unloading == FILM_RETRACE) piece = -1; /* it may stop in any stage */
-            else if (s->gamma > 0.0 && moving) piece = moving_piece(j, i, &stage);
-        }
-        if (piece < 0) {
-            leave_alone(j, i);
-            continue;
-        }
-        block *waiting = s->gamma == 0.0 ? &b->fixed[piece] : &b->moving[piece];
-        waiting->index[waiting->count++] = i;
-        if (waiting->count < LANES) continue;
-        if (s->gamma == 0.0) run_fixed(b, stage, waiting);
-        else run_block(b, stage, waiting);
-    }
+    j->loaded = 0;
+    int64_t loaded = sort_impacts(b, count, in_lanes, moving);
     if (in_lanes) run_rest(b);
     run_damped(b);
+    if (loaded == 0) return;
+    j->loaded = 1;
+    sort_impacts(b, count, in_lanes, moving);
+    run_rest(b);
 }
 
 void film_batch_with(int instructions, const film_curve *curve, const film_mesh *mesh, int64_t count,

@@ -35,6 +35,7 @@ static void await_unloading(batch *b, int32_t stage, const turned_lanes *t, int 
     int at = q->count++;
     q->index[at] = i;
     q->gamma[at] = t->at.gamma[l];
+    q->load[at] = t->at.load[l];
     q->time[at] = t->at.time[l];
     q->top[at] = t->at.xi[l];
     q->force[at] = t->at.force[l];
@@ -54,7 +55,7 @@ static void run_moving(batch *b, int32_t stage, block *waiting) {
     turned_lanes t;
     int count = waiting->count, rule = j->curve->stage[stage].unloading;
     int retrace = rule == FILM_SIMILAR || (rule == FILM_RETRACE && !plain_power(j, stage));
-    int leave = !retrace && j->exponent[stage] == 1.5;
+    int leave = !retrace && !j->loaded && j->exponent[stage] == 1.5;
     if (count == 0) return;
     waiting->count = 0;
     b->run->load(j, stage, waiting->index, count, &t);

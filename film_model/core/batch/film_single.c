@@ -37,7 +37,7 @@ static int run_fixed(batch_job *j, double nu) {
     const film_curve *curve = j->curve;
     const int64_t only = 0;
     double energy = 0.5 * nu * nu;
-    if (curve->pull > 0.0 || !film_is_quick(curve, j->mesh)) return 0; /* the march goes by energy, too */
+    if (!film_is_quick(curve, j->mesh)) return 0;
     film_prepare_stage(j, 0);
     for (int32_t k = 0; k < curve->stages; k++) {
         int32_t p = curve->stage[k].first, last = p + curve->stage[k].count - 1;
@@ -65,6 +65,7 @@ static void give_one(batch_job *j, const film_curve *curve, const film_mesh *mes
     j->status = status;
     j->family = NULL;
     j->spring = NULL;
+    j->loaded = 0;
     j->shaped = -1;
 }
 
@@ -74,7 +75,8 @@ int film_single(const film_curve *curve, const film_mesh *mesh, const film_start
     double stored;
     b.run = &one_lane;
     give_one(&b.j, curve, mesh, start, summary, status);
-    if (start->gamma == 0.0 && start->damping == 0.0) return run_fixed(&b.j, start->nu);
+    b.j.loaded = start->load > 0.0;
+    if (by_quadrature(&b.j, start) && start->damping == 0.0) return run_fixed(&b.j, start->nu);
     if (start->damping != 0.0) {
         film_prepare_damped(&b.j);
         if (!in_damped_lanes(&b.j, start)) return 0;

@@ -77,16 +77,16 @@ INLINED void polynomials(const double *restrict y0, const double *restrict d1, c
     }
 }
 
-/* Across lines of length h > 0, whose force begins at phi with slope kappa: time, and w at the end. d = +1 inwards, -1
+/* Across lines of length h > 0, whose force begins at phi with slope kappa, under loads p: time, and w at the end. d = +1 inwards, -1
  * outwards; from_rest: y = 0 at the beginning. Energy, with the drag's work by the trapezoidal rule, gives a first guess of
  * the time, which x at that time corrects, from rest twice. again: tau holds the guess. unserved: 1 where that is not
  * accurate enough. */
-INLINED void cross_lines(const double *restrict gamma, const double *restrict h, const double *restrict phi,
-                         const double *restrict kappa, double d, int from_rest, int again, const double *restrict w,
-                         double *restrict tau, double *restrict w1, double *restrict unserved) {
+INLINED void cross_lines(const double *restrict gamma, const double *restrict p, const double *restrict h,
+                         const double *restrict phi, const double *restrict kappa, double d, int from_rest, int again,
+                         const double *restrict w, double *restrict tau, double *restrict w1, double *restrict unserved) {
     double y0[LANES], d1[LANES], a2[LANES], q[LANES], x[LANES], y[LANES], u[LANES], unfit[LANES];
     EACH(l) {
-        double length = h[l], k = kappa[l], load = d * phi[l], damping = gamma[l] * k;
+        double length = h[l], k = kappa[l], load = d * (phi[l] - p[l]), damping = gamma[l] * k;
         double from = from_rest ? 0.0 : d * (w[l] - gamma[l] * phi[l]);
         if (again) {
             q[l] = tau[l];
@@ -109,7 +109,7 @@ INLINED void cross_lines(const double *restrict gamma, const double *restrict h,
         if (pass > 0) EACH(l) q[l] += u[l];
         polynomials(y0, d1, a2, kappa, q, x, y, unfit);
         EACH(l) {
-            double k = kappa[l], slope = -(d * phi[l] + k * x[l]) - a2[l] * y[l], bend = -a2[l] * slope - k * y[l];
+            double k = kappa[l], slope = -(d * (phi[l] - p[l]) + k * x[l]) - a2[l] * y[l], bend = -a2[l] * slope - k * y[l];
             double per_y = 1.0 / y[l], half = 0.5 * (slope * per_y), sixth = (1.0 / 6) * (bend * per_y);
             double part = (h[l] - x[l]) * per_y; /* h - x = y u + slope u^2/2 + bend u^3/6 + ..., inverted */
             double step = part * (1.0 - part * (half - (2.0 * (half * half) - sixth) * part));
@@ -129,10 +129,10 @@ typedef struct {
 } lines;
 
 /* One lane across its line, as the march does. */
-static int cross_alone(double gamma, double h, double phi, double kappa, double d, int from_rest, double w, double *tau,
+static int cross_alone(double gamma, double load, double h, double phi, double kappa, double d, int from_rest, double w, double *tau,
                        double *w1) {
     double y = 0.0;
-    motion m = {from_rest ? 0.0 : d * (w - gamma * phi), d * phi, kappa, 0.5 * kappa * gamma};
+    motion m = {from_rest ? 0.0 : d * (w - gamma * phi), d * (phi - load), kappa, 0.5 * kappa * gamma};
     int left = move_to(&m, h, tau, &y);
     *w1 = d * y + gamma * (phi + d * (kappa * h));
     return left == REACHED;
@@ -148,7 +148,7 @@ static void cross_again(lanes *restrict s, lines *restrict n, double d, int from
     }
     if (!from_rest) {
         memcpy(tau, n->tau, sizeof tau);
-        cross_lines(s->gamma, n->h, n->phi, n->kappa, d, 0, 1, s->w, tau, end, left);
+        cross_lines(s->gamma, s->load, n->h, n->phi, n->kappa, d, 0, 1, s->w, tau, end, left);
     }
     for (int l = 0; l < LANES; l++) {
         if (unserved[l] == 0.0 || s->bad[l] > 0.0) continue;
@@ -157,14 +157,14 @@ static void cross_again(lanes *restrict s, lines *restrict n, double d, int from
             w1[l] = end[l];
             continue;
         }
-        if (!cross_alone(s->gamma[l], n->h[l], n->phi[l], n->kappa[l], d, from_rest, s->w[l], &n->tau[l], &w1[l]))
+        if (!cross_alone(s->gamma[l], s->load[l], n->h[l], n->phi[l], n->kappa[l], d, from_rest, s->w[l], &n->tau[l], &w1[l]))
             s->bad[l] = 1.0;
     }
 }
 
 INLINED void pass_lines(lanes *restrict s, lines *restrict n, double d, int from_rest) {
     double w1[LANES], unserved[LANES];
-    cross_lines(s->gamma, n->h, n->phi, n->kappa, d, from_rest, 0, s->w, n->tau, w1, unserved);
+    cross_lines(s->gamma, s->load, n->h, n->phi, n->kappa, d, from_rest, 0, s->w, n->tau, w1, unserved);
     if (any(unserved)) cross_again(s, n, d, from_rest, unserved, w1);
     EACH(l) {
         s->w[l] = w1[l];

@@ -60,7 +60,7 @@ static void turn_near(batch_job *j, int32_t stage, const double *restrict x1, la
         kappa[l] = 2.0 * (f1[l] - mean) / h;
         a2[l] = g * kappa[l];
         y0[l] = s->w[l] - g * phi[l];
-        d1[l] = -phi[l] - a2[l] * y0[l];
+        d1[l] = -(phi[l] - s->load[l]) - a2[l] * y0[l];
         double d2 = -a2[l] * d1[l] - kappa[l] * y0[l];
         tau[l] = known ? tau[l] : 2.0 * y0[l] * d1[l] / (y0[l] * d2 - 2.0 * d1[l] * d1[l]);
     }
@@ -73,10 +73,10 @@ static void turn_near(batch_job *j, int32_t stage, const double *restrict x1, la
         law_lanes(j, stage, x, f1, w1);
         if (i == steps) break;
         /* gamma f falls by a2 y, as on the line */
-        EACH(l) tau[l] += (w[l] - s->gamma[l] * f1[l]) / (f1[l] + a2[l] * y[l]);
+        EACH(l) tau[l] += (w[l] - s->gamma[l] * f1[l]) / (f1[l] - s->load[l] + a2[l] * y[l]);
     }
     EACH(l) {
-        double g = s->gamma[l], bad = fabs(w[l] - g * f1[l]) < 1e-9 * w[l] ? miss[l] : 1.0;
+        double g = s->gamma[l], bad = fabs(w[l] - g * f1[l]) < 1e-9 * (w[l] + y0[l]) ? miss[l] : 1.0;
         bad = y0[l] > 0.0 ? bad : 1.0;
         s->bad[l] = tau[l] > 0.0 ? s->bad[l] + bad : 1.0;
         s->time[l] += tau[l];
@@ -159,6 +159,7 @@ static void start_lanes(const batch_job *j, const int64_t *index, int count, lan
     EACH(l) {
         const film_start *start = &j->start[index[l < count ? l : 0]];
         s->gamma[l] = start->gamma;
+        s->load[l] = start->load;
         s->w[l] = nu[l] = start->nu;
         s->time[l] = 0.0;
         s->bad[l] = 0.0;

@@ -220,7 +220,7 @@ static void run_by_powers(const batch_job *j, int32_t stage, lanes *restrict s) 
 /* Whether that stage has such a force and film_way_in is not for it. */
 static int turns_by_powers(const batch_job *j, int32_t stage) {
     const film_function *g = &j->curve->piece[j->curve->stage[stage].first].force;
-    return stage != j->shaped && j->simple[stage] && !has_way_in(j, stage) && g->coefficient > 0.0 && g->exponent == 1.5;
+    return stage != j->shaped && !j->loaded && j->simple[stage] && !has_way_in(j, stage) && g->coefficient > 0.0 && g->exponent == 1.5;
 }
 
 #endif

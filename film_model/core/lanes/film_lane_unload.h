@@ -82,22 +82,22 @@ static void law_of_stops(const batch_job *j, const stops *restrict n, const unlo
 }
 
 /* Along lines outwards that begin at w0 under phi: ways and velocities after tau, and 1 where the polynomial errs. */
-INLINED void along_lines(const double *restrict gamma, const double *restrict w0, const double *restrict phi,
+INLINED void along_lines(const double *restrict gamma, const double *restrict load, const double *restrict w0, const double *restrict phi,
                          const double *restrict kappa, const double *restrict from_rest, const double *restrict tau,
                          double *restrict x, double *restrict y, double *restrict unfit) {
     double y0[LANES], d1[LANES], a2[LANES];
     EACH(l) {
         a2[l] = gamma[l] * kappa[l];
         y0[l] = from_rest[l] > 0.0 ? 0.0 : gamma[l] * phi[l] - w0[l];
-        d1[l] = phi[l] - a2[l] * y0[l];
+        d1[l] = (phi[l] - load[l]) - a2[l] * y0[l];
     }
     polynomials(y0, d1, a2, kappa, tau, x, y, unfit);
 }
 
-/* About when each impactor stops within its line: the cubic through both velocities w0 > 0 and w1 <= 0 and both accelerations, -f. */
-static void guess_stops(const stops *restrict n, double *restrict tau) {
+/* About when each impactor stops within its line: the cubic through both velocities w0 > 0 and w1 <= 0 and both accelerations, p - f. */
+static void guess_stops(const stops *restrict n, const double *restrict load, double *restrict tau) {
     EACH(l) {
-        double w0 = n->w0[l], d0 = -n->f0[l] * n->tau[l], d1 = -n->f1[l] * n->tau[l], r = w0 / (w0 - n->w1[l]);
+        double w0 = n->w0[l], d0 = (load[l] - n->f0[l]) * n->tau[l], d1 = (load[l] - n->f1[l]) * n->tau[l], r = w0 / (w0 - n->w1[l]);
         double c2 = 3.0 * (n->w1[l] - w0) - 2.0 * d0 - d1, c3 = 2.0 * (w0 - n->w1[l]) + d0 + d1;
         for (int i = 0; i < 3; i++) {
             r -= (w0 + r * (d0 + r * (c2 + r * c3))) / (d0 + r * (2.0 * c2 + 3.0 * r * c3));
@@ -114,8 +114,8 @@ static void stop_times(const batch_job *j, const stops *restrict n, lanes *restr
                        double *restrict time) {
     double tau[LANES], near[LANES], x[LANES], y[LANES], unfit[LANES], x1[LANES], before[LANES], f1[LANES], w1[LANES];
     double phi[LANES], kappa[LANES], far[LANES];
-    guess_stops(n, near);
-    along_lines(s->gamma, n->w0, n->phi, n->kappa, n->from_rest, near, x, y, unfit);
+    guess_stops(n, s->load, near);
+    along_lines(s->gamma, s->load, n->w0, n->phi, n->kappa, n->from_rest, near, x, y, unfit);
     EACH(l) {
         tau[l] = near[l];
         far[l] = x[l] > SHORT_WAY_OUT * n->xi[l] ? 1.0 : 0.0; /* the cubic is good enough nearer than that */
@@ -130,9 +130,9 @@ static void stop_times(const batch_job *j, const stops *restrict n, lanes *restr
     }
     for (int i = 0; i < 2; i++) {
         double over[LANES];
-        along_lines(s->gamma, n->w0, phi, kappa, n->from_rest, tau, x, y, over);
+        along_lines(s->gamma, s->load, n->w0, phi, kappa, n->from_rest, tau, x, y, over);
         EACH(l) {
-            double force = phi[l] - kappa[l] * x[l], next = tau[l] + (s->gamma[l] * force - y[l]) / force;
+            double force = phi[l] - kappa[l] * x[l], next = tau[l] + (s->gamma[l] * force - y[l]) / (force - s->load[l]);
             far[l] = fabs(next - near[l]) <= 0.1 * n->tau[l] ? far[l] : 0.0;
             tau[l] = next;
             unfit[l] += far[l] > 0.0 ? over[l] : 0.0;
@@ -142,7 +142,7 @@ static void stop_times(const batch_job *j, const stops *restrict n, lanes *restr
         double stopped = n->time[l] + (far[l] > 0.0 ? tau[l] : near[l]), here = n->moving[l] > 0.0 ? 0.0 : 1.0;
         here = n->w0[l] > 0.0 ? here : 0.0;
         time[l] = here > 0.0 ? stopped : NAN;
-        s->bad[l] += here > 0.0 ? unfit[l] : 0.0;
+        s->bad[l] += here > 0.0 ? unfit[l] : s->load[l] > 0.0 ? 1.0 : 0.0; /* under a load it may stop within a line and go on */
     }
 }
 
@@ -151,11 +151,11 @@ static void report_lane(batch_job *j, const lanes *s, double stopped, int l, int
                        double given) {
     film_summary *out = &j->summary[index];
     const film_start *start = &j->start[index];
-    out->time_impactor_stops = stopped;
+    out->time_impactor_stops = s->gamma[l] > 0.0 ? stopped : out->time_of_maximum_indentation;
     out->contact_duration = s->time[l];
     out->permanent_indentation = left;
     out->final_velocity = s->w[l];
-    out->shift = s->gamma[l] * (start->nu - s->w[l]);
+    out->shift = s->gamma[l] * (start->nu - s->w[l] + start->load * s->time[l]);
     out->work = stored - given;
     int whole = s->bad[l] == 0.0 && s->time[l] < INFINITY && s->time[l] <= start->time_limit && fabs(s->w[l]) < INFINITY;
     if (whole) j->status[index] = FILM_EVENT;
@@ -187,6 +187,7 @@ static void leave_lanes(batch_job *j, const int64_t *index, int count, const tur
 static void start_unloading(unloading_queue *q, lanes *restrict s) {
     for (int l = q->count; l < LANES; l++) { /* an incomplete block is filled up with its first impact */
         q->gamma[l] = q->gamma[0];
+        q->load[l] = q->load[0];
         q->time[l] = q->time[0];
         q->top[l] = q->top[0];
         q->force[l] = q->force[0];
@@ -195,6 +196,7 @@ static void start_unloading(unloading_queue *q, lanes *restrict s) {
     }
     EACH(l) {
         s->gamma[l] = q->gamma[l];
+        s->load[l] = q->load[l];
         s->time[l] = q->time[l];
         s->w[l] = q->gamma[l] * q->force[l];
         s->bad[l] = 0.0;

@@ -27,10 +27,12 @@ static inline double turn_excess(double work, double force, double nu, double ga
     return work + push * (0.79 * nu - 0.27 * push) - 0.5 * nu * nu;
 }
 
-/* No load, no damping, and no time limit that ends other contacts than those of a law that pulls, which may never end. */
+/* No damping, no load on a fixed target or of a law that pulls, and no time limit but of a load or a pull, under which contact
+ * may never end. */
 static inline int is_free(const film_curve *curve, const film_start *start) {
-    int limited = start->time_limit < INFINITY && curve->pull == 0.0;
-    return start->load == 0.0 && !limited && start->damping == 0.0;
+    int loaded = start->load > 0.0 && start->load < INFINITY && start->gamma > 0.0 && curve->pull == 0.0;
+    int limited = start->time_limit < INFINITY && curve->pull == 0.0 && !loaded;
+    return (start->load == 0.0 || loaded) && !limited && start->damping == 0.0;
 }
 
 /* The same without a moving support: what the shorter ways can do. */
@@ -44,6 +46,9 @@ static inline int is_plain(const batch_job *j, const film_start *s) {
     int stops = s->stop_velocity == 0.0 || (fixed && s->stop_velocity < 0.0 && s->stop_velocity > -INFINITY && j->spring == NULL);
     return known && stops && (fixed || j->spring == NULL) && is_free(j->curve, s);
 }
+
+/* Whether a fixed target turns an impact by quadrature; laws that pull take the lines of targets that move. */
+static inline int by_quadrature(const batch_job *j, const film_start *s) { return s->gamma == 0.0 && j->curve->pull == 0.0; }
 
 /* The largest share of the energy with which a motion of this push turns in a stage of exponent 3/2. place: push over the
  * length of a piece, in piece. */
@@ -88,7 +93,8 @@ enum { FEWEST = 3 }; /* segments of a leg on targets that move: fewer are too ro
 
 /* Impacts on targets that move, where they are on the law. */
 typedef struct {
-    double gamma[LANES], w[LANES], time[LANES];  /* w: impactor velocity */
+    double gamma[LANES], load[LANES];
+    double w[LANES], time[LANES];                /* w: impactor velocity */
     double xi[LANES], force[LANES], work[LANES]; /* where each lane is, and the law there */
     double bad[LANES];                           /* > 0: left to film_marched */
 } lanes;
@@ -103,7 +109,7 @@ typedef struct {
 /* Impacts that have turned and wait to unload, of one grading and stage. */
 typedef struct {
     int64_t index[LANES];
-    double gamma[LANES], time[LANES], top[LANES], force[LANES], recovery[LANES], exponent[LANES], stored[LANES];
+    double gamma[LANES], load[LANES], time[LANES], top[LANES], force[LANES], recovery[LANES], exponent[LANES], stored[LANES];
     int count;
 } unloading_queue;
 

@@ -79,6 +79,7 @@ typedef struct {
     const film_family *family; /* NULL: all impacts share the curve */
     const double *shape;
     const double *spring; /* compliance in series with each contact; NULL: none */
+    int loaded;     /* 1: loads press on the impacts of the blocks, which tables of whole ways do not know */
     int32_t shaped; /* the stage that differs between impacts; -1: none */
     own_stage *own;
     const film_curve *curve;
@@ -148,7 +149,7 @@ static inline int plain_power(const batch_job *j, int32_t stage) {
 
 /* A power law from first touch on whose exponent is that of the tables of whole ways. */
 static inline int has_way_in(const batch_job *j, int32_t stage) {
-    return plain_power(j, stage) && j->curve->piece[0].force.exponent == 1.5;
+    return !j->loaded && plain_power(j, stage) && j->curve->piece[0].force.exponent == 1.5;
 }
 
 #endif

@@ -138,8 +138,8 @@ class Elastoplastic(AbstractLaw):
     the permanent indentation by 2.5 % of the largest; beyond, restitution by 1.6 % in the median, by 6 % at most.
 
     strain_hardening_exponent: n, of the material; 0, without hardening, if it gives none. Of two bodies that yield, the
-    law takes the strength, ν and n of the softer: the other stays elastic. Two equal bodies share the indentation, each
-    as deep as the half of it, which the finite elements do not have: this is an estimate. Ends where a = R.
+    law takes the strength, ν and n of the softer: the other stays elastic. Two equal bodies are each pressed against a
+    plane, by symmetry: for small a/R with the same f(w), but half of a/R in M. This was not computed. Ends where a = R.
     """
 
     name: ClassVar[str] = "elastoplastic"

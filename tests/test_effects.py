@@ -207,7 +207,7 @@ def test_a_named_elastic_law_above_yield_causes_a_warning():
 
 
 @pytest.mark.parametrize(
-    ("ratio", "law", "change"), [(0.9, "hertz", 0.0), (1.08, "hertz", 0.0087), (1.2, "elastoplastic", 0.0162)]
+    ("ratio", "law", "change"), [(0.9, "hertz", 0.0), (1.2, "hertz", 0.00855), (1.4, "elastoplastic", 0.0211)]
 )
 def test_yielding_below_the_tolerance_is_neglected(ratio, law, change):
     scene = fm.Scene.from_toml(SCENES / "tungsten_carbide_on_steel.toml").replace({"contact.law": "auto"})
@@ -218,7 +218,7 @@ def test_yielding_below_the_tolerance_is_neglected(ratio, law, change):
     assert plasticity.value == pytest.approx(ratio)
     assert plasticity.change == pytest.approx(change, rel=0.05)
     assert plasticity.state == (SIMULATED if law == "elastoplastic" else NOT_NEEDED)
-    assert ("by less than the tolerance" in plasticity.reason) is (ratio == 1.08)
+    assert ("by less than the tolerance" in plasticity.reason) is (ratio == 1.2)
 
 
 def test_without_a_yield_strength_yielding_is_not_judged():
@@ -467,7 +467,7 @@ def test_heating_equals_plastic_work_over_heated_volume():
     soft = fm.HalfSpace({**STEEL, "yield_strength": "250 MPa"})
     carbide = fm.Scene(fm.Sphere("5 mm", velocity="5 m/s", material="WC, Big-Alabo 2017"), soft)
     (hot,) = re.findall(r"by ([0-9.]+) K", by_name(carbide)["heating"].reason)
-    assert float(hot) == pytest.approx(15.5, rel=0.1)  # by hand, with the radius of the contact that yields
+    assert float(hot) == pytest.approx(11.6, rel=0.05)  # by a finite-element run of this impact: e = 0.289, a = 0.199 R
 
 
 def test_a_contact_wider_than_the_plate_is_thick():

@@ -8,7 +8,7 @@ from cases import SPHERE, scene
 
 import film_model as fm
 from film_model.core import families, native
-from film_model.laws.elastoplastic import pressure_factor
+from film_model.laws.elastoplastic import Plastic, pressure_factor
 from film_model.laws.yielding import limit_point
 from film_model.problem.curve import curve_of
 from film_model.problem.families import page_of
@@ -116,6 +116,13 @@ def test_shot_peening_is_simulated_and_warned_of(material, speed):
     assert history.problem.law.name == "elastoplastic"
     assert 0.1 < history.summary["coefficient_of_restitution"] < 0.5
     assert any("law elastoplastic: outside its range" in warning for warning in history.warnings)
+
+
+@pytest.mark.parametrize("strain", [1e-6, 1e-4, 2e-3, 2e-2, 0.1])
+def test_the_law_ends_where_the_contact_is_as_wide_as_the_ball(strain):
+    for exponent in (0.0, 0.3, 0.6):
+        plastic = Plastic(strain, exponent)
+        assert plastic.first_radius * plastic.contact_radius(plastic.end) == pytest.approx(1.0, abs=1e-4)
 
 
 def test_a_wide_contact_and_values_that_were_not_computed_are_named():

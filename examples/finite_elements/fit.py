@@ -11,7 +11,7 @@ from scipy.integrate import cumulative_simpson
 from scipy.optimize import least_squares
 
 import film_datasets as fd
-from film_model.laws.elastoplastic import FITTED, RATIO, Constants, Plastic, pressure_factor
+from film_model.laws.elastoplastic import FITTED, Constants, Plastic, pressure_factor, scaled_strain
 
 Arrays = dict[str, np.ndarray]
 
@@ -44,7 +44,7 @@ def predicted(ds: xr.Dataset, constants: Constants = FITTED) -> Arrays:
     )
     factor = pressure_factor(ratio)
     unit = factor / first_pressure(ratio)
-    law = Plastic((1 - ratio**2) / stiffness * factor / pressure_factor(RATIO), n, constants)
+    law = Plastic(scaled_strain((1 - ratio**2) / stiffness, ratio), n, constants)
     work = 0.4 + cumulative_simpson(law.force(DEPTHS) * DEPTHS, x=np.log(DEPTHS), initial=0.0)
     reached = 0.4 * (v / unit**2.5) ** 2
     log_w = [np.interp(energy, own, np.log(DEPTHS)) for energy, own in zip(reached, work, strict=True)]

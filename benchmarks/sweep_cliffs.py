@@ -99,6 +99,8 @@ def cases() -> Iterator[Case]:
             for keep in ("segments", "samples=201"):
                 scene = scene_of(law, target)
                 yield law, target, OF_ALL[0], scene, around(scene, OF_ALL[0]), keep
+    yield from plate_cases()
+    yield from accuracy_cases()
     for law in ("auto", "big-alabo", "stronge", "yigit-christoforou"):
         ball = fm.Sphere("10 mm", velocity="1 m/s", material="mild steel")
         scene = fm.Scene(ball, fm.HalfSpace(material="aluminium 6061-T6"), contact_of(law))
@@ -110,6 +112,29 @@ def cases() -> Iterator[Case]:
         for path in OF_ALL[:2]:
             ends = {"from": "5 mm/s", "to": "2 m/s", "spacing": "log"} if path == OF_ALL[0] else around(scene, path)
             yield law, "balls near yield", path, scene, ends, "summary"
+
+
+def plate_cases() -> Iterator[Case]:
+    """Plates on which the weight holds the contact shut, others with gravity, and both in one sweep."""
+    ball = fm.Sphere("10 mm", velocity="1 m/s", material=MATERIAL)
+    for law in ("auto", "hertz", "big-alabo"):
+        for thickness in ("1 mm", "2 mm", "2.5 mm", "5 mm", "20 mm"):
+            plate = fm.Plate(material=MATERIAL, thickness=thickness)
+            scene = fm.Scene(ball, plate, fm.Contact(law), fm.Effects(gravity=True))
+            yield law, f"plate of {thickness}", OF_ALL[0], scene, around(scene, OF_ALL[0]), "summary"
+        scene = fm.Scene(ball, fm.Plate(material=MATERIAL, thickness="5 mm"), fm.Contact(law))
+        yield law, "plate", "target.thickness", scene, {"from": "1 mm", "to": "20 mm"}, "summary"
+
+
+def accuracy_cases() -> Iterator[Case]:
+    """Other accuracies, and damping that leaves little velocity."""
+    for accuracy in (1e-2, 3e-3, 1e-3, 1e-6, 1e-8):
+        for law in ("auto", "hertz", "big-alabo", "jkr", "dmt", "thornton-ning", "hunt-crossley"):
+            for target in ("half-space", "plate"):
+                scene = scene_of(law, target).replace({"solver": {"accuracy": accuracy}})
+                yield law, f"{target} {accuracy:g}", OF_ALL[0], scene, around(scene, OF_ALL[0]), "summary"
+    scene = scene_of("hunt-crossley", "half-space")
+    yield "hunt-crossley", "half-space", "contact.restitution", scene, {"from": "0.02", "to": "0.1"}, "summary"
 
 
 def scene_of(law: str, target: str) -> fm.Scene:

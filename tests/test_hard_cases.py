@@ -230,6 +230,21 @@ def test_an_endless_oscillation_ends_with_a_status():
     assert native.impact(curve, mesh, start)[0] == native.TOO_MANY
 
 
+def test_a_ball_that_swings_under_its_weight_takes_bounded_work():
+    """It is refined no further than to half a million lines, and says so."""
+    steel = {
+        "youngs_modulus": "209.3 GPa",
+        "poissons_ratio": 0.3,
+        "density": "7850 kg/m^3",
+        "yield_strength": "0.5 GPa",
+    }
+    ball = fm.Sphere("10 mm", velocity="10 um/s", material=steel)
+    scene = fm.Scene(ball, fm.Plate(material=steel, thickness="500 mm"), fm.Contact("hertz"), fm.Effects(gravity=True))
+    history = fm.simulate(scene, accuracy=1e-9)
+    assert history.accuracy.lines <= 500_000 and 1e-9 < history.accuracy.estimated < 1e-4
+    assert any("is not reached" in text and "ask for a looser accuracy" in text for text in history.warnings)
+
+
 # ---------------------------------------------------------------- in the FMU
 
 

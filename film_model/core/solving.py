@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from film_model.core import native
 from film_model.core.native import FULL, START_DTYPE, SUMMARY_DTYPE, Curve, Mesh, Solution, Start, at, library
 
-MOST_SEGMENTS = 49152
-"""Segments of loading beyond which no mesh is refined (FILM_MOST_SEGMENTS)."""
+MOST_SEGMENTS, MOST_LINES = 49152, 500_000
+"""Segments of loading, and lines of a contact, beyond which no mesh is refined (march/film_solve.h)."""
 
 _FEW = 6
 """Meshes that nearly all contacts need."""

@@ -81,7 +81,7 @@ def refine(problem: Problem, solver: Solver, warnings: list[str]) -> tuple[tuple
     if not found.reached:
         warnings.append(
             f"accuracy {solver.accuracy:g} is not reached: the estimated relative error is {found.estimated:.1e} "
-            f"with {n} segments per stage"
+            f"with {n} segments per stage; ask for a looser accuracy"
         )
     return curve.segments(n), found.estimated
 

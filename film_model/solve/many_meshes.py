@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, Mask, all_of, any_of
 from film_model.core.columns import Columns
-from film_model.core.solving import MOST_SEGMENTS, bound_coarse, bound_fine
+from film_model.core.solving import MOST_LINES, MOST_SEGMENTS, bound_coarse, bound_fine
 from film_model.problem.problem import Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import Solver
@@ -137,7 +137,8 @@ def _estimate(
     estimated = np.minimum(found + rounds, 1.0)
     estimated[failed] = math.nan
     made.estimated[places] = estimated
-    return (found > np.maximum(solver.accuracy - rounds, rounds)) & ~failed
+    costly = core.lines > MOST_LINES // 2
+    return (found > np.maximum(solver.accuracy - rounds, rounds)) & ~failed & ~costly
 
 
 def _floor(problem: Problem, core: Columns) -> NDArray[np.float64]:

@@ -34,25 +34,7 @@ static void run_block(batch *b, int32_t stage, block *waiting) {
     run_moving(b, stage, waiting);
 }
 
-static double stored_in_spring(double spring, double force) { return spring > 0.0 ? 0.5 * spring * force * force : 0.0; }
-
-int32_t film_piece_on_fixed(const batch_job *j, int64_t i, int32_t *stage) {
-    double nu = j->start[i].nu, energy = 0.5 * nu * nu, spring = j->spring != NULL ? j->spring[i] : 0.0;
-    for (int32_t k = 0; k < j->curve->stages; k++) {
-        *stage = k;
-        if (k == j->shaped) return film_own_piece(j, i, sqrt(2.0 * energy), 0.0);
-        if (energy >= j->whole[k] + stored_in_spring(spring, j->end_force[k])) {
-            energy -= j->whole[k];
-            continue;
-        }
-        int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
-        while (p < last && energy > j->piece_work[p] + stored_in_spring(spring, j->piece_force[p])) p++;
-        return p;
-    }
-    return -1;
-}
-
-/* The same for a target that moves. */
+/* film_piece_on_fixed for a target that moves. */
 static int32_t moving_piece(const batch_job *j, int64_t i, int32_t *stage) {
     double stored, nu = j->start[i].nu, gamma = j->start[i].gamma;
     int32_t k = *stage = moving_stage(j, nu, gamma, &stored);

@@ -7,9 +7,6 @@
 
 const block_routines *film_routines(int instructions);
 
-/* The piece of *stage in which a fixed target should turn impact i; -1: none. */
-int32_t film_piece_on_fixed(const batch_job *j, int64_t i, int32_t *stage);
-
 /* One impact as a row of film_batch; on a fixed target whole pieces are crossed by quadrature. 0: lanes cannot run it, or
  * should not. */
 int film_single(const film_curve *curve, const film_mesh *mesh, const film_start *start, film_summary *summary, int32_t *status);
@@ -34,5 +31,8 @@ void film_impacts_left(const film_family *family, const film_curve *whole, const
 void film_own_stage(batch_job *j, own_stage *own);
 int32_t film_own_piece(const batch_job *j, int64_t i, double v, double stored);
 void film_own_factors(const batch_job *j, const int64_t *index, int count, double (*of)[LANES]);
+
+/* The piece of *stage in which a fixed target should turn impact i; -1: none. */
+int32_t film_piece_on_fixed(const batch_job *j, int64_t i, int32_t *stage);
 
 #endif

@@ -1,4 +1,4 @@
-/* Batches on the curves of a family: which of its numbers lanes need, and where an impact should turn. docs/method.md,
+/* Batches on the curves of a family: which of its numbers lanes need; and where an impact should turn. docs/method.md,
  * section 10. */
 #include "batch/film_batch.h"
 
@@ -87,4 +87,22 @@ void film_own_factors(const batch_job *j, const int64_t *index, int count, doubl
         film_factors(j->family, &j->shape[index[l < count ? l : 0] * numbers], one, &end);
         for (int32_t n = 0; n < j->family->nodes; n++) of[n][l] = one[n];
     }
+}
+
+static double stored_in_spring(double spring, double force) { return spring > 0.0 ? 0.5 * spring * force * force : 0.0; }
+
+int32_t film_piece_on_fixed(const batch_job *j, int64_t i, int32_t *stage) {
+    double nu = j->start[i].nu, energy = 0.5 * nu * nu, spring = j->spring != NULL ? j->spring[i] : 0.0;
+    for (int32_t k = 0; k < j->curve->stages; k++) {
+        *stage = k;
+        if (k == j->shaped) return film_own_piece(j, i, sqrt(2.0 * energy), 0.0);
+        if (energy >= j->whole[k] + stored_in_spring(spring, j->end_force[k])) {
+            energy -= j->whole[k];
+            continue;
+        }
+        int32_t p = j->curve->stage[k].first, last = p + j->curve->stage[k].count - 1;
+        while (p < last && energy > j->piece_work[p] + stored_in_spring(spring, j->piece_force[p])) p++;
+        return p;
+    }
+    return -1;
 }

@@ -131,6 +131,9 @@ int film_make_rest_line(const film_curve *curve, film_state *s) {
 
 enum { STOP_ITERATIONS = 60, NEWTON_STEPS = 10 };
 
+/* The velocity is least where the force is the load, so this fraction of the force costs its square of the velocity. */
+static const double DIP_TOLERANCE = 1e-9;
+
 /* The force on the line after a way x, at the speed y. */
 static double line_force(const film_state *s, double x, double y) {
     return s->line.phi + s->direction * (s->line.kappa * x + s->line.damping * y);
@@ -179,11 +182,22 @@ void film_end_at_dip(const film_curve *curve, const film_mesh *mesh, film_state 
     film_state whole = *s;
     double low = 0.0, high = s->tau_end, x, y;
     motion_at(&m, high, &x, &y);
-    if (!(line_force(s, 0.0, m.y0) > s->load && line_force(s, x, y) < s->load)) return;
-    for (int k = 0; k < STOP_ITERATIONS; k++) {
-        double middle = 0.5 * (low + high);
-        motion_at(&m, middle, &x, &y);
-        if (line_force(s, x, y) > s->load) low = middle; else high = middle;
+    double above = line_force(s, 0.0, m.y0) - s->load, below = line_force(s, x, y) - s->load, near = DIP_TOLERANCE * (above - below);
+    if (!(above > 0.0 && below < 0.0)) return;
+    double excess = below;
+    for (int k = 0; k < STOP_ITERATIONS && fabs(excess) > near; k++) { /* false position, the value at the older end halved */
+        double at = low + (high - low) * above / (above - below), before = excess;
+        motion_at(&m, at, &x, &y);
+        excess = line_force(s, x, y) - s->load;
+        if (excess > 0.0) {
+            low = at;
+            above = excess;
+            if (before > 0.0) below *= 0.5;
+        } else {
+            high = at;
+            below = excess;
+            if (before < 0.0 && k > 0) above *= 0.5;
+        }
     }
     film_set_line_end(s, x, y);
     if (s->nu_end < s->stop_velocity) film_end_at_stop(curve, mesh, s);

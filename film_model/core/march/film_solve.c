@@ -56,7 +56,8 @@ int film_solve(const film_curve *curve, const film_start *start, const film_mesh
             double estimated = bound + rounds;
             int settled = (bound < rounds && !(here < FALLS * before)) || (estimated > STALLED * last && estimated < SMALL);
             *found = (film_solution){fine, estimated, level, estimated <= accuracy};
-            if (found->reached || settled || meshes[level].loading >= FILM_MOST_SEGMENTS) return status;
+            int costly = meshes[level].loading >= FILM_MOST_SEGMENTS || fine.lines > FILM_MOST_LINES / 2;
+            if (found->reached || settled || costly) return status;
             last = estimated;
         }
         before = here;

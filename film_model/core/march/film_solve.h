@@ -32,9 +32,10 @@ typedef struct {
 } film_solution;
 
 /* The first of meshes, each of twice the segments of the one before, on which a contact meets the accuracy; judged by three of
- * them, so that it is the third at least. Without `reached`: more segments would not help, or there are FILM_MOST_SEGMENTS.
+ * them, so that it is the third at least. Without `reached`: more segments would not help, or there are FILM_MOST_SEGMENTS, or
+ * the next mesh would take more than about FILM_MOST_LINES, as a contact may that swings under its weight.
  * clearance: where the law's force begins. film_marched's status; FILM_FULL: more meshes are needed. */
-enum { FILM_MOST_SEGMENTS = 49152 };
+enum { FILM_MOST_SEGMENTS = 49152, FILM_MOST_LINES = 500000 };
 FILM_API int film_solve(const film_curve *curve, const film_start *start, const film_mesh *meshes, int32_t count, double accuracy,
                         double clearance, film_solution *found);
 

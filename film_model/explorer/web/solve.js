@@ -246,7 +246,7 @@ function solved(problem, { accuracy, segments, linearisation }) {
   const goal = segments === null ? accuracy ?? usual : null;
   const found = CORE.solve(problem.p, problem.curve, linearisation, counts, goal, problem.law.clearance);
   if (found.status < 0) throw new Failure(found.status);
-  const missed = `accuracy ${goal} is not reached: the estimated relative error is ${found.estimated.toExponential(1)} with ${found.counts[0]} segments per stage`;
+  const missed = `accuracy ${goal} is not reached: the estimated relative error is ${found.estimated.toExponential(1)} with ${found.counts[0]} segments per stage; ask for a looser accuracy`;
   return { ...found, warning: goal === null || found.reached ? "" : missed };
 }
 

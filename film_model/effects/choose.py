@@ -99,8 +99,7 @@ class Choice:
         why = "the target moves too little to matter"
         found += [effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in self.edges]
         known = {effect.name for effect in self.edges}
-        found += [effect for effect in judge(self._ending, self.problem.vibrates) if effect.name not in known]
-        return _in_order(found)
+        return (*found, *(effect for effect in judge(self._ending, self.problem.vibrates) if effect.name not in known))
 
     @property
     def _ending(self) -> Problem:

@@ -154,18 +154,18 @@ def _is_parameter(name: str) -> bool:
 
 def _connections(scene: Scene, choice: Choice) -> list[Connection]:
     """Indentation and its rate act on the contact, its force on the bodies; forces push them apart."""
-    found = [
+    connections = [
         Connection("impactor", "indentation", "contact", "indentation"),
         Connection("impactor", "relative_velocity", "contact", "relative_velocity"),
         Connection("contact", "contact_force", "impactor", "external_force", -1.0),
     ]
     if scene.target.free:
-        found.append(Connection("contact", "contact_force", "target", "external_force"))
-        found.append(Connection("target", "impactor_velocity", "impactor", "support_velocity"))
+        connections.append(Connection("contact", "contact_force", "target", "external_force"))
+        connections.append(Connection("target", "impactor_velocity", "impactor", "support_velocity"))
     elif choice.problem.gamma > 0.0:
         yields = 1.0 / scene.target_impedance
-        found.append(Connection("contact", "contact_force", "impactor", "support_velocity", yields))
-    return found
+        connections.append(Connection("contact", "contact_force", "impactor", "support_velocity", yields))
+    return connections
 
 
 def _times(choice: Choice) -> tuple[float, float]:
@@ -179,17 +179,17 @@ def _times(choice: Choice) -> tuple[float, float]:
 
 def _materials(scene: Scene, contact: Data) -> tuple[dict[str, bytes], dict[str, str]]:
     """Parameter sets of the contact by file name, and materials left out with reasons."""
-    found: dict[str, dict[str, float]] = {}
+    parameters: dict[str, dict[str, float]] = {}
     left_out: dict[str, str] = {}
     for name in catalogue():
         try:
-            found[name] = _of_material(scene, name, contact)
+            parameters[name] = _of_material(scene, name, contact)
         except (SceneError, SimulationError, ValueError) as error:
             left_out[name] = str(error)
-    if len({tuple(values.values()) for values in found.values()}) == 1:
-        left_out |= dict.fromkeys(found, "the contact law of the scene does not depend on the target's material")
-        found = {}
-    files = {f"resources/materials/{_stem(name)}.ssv": values for name, values in found.items()}
+    if len({tuple(values.values()) for values in parameters.values()}) == 1:
+        left_out |= dict.fromkeys(parameters, "the contact law of the scene does not depend on the target's material")
+        parameters = {}
+    files = {f"resources/materials/{_stem(name)}.ssv": values for name, values in parameters.items()}
     return {path: parameter_set(Path(path).stem, values) for path, values in files.items()}, left_out
 
 

@@ -73,22 +73,22 @@ def _step_and_repeat(slave: Slave, time: float, end: float, rows: list[Row], eve
     saved, before = slave.save(), rows[-1]
     slave.step(time, end - time)
     after = slave.get(RECORDED)
-    found = _events_between(before, after, time)
-    if found is None and end - time > 1e-12 * end:  # the outputs do not identify all events: halve the step
+    times = _events_between(before, after, time)
+    if times is None and end - time > 1e-12 * end:  # the outputs do not identify all events: halve the step
         slave.restore(saved)
         middle = 0.5 * (time + end)
         _step_and_repeat(slave, time, middle, rows, events)
         _step_and_repeat(slave, middle, end, rows, events)
         return
-    if found is None:
-        found = dict.fromkeys(_simultaneous_events(before, after), after["time_of_last_event"])
-    if not found:
+    if times is None:
+        times = dict.fromkeys(_simultaneous_events(before, after), after["time_of_last_event"])
+    if not times:
         rows.append({"time": end, **after})
         slave.discard(saved)
         return
     slave.restore(saved)
     now, reported = time, {name: after[name] for name in _EVENT_OUTPUTS}
-    for name, at in found.items():
+    for name, at in times.items():
         at = min(max(at, now), end)
         if at > now:
             slave.step(now, at - now)
@@ -118,8 +118,8 @@ def _stage_after(slave: Slave, now: float, end: float) -> float:
 
 
 def _events_at_start(row: Row) -> list[Row]:
-    found = _events_between(dict.fromkeys(_EVENT_OUTPUTS, 0.0), row, 0.0)
-    return [_event(0.0, name, row) for name in found or {}]
+    times = _events_between(dict.fromkeys(_EVENT_OUTPUTS, 0.0), row, 0.0)
+    return [_event(0.0, name, row) for name in times or {}]
 
 
 def _events_between(before: Mapping[str, float], after: Mapping[str, float], since: float) -> dict[str, float] | None:
@@ -128,17 +128,17 @@ def _events_between(before: Mapping[str, float], after: Mapping[str, float], sin
     if count == 0:
         return {}
     new_contact = after["contact_count"] > before["contact_count"]
-    found: dict[str, float] = {}
+    times: dict[str, float] = {}
     for output, name in EVENT_TIMES.items():
         happened = after[output] != before[output] or (new_contact and name == "contact_begins")
         if happened and (after[output] >= since and (after[output] > 0.0 or new_contact)):
-            found[name] = after[output]
+            times[name] = after[output]
     last = native.EVENTS[int(after["last_event"])]
-    if last not in found:
-        found[last] = after["time_of_last_event"]
-    if len(found) != count:
+    if last not in times:
+        times[last] = after["time_of_last_event"]
+    if len(times) != count:
         return None
-    return dict(sorted(found.items(), key=lambda item: item[1]))
+    return dict(sorted(times.items(), key=lambda item: item[1]))
 
 
 def _simultaneous_events(before: Mapping[str, float], after: Mapping[str, float]) -> list[str]:
@@ -188,7 +188,7 @@ def exchanged(
     rows = [{name: float(row[name]) for name in ("time", *RECORDED)} for row in result]
     events = _events_at_start(rows[0])
     for before, after in itertools.pairwise(rows):
-        found = _events_between(before, after, before["time"])
-        names = _simultaneous_events(before, after) if found is None else list(found)
+        times = _events_between(before, after, before["time"])
+        names = _simultaneous_events(before, after) if times is None else list(times)
         events += [_event(after["time"], name, after) for name in names]
     return rows, events

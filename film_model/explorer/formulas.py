@@ -128,10 +128,10 @@ def problem_function(name: str, template: Scene, law: AbstractLaw, fixed: frozen
     if "restitution" in live:
         damping = _damping_over(law, recording.symbol(own_entry("restitution")))
     impacts = Impacts(template, SceneLaw(Scaled(law, unknown, damping), {}, None, {}), _numbers(recording))
-    found = impacts.problem(recording.symbol("impedance"), recording.symbol("load"))
-    outputs = {entry: getattr(found.scales, entry) for entry in (*_SCALES, "energy")}
-    outputs |= {entry: getattr(found, entry) for entry in (*_PROBLEM, *_START)}
-    outputs["stop_velocity"] = replace(found, free=True).stop_velocity  # -0 with the drift 0 of other targets
+    problem = impacts.problem(recording.symbol("impedance"), recording.symbol("load"))
+    outputs = {entry: getattr(problem.scales, entry) for entry in (*_SCALES, "energy")}
+    outputs |= {entry: getattr(problem, entry) for entry in (*_PROBLEM, *_START)}
+    outputs["stop_velocity"] = replace(problem, free=True).stop_velocity  # -0 with the drift 0 of other targets
     return recording.function(name, "n, impedance, load", outputs)
 
 
@@ -193,8 +193,8 @@ def _damping_over(law: AbstractLaw, restitution: Any) -> Any:
         changed = [replace(cast("Any", law), restitution=math.exp(0.5 * least * (1.0 - x))) for x in places]
         return np.array([each.damping_factor(1.0, 1.0, 1.0) for each in changed]) / law.damping_factor(1.0, 1.0, 1.0)
 
-    found = chebyshev.chebval(1.0 - 2.0 * logarithm(restitution) / least, chebyshev.chebinterpolate(relative, 31))
-    return either(restitution < 1.0, found, 0.0)
+    factor = chebyshev.chebval(1.0 - 2.0 * logarithm(restitution) / least, chebyshev.chebinterpolate(relative, 31))
+    return either(restitution < 1.0, factor, 0.0)
 
 
 def _example(recording: Recording, law: type[AbstractLaw]) -> Mapping[str, Any]:
@@ -214,9 +214,9 @@ def _problem(
     """A problem whose numbers are those of the object `owner`. damped: under a damped law. vibrates: on modes."""
     scales = Scales(**cast("Any", recording.symbols(owner, _SCALES)))
     curve = Curve(native.Curve(), (), 0.0, 0.0, "", ())
-    found = recording.symbols("n", FROM_SCENE)
-    strength = found["yield_strength"]  # infinite if there is none
-    varied: Any = SimpleNamespace(**found | {"yield_strength": either(strength < math.inf, strength, math.nan)})
+    numbers = recording.symbols("n", FROM_SCENE)
+    strength = numbers["yield_strength"]  # infinite if there is none
+    varied: Any = SimpleNamespace(**numbers | {"yield_strength": either(strength < math.inf, strength, math.nan)})
     varied.rate_hardening = RateHardening(
         **{name.removeprefix("rate_"): n for name, n in recording.symbols("n", RATE_LAW).items()}
     )
@@ -256,22 +256,22 @@ def result_functions(suffix: str, template: Scene) -> list[str]:
 
 def vibrating_functions(template: Scene) -> list[str]:
     """The summary on a target that vibrates, with damping of the law and without; the energy given to it."""
-    found = list[str]()
+    functions = list[str]()
     for damped in (False, True):
         r = Recording()
         problem = _problem(r, "p", template, damped, vibrates=True)
         outputs = summary_of(problem, r.symbol("a.status"), _Core(r, "a"))
-        found.append(r.function(f"summaryVibrating{'Damped' * damped}", "p, a, n", outputs))
+        functions.append(r.function(f"summaryVibrating{'Damped' * damped}", "p, a, n", outputs))
     r = Recording()
     energy = radiated(_problem(r, "p", template), _Core(r, "a"))
-    return [*found, r.function("radiated", "p, a", {"energy": energy})]
+    return [*functions, r.function("radiated", "p, a", {"energy": energy})]
 
 
 def change_function(name: str, template: Scene) -> str:
     """The change of the summary by neglecting an effect: `p`, `a` with it, `q`, `b` without."""
     r = Recording()
-    found = change(_tried(r, "p", "a", template), _tried(r, "q", "b", template))
-    return r.function(name, "p, a, q, b", {"change": found})
+    size = change(_tried(r, "p", "a", template), _tried(r, "q", "b", template))
+    return r.function(name, "p, a, q, b", {"change": size})
 
 
 def hardening_functions(template: Scene) -> list[str]:
@@ -297,5 +297,5 @@ def reflections_function(name: str, template: Scene, paths: Sequence[str]) -> st
     p, core = _problem(r, "p", template), _Core(r, "a")
     pulse = Pulse.of(p.approach, p.gamma, core)
     delay = pulse.back / (target.return_time / p.scales.time)
-    found = cast("Any", target).reflection_change(pulse.motion, pulse.restitution, delay)
-    return r.function(name, "x, p, a", {"change": found})
+    size = cast("Any", target).reflection_change(pulse.motion, pulse.restitution, delay)
+    return r.function(name, "x, p, a", {"change": size})

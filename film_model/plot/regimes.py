@@ -27,13 +27,13 @@ def plot_regimes(scene: Scene, path: str | os.PathLike[str] | None = None, dpi: 
     return picture(path, lambda figure: _draw(figure, scene, regimes(scene)), SIZE, dpi)
 
 
-def _draw(figure: Figure, scene: Scene, found: Regimes) -> None:
+def _draw(figure: Figure, scene: Scene, areas: Regimes) -> None:
     panel = figure.add_axes((0.095, 0.235, 0.88, 0.635))
-    keys = _target_regimes(panel, scene, found)
-    _stage_limits(panel, found)
-    where = _mark_scene(panel, found)
+    keys = _target_regimes(panel, scene, areas)
+    _stage_limits(panel, areas)
+    where = _mark_scene(panel, areas)
     keys += panel.get_legend_handles_labels()[0]
-    panel.set(xscale="log", yscale="log", xlim=found.lambdas[[0, -1]], ylim=found.ratios[[0, -1]])
+    panel.set(xscale="log", yscale="log", xlim=areas.lambdas[[0, -1]], ylim=areas.ratios[[0, -1]])
     panel.set(xlabel="Zener's inelasticity number λ", ylabel=f"approach velocity over yield velocity {_RATIO}")
     figure.legend(handles=keys, loc="lower left", bbox_to_anchor=(0.085, 0.005), ncols=2, frameon=False, fontsize=8)
     title = " ".join(scene.title.split()) or f"Impact on a {scene.target.kind}"
@@ -41,12 +41,12 @@ def _draw(figure: Figure, scene: Scene, found: Regimes) -> None:
     figure.text(0.095, 0.905, f"{where}  ·  boundaries by Big-Alabo's law", fontsize=8, color="0.25")
 
 
-def _target_regimes(panel: Axes, scene: Scene, found: Regimes) -> list[Any]:
+def _target_regimes(panel: Axes, scene: Scene, areas: Regimes) -> list[Any]:
     """Fill the areas in which the target behaves differently; the legend's entries."""
     from matplotlib.patches import Patch
 
     tolerance, kind = scene.effect_tolerance, scene.target.kind
-    across, up = np.meshgrid(found.lambdas, found.ratios)
+    across, up = np.meshgrid(areas.lambdas, areas.ratios)
     panel.set_facecolor(REGIMES["moving"][0])
     keys: list[Any] = []
     left = np.ones(across.shape, bool)  # of the map, where no area has been filled yet
@@ -61,13 +61,13 @@ def _target_regimes(panel: Axes, scene: Scene, found: Regimes) -> list[Any]:
             left[inside] = False
 
     small = percent(tolerance)
-    fill(found.motion, -1.0, tolerance, "half-space", f"half-space: target motion changes less than {small}")
-    if kind == "rod" and found.rests is not None:
-        fill(found.rests, 1.0, math.inf, "reflections", "finite rod: the wave returns before contact ends")
-    elif found.reflections is not None and found.rests is not None:
-        fill(found.reflections, tolerance, math.inf, "reflections", f"finite plate: its edges change more than {small}")
-        fill(found.rests, 1.0, math.inf, "quasi-static", "quasi-static: contact longer than the plate's period")
-    panel.contourf(across, up, found.motion, [-1.0, tolerance], colors=[REGIMES["half-space"][0]])  # above the others
+    fill(areas.motion, -1.0, tolerance, "half-space", f"half-space: target motion changes less than {small}")
+    if kind == "rod" and areas.rests is not None:
+        fill(areas.rests, 1.0, math.inf, "reflections", "finite rod: the wave returns before contact ends")
+    elif areas.reflections is not None and areas.rests is not None:
+        fill(areas.reflections, tolerance, math.inf, "reflections", f"finite plate: its edges change more than {small}")
+        fill(areas.rests, 1.0, math.inf, "quasi-static", "quasi-static: contact longer than the plate's period")
+    panel.contourf(across, up, areas.motion, [-1.0, tolerance], colors=[REGIMES["half-space"][0]])  # above the others
     if left.any():
         infinite = kind if kind in ("plate", "rod") else "plate or rod"
         word = f"infinite {infinite}: no wave comes back while it moves"
@@ -75,24 +75,24 @@ def _target_regimes(panel: Axes, scene: Scene, found: Regimes) -> list[Any]:
     return keys
 
 
-def _stage_limits(panel: Axes, found: Regimes) -> None:
+def _stage_limits(panel: Axes, areas: Regimes) -> None:
     """Lines at which the contact yields and becomes fully plastic, with the names of the areas between them."""
-    across, up = np.meshgrid(found.lambdas, found.ratios)
-    left, white = found.lambdas[0] * 1.25, {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0}
+    across, up = np.meshgrid(areas.lambdas, areas.ratios)
+    left, white = areas.lambdas[0] * 1.25, {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.0}
     for level, stroke, above in ((1.0, "-", "elastoplastic"), (FULLY_PLASTIC, "--", "fully plastic")):
-        panel.contour(across, up, found.depth, [level], colors="0.15", linewidths=1.4, linestyles=stroke)
-        edge = float(np.interp(level, found.depth[:, 0], found.ratios))
+        panel.contour(across, up, areas.depth, [level], colors="0.15", linewidths=1.4, linestyles=stroke)
+        edge = float(np.interp(level, areas.depth[:, 0], areas.ratios))
         panel.text(left, edge * 1.2, above, va="bottom", color="0.15", bbox=white)
         if level == 1.0:
             panel.text(left, edge / 1.2, "elastic", va="top", color="0.15", bbox=white)
 
 
-def _mark_scene(panel: Axes, found: Regimes) -> str:
+def _mark_scene(panel: Axes, areas: Regimes) -> str:
     """Draw the scene: a point, or a line if one of its numbers is unknown. Returns its place in words."""
     style: dict[str, Any] = {"color": HIGHLIGHT, "zorder": 5}
-    value, ratio = found.value, found.ratio
+    value, ratio = areas.value, areas.ratio
     if value is not None and ratio is not None:
-        at = np.clip(value, *found.lambdas[[0, -1]]), np.clip(ratio, *found.ratios[[0, -1]])
+        at = np.clip(value, *areas.lambdas[[0, -1]]), np.clip(ratio, *areas.ratios[[0, -1]])
         label = "this scene" if at == (value, ratio) else "this scene, beyond the map"
         panel.plot(*at, "o", markersize=9, markeredgecolor="white", clip_on=False, label=label, **style)
         return f"λ = {value:.3g}, {_RATIO} = {ratio:.3g}"
@@ -100,7 +100,7 @@ def _mark_scene(panel: Axes, found: Regimes) -> str:
         panel.axvline(value, linewidth=1.8, label="this scene, yield velocity not known", **style)
         return f"λ = {value:.3g}, {_RATIO} not known"
     if ratio is not None:
-        panel.plot(found.lambdas[0], ratio, "<", markersize=11, clip_on=False, label="this scene, λ = 0", **style)
+        panel.plot(areas.lambdas[0], ratio, "<", markersize=11, clip_on=False, label="this scene, λ = 0", **style)
         return f"λ = 0, {_RATIO} = {ratio:.3g}"
     panel.plot([], [], " ", label="this scene has neither λ nor a yield velocity")
     return "neither number is known"

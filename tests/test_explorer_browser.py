@@ -194,7 +194,7 @@ def check(history, factor, found, fragment):
 
 def rounded(evidence):
     """Without the last digits of a number of yield velocities that is far beyond all measurements."""
-    return re.sub(r"\d{7,} yield", "many yield", evidence)
+    return re.sub(r"[\d.e+]{7,} yield", "many yield", evidence)
 
 
 def same_intervals(history, shown, fragment):

@@ -226,12 +226,12 @@ function percent(change) {
 
 /** Effects: those decided here, then those that Python judged for the scene as given. @param {Scene} scene @param {Result} result */
 function showEffects(scene, result) {
-  const { found, edges } = result.choice;
+  const { effects, edges } = result.choice;
   const same = unchanged(scene);
-  const here = Object.entries(found).map(([name, { simulated, change }]) =>
+  const here = Object.entries(effects).map(([name, { simulated, change }]) =>
     tableRow(name.replaceAll("_", " "), [simulated ? "simulated" : "not simulated", percent(change), "decided for this scene"]),
   );
-  const rest = scene.base.judged.filter((/** @type {any} */ effect) => !(effect.name in found));
+  const rest = scene.base.judged.filter((/** @type {any} */ effect) => !(effect.name in effects));
   const judged = rest.map((/** @type {any} */ effect) => {
     const when = same ? "judged for this scene" : "judged for the scene as given, not for your changes";
     const row = tableRow(effect.name.replaceAll("_", " "), [effect.state, percent(effect.change), `${when}: ${effect.reason}`]);
@@ -359,7 +359,7 @@ function impact(fragment) {
   if (!result) return { reason, ignored };
   const { summary, error, segments, modes, law, warnings, choice } = result;
   const strength = choice.n?.strength_factor ?? null;
-  return { summary: { ...summary }, error, segments, modes, law: law.name, warnings, effects: choice.found, edges: choice.edges, intervals: intervalsOf(scene, result), strength_factor: strength, ignored };
+  return { summary: { ...summary }, error, segments, modes, law: law.name, warnings, effects: choice.effects, edges: choice.edges, intervals: intervalsOf(scene, result), strength_factor: strength, ignored };
 }
 
 /** Draw everything again, in another size or theme. */

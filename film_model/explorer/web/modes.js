@@ -145,23 +145,23 @@ function differencesOf(problem, a, b) {
   return Object.fromEntries(names.map((/** @type {string} */ name) => [name, CORE.compare(problem.p, { ...b, [name]: a[name] }, b)]));
 }
 
-/** Rate at which the contact of a run follows the modes up to a frequency, in 1/s. @param {Problem} problem @param {any} found @param {number} shares @param {number} highest */
-function swiftnessOf({ p }, found, shares, highest) {
-  const { maximum_force: force, maximum_indentation: indentation } = found.core;
+/** Rate at which the contact of a run follows the modes up to a frequency, in 1/s. @param {Problem} problem @param {any} outcome @param {number} shares @param {number} highest */
+function swiftnessOf({ p }, outcome, shares, highest) {
+  const { maximum_force: force, maximum_indentation: indentation } = outcome.core;
   return indentation > 0 ? (((force / indentation) * p.force) / p.length) * (shares / highest) : 0;
 }
 
-/** Factor of the steps' tolerance after the first run. @param {Problem} problem @param {any} found */
-function stepShare(problem, found) {
+/** Factor of the steps' tolerance after the first run. @param {Problem} problem @param {any} outcome */
+function stepShare(problem, outcome) {
   const rule = DATA.constants.vibration;
   const { p } = problem;
-  const rate = swiftnessOf(problem, found, found.structure.shares, found.highest) * p.time;
-  return rate > 0 ? Math.min(1, (rule.impulses * found.core.maximum_force) / (rate * Math.max(p.approach, rule.slowest))) : 1;
+  const rate = swiftnessOf(problem, outcome, outcome.structure.shares, outcome.highest) * p.time;
+  return rate > 0 ? Math.min(1, (rule.impulses * outcome.core.maximum_force) / (rate * Math.max(p.approach, rule.slowest))) : 1;
 }
 
-/** @param {number} accuracy @param {any} found */
-function unreached(accuracy, found) {
-  return `accuracy ${accuracy} is not reached with the ${found.structure.count} natural vibrations here`;
+/** @param {number} accuracy @param {any} outcome */
+function unreached(accuracy, outcome) {
+  return `accuracy ${accuracy} is not reached with the ${outcome.structure.count} natural vibrations here`;
 }
 
 /** The impact with as many modes as the accuracy needs, and the error estimate. @param {Scene} scene @param {Problem} problem */
@@ -214,38 +214,38 @@ function vibrate(scene, problem) {
 
 /** One impact on modes, as `run` of others. @param {Scene} scene @param {any} n @param {Problem} problem @param {number} samples */
 function runOnModes(scene, n, problem, samples) {
-  const found = vibrate(scene, problem);
+  const outcome = vibrate(scene, problem);
   const { p, law } = problem;
-  const separated = found.status === EVENT;
-  const summary = vibratingSummary(problem, found, n);
+  const separated = outcome.status === EVENT;
+  const summary = vibratingSummary(problem, outcome, n);
   const warnings = [...law.remarks];
-  if (found.warning) warnings.push(found.warning);
-  if (found.contacts > 1) warnings.push(`there are ${found.contacts} contacts: the contact duration is that of the first, the rebound that after the last`);
-  if (found.waited) warnings.push("the target still vibrates so far that it may touch the impactor again");
-  CORE.top = found.end;
-  const last = (found.events.at(-1)?.time ?? 0) / p.time;
-  const motion = sampledAt(scene, problem, [last, ...found.events.map((event) => event.time / p.time)], samples, (times) => sampleModes(found, problem, times));
-  CORE.top = found.top;
-  const error = found.error + law.fit_error;
-  return { summary, warnings, error, counts: [], segments: found.count, modes: found.structure.count, motion, status: separated ? EVENT : 0, law };
+  if (outcome.warning) warnings.push(outcome.warning);
+  if (outcome.contacts > 1) warnings.push(`there are ${outcome.contacts} contacts: the contact duration is that of the first, the rebound that after the last`);
+  if (outcome.waited) warnings.push("the target still vibrates so far that it may touch the impactor again");
+  CORE.top = outcome.end;
+  const last = (outcome.events.at(-1)?.time ?? 0) / p.time;
+  const motion = sampledAt(scene, problem, [last, ...outcome.events.map((event) => event.time / p.time)], samples, (times) => sampleModes(outcome, problem, times));
+  CORE.top = outcome.top;
+  const error = outcome.error + law.fit_error;
+  return { summary, warnings, error, counts: [], segments: outcome.count, modes: outcome.structure.count, motion, status: separated ? EVENT : 0, law };
 }
 
-/** The summary in SI, with the energy of the modes. @param {Problem} problem @param {any} found @param {any} n */
-function vibratingSummary({ p, law }, found, n) {
-  const core = { ...found.core, status: found.status === EVENT ? EVENT : 0 };
+/** The summary in SI, with the energy of the modes. @param {Problem} problem @param {any} outcome @param {any} n */
+function vibratingSummary({ p, law }, outcome, n) {
+  const core = { ...outcome.core, status: outcome.status === EVENT ? EVENT : 0 };
   const summary = FORMULAS[`summaryVibrating${p.damping > 0 ? "Damped" : ""}`](p, core, n);
-  if (found.status !== EVENT) return summary;
-  summary.energy_radiated = (found.structure.damped ? FORMULAS.radiated(p, core).energy : found.energy) * p.energy;
+  if (outcome.status !== EVENT) return summary;
+  summary.energy_radiated = (outcome.structure.damped ? FORMULAS.radiated(p, core).energy : outcome.energy) * p.energy;
   if (!law.dissipates && !(law.family === "damped")) summary.energy_absorbed = 0;
   return summary;
 }
 
-/** Values and branches at times of the march. @param {any} found @param {Problem} problem @param {Float64Array} times */
-function sampleModes(found, problem, times) {
+/** Values and branches at times of the march. @param {any} outcome @param {Problem} problem @param {Float64Array} times */
+function sampleModes(outcome, problem, times) {
   const { c } = CORE;
   const at = CORE.numbersAt(Array.from(times, (t) => t * problem.p.time));
   const [values, branches] = [CORE.allocate(40 * times.length), CORE.allocate(times.length)];
-  c.film_modal_sample(found.structure.place, problem.curve, found.segments, found.count, found.flights, at, BigInt(times.length), values, branches);
+  c.film_modal_sample(outcome.structure.place, problem.curve, outcome.segments, outcome.count, outcome.flights, at, BigInt(times.length), values, branches);
   const { buffer } = c.memory;
   return {
     values: new Float64Array(buffer, values, 5 * times.length).slice(),

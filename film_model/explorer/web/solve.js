@@ -157,14 +157,14 @@ function choose(scene, slow) {
   const held = motion !== false && scene.base.support !== null;
   const light = problemOf(law, n, own, 0, compliance);
   /** @type {Record<string, {simulated: boolean, change: number|null}>} */
-  const found = {};
+  const effects = {};
 
   let heavy = gravity === true && !scene.base.free;
   if (!scene.base.free) {
     const pressed = problemOf(law, n, own, n.weight, compliance);
     const size = FORMULAS.gravityChange(pressed.p, trial(pressed), light.p, trial(light), n).change;
     if (gravity === "auto") heavy = !(size <= tolerance);
-    found.gravity = { simulated: heavy, change: size };
+    effects.gravity = { simulated: heavy, change: size };
   }
   const moved = heavy ? problemOf(law, n, own, n.weight, compliance) : light;
 
@@ -173,26 +173,26 @@ function choose(scene, slow) {
     const known = own < Infinity || compliance > 0;
     const size = known ? changeOf(moved, problemOf(law, n, Infinity, moved.load)) : null;
     if (motion === "auto" && !held) moves = !(size !== null && size <= tolerance);
-    found.target_motion = { simulated: moves, change: size };
+    effects.target_motion = { simulated: moves, change: size };
   }
   let problem = moves ? moved : problemOf(law, n, Infinity, moved.load);
 
   const free = lawOf(scene, n, elastic).law;
   let keeps = true;
   if (automatic && law.name === elastic) {
-    if (yields === false) found.plasticity = { simulated: false, change: 0 };
+    if (yields === false) effects.plasticity = { simulated: false, change: 0 };
   } else if (law.dissipates && free) {
     const without = problemOf(free, n, problem.impedance, problem.load, problem.compliance);
     const size = changeOf(problem, without);
     if (automatic && plasticity === "auto") keeps = !(size <= tolerance);
-    found.plasticity = { simulated: keeps, change: size };
+    effects.plasticity = { simulated: keeps, change: size };
     if (!keeps) problem = without;
   } else if (yields === false) {
-    found.plasticity = { simulated: false, change: 0 };
+    effects.plasticity = { simulated: false, change: 0 };
   }
-  if (n !== slow) Object.assign(found, hardeningOf(problemOf(law, slow, own, 0, compliance), light, keeps));
+  if (n !== slow) Object.assign(effects, hardeningOf(problemOf(law, slow, own, 0, compliance), light, keeps));
   if (moves && held && scene.base.support.modes) problem = problemOf(problem.law, n, Infinity, problem.load, 0, true);
-  return { n, problem, found, edges: edgesOf(scene, n, light, tolerance) };
+  return { n, problem, effects, edges: edgesOf(scene, n, light, tolerance) };
 }
 
 /**
@@ -244,23 +244,23 @@ function solved(problem, { accuracy, segments, linearisation }) {
   const n = segments ?? (first / 2) * Math.min(2 ** Math.floor(Math.log2(1 + problem.p.damping)), 256);
   const counts = segments === null ? countsFor(problem, n) : [n, n];
   const goal = segments === null ? accuracy ?? usual : null;
-  const found = CORE.solve(problem.p, problem.curve, linearisation, counts, goal, problem.law.clearance);
-  if (found.status < 0) throw new Failure(found.status);
-  const missed = `accuracy ${goal} is not reached: the estimated relative error is ${found.estimated.toExponential(1)} with ${found.counts[0]} segments per stage; ask for a looser accuracy`;
-  return { ...found, warning: goal === null || found.reached ? "" : missed };
+  const solution = CORE.solve(problem.p, problem.curve, linearisation, counts, goal, problem.law.clearance);
+  if (solution.status < 0) throw new Failure(solution.status);
+  const missed = `accuracy ${goal} is not reached: the estimated relative error is ${solution.estimated.toExponential(1)} with ${solution.counts[0]} segments per stage; ask for a looser accuracy`;
+  return { ...solution, warning: goal === null || solution.reached ? "" : missed };
 }
 
 /** Segments, recorded motion and the core's summary of it. @param {Problem} problem @param {string} line @param {number[]} counts */
 function recorded(problem, line, counts) {
   const { p, law } = problem;
   const room = (counts[0] + 2) * (law.stages.length + 1) + 4 * counts[1] + 64;
-  const found = CORE.record(p, problem.curve, CORE.mesh(line, counts[0], counts[1]), room);
-  if (found.status < 0) {
-    CORE.top = found.top;
-    throw new Failure(found.status);
+  const record = CORE.record(p, problem.curve, CORE.mesh(line, counts[0], counts[1]), room);
+  if (record.status < 0) {
+    CORE.top = record.top;
+    throw new Failure(record.status);
   }
   const { grazing, deeper } = DATA.constants;
-  let { status, events, end } = found;
+  let { status, events, end } = record;
   const rounding = grazing * p.load * Math.max(0, ...events.map((/** @type {any} */ e) => e.xi));
   if (status === EVENT && p.load > 0 && end.nu ** 2 <= rounding && p.approach ** 2 <= rounding) {
     status = 0;
@@ -281,7 +281,7 @@ function recorded(problem, line, counts) {
     }
   }
   const at = { permanent_indentation: last.xi, final_velocity: last.nu, shift: last.shift, work: last.spent };
-  return { ...found, status, events, core: { ...core, ...times, ...at } };
+  return { ...record, status, events, core: { ...core, ...times, ...at } };
 }
 
 /**
@@ -299,7 +299,7 @@ function simulate(scene, samples) {
 
 /**
  * n: numbers of the scene. choice: what is simulated, n with its strength; null for a result that Python computed.
- * @typedef {ReturnType<typeof run> & {n: any, choice: {n: any, problem: Problem|null, found: ReturnType<typeof choose>["found"],
+ * @typedef {ReturnType<typeof run> & {n: any, choice: {n: any, problem: Problem|null, effects: ReturnType<typeof choose>["effects"],
  *   edges: ReturnType<typeof edgesOf>}}} Result
  */
 
@@ -312,7 +312,7 @@ function givenResult(scene) {
   const summary = Object.fromEntries(Object.entries(given.summary).map(([name, value]) => [name, value ?? NaN]));
   const { error, segments, warnings, stage } = given;
   const status = given.ended ? EVENT : 0;
-  const choice = { n: null, problem: null, found: {}, edges: null };
+  const choice = { n: null, problem: null, effects: {}, edges: null };
   return { n: numbersOf(scene), choice, summary, error, segments, modes: 0, warnings, counts: [], status, law: { name: given.law }, motion: { motion, stage } };
 }
 
@@ -341,20 +341,20 @@ function run(scene, n, problem, samples) {
   if (problem.vibrates) return runOnModes(scene, n, problem, samples);
   const solver = scene.solver;
   const mesh = solved(problem, solver);
-  const found = recorded(problem, solver.linearisation, mesh.counts);
+  const record = recorded(problem, solver.linearisation, mesh.counts);
   const { p, law } = problem;
-  const summary = summaryOf(scene, p, found.core, n);
+  const summary = summaryOf(scene, p, record.core, n);
   const warnings = mesh.warning ? [...law.remarks, mesh.warning] : [...law.remarks];
   const impact = 0.5 * p.approach ** 2 * p.energy;
   if (summary.energy_absorbed < -1e-9 * impact) {
     const share = ((-100 * summary.energy_absorbed) / impact).toPrecision(3);
     warnings.push(`law ${law.name}: its unloading returns more energy than its loading stored (${share} % of the impact energy)`);
   }
-  const ends = [found.events.at(-1).time || found.end.time, ...found.events.map((/** @type {any} */ e) => e.time)];
-  const motion = sampledAt(scene, problem, ends, samples, (times) => CORE.sample(problem.curve, found, times));
-  CORE.top = found.top;
+  const ends = [record.events.at(-1).time || record.end.time, ...record.events.map((/** @type {any} */ e) => e.time)];
+  const motion = sampledAt(scene, problem, ends, samples, (times) => CORE.sample(problem.curve, record, times));
+  CORE.top = record.top;
   const error = mesh.estimated + law.fit_error;
-  return { summary, warnings, error, counts: mesh.counts, segments: found.count - 1, modes: 0, motion, status: found.status, law };
+  return { summary, warnings, error, counts: mesh.counts, segments: record.count - 1, modes: 0, motion, status: record.status, law };
 }
 
 /**

@@ -103,7 +103,9 @@ def _address(table, base, chance, as_given):
         if not as_given and chance.random() < 0.7:
             found[entry["path"]] = _between(*entry["slider"], entry["slider"][0] > 0.0, chance)
     for switch in SWITCHES:
-        automatic = 8 if switch == "rate_hardening" else 3  # which few materials allow to be asked for
+        automatic = (
+            98 if switch == "rate_hardening" else 3
+        )  # most scenes refuse it, as their materials have no rate law
         found[switch] = chance.choice([*["auto"] * automatic, "true", "false"])
     vibrates = base["support"] is not None and base["support"]["modes"]
     found["accuracy"] = chance.choice(["0.0001", "0.001", *([] if vibrates else ["0.000001", "1e-8"])])

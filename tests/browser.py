@@ -95,6 +95,8 @@ def _address(table, base, chance, as_given):
             continue
         if name in MATERIALS and value is not None:
             low, high = (0.1, 0.45) if name == "poissons_ratio" else (value / 3, value * 3)
+        if name == "strain_rate_coefficient":
+            low, high = 0.001, 0.1  # metals have up to 0.06
         found[entry["path"]] = _between(low, high, entry["logarithmic"] and name != "poissons_ratio", chance)
     names = [base["law"]] if as_given else ["auto", "auto", *(table["laws"][k]["name"] for k in base["laws"])]
     found["law"] = chance.choice(names)

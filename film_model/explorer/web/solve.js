@@ -112,6 +112,9 @@ function hardened(scene, n, law, impedance, compliance) {
   const [known, able] = [Number.isFinite(n.rate_coefficient), law.needs.includes("yield_strength")];
   if (wanted === true && !known) throw new Unsupported("rate hardening needs a strain rate coefficient of the material that yields");
   if (wanted === true && !able && scene.law !== "auto") throw new Unsupported(`law ${law.name} has no yield strength that could rise`);
+  if (wanted !== false && known && "yield_strength" in law.fixed) {
+    throw new Unsupported(`law ${law.name} is available here without rate hardening only: its curve depends on the yield strength`);
+  }
   if (wanted === false || !known || !able) return null;
   const times = (/** @type {number} */ factor) => ({ ...n, yield_strength: n.yield_strength * factor, strength_factor: factor });
   let factor = 1;

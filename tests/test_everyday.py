@@ -61,7 +61,7 @@ def test_everything_fits_a_line_at_the_prompt():
         f"Scene({scene}": SCENE,
         f'Scene("A ball": {scene}': titled,
         "History(stronge: peak 416.6 N, contact 83.24 µs, restitution 0.3453; contact ended)": HISTORY,
-        "BatchResult(2 impacts over velocity, stronge; 0 failed, estimated relative error ≤ 2.1e-05)": many,
+        "BatchResult(2 impacts over velocity, stronge; 0 failed, estimated relative error ≤ 1.3e-07)": many,
         "ImpactComponent(law stronge, approaching at 0 s)": fm.ImpactComponent(SCENE),
     }
     assert [repr(shown) for shown in expected.values()] == list(expected)

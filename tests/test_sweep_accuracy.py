@@ -135,8 +135,9 @@ def test_rounding_is_small_in_usual_impacts():
 
 def test_every_summary_value_of_a_failed_impact_is_nan():
     scene = fm.Scene(BALL, fm.HalfSpace("mild steel"), fm.Contact("jackson-green", yield_strength="250 MPa"))
-    found = simulate_many(scene, {"impactor.velocity": np.array([0.1, 1e-300, 5.0])})
+    found = simulate_many(scene, {"impactor.velocity": np.array([0.1, 1e4, 5.0])})
     failed = found.status < 0
+    assert failed.any()
     for name in SUMMARY:
         assert np.isnan(found.summary[name][failed]).all()
     assert np.isnan(found.estimated[failed]).all() and (found.estimated[~failed] <= 1e-4).all()

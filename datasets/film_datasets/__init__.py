@@ -13,6 +13,7 @@ from film_datasets.registration import register_accessor
 
 if TYPE_CHECKING:
     from film_datasets.accessor import Film
+    from film_datasets.checking import check
     from film_datasets.conversion import to_dataset
     from film_datasets.csv_measurement import from_csv
     from film_datasets.dataset_plots import plot

@@ -115,7 +115,7 @@ class Derivatives:
 
         >>> history = fm.simulate(scene, derivatives=["impactor.velocity"])
         >>> print(f"{history.derivatives.of('maximum_force', 'impactor.velocity').to('N*s/m'):.1f~P}")
-        1604.1 N·s/m
+        1614.7 N·s/m
         """
         value = self.values[quantity][path]
         if value is None:

@@ -22,7 +22,6 @@ from film_model.problem.model_intervals import (
 )
 from film_model.studies.residuals import central, coverage, coverage_of_new_sources, predictions
 from film_model.studies.validation import scene_of
-from film_model.studies.validation_rows import flow_strength
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3", "yield_strength": "1.2 GPa"}
 E, DENT = "coefficient_of_restitution", "permanent_indentation"
@@ -122,8 +121,11 @@ def test_families_part_at_fifty_yield_velocities(found):
     assert Counter(one.family for one in found)[ABOVE] > 30
 
 
-def test_hardness_becomes_a_flow_strength():
+def test_rows_with_a_hardness_give_it_as_hardness(found):
     """Tabor: H = HV 9.80665 MPa/0.927 on the projected area, flow strength H/2.8."""
-    assert flow_strength("300 HV") == pytest.approx(1.1334e9, rel=1e-4)
-    with pytest.raises(ValueError, match="hardness '60 HRC' is not a number of HV"):
-        flow_strength("60 HRC")
+    hard = [one.row for one in found if "hardness" in one.row.target]
+    assert len(hard) >= 80 and "yield_strength" not in "".join(row.target for row in hard)
+    first = scene_of("auto", hard[0])
+    assert hard[0].note.startswith("impact body D on 300 HV")
+    assert first.target.material.hardness == pytest.approx(300.0 * 9.80665e6 / 0.927)
+    assert first.yield_strength == pytest.approx(1.1334e9, rel=1e-4)

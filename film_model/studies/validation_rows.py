@@ -3,16 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-import re
 import tomllib
 from typing import Any, NamedTuple
-
-HARDNESS_OVER_STRENGTH = 2.8
-"""Mean pressure of an indentation over the flow strength (Tabor 1951)."""
-
-VICKERS_PRESSURE = 9.80665e6 / 0.927
-"""Pa for 1 HV: mean pressure on the projected area. HV is a load in kgf over the area of the pyramid's faces in mm²."""
-
 
 class Row(NamedTuple):
     """One value and its conditions, SI; nan: not given. See datasets/published/measured_impacts.csv."""
@@ -55,16 +47,5 @@ class Row(NamedTuple):
 
 
 def material(table: str) -> dict[str, Any]:
-    """A material of a row, as in a scene file; its hardness becomes a strength."""
-    entries: dict[str, Any] = tomllib.loads(f"material = {table}")["material"]
-    if "hardness" in entries:
-        entries["yield_strength"] = f"{flow_strength(entries.pop('hardness'))!r} Pa"
-    return entries
-
-
-def flow_strength(hardness: str) -> float:
-    """Strength [Pa] of a Vickers hardness such as "600 HV". Raises ValueError for another scale."""
-    number = re.fullmatch(r"([\d.]+) HV", hardness)
-    if number is None:
-        raise ValueError(f"hardness {hardness!r} is not a number of HV")
-    return float(number[1]) * VICKERS_PRESSURE / HARDNESS_OVER_STRENGTH
+    """A material of a row, as in a scene file."""
+    return tomllib.loads(f"material = {table}")["material"]

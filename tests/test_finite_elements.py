@@ -11,8 +11,7 @@ import pytest
 import film_datasets as fd
 import film_model as fm
 from film_model.laws.elastoplastic import FITTED
-from film_model.laws.yielding import limit_point
-from film_model.solve.batch import simulate_many
+from film_model.studies import finite_elements
 
 FOLDER = Path(__file__).parent.parent / "examples" / "finite_elements"
 sys.path.insert(0, str(FOLDER))
@@ -76,7 +75,7 @@ BOUNDS = {  # median and largest error up to 1000 V_Y, fitted and held out; beyo
 
 
 def assert_within_bounds(name, errors, ds):
-    out, fast = ds["held_out"].values == 1, ds["velocity_ratio"].values > fit.FAST
+    out, fast = ds["held_out"].values == 1, ds["velocity_ratio"].values > finite_elements.FASTEST
     median, most, median_fast, most_fast = BOUNDS[name]
     for rows, middle, largest in (
         (~fast & out, median, most),
@@ -97,35 +96,21 @@ def test_the_constants_of_the_law_are_those_of_the_fit():
 def test_simulated_impacts_are_those_of_the_finite_elements():
     """Every run, simulated: restitution, force, depth, contact radius and dents."""
     ds = fd.load("finite_element_impacts")
-    modulus, radius, mass = 1e11, 0.01, 0.01
-    ratio = ds["poissons_ratio"].values
-    strain = (1.0 - ratio**2) / ds["stiffness_ratio"].values
-    length, unit = limit_point(modulus, radius, fit.first_pressure(ratio) * strain * modulus)
-    material = fm.Material("one", "100 GPa", 0.3, "7850 kg/m^3", "1 GPa", strain_hardening_exponent=0.1)
-    base = fm.Scene(
-        fm.Sphere(f"{radius} m", velocity="1 m/s", mass=f"{mass} kg"),
-        fm.HalfSpace(material),
-        fm.Contact("elastoplastic", effective_modulus=f"{modulus} Pa", poissons_ratio=0.3),
-        fm.Effects(gravity=False, target_motion=False),
-    )
-    columns = {
-        "impactor.velocity": ds["velocity_ratio"].values * np.sqrt(0.8 * length * unit / mass),
-        "contact.poissons_ratio": ratio,
-        "target.material.yield_strength": strain * modulus,
-        "target.material.strain_hardening_exponent": ds["hardening_exponent"].values,
-    }
-    result = simulate_many(base, columns)
-    assert not (result.status < 0).any()
-    for name, entry, over, compared in (
-        ("coefficient_of_restitution", "coefficient_of_restitution", 1.0, ds["coefficient_of_restitution"].values),
-        ("largest_force", "maximum_force", unit, ds["largest_force"].values),
-        ("largest_depth", "maximum_indentation", length, ds["largest_depth"].values),
-        ("largest_radius", "contact_radius", np.sqrt(radius * length), ds["largest_radius"].values),
-        ("residual_depth", "permanent_indentation", length, ds["largest_depth"].values),
-    ):
-        assert_within_bounds(name, (result.summary[entry] / over - ds[name].values) / compared, ds)
-    left = result.summary["permanent_indentation"] / length / ds["residual_depth"].values - 1.0
+    runs = finite_elements.runs_of(ds)
+    for name, errors in finite_elements.errors(runs, "elastoplastic").items():
+        assert_within_bounds(finite_elements.COMPARED[name], errors, ds)
+    found = finite_elements.simulated(runs, "elastoplastic")
+    left = found["permanent_indentation"] / ds["residual_depth"].values - 1.0
     assert np.abs(left[ds["residual_depth"].values > 0.4 * ds["largest_depth"].values]).max() < 0.05
-    np.testing.assert_array_equal(result.summary["dent_diameter"], 2.0 * result.summary["contact_radius"])
-    pressure = result.summary["maximum_force"] / (np.pi * result.summary["contact_radius"] ** 2)
-    np.testing.assert_allclose(result.summary["mean_pressure"], pressure, rtol=1e-12)
+    by_default = finite_elements.simulated(runs, "auto")
+    for name, values in found.items():
+        np.testing.assert_allclose(by_default[name], values, rtol=5e-4)
+
+
+def test_a_dent_is_as_wide_as_the_contact_was():
+    scene = fm.Scene(fm.Sphere("10 mm", velocity="1 m/s", material="bearing steel"), fm.HalfSpace("mild steel"))
+    summary = fm.simulate(scene).summary
+    assert summary["dent_diameter"] == 2.0 * summary["contact_radius"]
+    assert summary["mean_pressure"] == pytest.approx(
+        summary["maximum_force"] / (np.pi * summary["contact_radius"] ** 2), rel=1e-12
+    )

@@ -12,6 +12,7 @@ from scipy.optimize import least_squares
 
 import film_datasets as fd
 from film_model.laws.elastoplastic import FITTED, Constants, Plastic, pressure_factor, scaled_strain
+from film_model.studies.finite_elements import FASTEST, first_pressure
 
 Arrays = dict[str, np.ndarray]
 
@@ -27,13 +28,8 @@ TOLERANCES = {
 DEPTHS = np.geomspace(1.0, 6000.0, 400)
 """w at which the work is known."""
 
-FAST, WEIGHT_OF_FAST = 1000.5, 0.3
-"""V/V_Y above which a run weighs less: few impacts are as fast."""
-
-
-def first_pressure(poissons_ratio: np.ndarray) -> np.ndarray:
-    """The largest pressure of the dataset's units, over Y."""
-    return 1.295 * np.exp(0.736 * poissons_ratio)
+WEIGHT_OF_FAST = 0.3
+"""Of runs above `FASTEST`: few impacts are as fast."""
 
 
 def predicted(ds: xr.Dataset, constants: Constants = FITTED) -> Arrays:
@@ -72,7 +68,7 @@ def fitted(ds: xr.Dataset) -> Constants:
     """The constants that make the sum of the fourth powers of the errors over their tolerances least."""
     fitted_to = ds.isel(run=ds["held_out"].values == 0)
     start = np.array(astuple(FITTED))
-    weight = np.where(fitted_to["velocity_ratio"].values > FAST, WEIGHT_OF_FAST, 1.0)
+    weight = np.where(fitted_to["velocity_ratio"].values > FASTEST, WEIGHT_OF_FAST, 1.0)
 
     def differences(trial: np.ndarray) -> np.ndarray:
         found = errors(fitted_to, Constants(*trial))
@@ -89,7 +85,7 @@ def main() -> tuple[Constants, Arrays]:
     best = fitted(ds)
     for field in fields(best):
         print(f"    {field.name}: float = {getattr(best, field.name)}")
-    found, held, fast = errors(ds, best), ds["held_out"].values == 1, ds["velocity_ratio"].values > FAST
+    found, held, fast = errors(ds, best), ds["held_out"].values == 1, ds["velocity_ratio"].values > FASTEST
     for title, rows in (("fitted", ~held & ~fast), ("held out", held & ~fast), ("faster", fast)):
         print(f"{title}: {rows.sum()} runs; median, 95th percentile and largest |error|")
         for name, values in found.items():

@@ -1,4 +1,4 @@
-"""film-model validate: the contact laws against measured and computed values."""
+"""film-model validate: the contact laws against measured values and theory."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def add_commands(named: Any) -> None:
     """The command and its options."""
     parser: argparse.ArgumentParser = named.add_parser(
-        "validate", help="compare the contact laws with measured and finite-element values"
+        "validate", help="compare the contact laws with measured values and theory"
     )
     parser.add_argument("--law", default="all", metavar="NAME", help='one law, "auto", or "all" (default)')
     parser.add_argument("--output", metavar="FILE.csv", help="write what every law gives for every value")

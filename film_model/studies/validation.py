@@ -30,7 +30,6 @@ GROUPS: dict[str, Callable[[Row], bool]] = {
     "measured": lambda row: row.usable,
     "measured, used": lambda row: row.usable and not row.held_out,
     "measured, held out": lambda row: row.usable and row.held_out,
-    "finite elements": lambda row: row.kind == "finite_element",
     "theory": lambda row: row.kind == "theory",
 }
 """Groups of rows whose errors are shown."""

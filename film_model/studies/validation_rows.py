@@ -6,6 +6,7 @@ import hashlib
 import tomllib
 from typing import Any, NamedTuple
 
+
 class Row(NamedTuple):
     """One value and its conditions, SI; nan: not given. See datasets/published/measured_impacts.csv."""
 

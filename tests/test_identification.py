@@ -114,6 +114,25 @@ def test_exact_data_give_the_parameters_back(tmp_path: Path) -> None:
     assert one.value == pytest.approx(1e9, rel=1e-3)
 
 
+@pytest.mark.parametrize(("quantity", "heading"), [("coefficient_of_restitution", ""), ("dent_diameter", " [m]")])
+def test_a_hardness_is_fitted_to_rebounds_or_dents(tmp_path: Path, quantity: str, heading: str) -> None:
+    """Also one that contradicts the yield strength of the data sheet, which then goes."""
+    ball = fm.Sphere("10 mm", velocity="1 m/s", material="bearing steel")
+    start = fm.Scene(ball, fm.HalfSpace("mild steel"))
+    truth = start.replace({"target.material.yield_strength": None, "target.material.hardness": "320 HV"})
+    speeds = np.geomspace(0.5, 5.0, 8).tolist()
+    values = fm.simulate_batch(truth, velocity=[f"{v!r} m/s" for v in speeds]).summary[quantity]
+    rows = (f"{v!r},{value!r}" for v, value in zip(speeds, values.tolist(), strict=True))
+    path = tmp_path / "m.csv"
+    path.write_text(f"velocity [m/s],{quantity}{heading}\n" + "\n".join(rows) + "\n", encoding="utf-8")
+    found = fd.identify(fd.from_csv(path), start, ["target.material.hardness"])
+    (one,) = found.parameters
+    assert one.identified and one.value == pytest.approx(320.0 * 9.80665e6 / 0.927, rel=2e-3)
+    assert one.text(one.value) in ("319.9 HV", "320 HV", "320.1 HV")
+    assert found.scene.target.material.yield_strength is None
+    assert found.scene.target.material.strain_rate_coefficient == 0.022
+
+
 def test_a_measurement_without_usable_data_is_refused(tmp_path: Path) -> None:
     (tmp_path / "m.csv").write_text("time [us],force [N]\n0,0\n1,0\n2,0\n", encoding="utf-8")
     with pytest.raises(ValueError, match="contact_force: zero throughout"):

@@ -11,7 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.identification.model import Array, Case, numerics_of
-from film_datasets.identification.parameters import Parameter, offset_name, parameters_of, scene_changes, unit_at
+from film_datasets.identification.parameters import (
+    Parameter,
+    offset_name,
+    parameters_of,
+    scene_changes,
+    unit_at,
+    without_data_sheet,
+)
 from film_datasets.identification.profile import Profile
 from film_datasets.identification.result import FittedParameter, Identification
 from film_datasets.schema import MEASUREMENT, kind_of
@@ -69,7 +76,8 @@ def identify(
     measured: histories, of which every quantity but the time is fitted, or impacts at several velocities. fit: paths
     of numbers such as "contact.yield_strength" or "impactor.velocity", and "time_offset", the time of first touch, one
     for each history. "contact.exponent" is fitted together with "contact.stiffness". each: entries of the scene that
-    differ between the measurements, a value for each: {"impactor.velocity": ["1 m/s", "2 m/s"]}.
+    differ between the measurements, a value for each: {"impactor.velocity": ["1 m/s", "2 m/s"]}. A hardness that is
+    fitted may contradict the yield strength of the material, which the fitted scene then lacks.
 
     Residuals are divided by the largest value of their quantity in all measurements, and the sum of their squares S is
     minimised; positive parameters are searched by their logarithm. The search starts from the scene's own values and
@@ -95,7 +103,8 @@ def identify(
     if intervals not in INTERVALS:
         raise ValueError(f'intervals: {shown(intervals)} is not allowed: "curvature" or "profile" is needed')
     cases = _cases(datasets, each or {}, fit)
-    own = scene.replace(dict(cases[0].changes)) if cases[0].changes else scene
+    changes = {**without_data_sheet(scene, fit), **cases[0].changes}
+    own = scene.replace(changes) if changes else scene
     fitted = _Fit(own, cases, parameters_of(own, fit, datasets))
     return _identification(fitted, _search(fitted), confidence, intervals)
 

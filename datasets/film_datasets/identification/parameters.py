@@ -74,6 +74,20 @@ def parameters_of(scene: Scene, fit: Sequence[str], measured: Sequence[xr.Datase
     return found
 
 
+def without_data_sheet(scene: Scene, fit: Sequence[str]) -> dict[str, None]:
+    """Changes of a scene that remove the yield strength beside a hardness that is fitted, which decides.
+
+    Johnson and Cook's hardening needs the yield strength, so that it stays there.
+    """
+    removed: dict[str, None] = {}
+    for part in ("impactor", "target"):
+        material = getattr(getattr(scene, part), "material", None)
+        given = material is not None and material.yield_strength is not None and material.strength_coefficient is None
+        if given and f"{part}.material.hardness" in fit and f"{part}.material.yield_strength" not in fit:
+            removed[f"{part}.material.yield_strength"] = None
+    return removed
+
+
 def offset_name(number: int, count: int) -> str:
     """The time offset of measurement `number` of `count`, from 0."""
     return TIME_OFFSET if count == 1 else f"{TIME_OFFSET}[{number + 1}]"

@@ -13,6 +13,7 @@ import numpy as np
 from film_datasets.axis_style import finite, label
 from film_datasets.csv_measurement import doubts_of, measured_over
 from film_datasets.identification.model import DIMENSIONS_OF_QUANTITIES, Case, numerics_of
+from film_model.base.hardness import VICKERS
 from film_model.base.units import DIMENSIONS, format_si, si_unit
 from film_model.plot.style import HIGHLIGHT, picture, prefixed_unit
 from film_model.scene import Scene
@@ -50,6 +51,8 @@ class FittedParameter:
         """A value of the parameter with its unit."""
         if not math.isfinite(value):
             return "?"
+        if self.path.endswith(".hardness"):
+            return f"{value / VICKERS:.4g} HV"
         return format_si(value, self.dimension, 5) if self.dimension in DIMENSIONS else f"{value:.5g} {self.unit}"
 
     def limit(self) -> str:

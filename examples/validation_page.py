@@ -1,4 +1,6 @@
-"""Write docs/validation.md and its picture: `python examples/validation_page.py [FOLDER]`.
+"""Write docs/validation.md, its picture, and the errors in docs/understand/choosing_a_law.md.
+
+`python examples/validation_page.py [FOLDER]`.
 
 The laws against the published datasets `measured_impacts` and `finite_element_impacts`, with a section for each kind of
 evidence.
@@ -7,6 +9,7 @@ run that first when a law or the rows change.
 """
 
 import math
+import re
 import statistics
 import sys
 from collections.abc import Callable, Sequence
@@ -19,7 +22,7 @@ from film_datasets.evidence import evidence_rows
 from film_model.plot.validation import plot_validation
 from film_model.problem.law_of_scene import YIELDING
 from film_model.problem.model_intervals import FAMILIES, residuals_of, stored
-from film_model.studies.finite_elements import COMPARED, Runs, errors, runs_of
+from film_model.studies.finite_elements import COMPARED, FASTEST, Runs, errors, runs_of
 from film_model.studies.residuals import coverage, coverage_of_new_sources
 from film_model.studies.validation import (
     AUTO,
@@ -36,6 +39,8 @@ from film_model.studies.validation import (
 from film_model.studies.validation_rows import Row
 
 DOCS = Path(__file__).parent.parent / "docs"
+CHOOSING = DOCS / "understand" / "choosing_a_law.md"
+MARKED = re.compile(r"(<!-- errors: .*? -->\n).*?(<!-- end of errors -->)", re.DOTALL)
 
 TEXT = """# Validation
 
@@ -261,12 +266,37 @@ def page() -> tuple[str, list[LawReport]]:
     return text, reports
 
 
-def main(folder: Path = DOCS) -> tuple[Path, Path]:
-    """Write the page and the picture; returns the paths."""
+def how_sure(reports: Sequence[LawReport]) -> str:
+    """Errors of the laws as Markdown: on measured rebounds of yielding steel, on dents, and on finite elements."""
+    runs = runs_of(fd.load("finite_element_impacts"))
+    kinds = {"rebound": ("coefficient_of_restitution",), "dent": ("dent_diameter", "permanent_indentation")}
+    counts = [sum(p.row.usable and p.row.quantity in own for p in reports[0].predictions) for own in kinds.values()]
+    lines = [
+        "Median and largest error in percent, of measured values (nearly all on steel of known hardness) and of finite",
+        f"elements up to {FASTEST:.0f} yield velocities; `elastoplastic` (`auto`) was fitted to part of these:",
+        "",
+        f"| law | {counts[0]} measured rebounds | {counts[1]} measured dents | restitution, finite elements |",
+        "|---|---|---|---|",
+    ]
+    for report in reports:
+        cells = [
+            error_cell(report.errors(lambda row, own=own: row.usable and row.quantity in own)) for own in kinds.values()
+        ]
+        restitution = np.abs(errors(runs, report.law)["coefficient_of_restitution"][~runs.fast])
+        lines.append(f"| `{report.law}` | {' | '.join(cells)} | {error_cell(restitution.tolist())} |")
+    return "\n".join(lines)
+
+
+def main(folder: Path = DOCS) -> tuple[Path, Path, Path]:
+    """Write the page, the picture, and the errors on the page about the choice of a law; returns the paths."""
     text, reports = page()
+    choosing = folder / CHOOSING.relative_to(DOCS)
+    choosing.parent.mkdir(exist_ok=True)
+    told = MARKED.sub(lambda found: f"{found[1]}{how_sure(reports)}\n{found[2]}", CHOOSING.read_text("utf-8"))
+    choosing.write_text(told, encoding="utf-8")
     (folder / "validation.md").write_text(text, encoding="utf-8")
     plot_validation(reports, folder / "validation.png", dpi=80.0)
-    return folder / "validation.md", folder / "validation.png"
+    return folder / "validation.md", folder / "validation.png", choosing
 
 
 if __name__ == "__main__":

@@ -329,7 +329,8 @@ def test_model_intervals(tmp_path):
 
 
 def test_validation_page(tmp_path):
-    page, picture = example("validation_page").main(tmp_path)
+    page, picture, choosing = example("validation_page").main(tmp_path)
+    assert choosing.read_text("utf-8") == (EXAMPLES.parent / "docs" / "understand" / choosing.name).read_text("utf-8")
     assert page.read_text("utf-8") == (EXAMPLES.parent / "docs" / "validation.md").read_text("utf-8")
     assert is_png(picture) and (EXAMPLES.parent / "docs" / "validation.png").exists()
 

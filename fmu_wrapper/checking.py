@@ -212,8 +212,9 @@ def _compared_motion(
         larger = "impactor_velocity" if name == "relative_velocity" or (roots and name == "target_velocity") else name
         size = max(float(np.abs(motion[n]).max()) for n in {name, larger})
         off = np.abs(ours - theirs[name]) / (size if size > 0.0 else 1.0)
-        if name in _JUMP and component.problem.curve.pulls:
-            off[_near(times, events, ("contact_begins", "contact_ends"))] = 0.0
+        if name in _JUMP:
+            ends = ("contact_begins", "contact_ends") if component.problem.curve.pulls else ()
+            off[_near(times, events, ("stage_changes", *ends))] = 0.0
         if name in _RATES and roots:
             off[_near(times, events, native.EVENTS)] = 0.0
         limit = RATES_TOLERANCE if roots and name in _RATES else allowed
@@ -222,7 +223,8 @@ def _compared_motion(
 
 
 def _near(times: NDArray[np.float64], events: list[tuple[float, str]], kinds: Collection[str]) -> NDArray[np.bool_]:
-    """Times, but for rounding, of such events. The force of a law that pulls jumps where a contact begins or ends; on a
+    """Times, but for rounding, of such events. The force of a law may jump where a
+    stage changes, that of a law that pulls where a contact begins or ends; on a
     static stiffness, also of omitted vibrations, the rate of indentation jumps where that of the contact changes."""
     jumps = np.array([time for time, name in events if name in kinds])
     return (np.abs(times[:, None] - jumps) <= JUMP * times[-1]).any(axis=1)

@@ -11,7 +11,7 @@ from film_model.core import native
 from film_model.effects.effect import FREE, NOT_JUDGED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect, off_state
 from film_model.effects.trial import change, matters
 from film_model.laws.law import AbstractLaw, Stage
-from film_model.laws.yielding import MOST_YIELD_STRAIN, yield_velocity
+from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, yield_velocity
 from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIELDING, can_yield, reaches_yield
 from film_model.problem.problem import Problem
 
@@ -103,7 +103,8 @@ def describe(problem: Problem, kept: bool) -> tuple[Effect, Effect]:
         state, reason = NOT_JUDGED, "missing: a yield strength; the law does not yield"
     elif yields and not able and strength is not None and modulus is not None:
         state = NOT_JUDGED
-        reason = f"S_y/E is {strength / modulus:.3g}, at least {MOST_YIELD_STRAIN}: no law for it; law {law.name}"
+        allowed = f"{LEAST_YIELD_STRAIN:g} to {MOST_YIELD_STRAIN}"
+        reason = f"S_y/E is {strength / modulus:.3g}, not from {allowed}: no law for it; law {law.name}"
     elif not auto or wanted is False:
         given = "has plasticity = false: law hertz" if auto else f"asks for the law {law.name}"
         state, reason = off_state(size, tolerance), f"the scene {given}, which does not yield"

@@ -11,7 +11,7 @@ import numpy as np
 
 from film_model.base.arrays import all_of, exponential, logarithm
 from film_model.laws.law import AbstractLaw, Family, Power, Stage, Unloading
-from film_model.laws.yielding import MOST_YIELD_STRAIN, limit_point
+from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, limit_point
 
 FITTED_RADIUS = 0.4  # a/R
 FITTED_STRAIN = 0.019  # S_y/E
@@ -162,6 +162,8 @@ class Elastoplastic(AbstractLaw):
         strain = self.yield_strength / self.effective_modulus
         if not all_of(strain < MOST_YIELD_STRAIN):
             raise ValueError(f"law elastoplastic: S_y/E is {np.max(strain):.3g}; it must be below {MOST_YIELD_STRAIN}")
+        if not all_of(strain >= LEAST_YIELD_STRAIN):
+            raise ValueError(f"law elastoplastic: S_y/E is {np.min(strain):.3g}; least is {LEAST_YIELD_STRAIN:g}")
         n = self.strain_hardening_exponent
         if not all_of((n >= 0.0) & (n <= MOST_EXPONENT)):
             raise ValueError(f"law elastoplastic: the strain hardening exponent must be from 0 to {MOST_EXPONENT}")

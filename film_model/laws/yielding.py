@@ -10,6 +10,9 @@ from film_model.laws.hertz import hertz_stiffness
 YIELD_PRESSURE_RATIO = 1.1
 """Mean contact pressure at first yield over the yield strength, p_m = 1.1 S_y."""
 
+LEAST_YIELD_STRAIN = 1e-9
+"""S_y/E below which the series of elastoplastic do not reach a = R; any solid has more."""
+
 MOST_YIELD_STRAIN = 0.2
 """S_y/E from which jackson-green and elastoplastic do not hold: fitted were up to 0.009 and 0.019."""
 

@@ -13,7 +13,7 @@ from film_model.base.arrays import ALL, Array, agree, all_of, any_of, column
 from film_model.base.errors import Mistake, SceneError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
 from film_model.laws.law import law_fields
-from film_model.laws.yielding import MOST_YIELD_STRAIN, yield_point
+from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, yield_point
 from film_model.scene import STANDARD_GRAVITY, Scene
 
 ELASTIC, YIELDING = "hertz", "elastoplastic"
@@ -194,7 +194,9 @@ def reaches_yield(scene: Scene) -> Any:
 def can_yield(scene: Scene) -> Any:
     """Whether S_y/E is in the range of the law that yields, for each impact of a scene with arrays."""
     strength, modulus = scene.yield_strength, scene.effective_modulus
-    return strength is None or modulus is None or strength < MOST_YIELD_STRAIN * modulus
+    if strength is None or modulus is None:
+        return True
+    return (strength >= LEAST_YIELD_STRAIN * modulus) & (strength < MOST_YIELD_STRAIN * modulus)
 
 
 def yielding_entries(scene: Scene) -> dict[str, Any]:

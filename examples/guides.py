@@ -43,7 +43,10 @@ def same(one: str, other: str) -> bool:
 
 
 def page(text: str, folder: Path) -> str:
-    """The text of a page with the output of its commands, which run in the folder."""
+    """The text of a page with the output of its commands, which run in the folder.
+
+    Raises ValueError with the output of a command that ends in a traceback.
+    """
 
     def block(match: re.Match[str]) -> str:
         kind, body = match[1], match[2]
@@ -51,6 +54,8 @@ def page(text: str, folder: Path) -> str:
             commands = [line for line in body.splitlines() if line.startswith("$ ")]
             outputs = (run(line[2:], folder) if not line[2:].startswith(INSTALLS) else "" for line in commands)
             lines = [line for pair in zip(commands, outputs, strict=True) for line in pair if line]
+            if any("Traceback (most recent call last)" in line for line in lines):
+                raise ValueError("\n".join(lines))
             written = "```console\n" + "".join(f"{line}\n" for line in lines) + "```"
             return match[0] if same(written, match[0]) else written
         name = FILE.match(body)

@@ -17,6 +17,7 @@ from film_model.base.errors import DamagedFile
 from film_model.base.units import format_si
 from film_model.core import native
 from film_model.effects.choose import choose
+from film_model.problem.curve import jumps
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import mesh_for
 from film_model.solve.component import DEFAULT_SEGMENTS, ImpactComponent, Outputs
@@ -207,14 +208,15 @@ def _compared_motion(
     """Findings from values of the FMU (`theirs`) and of the library (`motion`) at times from the start of the run."""
     findings: list[Finding] = []
     roots = component.modes > 0 or component.problem.compliance > 0.0
+    jumping = ("stage_changes",) if any(jumps(component.problem.curve.stages)) else ()
+    jumping += ("contact_begins", "contact_ends") if component.problem.curve.pulls else ()
     for name, ours in motion.items():
         # the rounding error of a difference of velocities is relative to the larger one
         larger = "impactor_velocity" if name == "relative_velocity" or (roots and name == "target_velocity") else name
         size = max(float(np.abs(motion[n]).max()) for n in {name, larger})
         off = np.abs(ours - theirs[name]) / (size if size > 0.0 else 1.0)
         if name in _JUMP:
-            ends = ("contact_begins", "contact_ends") if component.problem.curve.pulls else ()
-            off[_near(times, events, ("stage_changes", *ends))] = 0.0
+            off[_near(times, events, jumping)] = 0.0
         if name in _RATES and roots:
             off[_near(times, events, native.EVENTS)] = 0.0
         limit = RATES_TOLERANCE if roots and name in _RATES else allowed
@@ -223,11 +225,11 @@ def _compared_motion(
 
 
 def _near(times: NDArray[np.float64], events: list[tuple[float, str]], kinds: Collection[str]) -> NDArray[np.bool_]:
-    """Times, but for rounding, of such events. The force of a law may jump where a
-    stage changes, that of a law that pulls where a contact begins or ends; on a
-    static stiffness, also of omitted vibrations, the rate of indentation jumps where that of the contact changes."""
-    jumps = np.array([time for time, name in events if name in kinds])
-    return (np.abs(times[:, None] - jumps) <= JUMP * times[-1]).any(axis=1)
+    """Times, but for rounding, of such events. The force of some laws jumps where a stage changes, that of a law that
+    pulls where a contact begins or ends; on a static stiffness, also of omitted vibrations, the rate of indentation
+    jumps where that of the contact changes."""
+    moments = np.array([time for time, name in events if name in kinds])
+    return (np.abs(times[:, None] - moments) <= JUMP * times[-1]).any(axis=1)
 
 
 def _compared_events(what: str, ds: xr.Dataset, events: list[Event], known: int, allowed: float) -> list[Finding]:

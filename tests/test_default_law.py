@@ -8,6 +8,7 @@ import pytest
 import film_model as fm
 import fmu_wrapper
 from film_model.effects.choose import choose
+from film_model.laws.elastoplastic import Elastoplastic
 
 E_STAR = 115e9  # Pa
 
@@ -86,6 +87,13 @@ def test_without_poissons_ratio_one_is_assumed_and_said():
     assert fm.simulate(unknown).problem.law == fm.simulate(known).problem.law
     reasons = [next(e.reason for e in choose(scene).effects if e.name == "plasticity") for scene in (unknown, known)]
     assert "assumed Poisson's ratio of 0.3" in reasons[0] and "assumed" not in reasons[1]
+
+
+def test_a_strength_that_no_solid_has_is_refused_by_the_law_and_not_judged():
+    with pytest.raises(ValueError, match=r"S_y/E is 1e-10; least is 1e-09"):
+        Elastoplastic(E_STAR, 0.005, 1e-10 * E_STAR, 0.3)
+    effect = next(e for e in choose(ball(1e-10 * E_STAR)[0]).effects if e.name == "plasticity")
+    assert effect.state == "not judged" and "S_y/E is 1e-10, not from 1e-09 to 0.2" in effect.reason
 
 
 def test_a_body_that_yields_at_a_strain_beyond_the_law_stays_elastic_and_says_so():

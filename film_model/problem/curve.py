@@ -230,16 +230,20 @@ def _name(law: AbstractLaw) -> str:
     return f"law {getattr(law, 'name', type(law).__name__)!r}"
 
 
-def _remarks(law: str, stages: Sequence[Stage], fit_error: float) -> list[str]:
-    """Warnings: the force jumps between stages, the given work is not the force's integral, or a fit is poor."""
-    said: list[str] = []
+def jumps(stages: Sequence[Stage]) -> Iterator[tuple[str, float, float]]:
+    """Names of the stages with which the force jumps, and the force before and after."""
     for before, after in pairwise(stages):
         left, right = (float(values_of(s.force, np.array([after.begin]), s)[0]) for s in (before, after))
         if abs(right - left) > 1e-9 * max(abs(left), abs(right)):
-            said.append(
-                f"{law}: the force jumps by {100 * (right - left) / max(left, 1e-300):+.2f} % where stage "
-                f"{after.name!r} begins"
-            )
+            yield after.name, left, right
+
+
+def _remarks(law: str, stages: Sequence[Stage], fit_error: float) -> list[str]:
+    """Warnings: the force jumps between stages, the given work is not the force's integral, or a fit is poor."""
+    said = [
+        f"{law}: the force jumps by {100 * (right - left) / max(left, 1e-300):+.2f} % where stage {name!r} begins"
+        for name, left, right in jumps(stages)
+    ]
     if fit_error > 1e-11:
         said.append(f"{law}: its functions are fitted with a relative error of {fit_error:.1e} only")
     for stage in stages:

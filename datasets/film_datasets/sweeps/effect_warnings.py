@@ -13,6 +13,7 @@ from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_MODELLED, percent
 from film_model.effects.many import law_warnings_of_each
 from film_model.effects.plausibility import remarks
+from film_model.scene import SLOWEST
 
 MOST_CHECKED = 8
 """Impacts that are checked: each takes 0.1 ms."""
@@ -29,7 +30,7 @@ def effect_warnings(sweep: Sweep) -> list[str]:
     checked = 0
     for impact in _checked_impacts(sweep):
         scene = sweep.scene_of(impact)
-        if scene is None or not scene.approach_velocity > 0.0:
+        if scene is None or not scene.approach_velocity >= SLOWEST:
             continue  # its status gives the reason
         try:
             effects = choose(scene).effects

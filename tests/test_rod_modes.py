@@ -45,6 +45,21 @@ def test_a_matched_end_is_an_infinite_rod():
     assert modes.frequency[0] == 0.0 and modes.share[0] == pytest.approx(1 / 65.0, rel=1e-9)
 
 
+def test_the_first_refinement_with_as_many_modes_as_are_allowed_has_an_estimate():
+    """No wave returns in time: the rod without an end is the same, and its error is 1e-10."""
+    rod = fm.Rod(STEEL, diameter="5.74 mm", length="3.47 m", far_end="18800 N*s/m")
+    ball, effects = (
+        fm.Sphere("3.75 mm", "1.15 m/s", material=STEEL),
+        fm.Effects(boundary_reflections=True, gravity=False),
+    )
+    scene = fm.Scene(ball, rod, fm.Contact("hertz"), effects)
+    with pytest.warns(fm.ImpactWarning, match="accuracy 0.0001 is not reached"):
+        history = fm.simulate(scene)
+    exact = fm.simulate(scene.replace({"effects.boundary_reflections": False, "solver.accuracy": 1e-9}))
+    errors = [abs(value / exact.summary[name] - 1.0) for name, value in history.summary.items() if value]
+    assert 1e-7 < max(errors) < history.accuracy.estimated < 1e-2
+
+
 def on(**rod):
     ball = fm.Sphere("10 mm", "1 m/s", material=STEEL)
     return fm.Scene(ball, fm.Rod(STEEL, diameter="20 mm", **rod), fm.Contact("hertz"), fm.Effects(gravity=False))

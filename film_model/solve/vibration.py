@@ -185,7 +185,7 @@ def _refined(
     """`vibrate` with the highest frequency from and up to two values. limit: as of `run`."""
     (highest, most), tolerance = between, step_tolerance(accuracy)
     coarse = run(problem, modes(highest), REFINED * tolerance, limit)
-    before = dict.fromkeys(differences(problem, coarse.summary, coarse.summary), 1.0)  # as if nothing had agreed
+    before: dict[str, Any] | None = None
     errors: dict[str, float] = {}
     tolerance = max(tolerance * _step_share(problem, coarse, modes(highest)), TIGHTEST)
     while math.isinf(most) and _swiftness(problem, coarse, modes(2.0 * highest)) > FOLLOWED * 2.0 * highest:
@@ -199,11 +199,18 @@ def _refined(
                 raise
             return coarse, _unreached(coarse, errors, accuracy, warnings)
         changes = differences(problem, coarse.summary, fine.summary)
+        last = highest >= most or 4 * fine.work > MOST_WORK or 4 * fine.modes > structures.MOST_MODES
+        if before is None and last:  # the difference to fewer modes than those of the first run is known quickly
+            fewer = run(problem, modes(highest / 4.0), REFINED**2 * tolerance, limit)
+            before = differences(problem, fewer.summary, coarse.summary)
+        if before is None:
+            coarse, before, tolerance = fine, changes, max(tolerance / REFINED, TIGHTEST)
+            continue
         errors = {name: float(error_of(problem, before[name], change)) + tolerance for name, change in changes.items()}
         estimated = max(errors.values())
         if estimated <= accuracy:
             return fine, estimated
-        if highest >= most or 4 * fine.work > MOST_WORK or 4 * fine.modes > structures.MOST_MODES:
+        if last:
             return fine, _unreached(fine, errors, accuracy, warnings)
         coarse, before, tolerance = fine, changes, max(tolerance / REFINED, TIGHTEST)
 

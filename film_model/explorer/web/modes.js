@@ -180,10 +180,11 @@ function vibrate(scene, problem) {
   const cut = 2 * first > support.highest;
   if (cut) highest = support.highest / 4;
   if (highest < rule.unresolved * first) throw new Unsupported("too few natural vibrations of the target are on this page for so short a contact");
-  const follow = (/** @type {number} */ tolerance) => followed(scene, problem, highest, tolerance, limit);
+  const follow = (/** @type {number} */ tolerance, upTo = highest) => followed(scene, problem, upTo, tolerance, limit);
   let tolerance = Math.max(accuracy * rule.step, rule.tightest);
   let coarse = follow(rule.refined * tolerance);
-  let before = Object.fromEntries(DATA.constants.compared.map((/** @type {string} */ name) => [name, 1]));
+  /** @type {Record<string, number>|null} */
+  let before = null;
   tolerance = Math.max(tolerance * stepShare(problem, coarse), rule.tightest);
   const shares = () => structureOf(scene, 2 * highest, rounded(p.time), law.series).shares;
   const quick = () => swiftnessOf(problem, coarse, shares(), 2 * highest) > rule.followed * 2 * highest;
@@ -201,13 +202,21 @@ function vibrate(scene, problem) {
       return { ...followed(scene, problem, coarse.highest, coarse.tolerance, limit), error, warning: unreached(accuracy, coarse) };
     }
     const changes = differencesOf(problem, coarse.core, fine.core);
+    const last = 2 * highest > most || 4 * fine.core.lines * (fine.structure.count + 100) > rule.most_work;
+    if (before === null && last) { // the difference to fewer modes than those of the first run is known quickly
+      before = differencesOf(problem, follow(rule.refined ** 2 * tolerance, highest / 4).core, coarse.core);
+      fine = follow(tolerance); // whose record was overwritten
+    }
+    if (before === null) {
+      [coarse, before, tolerance] = [fine, changes, Math.max(tolerance / rule.refined, rule.tightest)];
+      continue;
+    }
+    const known = before;
     const [factor, fall] = p.damping > 0 ? [rule.damped_factor, rule.damped_fall] : [rule.factor, rule.fall];
-    const errors = Object.entries(changes).map(([name, change]) => factor * Math.max(change, before[name] / fall) + tolerance);
+    const errors = Object.entries(changes).map(([name, change]) => factor * Math.max(change, known[name] / fall) + tolerance);
     error = Math.max(...errors);
     if (error <= accuracy) return { ...fine, error, warning: "" };
-    if (2 * highest > most || 4 * fine.core.lines * (fine.structure.count + 100) > rule.most_work) {
-      return { ...fine, error, warning: unreached(accuracy, fine) };
-    }
+    if (last) return { ...fine, error, warning: unreached(accuracy, fine) };
     [coarse, before, tolerance] = [fine, changes, Math.max(tolerance / rule.refined, rule.tightest)];
   }
 }

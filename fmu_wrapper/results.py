@@ -28,8 +28,9 @@ from fmu_wrapper.variables import STRESSES, reference
 def dataset(fmu: Fmu, rows: list[Row], events: list[Row], interface: str, starts: Mapping[str, float]) -> xr.Dataset:
     """The dataset of a run. interface: of FMI, in words. starts: parameters that were set, SI."""
     touch = next((event["time"] for event in events if event["kind"] == native.EVENTS.index("contact_begins")), 0.0)
-    peak = max(row["maximum_force"] for row in rows if row["contact_count"] <= 1)
-    summary = _summary(events, touch, peak, fmu.data) | _stresses(rows)
+    all_contacts = fmu.data.modes.count > 0  # as in a history: those on a target that vibrates are one impact
+    of_impact = [row for row in rows if all_contacts or row["contact_count"] <= 1]
+    summary = _summary(events, touch, of_impact[-1]["largest_force"], fmu.data, all_contacts) | _stresses(of_impact)
     columns = {
         **_motion(rows, events, touch),
         **{name: math.nan if value is None else value for name, value in summary.items()},
@@ -93,23 +94,26 @@ def _scales(data: resource.Data) -> dict[str, float]:
     }
 
 
-def _summary(events: list[Row], touch: float, peak: float, data: resource.Data) -> dict[str, float | None]:
-    """Summary of the first contact, from its events and from the output maximum_force."""
+def _summary(
+    events: list[Row], touch: float, peak: float, data: resource.Data, all_contacts: bool
+) -> dict[str, float | None]:
+    """Summary of the impact, from its events and its largest force; `contact_duration` is that of the first contact."""
     summary: dict[str, float | None] = dict.fromkeys(SUMMARY)
     names = [native.EVENTS[int(event["kind"])] for event in events]
-    end = names.index("contact_ends") if "contact_ends" in names else len(names)
-    contact = dict(zip(reversed(names[: end + 1]), reversed(events[: end + 1]), strict=True))
+    ended = [k for k, name in enumerate(names) if name == "contact_ends"]
+    end = len(names) if not ended else ended[-1 if all_contacts else 0]
+    first = dict(zip(reversed(names[: end + 1]), reversed(events[: end + 1]), strict=True))
     turns = [e for e, name in zip(events[: end + 1], names, strict=False) if name == "maximum_indentation"]
-    begins, ends = contact.get("contact_begins"), contact.get("contact_ends")
+    begins, ends = first.get("contact_begins"), events[end] if ended else None
     if turns:
         deepest = max(turns, key=lambda event: event["indentation"])
         summary["maximum_indentation"] = deepest["indentation"]
         summary["time_of_maximum_indentation"] = deepest["time"] - touch
         summary["maximum_force"] = max(peak, *(event["contact_force"] for event in events[: end + 1]))
-    if "impactor_stops" in contact:
-        summary["time_impactor_stops"] = contact["impactor_stops"]["time"] - touch
+    if "impactor_stops" in first:
+        summary["time_impactor_stops"] = first["impactor_stops"]["time"] - touch
     if begins is not None and ends is not None:
-        summary["contact_duration"] = ends["time"] - touch
+        summary["contact_duration"] = first["contact_ends"]["time"] - touch
         summary["permanent_indentation"] = _dent(data, summary["maximum_indentation"] or 0.0, ends["indentation"])
         summary["rebound_velocity"] = ends["impactor_velocity"]
         # impactor velocities: at first touch the contact force may already move the target
@@ -129,10 +133,9 @@ def _dent(data: resource.Data, depth: float, end: float) -> float:
 
 
 def _stresses(rows: list[Row]) -> dict[str, float | None]:
-    """Radius, dent, pressures and stresses of the first contact; an output that stays 0 is unknown, but a dent's."""
-    first = [row for row in rows if row["contact_count"] <= 1]
-    found = {name: max(row[name] for row in first) for name in STRESSES}
-    ended = any(native.PHASES[int(row["phase"])] == "separated" for row in first)
+    """Radius, dent, pressures and stresses of the impact; an output that stays 0 is unknown, but a dent's."""
+    found = {name: max(row[name] for row in rows) for name in STRESSES}
+    ended = any(native.PHASES[int(row["phase"])] == "separated" for row in rows)
     known = {name for name, value in found.items() if value > 0.0}
     known |= {"dent_diameter"} if ended and "contact_radius" in known else set()
     return {name: value if name in known else None for name, value in found.items()}

@@ -16,7 +16,7 @@ from fmu_wrapper.instance import Fmu, Row, Slave, started
 from fmu_wrapper.variables import EVENT_TIMES, STRESSES
 
 _EVENT_OUTPUTS = (*EVENT_TIMES, "event_count", "last_event", "time_of_last_event", "stage", "phase", "contact_count")
-_OTHER_OUTPUTS = ("maximum_force", "support_velocity", "validity", *STRESSES)
+_OTHER_OUTPUTS = ("maximum_force", "largest_force", "support_velocity", "validity", *STRESSES)
 RECORDED = (*MOTION, *_EVENT_OUTPUTS, *_OTHER_OUTPUTS)
 """Outputs in each row."""
 

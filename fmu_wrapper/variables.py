@@ -279,12 +279,22 @@ VARIABLES: tuple[Variable, ...] = (
     _summary("rebound_velocity"),
     _summary("permanent_indentation", *_BOTH),
     *(_summary(name, *_BOTH, low=0.0) for name in STRESSES),
+    *(
+        _discrete(
+            f"largest_{of}", Real, dimension, f"largest {of} of all contacts", *_BOTH, low=0.0, changes="at_events"
+        )
+        for of, dimension, text in (
+            ("force", "force", "largest force of all contacts"),
+            ("indentation", "length", "largest indentation of all contacts"),
+        )
+    ),
     _discrete("phase_code", Whole, None, "phase as a whole number", *_BOTH, low=0, high=len(PHASES) - 1),
     _discrete("last_event_code", Whole, None, "last_event as a whole number", low=0, high=len(EVENT_KINDS) - 1),
     _discrete(
         *("validity", Whole, None),
-        "0: the assumptions of the export hold; otherwise the sum of 1: a parameter is outside its range of validity, "
-        "2: the contact yields but the law is elastic, 4: the contact is too wide for the law",
+        "0: the assumptions of the export hold; otherwise the sum of 1: a parameter, or the velocity at first touch "
+        "of a contact, is outside its range of validity, 2: the contact yields but the law is elastic, 4: the contact "
+        "is too wide for the law",
         *_BOTH,
         low=0,
         high=7,

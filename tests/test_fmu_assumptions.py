@@ -4,14 +4,17 @@ import html
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 from cases import combinations
 
 import film_datasets as fd
 import film_model as fm
 import fmu_wrapper
+from film_model.core import native
 from film_model.problem.law_of_scene import YIELDING
 from fmu_wrapper.instance import opened, started
+from fmu_wrapper.variables import reference
 
 BALL = Path(__file__).parents[1] / "examples" / "scenes" / "tungsten_carbide_on_steel.toml"
 
@@ -122,3 +125,34 @@ def test_segments_serve_slow_and_fast_impacts(made):
         with opened(made(ball(velocity))) as fmu, started(fmu, False, {}) as slave:
             counts.append(slave.get(("loading_segments", "unloading_segments")))
     assert counts[0]["loading_segments"] >= 12 and counts[0] == counts[1]
+
+
+def test_every_first_touch_is_judged_by_its_own_velocity(made):
+    """Whatever causes it: the initial velocity, the support, a force; a start at rest is no impact."""
+    path = made(ball("0.3 m/s", **{"contact.work_of_adhesion": "50 J/m^2"}))
+    cases = (
+        ({"initial_velocity": 0.02}, {}, 1),
+        ({"initial_velocity": 0.0}, {"support_velocity": -0.02}, 1),
+        ({"initial_velocity": 0.0}, {"support_velocity": -0.3}, 0),
+        ({"initial_velocity": 0.0}, {}, 0),
+        ({"initial_velocity": 0.0, "initial_gap": "1 mm"}, {"external_force": 0.5}, 0),
+        ({"initial_velocity": -0.3, "initial_gap": "1 um"}, {"external_force": lambda t: 0.0 if t < 0.05 else 0.01}, 0),
+    )
+    for starts, inputs, expected in cases:
+        ds = fmu_wrapper.run(path, start_values=starts, inputs=inputs, stop_time="20 ms", step_size="1 ms")
+        assert ds.attrs["validity"] == expected, (starts, inputs)
+        assert ("at first touch of contact 1" in ds.attrs["warnings"]) == bool(expected)
+
+
+@combinations(version=[2, 3], fast=2)
+def test_a_later_contact_that_is_too_slow_is_said(made, version):
+    """The ball bounces under its weight until adhesion would hold it."""
+    changes = {"contact.law": "hunt-crossley", "contact.restitution": 0.7, "contact.work_of_adhesion": "50 J/m^2"}
+    path = made(ball("0.3 m/s", **changes), version)
+    ds = fmu_wrapper.run(path, stop_time="0.3 s", step_size="5 ms")
+    begins = ds.event_relative_velocity.values[ds.event_kind.values == native.EVENTS.index("contact_begins")]
+    with opened(path) as fmu:
+        low = fmu.data.valid[reference("initial_velocity")][0]
+    first = int(np.argmax(begins < low)) + 1
+    assert 1 < first <= begins.size and ds.attrs["validity"] & 1
+    assert f"initial_velocity: {begins[first - 1]:g} m/s at first touch of contact {first}" in ds.attrs["warnings"]

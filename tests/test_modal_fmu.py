@@ -225,3 +225,18 @@ def test_too_many_vibrations_are_refused(made, monkeypatch):
 def test_check_fmu_on_the_command_line(made, capsys):
     assert main(["check-fmu", str(made(FAST)), "--json"]) == 0
     assert '"vibrations"' in capsys.readouterr().out
+
+
+def test_a_run_has_the_summary_of_all_contacts_on_the_vibrating_target(made):
+    """As a history has: the largest force, the velocity after the last contact, the duration of the first."""
+    plate = fm.Plate("structural steel S235", thickness="3 mm", size=["200 mm", "200 mm"])
+    ball = fm.Sphere("20 mm", "1 m/s", material="bearing steel")
+    on = fm.Scene(ball, plate, fm.Contact("hertz"), fm.Effects(gravity=False))
+    history, ds = fm.simulate(on), fmu_wrapper.run(made(on))
+    begins = [event.time for event in history.events if event.name == "contact_begins"]
+    assert len(begins) > 1 and history.summary["time_of_maximum_indentation"] > begins[1]
+    for name, value in history.summary.items():
+        found = float(ds[name])
+        assert np.isnan(found) or found == pytest.approx(value, rel=1e-9, abs=1e-15), name
+    known = {name for name in history.summary if not np.isnan(float(ds[name]))}
+    assert history.summary.keys() - known == {"energy_absorbed", "energy_radiated", "impulse"}

@@ -153,7 +153,7 @@ int model_initialize(model *m, double time) {
     now->start_time = now->time = time;
     memset(&now->actual, 0, sizeof now->actual);
     now->actual.stage = FILM_FREE;
-    now->actual.validity = model_predict_validity(m);
+    now->actual.validity = model_validity_of_parameters(m);
     memcpy(&now->reported, &now->actual, sizeof now->reported);
     now->announced = 0;
     now->step_force = now->impulse = now->released = now->external = 0.0;

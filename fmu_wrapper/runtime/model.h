@@ -80,7 +80,9 @@ enum { OUTSIDE = 1, YIELDS = 2, WIDE = 4 };     /* assumptions of the export tha
 /* The discrete outputs. */
 typedef struct {
     int32_t phase, stage, contacts, events, last_event, had;
-    int32_t validity, padding; /* sum of OUTSIDE, YIELDS, WIDE */
+    int32_t validity;        /* sum of OUTSIDE, YIELDS, WIDE */
+    int32_t outside_contact; /* number of the first contact that began with a velocity outside its range; 0: none */
+    double outside_speed;    /* that velocity, m/s */
     double value[VARIABLES - SETTABLE]; /* times and values of events, by value reference - SETTABLE */
 } model_record;
 

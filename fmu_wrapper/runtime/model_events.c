@@ -1,10 +1,23 @@
 /* Record of events: the discrete outputs. See model.h. */
 #include "model_parts.h"
 
+#include <math.h>
 #include <string.h>
 
 static void set_value(model_record *record, unsigned reference, double value) {
     record->value[reference - SETTABLE] = value;
+}
+
+static void set_larger(model_record *record, unsigned reference, double value) {
+    set_value(record, reference, fmax(record->value[reference - SETTABLE], value));
+}
+
+/* The largest force of this contact and of all, and the stresses. */
+static void set_largest_force(const model *m, const film_state *state, model_record *record) {
+    double force = state->force_peak * m->memory.force;
+    set_value(record, MAXIMUM_FORCE, force);
+    set_larger(record, LARGEST_FORCE, force);
+    model_record_stresses(m, record);
 }
 
 double model_indentation(const model *m, const film_state *state) {
@@ -26,16 +39,17 @@ void model_record_event(const model *m, const film_state *state, double time, do
         record->contacts = state->contacts;
         record->had = 0;
         set_value(record, TIME_CONTACT_BEGINS, time);
+        model_judge_touch(m, velocity - now->value[SUPPORT_VELOCITY] - now->recoil * now->velocity, record);
         break;
     case FILM_MAXIMUM_INDENTATION:
         if (!(record->had & HAD_MAXIMUM) || indentation > record->value[MAXIMUM_INDENTATION - SETTABLE]) {
             set_value(record, TIME_OF_MAXIMUM_INDENTATION, time);
             set_value(record, MAXIMUM_INDENTATION, indentation);
+            set_larger(record, LARGEST_INDENTATION, indentation);
         }
         record->had |= HAD_MAXIMUM;
         record->validity |= model_validity_at(m, indentation);
-        set_value(record, MAXIMUM_FORCE, state->force_peak * now->force);
-        model_record_stresses(m, record);
+        set_largest_force(m, state, record);
         break;
     case FILM_IMPACTOR_STOPS:
         if (!(record->had & HAD_STOP) && state->branch != FILM_FREE) {
@@ -47,8 +61,7 @@ void model_record_event(const model *m, const film_state *state, double time, do
         set_value(record, TIME_CONTACT_ENDS, time);
         set_value(record, REBOUND_VELOCITY, velocity);
         set_value(record, PERMANENT_INDENTATION, left);
-        set_value(record, MAXIMUM_FORCE, state->force_peak * now->force);
-        model_record_stresses(m, record);
+        set_largest_force(m, state, record);
         break;
     default: break;
     }

@@ -26,8 +26,10 @@ double model_indentation(const model *m, const film_state *state);
 /* scale * prod (p/start)^power, p the first `powers` parameters that scale the march. */
 double model_scaled(const model *m, double scale, const double *power, int powers);
 
-/* Validity: of the parameters and of the first contact, predicted; and of an indentation that was reached, m. */
-int model_predict_validity(model *m);
+/* Validity: of the parameters but the initial velocity; of the relative velocity at a first touch, m/s; and of an
+ * indentation that was reached, m. */
+int model_validity_of_parameters(const model *m);
+void model_judge_touch(const model *m, double speed, model_record *record);
 int model_validity_at(const model *m, double indentation);
 
 /* A vibrating target: its start, new inputs, and a step as film_step; the last two return the core's status. */

@@ -35,6 +35,9 @@ def same_values(one: xr.Dataset, other: xr.Dataset) -> bool:
     )
 
 
+KINDS = pytest.mark.parametrize("kind", [pytest.param("history", marks=pytest.mark.slow), "sweep"])
+
+
 def flip(content: bytes, bit: int) -> bytes:
     changed = bytearray(content)
     changed[bit // 8] ^= 1 << bit % 8
@@ -42,7 +45,7 @@ def flip(content: bytes, bit: int) -> bytes:
 
 
 @pytest.mark.parametrize("reader", ["ours", "xarray"])
-@pytest.mark.parametrize("kind", ["history", "sweep"])
+@KINDS
 def test_a_flipped_bit_of_a_netcdf_file_changes_no_value(tmp_path: Path, kind: str, reader: str) -> None:
     path, rng = sample(kind, ".nc", tmp_path), random.Random(5)
     good, content = fd.read(path), path.read_bytes()
@@ -73,7 +76,7 @@ def test_a_flipped_bit_of_a_netcdf_file_changes_no_value(tmp_path: Path, kind: s
     assert refused > 10
 
 
-@pytest.mark.parametrize("kind", ["history", "sweep"])
+@KINDS
 def test_a_flipped_bit_of_a_zarr_chunk_is_refused(tmp_path: Path, kind: str) -> None:
     pytest.importorskip("zarr")
     path, rng = sample(kind, ".zarr", tmp_path), random.Random(5)

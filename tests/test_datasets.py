@@ -370,6 +370,7 @@ def test_the_accessor_exists_where_xarray_is_imported_later():
     assert done.stdout == "True\n"
 
 
+@pytest.mark.slow
 @EVERY_SCENE
 def test_cf_checker_finds_nothing(path: Path, tmp_path: Path) -> None:
     pytest.importorskip("compliance_checker")

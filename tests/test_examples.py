@@ -115,6 +115,7 @@ def test_method_figures(tmp_path):
     assert min(order for case, order in orders.items() if case != ("Tsuji", "plate")) > 3.9
 
 
+@pytest.mark.slow
 def test_map_tables():
     """The core's tables are what the script writes; without 80-bit numbers, nearly."""
     tables = example("map_tables")

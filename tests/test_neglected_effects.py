@@ -255,6 +255,7 @@ def ring_crack(ratio, radius, depth):
     return max(k, 0.0) ** 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [0.0, 0.2, 0.3, 0.4])
 def test_the_ring_crack_that_a_contact_drives_most(ratio):
     found = optimize.minimize(

@@ -270,7 +270,7 @@ def test_laws_are_compared_at_one_energy() -> None:
         assert _area(force, depth) == pytest.approx(ENERGY, rel=2e-3)
 
 
-@pytest.mark.parametrize("ends", ["clamped", "free"])
+@pytest.mark.parametrize("ends", [pytest.param("clamped", marks=pytest.mark.slow), "free"])
 def test_a_target_that_vibrates(ends: str) -> None:
     """Displacements of impactor and struck point, the energy of the vibrations, and each at the end."""
     beam = fm.Beam("mild steel", "150 mm", "10 mm", "4 mm", ends=ends)

@@ -100,6 +100,7 @@ def test_a_foreign_file_gives_one_message(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["grid", "samples", "segments", "dense"])
 def test_cf_checker_finds_nothing_in_sweeps(name: str, tmp_path: Path) -> None:
     pytest.importorskip("compliance_checker")

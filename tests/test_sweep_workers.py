@@ -192,7 +192,7 @@ def test_killed_at_any_moment_and_resumed(tmp_path: Path, suffix: str) -> None:
     duration = time.monotonic() - begin
     whole = fd.read(tmp_path / f"whole.{suffix}")
     rng = random.Random(4)
-    for number in range(20):
+    for number in range(10):
         path = tmp_path / f"out{number}.{suffix}"
         process = subprocess.Popen(script(path, samples=200_000))
         time.sleep(rng.uniform(0.3, 1.0) * duration)
@@ -201,7 +201,7 @@ def test_killed_at_any_moment_and_resumed(tmp_path: Path, suffix: str) -> None:
         subprocess.run(script(path, samples=200_000), check=True)
         same(fd.read(path), whole)
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted(
-        [f"whole.{suffix}", *(f"out{number}.{suffix}" for number in range(20))]
+        [f"whole.{suffix}", *(f"out{number}.{suffix}" for number in range(10))]
     )
 
 

@@ -12,7 +12,7 @@ import xarray as xr
 from cases import combinations
 
 from film_model.base.materials import catalogue
-from film_model.cli.main import COMMANDS, main, parser
+from film_model.cli.main import COMMANDS, GROUPS, main, parser
 from film_model.laws import LAWS
 from film_model.solve.history import SUMMARY
 
@@ -36,6 +36,24 @@ def test_table(capsys):
     assert line.startswith("warning: law big-alabo: its restitution rises with velocity: from 0.823")
 
 
+def test_six_results_and_what_is_simulated_unless_all_is_asked_for(capsys):
+    short, long = (run(capsys, "run", BALL, *more)[1] for more in ((), ("--verbose",)))
+    assert set(short.splitlines()) < set(long.splitlines())
+    assert len(short.splitlines()) < 14 and "contact begins" not in short and "not needed" not in short
+    names = [name for name in SUMMARY if f"\n  {name.replace('_', ' '):30}" in short]
+    assert len(names) == 6 and "coefficient_of_restitution" in names
+    assert all(f"\n  {name.replace('_', ' '):30}" in long for name in SUMMARY)
+    assert "contact begins" in long and "gravity: not needed" in long
+
+
+def test_every_command_is_in_the_help_once_and_a_similar_one_is_suggested(capsys):
+    commands = sorted(command for commands in COMMANDS.values() for command in commands)
+    assert sorted(command for commands in GROUPS.values() for command in commands) == commands
+    with pytest.raises(SystemExit):
+        main(["runn", "scene.toml"])
+    assert 'film-model: error: "runn" is no command; did you mean "run"?' in capsys.readouterr().err
+
+
 def test_json(capsys):
     status, out, _ = run(capsys, "run", BALL, "--json", "--accuracy", "1e-8")
     table = json.loads(out)
@@ -56,7 +74,7 @@ def test_long_lists_of_events_are_shortened(capsys, tmp_path):
     text = BALL.read_text(encoding="utf-8").replace("0.25 m/s", "1 um/s")
     text = text.replace('"half-space"', '"rod"\ndiameter = "20 mm"').replace('"big-alabo"', '"hertz"')
     scene.write_text(text + "\n[effects]\ngravity = true\n", encoding="utf-8")
-    status, out, _ = run(capsys, "run", scene)
+    status, out, _ = run(capsys, "run", scene, "--verbose")
     assert status == 0 and len(out.splitlines()) < 60
     events = json.loads(run(capsys, "run", scene, "--json")[1])["events"]
     assert f"and {len(events) - 24} more" in out

@@ -593,7 +593,7 @@ def test_unmodelled_effects_are_warnings_in_every_output(target, contact, word, 
         assert main([command, str(path), "--json"]) == 0
         captured = capsys.readouterr()
         assert json.loads(captured.out)["warnings"] == list(warnings) and warning in captured.err
-    assert main(["run", str(path), "--output", str(tmp_path / "impact.nc")]) == 0
+    assert main(["run", str(path), "--verbose", "--output", str(tmp_path / "impact.nc")]) == 0
     captured = capsys.readouterr()
     assert f"{word}: needed but not modelled" in captured.out and warning in captured.err
     assert fd.open(tmp_path / "impact.nc").attrs["warnings"] == "\n".join(warnings)

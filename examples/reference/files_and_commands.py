@@ -10,7 +10,7 @@ from film_datasets.sweeps.axis_reading import SPACINGS
 from film_datasets.sweeps.definition import DESIGNS
 from film_datasets.sweeps.designs import MOST_SAMPLES
 from film_datasets.sweeps.distributions import DISTRIBUTIONS, EMPIRICAL
-from film_model.cli.main import parser
+from film_model.cli.main import GROUPS, parser
 from film_model.solve.history import SUMMARY
 
 COMMANDS = {
@@ -209,11 +209,11 @@ frequency [Hz], modal_mass [kg], shape
 
 def command_page() -> str:
     """Every command with its options and an example."""
-    commands = next(action for action in parser()._actions if isinstance(action, argparse._SubParsersAction))
-    about = {action.dest: action.help or "" for action in commands._choices_actions}
+    commands = next(action for action in parser()._actions if isinstance(action, argparse._SubParsersAction)).choices
     sections = "\n".join(
-        f"## {name}\n\n{_sentence(about[name])}.\n\n```sh\n{COMMANDS[name]}\n```\n\n{_options(command)}"
-        for name, command in commands.choices.items()
+        f"## {name}\n\n{commands[name].description}\n\n```sh\n{COMMANDS[name]}\n```\n\n{_options(commands[name])}"
+        for names in GROUPS.values()
+        for name in names
     )
     return f"""# Command line
 
@@ -222,10 +222,6 @@ or the command line is wrong; 3: the work failed, a file cannot be read or writt
 With `--json` a command prints one JSON object, in SI units, and nothing else.
 
 {sections}"""
-
-
-def _sentence(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}"
 
 
 def _options(command: argparse.ArgumentParser) -> str:

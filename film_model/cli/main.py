@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
 
-from film_model.base.errors import DamagedFile, SceneError, SimulationError
+from film_model.base.errors import DamagedFile, SceneError, SimulationError, did_you_mean
 from film_model.cli.output import DONE, FAILED, WRONG
 from film_model.version import __version__
 
@@ -31,7 +31,15 @@ COMMANDS = {
     "tables": ("check", "convert", "summarise", "table"),
     "catalogues": ("explain", "laws", "materials"),
 }
-"""Modules of `film_model.cli`, in the order of `--help`, and the commands that each adds."""
+"""Modules of `film_model.cli`, and the commands that each adds."""
+
+GROUPS = {
+    "simulate": ("new", "run", "explain", "explore", "laws", "materials"),
+    "data": ("sweep", "tolerance", "identify", "plot", "summarise", "table", "convert", "check"),
+    "other programs": ("export-fmu", "check-fmu", "export-ssp", "export-page", "contact-for"),
+    "how good it is": ("validate", "cost", "hard-cases"),
+}
+"""The commands in the order of `--help`."""
 
 OPTIONS = {"overwrite=True": "--force", "resume=True": "--resume"}
 """Arguments that error messages name for Python, and the corresponding options."""
@@ -78,14 +86,42 @@ def _complain(text: str, status: int) -> int:
     return status
 
 
+class Named:
+    """Collects commands. about: what each does, by name."""
+
+    def __init__(self, whole: argparse.ArgumentParser) -> None:
+        self.about: dict[str, str] = {}
+        self._commands = whole.add_subparsers(
+            required=True, prog="film-model", metavar="COMMAND", help=argparse.SUPPRESS
+        )
+
+    def add_parser(self, name: str, help: str) -> argparse.ArgumentParser:
+        """The parser of one more command."""
+        self.about[name] = help
+        return self._commands.add_parser(name, description=f"{help[:1].upper()}{help[1:]}.")
+
+    def __str__(self) -> str:
+        lines = list[str]()
+        for heading, commands in GROUPS.items():
+            lines += [f"{heading}:", *(f"  {name:14}{self.about[name]}" for name in commands), ""]
+        return "\n".join(lines)
+
+
 def parser(command: str = "") -> argparse.ArgumentParser:
     """The commands and their options; if `command` is one of them, only those of its module, whose import is enough."""
     whole = argparse.ArgumentParser(
-        prog="film-model", description="Simulate the impact of a ball: force, indentation, rebound."
+        prog="film-model",
+        usage="film-model [--help] [--version] COMMAND ...",
+        description="Simulate the impact of a ball: force, indentation, rebound.",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     whole.add_argument("--version", action="version", version=f"film-model {__version__}")
-    named = whole.add_subparsers(required=True, metavar="command")
+    named = Named(whole)
     own = [module for module, commands in COMMANDS.items() if command in commands]
     for module in own or COMMANDS:
         import_module(f"film_model.cli.{module}").add_commands(named)
+    if not own:
+        whole.epilog = f"{named}\nfilm-model COMMAND --help lists the options of a command."
+        if command and not command.startswith("-"):
+            whole.error(f'"{command}" is no command{did_you_mean(command, named.about)}')
     return whole

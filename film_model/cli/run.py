@@ -23,6 +23,12 @@ if TYPE_CHECKING:
 MOST_EVENTS = 24
 """Events in a table; JSON and files contain all of them."""
 
+SHORT = (
+    *("maximum_force", "maximum_indentation", "contact_duration", "permanent_indentation"),
+    *("rebound_velocity", "coefficient_of_restitution"),
+)
+"""Results without --verbose."""
+
 
 def add_commands(named: Any) -> None:
     """The command and its options."""
@@ -41,6 +47,7 @@ def add_commands(named: Any) -> None:
     parser.add_argument(
         "--derivatives", metavar="KEY[,KEY]", help="of the summary, by keys of the scene such as impactor.velocity"
     )
+    parser.add_argument("--verbose", action="store_true", help="print every result, event and effect")
     add_force(parser)
     add_json(parser)
     parser.set_defaults(command=run)
@@ -70,26 +77,48 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         print_json(history.to_dict())
     else:
-        print(_table(history))
+        print(_table(history, options.verbose))
         print(_derivatives(history), end="")
         print_written(options.output, options.plot)
     print_warnings(history.warnings)
     return DONE
 
 
-def _table(history: History) -> str:
-    """Summary, events and computed effects as text."""
-    from film_model.base.units import format_si
+def _table(history: History, verbose: bool) -> str:
+    """The results, and the effects that are simulated; verbose: all results, events and computed effects."""
     from film_model.effects.effect import COMPUTED
-    from film_model.problem.summary import SUMMARY
 
     problem, accuracy = history.problem, history.accuracy
     lines = [history.scene.title or "Impact", f"law {problem.law.name}; {history.outcome.value}", ""]
-    for name, (dimension, _) in SUMMARY.items():
+    lines += _results(history, verbose)
+    lines += [*_events(history), ""] if verbose else [""]
+    lines += [
+        f"  {effect.name.replace('_', ' ')}: {effect.state}; {effect.reason}"
+        for effect in history.effects
+        if effect.name in COMPUTED and (verbose or effect.simulated)
+    ]
+    pieces = "segments" if history.relaxed is None else "steps"
+    means = f"{accuracy.modes} modes" if accuracy.modes else f"{accuracy.lines} {pieces}"
+    lines.append(f"  estimated relative error ≤ {accuracy.estimated:.1e} ({means})")
+    return "\n".join(lines)
+
+
+def _results(history: History, verbose: bool) -> list[str]:
+    from film_model.base.units import format_si
+    from film_model.problem.summary import SUMMARY
+
+    lines = list[str]()
+    for name in SUMMARY if verbose else SHORT:
         value = history.summary[name]
-        text = "-" if value is None else format_si(value, dimension, 6)
+        text = "-" if value is None else format_si(value, SUMMARY[name][0], 6)
         lines.append(f"  {name.replace('_', ' '):30}{text:>16}{history.interval_text(name)}")
-    lines += ["", f"  {'event':24}{'time':>14}{'indentation':>16}{'force':>14}"]
+    return lines
+
+
+def _events(history: History) -> list[str]:
+    from film_model.base.units import format_si
+
+    lines = ["", f"  {'event':24}{'time':>14}{'indentation':>16}{'force':>14}"]
     for event in history.events[:MOST_EVENTS]:
         numbers = (
             f"{format_si(event.time, 'time', 5):>14}{format_si(event.indentation, 'length', 5):>16}"
@@ -99,16 +128,7 @@ def _table(history: History) -> str:
         lines.append(f"  {event.name.replace('_', ' '):24}{numbers}{what}")
     if len(history.events) > MOST_EVENTS:
         lines.append(f"  and {len(history.events) - MOST_EVENTS} more")
-    lines.append("")
-    lines += [
-        f"  {effect.name.replace('_', ' ')}: {effect.state}; {effect.reason}"
-        for effect in history.effects
-        if effect.name in COMPUTED
-    ]
-    pieces = "segments" if history.relaxed is None else "steps"
-    means = f"{accuracy.modes} modes" if accuracy.modes else f"{accuracy.lines} {pieces}"
-    lines.append(f"  estimated relative error ≤ {accuracy.estimated:.1e} ({means})")
-    return "\n".join(lines)
+    return lines
 
 
 def _derivatives(history: History) -> str:

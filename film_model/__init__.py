@@ -28,4 +28,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*__getattr__("__all__"), *globals()})
+    return sorted({*__getattr__("__all__"), *globals()} - {"annotations", "import_module", "Any", "TYPE_CHECKING"})

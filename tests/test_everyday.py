@@ -189,3 +189,22 @@ def test_no_writer_replaces_a_link_or_a_pipe(tmp_path, capsys):
         os.mkfifo(tmp_path / "pipe.nc")
         with pytest.raises(FileExistsError, match="is a device or a pipe"):
             fd.write(HISTORY.to_dataset(), tmp_path / "pipe.nc", overwrite=True)
+
+
+def test_a_file_of_the_other_kind_is_named_in_one_sentence(tmp_path, capsys):
+    scene, sweep = tmp_path / "drop.toml", tmp_path / "heights.toml"
+    scene.write_text(SCENE.to_toml(), encoding="utf-8")
+    sweep.write_text('scene = "drop.toml"\n[over]\n"impactor.velocity" = ["1 m/s", "2 m/s"]\n', encoding="utf-8")
+    assert main(["run", str(sweep)]) == 2
+    said = capsys.readouterr().err
+    assert said == f'{sweep}:2: over: this is a sweep: give it to "film-model sweep" or "film-model tolerance"\n'
+    for command in (["sweep", str(scene), "--output", str(tmp_path / "x.nc")], ["tolerance", str(scene)]):
+        assert main(command) == 2
+        (line,) = capsys.readouterr().err.splitlines()
+        assert "impactor: this is a scene; a sweep names the file of its scene" in line
+
+
+def test_only_names_for_users_are_listed():
+    assert not {"Any", "TYPE_CHECKING", "annotations", "import_module"} & {*dir(fm)} and {"simulate", "laws"} <= {
+        *dir(fm)
+    }

@@ -110,6 +110,8 @@ def _results(history: History, verbose: bool) -> list[str]:
     lines = list[str]()
     for name in SUMMARY if verbose else SHORT:
         value = history.summary[name]
+        if value is None and not verbose:
+            continue
         text = "-" if value is None else format_si(value, SUMMARY[name][0], 6)
         lines.append(f"  {name.replace('_', ' '):30}{text:>16}{history.interval_text(name)}")
     return lines

@@ -86,6 +86,9 @@ class Scene:
     def _from_text(cls, text: str, name: str, folder: str | None) -> Scene:
         """folder: of relative paths; None to refuse paths."""
         table = toml_table(text, name)
+        if "over" in table and "impactor" not in table:
+            why = 'this is a sweep: give it to "film-model sweep" or "film-model tolerance"'
+            raise placed([Mistake(None, None, "over", why)], text, name)
         for key in WITH_FILES:
             section = table.get(key)
             if isinstance(section, dict) and "file" in section:

@@ -85,6 +85,9 @@ def _closest_key(key: str) -> str:
 
 def _key_mistakes(given: Mapping[str, Any], table: Mapping[str, Any]) -> list[Mistake]:
     """Unknown and missing keys of a sweep file; `table` has the misspelt ones under the correct keys too."""
+    if "impactor" in given and "over" not in given:
+        why = "this is a scene; a sweep names the file of its scene and has a section [over]"
+        return [Mistake(None, None, "impactor", why)]
     mistakes = [Mistake(None, None, key, f"unknown key{did_you_mean(key, KEYS)}") for key in given if key not in KEYS]
     for key, kind, what in (("scene", str, "the name of a scene file"), ("over", Mapping, "a section [over]")):
         if key not in table:

@@ -2,6 +2,9 @@
 
 import itertools
 import math
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -288,3 +291,17 @@ def test_the_lowest_vibrations_are_as_exact_as_the_highest():
     exact = 1.0 / np.linalg.eigvalsh(inverse)[::-1][:4]
     np.testing.assert_allclose(ritz._spectrum(energy.copy(), np.ones(len(energy)), 30.0**-4)[0][:4], exact, rtol=1e-10)
     assert abs(np.linalg.eigvalsh(energy)[:4] / exact - 1.0).max() > 1e-6
+
+
+def test_the_same_bits_on_any_number_of_processors():
+    code = (
+        "from film_model.targets.ritz import Panel, panel_modes\n"
+        "panel = Panel(31.4, (1e3, 3e2, 1e3, 3.5e2), (0.2, 0.15), ('clamped',) * 4)\n"
+        "found = panel_modes(panel, (0.06, 0.04), 1.3e6)\n"
+        "print(found.frequency.size, (found.frequency.tobytes() + found.share.tobytes()).hex())"
+    )
+    found = [
+        subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True).stdout
+        for environment in (os.environ | {"OPENBLAS_NUM_THREADS": count} for count in ("1", "2"))
+    ]
+    assert found[0] == found[1] and int(found[0].split()[0]) > 400

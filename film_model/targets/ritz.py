@@ -17,6 +17,7 @@ import numpy as np
 
 from film_model.base.arrays import Array, Index
 from film_model.base.errors import SimulationError, TooManyModes
+from film_model.base.threads import one_thread
 from film_model.targets.line_functions import SIMPLE, Line, line, polynomials
 from film_model.targets.modes import Modes, check_count, projected, sorted_modes
 from film_model.targets.plate_statics import levy_compliance
@@ -91,6 +92,7 @@ class Panel:
 
 
 @lru_cache(maxsize=16)
+@one_thread
 def panel_modes(panel: Panel, position: tuple[float, float], highest: float) -> Modes:
     """The vibrations of a plate up to the frequency `highest` [rad/s], seen from `position` [m].
 

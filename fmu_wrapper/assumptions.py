@@ -14,7 +14,15 @@ from film_model.effects.edge_effects import edged
 from film_model.effects.effect import NOT_MODELLED
 from film_model.effects.trial import change
 from film_model.laws.yielding import yield_point, yield_velocity
-from film_model.problem.law_of_scene import ELASTIC, YIELDING, can_yield, reaches_yield, yielding_entries
+from film_model.problem.law_of_scene import (
+    DAMPED,
+    ELASTIC,
+    YIELDING,
+    can_yield,
+    law_named,
+    reaches_yield,
+    yielding_entries,
+)
 from film_model.problem.problem import Problem
 from film_model.problem.relaxation import relaxation_of
 from film_model.problem.summary import differences
@@ -71,7 +79,8 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
 
     Law "auto" becomes the law that yields, which is elastic below yield; gravity is simulated, and so is the motion of
     the target, unless the scene switches them off. A contact contains neither weight nor target. An impact whose
-    viscoelasticity matters at the scene's velocity has it at all velocities, with Hertz's law.
+    viscoelasticity matters at the scene's velocity has it at all velocities, with Hertz's law; where losses of the
+    materials are simulated at that velocity, they are at all, with their law.
 
     >>> fmu_wrapper.served(scene).contact.law_name
     'elastoplastic'
@@ -81,6 +90,9 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
         effects = effects.changed(viscoelasticity=True)
         if scene.contact.law == "auto":
             scene = scene.replace({"contact.law": ELASTIC})
+    if scene.contact.law == "auto" and choose(scene).problem.law.name == DAMPED:
+        made = law_named(scene, DAMPED).values["restitution"]
+        scene = scene.replace({"contact.law": DAMPED, "contact.restitution": made})
     known = reaches_yield(scene) is not None and can_yield(scene)
     if scene.contact.law == "auto" and effects.plasticity is not False and known:
         scene = scene.replace(yielding_entries(scene))
@@ -117,7 +129,7 @@ def validity_of(scene: Scene) -> Validity:
     if scene.effective_modulus is not None:
         narrow = 10.0 * scene.effect_tolerance * scene.effective_radius  # (a/R)²/10 is the tolerance, a² = R δ
     law = choice.problem.law
-    if getattr(type(law), "family", "") == "elastic" and reaches_yield(scene) is not None:
+    if getattr(type(law), "family", "") in ("elastic", "damped") and reaches_yield(scene) is not None:
         assert scene.effective_modulus is not None and scene.yield_strength is not None
         elastic = yield_point(scene.effective_modulus, scene.effective_radius, scene.yield_strength)[0]
     return Validity(_ranges(scene), elastic, narrow)

@@ -419,14 +419,16 @@ def test_adhesion_against_the_work_of_parting():
     assert by_name(scene.replace({"impactor.velocity": "1 m/s"}))["adhesion"].state == NOT_NEEDED
 
 
-def test_material_damping_against_a_dashpot():
+def test_material_damping_of_a_combined_loss_factor():
     damped = {**STEEL, "loss_factor": 0.004}
     effect = by_name(ball_on(fm.HalfSpace(damped), "1 mm/s", material=damped))["material_damping"]
-    zeta = 0.002  # tan δ = 2 ζ at resonance
-    restitution = math.exp(-math.pi * zeta / math.sqrt(1 - zeta**2))
     assert effect.value == pytest.approx(0.004)
-    assert effect.change == pytest.approx(1 - restitution**2, rel=0.01)
-    assert effect.state == NOT_MODELLED
+    assert effect.change == pytest.approx(2 * 1.2048 * 0.004, rel=0.01)
+    assert effect.state == SIMULATED
+    more = by_name(ball_on(fm.HalfSpace({**damped, "loss_factor": 0.01}), "1 mm/s", material=damped))[
+        "material_damping"
+    ]
+    assert (more.value, more.state) == (pytest.approx(0.007), SIMULATED)
     mixed = by_name(ball_on(fm.HalfSpace({**damped, "loss_factor": 0.0}), "1 mm/s", material=damped))
     assert mixed["material_damping"].value == pytest.approx(0.002)
 

@@ -221,6 +221,7 @@ def simulated(scene, found):
 
 
 BALL = {"radius": "5 mm", "velocity": "1 m/s", "material": "bearing steel"}
+STEEL = {"material": "bearing steel"}
 HELD = {
     "plate": {"kind": "plate", "thickness": "1.5 mm", "size": ["100 mm", "100 mm"], "material": "mild steel"},
     "beam": {"kind": "beam", "length": "200 mm", "width": "20 mm", "thickness": "5 mm", "material": "mild steel"},
@@ -258,6 +259,26 @@ def test_targets_that_vibrate_equal_python(shown, tmp_path, kind):
     window.click("#part-restitution > summary")
     window.wait_for_selector("#chart-restitution path")
     assert window.is_hidden("#part-accuracy") is (kind != "static")
+
+
+def test_losses_of_materials_equal_python(shown, tmp_path):
+    ball = {"radius": "5 mm", "velocity": "0.2 m/s", "material": "PMMA"}
+    write_page(
+        tmp_path / "impact.html", fm.Scene.from_table({"impactor": ball, "target": {"kind": "half-space"} | STEEL})
+    )
+    changes = ("", "impactor.velocity=1", "impactor.velocity=5", "impactor.material.loss_factor=0.2")
+    changes += (
+        "material_damping=false",
+        "impactor.velocity=5&material_damping=true",
+        "gravity=true",
+        "plasticity=false",
+    )
+    fragments = ["scene=scene&" + change for change in changes]
+    window, laws = shown((tmp_path / "impact.html").as_uri()), []
+    for fragment, (found, text) in zip(fragments, window.evaluate(SUMMARIES, fragments), strict=True):
+        check(*simulated(fm.Scene.from_text(text), found), found, fragment)
+        laws.append(found["law"])
+    assert laws == ["tsuji", "tsuji", "elastoplastic", "tsuji", "hertz", "tsuji", "tsuji", "tsuji"]
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)

@@ -404,7 +404,7 @@ def test_the_same_loss_does_not_count_twice():
     def damping(of):
         return {effect.name: effect for effect in choose(scene(material=of)).effects}["material_damping"]
 
-    assert damping(rubber(loss_factor=0.2, prony=None)).state == NOT_MODELLED
+    assert damping(rubber(loss_factor=0.2, prony=None)).state == SIMULATED
     assert damping(rubber(loss_factor=0.2)).state == NOT_NEEDED
 
 

@@ -50,6 +50,7 @@ EXAMPLES = {
     "target_inertia": "false",
     "rate_hardening": "false",
     "viscoelasticity": "false",
+    "material_damping": "false",
     "prony": '[[0.3, "1 ms"], [0.2, "20 ms"]]',
     "tolerance": "0.05",
     "accuracy": "1e-6",

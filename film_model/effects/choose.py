@@ -17,14 +17,14 @@ import numpy as np
 
 from film_model.base.arrays import all_of, any_of, either
 from film_model.base.errors import SimulationError
-from film_model.effects import gravity, plasticity, rate_hardening, target_motion, viscoelasticity
+from film_model.effects import gravity, material_damping, plasticity, rate_hardening, target_motion, viscoelasticity
 from film_model.effects.edge_effects import edged, support_of
 from film_model.effects.effect import COMPUTED, FREE, NOT_NEEDED, Effect
 from film_model.effects.judged import judge
 from film_model.effects.law_range import law_warnings
 from film_model.effects.plausibility import remarks
 from film_model.effects.target_motion import Support
-from film_model.problem.law_of_scene import SceneLaw, laws_of
+from film_model.problem.law_of_scene import DAMPED, SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
 
@@ -78,7 +78,12 @@ class Choice:
 
     @cached_property
     def _plasticity(self) -> tuple[Effect, Effect]:
-        return plasticity.describe(self.yielding, self.decided[2])
+        return plasticity.describe(self.yielding, self.decided[2], self._damps)
+
+    @property
+    def _damps(self) -> bool:
+        """Whether the losses of the materials replace the elastic or the yielding law."""
+        return self.problem.law.name == DAMPED and self.scene.contact.law == "auto"
 
     @property
     def _neglected(self) -> tuple[Effect, ...]:
@@ -86,7 +91,7 @@ class Choice:
         wanted, found = self.scene.effects, list[Effect]()
         found += [self._gravity] if wanted.gravity is False else []
         found += [self._motion] if wanted.target_motion is False else []
-        fixed = wanted.plasticity is False or self.scene.contact.law != "auto"
+        fixed = wanted.plasticity is False or self.scene.contact.law != "auto" or self._damps
         found += self._plasticity if fixed and not plasticity.dissipates(self.problem) else ()
         return _in_order([*found, *self._judged])
 
@@ -94,12 +99,16 @@ class Choice:
     def _judged(self) -> tuple[Effect, ...]:
         """The effects that are decided without the switches and marches of the others, or only estimated."""
         _, moves, keeps_law = self.decided
-        found = [rate_hardening.describe(self.static, self.hard, keeps_law), viscoelasticity.describe(self.problem)]
+        found = [
+            rate_hardening.describe(self.static, self.hard, keeps_law and not self._damps),
+            viscoelasticity.describe(self.problem),
+        ]
         held = self.scene.target.gives_way and self.scene.effects.target_motion is not False and not moves
         why = "the target moves too little to matter"
         found += [effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in self.edges]
         known = {effect.name for effect in self.edges}
-        return (*found, *(effect for effect in judge(self._ending, self.problem.vibrates) if effect.name not in known))
+        judged = (effect for effect in judge(self._ending, self.problem.vibrates) if effect.name not in known)
+        return (*found, *(material_damping.settled(effect, self.problem) for effect in judged))
 
     @property
     def _ending(self) -> Problem:
@@ -157,9 +166,9 @@ def _decided(light: Problem, support: Support) -> Iterator[tuple[Problem, Proble
         keeps_law = plasticity.needed(yielding)
         for plain in _divided(yielding, keeps_law, plasticity.elastic):
             problem = _vibrating(plain) if support.vibrates and moves else plain
-            relaxed, relaxes = viscoelasticity.relaxing(problem)
-            for part in _divided(relaxed, relaxes, lambda _, without=problem: without):
-                yield part, moved, yielding, (heavy, moves, keeps_law)
+            for relaxed in _replaced(problem, *viscoelasticity.relaxing(problem)):
+                for part in _replaced(relaxed, *material_damping.damped(relaxed)):
+                    yield part, moved, yielding, (heavy, moves, keeps_law)
 
 
 def _held(moved: Problem, moves: Any) -> list[Problem]:
@@ -177,6 +186,11 @@ def _divided(problem: Problem, stays: Any, changed: Callable[[Problem], Problem]
         return [problem]
     others = changed(problem)
     return [problem.part(stays), others.part(~stays)] if any_of(stays) else [others]
+
+
+def _replaced(problem: Problem, changed: Problem, where: Any) -> list[Problem]:
+    """The impacts changed where this matters, and the others as they are."""
+    return _divided(changed, where, lambda _: problem)
 
 
 def _vibrating(problem: Problem) -> Problem:

@@ -10,20 +10,22 @@ from typing import NamedTuple
 import numpy as np
 
 from film_model.base.arrays import Array, Mask
-from film_model.problem.law_of_scene import YIELDING, SceneLaw, laws_of
+from film_model.problem.law_of_scene import DAMPED, YIELDING, SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 
 
 class Decision(NamedTuple):
-    """What is simulated in an impact. static: by the target's static stiffness. hard: strength at the strain rate."""
+    """What is simulated in an impact. static: by the target's static stiffness. hard: strength at the strain rate.
+    damps: by the loss factors of the materials."""
 
     gravity: bool
     motion: bool
     static: bool
     yields: bool
     hard: bool
+    damps: bool
 
     def put_into(self, scene: Scene) -> Scene:
         """The scene with this decision in place of "auto"."""
@@ -31,7 +33,7 @@ class Decision(NamedTuple):
         if scene.target.gives_way:
             effects["target_motion"] = self.motion
         if scene.contact.law == "auto":
-            effects["plasticity"] = self.yields
+            effects |= {"plasticity": self.yields, "material_damping": self.damps}
         if scene.target.structural and self.motion:
             effects["boundary_reflections"] = self.static
         if self.static:
@@ -44,6 +46,7 @@ def decisions_of(problem: Problem) -> dict[Decision, Mask]:
     strength, slow = problem.impacts.law.strength, problem.impacts.scene.yield_strength
     hard = False if strength is None or slow is None else strength > slow
     static = problem.curve.native.compliance > 0.0
+    damps = problem.law.name == DAMPED and problem.scene.contact.law == "auto"
     shape = np.shape(problem.approach) or (1,)
     moves = np.isfinite(problem.impedance) | static | problem.vibrates
     gravity, motion, harder = (np.broadcast_to(column, shape) for column in (problem.load > 0.0, moves, hard))
@@ -51,7 +54,7 @@ def decisions_of(problem: Problem) -> dict[Decision, Mask]:
     for each in product((False, True), repeat=3):
         mask = (gravity == each[0]) & (motion == each[1]) & (harder == each[2])
         if mask.any():
-            found[Decision(each[0], each[1], static, problem.law.name == YIELDING, each[2])] = mask
+            found[Decision(each[0], each[1], static, problem.law.name == YIELDING, each[2], damps)] = mask
     return found
 
 

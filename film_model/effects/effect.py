@@ -23,6 +23,7 @@ COMPUTED = {
     "plasticity": 'the contact yields: for law "auto", elastoplastic instead of hertz',
     "rate_hardening": "the yield strength rises with the strain rate of the impact",
     "viscoelasticity": "the modulus of a material with a prony series relaxes during the contact",
+    "material_damping": 'losses of materials with a loss factor: for law "auto", tsuji instead of hertz',
     "fully_plastic": "the contact reaches the last stage of a law that yields",
     "target_motion": "the target moves, by its impedance, its static stiffness or its vibrations",
     "boundary_reflections": "waves return from the edges of a plate or beam before contact ends",

@@ -81,7 +81,7 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     ),
     "contact_width": ("a/h", "half-space laws fail for contacts wider than the plate thickness", contact_width),
     "adhesion": ("V/V_s", "Thornton & Ning 1998; work of separation by Johnson, Kendall & Roberts", adhesion),
-    "material_damping": ("tan δ", "half a cycle of linear hysteresis", material_damping),
+    "material_damping": ("tan δ", "Lee & Radok 1960; Ting 1966, with a modulus t^−β", material_damping),
     "wave_losses": ("E_waves/E", "Lamb's problem, Miller & Pursey 1955", wave_losses),
     "heating": ("plastic work/volume, J/m³", "balance of energy", heating),
     "fracture": (

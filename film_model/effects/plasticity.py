@@ -8,7 +8,16 @@ from typing import Any, ClassVar
 
 from film_model.base.arrays import any_of, either
 from film_model.core import native
-from film_model.effects.effect import FREE, NOT_JUDGED, NOT_NEEDED, SIMULATED, SWITCHED_OFF, Effect, off_state
+from film_model.effects.effect import (
+    FREE,
+    NOT_JUDGED,
+    NOT_MODELLED,
+    NOT_NEEDED,
+    SIMULATED,
+    SWITCHED_OFF,
+    Effect,
+    off_state,
+)
 from film_model.effects.trial import change, matters
 from film_model.laws.law import AbstractLaw, Stage
 from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, yield_velocity
@@ -77,10 +86,10 @@ def left_out(problem: Problem) -> Any:
     return either(yields, change(problem.again(law=YIELDING), problem), 0.0)
 
 
-def describe(problem: Problem, kept: bool) -> tuple[Effect, Effect]:
+def describe(problem: Problem, kept: bool, damps: bool = False) -> tuple[Effect, Effect]:
     """The effects on one impact: plasticity, and full plasticity. problem: before Hertz's law may replace its law.
 
-    kept: whether the problem's law is simulated.
+    kept: whether the problem's law, which yields, matters. damps: whether a damped law replaces it even so.
     """
     scene, law, yields = problem.scene, problem.law, reaches_yield(problem.scene)
     wanted, tolerance, auto = scene.effects.plasticity, scene.effect_tolerance, scene.contact.law == "auto"
@@ -109,6 +118,9 @@ def describe(problem: Problem, kept: bool) -> tuple[Effect, Effect]:
         given = "has plasticity = false: law hertz" if auto else f"asks for the law {law.name}"
         state, reason = off_state(size, tolerance), f"the scene {given}, which does not yield"
         state = NOT_NEEDED if size == 0.0 and not auto else state
+    elif damps and yields:
+        state = NOT_MODELLED if kept else NOT_NEEDED
+        reason = f"the yield velocity is {limit:.4g} m/s, but losses of the materials (material_damping) matter more"
     elif not kept:
         state = NOT_NEEDED
         reason = f"beyond the yield velocity {limit:.4g} m/s, but by less than the tolerance: law hertz"

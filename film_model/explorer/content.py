@@ -23,11 +23,12 @@ from film_model.effects.many import SURE
 from film_model.effects.rate_hardening import MOST_ROUNDS, SETTLED
 from film_model.effects.trial import change
 from film_model.explorer import formulas, support
+from film_model.explorer.formulas import LEAST_RESTITUTION
 from film_model.explorer.inputs import inputs_of, with_yield_strengths
 from film_model.explorer.laws import laws_of
 from film_model.plot.style import COLOURS
 from film_model.problem.families import TERMS, mean_matrix, series_matrix
-from film_model.problem.law_of_scene import ELASTIC, YIELDING
+from film_model.problem.law_of_scene import DAMPED, ELASTIC, YIELDING
 from film_model.problem.model_intervals import COVERED, KINDS, LARGEST, evidence, residuals_of
 from film_model.problem.problem import TRIAL_SEGMENTS
 from film_model.problem.summary import COMPARED, SUMMARY
@@ -42,7 +43,7 @@ from film_model.version import __version__
 SAMPLES = 201
 """Times at which the motion of an impact is sampled that the page cannot simulate."""
 
-SWITCHES = ("plasticity", "target_motion", "gravity", "rate_hardening")
+SWITCHES = ("plasticity", "target_motion", "gravity", "rate_hardening", "material_damping")
 """Effects that the page decides again for every change, by the same formulas."""
 
 
@@ -82,7 +83,7 @@ class Content:
             "materials": {
                 name: {"youngs_modulus": m.youngs_modulus, "poissons_ratio": m.poissons_ratio, "density": m.density}
                 | {"yield_strength": m.flow_strength}
-                | ({} if m.strain_rate_coefficient is None else {"strain_rate_coefficient": m.strain_rate_coefficient})
+                | {n: v for n in ("strain_rate_coefficient", "loss_factor") if (v := getattr(m, n)) is not None}
                 for name, m in catalogue().items()
             },
             "units": {symbol: [float(size), list(powers)] for symbol, (size, powers) in SYMBOLS.items()},
@@ -277,6 +278,8 @@ def _constants() -> dict[str, Any]:
         "tolerance": DEFAULT_TOLERANCE,
         "elastic": ELASTIC,
         "yielding": YIELDING,
+        "damped": DAMPED,
+        "least_restitution": LEAST_RESTITUTION,
         "not_modelled": NOT_MODELLED,
         "vibration": support.constants(),
         "compared": COMPARED,

@@ -23,6 +23,7 @@ from film_model.effects.case import Pulse, absorbed
 from film_model.effects.rate_hardening import factor_at
 from film_model.effects.trial import change
 from film_model.explorer.trace import Recording
+from film_model.laws.damping import loss_restitution
 from film_model.laws.example_ball import example_ball
 from film_model.laws.law import SCENE_FIELDS, AbstractLaw, Stage
 from film_model.laws.yielding import yield_velocity
@@ -87,6 +88,7 @@ def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
     outputs["able"] = can_yield(scene)
     outputs["yields"] = reaches_yield(replace_effects(scene, Effects()))
     outputs["yields_light"] = reaches_yield(replace_effects(scene, Effects(gravity=False)))
+    outputs["loss_restitution"] = 1.0 if scene.loss_factor is None else loss_restitution(scene.loss_factor)
     outputs["zener"] = zener(scene, numbers.impedance)
     outputs |= {"family": family_number(scene), "yield_velocities": yield_velocities(scene)}
     known_rate = scene.rate_hardening

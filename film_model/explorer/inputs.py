@@ -28,9 +28,9 @@ LABELS = {
 }
 
 RATE_ENTRIES = ("strain_rate_coefficient", "rate_multiplier", "rate_exponent")
-MATERIAL_ENTRIES = ("youngs_modulus", "poissons_ratio", "density", "yield_strength", *RATE_ENTRIES)
-OPTIONAL = ("yield_strength", *RATE_ENTRIES)
-"""Entries that may be missing: infinite for the formulas, so that the material does not yield or harden."""
+MATERIAL_ENTRIES = ("youngs_modulus", "poissons_ratio", "density", "yield_strength", "loss_factor", *RATE_ENTRIES)
+OPTIONAL = ("yield_strength", "loss_factor", *RATE_ENTRIES)
+"""Entries that may be missing: infinite for the formulas, so that the material does not yield, harden or damp."""
 
 
 STRENGTHS = ("hardness", "strain_hardening_exponent", "strength_coefficient", "strength_exponent")
@@ -69,7 +69,7 @@ class Input:
             "dimension": self.field.dimension,
             "low": low,
             "high": high,
-            "open": self.field.open_ends or (low == 0.0 and name != "drop_height" and name != "velocity"),
+            "open": self.field.open_ends or (low == 0.0 and name not in ("drop_height", "velocity", "loss_factor")),
             "slider": slider,
             "logarithmic": logarithmic,
             "value": None if value is None or math.isinf(value) else value,

@@ -12,12 +12,14 @@ import numpy as np
 from film_model.base.arrays import ALL, Array, agree, all_of, any_of, column
 from film_model.base.errors import Mistake, SceneError
 from film_model.laws import LAWS, AbstractLaw, BrakeUnloading, Retrace
+from film_model.laws.damping import loss_restitution
 from film_model.laws.law import law_fields
 from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, yield_point
 from film_model.scene import STANDARD_GRAVITY, Scene
 
-ELASTIC, YIELDING = "hertz", "elastoplastic"
-"""What law "auto" means below and above yield; docs/validation.md compares the laws with measurements."""
+ELASTIC, YIELDING, DAMPED = "hertz", "elastoplastic", "tsuji"
+"""What law "auto" means below and above yield, and where the losses of the materials matter more than yield;
+docs/validation.md compares the laws with measurements."""
 
 ASSUMED_POISSONS_RATIO = 0.3
 """Of a body that yields under law "auto" if the scene gives none."""
@@ -168,6 +170,8 @@ def law_values(scene: Scene, law: type[AbstractLaw]) -> dict[str, Any]:
         filled["poissons_ratio"] = ASSUMED_POISSONS_RATIO
     if scene.flow_strength is not None:
         filled |= law.over_strength(scene.flow_strength)
+    if law.name == DAMPED and scene.contact.law == "auto" and scene.loss_factor is not None:
+        filled["restitution"] = loss_restitution(scene.loss_factor)
     return filled | (dict(scene.contact.parameters) if scene.contact.law == law.name else {})
 
 
@@ -211,6 +215,9 @@ def laws_of(scene: Scene) -> Iterator[tuple[AbstractLaw | type[AbstractLaw], Any
     law, plastic = scene.contact.law, scene.effects.plasticity
     if law != "auto":
         yield law if isinstance(law, AbstractLaw) else LAWS[law], True
+        return
+    if scene.effects.material_damping is True and scene.loss_factor is not None and plastic is not True:
+        yield LAWS[DAMPED], True
         return
     if plastic == "auto":
         yields = reaches_yield(scene)

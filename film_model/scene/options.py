@@ -24,7 +24,8 @@ class Effects:
     plate; false makes the plate infinite. target_inertia: of a plate or beam with edges; false makes it follow the
     force by its static stiffness alone. rate_hardening: the yield strength at the strain rate of the impact.
     viscoelasticity: the relaxation of materials with a prony series, under law hertz; false takes their instantaneous
-    moduli.
+    moduli. material_damping: the loss factors of the materials, of law "auto"; true takes them in place of a law that
+    yields.
     tolerance: "auto" simulates an effect if neglecting it would change a summary value by more than this relative
     amount. An effect that would, but cannot be simulated, causes a warning. Default: 1 %, or the requested accuracy if
     that is larger. A finer accuracy does not lower it, so that refining a mesh does not change the physics.
@@ -38,7 +39,7 @@ class Effects:
             name: choice("auto", True, False)
             for name in (
                 *("plasticity", "target_motion", "gravity", "boundary_reflections", "target_inertia"),
-                *("rate_hardening", "viscoelasticity"),
+                *("rate_hardening", "viscoelasticity", "material_damping"),
             )
         },
         "tolerance": measure("dimensionless", 1e-12, 1),
@@ -51,6 +52,7 @@ class Effects:
     target_inertia: Switch
     rate_hardening: Switch
     viscoelasticity: Switch
+    material_damping: Switch
     tolerance: float | None
 
     def __init__(
@@ -63,6 +65,7 @@ class Effects:
         target_inertia: Switch = "auto",
         rate_hardening: Switch = "auto",
         viscoelasticity: Switch = "auto",
+        material_damping: Switch = "auto",
     ) -> None:
         raise_all(fill(self, locals()))
 

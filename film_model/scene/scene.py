@@ -178,6 +178,18 @@ class Scene:
         return 1 / ((1 - one.poissons_ratio**2) / one.youngs_modulus + (1 - two.poissons_ratio**2) / two.youngs_modulus)
 
     @cached_property
+    def loss_factor(self) -> float | None:
+        """Of both bodies: each weighted with its share of the compliance 1/E; one that is not given, and that of a
+        material with a prony series, counts as 0. None if none is given."""
+        known = [m for m in (self.impactor.material, self.target.material) if m is not None]
+        lossy = [m for m in known if m.loss_factor is not None and m.prony is None]
+        if not lossy or self.effective_modulus is None:
+            return None
+        finite = [either(cast("float", m.loss_factor) < math.inf, m.loss_factor, 0.0) for m in lossy]
+        soft = [(1 - m.poissons_ratio**2) / m.youngs_modulus for m in lossy]
+        return sum(loss * part * self.effective_modulus for loss, part in zip(finite, soft, strict=True))
+
+    @cached_property
     def yield_strength(self) -> float | None:
         """Strength at first yield: the value in [contact], or the lower of the materials', Pa; None if unknown."""
         return self._lower_strength("initial_strength")

@@ -65,6 +65,7 @@ function withOwn(law, n) {
     const value = (n.chosen === law.name ? n.values[input.path] : null) ?? input.value;
     if (value !== null) all[input.path.replace("contact.", "own_")] = value;
   }
+  if (law.name === DATA.constants.damped && n.chosen === "auto" && n.loss_restitution < 1) all.own_restitution = n.loss_restitution;
   return all;
 }
 
@@ -138,6 +139,9 @@ function hardeningOf(slow, hard, yields) {
   return Number.isNaN(change) ? {} : { rate_hardening: { simulated: hard !== slow, change } };
 }
 
+/** The velocity after the trial impact, or that before it if contact does not end, m/s. @param {Problem} problem */
+const reboundOf = (problem) => problem.p.velocity * (trial(problem).status === EVENT ? -trial(problem).final_velocity : problem.p.approach);
+
 /** @param {Scene} scene */
 function toleranceOf(scene) {
   return scene.tolerance ?? Math.max(DATA.constants.tolerance, scene.solver.accuracy ?? 0);
@@ -150,11 +154,14 @@ function toleranceOf(scene) {
 function choose(scene, slow) {
   const { plasticity, target_motion: motion, gravity } = scene.effects;
   const tolerance = toleranceOf(scene);
-  const { elastic, yielding } = DATA.constants;
+  const { elastic, yielding, damped } = DATA.constants;
   const yields = gravity === false ? slow.yields_light : slow.yields;
   const automatic = scene.law === "auto";
   const plastic = plasticity === true || (plasticity !== false && yields === true && slow.able);
-  const law = lawOrThrow(scene, slow, automatic ? (plastic ? yielding : elastic) : scene.law);
+  const damping = automatic && slow.loss_restitution < 1 ? scene.effects.material_damping : false;
+  if (damping !== false && slow.loss_restitution < DATA.constants.least_restitution) throw new Unsupported("the losses of the materials are too large here");
+  const forced = damping === true && plasticity !== true;
+  const law = lawOrThrow(scene, slow, !automatic ? scene.law : forced ? damped : plastic ? yielding : elastic);
   const { impedance: own, compliance } = supportOf(scene, slow, law);
   const n = hardened(scene, slow, law, own, compliance) ?? slow;
   const held = motion !== false && scene.base.support !== null;
@@ -182,9 +189,7 @@ function choose(scene, slow) {
 
   const free = lawOf(scene, n, elastic).law;
   let keeps = true;
-  if (automatic && law.name === elastic) {
-    if (yields === false) effects.plasticity = { simulated: false, change: 0 };
-  } else if (law.dissipates && free) {
+  if (!(automatic && law.name !== yielding) && law.dissipates && free) {
     const without = problemOf(free, n, problem.impedance, problem.load, problem.compliance);
     const size = changeOf(problem, without);
     if (automatic && plasticity === "auto") keeps = !(size <= tolerance);
@@ -192,6 +197,17 @@ function choose(scene, slow) {
     if (!keeps) problem = without;
   } else if (yields === false) {
     effects.plasticity = { simulated: false, change: 0 };
+  }
+  if (forced && free) {
+    effects.material_damping = { simulated: true, change: changeOf(problem, problemOf(free, n, problem.impedance, problem.load)) };
+  } else if (damping !== false && !(problem.compliance > 0)) {
+    const lossy = problemOf(lawOrThrow(scene, n, damped), n, problem.impedance, problem.load);
+    const size = changeOf(lossy, problem);
+    const takes = problem.law.name === elastic ? !(size <= tolerance) : plasticity !== true && reboundOf(lossy) < reboundOf(problem);
+    effects.material_damping = { simulated: takes, change: size };
+    if (takes) problem = lossy;
+    keeps &&= !takes;
+    if (effects.plasticity) effects.plasticity.simulated &&= keeps;
   }
   if (n !== slow) Object.assign(effects, hardeningOf(problemOf(law, slow, own, 0, compliance), light, keeps));
   if (moves && held && scene.base.support.modes) problem = problemOf(problem.law, n, Infinity, problem.load, 0, true);

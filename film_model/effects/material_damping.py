@@ -1,0 +1,68 @@
+"""Damping in the materials: under law "auto", the damped law tsuji with the restitution of their loss factors.
+
+The restitution (film_model/laws/damping.py: loss_restitution) does not depend on the velocity, as tan δ does not on the
+frequency. One impact both yields and is damped only if its law does both, which none does here: the law is taken that
+leaves the lower restitution.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from film_model.base.arrays import any_of, either
+from film_model.effects.effect import FREE, NOT_MODELLED, SIMULATED, Effect, off_state
+from film_model.effects.trial import matters
+from film_model.problem.law_of_scene import DAMPED, ELASTIC, YIELDING, law_named
+from film_model.problem.problem import Problem
+from film_model.scene import Scene
+
+
+def hindered(problem: Problem) -> str:
+    """Why the damping of a problem under law "auto" cannot be simulated; empty if it can."""
+    if any_of(problem.compliance > 0.0):
+        return "the target follows the force by its static stiffness"
+    return "a material relaxes" if _relaxes(problem.scene) else ""
+
+
+def _relaxes(scene: Scene) -> bool:
+    bodies = (scene.impactor.material, scene.target.material)
+    return scene.effects.viscoelasticity is not False and any(m is not None and m.prony is not None for m in bodies)
+
+
+def damped(problem: Problem) -> tuple[Problem, Any]:
+    """Impacts with the losses of their materials, and for which of them they are simulated; if for none, the impacts as
+    they are."""
+    scene, law = problem.scene, problem.law.name
+    wanted, known = scene.effects.material_damping, problem.impacts.scene.loss_factor
+    off = wanted is False or scene.contact.law != "auto" or law not in (ELASTIC, YIELDING)
+    if off or known is None or not any_of(known > 0.0) or hindered(problem):
+        return problem, False
+    impacts = problem.impacts.under(law_named(problem.impacts.scene, DAMPED))
+    made = impacts.problem(*problem.given, vibrates=problem.vibrates)
+    if law == ELASTIC:
+        return made, matters(made, problem) if any_of(problem.approach > 0.0) else True
+    if scene.effects.plasticity is True:
+        return problem, False
+    return made, _rebound(made) < _rebound(problem)
+
+
+def _rebound(problem: Problem) -> Any:
+    """Velocity after the trial impact, m/s; that before it if contact does not end."""
+    after = -problem.trial.summary.final_velocity * problem.scales.velocity
+    return either(problem.trial.ends, after, problem.approach * problem.scales.velocity)
+
+
+def settled(effect: Effect, problem: Problem) -> Effect:
+    """The estimated effect with what was decided about it. problem: what is simulated."""
+    scene, law, share = problem.scene, problem.law.name, effect.change
+    if effect.name != "material_damping" or share is None or problem.scene.loss_factor is None:
+        return effect
+    if law == DAMPED and scene.contact.law == "auto":
+        return effect._replace(state=SIMULATED, threshold=None, reason=f"{effect.reason}: law {law}", cost=FREE)
+    if scene.effects.material_damping is False:
+        state = off_state(share, scene.effect_tolerance)
+        return effect._replace(state=state, reason=f"the scene has material_damping = false; {effect.reason}")
+    if effect.state != NOT_MODELLED:
+        return effect
+    why = hindered(problem) if law == ELASTIC and scene.contact.law == "auto" else f"the law {law} has no damping"
+    return effect._replace(reason=f"{effect.reason}; {why}")

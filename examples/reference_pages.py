@@ -85,7 +85,9 @@ def effects_page() -> str:
         f"Indicator: {rule.indicator}. Source: {rule.source}.\n"
         for name, (rule, judge) in rules.items()
     )
-    reflections = inspect.cleandoc(RULES["boundary_reflections"][1].__doc__ or "")
+    damping, reflections = (
+        inspect.cleandoc(RULES[name][1].__doc__ or "") for name in ("material_damping", "boundary_reflections")
+    )
     return f"""# Effects
 
 Made from the code by `python -m examples.reference_pages`. Each effect of a scene has an indicator with its value and
@@ -110,6 +112,8 @@ selects each of them except `fully_plastic`, which is part of the contact law.
 {inspect.cleandoc(rate_hardening.__doc__ or "")}
 
 {inspect.cleandoc(viscoelasticity.__doc__ or "")}
+
+{damping}
 
 Boundary reflections. {reflections}
 

@@ -1,6 +1,7 @@
 """Laws say where their restitution rises with velocity or exceeds one, and where an impact leaves their range."""
 
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -87,3 +88,16 @@ def test_impacts_outside_the_fit_of_a_law_are_named_with_the_number():
     assert any("fitted were up to 110" in s for s in fm.simulate(deep).warnings)
     batch = fm.simulate_batch(fast, velocity=speeds(1.0, 60.0, 2))
     assert any("outside its range" in s for s in batch.warnings)
+
+
+def test_a_law_that_gains_energy_is_told_on_targets_that_vibrate():
+    plate = fm.Plate("mild steel", thickness="20 mm", size=["200 mm", "200 mm"])
+    contact = fm.Contact("stronge", yield_strength="500 MPa")
+    effects = fm.Effects(gravity=False, boundary_reflections=True, target_inertia=True)
+    for velocity, gains in (("0.05 m/s", True), ("0.1 m/s", False)):
+        ball = fm.Sphere("5 mm", velocity=velocity, material="bearing steel")
+        with warnings.catch_warnings(record=True):
+            history = fm.simulate(fm.Scene(ball, plate, contact, effects=effects))
+        assert history.accuracy.modes > 0
+        assert (history.summary["coefficient_of_restitution"] > 1.0) is gains
+        assert any("its unloading returns" in text for text in history.warnings) is gains

@@ -68,7 +68,7 @@ def _radius_of_parting(case: Case, modulus: float) -> float:
 
 
 def material_damping(case: Case, rule: Rule) -> Effect:
-    """Losses of materials with a loss factor tan δ: the fraction 1 − e² of the elastic energy.
+    """Material damping: loss factors tan δ take the fraction 1 − e² of the elastic energy.
 
     e is that of a contact whose modulus relaxes as t^−β, tan δ = tan(πβ/2), integrated by Lee & Radok 1960 and Ting
     1966: 1 − 1.2048 tan δ if tan δ is small, right to 1 % of e up to 0.12. (Half a cycle of linear hysteresis would

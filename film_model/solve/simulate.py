@@ -107,11 +107,14 @@ def simulate_chosen(choice: Choice, solver: Solver) -> History:
     if problem.approach == 0.0 and problem.load <= 0.0:
         raise SimulationError("the impactor has no velocity and no force pushes it: there is no impact")
     scene = scene if solver is scene.solver else replace(scene, solver=solver)
-    warnings: list[str] = []
-    if problem.vibrates:
-        return _on_modes(scene, choice, warnings)
-    if problem.relaxation is not None:
-        return _relaxing(scene, choice, warnings)
+    way = _on_modes if problem.vibrates else _on_lines if problem.relaxation is None else _relaxing
+    history = way(scene, choice, [])
+    return replace(history, remarks=(*history.remarks, *energy_warning(problem, dict(history.summary))))
+
+
+def _on_lines(scene: Scene, choice: Choice, warnings: list[str]) -> History:
+    """The history of an impact that the core marches."""
+    problem, solver = choice.problem, scene.solver
     if solver.segments is not None:
         counts, estimated = (solver.segments, solver.segments), estimate(problem, solver)
     else:
@@ -121,8 +124,6 @@ def simulate_chosen(choice: Choice, solver: Solver) -> History:
     found = _at_events(problem, states)
     events = _events(problem, found)
     values = summary_of(problem, status, _Recorded.of(found, native.State.from_buffer_copy(states[-1]), peak))
-    summary = _known(values)
-    warnings.extend(energy_warning(problem, summary))
     target, outcome = scene.target, _outcome(status)
     if outcome is Outcome.TIME_LIMIT and target.structural and not target.finite:
         warnings.append(
@@ -135,7 +136,7 @@ def simulate_chosen(choice: Choice, solver: Solver) -> History:
         lines=lines,
         events=events,
         outcome=outcome,
-        summary=summary,
+        summary=_known(values),
         accuracy=Accuracy(solver.accuracy, estimated, *counts, lines.size - 1),
         remarks=tuple(warnings),
     )

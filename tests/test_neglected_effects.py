@@ -372,3 +372,19 @@ def test_an_impact_that_a_fixed_target_would_drive_beyond_the_law_is_judged():
     }
     laid = fm.Scene.from_table({"impactor": body, "target": soft})
     assert effect_of(laid, "boundary_reflections").state == SIMULATED
+
+
+def test_waves_of_a_half_space_follow_hunter_and_tell_what_the_weight_adds():
+    def waves(velocity, gravity):
+        ball = fm.Sphere("5 mm", velocity=f"{velocity} m/s", material="bearing steel")
+        return effect_of(
+            fm.Scene(ball, fm.HalfSpace("bearing steel"), effects=fm.Effects(gravity=gravity)), "wave_losses"
+        )
+
+    fast = waves(1.0, False).value
+    for velocity in (1e-6, 1e-4, 1e-2):
+        assert waves(velocity, False).value == pytest.approx(fast * velocity**0.6, rel=1e-3)
+    assert fast == pytest.approx(0.0067, rel=0.01)
+    pressed = waves(1e-6, "auto")
+    assert pressed.value > 1.0 and pressed.change == 1.0 and "the weight presses so much" in pressed.warning
+    assert waves(1e-2, "auto").value == pytest.approx(waves(1e-2, False).value, rel=0.1)

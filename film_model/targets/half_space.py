@@ -50,10 +50,15 @@ class HalfSpace(AbstractTarget):
         return Estimate(reason, least, indicator="sufficient thickness, m")
 
     def wave_losses(self, impact: Impact) -> Estimate:
-        """Energy of the waves radiated into the half-space (`radiated_energy`), over the impact energy."""
+        """Energy of the waves radiated into the half-space (`radiated_energy`), over the impact energy.
+
+        Without weight it varies as V^{3/5}. A weight that presses the ball in further than the impact does work, too,
+        and its waves may take more than the impact energy: then the ball stays.
+        """
         if self.material is None:
             return missing("target.material")
-        size = min(1.0, radiated_energy(self.material, impact) / impact.energy)
-        return Estimate(
-            f"waves in the half-space carry away {100 * size:.2g} % of the impact energy", size, impact.tolerance, size
-        )
+        share = radiated_energy(self.material, impact) / impact.energy
+        why = f"waves in the half-space carry away {100 * share:.2g} % of the impact energy"
+        if share >= 1.0:
+            why = "the weight presses so much that waves in the half-space carry away more than the impact energy"
+        return Estimate(why, share, impact.tolerance, min(1.0, share))

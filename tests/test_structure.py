@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 LADDER = (
-    *("version", "base", "core", "laws", "targets", "scene", "problem", "effects", "solve"),
+    *("version", "base", "core", "laws", "targets", "scene", "problem", "effects", "oblique", "solve"),
     *("jax", "studies", "translate"),
     *("plot", "film_datasets", "methods", "fmu_wrapper", "explorer", "cli"),
 )

@@ -22,6 +22,9 @@ _SAID_ELSEWHERE = re.compile(
 """Units, which the other columns show, and what concerns Python only."""
 
 EXAMPLES = {
+    "shape": '"shell"',
+    "friction": "0.2",
+    "spin": '"3000 rpm"',
     "velocity": '"2 m/s"',
     "drop_height": '"500 mm"',
     "material": '"mild steel"',

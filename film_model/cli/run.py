@@ -91,6 +91,7 @@ def _table(history: History, verbose: bool) -> str:
     problem, accuracy = history.problem, history.accuracy
     lines = [history.scene.title or "Impact", f"law {problem.law.name}; {history.outcome.value}", ""]
     lines += _results(history, verbose)
+    lines += [] if history.oblique is None else ["", history.oblique.text()]
     lines += [*_events(history), ""] if verbose else [""]
     lines += [
         f"  {effect.name.replace('_', ' ')}: {effect.state}; {effect.reason}"

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from film_model.base.units import format_si
 from film_model.effects.case import ABSENT, Case, Rule
-from film_model.effects.effect import Effect
+from film_model.effects.effect import SIMULATED, Effect
 from film_model.effects.elastic_ball import stiffening
 from film_model.laws.hertz import hertz_stiffness
 from film_model.scene import Scene
@@ -125,25 +125,28 @@ def _balls(scene: Scene, modulus: float) -> tuple[list[_Ball], bool]:
 
 
 def obliqueness(case: Case, rule: Rule) -> Effect:
-    """An impact at an angle, of which only the normal component of the velocity is simulated.
+    """An impact at an angle or with spin: simulated with friction in [contact], otherwise only its normal component.
 
-    Left out are the tangential velocity v_t = V sin α, friction and spin. Friction's impulse is at most µ times the
-    normal one, m (1 + e) V cos α, and at most 2/7 of m v_t, which stops the sliding of a solid ball that did not spin:
-    it does so from µ = 2 tan α/(7 (1 + e)). The normal impact is unchanged by friction if both bodies are elastically
-    similar.
+    Left out then are the tangential velocity v_t = V sin α, friction and spin. Friction's impulse is at most µ times
+    the normal one, m (1 + e) V cos α, and at most 2/7 of m v_t, which stops the sliding of a solid ball that did not
+    spin: it does so from µ = 2 tan α/(7 (1 + e)). The normal impact is unchanged by friction if both bodies are
+    elastically similar.
     """
     return oblique(case.scene, rule, case.restitution)
 
 
 def oblique(scene: Scene, rule: Rule, restitution: float | None) -> Effect:
     """The same, also for an impact whose restitution is unknown."""
-    angle = scene.impactor.angle or 0.0
-    if angle == 0.0:
-        return rule.absent("the impact is along the normal")
+    angle, spin, friction = scene.impactor.angle or 0.0, scene.impactor.spin or 0.0, scene.contact.friction
+    if angle == 0.0 and spin == 0.0:
+        return rule.absent("the impact is along the normal, without spin")
+    if friction is not None:
+        why = f"the tangential motion and the spin are simulated with a friction coefficient of {friction:g}"
+        return rule.failing(why, math.degrees(angle), 0.0)._replace(state=SIMULATED, change=None)
     sliding = scene.impactor.path_speed * math.sin(angle)
     why = (
         f"only the normal component, {format_si(scene.impactor.speed, 'velocity')}, is simulated; the tangential "
-        f"velocity of {format_si(sliding, 'velocity')}, friction and spin are not"
+        f"velocity of {format_si(sliding, 'velocity')}, friction and spin are not: give friction in [contact]"
     )
     if restitution is not None:
         sticks = 2.0 * math.tan(angle) / (7.0 * (1.0 + restitution))

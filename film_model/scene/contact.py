@@ -42,7 +42,8 @@ class Contact:
     yield_strength: of the body that yields, Pa; default from the materials. poissons_ratio: of the body that yields;
     default from the materials. unloading: "brake" (Brake's rule) or "retrace", instead of the law's own unloading.
     work_of_adhesion: J/m², of the laws that pull, and to estimate adhesion under others; default from the materials.
-    parameters: the law's own, by name, in SI units.
+    friction: coefficient µ of Coulomb's friction, for an impact at an angle or with spin; without it only the normal
+    motion is simulated. parameters: the law's own, by name, in SI units.
 
     >>> fm.Contact("tsuji", restitution=0.8).parameters
     {'restitution': 0.8}
@@ -55,6 +56,7 @@ class Contact:
         "poissons_ratio": measure("dimensionless", -1, 0.5, open_ends=True),
         "unloading": Field(choice(*UNLOADINGS).read, "the name of an unloading rule is needed"),
         "work_of_adhesion": measure("surface_energy", 0, 1e6),
+        "friction": measure("dimensionless", 0, 100),
     }
 
     law: str | AbstractLaw
@@ -63,6 +65,7 @@ class Contact:
     poissons_ratio: float | None
     unloading: Literal["brake", "retrace"] | None
     work_of_adhesion: float | None
+    friction: float | None
     parameters: Mapping[str, Any] = field(hash=False)
 
     def __init__(
@@ -74,6 +77,7 @@ class Contact:
         poissons_ratio: float | str | None = None,
         unloading: Literal["brake", "retrace"] | None = None,
         work_of_adhesion: Value | None = None,
+        friction: float | str | None = None,
         **parameters: object,
     ) -> None:
         mistakes = fill(self, locals())

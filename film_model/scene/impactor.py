@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, cast
+from typing import ClassVar, Literal, cast
 
 from film_model.base.arrays import cosine, root
 from film_model.base.errors import raise_all
-from film_model.base.fields import Field, fill_ball, measure, mistake, one_of
+from film_model.base.fields import Field, choice, fill_ball, measure, mistake, one_of
 from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
 from film_model.base.units import Value
 
 STANDARD_GRAVITY = 9.80665  # m/s²
 
-STEEPEST = 1.5
-"""Largest angle of impact, rad (86°)."""
+STEEPEST = 1.57
+"""Largest angle of impact, rad (89.95°)."""
+
+SHAPES = {"solid": 0.4, "shell": 2.0 / 3.0}
+"""Bodies → J/(m R²)."""
 
 SLOWEST = 1e-100
 """Least velocity, m/s: the square of a smaller one underflows to 0."""
@@ -27,8 +30,10 @@ class Sphere:
 
     radius: of the contacting surface, m; or, to the constructor, diameter. velocity: towards the target, m/s; or
     drop_height: of a fall from rest, m. mass: kg; default density × sphere volume. material: name or table. angle:
-    between the velocity and the normal of the surface, rad; default 0. Only the normal component, velocity ×
-    cos(angle), is simulated: friction, tangential motion and spin are not.
+    between the velocity and the normal of the surface, rad; default 0. The normal motion is that of the component
+    velocity × cos(angle); with friction in [contact] the tangential motion and the spin are simulated beside it. spin:
+    about the axis across the plane of incidence, rad/s, positive if it adds to sliding; default 0. shape: "solid" ball
+    or thin "shell", which turns as a whole.
 
     >>> fm.Sphere(diameter="20 mm", drop_height="0.5 m", material="bearing steel").speed  # m/s
     3.1315...
@@ -42,6 +47,8 @@ class Sphere:
         "mass": MASS,
         "material": MATERIAL,
         "angle": measure("angle", 0, STEEPEST),
+        "spin": measure("angular_frequency", -1e7, 1e7),
+        "shape": Field(choice(*SHAPES).read, '"solid" or "shell" is needed'),
     }
 
     radius: float
@@ -50,6 +57,8 @@ class Sphere:
     mass: float | None
     material: Material | None
     angle: float | None
+    spin: float | None
+    shape: str | None
 
     def __init__(
         self,
@@ -60,6 +69,8 @@ class Sphere:
         material: MaterialLike | None = None,
         angle: Value | None = None,
         diameter: Value | None = None,
+        spin: Value | None = None,
+        shape: Literal["solid", "shell"] | None = None,
     ) -> None:
         mistakes = fill_ball(self, locals()) + one_of(self, velocity=velocity, drop_height=drop_height)
         if not mistakes and 0.0 < self.speed < SLOWEST:
@@ -78,6 +89,11 @@ class Sphere:
     def speed(self) -> float:
         """The component of that velocity normal to the surface, m/s, which is simulated."""
         return self.path_speed if self.angle is None else self.path_speed * cosine(self.angle)
+
+    @property
+    def inertia_number(self) -> float:
+        """J/(m R²): 2/5 of a solid ball, 2/3 of a thin shell."""
+        return SHAPES[self.shape or "solid"]
 
     @property
     def diameter(self) -> float:

@@ -17,6 +17,7 @@ from film_model.base.late import Late
 from film_model.core import native
 from film_model.effects.choose import Choice
 from film_model.effects.effect import Effect
+from film_model.oblique.result import Oblique
 from film_model.problem.model_intervals import ModelInterval, model_interval
 from film_model.problem.problem import Problem
 from film_model.problem.summary import SUMMARY
@@ -131,6 +132,7 @@ class History:
     viscoelastic, since the motion is then in `vibration` or `relaxed`. On a target that vibrates several contacts may
     follow each other: contact_duration is that of the first; permanent indentation, rebound and energies are those
     after the last. remarks: warnings of this run. derivatives: those that were asked for.
+    oblique: the tangential part of an impact at an angle or with spin, if [contact] has a friction.
     Histories are equal if scene, events, summary and remarks are equal to the last bit.
 
     >>> history = fm.simulate(scene, accuracy=1e-6)
@@ -151,6 +153,7 @@ class History:
     vibration: ModalMotion | None = field(default=None, repr=False, compare=False)
     relaxed: Relaxed | None = field(default=None, repr=False, compare=False)
     derivatives: Derivatives | None = field(default=None, repr=False, compare=False)
+    oblique: Oblique | None = None
 
     if TYPE_CHECKING:
 
@@ -177,7 +180,8 @@ class History:
     def warnings(self) -> tuple[str, ...]:
         """Warnings of the law, about effects that are not modelled, and of this run."""
         own = () if self.derivatives is None else self.derivatives.warnings
-        return tuple(dict.fromkeys((*self.choice.warnings, *self.remarks, *own)))
+        sliding = () if self.oblique is None else self.oblique.warnings
+        return tuple(dict.fromkeys((*self.choice.warnings, *self.remarks, *own, *sliding)))
 
     @property
     def problem(self) -> Problem:
@@ -280,6 +284,7 @@ class History:
                 for name, value in self.summary.items()
             },
             **found,
+            **({} if self.oblique is None else {"oblique": self.oblique.to_dict()}),
             "events": [event.to_dict() for event in self.events],
             "effects": [effect.to_dict() for effect in self.effects],
             "accuracy": {f.name: getattr(self.accuracy, f.name) for f in fields(self.accuracy)},

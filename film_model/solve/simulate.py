@@ -103,6 +103,18 @@ def simulate_quietly(
 
 def simulate_chosen(choice: Choice, solver: Solver) -> History:
     """As :func:`simulate`, for effects that are already chosen."""
+    history = _normal(choice, solver)
+    if history.scene.contact.friction is None:
+        return history
+    from film_model.oblique.friction import oblique_of
+
+    rebound = history.summary["rebound_velocity"]
+    found = oblique_of(history.scene, history.problem, rebound, history.sample_si, history.duration)
+    return replace(history, oblique=found)
+
+
+def _normal(choice: Choice, solver: Solver) -> History:
+    """The normal motion, which friction does not change."""
     problem, scene = choice.problem, choice.scene
     if problem.approach == 0.0 and problem.load <= 0.0:
         raise SimulationError("the impactor has no velocity and no force pushes it: there is no impact")

@@ -1,0 +1,87 @@
+"""The results of an oblique impact beside those of its normal motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from film_model.base import units
+from film_model.base.arrays import Array
+from film_model.base.units import format_si
+
+OBLIQUE: dict[str, tuple[str, str]] = {
+    "tangential_rebound_velocity": ("velocity", "of the centre of the impactor along the surface"),
+    "rebound_spin": ("angular_frequency", "of the impactor; positive if it adds to sliding"),
+    "rebound_angle": ("angle", "between the path of the centre and the normal"),
+    "contact_point_rebound_velocity": ("velocity", "of sliding when contact ends"),
+    "tangential_restitution": ("dimensionless", "tangential velocity of the centre after over before the impact"),
+    "tangential_impulse": ("impulse", "of friction, against sliding"),
+    "maximum_friction_force": ("force", "largest friction force, by its size"),
+    "time_of_maximum_friction_force": ("time", "after first touch"),
+    "friction_work": ("energy", "dissipated by friction"),
+    "impact_number": ("dimensionless", "ψ₁ = v/(κ µ V_n) of the sliding velocity v before; sticks first below 1"),
+    "tangential_parameter": ("dimensionless", "χ = (m/m_t)/(2 κ), with κ = E*/(4 G*)"),
+}
+"""Results of an oblique impact, with dimension and meaning."""
+
+OPEN = 0.01
+"""Difference of two models over the sliding velocity before, from which a warning names both."""
+
+
+@dataclass(frozen=True)
+class Oblique:
+    """The tangential part of an impact. summary: SI floats by the names of `OBLIQUE`. sliding_regime: "sticks first",
+    "slides first" or "slides throughout". events: (time, s, and "sticks", "slips", "slip_reverses" or "slides").
+    motion: arrays over time, s: sliding_velocity, m/s, and friction_force, N. estimated: error of the sliding velocity
+    over that before. low, high: sliding velocity after the impact under two models of a contact that yields; None of
+    others.
+
+    >>> fm.simulate(scene).oblique is None  # no friction is given
+    True
+    """
+
+    summary: Mapping[str, float] = field(hash=False)
+    sliding_regime: str
+    events: tuple[tuple[float, str], ...] = field(repr=False)
+    motion: Mapping[str, Array] = field(repr=False, hash=False, compare=False)
+    estimated: float
+    low: float | None = None
+    high: float | None = None
+
+    def __getattr__(self, name: str) -> Any:
+        """A result as a pint quantity, by its name in `OBLIQUE`."""
+        if name in OBLIQUE:
+            return units.quantity(self.summary[name], OBLIQUE[name][0])
+        raise AttributeError(name)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values, for JSON."""
+        values = {
+            name: {"value": value, "units": units.si_unit(OBLIQUE[name][0])} for name, value in self.summary.items()
+        }
+        events = [{"name": name, "time": time} for time, name in self.events]
+        return {**values, "sliding_regime": self.sliding_regime, "events": events, "estimated_error": self.estimated}
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """How far two models of a contact that yields differ, if they do."""
+        before = abs(self.motion["sliding_velocity"][0])
+        if self.low is None or self.high is None or self.high - self.low <= OPEN * before:
+            return ()
+        low, high = (format_si(end, "velocity", 3) for end in (self.low, self.high))
+        return (
+            f"friction: how stiff a contact that yields is along the surface is not known; two models give a sliding "
+            f"velocity after the impact of {low} and {high}",
+        )
+
+    def text(self) -> str:
+        """The results in lines, for a terminal."""
+        lines = [f"  {name.replace('_', ' '):32}{_shown(name, value):>14}" for name, value in self.summary.items()]
+        return "\n".join([f"  oblique: {self.sliding_regime}", *lines])
+
+
+def _shown(name: str, value: float) -> str:
+    dimension = OBLIQUE[name][0]
+    return f"{math.degrees(value):.6g} deg" if dimension == "angle" else format_si(value, dimension, 6)

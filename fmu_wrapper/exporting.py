@@ -66,7 +66,7 @@ def export(
     Raises ValueError for an invalid argument; FileExistsError; SimulationError as `simulate` does, for an impact on a
     free body and for a contact of viscoelastic bodies; ImportError if matplotlib or ziglang is missing.
     """
-    scene.refuse_friction("an FMU contains")
+    scene.contact.refuse_friction("an FMU contains")
     target = Path(path)
     if fmi_version not in (2, 3):
         raise ValueError(f"fmi_version: {fmi_version!r} is not allowed: 2 or 3 is needed")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -185,6 +186,8 @@ def exchanged(
         if fmu.messages:
             raise SimulationError(f"{fmu.path}: {fmu.messages[-1]}") from error
         raise
+    finally:
+        _restore_logger()
     rows = [{name: float(row[name]) for name in ("time", *RECORDED)} for row in result]
     events = _events_at_start(rows[0])
     for before, after in itertools.pairwise(rows):
@@ -192,3 +195,25 @@ def exchanged(
         names = _simultaneous_events(before, after) if times is None else list(times)
         events += [_event(after["time"], name, after) for name in names]
     return rows, events
+
+
+@cache
+def _own_logger() -> Any:
+    from fmpy.fmi2 import fmi2CallbackLoggerTYPE, printLogMessage
+
+    return fmi2CallbackLoggerTYPE(printLogMessage)
+
+
+def _restore_logger() -> None:
+    """Give FMPy its own logger back: it keeps one for all FMUs of FMI 2, which is ours after a run, and gone by then.
+
+    A message of the next FMU that FMPy runs by itself would go to memory that something else uses.
+    """
+    from ctypes import byref
+
+    from fmpy.fmi2 import fmi2CallbackFunctions
+    from fmpy.logging import addLoggerProxy
+
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = _own_logger()
+    addLoggerProxy(byref(callbacks))

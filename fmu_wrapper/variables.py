@@ -283,10 +283,7 @@ VARIABLES: tuple[Variable, ...] = (
         _discrete(
             f"largest_{of}", Real, dimension, f"largest {of} of all contacts", *_BOTH, low=0.0, changes="at_events"
         )
-        for of, dimension, text in (
-            ("force", "force", "largest force of all contacts"),
-            ("indentation", "length", "largest indentation of all contacts"),
-        )
+        for of, dimension in (("force", "force"), ("indentation", "length"))
     ),
     _discrete("phase_code", Whole, None, "phase as a whole number", *_BOTH, low=0, high=len(PHASES) - 1),
     _discrete("last_event_code", Whole, None, "last_event as a whole number", low=0, high=len(EVENT_KINDS) - 1),

@@ -103,7 +103,7 @@ class Content:
 
     def _scene(self, name: str, scene: Scene) -> dict[str, Any]:
         """A scene with what was decided for it."""
-        scene.refuse_friction("a page shows")
+        scene.contact.refuse_friction("a page shows")
         whole, scene = scene, with_yield_strengths(scene)
         choice = choose(scene)
         hardening = change(choose(whole).light, choice.light) if whole.strain_hardening_exponent > 0.0 else 0.0

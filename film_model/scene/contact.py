@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, ClassVar, Literal, cast
 
-from film_model.base.errors import Mistake, did_you_mean, raise_all, shown
+from film_model.base.errors import Mistake, SimulationError, did_you_mean, raise_all, shown
 from film_model.base.fields import Field, choice, fill, key_text, measure, table_of, words, written
 from film_model.base.units import Value, array_to_si, needed, power_stiffness_to_si, power_stiffness_unit, to_si
 from film_model.laws import LAWS, AbstractLaw, Parameter
@@ -101,6 +101,14 @@ class Contact:
     def has(self, name: str) -> bool:
         """Whether the law has a value of this name. Not defined for law "auto"."""
         return name in self._law.__dataclass_fields__
+
+    def refuse_friction(self, what: str) -> None:
+        """Raise SimulationError if friction is given to what simulates the normal motion only."""
+        if self.friction is not None:
+            raise SimulationError(
+                f"{what} the normal motion only, but contact.friction is {self.friction:g}: leave it out, "
+                "or use simulate or film-model run"
+            )
 
     @property
     def from_strength(self) -> list[str]:

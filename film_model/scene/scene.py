@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from film_model.base.arrays import either, endless, lesser, root
-from film_model.base.errors import Mistake, SceneError, SimulationError, did_you_mean, raise_all, shown
+from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.fields import build, key_text, mistake, table_of
 from film_model.base.late import Late
 from film_model.base.materials import Material
@@ -293,14 +293,6 @@ class Scene:
         if self.effects.tolerance is not None:
             return self.effects.tolerance
         return max(DEFAULT_TOLERANCE, self.solver.accuracy or 0.0)
-
-    def refuse_friction(self, what: str) -> None:
-        """Raise SimulationError if friction is given to what simulates the normal motion only."""
-        if self.contact.friction is not None:
-            raise SimulationError(
-                f"{what} the normal motion only, but contact.friction is {self.contact.friction:g}: "
-                "leave it out, or use simulate or film-model run"
-            )
 
     def _wrong_types(self) -> list[Mistake]:
         kinds: dict[str, type] = {

@@ -182,7 +182,7 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     There is at least one column. All have the same length, values within the ranges of scenes, and a path that has a
     number in `scene`. solver: default the scene's. Raises SimulationError for a scene with friction.
     """
-    scene.refuse_friction("a batch or a sweep has")
+    scene.contact.refuse_friction("a batch or a sweep has")
     solver = solver or scene.solver
     count = len(next(iter(columns.values())))
     status = np.full(count, native.BAD_NUMBER, np.int32)

@@ -92,7 +92,7 @@ class ImpactComponent:
         segments: int | tuple[int, int] | None = None,
         linearisation: Linearisation | None = None,
     ) -> None:
-        scene.refuse_friction("a component steps")
+        scene.contact.refuse_friction("a component steps")
         if scene.target.free:
             raise SimulationError("a free body as target cannot be stepped: simulate() gives its motion")
         self.scene = scene

@@ -53,7 +53,8 @@ class SceneLaw:
     def of(cls, scene: Scene, law: AbstractLaw | type[AbstractLaw]) -> SceneLaw:
         """A law with its values from the scene."""
         values = {} if isinstance(law, AbstractLaw) else law_values(scene, law)
-        rule, sphere = scene.contact.unloading_name, dict[str, Any]()
+        chosen = scene.contact.law == "auto" and law.damped  # takes no rule of unloading
+        rule, sphere = None if chosen else scene.contact.unloading_name, dict[str, Any]()
         if rule == "brake":
             sphere = {"effective_modulus": scene.effective_modulus, "radius": scene.effective_radius}
         return cls(law, values, rule, sphere)

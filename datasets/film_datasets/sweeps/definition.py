@@ -24,7 +24,7 @@ from film_datasets.sweeps.distributions import correlated, correlation_factor
 from film_model.base.arrays import Index
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.effects.edge_effects import edged
-from film_model.problem.law_of_scene import ELASTIC, YIELDING
+from film_model.problem.law_of_scene import DAMPED, ELASTIC, YIELDING
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.scene.paths import number_text
@@ -165,7 +165,7 @@ class Sweep:
         names: list[str] = []
         for number in self.combinations_used:
             contact = self.combination(number).contact
-            names += [ELASTIC, YIELDING] if contact.law == "auto" else [contact.law_name]
+            names += [ELASTIC, YIELDING, DAMPED] if contact.law == "auto" else [contact.law_name]
         return tuple(dict.fromkeys(names))
 
     @cached_property

@@ -27,7 +27,7 @@ OBLIQUE: dict[str, tuple[str, str]] = {
 """Results of an oblique impact, with dimension and meaning."""
 
 OPEN = 0.01
-"""Difference of two models over the sliding velocity before, from which a warning names both."""
+"""Difference of two models, or error, over the sliding velocity before, from which a warning names it."""
 
 
 @dataclass(frozen=True)
@@ -66,15 +66,17 @@ class Oblique:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """How far two models of a contact that yields differ, if they do."""
-        before = abs(self.motion["sliding_velocity"][0])
-        if self.low is None or self.high is None or self.high - self.low <= OPEN * before:
-            return ()
-        low, high = (format_si(end, "velocity", 3) for end in (self.low, self.high))
-        return (
-            f"friction: how stiff a contact that yields is along the surface is not known; two models give a sliding "
-            f"velocity after the impact of {low} and {high}",
-        )
+        """How far two models of a contact that yields differ, and a large error, if they do or there is one."""
+        before, said = abs(self.motion["sliding_velocity"][0]), list[str]()
+        if self.estimated > OPEN:
+            said.append(f"friction: the sliding velocity is known to {100 * self.estimated:.2g} % of that before only")
+        if self.low is not None and self.high is not None and self.high - self.low > OPEN * before:
+            low, high = (format_si(end, "velocity", 3) for end in (self.low, self.high))
+            said.append(
+                "friction: how stiff a contact that yields is along the surface is not known; two models give a "
+                f"sliding velocity after the impact of {low} and {high}"
+            )
+        return tuple(said)
 
     def text(self) -> str:
         """The results in lines, for a terminal."""

@@ -243,3 +243,10 @@ def test_what_cannot_be_simulated_is_refused_in_a_sentence(tmp_path):
         fm.Contact("hertz", friction=-0.1)
     with pytest.raises(fm.SceneError, match='"solid" or "shell" is needed'):
         fm.Sphere("5 mm", "1 m/s", material=STEEL, shape="cube")
+
+
+def test_no_event_is_missed_where_sliding_stops_at_the_turn():
+    """ψ₁ = 2χ: the contact sticks for a moment only. ψ₂ has no jump there."""
+    chi = 1.0675
+    found = [after(chi, before) for before in np.linspace(2.0 * chi - 0.02, 2.0 * chi + 0.02, 9)]
+    assert np.abs(np.diff(found, 2)).max() < 1e-4

@@ -28,6 +28,9 @@ TOLERANCE = 1e-12
 NODES = 64
 """Times at which a recorded piece is known, between which others are searched."""
 
+LONGEST_STEP = 0.1
+"""Of the integration; contact takes about 3."""
+
 LONGEST = 50.0
 """Time after which the end of a phase is not found."""
 
@@ -214,7 +217,7 @@ class _Path:
 
         found = solve_ivp(
             motion, (t, t + LONGEST), y, "DOP853", dense_output=True, events=self._events(slip),
-            rtol=TOLERANCE, atol=TOLERANCE * 1e-2, max_step=0.2,
+            rtol=TOLERANCE, atol=TOLERANCE * 1e-2, max_step=self._longest_step(y, slip),
         )  # fmt: skip
         event = next((k for k, times in enumerate(found.t_events) if times.size), None)
         if event is None:
@@ -225,6 +228,12 @@ class _Path:
         elif last[0] > begun:
             self.pieces.append(Stuck(begun, float(last[0]), t, end, found.sol))
         return Phase(kind, slip, t, end, found.sol), last, event
+
+    def _longest_step(self, y: Any, slip: Slip | None) -> float:
+        """A step that passes over no event: sticking ends before the turn, which may be near."""
+        f = self.normal.law(float(y[0]))[0]
+        left = self.speed(float(y[0]), float(y[1])) / f if slip is None and f > 0.0 else math.inf
+        return min(LONGEST_STEP, 0.1 * left)
 
     def _events(self, slip: Slip | None) -> list[Any]:
         """Functions that fall to 0 at the events, in the order of their numbers."""

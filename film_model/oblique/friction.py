@@ -25,6 +25,9 @@ STICKS, SLIDES, THROUGHOUT = "sticks first", "slides first", "slides throughout"
 SLIDING = 1e-6
 """The impulse of friction is that of sliding throughout if it lacks less than this share of µ times the normal one."""
 
+MISSED = 1e-6
+"""Force beyond the limit of friction, over the largest limit, that rounding does not explain."""
+
 POINTS = 65
 """Times in each phase of an exact solution at which its motion is recorded."""
 
@@ -117,9 +120,8 @@ def oblique_of(
     if rebound is None:
         raise SimulationError("friction needs a contact that ends")
     exact = _power(problem)
-    if exact is not None:
-        return _exactly(scene, given, problem, exact, rebound)
-    return _by_springs(scene, given, problem, rebound, sample, duration)
+    found = None if exact is None else _exactly(scene, given, problem, exact, rebound)
+    return found or _by_springs(scene, given, problem, rebound, sample, duration)
 
 
 def _power(problem: Problem) -> Power | None:
@@ -134,7 +136,8 @@ def _power(problem: Problem) -> Power | None:
     return force if convex and not force.origin else None
 
 
-def _exactly(scene: Scene, given: Sliding, problem: Problem, force: Power, rebound: float) -> Oblique:
+def _exactly(scene: Scene, given: Sliding, problem: Problem, force: Power, rebound: float) -> Oblique | None:
+    """The exact motion; None if an event was missed, which leaves a force beyond the limit of friction."""
     scales, unit = problem.scales, given.friction * given.ratio
     if given.friction == 0.0:
         return _without_friction(scene, given, problem, rebound)
@@ -154,6 +157,9 @@ def _exactly(scene: Scene, given: Sliding, problem: Problem, force: Power, rebou
         raise SimulationError(str(error)) from None
     times = [np.linspace(phase.begin, phase.end, POINTS) for phase in found.phases]
     rows = np.array([phase.at(t) for phase, ts in zip(found.phases, times, strict=True) for t in ts.tolist()]).T
+    limit = np.array([law(z)[0] for z in rows[0].tolist()])
+    if (np.abs(rows[3]) > limit + MISSED * limit.max()).any():
+        return None
     motion = {
         "time": np.concatenate(times) * scales.time,
         "sliding_velocity": rows[2] * unit * scales.velocity,

@@ -38,7 +38,7 @@ assert fd.validate(fd.read("impact.nc")) == [] and fd.validate(fd.sweep(scene, d
 for older in sys.argv[2:]:
     assert fd.validate(fd.read(older)) == [], older
     assert "mean_force" not in fd.read(older)
-assert main(["run", sys.argv[1]]) == 0
+assert main(["run", sys.argv[1], "--verbose"]) == 0
 """
 
 

@@ -146,7 +146,7 @@ def test_published_datasets(tmp_path):
         kept = fd.load(name)
         assert fd.validate(kept) == []
         assert set(kept.variables) <= set(again.variables), name  # a later version may have added some
-        for variable in kept.variables:
+        for variable in set(kept.variables) - {"scene_key"}:  # of the text, to which a later version adds effects
             found, expected = again[variable].values, kept[variable].values
             if expected.dtype.kind in "UOT":  # words
                 assert found.tolist() == expected.tolist()
@@ -158,8 +158,9 @@ def test_published_datasets(tmp_path):
                 found.astype(float), expected.astype(float), rtol=1e-9, atol=least, err_msg=f"{name} {variable}"
             )
             assert again[variable].attrs.keys() == kept[variable].attrs.keys()
-        for key in ("scene_toml", "sweep_toml"):
-            assert again.attrs.get(key) == kept.attrs.get(key)
+        if "scene_toml" in kept.attrs:
+            assert fm.Scene.from_text(again.attrs["scene_toml"]) == fm.Scene.from_text(kept.attrs["scene_toml"])
+        assert again.attrs.get("sweep_toml") == kept.attrs.get("sweep_toml")
     kept = fd.load("restitution")["contact"].size
     assert kept == len(example("published_datasets").CONTACTS) == 17
     with pytest.raises(KeyError, match=r'did you mean "zener"\?'):

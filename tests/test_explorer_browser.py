@@ -180,7 +180,7 @@ def check(history, factor, found, fragment):
         if worst > allowed:
             allowed = amplified(history) if same else found["error"] + history.accuracy.estimated
         if worst > allowed:
-            allowed = 10.0 * SAME + 2.0 * shaken(history)  # the page and Python may lie on either side
+            allowed = SAME + 2.0 * shaken(history)  # the page and Python may lie on either side
     assert worst <= allowed, fragment
     unsure = allowed >= 1.0
     assert not unsure or any("is not reached" in text for text in found["warnings"]), fragment

@@ -159,7 +159,7 @@ function choose(scene, slow) {
   const automatic = scene.law === "auto";
   const plastic = plasticity === true || (plasticity !== false && yields === true && slow.able);
   const damping = automatic && slow.loss_restitution < 1 ? scene.effects.material_damping : false;
-  if (damping !== false && slow.loss_restitution < DATA.constants.least_restitution) throw new Unsupported("the losses of the materials are too large here");
+  if (damping !== false && slow.loss_restitution < DATA.constants.least_restitution) throw new Unsupported("losses of the materials this large are not computed on this page");
   const forced = damping === true && plasticity !== true;
   const law = lawOrThrow(scene, slow, !automatic ? scene.law : forced ? damped : plastic ? yielding : elastic);
   const { impedance: own, compliance } = supportOf(scene, slow, law);

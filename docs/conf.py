@@ -43,7 +43,7 @@ html_sidebars = {"explorer": []}
 html_show_sourcelink = False
 html_copy_source = False
 
-SCENE = Path(__file__).parents[1] / "examples" / "scenes" / "tungsten_carbide_on_steel.toml"
+SCENE = Path(__file__).parents[1] / "examples" / "scenes" / "steel_ball_on_steel.toml"
 
 
 def inline_formula(writer: HTML5Translator, node: nodes.math) -> None:

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+import film_model as fm
+
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"^```(sh|toml|python)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"# ([\w.]+\.toml)\n")
@@ -35,6 +37,15 @@ def run(command, folder):
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, encoding="utf-8", check=False)
     assert done.returncode == 0, f"{command[-1]}\n{done.stdout}{done.stderr}"
     return done.stdout + done.stderr
+
+
+def test_python_example_is_the_impact_of_the_first_command():
+    text, here = (ROOT / "README.md").read_text(encoding="utf-8"), {}
+    exec(next(body for kind, body in typed(text) if kind == "python"), here)
+    named = re.search(r"film-model run (\S+) --plot", text)
+    assert named
+    same = fm.simulate(fm.Scene.from_toml(ROOT / named[1]), accuracy=1e-6)
+    assert here["history"].maximum_force == same.maximum_force
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ from film_model.targets import TARGETS, BendingStiffness
 from film_model.targets.layup import PlyMaterial
 
 _SAID_ELSEWHERE = re.compile(
-    r"(^|, )(m|m²|kg|kg/m²|kg/m³|Pa|N·m|N/m|N/m²|N/m³|m/s|rad|Hz|J/m²|N·s/m|m/N|1/s|Pa·m\^0\.5)(?=[;,]|$)"
+    r"(^|, )(m|m²|kg|kg/m²|kg/m³|Pa|Pa·s|N·m|N/m|N/m²|N/m³|m/s|rad|Hz|J/m²|N·s/m|m/N|1/s|Pa·m\^0\.5)(?=[;,]|$)"
     r"|; or, to the constructor, diameter|^dimensionless$"
 )
 """Units, which the other columns show, and what concerns Python only."""
@@ -24,6 +24,8 @@ _SAID_ELSEWHERE = re.compile(
 EXAMPLES = {
     "shape": '"shell"',
     "friction": "0.2",
+    "roughness": '"0.8 um"',
+    "fluid_viscosity": '"1 mPa*s"',
     "spin": '"3000 rpm"',
     "velocity": '"2 m/s"',
     "drop_height": '"500 mm"',

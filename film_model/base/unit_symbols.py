@@ -43,6 +43,9 @@ SYMBOLS: dict[str, tuple[Decimal, Powers]] = {
 }
 """Symbol → its size in SI units and its powers of mass, length and time. mPa is omitted: usually MPa is meant."""
 
+_MILLIPASCAL_SECOND = re.compile(r"mPa\s*[* ]\s*s")
+"""The usual unit of viscosities, in which mPa is meant."""
+
 _SHORTEST_PINT_WORD = 4  # letters; pint reads shorter misspelt words as other units
 _WORDS = [
     f"{prefix}{unit}{plural}"
@@ -60,6 +63,8 @@ _BASE = {"[mass]": "kilogram", "[length]": "meter", "[time]": "second"}
 @lru_cache(maxsize=256)
 def parse_unit(unit: str) -> tuple[Decimal, Powers]:
     """Size in SI units, and powers, of a unit such as "kg/m^3", "N*s/m" or "kg m-3"."""
+    if _MILLIPASCAL_SECOND.fullmatch(unit):
+        return Decimal("1e-3"), (1, -1, -1)
     size, powers, sign, end = Decimal(1), [0.0, 0.0, 0.0], 1, 0
     while True:
         match = _FACTOR.match(unit, end)

@@ -59,6 +59,7 @@ DIMENSIONS: dict[str, Dimension] = {
     "stiffness_per_length": Dimension("N m-2", "a stiffness per length", "2e6 N/m^2"),
     "stiffness_per_area": Dimension("N m-3", "a stiffness per area", "5e7 N/m^3"),
     "compliance": Dimension("m N-1", "a compliance", "2e-6 m/N"),
+    "viscosity": Dimension("Pa s", "a viscosity", "1 mPa*s"),
     "surface_energy": Dimension("J m-2", "a surface energy", "0.1 J/m^2"),
     "fracture_toughness": Dimension("Pa m0.5", "a fracture toughness", "0.7 MPa*m^0.5"),
     "impedance": Dimension("N s m-1", "an impedance", "150 N*s/m"),

@@ -26,6 +26,8 @@ from film_model.effects.geometry_rules import (
     wave_losses,
 )
 from film_model.effects.material_rules import adhesion, fracture, heating, material_damping
+from film_model.effects.roughness import roughness
+from film_model.effects.squeeze_film import squeeze_film
 from film_model.problem.problem import Problem
 
 
@@ -90,6 +92,16 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
         fracture,
     ),
     "air_drag": ("2 g h/v_t²", "Schiller & Naumann 1933: drag of a sphere; balance of energy", air_drag),
+    "roughness": (
+        "σ/δ",
+        "Greenwood & Tripp 1967, J. Appl. Mech. 34:153; Greenwood, Johnson & Matsubara 1984, Wear 100:47",
+        roughness,
+    ),
+    "squeeze_film": (
+        "m V/(6 π μ R²)",
+        "lubrication of a sphere; Davis, Serayssol & Hinch 1986; compare Joseph et al. 2001, Legendre et al. 2005",
+        squeeze_film,
+    ),
     "obliqueness": ("angle from the normal, °", "impulse and angular momentum of a solid ball", obliqueness),
 }
 """Name → indicator, source and rule."""

@@ -33,6 +33,9 @@ OPTIONAL = ("yield_strength", "loss_factor", *RATE_ENTRIES)
 """Entries that may be missing: infinite for the formulas, so that the material does not yield, harden or damp."""
 
 
+JUDGED = ("work_of_adhesion", "roughness", "fluid_viscosity")
+"""Entries of the contact from which effects are estimated that the page does not judge again."""
+
 STRENGTHS = ("hardness", "strain_hardening_exponent", "strength_coefficient", "strength_exponent")
 """Entries of a material from which its flow strength follows."""
 
@@ -105,7 +108,7 @@ def _entries(path: str, owner: Any) -> Iterator[Input]:
                 yield Input(f"{here}.{entry}", Material.FIELDS[entry], getattr(value, entry))
         elif hasattr(value, "FIELDS"):
             yield from _entries(here, value)
-        elif field.low is not None and not isinstance(value, tuple) and name != "work_of_adhesion":
+        elif field.low is not None and not isinstance(value, tuple) and name not in JUDGED:
             missing = value is None or (name == "radius" and math.isinf(value))
             if not missing or (name == "mass" and owner.material is not None):
                 yield Input(here, field, None if value is None else float(value))

@@ -43,7 +43,8 @@ class Contact:
     default from the materials. unloading: "brake" (Brake's rule) or "retrace", instead of the law's own unloading.
     work_of_adhesion: J/m², of the laws that pull, and to estimate adhesion under others; default from the materials.
     friction: coefficient µ of Coulomb's friction, for an impact at an angle or with spin; without it only the normal
-    motion is simulated. parameters: the law's own, by name, in SI units.
+    motion is simulated. roughness: combined rms height of both surfaces, √(σ₁² + σ₂²), m, and fluid_viscosity: of the
+    fluid around the contact, Pa·s (air 1.8e-5), to estimate what both change. parameters: the law's own, by name, in SI units.
 
     >>> fm.Contact("tsuji", restitution=0.8).parameters
     {'restitution': 0.8}
@@ -57,6 +58,8 @@ class Contact:
         "unloading": Field(choice(*UNLOADINGS).read, "the name of an unloading rule is needed"),
         "work_of_adhesion": measure("surface_energy", 0, 1e6),
         "friction": measure("dimensionless", 0, 100),
+        "roughness": measure("length", 0, 1),
+        "fluid_viscosity": measure("viscosity", 1e-9, 1e9),
     }
 
     law: str | AbstractLaw
@@ -66,6 +69,8 @@ class Contact:
     unloading: Literal["brake", "retrace"] | None
     work_of_adhesion: float | None
     friction: float | None
+    roughness: float | None
+    fluid_viscosity: float | None
     parameters: Mapping[str, Any] = field(hash=False)
 
     def __init__(
@@ -78,6 +83,8 @@ class Contact:
         unloading: Literal["brake", "retrace"] | None = None,
         work_of_adhesion: Value | None = None,
         friction: float | str | None = None,
+        roughness: Value | None = None,
+        fluid_viscosity: Value | None = None,
         **parameters: object,
     ) -> None:
         mistakes = fill(self, locals())

@@ -1,0 +1,34 @@
+"""Rough surfaces, whose asperities touch before the bodies do."""
+
+from __future__ import annotations
+
+from film_model.base.units import format_si
+from film_model.effects.case import Case, Rule
+from film_model.effects.effect import Effect
+
+HERTZ = 0.05
+"""Greenwood, Johnson & Matsubara 1984, Wear 100:47: up to this α Hertz's contact pressure and area are right to 7 %."""
+
+
+def roughness(case: Case, rule: Rule) -> Effect:
+    """Asperities soften a contact whose indentation is not large compared with the height of the roughness.
+
+    α = σ R/a² (Greenwood & Tripp 1967), which is σ/δ in Hertz's contact: here σ is `roughness` in [contact], the
+    combined rms height of both surfaces, and δ the largest indentation. The change is α: by so much the indentation,
+    counted from a hundredth of the largest force, grows in the model of Greenwood and Tripp, where elastic asperities
+    of one curvature and of normally distributed heights cover an elastic sphere. It is right within a factor of two
+    for α from 0.02 to 0.75 and μ = (8/3) η σ √(2 R β) from 1 to 17, with η asperities per area of the tip radius β. The
+    largest force falls by 0.3 to 1 times as much. Where asperities yield, or the smooth contact does, this is an order of
+    magnitude only.
+    """
+    height = case.scene.contact.roughness
+    if height is None:
+        return rule.unjudged("missing: contact.roughness")
+    value = height / case.indentation
+    why = (
+        f"the indentation of {format_si(case.indentation, 'length', 3)} is {1.0 / value:.2g} times the height of the "
+        f"roughness; up to α = {HERTZ:g} Hertz's pressure is right to 7 %"
+        if height > 0.0
+        else "the surfaces are given as smooth"
+    )
+    return rule.sized(case.tolerance, value, case.tolerance, value, why)

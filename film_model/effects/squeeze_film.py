@@ -1,0 +1,74 @@
+"""The film of a fluid that is squeezed out of the contact, and drawn in again."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from film_model.base.arrays import greater, lesser, logarithm, ratio
+from film_model.base.units import format_si
+from film_model.effects.case import Case, Rule
+from film_model.effects.effect import Effect
+
+ELASTIC = 0.37
+"""Least gap over ((μ V/E)² R³)^{1/5}, in which the pressure of the fluid flattens the bodies: Yang & Hunt 2008, as
+Nijssen, Ottens & Padding 2022 (Powder Technol. 413:118017) use it."""
+
+NO_REBOUND = 10.0
+"""Stokes number up to which Joseph et al. 2001 (J. Fluid Mech.) saw no rebound from a wall in a liquid."""
+
+
+class Film(NamedTuple):
+    """Stokes number, least gap in m, and the share of the rebound velocity that the film takes, at most 1."""
+
+    stokes: Any
+    gap: Any
+    share: Any
+
+
+def squeezed(
+    mass: Any, radius: Any, velocity: Any, viscosity: Any, modulus: Any, height: Any, restitution: Any
+) -> Film:
+    """The film under a ball, from SI numbers or arrays; equations in :func:`squeeze_film`.
+
+    modulus: the effective one, inf if the bodies are rigid. height: of the roughness, m. One of the two limits the gap.
+    """
+    stokes = mass * velocity / (6.0 * math.pi * viscosity * radius**2)
+    gap = greater(ELASTIC * ((viscosity * velocity / modulus) ** 2 * radius**3) ** 0.2, height)
+    ways = logarithm(greater(radius / gap, 1.0)) * (1.0 + ratio(1.0, greater(restitution, 1e-9)))
+    return Film(stokes, gap, lesser(ways / stokes, 1.0))
+
+
+def squeeze_film(case: Case, rule: Rule) -> Effect:
+    """The fluid around the contact, which the ball squeezes out when it comes and draws in when it leaves.
+
+    The Stokes number is St = m V/(6 π μ R²), which is (2/9) ρ V R/μ of a ball on a wall, with `fluid_viscosity` μ in
+    [contact]. Lubrication resists with 6 π μ R² v/h, so that between the gaps R and h the velocity changes by
+    V ln(R/h)/St on each way, and the restitution e becomes e (1 − (1 + 1/e) ln(R/h)/St): the form e (1 − St_c/St) of
+    Davis, Serayssol & Hinch 1986, where the film acts on both ways. h is the `roughness` in
+    [contact], or what elastic flattening leaves, 0.37 ((μ V/E)² R³)^{1/5}, if that is more. The change is that of the
+    restitution. For a smooth ball in a liquid St_c is about 19; the measured relation exp(−35/St) (Legendre et al.
+    2005), no rebound below St = 10, and that without a liquid above 500 (Joseph et al. 2001), agree within a factor of
+    two. Left out: cavitation, which spares the way back; a film thinner than R; inertia of the fluid; drag on the way.
+    """
+    scene = case.scene
+    viscosity, height, modulus = scene.contact.fluid_viscosity, scene.contact.roughness, scene.effective_modulus
+    if viscosity is None:
+        return rule.unjudged("missing: contact.fluid_viscosity")
+    if modulus is None and not height:
+        return rule.unjudged("missing: contact.roughness, or an effective modulus")
+    stokes, gap, share = squeezed(
+        scene.effective_mass,
+        scene.effective_radius,
+        scene.approach_velocity,
+        viscosity,
+        math.inf if modulus is None else modulus,
+        height or 0.0,
+        case.restitution,
+    )
+    by = "the roughness" if height and gap == height else "elastic flattening"
+    why = f"the fluid is squeezed out up to a gap of {format_si(gap, 'length', 2)}, where {by} ends it"
+    if stokes <= NO_REBOUND:
+        why += "; no ball has been seen to rebound in a liquid below a Stokes number of about 10"
+    threshold = stokes * share / case.tolerance if share < 1.0 else None
+    return rule.sized(case.tolerance, stokes, threshold, share, why, below=True)

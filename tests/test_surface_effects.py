@@ -54,7 +54,7 @@ PRESSURE, SLOPE = moment(1.5), -1.5 * moment(0.5)
 
 
 def rough_sphere(mu, count):
-    """Approach of the mean planes/σ, force, central pressure: the gap d₀ + r² + u(p) and p = μ ∫(z − d)^{3/2} φ agree (Newton)."""
+    """Approach of the mean planes/σ, force and central pressure: d = d₀ + r² + u(p) and p = μ ∫(z − d)^{3/2} φ."""
     found = []
     for lowest in np.concatenate([np.arange(4.0, -6.0, -0.2), -np.geomspace(6.0, 110.0, 40)]):
         edges = math.sqrt(max(4.5 - lowest, 1.0) + 4.0) * np.linspace(0.0, 1.0, count + 1)

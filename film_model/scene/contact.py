@@ -43,8 +43,9 @@ class Contact:
     default from the materials. unloading: "brake" (Brake's rule) or "retrace", instead of the law's own unloading.
     work_of_adhesion: J/m², of the laws that pull, and to estimate adhesion under others; default from the materials.
     friction: coefficient µ of Coulomb's friction, for an impact at an angle or with spin; without it only the normal
-    motion is simulated. roughness: combined rms height of both surfaces, √(σ₁² + σ₂²), m, and fluid_viscosity: of the
-    fluid around the contact, Pa·s (air 1.8e-5), to estimate what both change. parameters: the law's own, by name, in SI units.
+    motion is simulated. roughness: combined rms height of both surfaces, √(σ₁² + σ₂²), m, to estimate what asperities
+    change. fluid_viscosity: of what surrounds the contact, Pa·s, to estimate what its film takes from the rebound; of
+    air at 20 °C 1.8e-5. parameters: the law's own, by name, in SI units.
 
     >>> fm.Contact("tsuji", restitution=0.8).parameters
     {'restitution': 0.8}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import Any, NamedTuple
 
@@ -86,6 +87,27 @@ def rows() -> list[Row]:
     shear, peak = summary["maximum_shear_stress"], summary["peak_pressure"]
     assert shear is not None and peak is not None
     found.append(Row("steel ball on glass", "largest shear stress", 0.329, "p0", "point loads", shear / peak))
+    rough = _on(fm.HalfSpace(STEEL), STEEL, "50 mm/s").replace({"contact.law": "hertz", "contact.roughness": "0.8 um"})
+    by = "the model of Greenwood & Tripp, integrated: μ = 4"
+    where = "steel ball, 50 mm/s, on steel, roughness of 0.8 µm: α = 0.75"
+    found.append(Row(where, "indentation (`roughness`)", 89.0, "%", by, _change(rough, "roughness")))
+    for radius, velocity, viscosity in (("3 mm", "0.518 m/s", "0.1 Pa*s"), ("1.5 mm", "0.585 m/s", "10 mPa*s")):
+        film = {"contact.fluid_viscosity": viscosity, "contact.roughness": f"{1e-4 * float(radius[:-3])} mm"}
+        scene = _on(glass, "bearing steel").replace(
+            {"impactor.radius": radius, "impactor.velocity": velocity, "contact.law": "hertz"} | film
+        )
+        stokes = _effect(scene, "squeeze_film").value
+        assert stokes is not None
+        found.append(
+            Row(
+                f"steel ball, R = {radius}, on glass in oil, Stokes number {stokes:.0f}",
+                "restitution lost (`squeeze_film`)",
+                100.0 * (1.0 - math.exp(-35.0 / stokes)),
+                "%",
+                "exp(−35/St), fitted to measurements by Legendre et al. 2005",
+                _change(scene, "squeeze_film"),
+            )
+        )
     return found
 
 

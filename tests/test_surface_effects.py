@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 import numpy as np
 import pytest
 from scipy import integrate, special
 
+import film_datasets as fd
 import film_model as fm
 from film_model.base.arrays import AGREEMENT
 from film_model.cli.main import main
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED
 from film_model.effects.squeeze_film import squeezed
+from film_model.explorer.content import Content
+from film_model.explorer.inputs import inputs_of
 
 BALL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
 
@@ -211,8 +215,18 @@ def test_both_keys_are_read_written_swept_and_refused(tmp_path, capsys):
     assert main(["run", str(path)]) == 0
     err = capsys.readouterr().err
     assert "not modelled: roughness" in err and "not modelled: squeeze film" in err
+    swept = fd.sweep(given, {"contact.roughness": ["10 nm", "1 um"], "contact.fluid_viscosity": ["1 mPa*s"]})
+    assert swept["contact_fluid_viscosity"].attrs["units"] == "Pa s"
+    assert "roughness" in swept.attrs["warnings"]
     for key, bad in (("roughness", "-1 um"), ("fluid_viscosity", "-1 mPa*s")):
         with pytest.raises(fm.SceneError) as wrong:
             scene(**{key: bad})
         (line,) = str(wrong.value).splitlines()
         assert line.startswith(f'Contact.{key}: "{bad}" must be >')
+
+
+def test_the_page_shows_what_was_judged_and_offers_no_entry_for_it():
+    given = scene("0.1 m/s", roughness="0.8 um", fluid_viscosity="20 mPa*s")
+    assert not {"contact.roughness", "contact.fluid_viscosity"} & {one.path for one in inputs_of(given)}
+    shown = json.dumps(Content([("a", given)]).table(), default=str)
+    assert effect_of(given, "squeeze_film").reason in shown

@@ -8,6 +8,7 @@ from film_model.base.errors import ImpactWarning, Outcome, SceneError, Simulatio
 from film_model.base.materials import Material, material
 from film_model.scene import Contact, Effects, Scene, Solver, Sphere
 from film_model.solve.batch import BatchResult, simulate_batch
+from film_model.solve.bounce import Bounces, bounce
 from film_model.solve.component import ImpactComponent
 from film_model.solve.derivatives import Derivatives
 from film_model.solve.history import Event, History, Samples
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BatchResult",
+    "Bounces",
     "Contact",
     "Derivatives",
     "Effects",
@@ -34,6 +36,7 @@ __all__ = [
     "SimulationError",
     "Solver",
     "Sphere",
+    "bounce",
     "material",
     "simulate",
     "simulate_batch",

@@ -18,6 +18,7 @@ from film_model.base.text import Text, escaped
 from film_model.base.units import format_si
 from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
+from film_model.solve.bounce import COLUMNS, Bounces
 from film_model.solve.history import MOTION, History
 
 if TYPE_CHECKING:
@@ -90,6 +91,31 @@ def derivatives_as_html(self: Derivatives) -> str:
         if any(value is not None for value in row.values())
     )
     return f"<p>{escaped(repr(self))}</p>" + _table([head, *rows])
+
+
+def plot_bounces(self: Bounces, path: str | os.PathLike[str] | None = None) -> Figure:
+    """The picture of height over time, as a matplotlib figure; written to `path` (.png, .svg or .pdf) if given."""
+    from film_model.plot.bounces import plot_bounces as drawn
+
+    return drawn(self, path)
+
+
+def bounces_to_dataset(self: Bounces) -> xr.Dataset:
+    """The bounces as an xarray.Dataset, a row for each."""
+    import film_datasets
+
+    return film_datasets.to_dataset(self)
+
+
+def bounces_as_html(self: Bounces) -> str:
+    """For notebooks: all bounces, and the warnings."""
+    head = tuple(name.replace("_", " ") for name in COLUMNS)
+    rows = (
+        tuple("" if value is None else format_si(value, COLUMNS[name][0]) for name, value in bounce._asdict().items())
+        for bounce in self.bounces
+    )
+    said = "".join(f"<li>{escaped(sentence)}</li>" for sentence in self.warnings)
+    return _heading(self.scene, repr(self)) + _table([head, *rows]) + (f"<ul>{said}</ul>" if said else "")
 
 
 def component_as_html(self: ImpactComponent) -> str:

@@ -35,9 +35,12 @@ def test_histories_and_components(scene: fm.Scene, way: Callable[[Any], Any]) ->
     assert component.step("30 us") == again.step("30 us")
 
 
+@pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
 @pytest.mark.parametrize("way", WAYS.values(), ids=WAYS)
 def test_many_impacts(way: Callable[[Any], Any]) -> None:
     scene = SCENES["half-space"]
+    bounces = fm.bounce(scene)
+    assert way(bounces) == bounces
     batch = fm.simulate_batch(scene, velocity=["1 m/s", "2 m/s"])
     assert way(batch).summary["maximum_force"].tolist() == batch.summary["maximum_force"].tolist()
     tolerance = fd.tolerance(scene, {"impactor.velocity": {"normal": ["1 m/s", "0.01 m/s"]}}, samples=64)

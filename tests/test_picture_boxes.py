@@ -38,6 +38,7 @@ SWEEPS = ("lines", "map", "cloud")
 COMMANDS = {
     **{f"run {name}": f"run {name} --plot picture.png" for name in ("slab.toml", "pane.toml")},
     **{f"run {path.stem}": f"run {path} --plot picture.png" for path in sorted(SCENES.glob("*.toml"))},
+    "bounce": "bounce slab.toml --plot picture.png",
     "laws": "laws --plot picture.png",
     "regimes": "explain slab.toml --plot picture.png",
     "regimes of a plate": f"explain {SCENES / 'olsson_plate.toml'} --plot picture.png",

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from film_datasets.bounce_dataset import bounce_dataset
 from film_datasets.cost_dataset import cost_dataset
 from film_datasets.history_dataset import SAMPLES, history_dataset
+from film_model.solve.bounce import Bounces
 from film_model.solve.history import History
 from film_model.studies.cost import Study
 
@@ -14,9 +16,10 @@ if TYPE_CHECKING:
 
 
 def to_dataset(
-    result: History | Study, samples: int = SAMPLES, command: str = "film_datasets.to_dataset"
+    result: History | Bounces | Study, samples: int = SAMPLES, command: str = "film_datasets.to_dataset"
 ) -> xr.Dataset:
-    """A history or a cost study as an xarray.Dataset with the variables of `TABLE`, in SI, with CF 1.11 attributes.
+    """A history, bounces or a cost study as an xarray.Dataset with the variables of `TABLE`, in SI, with CF 1.11
+    attributes.
 
     samples: of a history, the number of evenly spaced times from first touch to the last event, both included; the
     exact times of all events are added to them. command: the function or command that made the dataset, for the
@@ -28,6 +31,8 @@ def to_dataset(
     """
     if isinstance(result, History):
         return history_dataset(result, samples, command)
+    if isinstance(result, Bounces):
+        return bounce_dataset(result)
     if isinstance(result, Study):  # pyright: ignore[reportUnnecessaryIsInstance]
         return cost_dataset(result)
-    raise TypeError(f"a History or a Study becomes a dataset, not a {type(result).__name__}")
+    raise TypeError(f"a History, Bounces or a Study becomes a dataset, not a {type(result).__name__}")

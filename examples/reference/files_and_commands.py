@@ -16,6 +16,7 @@ from film_model.solve.history import SUMMARY
 COMMANDS = {
     "new": "film-model new --kind plate --output scene.toml",
     "run": "film-model run scene.toml --accuracy 1e-8 --output impact.nc --plot impact.png",
+    "bounce": "film-model bounce scene.toml --plot bounces.png",
     "cost": "film-model cost scene.toml --plot cost.png",
     "hard-cases": 'film-model hard-cases --match "turns at"',
     "validate": "film-model validate --law all --plot errors.png",

@@ -21,6 +21,7 @@ from film_model.version import __version__
 COMMANDS = {
     "new": ("new",),
     "run": ("run",),
+    "bounce": ("bounce",),
     "studies": ("cost", "hard-cases"),
     "validate": ("validate",),
     "explore": ("explore", "export-page"),
@@ -34,7 +35,7 @@ COMMANDS = {
 """Modules of `film_model.cli`, and the commands that each adds."""
 
 GROUPS = {
-    "simulate": ("new", "run", "explain", "explore", "laws", "materials"),
+    "simulate": ("new", "run", "bounce", "explain", "explore", "laws", "materials"),
     "data": ("sweep", "tolerance", "identify", "plot", "summarise", "table", "convert", "check"),
     "other programs": ("export-fmu", "check-fmu", "export-ssp", "export-page", "contact-for"),
     "how good it is": ("validate", "cost", "hard-cases"),

@@ -1,4 +1,4 @@
-"""Pictures, by matplotlib: histories, contact laws, regimes, cost of accuracy; `style` holds what they share.
+"""Pictures, by matplotlib: histories, bounces, contact laws, regimes, cost of accuracy; `style` holds what they share.
 
 A function is imported when it is first used, with what it needs.
 """
@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from film_model.plot.bounces import plot_bounces
     from film_model.plot.cost import plot_studies, plot_study
     from film_model.plot.history import plot_history
     from film_model.plot.laws import plot_laws
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from film_model.plot.style import check_picture, picture_style
 
 _HOMES = {
+    "plot_bounces": "bounces",
     "plot_studies": "cost",
     "plot_study": "cost",
     "plot_history": "history",
@@ -25,7 +27,16 @@ _HOMES = {
     "picture_style": "style",
 }
 
-__all__ = ["check_picture", "picture_style", "plot_history", "plot_laws", "plot_regimes", "plot_studies", "plot_study"]
+__all__ = [
+    "check_picture",
+    "picture_style",
+    "plot_bounces",
+    "plot_history",
+    "plot_laws",
+    "plot_regimes",
+    "plot_studies",
+    "plot_study",
+]
 
 
 def __getattr__(name: str) -> Any:

@@ -60,11 +60,7 @@ def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
     over = status == native.EVENT
     turned = core.maximum_indentation > 0.0
     absorbed = either(abs(core.work) > WORK_ROUNDING * approach**2, core.work, 0.0)
-    left = core.permanent_indentation
-    if problem.curve.pulls:
-        left = problem.own.dents(problem.curve, core.maximum_indentation, left)
-    if problem.damps or problem.relaxation is not None:
-        left = either((problem.damping > 0.0) | (problem.relaxation is not None), 0.0, left)
+    left = dent_of(problem, core.maximum_indentation, core.permanent_indentation)
     with unwarned(status):
         begun = {
             "maximum_indentation": core.maximum_indentation * s.length,
@@ -87,6 +83,14 @@ def summary_of(problem: Problem, status: Any, core: Any) -> dict[str, Any]:
         }
         values |= stresses_of(problem, values)
     return _where(status >= 0, values)
+
+
+def dent_of(problem: Problem, deepest: Any, end: Any) -> Any:
+    """The dent of a contact that turned at `deepest` and ended at `end`, over δ_s; 0 where damping delays the end."""
+    left = problem.own.dents(problem.curve, deepest, end) if problem.curve.pulls else end
+    if problem.damps or problem.relaxation is not None:
+        left = either((problem.damping > 0.0) | (problem.relaxation is not None), 0.0, left)
+    return left
 
 
 def _where(condition: Any, values: dict[str, Any]) -> dict[str, Any]:

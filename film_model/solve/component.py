@@ -207,6 +207,11 @@ class ImpactComponent:
         return native.PHASES[self._motion.contact.phase]
 
     @property
+    def largest_force(self) -> float:
+        """Largest force of the present contact, or of the latest one, N."""
+        return self._motion.peak * self.problem.scales.force
+
+    @property
     def outputs(self) -> Outputs:
         """Motion now, SI."""
         time, xi, nu, recoil, shift, force, phase, contacts = self._motion.now()

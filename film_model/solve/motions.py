@@ -55,6 +55,11 @@ class OnLines:
         """The contact's state: the latest event, the law's branch after it, the phase."""
         return self._state
 
+    @property
+    def peak(self) -> float:
+        """Largest force of the latest contact."""
+        return self._state.force_peak
+
     def now(self) -> Now:
         """The motion now."""
         time, _, xi, nu, shift, force, _, _, _ = _NOW.unpack_from(self._state)
@@ -145,6 +150,11 @@ class OnModes(_InOneMotion[modal.Motion]):
         """The contact's state: the latest event, the law's branch after it, the phase."""
         return self._motion.state.contact
 
+    @property
+    def peak(self) -> float:
+        """Largest force of the latest contact."""
+        return self._motion.state.contact.force_peak
+
 
 class OnMemory(_InOneMotion[relaxing.Motion]):
     """A contact of viscoelastic bodies, in steps. clock: the unit of its times, s."""
@@ -174,6 +184,11 @@ class OnMemory(_InOneMotion[relaxing.Motion]):
     def contact(self) -> relaxing.State:
         """The contact's state: the latest event, the branch after it, the phase."""
         return self._motion.state
+
+    @property
+    def peak(self) -> float:
+        """Largest force of the latest contact."""
+        return self._motion.state.peak
 
 
 def modes_for(problem: Problem, accuracy: float, warnings: list[str]) -> Vibration:

@@ -20,6 +20,7 @@ from film_datasets.schema.motion_variables import (
 from film_datasets.schema.tables import (
     ADDED,
     ATTRIBUTES,
+    BOUNCES,
     CHOOSABLE,
     CONSTANTS,
     COST,
@@ -58,6 +59,7 @@ from film_datasets.schema.variable import (
 __all__ = [
     "ADDED",
     "ATTRIBUTES",
+    "BOUNCES",
     "BRANCHES",
     "CHOOSABLE",
     "CONSTANTS",

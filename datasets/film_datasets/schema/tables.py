@@ -1,6 +1,7 @@
 """The tables of variables and attributes of our datasets, generated from those of the summary and the motion.
 
-Kinds: the history of one impact, a sweep over many, a measurement to compare with, and the cost of accuracy.
+Kinds: the history of one impact, all bounces of a ball, a sweep over many impacts, a measurement to compare with, and
+the cost of accuracy.
 A new value in `film_model.solve.history.SUMMARY` gets its variables by itself; it needs a new version in `ADDED`.
 """
 
@@ -38,6 +39,7 @@ from film_datasets.schema.variable import (
 )
 from film_model.base.errors import STATUSES
 from film_model.core.native import EVENTS
+from film_model.solve.bounce import COLUMNS
 from film_model.solve.history import MOTION, SUMMARY
 from film_model.studies.reference import COMPARED
 
@@ -45,6 +47,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 HISTORY, SWEEP, MEASUREMENT, COST = "impact_history", "impact_sweep", "impact_measurement", "impact_cost_study"
+BOUNCES = "impact_bounces"
 _STRESSES = (
     *("impulse", "contact_radius", "dent_diameter", "mean_pressure", "peak_pressure", "maximum_shear_stress"),
     *("maximum_von_mises_stress", "depth_of_maximum_stress"),
@@ -63,6 +66,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.5": _STEPS,
     },
     MEASUREMENT: {"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter")},
+    BOUNCES: {"1.0": ()},
     COST: {"1.0": ()},
 }
 """Kinds of datasets (attribute film_model_schema): the versions that can be read, oldest first, each with the names of
@@ -218,6 +222,11 @@ _EVIDENCE = (
     number("target_impedance", ("row",), "impedance", "wave impedance of the target", "NaN: a half-space", True),
 )
 
+_BOUNCES = tuple(
+    number(name, ("bounce",), dimension, spaced(name), f"{what}; {_ABSENT}", optional=True)
+    for name, (dimension, what) in COLUMNS.items()
+)
+
 _COST = (
     Variable("method", ("run",), INTEGER, None, "method", "its setting: attribute settings", more="methods"),
     Variable("outcome", ("run",), BYTE, None, "outcome", "attribute outcomes", ((0, "done"), (1, "no_answer"))),
@@ -246,6 +255,7 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     f"{MEASUREMENT} impacts": _MEASURED_IMPACTS,
     f"{MEASUREMENT} values": _EVIDENCE,
     f"{MEASUREMENT} finite_elements": FINITE_ELEMENTS,
+    BOUNCES: _BOUNCES,
     COST: _COST,
 }
 """Variables by the kind of dataset and what is kept in it, in the order in which `content_sha256` reads them."""
@@ -267,6 +277,10 @@ ATTRIBUTES: dict[str, tuple[str, ...]] = {
         "estimated_accuracy",
     ),
     MEASUREMENT: (*_PROVENANCE, "measured"),
+    BOUNCES: (
+        *_PROVENANCE,
+        *("scene_toml", "scene_sha256", "contact_law", "outcome", "rest_time", "warnings"),
+    ),
     COST: (
         *_PROVENANCE,
         *("scene_toml", "scene_sha256", "contact_law", "settings", "outcomes", "reference_method", "machine"),
@@ -294,7 +308,7 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     constants = tuple(v for v in CONSTANTS if v.name in ds.variables)
     if kind == HISTORY:
         constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
-    if kind in (HISTORY, COST):
+    if kind in (HISTORY, BOUNCES, COST):
         steps = TABLE[f"{HISTORY} steps"] if kind == HISTORY and has_steps(ds) else ()
         return (*(v for v in (*TABLE[kind], *steps) if v.name not in later), *constants)
     swept = swept_variables(str(ds.attrs.get("swept", "")).split(), ds)

@@ -1,0 +1,57 @@
+"""All bounces of a ball as a dataset, and back."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from film_datasets.provenance import PROGRAM, choice_of, provenance, text_and_hash, warnings_of
+from film_datasets.schema import BOUNCES, TABLE, content_sha256
+from film_model.effects.choose import problem_of
+from film_model.solve.bounce import Bounce, Bounces
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+COMMENT = (
+    "rest_time, in s, is that of the first touch after which the ball does not rise any more; NaN if there is none."
+)
+
+
+def bounce_dataset(bounces: Bounces, command: str = "film-model bounce") -> xr.Dataset:
+    """The bounces of a ball as a dataset of kind impact_bounces, SI."""
+    import xarray as xr
+
+    ds = xr.Dataset(
+        {v.name: (v.dims, np.asarray(bounces.column(v.name), v.dtype), v.attributes()) for v in TABLE[BOUNCES]}
+    )
+    scene = bounces.scene
+    ds.attrs = {
+        **provenance(
+            BOUNCES,
+            title=f"{scene.title or 'Impact'}: bounces",
+            summary=f"{len(bounces.bounces)} bounces of a ball under gravity (target: {scene.target.kind}, contact "
+            f"law: {bounces.law}): {bounces.outcome}.",
+            source=PROGRAM,
+            command=command,
+            comment=COMMENT,
+        ),
+        **text_and_hash("scene", scene.archived_text()),
+        "contact_law": str(problem_of(scene).law),
+        "outcome": bounces.outcome,
+        "rest_time": math.nan if bounces.rest_time is None else bounces.rest_time,
+        "warnings": "\n".join(" ".join(sentence.split()) for sentence in bounces.warnings) or "none",
+    }
+    ds.attrs["content_sha256"] = content_sha256(ds)
+    return ds
+
+
+def bounces_of(ds: xr.Dataset) -> Bounces:
+    """The bounces that a dataset was made from. Raises ValueError if the contact law was an object of Python."""
+    rows = zip(*(ds[name].values.tolist() for name in Bounce._fields), strict=True)
+    found = (Bounce(*values[:5], *(None if x != x else x for x in values[5:])) for values in rows)
+    choice, outcome, rest = choice_of(ds), str(ds.attrs["outcome"]), float(ds.attrs["rest_time"])
+    rests = None if math.isnan(rest) else rest
+    return Bounces(choice.scene, choice.problem.law.name, tuple(found), outcome, rests, warnings_of(ds))

@@ -1,0 +1,86 @@
+"""film-model bounce: all bounces of a ball until it rests."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from film_model.cli.output import (
+    DONE,
+    add_force,
+    add_json,
+    add_plot,
+    check_outputs,
+    print_json,
+    print_warnings,
+    print_written,
+)
+
+if TYPE_CHECKING:
+    from film_model.solve.bounce import Bounce, Bounces
+
+MOST_ROWS = 12
+"""Rows of the table without --verbose, half of them at its end."""
+
+
+def add_commands(named: Any) -> None:
+    """The command and its options."""
+    parser: argparse.ArgumentParser = named.add_parser("bounce", help="all bounces of a ball under gravity, to rest")
+    parser.add_argument("scene", help="scene file (TOML)")
+    parser.add_argument("--resolution", metavar="LENGTH", help="a lower bounce is rest (default: 1e-6 of the fall)")
+    parser.add_argument("--accuracy", type=float, help="relative accuracy of the first impact, e.g. 1e-6")
+    parser.add_argument("--output", metavar="FILE", help="write all bounces: .nc, .zarr, .csv, .parquet or .mat")
+    add_plot(parser, "draw height over time")
+    parser.add_argument("--verbose", action="store_true", help="print every bounce")
+    add_force(parser)
+    add_json(parser)
+    parser.set_defaults(command=bounce)
+
+
+def bounce(options: argparse.Namespace) -> int:
+    from film_model.scene import Scene
+    from film_model.solve.bounce import bounce_quietly
+
+    check_outputs(options)
+    done = bounce_quietly(Scene.from_toml(options.scene), resolution=options.resolution, accuracy=options.accuracy)
+    if options.output:
+        import film_datasets
+
+        film_datasets.write(done.to_dataset(), options.output, overwrite=options.force)
+    if options.plot:
+        done.plot(options.plot)
+    if options.json:
+        print_json(done.to_dict())
+    else:
+        print(_table(done, len(done.bounces) if options.verbose else MOST_ROWS))
+        print_written(options.output, options.plot)
+    print_warnings(done.warnings)
+    return DONE
+
+
+def _table(done: Bounces, most: int) -> str:
+    count = len(done.bounces)
+    lines = [done.scene.title or "Bounces", f"law {done.law}; {done.outcome}", ""]
+    heads = ("time", "velocity", "rebound", "height", "force", "dent")
+    lines.append(f"{'':5}{''.join(f'{head:>14}' for head in heads)}{'e':>9}")
+    for number, bounce in enumerate(done.bounces, 1):
+        if count <= most or number <= most // 2 or number > count - most // 2:
+            lines.append(f"{number:5}{_row(bounce)}")
+        elif number == most // 2 + 1:
+            lines.append(f"  ... {count - 2 * (most // 2)} more")
+    return "\n".join(lines)
+
+
+def _row(bounce: Bounce) -> str:
+    from film_model.base.units import format_si
+
+    dent = bounce.permanent_indentation
+    cells = (
+        format_si(bounce.time, "time", 5),
+        format_si(bounce.velocity_before, "velocity"),
+        format_si(bounce.velocity_after, "velocity"),
+        format_si(bounce.height, "length"),
+        format_si(bounce.maximum_force, "force"),
+        "-" if dent is None else format_si(dent, "length"),
+    )
+    return f"{''.join(f'{cell:>14}' for cell in cells)}{bounce.restitution:9.4f}"

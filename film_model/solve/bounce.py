@@ -1,0 +1,272 @@
+"""bounce(scene) → Bounces: all bounces of a ball that falls onto its target under gravity, until it rests."""
+
+from __future__ import annotations
+
+import math
+import os
+import warnings as python_warnings
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from film_model.base import units
+from film_model.base.errors import ImpactWarning, Mistake, SceneError, SimulationError, shown
+from film_model.base.late import Late
+from film_model.base.units import format_si
+from film_model.effects.case import case_of
+from film_model.effects.choose import choose
+from film_model.problem.summary import dent_of
+from film_model.scene import STANDARD_GRAVITY, Scene
+from film_model.solve.component import ImpactComponent
+from film_model.solve.history import Event
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+RESOLUTION = 1e-6
+"""Height of a bounce that is rest, over that from which the ball fell."""
+
+MOST_BOUNCES = 5_000
+"""Reached where e stays above 0.9986, at the default resolution."""
+
+LOSSLESS = 1e-9
+"""A velocity that falls by a smaller part than this is rounding: rest would take more than 1e9 bounces."""
+
+MOST_SWINGS = 1000
+"""Swings in one contact after which the ball stays on a target that vibrates. On others it stays from the first on,
+since nothing adds energy."""
+
+LOW_BOUNCES = 10
+"""A target that vibrates may throw the ball up after a low bounce: rest is so many low ones."""
+
+COLUMNS: dict[str, tuple[str, str]] = {
+    "time": ("time", "first touch; from the release of a ball with a drop height, otherwise from its first touch"),
+    "velocity_before": ("velocity", "impactor velocity at first touch, positive into the target"),
+    "velocity_after": ("velocity", "impactor velocity at the end of contact; a rebound is negative"),
+    "height": ("length", "height that the ball reaches after the bounce, above where contact ended"),
+    "maximum_force": ("force", "largest contact force"),
+    "contact_duration": ("time", "time from first touch to the end of contact"),
+    "permanent_indentation": ("length", "dent after the bounce"),
+}
+"""Values of a bounce, with dimension and meaning."""
+
+
+class Bounce(NamedTuple):
+    """One contact, SI floats, as in `COLUMNS`. If the ball stays on the target its velocity after it and its height are
+    0, and there is no duration or dent."""
+
+    time: float
+    velocity_before: float
+    velocity_after: float
+    height: float
+    maximum_force: float
+    contact_duration: float | None
+    permanent_indentation: float | None
+
+    @property
+    def restitution(self) -> float:
+        """Velocity after over velocity before."""
+        return abs(self.velocity_after) / self.velocity_before
+
+
+class _Column:
+    """A value of all bounces as an array of quantities."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.dimension, self.__doc__ = COLUMNS[name]
+
+    def __get__(self, instance: Bounces | None, owner: type) -> Any:
+        return self if instance is None else units.quantity(instance.column(self.name), self.dimension)
+
+
+@dataclass(frozen=True)
+class Bounces:
+    """All bounces of a ball, from `bounce`.
+
+    scene: that was simulated, with gravity. law: its name. bounces: SI floats; the names of `COLUMNS` are attributes
+    that return arrays with units, nan where a value does not exist. outcome: how it ended, in a sentence. rest_time: of
+    the first touch after which the ball does not rise any more, s; None if it does not come to rest.
+
+    >>> bounces = fm.bounce(scene.replace({"contact.law": "tsuji", "contact.restitution": 0.5}))
+    >>> print(f"{bounces.height[0].to('mm'):.2f~P}")
+    12.74 mm
+    >>> [round(bounce.restitution, 3) for bounce in bounces.bounces[:3]]
+    [0.5, 0.5, 0.5]
+    """
+
+    scene: Scene
+    law: str
+    bounces: tuple[Bounce, ...]
+    outcome: str
+    rest_time: float | None
+    warnings: tuple[str, ...]
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...  # the values of `COLUMNS`, added below the class
+        def plot(self, path: str | os.PathLike[str] | None = None) -> Figure: ...
+        def to_dataset(self) -> xr.Dataset: ...
+        def _repr_html_(self) -> str: ...
+    else:
+        plot = Late("film_model.methods:plot_bounces")
+        to_dataset = Late("film_model.methods:bounces_to_dataset")
+        _repr_html_ = Late("film_model.methods:bounces_as_html")
+
+    def __repr__(self) -> str:
+        return f"Bounces({self.law}: {len(self.bounces)}; {self.outcome})"
+
+    def column(self, name: str) -> Any:
+        """A value of all bounces, SI, as an array; nan where it does not exist."""
+        return np.array([getattr(bounce, name) for bounce in self.bounces], dtype=np.float64)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON, SI: title, law, outcome, rest_time, bounces and warnings."""
+        return {
+            "title": self.scene.title,
+            "law": self.law,
+            "outcome": self.outcome,
+            "rest_time": self.rest_time,
+            "bounces": [bounce._asdict() for bounce in self.bounces],
+            "warnings": list(self.warnings),
+        }
+
+
+for _name in COLUMNS:
+    setattr(Bounces, _name, _Column(_name))
+
+
+def bounce(scene: Scene, *, resolution: Any = None, accuracy: float | None = None) -> Bounces:
+    """All bounces of the scene's ball, which falls onto the target with its velocity or from its drop height.
+
+    Each contact is followed under the weight as `ImpactComponent` does, in the dent that those before it left; flights
+    are in closed form. The ball rests when a bounce is lower than `resolution` (m, or with units; default: a millionth
+    of the first fall), or when it stays on the target. A plate without edges moves by its impedance however little that
+    changes the first impact: where later ones are elastic, only this brings the ball to rest. Effects of law "auto" are
+    chosen for the first impact. A ball that no loss stops, that bounces more than `MOST_BOUNCES` times, or whose later
+    contacts cannot be solved does not come to rest: `outcome` and a warning say so.
+
+    >>> fm.bounce(scene.replace({"contact.law": "tsuji", "contact.restitution": 0.5})).outcome
+    'at rest after 202.53 ms: bounce 10 is lower than 51 nm'
+
+    Every entry of `warnings` is issued as an ImpactWarning too. Raises SceneError for a scene without gravity,
+    SimulationError for a ball without velocity and what `ImpactComponent` refuses, ValueError for a bad resolution.
+    """
+    done = bounce_quietly(scene, resolution=resolution, accuracy=accuracy)
+    for sentence in done.warnings:
+        python_warnings.warn(sentence, ImpactWarning, stacklevel=2)
+    return done
+
+
+def bounce_quietly(scene: Scene, *, resolution: Any = None, accuracy: float | None = None) -> Bounces:
+    """As :func:`bounce`, without Python warnings."""
+    if not isinstance(scene, Scene):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise TypeError(f"bounce takes a Scene, not {shown(scene)}: Scene.from_toml reads one from a file")
+    if scene.effects.gravity is False:
+        raise SceneError([Mistake(None, None, "effects.gravity", "is false: without gravity no ball comes back")])
+    if scene.approach_velocity <= 0.0:
+        raise SimulationError("the impactor has no velocity: give velocity or drop_height")
+    fallen = 0.5 * scene.impactor.speed**2 / STANDARD_GRAVITY
+    least = RESOLUTION * fallen if resolution is None else units.to_si(resolution, "length", bare=True)
+    if not 0.0 < least < fallen:
+        raise ValueError(f"resolution: {least:g} m must be above 0 m and below the height of the fall, {fallen:g} m")
+    component = ImpactComponent(_falling(scene), accuracy=accuracy)
+    released = 0.0 if scene.impactor.drop_height is None else scene.impactor.speed / STANDARD_GRAVITY
+    component.initialize(time=released)
+    return _Series(component, least).bounces()
+
+
+def _falling(scene: Scene) -> Scene:
+    """The scene with its weight; on a plate without edges, or a long beam or rod, with the motion of the target."""
+    heavy = replace(scene, effects=scene.effects.changed(gravity=True))
+    if scene.effects.target_motion != "auto" or not math.isfinite(scene.target_impedance):
+        return heavy
+    choice = choose(heavy)
+    if choice.decided[1] or choice.support.vibrates or not math.isfinite(choice.support.impedance):
+        return heavy
+    return replace(heavy, effects=heavy.effects.changed(target_motion=True))
+
+
+class _Series:
+    """The bounces of a component, one after the other. least: height that is rest, m."""
+
+    def __init__(self, component: ImpactComponent, least: float) -> None:
+        self._component, self._least = component, least
+        self._vibrates = component.problem.vibrates
+        self._deepest = 0.0
+        self._found: list[Bounce] = []
+
+    def bounces(self) -> Bounces:
+        """All of them, and how they end."""
+        choice = self._component.choice
+        outcome, rests, said = self._ended()
+        warnings = (*choice.warnings, *said)
+        rest = self._found[-1].time if rests else None
+        return Bounces(choice.scene, choice.problem.law.name, tuple(self._found), outcome, rest, warnings)
+
+    def _ended(self) -> tuple[str, bool, tuple[str, ...]]:
+        """Outcome, whether the ball rests, and warnings."""
+        low = 0
+        while len(self._found) < MOST_BOUNCES:
+            try:
+                last = self._next()
+            except SimulationError as error:
+                if not self._found:
+                    raise
+                outcome = f"followed up to bounce {len(self._found)}: {error}"
+                return outcome, False, (outcome,)
+            self._found.append(last)
+            count, at = len(self._found), format_si(last.time, "time", 5)
+            if last.contact_duration is None:
+                return f"at rest after {at}: the ball stays on the target from contact {count} on", True, ()
+            low = low + 1 if last.height < self._least else 0
+            if low >= (LOW_BOUNCES if self._vibrates else 1):
+                least = format_si(self._least, "length", 3)
+                return f"at rest after {at}: bounce {count} is lower than {least}", True, ()
+            if not self._vibrates and -last.velocity_after >= last.velocity_before * (1.0 - LOSSLESS):
+                outcome = f"never comes to rest: from contact {count} on the law loses no energy"
+                return outcome, False, (f"{outcome}{self._waves(last)}",)
+        height = format_si(self._found[-1].height, "length", 3)
+        outcome = f"not at rest after {MOST_BOUNCES} bounces, the last {height} high"
+        return outcome, False, (outcome,)
+
+    def _next(self) -> Bounce:
+        """The next contact."""
+        component, swings = self._component, 0
+        speed = component.outputs.impactor_velocity
+        touch, event = self._event(speed), None
+        assert touch is not None and touch.name == "contact_begins"
+        before = touch.impactor_velocity
+        while event is None or event.name != "contact_ends":
+            event = self._event(before)
+            swings += event is not None and event.name == "reloading_begins"
+            if event is None or swings > (MOST_SWINGS if self._vibrates else 0):
+                return Bounce(touch.time, before, 0.0, 0.0, component.largest_force, None, None)
+            if event.name == "maximum_indentation":
+                self._deepest = max(self._deepest, event.indentation)
+        after, length = event.impactor_velocity, component.problem.scales.length
+        height = 0.5 * min(after, 0.0) ** 2 / STANDARD_GRAVITY
+        dent = dent_of(component.problem, self._deepest / length, event.indentation / length) * length
+        return Bounce(touch.time, before, after, height, component.largest_force, event.time - touch.time, dent)
+
+    def _event(self, speed: float) -> Event | None:
+        """The next event; None if contact, or a flight that begins with `speed` [m/s], has none any more."""
+        problem = self._component.problem
+        wait = 4.0 * abs(speed) / STANDARD_GRAVITY + problem.limit * problem.scales.time
+        return next(iter(self._component.step(wait, stop_at_events=True).events), None)
+
+    def _waves(self, last: Bounce) -> str:
+        """The end of the warning about a law without losses: the restitution that waves in the target leave."""
+        scene, light = self._component.scene, self._component.choice.light
+        if not light.trial.ends or last.contact_duration is None:
+            return ""
+        energy = 0.5 * scene.effective_mass * last.velocity_before**2
+        seen = case_of(light, vibrates=False).seen_by_target
+        seen = seen._replace(energy=energy, force=last.maximum_force, duration=last.contact_duration)
+        share = scene.target.wave_losses(seen).change
+        if share is None:
+            return ""
+        left = f"{math.sqrt(1.0 - share):.4g}"
+        return f"; waves into the {scene.target.kind}, which are not simulated, leave a restitution of about {left}"

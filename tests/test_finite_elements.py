@@ -1,5 +1,6 @@
 """The finite-element impacts: the program against theory, the published runs, and law elastoplastic fitted to them."""
 
+import math
 import shutil
 import sys
 from dataclasses import astuple
@@ -16,6 +17,7 @@ from film_model.studies import finite_elements
 FOLDER = Path(__file__).parent.parent / "examples" / "finite_elements"
 sys.path.insert(0, str(FOLDER))
 
+import again  # noqa: E402
 import fit  # noqa: E402
 import publish  # noqa: E402
 import run  # noqa: E402
@@ -42,6 +44,65 @@ def test_a_ball_that_dents_agrees_with_the_published_run_on_a_finer_mesh():
     assert found["force"] == pytest.approx(float(ds["largest_force"]), rel=3e-2)
     assert abs(found["balance"]) < 5e-3
     assert found["energy"]["hourglass"] < 5e-3
+
+
+def by_law(impact, later):
+    """Restitution, largest depth and force of three impacts under the law, the later ones on the dent of the first.
+
+    later: velocity of these over that of the first; 0: that of the rebound before. An impulse turns the ball round.
+    """
+    strength, radius = 1e9, 0.01
+    modulus = strength / impact.yield_strain
+    first = math.sqrt(2.0 * impact.energy * strength * radius**3)  # of 1 kg
+    scene = fm.Scene(
+        fm.Sphere("10 mm", f"{first!r} m/s", mass="1 kg"),
+        fm.HalfSpace(),
+        fm.Contact(fm.Elastoplastic(modulus, radius, strength, impact.poisson, impact.hardening)),
+        effects=fm.Effects(gravity=False),
+    )
+    component, before, found = fm.ImpactComponent(scene, accuracy=1e-8), first, []
+    for _ in range(3):
+        deepest, event = None, None
+        while event is None or event.name != "contact_ends":
+            (event,) = component.step("1 s", stop_at_events=True).events
+            deepest = event if event.name == "maximum_indentation" else deepest
+        found.append((-event.impactor_velocity / before, deepest.indentation, deepest.contact_force))
+        before = later * first or -event.impactor_velocity
+        component.step(1e-9, external_force=(before - event.impactor_velocity) / 1e-9)
+    return np.array(found)
+
+
+def second_impacts():
+    """The rows of the table of second impacts in docs/finite_elements.md."""
+    page = (FOLDER.parents[1] / "docs" / "finite_elements.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in page.splitlines() if " | of the " in line]
+    return [(run.Impact(*map(float, row[:3])), row[3] == "of the rebound", *map(float, row[4:])) for row in rows]
+
+
+def test_law_and_finite_elements_agree_on_second_impacts():
+    rows = second_impacts()
+    assert [row[0] for row in rows[::2]] == list(again.FIRST) and [row[1] for row in rows] == 9 * [True, False]
+    for impact, rebounds, *measured, depth, force, yielding in rows:
+        law, fast = by_law(impact, 0.0 if rebounds else 1.0), impact.velocity > 200.0
+        assert measured[0] == pytest.approx(law[0, 0], rel=0.02)
+        assert depth == pytest.approx(law[1, 1] / law[0, 1], rel=0.004)
+        assert force == pytest.approx(law[1, 2] / law[0, 2], rel=0.016 if fast else 0.01)
+        if rebounds:
+            assert law[1:, 0] == pytest.approx(1.0, abs=1e-6)
+            assert measured[1:] == pytest.approx([1.0, 1.0], abs=0.0072 if fast else 0.0033)
+            assert yielding < (0.016 if fast else 0.007)
+        else:
+            assert measured[1:] == pytest.approx(law[1:, 0], rel=0.05 if fast else 0.012)
+
+
+@needs_gcc
+@pytest.mark.slow
+def test_a_second_impact_is_elastic_in_the_dent():
+    """On a coarse mesh, at the velocity of the rebound: the row of the table for 50 V_Y."""
+    one, two = again.impacts(run.Impact(50.0, 200.0), (0.0,), run.Mesh(elements=10, slowness=90.0))
+    assert one[0] == pytest.approx(0.6625, rel=0.02)
+    assert two[0] == pytest.approx(1.0, abs=5e-3) and two[1] == pytest.approx(one[1], rel=5e-3)
+    assert two[3] < 5e-3 < one[3]
 
 
 def test_published_runs():

@@ -6,10 +6,11 @@
  * makes its critical time step that of the finest one, so that waves cross the large domain in few steps.
  * Integrals over the angle are left out: masses and forces are those of one radian.
  *
- *     impact E/Y nu n mass velocity element fine growth extent hourglass yields
+ *     impact E/Y nu n mass velocity element fine growth extent hourglass yields [velocity ...]
  *
  * mass and velocity of the ball; element: size of the finest ones; fine: their number along r and z; growth: ratio of
- * neighbours beyond; extent: of the domain; hourglass: stiffness over that of bending; yields: 0 or 1.
+ * neighbours beyond; extent: of the domain; hourglass: stiffness over that of bending; yields: 0 or 1; velocities of
+ * later impacts on the same dent, 0: that of the rebound before.
  * Prints `contact r depth` when a node of the surface is touched first, `history time depth force` and `end ...`. */
 
 #include <math.h>
@@ -117,8 +118,9 @@ static double move_nodes(Mesh *mesh, double dt)
     return energy;
 }
 
-/* One impact. Energies of one radian over that of the ball at first: the balance closes to the work of the contact. */
-static void strike(Mesh *mesh, Ball ball)
+/* One impact: the ball that rebounds. Energies of one radian are over that of the ball at first: the balance closes to
+ * the work of the contact. `end`: restitution, depth of the ball where contact ended and of the dent, energies. */
+static Ball strike(Mesh *mesh, Ball ball)
 {
     const double first = 0.5 * ball.mass * ball.velocity * ball.velocity, speed = ball.velocity;
     double time = 0.0, last_depth = 0.0, impulse = 0.0, since = 0.0, kinetic = 0.0, dt = 0.0;
@@ -152,21 +154,27 @@ static void strike(Mesh *mesh, Ball ball)
     printf("end %.9g %.9g %.9g %.9g %.9g %.9g %.9g %.9g %d\n", -ball.velocity / speed, last_depth, -mesh->z[0],
            kinetic / first, work.internal / first, work.plastic / first, work.hourglass / first, work.viscous / first,
            mesh->count);
+    return ball;
 }
 
 int main(int count, char **words)
 {
     double option[12];
-    if (count != 12) {
-        fputs("usage: impact E/Y nu n mass velocity element fine growth extent hourglass yields\n", stderr);
+    if (count < 12) {
+        fputs("usage: impact E/Y nu n mass velocity element fine growth extent hourglass yields [velocity ...]\n", stderr);
         return 1;
     }
-    for (int k = 1; k < count; k++) {
+    for (int k = 1; k < 12; k++) {
         option[k - 1] = strtod(words[k], NULL);
     }
     const double E = option[0], nu = option[1];
     Material material = {E, 0.5 * E / (1.0 + nu), E / (3.0 * (1.0 - 2.0 * nu)), option[2], option[9], option[10] != 0.0};
     Mesh mesh = mesh_of(option[5], (int)option[6], option[7], option[8], material);
-    strike(&mesh, (Ball){option[3], option[4], 0.0});
+    Ball ball = strike(&mesh, (Ball){option[3], option[4], 0.0});
+    for (int k = 12; k < count; k++) {
+        const double again = strtod(words[k], NULL);
+        ball.velocity = again > 0.0 ? again : -ball.velocity;
+        ball = strike(&mesh, ball);
+    }
     return 0;
 }

@@ -122,22 +122,30 @@ def smooth(x: np.ndarray, y: np.ndarray, at: np.ndarray, width: float) -> np.nda
     return np.array(found)
 
 
-def strike(impact: Impact, mesh: Mesh = FINE) -> dict:
-    """Run one impact, and reduce its history."""
+def printed(impact: Impact, mesh: Mesh = FINE, later: tuple[float, ...] = ()) -> list[list[str]]:
+    """The lines that the program prints, as words. later: velocities of impacts on the same dent, over that of the
+    first, 0: that of the rebound before."""
     depth, a = expected(impact)
     wave = math.sqrt(impact.stiffness * (1 - impact.poisson) / (1 + impact.poisson) / (1 - 2 * impact.poisson))
     speed = depth / (mesh.slowness * a / wave)
     mass = 2.0 * impact.energy / speed**2 / (2.0 * math.pi)  # of one radian
     words = [impact.stiffness, impact.poisson, impact.hardening, mass, speed, a / mesh.elements,
-             int(1.2 * mesh.elements), mesh.growth, mesh.extent * a, mesh.hourglass, int(impact.yields)]  # fmt: skip
+             int(1.2 * mesh.elements), mesh.growth, mesh.extent * a, mesh.hourglass, int(impact.yields),
+             *(part * speed for part in later)]  # fmt: skip
     lines = subprocess.run(
         [program(), *(repr(float(word)) for word in words)], capture_output=True, text=True, check=True, timeout=600
     )
-    parts = [line.split() for line in lines.stdout.splitlines()]
+    return [line.split() for line in lines.stdout.splitlines()]
+
+
+def strike(impact: Impact, mesh: Mesh = FINE) -> dict:
+    """Run one impact, and reduce its history."""
+    parts = printed(impact, mesh)
     history = np.array([part[1:] for part in parts if part[0] == "history"], dtype=float)
     touched = np.array([part[1:] for part in parts if part[0] == "contact"], dtype=float)
     end = [float(word) for word in parts[-1][1:]]
-    return {"impact": asdict(impact), "mesh": asdict(mesh), **reduced(impact, history, touched, a / mesh.elements, end)}
+    element = expected(impact)[1] / mesh.elements
+    return {"impact": asdict(impact), "mesh": asdict(mesh), **reduced(impact, history, touched, element, end)}
 
 
 def reduced(impact: Impact, history: np.ndarray, touched: np.ndarray, element: float, end: list[float]) -> dict:

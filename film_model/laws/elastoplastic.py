@@ -137,6 +137,10 @@ class Elastoplastic(AbstractLaw):
     0.5 % in the median and by 2 % at most, the force by 2 %, the indentation by 1.1 %, the contact radius by 2.2 %, and
     the permanent indentation by 2.5 % of the largest; beyond, restitution by 1.6 % in the median, by 6 % at most.
 
+    A later impact on the same dent follows the unloading curve up to the deepest turn, without loss, and then the
+    loading curve. Finite elements of second and third impacts up to 200 times that velocity say so: at the velocity of
+    the rebound restitution is 1 within 0.33 %, at that of the first impact the law's within 1.2 %.
+
     strain_hardening_exponent: n, of the material; 0, without hardening, if it gives none. Of two bodies that yield, the
     law takes the strength, ν and n of the softer: the other stays elastic. Two equal bodies are each pressed against a
     plane, by symmetry: for small a/R with the same f(w), but half of a/R in M, which the law does not know: the

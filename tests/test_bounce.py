@@ -133,6 +133,8 @@ def test_a_plate_with_edges_throws_the_ball_up_again():
     pane = fm.Plate("glass", thickness="2 mm", size=["100 mm", "100 mm"])
     bounces = fm.bounce(fm.Scene(BALL, pane), resolution="1 mm")
     assert choose(bounces.scene).problem.vibrates
+    force = fm.simulate(bounces.scene).maximum_force.m
+    assert max(bounce.maximum_force for bounce in bounces.bounces[:3]) == pytest.approx(force, rel=1e-3)
     low = [bounce.height < 1e-3 for bounce in bounces.bounces]
     ends = low.index(True)
     assert not all(low[ends:]), "a low bounce is followed by a higher one"
@@ -150,6 +152,8 @@ def test_a_later_contact_that_fails_ends_the_series():
     soft = fm.Material("soft", "3 GPa", 0.35, "1000 kg/m^3", prony=[[0.3, "10 us"]])
     bounces = fm.bounce(fm.Scene(fm.Sphere("10 mm", "1 m/s", material=soft), SLAB))
     assert bounces.rest_time is None and "followed up to bounce" in bounces.outcome
+    force = fm.simulate(bounces.scene).maximum_force.m
+    assert bounces.bounces[0].maximum_force == pytest.approx(force, rel=1e-3)
     assert bounces.outcome in bounces.warnings
 
 

@@ -149,7 +149,7 @@ def bounce(scene: Scene, *, resolution: Any = None, accuracy: float | None = Non
     contacts cannot be solved does not come to rest: `outcome` and a warning say so.
 
     >>> fm.bounce(scene.replace({"contact.law": "tsuji", "contact.restitution": 0.5})).outcome
-    'at rest after 202.53 ms: bounce 10 is lower than 51 nm'
+    'at rest after 203.63 ms: the ball stays on the target from contact 10 on'
 
     Every entry of `warnings` is issued as an ImpactWarning too. Raises SceneError for a scene without gravity,
     SimulationError for a ball without velocity and what `ImpactComponent` refuses, ValueError for a bad resolution.

@@ -157,6 +157,16 @@ def test_a_later_contact_that_fails_ends_the_series():
     assert bounces.outcome in bounces.warnings
 
 
+def test_a_free_plate_moves_away():
+    """Its first contact ends while the ball still moves in."""
+    plate = fm.Plate("mild steel", thickness="1 mm", size=["60 mm", "60 mm"], edges="free")
+    bounces = fm.bounce(fm.Scene(BALL, plate))
+    first, second = bounces.bounces[:2]
+    assert first.velocity_after > 0.0 == first.height and first.restitution < 0.0 < second.restitution
+    assert second.time - first.time < 1e-3
+    assert bounces.rest_time is None and "the target moves away" in bounces.outcome
+
+
 @pytest.mark.parametrize(
     ("scene", "options", "error", "message"),
     [

@@ -29,7 +29,7 @@ def plot_bounces(bounces: Bounces, path: str | os.PathLike[str] | None = None, d
 def heights(bounces: Bounces) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Times [s] and heights above the place of contact [m], from the release of a ball with a drop height."""
     begins, durations = bounces.column("time"), bounces.column("contact_duration")
-    speeds = np.abs(bounces.column("velocity_after"))
+    speeds = np.maximum(-bounces.column("velocity_after"), 0.0)
     part = np.linspace(0.0, 1.0, PARABOLA)
     ends = begins + np.nan_to_num(durations)
     flight = np.append(begins[1:] - ends[:-1], 2.0 * speeds[-1] / STANDARD_GRAVITY)[:, None] * part
@@ -47,7 +47,7 @@ def _draw(figure: Figure, bounces: Bounces) -> None:
     panel: Any = figure.subplots()
     panel.plot(t / second, z / metre, color=COLOURS[0], linewidth=1.2)
     top = bounces.column("time") + np.nan_to_num(bounces.column("contact_duration"))
-    top = top + np.abs(bounces.column("velocity_after")) / STANDARD_GRAVITY
+    top = top + np.maximum(-bounces.column("velocity_after"), 0.0) / STANDARD_GRAVITY
     panel.plot(top / second, bounces.column("height") / metre, ".", color=HIGHLIGHT, markersize=4.0)
     panel.set(xlabel=f"time ({unit_of_time})", ylabel=f"height ({unit_of_height})")
     panel.set(xlim=(0.0, None), ylim=(0.0, None))

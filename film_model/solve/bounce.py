@@ -67,8 +67,8 @@ class Bounce(NamedTuple):
 
     @property
     def restitution(self) -> float:
-        """Velocity after over velocity before."""
-        return abs(self.velocity_after) / self.velocity_before
+        """Velocity of the rebound over that before; negative if the ball still moves in after the target."""
+        return (0.0 - self.velocity_after) / self.velocity_before
 
 
 class _Column:
@@ -237,7 +237,8 @@ class _Series:
         component, swings = self._component, 0
         speed = component.outputs.impactor_velocity
         touch, event = self._event(speed), None
-        assert touch is not None and touch.name == "contact_begins"
+        if touch is None:
+            raise SimulationError("the target moves away, and the ball does not meet it again")
         before = touch.impactor_velocity
         while event is None or event.name != "contact_ends":
             event = self._event(before)

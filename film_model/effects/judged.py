@@ -78,7 +78,7 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "omitted_modes": ("Ω T/π", "response to a half-sine of the contact time T on a fixed target", omitted_modes),
     "small_slope": (
         "a/R",
-        "elastic sphere under Hertz's pressure and its inertia, to first order; Sneddon 1965; compare Tatara 1991",
+        "fitted to axisymmetric finite elements made for this package; compare Sneddon 1965, Tatara 1991",
         small_slope,
     ),
     "contact_width": ("a/h", "half-space laws fail for contacts wider than the plate thickness", contact_width),

@@ -7,8 +7,8 @@
  *     ball nu velocity element fine growth extent
  *
  * element: size of the finest ones; fine: their number along r and z; growth: ratio of neighbours beyond.
- * Prints `history time approach force`, of one radian, and `end mass restitution duration energy`: the approach is that of
- * the centre of mass, the energy what is left in vibrations over that at first. */
+ * Prints `history time approach force`, of one radian, and `end mass restitution duration energy`: the approach is that
+ * of the centre of mass, the energy that at the end over that at first. */
 
 #include <math.h>
 #include <stdio.h>
@@ -70,7 +70,8 @@ static Mesh mesh_of(double h, int fine, double growth, double extent, Material m
         mesh.mass[bottom] += mass;
         mesh.mass[bottom + 1] += mass;
     }
-    mesh.size = critical_step(&mesh) * sqrt(material.bulk + 4.0 / 3.0 * material.shear); /* the thinnest limit viscosity */
+    /* of the thinnest elements: larger ones bear more viscosity */
+    mesh.size = critical_step(&mesh) * sqrt(material.bulk + 4.0 / 3.0 * material.shear);
     return mesh;
 }
 
@@ -103,7 +104,8 @@ static void strike(Mesh *mesh, double velocity)
         mesh->vz[k] = velocity;
         mass += mesh->mass[k];
     }
-    double time = 0.0, approach = 0.0, speed = velocity, impulse = 0.0, since = 0.0, last = 0.0, kinetic = 0.0, dt = 0.0;
+    double time = 0.0, approach = 0.0, speed = velocity, impulse = 0.0, since = 0.0, last = 0.0;
+    double kinetic = 0.0, dt = 0.0;
     Work work = {0};
     for (int step = 0, quiet = 0; quiet < QUIET_STEPS; step++) {
         if (step % STEPS_OF_A_RECORD == 0) {

@@ -4,10 +4,11 @@ Statics, axisymmetric, without friction: an elastic ball on a rigid plane, and a
 prescribed approaches up to δ/R = 0.25. Strains are large. Elasticity is linear between Kirchhoff's stress and Hencky's
 logarithmic strain, τ = λ tr(ln V) 1 + 2 µ ln V. The table takes a few minutes.
 
-Elements have eight nodes and 2 × 2 points of integration. The rigid body is a penalty at two points of each edge, over the undeformed surface. The ball decelerates as a whole: what is prescribed is the
-displacement of its centre of mass, and its multiplier is the uniform body force that balances the contact. The ball's
-mesh is the half-space's under the conformal map w → w/(1 + i w/2), without the far pole: 0.2 % of the volume.
-Lengths are in ball radii, stresses in E* = E/(1 − ν²).
+Elements have eight nodes and 2 × 2 points of integration. The rigid body is a penalty at two points of each edge, over
+the undeformed surface. The ball decelerates as a whole: what is prescribed is the displacement of its centre of mass,
+and its multiplier is the uniform body force that balances the contact. The ball's mesh is the half-space's under the
+conformal map w → w/(1 + i w/2), without the far pole: 0.2 % of the volume. Lengths are in ball radii, stresses in
+E* = E/(1 − ν²).
 """
 
 import argparse

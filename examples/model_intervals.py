@@ -1,7 +1,7 @@
 """Write film_model/problem/model_intervals.json: `python examples/model_intervals.py [FILE]`.
 
-The residuals of the measured rows that are not held out, under law "auto"; run it when that law or the rows change, and
-then `python examples/validation_page.py`.
+The residuals of the measured rows that are not held out, under law "auto" with rate hardening and without; run it when
+that law or the rows change, and then `python examples/validation_page.py`.
 """
 
 import json
@@ -12,12 +12,13 @@ import film_datasets as fd
 from film_datasets.evidence import evidence_rows
 from film_model.problem.law_of_scene import ELASTIC, YIELDING
 from film_model.problem.model_intervals import STORED
-from film_model.studies.residuals import predictions, residuals
+from film_model.studies.residuals import predictions, residuals, slow_predictions
 
 
 def main(path: Path = Path(STORED)) -> Path:
     """Write the file; returns its path."""
-    found = residuals(predictions(evidence_rows(fd.load("measured_impacts"))))
+    measured = evidence_rows(fd.load("measured_impacts"))
+    found = residuals([*predictions(measured), *slow_predictions(measured)])
     rows = ",\n".join(f"    {json.dumps(one._asdict())}" for one in found)
     laws = json.dumps([ELASTIC, YIELDING])
     text = f'{{\n  "made_by": "examples/model_intervals.py",\n  "laws": {laws},\n  "residuals": [\n{rows}\n  ]\n}}\n'

@@ -15,33 +15,44 @@ from film_model.problem.model_intervals import (
     ABOVE,
     BELOW,
     FEWEST,
+    SLOW,
+    YIELDING,
+    family_number,
     family_of,
     residuals_of,
     stored,
     yield_velocities,
 )
-from film_model.studies.residuals import central, coverage, coverage_of_new_sources, predictions
+from film_model.scene.columns import scene_of_columns
+from film_model.studies.residuals import central, coverage, coverage_of_new_sources, predictions, slow_predictions
 from film_model.studies.validation import scene_of
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3", "yield_strength": "1.2 GPa"}
-E, DENT = "coefficient_of_restitution", "permanent_indentation"
+HARDENING = STEEL | {"strain_rate_coefficient": 0.014}
+E = "coefficient_of_restitution"
+FEW = "; so few cover 85 % of the next; fewer than 9 of them are like this one"
 
 
 def scene(velocity="2 m/s", law="auto", **target):
     ball = fm.Sphere("1.5 mm", velocity=velocity, mass="5.5 g", material="tungsten carbide")
-    return fm.Scene(ball, fm.HalfSpace(STEEL | target), fm.Contact(law), effects=fm.Effects(gravity=False))
+    return fm.Scene(ball, fm.HalfSpace(HARDENING | target), fm.Contact(law), effects=fm.Effects(gravity=False))
 
 
 @pytest.fixture(scope="module")
-def found():
-    return predictions(evidence_rows(fd.load("measured_impacts")))
+def rows():
+    return evidence_rows(fd.load("measured_impacts"))
 
 
-def test_held_out_rows_lie_in_their_interval(found):
-    covered = coverage(found)
-    assert covered.rows >= 20
-    assert abs(covered.share - 0.9) <= max(0.05, 2.0 * covered.spread)
-    assert coverage_of_new_sources(found).inside < covered.inside, "neighbours in a table help each other"
+@pytest.fixture(scope="module")
+def found(rows):
+    return predictions(rows)
+
+
+def test_held_out_rows_lie_in_their_interval(rows, found):
+    for covered in (coverage(found), coverage(slow_predictions(rows))):
+        assert covered.rows >= 16
+        assert 0.85 <= covered.share <= 0.95
+    assert coverage_of_new_sources(found).rows <= covered.rows
 
 
 def test_a_central_interval_covers_nine_of_ten():
@@ -56,23 +67,45 @@ def test_a_central_interval_covers_nine_of_ten():
 
 
 def test_a_family_with_too_few_rows_takes_the_wider_one():
-    assert stored()[BELOW, E].rows < FEWEST <= stored()["yielding", E].rows
-    assert residuals_of(BELOW, E) == stored()["yielding", E] != residuals_of(ABOVE, E)
+    for family, pooled in ((BELOW, YIELDING), (ABOVE, YIELDING), (SLOW[BELOW], SLOW[YIELDING])):
+        assert stored()[family, E].rows < FEWEST <= stored()[pooled, E].rows
+        assert residuals_of(family, E) == stored()[pooled, E]
+    enough = {(BELOW, E): stored()[BELOW, E]._replace(rows=FEWEST), (YIELDING, E): stored()[YIELDING, E]}
+    assert residuals_of(BELOW, E, enough) == enough[BELOW, E] != residuals_of(ABOVE, E, enough)
     assert residuals_of("elastic", E) is None and residuals_of(ABOVE, "maximum_force") is None
     history = fm.simulate(scene("0.5 m/s"))
     assert family_of(history.scene) == BELOW
-    assert "; fewer than 9 of them are like this one" in history.interval(E)[2]
+    assert history.interval(E)[2].endswith(FEW)
+
+
+def test_without_a_rate_law_the_interval_comes_from_rows_without_it(rows):
+    slow = fm.Scene(scene().impactor, fm.HalfSpace(STEEL), fm.Contact("auto"), effects=fm.Effects(gravity=False))
+    history, hardened = fm.simulate(slow), fm.simulate(scene())
+    assert family_of(slow) == SLOW[ABOVE] != family_of(scene()) == ABOVE
+    low, high, evidence = history.interval(E)
+    assert "computed without rate hardening" in evidence and "rate" not in hardened.interval(E)[2]
+    assert history.summary[E] < low.magnitude, "without it, rebounds come out too low"
+    best = hardened.interval(E)
+    assert low.magnitude < best[1].magnitude and high.magnitude > best[0].magnitude, "they agree"
+    off = slow.replace({"effects.rate_hardening": False})
+    assert fm.simulate(off).intervals == {}
+    assert not [row for row in slow_predictions(rows) if not (row.family or "").endswith("_slow")]
+
+
+def test_families_of_many_impacts_are_those_of_each():
+    speeds, rates = np.array([0.001, 0.5, 2.0, 2.0]), np.array([0.01, 0.01, 0.01, np.nan])
+    many = scene_of_columns(scene(), {"impactor.velocity": speeds, "target.material.strain_rate_coefficient": rates})
+    assert family_number(many).tolist() == [0, 1, 2, 4]
 
 
 def test_an_interval_is_the_value_times_the_residuals():
     history = fm.simulate(scene())
     low, high, evidence = history.interval(E)
     own = residuals_of(ABOVE, E)
+    assert evidence == f"{own.rows} measurements of steel of known hardness that yields{FEW}"
     assert low.magnitude == pytest.approx(history.summary[E] * math.exp(own.low))
     assert high.magnitude == pytest.approx(history.summary[E] * math.exp(own.high))
-    assert evidence == f"{own.rows} measurements of steel of known hardness beyond 50 yield velocities"
-    assert history.interval(DENT)[0].check("[length]")
-    assert "; so few cover 83 % of the next; fewer than 9 of them are like this one" in history.interval(DENT)[2]
+    assert history.interval("dent_diameter") is None, "fewer than 9 rows"
     slow = f"{2.0 / yield_velocities(scene('1 m/s')):.6g} m/s"
     assert fm.simulate(scene(slow)).interval(E)[1].magnitude == 1.0
     assert "; extrapolated from " in fm.simulate(scene("6 m/s", yield_strength="600 MPa")).interval(E)[2]
@@ -118,13 +151,13 @@ def test_families_part_at_fifty_yield_velocities(found):
     for one in found:
         ratio = yield_velocities(scene_of("auto", one.row))
         assert one.family == ("elastic" if ratio is None else BELOW if ratio <= 50.0 else ABOVE)
-    assert Counter(one.family for one in found)[ABOVE] > 30
+    assert min(Counter(one.family for one in found)[family] for family in (BELOW, ABOVE)) > 15
 
 
 def test_rows_with_a_hardness_give_it_as_hardness(found):
     """Tabor: H = HV 9.80665 MPa/0.927 on the projected area, flow strength H/2.8."""
     hard = [one.row for one in found if "hardness" in one.row.target]
-    assert len(hard) >= 80 and "yield_strength" not in "".join(row.target for row in hard)
+    assert len(hard) >= 43 and "yield_strength" not in "".join(row.target for row in hard)
     first = scene_of("auto", hard[0])
     assert hard[0].note.startswith("impact body D on 300 HV")
     assert first.target.material.hardness == pytest.approx(300.0 * 9.80665e6 / 0.927)

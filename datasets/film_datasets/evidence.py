@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 NUMBERS = (
-    *("value", "uncertainty", "radius", "mass", "velocity", "effective_modulus"),
+    *("value", "uncertainty", "input_uncertainty", "radius", "mass", "velocity", "effective_modulus"),
     *("yield_strength", "poissons_ratio", "target_impedance"),
 )
 """Columns of numbers, SI; an empty cell is NaN."""

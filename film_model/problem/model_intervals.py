@@ -37,19 +37,33 @@ MANY_YIELD_VELOCITIES = 50.0
 STIFFEST_POLYMER = 6e9
 """Effective modulus, Pa, below which one of the bodies is a polymer: no measurement is known with whole conditions."""
 
-BELOW, ABOVE = "yielding_below_50", "yielding_above_50"
-FAMILIES = {
-    "elastic": "elastic contacts",
+BELOW, ABOVE, YIELDING = "yielding_below_50", "yielding_above_50", "yielding"
+_KNOWN = {
     BELOW: f"steel of known hardness at 1 to {MANY_YIELD_VELOCITIES:g} yield velocities",
     ABOVE: f"steel of known hardness beyond {MANY_YIELD_VELOCITIES:g} yield velocities",
-    "yielding": "steel of known hardness that yields",
+    YIELDING: "steel of known hardness that yields",
 }
+_SLOW = "_slow"
+SLOW = {name: f"{name}{_SLOW}" for name in _KNOWN}
+"""Families → those of the same impacts without a rate law of the material that yields."""
+
+FAMILIES = (
+    {"elastic": "elastic contacts"}
+    | _KNOWN
+    | {SLOW[name]: f"{words}, computed without rate hardening" for name, words in _KNOWN.items()}
+)
 """Families of impacts → in words; "yielding" pools the two before it."""
 
-KINDS = ("elastic", BELOW, ABOVE)
-"""Families that an impact belongs to, by its approach velocity over the yield velocity."""
+KINDS = ("elastic", BELOW, ABOVE, SLOW[BELOW], SLOW[ABOVE])
+"""Families that an impact belongs to, by its approach velocity over the yield velocity and by its rate law."""
 
-_POOLED = {BELOW: "yielding", ABOVE: "yielding"}
+POOLED = {
+    YIELDING: (BELOW, ABOVE),
+    SLOW[YIELDING]: (SLOW[BELOW], SLOW[ABOVE]),
+}
+"""Families → those that they pool."""
+
+_WIDER = {one: wide for wide, own in POOLED.items() for one in own}
 
 
 class Residuals(NamedTuple):
@@ -87,8 +101,9 @@ def yield_velocities(scene: Scene) -> Any:
 
 def family_number(scene: Scene) -> Any:
     """The place in `KINDS` of each impact of a scene; -1 for a polymer, of which there is no evidence."""
-    modulus, ratio = scene.effective_modulus, yield_velocities(scene)
-    yielding = 0 if ratio is None else either(ratio > 1.0, either(ratio > MANY_YIELD_VELOCITIES, 2, 1), 0)
+    modulus, ratio, law = scene.effective_modulus, yield_velocities(scene), scene.rate_hardening
+    slow = 2 if law is None else either(law.coefficient > -1.0, 0, 2)  # of many impacts nan where it is unknown
+    yielding = 0 if ratio is None else either(ratio > 1.0, either(ratio > MANY_YIELD_VELOCITIES, 2, 1) + slow, 0)
     return yielding if modulus is None else either(modulus < STIFFEST_POLYMER, -1, yielding)
 
 
@@ -101,10 +116,11 @@ def family_of(scene: Scene) -> str | None:
 def model_interval(problem: Problem, name: str, value: float | None) -> ModelInterval | None:
     """The interval of a summary value of one impact; None if no measurements of this kind are known.
 
-    They are of law "auto" on bodies that do not move, vibrate, stick or creep.
+    They are of law "auto" on bodies that do not move, vibrate, stick or creep, with rate hardening if its law is known.
     """
     moves = problem.free or problem.gamma > 0.0 or problem.vibrates
-    if value is None or not value > 0.0 or problem.scene.contact.law != "auto" or moves:
+    chosen = problem.scene.contact.law != "auto" or problem.scene.effects.rate_hardening is False
+    if value is None or not value > 0.0 or chosen or moves:
         return None
     if problem.relaxation is not None or problem.curve.pulls:
         return None
@@ -141,7 +157,7 @@ def residuals_of(family: str, quantity: str, table: Table | None = None) -> Resi
     table: where they are; default those that are stored.
     """
     known = stored() if table is None else table
-    for one in (family, _POOLED.get(family)):
+    for one in (family, _WIDER.get(family)):
         found = known.get((one or "", quantity))
         if found is not None and found.rows >= FEWEST:
             return found

@@ -7,10 +7,9 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from film_model.problem.model_intervals import (
-    ABOVE,
-    BELOW,
     COVERED,
     FAMILIES,
+    POOLED,
     Residuals,
     Table,
     by_family,
@@ -46,12 +45,18 @@ def predictions(rows: Iterable[Row]) -> list[Prediction]:
     return [predict(AUTO, row) for row in rows if row.usable]
 
 
+def slow_predictions(rows: Iterable[Row]) -> list[Prediction]:
+    """The same where a row has a rate law, computed without it."""
+    slow = ((row, row.with_rate(None)) for row in rows)
+    return predictions(without for row, without in slow if without != row)
+
+
 def residuals(found: Sequence[Prediction]) -> list[Residuals]:
     """By family and quantity, of rows that are not held out."""
     used = [one for one in found if not one.row.held_out and one.value > 0.0]
     table: list[Residuals] = []
     for family in FAMILIES:
-        own = [one for one in used if one.family in ((BELOW, ABOVE) if family == "yielding" else (family,))]
+        own = [one for one in used if one.family in POOLED.get(family, (family,))]
         for quantity in dict.fromkeys(one.row.quantity for one in used):
             rows = [one for one in own if one.row.quantity == quantity]
             if rows:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -17,7 +17,7 @@ from film_model.problem.law_of_scene import ASSUMED_POISSONS_RATIO, ELASTIC, YIE
 from film_model.problem.model_intervals import family_of
 from film_model.scene import Contact, Effects, Scene, Sphere
 from film_model.solve.simulate import simulate_quietly
-from film_model.studies.validation_rows import Row, material
+from film_model.studies.validation_rows import JOHNSON_COOK, Row, material
 from film_model.targets import HalfSpace, Plate
 
 AUTO = "auto"
@@ -33,6 +33,32 @@ GROUPS: dict[str, Callable[[Row], bool]] = {
     "theory": lambda row: row.kind == "theory",
 }
 """Groups of rows whose errors are shown."""
+
+
+COMPLETE, BY_NAME = "complete: hardness and rate", "steel of the catalogue by name"
+ROUGH = "hardness not known within ±10 %"
+"""Inputs that are compared, in words."""
+
+NEAR = 0.1
+"""Error within which a measured value counts as met."""
+
+
+class Spread(NamedTuple):
+    """Absolute errors of some values: how many, their median, the error of 90 % of them, the share within `NEAR`, and
+    the largest."""
+
+    rows: int
+    median: float
+    most: float
+    near: float
+    worst: float
+
+    @classmethod
+    def of(cls, found: Iterable[Prediction]) -> Spread:
+        """Of the values that were simulated, at least one."""
+        errors = absolute(found)
+        near = sum(error <= NEAR for error in errors) / len(errors)
+        return cls(len(errors), statistics.median(errors), errors[int(0.9 * len(errors))], near, errors[-1])
 
 
 class Prediction(NamedTuple):
@@ -81,7 +107,7 @@ class LawReport:
         }
 
 
-def absolute(predictions: Any) -> list[float]:
+def absolute(predictions: Iterable[Prediction]) -> list[float]:
     """Absolute errors, sorted, of those that were simulated."""
     return sorted(abs(p.error) for p in predictions if not math.isnan(p.value))
 
@@ -122,6 +148,33 @@ def _report(law: str, rows: Sequence[Row]) -> LawReport:
     first = next((scene_of(AUTO, row) for row in rows if row.yields or row.usable), None)
     said = () if first is None else curve_of(_law_of(name, first)).rises
     return LawReport(law, predictions, largest, tuple(f"from {r.low:.3f} to {r.high:.3f}" for r in said))
+
+
+def inputs_of(rows: Iterable[Row]) -> dict[str, list[Prediction]]:
+    """What law "auto" gives for measured rows with complete conditions, with other inputs, and for those of which the
+    hardness is not known well: by input, in words."""
+    own = list(rows)
+    hard = [row for row in own if row.usable and row.hardness is not None]
+    groups = {
+        COMPLETE: [row for row in own if row.usable],
+        **{f"every steel with C = {c}": [row.with_rate(c) for row in hard] for *_, c in JOHNSON_COOK.values()},
+        "hardness without rate": [row.with_rate(None) for row in hard],
+        BY_NAME: [row.by_name for row in hard],
+        ROUGH: [row for row in own if row.rough],
+    }
+    return {name: [predict(AUTO, row) for row in group] for name, group in groups.items()}
+
+
+def within_input(rows: Iterable[Row]) -> tuple[int, int]:
+    """Of the rows of which the hardness is known, but not well: how many law "auto" meets with a hardness in its range,
+    and how many there are."""
+    known = [row for row in rows if row.rough and row.input_uncertainty == row.input_uncertainty]
+    met = 0
+    for row in known:
+        ends = (1.0 - row.input_uncertainty, 1.0 + row.input_uncertainty)
+        low, high = sorted(predict(AUTO, row.with_hardness((row.hardness or 0.0) * end)).value for end in ends)
+        met += low <= row.value <= high
+    return met, len(known)
 
 
 def predict(law: str, row: Row) -> Prediction:

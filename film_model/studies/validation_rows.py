@@ -3,8 +3,44 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import tomllib
 from typing import Any, NamedTuple
+
+from film_model.base.flow_stress import REPRESENTATIVE_STRAIN, flow_of_hardness
+from film_model.base.hardness import VICKERS
+from film_model.base.materials import catalogue
+
+LARGEST_INPUT_UNCERTAINTY = 0.1
+"""Relative uncertainty of the hardness or strength up to which the conditions of a row are complete."""
+
+JOHNSON_COOK = {
+    "1006": (350e6, 275e6, 0.36, 0.022),
+    "4340": (792e6, 510e6, 0.26, 0.014),
+    "S-7": (1539e6, 477e6, 0.18, 0.012),
+}
+"""A, B [Pa], n and C of the three steels of Johnson & Cook 1983, Proc. 7th Int. Symp. on Ballistics, 541-547."""
+
+_HARDNESS = re.compile(r'hardness = "([0-9.]+) HV"')
+_RATE = re.compile(r", strain_rate_coefficient = [0-9.]+")
+
+
+def flow_of(name: str) -> float:
+    """Flow stress A + B ε^n of one of these steels in slow loading, at the strain of a Vickers indentation, Pa."""
+    strength, coefficient, exponent, _ = JOHNSON_COOK[name]
+    return strength + coefficient * REPRESENTATIVE_STRAIN**exponent
+
+
+def nearest_rate(vickers: float) -> float:
+    """C of that steel of Johnson & Cook of which the flow stress is nearest to that of a steel of this hardness, HV."""
+    flow = flow_of_hardness(VICKERS * vickers)
+    return JOHNSON_COOK[min(JOHNSON_COOK, key=lambda name: abs(flow_of(name) - flow))][3]
+
+
+def steels() -> dict[str, float]:
+    """The steels of the catalogue whose hardness is known, HV, by name, the softest first."""
+    found = {name: one.hardness / VICKERS for name, one in catalogue().items() if "steel" in name and one.hardness}
+    return dict(sorted(found.items(), key=lambda steel: steel[1]))
 
 
 class Row(NamedTuple):
@@ -12,6 +48,7 @@ class Row(NamedTuple):
 
     value: float
     uncertainty: float
+    input_uncertainty: float
     radius: float
     mass: float
     velocity: float
@@ -40,6 +77,33 @@ class Row(NamedTuple):
     def usable(self) -> bool:
         """Whether it is measured, and its conditions are complete."""
         return self.kind == "measured" and self.complete
+
+    @property
+    def rough(self) -> bool:
+        """Whether it can be simulated, but its hardness is not known within `LARGEST_INPUT_UNCERTAINTY`."""
+        able = self.hardness is not None and all(x == x for x in (self.radius, self.mass, self.velocity))
+        return self.kind == "measured" and able and not self.input_uncertainty <= LARGEST_INPUT_UNCERTAINTY
+
+    @property
+    def hardness(self) -> float | None:
+        """Of the target, HV; None if it is not given so."""
+        found = _HARDNESS.search(self.target)
+        return None if found is None else float(found[1])
+
+    def with_rate(self, coefficient: float | None) -> Row:
+        """The row with another strain rate coefficient of its target, or without one."""
+        given = "" if coefficient is None else f", strain_rate_coefficient = {coefficient}"
+        return self._replace(target=_RATE.sub(given, self.target))
+
+    def with_hardness(self, vickers: float) -> Row:
+        """The row with another hardness of its target."""
+        return self._replace(target=_HARDNESS.sub(f'hardness = "{vickers!r} HV"', self.target))
+
+    @property
+    def by_name(self) -> Row:
+        """The row with the steel of the catalogue as its target of which the Vickers hardness is nearest."""
+        own, known = self.hardness, steels()
+        return self if own is None else self._replace(target=f'"{min(known, key=lambda name: abs(known[name] - own))}"')
 
     @property
     def yields(self) -> bool:

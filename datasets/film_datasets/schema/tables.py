@@ -65,7 +65,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.4": (),
         "1.5": _STEPS,
     },
-    MEASUREMENT: {"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter")},
+    MEASUREMENT: {"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter", "input_uncertainty")},
     BOUNCES: {"1.0": ()},
     COST: {"1.0": ()},
 }
@@ -202,6 +202,7 @@ _EVIDENCE = (
         comment="SI: 1 for a coefficient of restitution, N, m and s for the others",
     ),
     number("uncertainty", ("row",), "dimensionless", "relative uncertainty of the value", "NaN: not given", True),
+    number("input_uncertainty", ("row",), "dimensionless", "of the hardness or strength", "NaN: not known", True),
     Variable("source_of_value", ("row",), BYTE, None, "source", "attribute sources has the references", more="sources"),
     Variable("kind_of_value", ("row",), BYTE, None, "where it is from", flags=tuple(enumerate(EVIDENCE_KINDS))),
     Variable("sureness", ("row",), BYTE, None, "how it was read", flags=tuple(enumerate(EVIDENCE_SURENESS))),

@@ -345,7 +345,7 @@ function summaryOf(scene, p, core, n) {
  * @returns {{name: string, low: number, high: number, covered: number, evidence: string}[]}
  */
 function intervalsOf(scene, { n, choice: { problem }, summary }) {
-  if (scene.law !== "auto" || scene.base.free || !problem || problem.vibrates || problem.p.gamma > 0) return [];
+  if (scene.law !== "auto" || scene.effects.rate_hardening === false || scene.base.free || !problem || problem.vibrates || problem.p.gamma > 0) return [];
   const known = (DATA.intervals[n.family] ?? []).filter((/** @type {any} */ { name }) => summary[name] > 0);
   return known.map((/** @type {any} */ { name, low, high, most, up_to: reach, largest, covered, evidence }) => {
     const [least, greatest] = [low, high].map((residual) => Math.min(summary[name] * Math.exp(residual), largest ?? Infinity));

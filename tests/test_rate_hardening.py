@@ -1,16 +1,18 @@
 """The yield strength at the strain rate of the impact: iteration, decision, one and many, components and FMUs."""
 
 import math
+import re
 
 import numpy as np
 import pytest
 
 import film_model as fm
+from film_model.base.materials import catalogue
 from film_model.base.rate_law import RateHardening
 from film_model.effects.choose import choose, problem_of
 from film_model.effects.effect import NOT_JUDGED, NOT_MODELLED, NOT_NEEDED, SIMULATED, SWITCHED_OFF
 from film_model.effects.many import problems_of
-from film_model.effects.rate_hardening import settled
+from film_model.effects.rate_hardening import LEAST, MOST, TYPICAL, settled
 from fmu_wrapper.assumptions import served, validity_of
 
 SOFT = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3", "yield_strength": "250 MPa"}
@@ -97,6 +99,32 @@ def test_where_it_cannot_be_computed():
     assert effect_of(scene(velocity="20 m/s", material=strong)).state == NOT_JUDGED
     with pytest.raises(fm.SimulationError, match="cannot be marched"):
         fm.simulate(scene(velocity="20 m/s", material=strong, rate_hardening=True))
+
+
+@pytest.mark.parametrize("law", ["auto", "big-alabo", "thornton"])
+def test_without_a_rate_law_it_says_how_far_the_result_is_open(law):
+    """By the impact with the strength at C = 0.014: restitution 3 to 5 % higher at 1 m/s."""
+    own = {"contact.law": law} | ({"contact.yield_pressure": "400 MPa"} if law == "thornton" else {})
+    slow, hard = (scene(material={**SOFT, **more}).replace(own) for more in ({}, {"strain_rate_coefficient": TYPICAL}))
+    effect = effect_of(slow)
+    assert effect.state == NOT_JUDGED and effect.warning is None
+    assert effect.change == pytest.approx(effect_of(hard).change, rel=0.02)
+    (percent,) = re.findall(r"restitution would be ([0-9.]+) % higher; C of metals is 0.006 to 0.06", effect.reason)
+    assert 3.0 <= float(percent) <= 5.0
+    if law != "thornton":
+        e, more = (fm.simulate(case).summary["coefficient_of_restitution"] for case in (slow, hard))
+        assert float(percent) == pytest.approx(100.0 * (more / e - 1.0), abs=0.1)
+
+
+def test_the_least_and_the_largest_coefficient_of_metals_bracket_those_of_the_catalogue():
+    known = [one.strain_rate_coefficient for one in catalogue().values() if one.strain_rate_coefficient]
+    assert LEAST < TYPICAL < MOST and MOST in known and LEAST in known
+
+
+def test_a_polymer_has_no_rate_coefficient_of_a_metal():
+    soft = {"youngs_modulus": "3 GPa", "poissons_ratio": 0.4, "density": "1200 kg/m^3", "yield_strength": "60 MPa"}
+    effect = effect_of(scene(velocity="5 m/s", material=soft))
+    assert (effect.state, effect.change) == (NOT_JUDGED, None) and "4340" not in effect.reason
 
 
 @pytest.mark.parametrize("law", LAWS)

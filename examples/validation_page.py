@@ -81,8 +81,9 @@ hardening had been seen before the first was made:
   public source code, class `JohnsonCook`. It raises the strength of laws that have one; {unraised}
   keep theirs.
 - Conditions are complete only if the hardness is known within ±10 %. Half of a printed range counts, also of a
-  block's Leeb hardness; a number in HV, HB or HRC counts as ±5 %, a tensile strength without range as ±10 %
-  (ISO 18265 calls it the least reliable conversion), a formula of unknown origin as unknown.
+  block's Leeb hardness; a number in HV, HB or HRC counts as ±5 %, a tensile strength without range as ±10 %, a formula
+  of unknown origin as unknown. ISO 18265 calls tensile strengths the least reliable conversions, and Proceq (Equotip 3
+  operating instructions, p. 22) gives ±10 % for conversions of Leeb hardness to HV.
 - Dents are compared by `dent_diameter`, as `film-model run` prints it. The depths in the table of `pce_2800` are
   a²/(2 R) of its diameters to the rounding, so they are no second measurement. Where depth and diameter contradict each
   other, as 0.54 mm for both 300 and 600 HV, the diameter is a misprint and follows from the depth.

@@ -96,6 +96,9 @@ def test_families_of_many_impacts_are_those_of_each():
     speeds, rates = np.array([0.001, 0.5, 2.0, 2.0]), np.array([0.01, 0.01, 0.01, np.nan])
     many = scene_of_columns(scene(), {"impactor.velocity": speeds, "target.material.strain_rate_coefficient": rates})
     assert family_number(many).tolist() == [0, 1, 2, 4]
+    symonds = {"rate_multiplier": "40 s^-1", "rate_exponent": 5}
+    assert family_of(fm.Scene(scene().impactor, fm.HalfSpace(STEEL | symonds), fm.Contact("auto"))) == ABOVE
+    assert family_of(scene(strain_rate_coefficient=0.0)) == SLOW[ABOVE]
 
 
 def test_an_interval_is_the_value_times_the_residuals():

@@ -101,8 +101,10 @@ def yield_velocities(scene: Scene) -> Any:
 
 def family_number(scene: Scene) -> Any:
     """The place in `KINDS` of each impact of a scene; -1 for a polymer, of which there is no evidence."""
-    modulus, ratio, law = scene.effective_modulus, yield_velocities(scene), scene.rate_hardening
-    slow = 2 if law is None else either((law.coefficient > 0.0) | (law.slowness > 0.0), 0, 2)  # nan: unknown
+    modulus, ratio, slow = scene.effective_modulus, yield_velocities(scene), 2
+    if scene.rate_hardening is not None:  # where it is unknown, C is nan, on the page infinite
+        coefficient, slowness, _ = scene.rate_hardening
+        slow = either(((coefficient > 0.0) & (coefficient < math.inf)) | (slowness > 0.0), 0, 2)
     yielding = 0 if ratio is None else either(ratio > 1.0, either(ratio > MANY_YIELD_VELOCITIES, 2, 1) + slow, 0)
     return yielding if modulus is None else either(modulus < STIFFEST_POLYMER, -1, yielding)
 

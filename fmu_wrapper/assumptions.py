@@ -80,12 +80,13 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
     Law "auto" becomes the law that yields, which is elastic below yield; gravity is simulated, and so is the motion of
     the target, unless the scene switches them off. A contact contains neither weight nor target. An impact whose
     viscoelasticity matters at the scene's velocity has it at all velocities, with Hertz's law; where losses of the
-    materials are simulated at that velocity, they are at all, with their law.
+    materials are simulated at that velocity, they are at all, with their law; so are waves in a half-space, with the
+    impedance of that velocity.
 
     >>> fmu_wrapper.served(scene).contact.law_name
     'elastoplastic'
     """
-    effects = scene.effects
+    effects, given = scene.effects, scene
     if kind == "impact" and relaxation_of(scene) is not None and choose(scene).problem.relaxation is not None:
         effects = effects.changed(viscoelasticity=True)
         if scene.contact.law == "auto":
@@ -97,12 +98,18 @@ def served(scene: Scene, kind: Kind = "impact") -> Scene:
     if scene.contact.law == "auto" and effects.plasticity is not False and known:
         scene = scene.replace(yielding_entries(scene))
     gravity, motion = effects.gravity, effects.target_motion
+    waves = effects.wave_losses is True or (effects.wave_losses == "auto" and _radiates(given))
     if kind == "contact":
-        gravity = motion = False
+        gravity = motion = waves = False
     else:
         gravity = True if gravity == "auto" else gravity
         motion = True if motion == "auto" and scene.target.gives_way and not edged(scene) else motion
-    return replace(scene, effects=effects.changed(gravity=gravity, target_motion=motion))
+    return replace(scene, effects=effects.changed(gravity=gravity, target_motion=motion, wave_losses=waves))
+
+
+def _radiates(scene: Scene) -> bool:
+    """Whether waves in a half-space are simulated."""
+    return not scene.target.gives_way and choose(scene).problem.impedance < math.inf
 
 
 def segments_for_speeds(scene: Scene, problem: Problem, counts: tuple[int, int]) -> tuple[int, int]:
@@ -188,6 +195,7 @@ def _new(scene: Scene, name: str, value: float, own: Choice, highest: float | No
         choice = choose(scene_of_columns(scene, changes))
         fails = _failing(choice, highest) - _failing(own, highest)
         fails |= _other_strength(choice.problem, own.problem) | _other_support(choice.problem, own.problem)
+        fails |= _other_waves(choice.problem, own.problem)
         return ", ".join(sorted(fails))
     except (SceneError, SimulationError, ValueError, ArithmeticError):
         return "the library cannot simulate it"
@@ -201,6 +209,14 @@ def _other_strength(problem: Problem, own: Problem) -> frozenset[str]:
     kept = problem.impacts.law.strengthened(strengths[1] / strengths[0])
     off = change(problem, problem.impacts.under(kept).problem(*problem.given))
     return frozenset() if off <= problem.scene.effect_tolerance else frozenset({"rate hardening"})
+
+
+def _other_waves(problem: Problem, own: Problem) -> frozenset[str]:
+    """Waves in a half-space, where the impedance that an FMU keeps changes a result by more than the tolerance."""
+    if problem.scene.effects.wave_losses is not True or problem.scene.target.gives_way:
+        return frozenset()
+    off = change(problem, problem.again(impedance=own.impedance))
+    return frozenset() if off <= problem.scene.effect_tolerance else frozenset({"wave losses"})
 
 
 def _other_support(problem: Problem, own: Problem) -> frozenset[str]:

@@ -149,11 +149,11 @@ def _missing(problem: Problem, vibration: Vibration | None) -> tuple[str, ...]:
 
 def _of_scene(problem: Problem) -> dict[str, float]:
     """Start values of the parameters that are not the law's, SI."""
-    scene, moves = problem.scene, problem.gamma > 0.0
+    scene = problem.scene
     return {
         "mass": problem.mass,
         "initial_velocity": scene.approach_velocity,
-        "target_impedance": min(scene.target_impedance, RIGID) if moves else RIGID,
+        "target_impedance": min(problem.impedance, RIGID),
         "target_stiffness": 1.0 / problem.compliance if problem.compliance > 0.0 else math.inf,
         "gravity": STANDARD_GRAVITY if problem.load > 0.0 else 0.0,
         "input_extrapolation": EXTRAPOLATION,

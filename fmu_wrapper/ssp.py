@@ -163,7 +163,7 @@ def _connections(scene: Scene, choice: Choice) -> list[Connection]:
         connections.append(Connection("contact", "contact_force", "target", "external_force"))
         connections.append(Connection("target", "impactor_velocity", "impactor", "support_velocity"))
     elif choice.problem.gamma > 0.0:
-        yields = 1.0 / scene.target_impedance
+        yields = 1.0 / choice.problem.impedance
         connections.append(Connection("contact", "contact_force", "impactor", "support_velocity", yields))
     return connections
 

@@ -25,7 +25,7 @@ from film_model.problem.problem import Problem
 from film_model.studies import explain
 from film_model.studies.regimes import regimes
 from film_model.targets.plate import MEAN_FREQUENCY
-from film_model.targets.waves import HERTZ_PULSE, HERTZ_SQUARE, RADIATION
+from film_model.targets.waves import HERTZ_PULSE, HERTZ_SQUARE, radiation, shear_velocity
 
 SCENES = Path(__file__).parent.parent / "examples" / "scenes"
 STRESSES = list(fm.simulate(fm.Scene.from_toml(SCENES / "two_steel_balls.toml")).summary)[10:]
@@ -370,8 +370,9 @@ def lamb(ratio):
 
 
 def test_wave_losses_against_lambs_problem():
-    for ratio, beta in zip(*RADIATION, strict=True):
-        assert lamb(ratio)[0] == pytest.approx(beta, rel=1e-3)
+    for ratio in (-0.9, -0.5, 0.0, 0.1, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.49):
+        solid = fm.Material("m", "2 Pa", ratio, "1 kg/m^3")
+        assert radiation(solid) * shear_velocity(solid) ** 3 == pytest.approx(lamb(ratio)[0], rel=5e-4)
     assert lamb(0.25)[1] == pytest.approx(0.674, abs=1e-3)  # Miller & Pursey 1955: 67.4 % in the Rayleigh wave
     pulse = 4.5 * integrate.quad(lambda x: x * math.sqrt(1 - x**2.5), 0, 1)[0] * 2.9432751843
     assert pytest.approx(pulse, rel=1e-4) == HERTZ_PULSE
@@ -381,9 +382,9 @@ def test_wave_losses_against_lambs_problem():
     spectrum = (np.cos(math.pi * x / 2) / (1 - x * x)) ** 2
     assert pytest.approx(math.pi * np.dot(x, spectrum) / spectrum.sum(), rel=1e-4) == MEAN_FREQUENCY
     slow, fast = (
-        by_name(ball_on(fm.HalfSpace(STEEL), v, plasticity=False))["wave_losses"] for v in ("1 m/s", "10 m/s")
+        by_name(ball_on(fm.HalfSpace(STEEL), v, contact=fm.Contact("hertz")))["wave_losses"] for v in ("1 m/s", "10 m/s")
     )
-    assert fast.change / slow.change == pytest.approx(10**0.6, rel=1e-12)
+    assert fast.value / slow.value == pytest.approx(10**0.6, rel=1e-12)
     assert fast.state == NOT_MODELLED
 
 

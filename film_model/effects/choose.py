@@ -17,7 +17,15 @@ import numpy as np
 
 from film_model.base.arrays import all_of, any_of, either
 from film_model.base.errors import SimulationError
-from film_model.effects import gravity, material_damping, plasticity, rate_hardening, target_motion, viscoelasticity
+from film_model.effects import (
+    gravity,
+    material_damping,
+    plasticity,
+    rate_hardening,
+    target_motion,
+    viscoelasticity,
+    wave_losses,
+)
 from film_model.effects.edge_effects import edged, support_of
 from film_model.effects.effect import COMPUTED, FREE, NOT_NEEDED, Effect
 from film_model.effects.judged import judge
@@ -108,7 +116,8 @@ class Choice:
         found += [effect._replace(state=NOT_NEEDED, reason=why, cost=FREE) if held else effect for effect in self.edges]
         known = {effect.name for effect in self.edges}
         judged = (effect for effect in judge(self._ending, self.problem.vibrates) if effect.name not in known)
-        return (*found, *(material_damping.settled(effect, self.problem) for effect in judged))
+        settled = (material_damping.settled(effect, self.problem) for effect in judged)
+        return (*found, *(wave_losses.settled(effect, self.problem) for effect in settled))
 
     @property
     def _ending(self) -> Problem:
@@ -123,7 +132,7 @@ class Choice:
         """Warnings of the law, about unlikely numbers, and about effects that matter but are not simulated."""
         said = (effect.warning for effect in self._neglected)
         law = (*self.problem.law.remarks(), *self.problem.curve.warnings, *law_warnings(self.problem))
-        law = (*law, *remarks(self.scene))
+        law = (*law, *wave_losses.remarks(self.problem), *remarks(self.scene))
         return (*law, *(warning for warning in said if warning is not None))
 
 
@@ -167,8 +176,9 @@ def _decided(light: Problem, support: Support) -> Iterator[tuple[Problem, Proble
         for plain in _divided(yielding, keeps_law, plasticity.elastic):
             problem = _vibrating(plain) if support.vibrates and moves else plain
             for relaxed in _replaced(problem, *viscoelasticity.relaxing(problem)):
-                for part in _replaced(relaxed, *material_damping.damped(relaxed)):
-                    yield part, moved, yielding, (heavy, moves, keeps_law)
+                for damped in _replaced(relaxed, *material_damping.damped(relaxed)):
+                    for part in _replaced(damped, *wave_losses.radiating(damped)):
+                        yield part, moved, yielding, (heavy, moves, keeps_law)
 
 
 def _held(moved: Problem, moves: Any) -> list[Problem]:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from film_model.base.arrays import Array, Mask
+from film_model.effects import wave_losses
 from film_model.problem.law_of_scene import DAMPED, YIELDING, SceneLaw, laws_of
 from film_model.problem.problem import Impacts, Problem
 from film_model.scene import Scene
@@ -17,8 +18,8 @@ from film_model.scene.columns import scene_of_columns
 
 
 class Decision(NamedTuple):
-    """What is simulated in an impact. static: by the target's static stiffness. hard: strength at the strain rate.
-    damps: by the loss factors of the materials."""
+    """What is simulated in an impact. motion: of the target, of a half-space by its waves. static: by the target's
+    static stiffness. hard: strength at the strain rate. damps: by the loss factors of the materials."""
 
     gravity: bool
     motion: bool
@@ -32,6 +33,8 @@ class Decision(NamedTuple):
         effects = {"gravity": self.gravity, "rate_hardening": self.hard, "viscoelasticity": False}
         if scene.target.gives_way:
             effects["target_motion"] = self.motion
+        else:
+            effects["wave_losses"] = self.motion
         if scene.contact.law == "auto":
             effects |= {"plasticity": self.yields, "material_damping": self.damps}
         if scene.target.structural and self.motion:
@@ -71,4 +74,4 @@ def decided_problem(impacts: Impacts) -> Problem:
     """The problem of such impacts, which share a curve but for its shape and for what it is fitted to."""
     numbers = impacts.numbers
     load = numbers.weight if impacts.base.effects.gravity else impacts.column(0.0)
-    return impacts.problem(numbers.impedance, load, fitted=False)
+    return impacts.problem(wave_losses.felt(impacts), load, fitted=False)

@@ -26,6 +26,7 @@ COMPUTED = {
     "material_damping": 'losses of materials with a loss factor: for law "auto", tsuji instead of hertz',
     "fully_plastic": "the contact reaches the last stage of a law that yields",
     "target_motion": "the target moves, by its impedance, its static stiffness or its vibrations",
+    "wave_losses": 'waves in a half-space carry energy away: simulated for law "auto"',
     "boundary_reflections": "waves return from the edges of a plate or beam before contact ends",
     "target_inertia": "a plate or beam with edges vibrates; its static stiffness alone does not describe it",
     "gravity": "the impactor's weight presses on the contact",

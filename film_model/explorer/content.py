@@ -22,6 +22,7 @@ from film_model.effects.effect import COMPUTED, NOT_MODELLED, percent
 from film_model.effects.many import SURE
 from film_model.effects.rate_hardening import MOST_ROUNDS, SETTLED
 from film_model.effects.trial import change
+from film_model.effects.wave_losses import MOST_WEIGHT
 from film_model.explorer import formulas, support
 from film_model.explorer.formulas import LEAST_RESTITUTION
 from film_model.explorer.inputs import inputs_of, with_yield_strengths
@@ -43,7 +44,7 @@ from film_model.version import __version__
 SAMPLES = 201
 """Times at which the motion of an impact is sampled that the page cannot simulate."""
 
-SWITCHES = ("plasticity", "target_motion", "gravity", "rate_hardening", "material_damping")
+SWITCHES = ("plasticity", "target_motion", "gravity", "rate_hardening", "material_damping", "wave_losses")
 """Effects that the page decides again for every change, by the same formulas."""
 
 
@@ -281,6 +282,7 @@ def _constants() -> dict[str, Any]:
         "yielding": YIELDING,
         "damped": DAMPED,
         "least_restitution": LEAST_RESTITUTION,
+        "most_weight": MOST_WEIGHT,
         "not_modelled": NOT_MODELLED,
         "vibration": support.constants(),
         "compared": COMPARED,

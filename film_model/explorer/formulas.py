@@ -18,7 +18,7 @@ from film_model.base.arrays import either, logarithm
 from film_model.base.materials import Material, sphere_mass
 from film_model.base.rate_law import RateHardening
 from film_model.core import native
-from film_model.effects import gravity
+from film_model.effects import gravity, wave_losses
 from film_model.effects.case import Pulse, absorbed
 from film_model.effects.rate_hardening import factor_at
 from film_model.effects.trial import change
@@ -90,6 +90,8 @@ def numbers_function(name: str, template: Scene, paths: Sequence[str]) -> str:
     outputs["yields_light"] = reaches_yield(replace_effects(scene, Effects(gravity=False)))
     outputs["loss_restitution"] = 1.0 if scene.loss_factor is None else loss_restitution(scene.loss_factor)
     outputs["zener"] = zener(scene, numbers.impedance)
+    outputs["waves"], outputs["waves_yielding"] = (wave_losses.impedance_of(scene, yields) for yields in (False, True))
+    outputs["largest_force"] = wave_losses.largest_force(scene)
     outputs |= {"family": family_number(scene), "yield_velocities": yield_velocities(scene)}
     known_rate = scene.rate_hardening
     outputs |= dict.fromkeys(RATE_LAW, math.nan) if known_rate is None else _named_rate_law(known_rate)

@@ -24,6 +24,7 @@ SCRIPTS: tuple[str, ...] = (
     "core",
     "data",
     "units",
+    "effects",
     "solve",
     "modes",
     "state",

@@ -16,6 +16,8 @@ from typing import Any, NamedTuple, TypeAlias
 from film_model.base.arrays import either, root
 from film_model.base.units import format_si
 from film_model.laws.yielding import yield_point
+from film_model.problem.law_of_scene import ELASTIC
+from film_model.problem.law_of_scene import YIELDING as YIELDS
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
 
@@ -118,20 +120,23 @@ def family_of(scene: Scene) -> str | None:
 def model_interval(problem: Problem, name: str, value: float | None) -> ModelInterval | None:
     """The interval of a summary value of one impact; None if no measurements of this kind are known.
 
-    They are of law "auto" on bodies that do not move, vibrate, stick or creep, with rate hardening if its law is known.
+    They are of what law "auto" takes for impacts of this kind, on bodies that do not move but by waves in a half-space,
+    vibrate, stick or creep, with rate hardening if its law is known.
     """
-    moves = problem.free or problem.gamma > 0.0 or problem.vibrates
+    moves = problem.free or (problem.gamma > 0.0 and problem.scene.target.gives_way) or problem.vibrates
     chosen = problem.scene.contact.law != "auto" or problem.scene.effects.rate_hardening is False
     if value is None or not value > 0.0 or chosen or moves:
         return None
     if problem.relaxation is not None or problem.curve.pulls:
         return None
     family = family_of(problem.scene)
-    found = None if family is None else residuals_of(family, name)
+    if family is None or problem.law.name != (ELASTIC if family == "elastic" else YIELDS):
+        return None
+    found = residuals_of(family, name)
     if found is None:
         return None
     low, high = (min(value * math.exp(residual), LARGEST.get(name, math.inf)) for residual in (found.low, found.high))
-    said = evidence(family or "", found)
+    said = evidence(family, found)
     ratio = yield_velocities(problem.scene)
     if ratio is not None and ratio > found.most:
         said += f"; extrapolated from {found.most:.0f} to {ratio:.0f} yield velocities"

@@ -25,7 +25,7 @@ class Effects:
     force by its static stiffness alone. rate_hardening: the yield strength at the strain rate of the impact.
     viscoelasticity: the relaxation of materials with a prony series, under law hertz; false takes their instantaneous
     moduli. material_damping: the loss factors of the materials, of law "auto"; true takes them in place of a law that
-    yields.
+    yields. wave_losses: the energy of waves in a half-space, of law "auto"; true also of other laws.
     tolerance: "auto" simulates an effect if neglecting it would change a summary value by more than this relative
     amount. An effect that would, but cannot be simulated, causes a warning. Default: 1 %, or the requested accuracy if
     that is larger. A finer accuracy does not lower it, so that refining a mesh does not change the physics.
@@ -39,7 +39,7 @@ class Effects:
             name: choice("auto", True, False)
             for name in (
                 *("plasticity", "target_motion", "gravity", "boundary_reflections", "target_inertia"),
-                *("rate_hardening", "viscoelasticity", "material_damping"),
+                *("rate_hardening", "viscoelasticity", "material_damping", "wave_losses"),
             )
         },
         "tolerance": measure("dimensionless", 1e-12, 1),
@@ -53,6 +53,7 @@ class Effects:
     rate_hardening: Switch
     viscoelasticity: Switch
     material_damping: Switch
+    wave_losses: Switch
     tolerance: float | None
 
     def __init__(
@@ -66,6 +67,7 @@ class Effects:
         rate_hardening: Switch = "auto",
         viscoelasticity: Switch = "auto",
         material_damping: Switch = "auto",
+        wave_losses: Switch = "auto",
     ) -> None:
         raise_all(fill(self, locals()))
 

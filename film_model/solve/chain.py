@@ -166,7 +166,8 @@ class _Chain:
         """
         how, stencil, impacts = self.how, self.how.stencil, self._impacts
         problem, core = self._moved, self._core
-        if impacts.base.effects.gravity:  # the strain rate is that without weight
+        wanted = impacts.base.effects
+        if wanted.gravity or wanted.wave_losses is True:  # the strain rate is that without weight and waves
             problem = impacts.problem(impacts.numbers.impedance, impacts.column(0.0), fitted=False)
             core = CoreSlopes(problem, every.size, stencil.step)
         if core is not self._core or (how.solver.linearisation, self.meshes.first[1]) != ("work-preserving", how.trial):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from film_model.base.errors import raise_all
 from film_model.base.fields import Field
@@ -13,7 +13,7 @@ from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, format_si
 from film_model.targets.plate_waves import plate_impedance, plate_stiffness
 from film_model.targets.target import RADIUS, AbstractTarget, Estimate, Impact, fill_target, missing
-from film_model.targets.waves import HERTZ_SQUARE, radiated_energy
+from film_model.targets.waves import HERTZ_SQUARE, radiated_energy, radiation_impedance
 
 
 @dataclass(frozen=True, init=False)
@@ -33,6 +33,9 @@ class HalfSpace(AbstractTarget):
 
     def __init__(self, material: MaterialLike | None = None, radius: Value | None = None) -> None:
         raise_all(fill_target(self, locals()))
+
+    def radiation_impedance(self, duration: Any) -> Any:
+        return math.inf if self.material is None else radiation_impedance(self.material, duration)
 
     def thickness_effect(self, impact: Impact) -> Estimate:
         """The thickness at which a plate would take up the tolerated fraction of the energy by its motion.

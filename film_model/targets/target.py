@@ -138,6 +138,11 @@ class AbstractTarget(ABC):
         """Wave impedance, N·s/m; infinite for a target that has none."""
         return math.inf
 
+    def radiation_impedance(self, duration: Any) -> Any:
+        """The impedance that takes as much energy from an elastic impact of a contact time [s] as its waves, N·s/m;
+        infinite for a target whose waves are in `impedance`, or unknown. Floats or arrays."""
+        return math.inf
+
     @property
     def compliance(self) -> float | None:
         """Static deflection over force at the struck point, m/N; None if there is none or it is unknown.

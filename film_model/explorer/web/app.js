@@ -201,7 +201,7 @@ function showBanner(scene, result) {
     texts.push(`This page computes without strain hardening, with the flow stress at 8 % strain; film-model run takes the hardening, which changes the summary of the scene as given by about ${percent(hardening)}.`);
   }
   if (!unchanged(scene)) {
-    texts.push("Plasticity, rate hardening, gravity, damping of the materials and target motion were decided again for your changes; the other effects below were not.");
+    texts.push("Plasticity, rate hardening, gravity, damping of the materials, waves in a half-space and target motion were decided again for your changes; the other effects below were not.");
   }
   byId("banner").hidden = texts.length === 0;
   byId("banner").textContent = texts.join(" ");

@@ -102,43 +102,6 @@ function changeOf(full, without) {
   return FORMULAS.change(full.p, trial(full), without.p, trial(without)).change;
 }
 
-/**
- * The numbers of a scene with the law's strength at the strain rate of the impact, without weight; null if it stays that of
- * slow loading, by the rules of film_model/effects/rate_hardening.py.
- * @param {Scene} scene @param {any} n @param {any} law @param {number} impedance @param {number} compliance
- */
-function hardened(scene, n, law, impedance, compliance) {
-  const { settled, most_rounds: rounds } = DATA.constants;
-  const wanted = scene.effects.rate_hardening;
-  const [known, able] = [Number.isFinite(n.rate_coefficient), law.needs.includes("yield_strength")];
-  if (wanted === true && !known) throw new Unsupported("rate hardening needs a strain rate coefficient of the material that yields");
-  if (wanted === true && !able && scene.law !== "auto") throw new Unsupported(`law ${law.name} has no yield strength that could rise`);
-  if (wanted !== false && known && "yield_strength" in law.fixed) {
-    throw new Unsupported(`law ${law.name} is available here without rate hardening only: its curve depends on the yield strength`);
-  }
-  if (wanted === false || !known || !able) return null;
-  const times = (/** @type {number} */ factor) => ({ ...n, yield_strength: n.yield_strength * factor, strength_factor: factor });
-  let factor = 1;
-  for (let k = 0; k < rounds; k++) {
-    const problem = problemOf(law, times(factor), impedance, 0, compliance);
-    const found = FORMULAS.strengthFactor(problem.p, trial(problem), n).factor;
-    const moved = Math.abs(found - factor) > settled * factor;
-    factor = found;
-    if (!moved) break;
-  }
-  if (wanted === true && Number.isNaN(factor)) throw new Unsupported("the impact with the higher yield strength cannot be computed");
-  return factor > 1 || wanted === true ? times(factor) : null;
-}
-
-/** The effect of rate hardening, where it can be judged. @param {Problem} slow @param {Problem} hard @param {boolean} yields */
-function hardeningOf(slow, hard, yields) {
-  const found = trial(slow);
-  if (found.status !== EVENT) return {};
-  if (!yields || FORMULAS.absorbed(slow.p, found).share <= DATA.constants.yields) return { rate_hardening: { simulated: false, change: 0 } };
-  const change = changeOf(hard, slow);
-  return Number.isNaN(change) ? {} : { rate_hardening: { simulated: hard !== slow, change } };
-}
-
 /** The velocity after the trial impact, or that before it if contact does not end, m/s. @param {Problem} problem */
 const reboundOf = (problem) => problem.p.velocity * (trial(problem).status === EVENT ? -trial(problem).final_velocity : problem.p.approach);
 
@@ -209,6 +172,11 @@ function choose(scene, slow) {
     keeps &&= !takes;
     if (effects.plasticity) effects.plasticity.simulated &&= keeps;
   }
+  const waves = wavesOf(scene, slow, n, problem);
+  if (waves) {
+    effects.wave_losses = { simulated: waves.simulated, change: waves.change };
+    if (waves.simulated) problem = waves.radiating;
+  }
   if (n !== slow) Object.assign(effects, hardeningOf(problemOf(law, slow, own, 0, compliance), light, keeps));
   if (moves && held && scene.base.support.modes) problem = problemOf(problem.law, n, Infinity, problem.load, 0, true);
   return { n, problem, effects, edges: edgesOf(scene, n, light, tolerance) };
@@ -233,13 +201,6 @@ function supportOf(scene, n, law) {
   const trusted = trial(infinite).status === EVENT;
   const stiffer = trusted && (!follows || !(force(infinite) < force(problemOf(law, n, Infinity, 0, bent.compliance))));
   return stiffer ? { impedance: n.impedance, compliance: 0 } : bent;
-}
-
-/** The change by waves from the edges of a plate, if the page can judge it; null if the plate has none. @param {Scene} scene @param {any} n @param {Problem} light @param {number} tolerance */
-function edgesOf(scene, n, light, tolerance) {
-  if (!scene.base.reflections || scene.base.edges === false || scene.effects.target_motion === false) return null;
-  const change = FORMULAS[scene.base.reflections](entriesOf(scene), light.p, trial(light)).change;
-  return { change, matter: !(change < tolerance / DATA.constants.sure) };
 }
 
 /** Segments of loading and unloading. @param {Problem} problem @param {number} n @returns {number[]} */
@@ -345,7 +306,9 @@ function summaryOf(scene, p, core, n) {
  * @returns {{name: string, low: number, high: number, covered: number, evidence: string}[]}
  */
 function intervalsOf(scene, { n, choice: { problem }, summary }) {
-  if (scene.law !== "auto" || scene.effects.rate_hardening === false || scene.base.free || !problem || problem.vibrates || problem.p.gamma > 0) return [];
+  const decided = scene.law === "auto" && scene.effects.rate_hardening !== false;
+  if (!decided || scene.base.free || !problem || problem.vibrates || (problem.p.gamma > 0 && n.impedance < Infinity)) return [];
+  if (problem.law.name !== (n.family === 0 ? DATA.constants.elastic : DATA.constants.yielding)) return [];
   const known = (DATA.intervals[n.family] ?? []).filter((/** @type {any} */ { name }) => summary[name] > 0);
   return known.map((/** @type {any} */ { name, low, high, most, up_to: reach, largest, covered, evidence }) => {
     const [least, greatest] = [low, high].map((residual) => Math.min(summary[name] * Math.exp(residual), largest ?? Infinity));

@@ -1,0 +1,150 @@
+"""Waves that a contact radiates into a half-space: an impedance of the target that takes up their energy.
+
+The surface under a point force F(t) lags behind its static deflection by Ḟ β/(ρ c_T³) (Lamb's problem), so that waves
+take β/(ρ c_T³) ∫Ḟ² dt. Zener's impedance Z takes ∫F² dt/Z. Both are equal for an elastic impact of the contact time t_c
+if Z = 0.0878 t_c² ρ c_T³/β; half of the energy is gone when the force is largest, also by waves, so that the force is
+right too, to first order in the energy lost. Of impacts that yield, t_c² over that of the elastic contact and the ratio
+of the two integrals of F change by less than 5 % up to 100 yield velocities, and as (V/V_Y)^0.07 beyond: the energy is
+right within 10 % (tests/test_wave_losses.py). Law "auto" simulates it; other laws only if the scene asks for it.
+
+Z belongs to this impact: later contacts of a component have other velocities, and energies that are wrong as V^{2/5}.
+A force that lasts much longer than t_c moves the target at F/Z, which a half-space does not do.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from film_model.base.arrays import any_of, either, greater, lesser
+from film_model.base.errors import SimulationError
+from film_model.effects.effect import DAMPED, NOT_MODELLED, NOT_NEEDED, SIMULATED, Effect, agreeing, off_state, percent
+from film_model.effects.trial import change, matters
+from film_model.laws import AbstractLaw
+from film_model.laws.hertz import hertz_stiffness
+from film_model.problem.model_intervals import yield_velocities
+from film_model.problem.problem import Impacts, Problem
+from film_model.problem.summary import radiated
+from film_model.scene import Scene
+
+HERTZ_TIME = 2.9432751843
+"""Contact time times approach velocity over largest indentation, of an elastic impact: 2 √π Γ(7/5)/Γ(9/10)."""
+
+LATE, SLOWING = 100.0, 0.07
+"""Approach velocity over yield velocity beyond which Z rises, and the power with which it does."""
+
+MOST_WEIGHT = 0.1
+"""Weight over the largest elastic force, beyond which the impact lasts longer than its velocity says."""
+
+LARGE = 0.15
+"""Energy of the waves over that of the impact, beyond which terms of second order matter."""
+
+
+def impedance_of(scene: Scene, yielding: bool) -> Any:
+    """The impedance by which a half-space takes up the energy of waves, N s/m; infinite if that is unknown. Of one
+    impact, or of a scene with arrays. yielding: the law yields."""
+    modulus, speed = scene.effective_modulus, scene.approach_velocity
+    if modulus is None:
+        return math.inf
+    known = greater(speed, 1e-300)
+    softness = 1.25 * scene.effective_mass / hertz_stiffness(modulus, scene.effective_radius)
+    impedance = scene.target.radiation_impedance(HERTZ_TIME * softness**0.4 * known**-0.2)
+    ratio = yield_velocities(scene) if yielding else None
+    if ratio is not None:
+        impedance = impedance * greater(ratio / LATE, 1.0) ** SLOWING
+    return either(speed > 0.0, impedance, math.inf)
+
+
+def largest_force(scene: Scene) -> Any:
+    """K (5 m V²/(4 K))^{3/5} of the elastic impact, N; nan if the effective modulus is unknown."""
+    modulus = math.nan if scene.effective_modulus is None else scene.effective_modulus
+    stiffness = hertz_stiffness(modulus, scene.effective_radius)
+    return stiffness * (2.5 * scene.kinetic_energy / stiffness) ** 0.6
+
+
+def felt(impacts: Impacts) -> Any:
+    """The target's impedance in a scene that contains a decision, N s/m: its own, or that of its waves."""
+    own = impacts.numbers.impedance
+    if impacts.base.effects.wave_losses is not True:
+        return own
+    return lesser(own, impacts.column(impedance_of(impacts.scene, yields(impacts.one_law))))
+
+
+def yields(law: AbstractLaw) -> bool:
+    """Whether a law is one of a ball that yields."""
+    return getattr(type(law), "family", "") == "yields"
+
+
+def hindered(problem: Problem) -> str:
+    """Why waves from impacts into a half-space are not simulated unless the scene asks for them; empty if they are."""
+    if problem.relaxation is not None:
+        return "a material relaxes"
+    named = problem.scene.contact.law != "auto"
+    return f"the law {problem.law.name} is simulated with them by wave_losses = true" if named else ""
+
+
+def radiating(problem: Problem) -> tuple[Problem, Any]:
+    """Impacts with the energy that waves take from them, and for which of them this is simulated; if for none, the
+    impacts as they are. Raises SimulationError if the scene asks for it and it cannot be simulated."""
+    wanted = problem.scene.effects.wave_losses
+    if not any_of(problem.approach > 0.0):
+        return problem, False
+    made = None if wanted is False or (wanted == "auto" and hindered(problem)) else with_waves(problem)
+    if wanted is True:
+        if made is None:
+            relaxes = hindered(problem) if problem.relaxation is not None else ""
+            why = relaxes or "only the waves of a half-space of known material are known"
+            raise SimulationError(f"effects.wave_losses is true, but {why}")
+        return made, problem.impacts.column(True)
+    if made is None:
+        return problem, False
+    return made, either(pressed(problem), False, matters(made, problem))
+
+
+def with_waves(problem: Problem) -> Problem | None:
+    """The impacts with waves in the half-space; None if these are not known."""
+    if problem.relaxation is not None or problem.vibrates:
+        return None
+    impacts = problem.impacts
+    impedance = impacts.column(impedance_of(impacts.scene, yields(problem.law)))
+    return problem.again(impedance=impedance) if any_of(impedance < math.inf) else None
+
+
+def pressed(problem: Problem) -> Any:
+    """Whether the weight makes impacts last longer than their velocities say."""
+    return problem.load * problem.scales.force > MOST_WEIGHT * largest_force(problem.impacts.scene)
+
+
+def remarks(problem: Problem) -> tuple[str, ...]:
+    """A sentence if waves in a half-space take so much of one impact that terms of second order matter."""
+    if problem.scene.target.gives_way or problem.free or not problem.gamma > 0.0 or not problem.trial.ends:
+        return ()
+    share = radiated(problem, problem.trial.summary) / (0.5 * problem.approach**2)
+    if share <= LARGE:
+        return ()
+    return (f"waves in the half-space carry away {percent(share)} of the impact energy, simulated to first order",)
+
+
+def settled(effect: Effect, problem: Problem) -> Effect:
+    """The estimated effect with what was decided about it. problem: what is simulated."""
+    scene = problem.scene
+    if effect.name != "wave_losses" or effect.change is None or scene.target.gives_way:
+        return effect
+    simulated = problem.gamma > 0.0
+    still = problem.again(impedance=math.inf) if simulated else problem
+    moved = problem if simulated else with_waves(problem)
+    if moved is None:
+        return effect
+    found = change(moved, still)
+    size = effect.change if math.isnan(found) else found
+    off = scene.effects.wave_losses is False
+    state, why = NOT_NEEDED, effect.reason
+    if simulated:
+        state = SIMULATED
+    elif off:
+        state, why = off_state(size, scene.effect_tolerance), f"the scene has wave_losses = false; {why}"
+    elif size > scene.effect_tolerance:
+        state = NOT_MODELLED
+        why = f"{why}; {hindered(problem) or 'the weight makes the impact last longer than its velocity says'}"
+    threshold = agreeing(effect.value, scene.effect_tolerance, size, scene.effect_tolerance)
+    return effect._replace(state=state, change=size, threshold=threshold, reason=why, cost=DAMPED)

@@ -1,0 +1,60 @@
+// Effects of one impact that are decided by trials of it, by the rules of film_model/effects.
+
+/**
+ * The numbers of a scene with the law's strength at the strain rate of the impact, without weight; null if it stays that of
+ * slow loading, by the rules of film_model/effects/rate_hardening.py.
+ * @param {Scene} scene @param {any} n @param {any} law @param {number} impedance @param {number} compliance
+ */
+function hardened(scene, n, law, impedance, compliance) {
+  const { settled, most_rounds: rounds } = DATA.constants;
+  const wanted = scene.effects.rate_hardening;
+  const [known, able] = [Number.isFinite(n.rate_coefficient), law.needs.includes("yield_strength")];
+  if (wanted === true && !known) throw new Unsupported("rate hardening needs a strain rate coefficient of the material that yields");
+  if (wanted === true && !able && scene.law !== "auto") throw new Unsupported(`law ${law.name} has no yield strength that could rise`);
+  if (wanted !== false && known && "yield_strength" in law.fixed) {
+    throw new Unsupported(`law ${law.name} is available here without rate hardening only: its curve depends on the yield strength`);
+  }
+  if (wanted === false || !known || !able) return null;
+  const times = (/** @type {number} */ factor) => ({ ...n, yield_strength: n.yield_strength * factor, strength_factor: factor });
+  let factor = 1;
+  for (let k = 0; k < rounds; k++) {
+    const problem = problemOf(law, times(factor), impedance, 0, compliance);
+    const found = FORMULAS.strengthFactor(problem.p, trial(problem), n).factor;
+    const moved = Math.abs(found - factor) > settled * factor;
+    factor = found;
+    if (!moved) break;
+  }
+  if (wanted === true && Number.isNaN(factor)) throw new Unsupported("the impact with the higher yield strength cannot be computed");
+  return factor > 1 || wanted === true ? times(factor) : null;
+}
+
+/** The effect of rate hardening, where it can be judged. @param {Problem} slow @param {Problem} hard @param {boolean} yields */
+function hardeningOf(slow, hard, yields) {
+  const found = trial(slow);
+  if (found.status !== EVENT) return {};
+  if (!yields || FORMULAS.absorbed(slow.p, found).share <= DATA.constants.yields) return { rate_hardening: { simulated: false, change: 0 } };
+  const change = changeOf(hard, slow);
+  return Number.isNaN(change) ? {} : { rate_hardening: { simulated: hard !== slow, change } };
+}
+
+/**
+ * The effect of waves in a half-space, and the impact with them; null if they are not known or not asked for.
+ * @param {Scene} scene @param {any} slow numbers with the strength of slow loading @param {any} n @param {Problem} problem
+ */
+function wavesOf(scene, slow, n, problem) {
+  const wanted = scene.effects.wave_losses;
+  const impedance = slow[problem.law.family === "yields" ? "waves_yielding" : "waves"];
+  if (wanted === true && !(impedance < Infinity)) throw new Unsupported("only the waves of a half-space of known material are known");
+  if (!(impedance < Infinity) || wanted === false || (wanted === "auto" && scene.law !== "auto")) return null;
+  const radiating = problemOf(problem.law, n, impedance, problem.load);
+  const change = changeOf(radiating, problem);
+  const pressed = problem.load > DATA.constants.most_weight * slow.largest_force;
+  return { simulated: wanted === true || !(pressed || change <= toleranceOf(scene)), change, radiating };
+}
+
+/** The change by waves from the edges of a plate, if the page can judge it; null if the plate has none. @param {Scene} scene @param {any} n @param {Problem} light @param {number} tolerance */
+function edgesOf(scene, n, light, tolerance) {
+  if (!scene.base.reflections || scene.base.edges === false || scene.effects.target_motion === false) return null;
+  const change = FORMULAS[scene.base.reflections](entriesOf(scene), light.p, trial(light)).change;
+  return { change, matter: !(change < tolerance / DATA.constants.sure) };
+}

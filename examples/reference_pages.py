@@ -10,7 +10,7 @@ from examples.effects_compared import compared
 from examples.reference.files_and_commands import command_page, csv_page, sweep_page
 from examples.reference.scene_file import scene_page
 from examples.reference.variables import dataset_page, fmu_page
-from film_model.effects import rate_hardening, viscoelasticity
+from film_model.effects import rate_hardening, viscoelasticity, wave_losses
 from film_model.effects.choose import choose
 from film_model.effects.effect import COMPUTED
 from film_model.effects.judged import RULES
@@ -115,7 +115,9 @@ selects each of them except `fully_plastic`, which is part of the contact law.
 
 {damping}
 
-Boundary reflections. {reflections}
+{inspect.cleandoc(wave_losses.__doc__ or "")}
+
+{_by_target("wave_losses")}Boundary reflections. {reflections}
 
 {_by_target("boundary_reflections")}## Judged
 

@@ -56,6 +56,7 @@ EXAMPLES = {
     "rate_hardening": "false",
     "viscoelasticity": "false",
     "material_damping": "false",
+    "wave_losses": "false",
     "prony": '[[0.3, "1 ms"], [0.2, "20 ms"]]',
     "tolerance": "0.05",
     "accuracy": "1e-6",

@@ -1,4 +1,4 @@
-"""Half-space: a target so thick and wide that it does not move."""
+"""Half-space: a target so thick and wide that it does not move but by waves, which do not come back."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from film_model.targets.waves import HERTZ_SQUARE, radiated_energy, radiation_im
 
 @dataclass(frozen=True, init=False)
 class HalfSpace(AbstractTarget):
-    """A target so thick and wide that it does not move. material: name or table. radius: of a
-    curved surface, m; default flat.
+    """A target so thick and wide that it does not move but by waves, which do not come back.
+    material: name or table. radius: of a curved surface, m; default flat.
 
     >>> fm.HalfSpace("mild steel").impedance
     inf

@@ -66,7 +66,7 @@ def test_a_plate_thicker_than_the_way_of_its_waves_radiates_as_a_half_space():
         for h in ("200 mm", "30 mm", "4 mm")
     )
     assert half_space.state == thick.state == NOT_MODELLED
-    assert thick.change == pytest.approx(half_space.change, rel=1e-3)
+    assert thick.change == pytest.approx(half_space.value, rel=1e-3)
     assert "before a wave returns" in thick.reason
     assert "too thin for a half-space" in between.reason and 0.0 < between.change < half_space.change
     assert (thin.state, thin.change) == (NOT_NEEDED, 0.0)

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from film_model.base.arrays import any_of, either, greater, lesser
+from film_model.base.arrays import any_of, column, either, greater, lesser
 from film_model.base.errors import SimulationError
 from film_model.effects.effect import DAMPED, NOT_MODELLED, NOT_NEEDED, SIMULATED, Effect, agreeing, off_state, percent
 from film_model.effects.trial import change, matters
@@ -26,6 +26,7 @@ from film_model.problem.model_intervals import yield_velocities
 from film_model.problem.problem import Impacts, Problem
 from film_model.problem.summary import radiated
 from film_model.scene import Scene
+from film_model.targets.waves import HERTZ_SQUARE
 
 HERTZ_TIME = 2.9432751843
 """Contact time times approach velocity over largest indentation, of an elastic impact: 2 √π Γ(7/5)/Γ(9/10)."""
@@ -36,6 +37,10 @@ LATE, SLOWING = 100.0, 0.07
 MOST_WEIGHT = 0.1
 """Weight over the largest elastic force, beyond which the impact lasts longer than its velocity says."""
 
+SURE = 0.9
+"""Energy of the waves of the elastic impact over the tolerated change, up to which nothing is tried: an impact that
+yields radiates less, and no other value changes as much."""
+
 LARGE = 0.15
 """Energy of the waves over that of the impact, beyond which terms of second order matter."""
 
@@ -43,23 +48,30 @@ LARGE = 0.15
 def impedance_of(scene: Scene, yielding: bool) -> Any:
     """The impedance by which a half-space takes up the energy of waves, N s/m; infinite if that is unknown. Of one
     impact, or of a scene with arrays. yielding: the law yields."""
-    modulus, speed = scene.effective_modulus, scene.approach_velocity
-    if modulus is None:
+    if scene.effective_modulus is None:
         return math.inf
-    known = greater(speed, 1e-300)
-    softness = 1.25 * scene.effective_mass / hertz_stiffness(modulus, scene.effective_radius)
-    impedance = scene.target.radiation_impedance(HERTZ_TIME * softness**0.4 * known**-0.2)
+    impedance = scene.target.radiation_impedance(duration(scene))
     ratio = yield_velocities(scene) if yielding else None
     if ratio is not None:
         impedance = impedance * greater(ratio / LATE, 1.0) ** SLOWING
-    return either(speed > 0.0, impedance, math.inf)
+    return either(scene.approach_velocity > 0.0, impedance, math.inf)
+
+
+def duration(scene: Scene) -> Any:
+    """2.943 (5 m/(4 K))^{2/5} V^{-1/5} of the elastic impact, s; nan if the effective modulus is unknown."""
+    softness = 1.25 * scene.effective_mass / _stiffness(scene)
+    return HERTZ_TIME * softness**0.4 * greater(scene.approach_velocity, 1e-300) ** -0.2
 
 
 def largest_force(scene: Scene) -> Any:
     """K (5 m V²/(4 K))^{3/5} of the elastic impact, N; nan if the effective modulus is unknown."""
-    modulus = math.nan if scene.effective_modulus is None else scene.effective_modulus
-    stiffness = hertz_stiffness(modulus, scene.effective_radius)
+    stiffness = _stiffness(scene)
     return stiffness * (2.5 * scene.kinetic_energy / stiffness) ** 0.6
+
+
+def _stiffness(scene: Scene) -> Any:
+    modulus = math.nan if scene.effective_modulus is None else scene.effective_modulus
+    return hertz_stiffness(modulus, scene.effective_radius)
 
 
 def felt(impacts: Impacts) -> Any:
@@ -98,7 +110,12 @@ def radiating(problem: Problem) -> tuple[Problem, Any]:
         return made, problem.impacts.column(True)
     if made is None:
         return problem, False
-    return made, either(pressed(problem), False, matters(made, problem))
+    scene = problem.impacts.scene
+    most = HERTZ_SQUARE * largest_force(scene) ** 2.0 * duration(scene) / (made.impedance * scene.kinetic_energy)
+    doubtful = (most > SURE * problem.scene.effect_tolerance) & (pressed(problem) == 0)
+    if not problem.impacts.many:
+        return made, doubtful and matters(made, problem)
+    return made, matters(made, problem, where=column(doubtful, problem.approach.size))
 
 
 def with_waves(problem: Problem) -> Problem | None:
@@ -131,6 +148,8 @@ def settled(effect: Effect, problem: Problem) -> Effect:
     if effect.name != "wave_losses" or effect.change is None or scene.target.gives_way:
         return effect
     simulated = problem.gamma > 0.0
+    if pressed(problem) and not simulated:
+        return effect._replace(reason=f"{effect.reason}; the weight makes the impact last longer than its velocity says")
     still = problem.again(impedance=math.inf) if simulated else problem
     moved = problem if simulated else with_waves(problem)
     if moved is None:
@@ -145,6 +164,6 @@ def settled(effect: Effect, problem: Problem) -> Effect:
         state, why = off_state(size, scene.effect_tolerance), f"the scene has wave_losses = false; {why}"
     elif size > scene.effect_tolerance:
         state = NOT_MODELLED
-        why = f"{why}; {hindered(problem) or 'the weight makes the impact last longer than its velocity says'}"
+        why = f"{why}; {hindered(problem)}"
     threshold = agreeing(effect.value, scene.effect_tolerance, size, scene.effect_tolerance)
     return effect._replace(state=state, change=size, threshold=threshold, reason=why, cost=DAMPED)

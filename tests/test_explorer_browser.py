@@ -281,6 +281,22 @@ def test_losses_of_materials_equal_python(shown, tmp_path):
     assert laws == ["tsuji", "tsuji", "elastoplastic", "tsuji", "hertz", "tsuji", "tsuji", "tsuji"]
 
 
+def test_waves_in_a_half_space_equal_python(shown, tmp_path):
+    ball = {"radius": "5 mm", "velocity": "4 m/s", "material": "bearing steel"}
+    write_page(
+        tmp_path / "impact.html", fm.Scene.from_table({"impactor": ball, "target": {"kind": "half-space"} | STEEL})
+    )
+    changes = ("", "impactor.velocity=0.3", "plasticity=false", "wave_losses=false", "law=hertz", "law=big-alabo")
+    changes += ("impactor.velocity=0.3&wave_losses=true", "law=hertz&wave_losses=true", "impactor.velocity=300")
+    changes += ("gravity=true&target.material.density=2e3", "target.material.poissons_ratio=-0.3")
+    fragments = ["scene=scene&" + change for change in changes]
+    window, radiates = shown((tmp_path / "impact.html").as_uri()), []
+    for fragment, (found, text) in zip(fragments, window.evaluate(SUMMARIES, fragments), strict=True):
+        check(*simulated(fm.Scene.from_text(text), found), found, fragment)
+        radiates.append(found["summary"]["energy_radiated"] > 0.0)
+    assert radiates == [True, False, True, False, False, False, True, True, True, True, True]
+
+
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_every_example_scene_is_exported(shown, tmp_path, path):
     scene = fm.Scene.from_toml(path)

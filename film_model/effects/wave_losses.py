@@ -112,7 +112,7 @@ def radiating(problem: Problem) -> tuple[Problem, Any]:
         return problem, False
     scene = problem.impacts.scene
     most = HERTZ_SQUARE * largest_force(scene) ** 2.0 * duration(scene) / (made.impedance * scene.kinetic_energy)
-    doubtful = (most > SURE * problem.scene.effect_tolerance) & (pressed(problem) == 0)
+    doubtful = either(pressed(problem), False, most > SURE * problem.scene.effect_tolerance)
     if not problem.impacts.many:
         return made, doubtful and matters(made, problem)
     return made, matters(made, problem, where=column(doubtful, problem.approach.size))
@@ -149,7 +149,9 @@ def settled(effect: Effect, problem: Problem) -> Effect:
         return effect
     simulated = problem.gamma > 0.0
     if pressed(problem) and not simulated:
-        return effect._replace(reason=f"{effect.reason}; the weight makes the impact last longer than its velocity says")
+        return effect._replace(
+            reason=f"{effect.reason}; the weight makes the impact last longer than its velocity says"
+        )
     still = problem.again(impedance=math.inf) if simulated else problem
     moved = problem if simulated else with_waves(problem)
     if moved is None:

@@ -3,12 +3,15 @@
 The surface under a point force F(t) lags behind its static deflection by Ḟ β/(ρ c_T³) (Lamb's problem), so that waves
 take β/(ρ c_T³) ∫Ḟ² dt. Zener's impedance Z takes ∫F² dt/Z. Both are equal for an elastic impact of the contact time t_c
 if Z = 0.0878 t_c² ρ c_T³/β; half of the energy is gone when the force is largest, also by waves, so that the force is
-right too, to first order in the energy lost. Of impacts that yield, t_c² over that of the elastic contact and the ratio
-of the two integrals of F change by less than 5 % up to 100 yield velocities, and as (V/V_Y)^0.07 beyond: the energy is
-right within 10 % (tests/test_wave_losses.py). Law "auto" simulates it; other laws only if the scene asks for it.
+right too, to first order in the energy lost. Finite elements of a rigid ball of steel's density on steel lose 1.54 and
+4.00 % at 1 and 5 m/s, these impacts 1.52 and 3.94 %. In impacts that yield this Z is right within 5 % up to 100 yield
+velocities and rises as (V/V_Y)^0.07 beyond; the energy is right within 10 %. Law "auto" simulates it, other laws only
+if the scene asks for it.
 
-Z belongs to this impact: later contacts of a component have other velocities, and energies that are wrong as V^{2/5}.
-A force that lasts much longer than t_c moves the target at F/Z, which a half-space does not do.
+Beyond 15 % of the energy, terms of second order matter: a warning says so. Z belongs to this impact: the waves of later
+contacts of a component or FMU, at other velocities V', take an energy that is wrong by the factor (V'/V)^{2/5}. A force
+that lasts much longer than t_c moves the target at F/Z, which a half-space does not do: its displacement is not real.
+Waves are not simulated where the weight exceeds a tenth of the largest elastic force.
 """
 
 from __future__ import annotations
@@ -144,28 +147,25 @@ def remarks(problem: Problem) -> tuple[str, ...]:
 
 def settled(effect: Effect, problem: Problem) -> Effect:
     """The estimated effect with what was decided about it. problem: what is simulated."""
-    scene = problem.scene
-    if effect.name != "wave_losses" or effect.change is None or scene.target.gives_way:
+    scene, simulated = problem.scene, problem.gamma > 0.0
+    if effect.name != "wave_losses" or scene.target.gives_way or (effect.change is None and not simulated):
         return effect
-    simulated = problem.gamma > 0.0
     if pressed(problem) and not simulated:
-        return effect._replace(
-            reason=f"{effect.reason}; the weight makes the impact last longer than its velocity says"
-        )
+        why = "the weight makes the impact last longer than its velocity says"
+        return effect._replace(reason=f"{effect.reason}; {why}")
     still = problem.again(impedance=math.inf) if simulated else problem
     moved = problem if simulated else with_waves(problem)
     if moved is None:
         return effect
-    found = change(moved, still)
-    size = effect.change if math.isnan(found) else found
-    off = scene.effects.wave_losses is False
-    state, why = NOT_NEEDED, effect.reason
+    found, tolerance = change(moved, still), scene.effect_tolerance
+    size, why = effect.change if math.isnan(found) else found, effect.reason
     if simulated:
         state = SIMULATED
-    elif off:
-        state, why = off_state(size, scene.effect_tolerance), f"the scene has wave_losses = false; {why}"
-    elif size > scene.effect_tolerance:
-        state = NOT_MODELLED
-        why = f"{why}; {hindered(problem)}"
-    threshold = agreeing(effect.value, scene.effect_tolerance, size, scene.effect_tolerance)
+        why = why if effect.change is not None else "the half-space takes up their energy by an impedance"
+    elif scene.effects.wave_losses is False:
+        state, why = off_state(size, tolerance), f"the scene has wave_losses = false; {why}"
+    else:
+        state = NOT_NEEDED if size is None or size <= tolerance else NOT_MODELLED
+        why = why if state == NOT_NEEDED else f"{why}; {hindered(problem)}"
+    threshold = agreeing(effect.value, tolerance, size, tolerance)
     return effect._replace(state=state, change=size, threshold=threshold, reason=why, cost=DAMPED)

@@ -382,7 +382,8 @@ def test_wave_losses_against_lambs_problem():
     spectrum = (np.cos(math.pi * x / 2) / (1 - x * x)) ** 2
     assert pytest.approx(math.pi * np.dot(x, spectrum) / spectrum.sum(), rel=1e-4) == MEAN_FREQUENCY
     slow, fast = (
-        by_name(ball_on(fm.HalfSpace(STEEL), v, contact=fm.Contact("hertz")))["wave_losses"] for v in ("1 m/s", "10 m/s")
+        by_name(ball_on(fm.HalfSpace(STEEL), v, contact=fm.Contact("hertz")))["wave_losses"]
+        for v in ("1 m/s", "10 m/s")
     )
     assert fast.value / slow.value == pytest.approx(10**0.6, rel=1e-12)
     assert fast.state == NOT_MODELLED

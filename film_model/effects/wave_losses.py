@@ -23,7 +23,6 @@ from film_model.base.arrays import any_of, column, either, greater, lesser
 from film_model.base.errors import SimulationError
 from film_model.effects.effect import DAMPED, NOT_MODELLED, NOT_NEEDED, SIMULATED, Effect, agreeing, off_state, percent
 from film_model.effects.trial import change, matters
-from film_model.laws import AbstractLaw
 from film_model.laws.hertz import hertz_stiffness
 from film_model.problem.model_intervals import yield_velocities
 from film_model.problem.problem import Impacts, Problem
@@ -82,12 +81,13 @@ def felt(impacts: Impacts) -> Any:
     own = impacts.numbers.impedance
     if impacts.base.effects.wave_losses is not True:
         return own
-    return lesser(own, impacts.column(impedance_of(impacts.scene, yields(impacts.one_law))))
+    return lesser(own, impacts.column(impedance_of(impacts.scene, _yields(impacts))))
 
 
-def yields(law: AbstractLaw) -> bool:
-    """Whether a law is one of a ball that yields."""
-    return getattr(type(law), "family", "") == "yields"
+def _yields(impacts: Impacts) -> bool:
+    """Whether the law is one of a ball that yields, by any rule of unloading."""
+    law = impacts.law.law
+    return getattr(law if isinstance(law, type) else type(law), "family", "") == "yields"
 
 
 def hindered(problem: Problem) -> str:
@@ -126,7 +126,7 @@ def with_waves(problem: Problem) -> Problem | None:
     if problem.relaxation is not None or problem.vibrates:
         return None
     impacts = problem.impacts
-    impedance = impacts.column(impedance_of(impacts.scene, yields(problem.law)))
+    impedance = impacts.column(impedance_of(impacts.scene, _yields(impacts)))
     return problem.again(impedance=impedance) if any_of(impedance < math.inf) else None
 
 

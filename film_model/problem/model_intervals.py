@@ -129,6 +129,8 @@ def model_interval(problem: Problem, name: str, value: float | None) -> ModelInt
         return None
     if problem.relaxation is not None or problem.curve.pulls:
         return None
+    if name == "permanent_indentation" and problem.curve.reversible:  # rounding, on a target that moves
+        return None
     family = family_of(problem.scene)
     if family is None or problem.law.name != (ELASTIC if family == "elastic" else YIELDS):
         return None

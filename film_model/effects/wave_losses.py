@@ -1,4 +1,4 @@
-"""Waves that a contact radiates into a half-space: an impedance of the target that takes up their energy.
+"""Wave losses: what a contact radiates into a half-space, by an impedance of the target that takes up as much energy.
 
 The surface under a point force F(t) lags behind its static deflection by Ḟ β/(ρ c_T³) (Lamb's problem), so that waves
 take β/(ρ c_T³) ∫Ḟ² dt. Zener's impedance Z takes ∫F² dt/Z. Both are equal for an elastic impact of the contact time t_c

@@ -104,7 +104,7 @@ def _address(table, base, chance, as_given):
     for entry in law["live"]:
         if not as_given and chance.random() < 0.7:
             found[entry["path"]] = _between(*entry["slider"], entry["slider"][0] > 0.0, chance)
-    for switch in SWITCHES:
+    for switch in SWITCHES[:-1]:
         automatic = (
             98 if switch == "rate_hardening" else 3
         )  # most scenes refuse it, as their materials have no rate law
@@ -113,6 +113,8 @@ def _address(table, base, chance, as_given):
     found["accuracy"] = chance.choice(["0.0001", "0.001", *([] if vibrates else ["0.000001", "1e-8"])])
     if chance.random() < 0.2:
         found |= {"linearisation": "chord", "accuracy": "0.001"}
+    asked = ["true"] if base["kind"] == "half-space" else []  # other targets refuse it
+    found[SWITCHES[-1]] = random.Random(urlencode(found)).choice(["auto", "auto", "auto", "false", *asked])
     return urlencode(found)
 
 

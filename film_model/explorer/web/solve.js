@@ -149,6 +149,7 @@ function choose(scene, slow) {
     effects.target_motion = { simulated: moves, change: size };
   }
   let problem = moves ? moved : problemOf(law, n, Infinity, moved.load);
+  let used = n;
 
   const free = lawOf(scene, n, elastic).law;
   let keeps = true;
@@ -168,7 +169,7 @@ function choose(scene, slow) {
     const size = changeOf(lossy, problem);
     const takes = problem.law.name === elastic ? !(size <= tolerance) : plasticity !== true && reboundOf(lossy) < reboundOf(problem);
     effects.material_damping = { simulated: takes, change: size };
-    if (takes) problem = lossy;
+    if (takes) [problem, used] = [lossy, slow]; // a damped law has no strength
     keeps &&= !takes;
     if (effects.plasticity) effects.plasticity.simulated &&= keeps;
   }
@@ -179,7 +180,7 @@ function choose(scene, slow) {
   }
   if (n !== slow) Object.assign(effects, hardeningOf(problemOf(law, slow, own, 0, compliance), light, keeps));
   if (moves && held && scene.base.support.modes) problem = problemOf(problem.law, n, Infinity, problem.load, 0, true);
-  return { n, problem, effects, edges: edgesOf(scene, n, light, tolerance) };
+  return { n: used, problem, effects, edges: edgesOf(scene, n, light, tolerance) };
 }
 
 /**

@@ -95,12 +95,35 @@ static inline void stage_law(const film_curve *curve, int32_t stage, double xi, 
     piece_law(piece_at(curve, stage, xi), xi, force, work);
 }
 
+/* Of a shifted branch, nearer to its end than this fraction of the depth there, force and work are small differences of the
+ * terms of film_open_branch: the power series about the end keeps their digits. tests/test_small_restitution.py. */
+static const double SHORT_BRANCH = 0.05;
+
+enum { BRANCH_TERMS = 16 }; /* of rounding at SHORT_BRANCH */
+
+/* -f_shift ((1 + r)^q - 1) and its integral, r = (xi - xi_free)/xi_free: -f_shift is the power at xi_free. */
+static inline void short_branch(const film_line *line, double from_free, double *force, double *work) {
+    double r = from_free / line->xi_free, q = line->exponent, term = 1.0, sum = 0.0, integral = 0.0;
+    for (int k = 1; k <= BRANCH_TERMS; k++) {
+        term *= (q - k + 1.0) / k * r;
+        sum += term;
+        integral += term / (k + 1.0);
+    }
+    *force = fmax(-line->f_shift * sum, 0.0);
+    *work = -line->f_shift * from_free * integral;
+}
+
 /* Force and work on the curve that a line belongs to: a loading stage, the unloading branch, or no contact (both 0).
  * The work of a branch counts from xi_free, where its force is 0. */
 static inline void contact_at(const film_line *line, const film_piece *piece, double xi, double *force, double *work) {
     if (line->branch >= 0) {
         piece_law(piece, xi, force, work);
     } else if (line->branch == FILM_BRANCH) {
+        double from_free = xi - line->xi_free;
+        if (line->work_free < 0.0 && fabs(from_free) < SHORT_BRANCH * line->xi_free) { /* FILM_SHIFTED */
+            short_branch(line, from_free, force, work);
+            return;
+        }
         double reach = xi - line->xi_origin, x = reach * line->per_recovery;
         double power = x > 0.0 ? line->f_max * power_of(x, line->exponent) : 0.0, f = power + line->f_shift;
         *force = f > 0.0 ? f : 0.0;

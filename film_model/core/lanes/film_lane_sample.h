@@ -156,7 +156,7 @@ static void force_lanes(const film_curve *curve, sampled *restrict s) {
         const film_line *line = s->line[l];
         at[l] = ALONE;
         if (curve->compliance != 0.0) continue;
-        if (line->branch == FILM_BRANCH && line->damper == 0.0) at[l] = ON_BRANCH;
+        if (line->branch == FILM_BRANCH && line->damper == 0.0 && line->work_free == 0.0) at[l] = ON_BRANCH;
         else if (line->branch >= 0) at[l] = (int32_t)(piece_at(curve, line->branch, s->xi[l]) - curve->piece);
     }
     for (int l = 0; l < LANES; l++) {

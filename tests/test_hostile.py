@@ -1,0 +1,43 @@
+"""The corpus in `tests/hostile`: scenes that once were slow or wrong, and texts that no reader may take or hang on.
+
+A scene that the project meets and that is slow, wrong or ends in an undocumented exception is added to `scenes`, with a
+comment that says what it did; a text to `texts`, its name beginning with what reads it. Damaged datasets are made by
+tests/test_damaged_data.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from test_one_and_many import disagreements
+
+import film_model as fm
+from film_datasets.sweeps import read_sweep
+
+CORPUS = Path(__file__).parent / "hostile"
+SCENES = sorted((CORPUS / "scenes").glob("*.toml"))
+TEXTS = sorted((CORPUS / "texts").iterdir())
+MOST_SAID = 600
+"""Characters of a refusal."""
+
+READERS: dict[str, Callable[[Path], Any]] = {
+    "modes": lambda path: fm.Structure(str(path)),
+    "scene": fm.Scene.from_toml,
+    "sweep": read_sweep,
+    "table": lambda path: fm.Contact("tabulated", file=str(path)),
+}
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_one_and_many_agree_on_scenes_that_once_were_wrong(path: Path) -> None:
+    assert disagreements(fm.Scene.from_toml(path)) == []
+
+
+@pytest.mark.parametrize("path", TEXTS, ids=lambda path: path.name)
+def test_a_hostile_text_is_refused(path: Path) -> None:
+    with pytest.raises((fm.SceneError, OSError)) as caught:
+        READERS[path.name.partition("_")[0]](path)
+    assert 0 < len(str(caught.value)) <= MOST_SAID

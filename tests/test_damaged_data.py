@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import random
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -100,6 +102,16 @@ def test_a_flipped_bit_of_a_zarr_chunk_is_refused(tmp_path: Path, kind: str) -> 
     assert fd.check(path) == []
 
 
+def test_a_changed_unit_in_a_zarr_folder_is_refused(tmp_path: Path) -> None:
+    """Its attributes are texts without a checksum."""
+    pytest.importorskip("zarr")
+    path = sample("sweep", ".zarr", tmp_path)
+    for file in path.rglob("zarr.json"):
+        file.write_text(file.read_text("utf-8").replace('"units": "N"', '"units": "O"'), "utf-8")
+    with pytest.raises(OSError, match="units of maximum_force are 'O', not 'N'"):
+        fd.open(path)
+
+
 def test_a_changed_dataset_is_written_with_its_own_hash(tmp_path: Path) -> None:
     ds = fd.to_dataset(fm.simulate(SCENE)).copy(deep=True)
     ds["maximum_force"] = ds["maximum_force"] * 1.5
@@ -153,6 +165,53 @@ def test_a_file_that_leads_to_another_one_is_refused(tmp_path: Path, kind: str) 
             file.create_dataset("maximum_force", values.shape, values.dtype, external=[(str(raw), 0, values.nbytes)])
     with pytest.raises(OSError, match='"maximum_force" is in another file, which is not read'):
         fd.open(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes")
+@pytest.mark.parametrize("kind", ["link", "pipe"])
+def test_a_zarr_folder_that_leads_elsewhere_is_refused(tmp_path: Path, kind: str) -> None:
+    pytest.importorskip("zarr")
+    path = sample("sweep", ".zarr", tmp_path)
+    chunk = next(file for file in path.rglob("*") if "c" in file.relative_to(path).parts and file.is_file())
+    if kind == "link":
+        chunk.rename(tmp_path / "elsewhere")
+        chunk.symlink_to(tmp_path / "elsewhere")
+    else:
+        chunk.unlink()
+        os.mkfifo(chunk)
+    with pytest.raises(OSError, match=f'"{chunk.name}" in it is a link, a pipe or a device'):
+        fd.open(path)
+
+
+def test_a_filter_of_another_program_is_refused(tmp_path: Path) -> None:
+    """HDF5 would load it from a folder of plugins."""
+    path, lzf = sample("sweep", ".nc", tmp_path), 32000
+    with h5py.File(path, "r+") as file:
+        values = file["maximum_force"][:]
+        del file["maximum_force"]
+        file.create_dataset("maximum_force", data=values, chunks=values.shape, compression="lzf")
+    with pytest.raises(OSError, match=f'"maximum_force" needs filter {lzf}, which is not allowed'):
+        fd.open(path)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="another kind of locks")
+def test_a_file_that_another_program_writes_is_not_called_damaged(tmp_path: Path) -> None:
+    path = sample("sweep", ".nc", tmp_path)
+    held = f"import h5py, sys; file = h5py.File({str(path)!r}, 'r+'); print(flush=True); sys.stdin.read()"
+    with subprocess.Popen([sys.executable, "-c", held], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
+        assert other.stdout is not None
+        other.stdout.readline()
+        with pytest.raises(OSError, match="another program has it open for writing"):
+            fd.open(path)
+        other.communicate()
+    fd.open(path).close()
+
+
+def test_a_long_key_is_not_printed_whole(tmp_path: Path) -> None:
+    key = "k" * 500_000
+    with pytest.raises(fm.SceneError) as caught:
+        fd.sweep(SCENE, {key: ["1 m/s"]})
+    assert len(str(caught.value)) < 1000
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="pipes")

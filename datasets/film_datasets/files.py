@@ -16,8 +16,8 @@ from film_datasets.quantities import in_numbers
 from film_datasets.schema import ADDED, HISTORY, content_sha256, holds_text, kind_of, variables_of
 from film_datasets.schema.validation import damage
 from film_datasets.tables import TABLES, check_parquet, write_table
-from film_model.base.errors import shown
-from film_model.base.files import check_regular, check_replaceable, flush, written_whole
+from film_model.base.files import check_folder, check_regular, check_replaceable, flush, written_whole
+from film_model.base.hdf5 import check_hdf5
 from film_model.solve.history import History
 
 if TYPE_CHECKING:
@@ -160,8 +160,13 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     if source.suffix in TABLES:
         raise ValueError(f"{source}: a table does not hold the whole dataset: give the .nc or .zarr it was made from")
     engine = "zarr" if source.is_dir() else "netcdf4"
-    if engine == "netcdf4":
-        _check_hdf5(source)
+    try:
+        if engine == "netcdf4":
+            check_hdf5(source)
+        else:
+            check_folder(source)
+    except ValueError as error:
+        raise OSError(f"{source}: {error}") from error
     try:
         ds = _indexed(xr.open_dataset(source, engine=engine, create_default_indexes=False))
     except ImportError as error:
@@ -189,28 +194,6 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         ds.close()
         raise OSError(f"{source}: is damaged ({error})") from error
     return ds
-
-
-def _check_hdf5(source: Path) -> None:
-    """OSError for an HDF5 file whose content is in other files, or whose attributes are damaged: the netCDF library may
-    end the process for these."""
-    import h5py  # lazy: reading a Zarr folder does not need it
-
-    try:
-        if not h5py.is_hdf5(source):
-            return  # classic netCDF, or for the netCDF library to refuse
-        with h5py.File(source, "r") as file:
-            dict(file.attrs)
-            for name in file:
-                hard = isinstance(file.get(name, getlink=True), h5py.HardLink)
-                found: Any = file[name] if hard else None
-                if not hard or (isinstance(found, h5py.Dataset) and (found.is_virtual or found.external)):
-                    raise ValueError(f"{source}: {shown(name)} is in another file, which is not read")
-                dict(found.attrs)
-    except ValueError as error:
-        raise OSError(str(error)) from None
-    except Exception as error:  # h5py has no common class
-        raise OSError(f"{source}: is not a netCDF file, or is damaged ({error})") from error
 
 
 def _indexed(ds: xr.Dataset) -> xr.Dataset:

@@ -7,6 +7,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+LONGEST_KEY = 160
+"""Characters of a key that a message shows; a file may have a longer one."""
+
 
 @dataclass(frozen=True)
 class Mistake:
@@ -19,7 +22,7 @@ class Mistake:
 
     def __str__(self) -> str:
         place = "" if self.file is None else self.file + ("" if self.line is None else f":{self.line}")
-        return ": ".join(part for part in (place, self.key, self.message) if part)
+        return ": ".join(part for part in (place, _shortened(self.key, LONGEST_KEY), self.message) if part)
 
     def moved(self, owner: str) -> Mistake:
         """The same mistake with the first word of its key, the name of a class, replaced by `owner`."""
@@ -163,4 +166,10 @@ def shown(value: object) -> str:
     else:
         text = f"{value:~}" if hasattr(value, "magnitude") else repr(value)
         text = text if text.isprintable() else ascii(text)
-    return text if len(text) <= 80 else f"{text[:38]}...{text[-39:]}"
+    return _shortened(text, 80)
+
+
+def _shortened(text: str, most: int) -> str:
+    """A text of at most `most` characters, with dots in the middle of a longer one."""
+    half = (most - 3) // 2
+    return text if len(text) <= most else f"{text[:half]}...{text[len(text) - (most - 3 - half) :]}"

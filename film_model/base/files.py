@@ -19,6 +19,16 @@ def check_regular(path: str | os.PathLike[str]) -> None:
         raise ValueError(f"is a {'folder' if stat.S_ISDIR(mode) else 'pipe or a device'}, a regular file is needed")
 
 
+def check_folder(path: str | os.PathLike[str]) -> None:
+    """Raise ValueError for a folder in which anything is a link, a pipe or a device."""
+    with os.scandir(path) as entries:
+        for entry in entries:
+            if entry.is_dir(follow_symlinks=False):
+                check_folder(entry.path)
+            elif not entry.is_file(follow_symlinks=False):
+                raise ValueError(f'"{entry.name}" in it is a link, a pipe or a device, a regular file is needed')
+
+
 def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:
     """The content of a regular file of at most `most` bytes. Raises ValueError for another one, or OSError."""
     check_regular(path)

@@ -10,6 +10,7 @@ import numpy as np
 
 from film_model.base.errors import did_you_mean, shown
 from film_model.base.files import read_bytes
+from film_model.base.hdf5 import check_hdf5
 from film_model.base.tables import HEADING, rows_of
 from film_model.base.units import to_si
 from film_model.targets.modes import Array
@@ -152,6 +153,10 @@ def _netcdf(path: str) -> tuple[list[str], dict[str, list[float]], float | None]
     """Where each vibration is, the variables in SI units, and the static compliance if the file has it."""
     import netCDF4
 
+    try:
+        check_hdf5(path)
+    except ValueError as error:
+        raise ValueError(f"{shown(path)} cannot be read as netCDF: {error}") from None
     try:
         with netCDF4.Dataset(path, "r") as file:
             found: dict[str, Any] = {name: _variable(path, file, name) for name in COLUMNS if name in file.variables}

@@ -75,8 +75,8 @@ def _type_name(variable: Variable) -> str:
 
 
 def damage(ds: xr.Dataset, values: bool = True) -> list[str]:
-    """What does not match the hashes that were stored with it: texts and, if `values`, numbers. Raises ValueError if a
-    variable is missing."""
+    """What does not match the hashes that were stored with it, texts and, if `values`, numbers; and units that are not
+    those of the schema. Raises ValueError if a variable is missing."""
     checks: dict[str, bool] = {}
     if values:
         checks["content_sha256 does not match the variables"] = ds.attrs.get("content_sha256") == content_sha256(ds)
@@ -85,6 +85,10 @@ def damage(ds: xr.Dataset, values: bool = True) -> list[str]:
             text = str(ds.attrs[f"{name}_toml"]).encode()
             good = ds.attrs.get(f"{name}_sha256") == hashlib.sha256(text).hexdigest()
             checks[f"{name}_sha256 does not match {name}_toml"] = good
+    for variable in variables_of(ds):
+        if variable.name in ds.variables:
+            got, want = ds[variable.name].attrs.get("units"), variable.attributes().get("units")
+            checks[f"units of {variable.name} are {got!r}, not {want!r}"] = got == want
     return [message for message, good in checks.items() if not good]
 
 

@@ -7,6 +7,8 @@ tests/test_damaged_data.py.
 
 from __future__ import annotations
 
+import json
+import runpy
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -41,3 +43,12 @@ def test_a_hostile_text_is_refused(path: Path) -> None:
     with pytest.raises((fm.SceneError, OSError)) as caught:
         READERS[path.name.partition("_")[0]](path)
     assert 0 < len(str(caught.value)) <= MOST_SAID
+
+
+def test_the_script_of_random_scenes_goes_on_where_it_ended(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    script, file = runpy.run_path(str(CORPUS.parents[1] / "benchmarks" / "random_scenes.py")), tmp_path / "found.jsonl"
+    for count in (1, 2):
+        script["main"]([str(file), "--count", str(count), "--seed", "9"])
+        assert f"{count} scenes" in capsys.readouterr().out
+    done = [json.loads(line) for line in file.read_text("utf-8").splitlines()]
+    assert [row["done"] for row in done if "done" in row] == [10, 11]

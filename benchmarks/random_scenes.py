@@ -1,0 +1,117 @@
+"""Random scenes in every way: what ends in an undocumented exception, disagrees, or takes long.
+
+    python -m benchmarks.random_scenes FILE [--count 1000] [--seed 0] [--seconds 600]
+
+Each scene (the generator of tests/test_one_and_many.py: every law and kind of target) is simulated alone, in a batch
+and in a sweep, and stepped. Reported are exceptions other than SceneError and SimulationError, differences beyond the
+estimates, runs of more than `SLOW` seconds of CPU, and rows of sweeps that cost `COSTLY` times as much as one impact.
+FILE has a line of JSON for each finding and each scene that is done; run again with it, the script goes on from there.
+`python -m benchmarks.random_scenes FILE --only 4711` repeats one scene and prints it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import sys
+import time
+import traceback
+import warnings
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import film_datasets as fd
+import film_model as fm
+from film_model.solve.simulate import simulate_quietly
+
+TESTS = Path(__file__).parents[1] / "tests"
+
+SLOW = 2.0
+"""CPU seconds of one run."""
+
+COSTLY, FEW = 10.0, 0.05
+"""A row of a sweep takes at most this many times the CPU time of one impact, or `FEW` seconds."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Go on with FILE until `count` scenes are done or `seconds` of CPU are spent; 1 if anything was found."""
+    purpose = (__doc__ or "").split("\n")[0]
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.random_scenes", description=purpose)
+    parser.add_argument("file", type=Path, help="what was found, one line of JSON each")
+    parser.add_argument("--count", type=int, default=1000, help="scenes")
+    parser.add_argument("--seed", type=int, default=0, help="of the first scene")
+    parser.add_argument("--seconds", type=float, default=600.0, help="of CPU time, after which it stops")
+    parser.add_argument("--only", type=int, help="the seed of the one scene to repeat")
+    options = parser.parse_args(arguments)
+    warnings.simplefilter("ignore")
+    if options.only is not None:
+        print(scene_of(options.only).to_toml())
+        print(*map(json.dumps, findings(options.only)), sep="\n")
+        return 0
+    lines = options.file.read_text("utf-8").splitlines() if options.file.exists() else []
+    known = [json.loads(line) for line in lines if line.endswith("}")]  # not what a kill has cut
+    first = max((row["done"] for row in known if "done" in row), default=options.seed)
+    with options.file.open("a", encoding="utf-8") as out:
+        for seed in range(first, options.seed + options.count):
+            if time.process_time() > options.seconds:
+                break
+            rows = list(findings(seed))
+            known += rows
+            print(*map(json.dumps, [*rows, {"done": seed + 1}]), sep="\n", file=out, flush=True)
+            first = seed + 1
+    found = [row for row in known if "found" in row]
+    print(f"{first - options.seed} scenes, {time.process_time():.0f} s of CPU, {len(found)} findings")
+    for row in found:
+        print(f"{row['seed']}: {row['found']}: {row['text']}")
+    return int(bool(found))
+
+
+def scene_of(seed: int) -> fm.Scene:
+    """The scene of a seed: by the tests' own generator, so that a finding becomes a test."""
+    return _tests().random_scene(seed, _tests().ALL_LAWS)
+
+
+def findings(seed: int) -> Iterator[dict[str, Any]]:
+    """What is wrong with a scene."""
+    try:
+        scene = scene_of(seed)
+    except fm.SceneError:
+        return
+    try:
+        single = _spent(lambda: simulate_quietly(scene))
+        speed = f"{scene.impactor.speed!r} m/s"
+        row = _spent(lambda: fd.sweep(scene, {"impactor.velocity": [speed]}))
+        checks = (_tests().disagreements, _tests().stepped_disagreements)
+        times = {"one impact": single, "a sweep of one impact": row}
+        differing = [text for check in checks for text in check(scene)]
+    except Exception:  # what the script looks for
+        yield {"seed": seed, "found": "exception", "text": traceback.format_exc(limit=-2)}
+        return
+    for what, spent in times.items():
+        if spent > SLOW:
+            yield {"seed": seed, "found": "slow", "text": f"{what} takes {spent:.1f} s"}
+    if row > max(COSTLY * single, FEW):
+        yield {"seed": seed, "found": "costly", "text": f"a sweep's row takes {row:.3f} s, one impact {single:.3f} s"}
+    yield from ({"seed": seed, "found": "disagreement", "text": text} for text in differing)
+
+
+def _spent(run: Any) -> float:
+    """CPU seconds of a run, which may be refused."""
+    begin = time.process_time()
+    with contextlib.suppress(fm.SceneError, fm.SimulationError):
+        run()
+    return time.process_time() - begin
+
+
+def _tests() -> Any:
+    if str(TESTS) not in sys.path:
+        sys.path.insert(0, str(TESTS))
+    import test_one_and_many  # pyright: ignore[reportMissingImports]
+
+    return test_one_and_many
+
+
+if __name__ == "__main__":
+    sys.exit(main())

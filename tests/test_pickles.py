@@ -42,7 +42,7 @@ def test_many_impacts(way: Callable[[Any], Any]) -> None:
     bounces = fm.bounce(scene)
     assert way(bounces) == bounces
     batch = fm.simulate_batch(scene, velocity=["1 m/s", "2 m/s"])
-    assert way(batch).summary["maximum_force"].tolist() == batch.summary["maximum_force"].tolist()
+    assert way(batch) == batch != fm.simulate_batch(scene, velocity=["1 m/s", "3 m/s"])
     tolerance = fd.tolerance(scene, {"impactor.velocity": {"normal": ["1 m/s", "0.01 m/s"]}}, samples=64)
     assert way(tolerance).to_dict() == tolerance.to_dict()
     derivatives = fm.simulate(scene, derivatives=["impactor.velocity"]).derivatives

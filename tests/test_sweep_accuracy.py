@@ -66,6 +66,22 @@ def test_the_estimate_bounds_the_error_under_a_weight(law):
     assert found.summary["coefficient_of_restitution"][least] == pytest.approx(alone, rel=1e-3)
 
 
+def test_the_estimate_bounds_what_is_reported_of_impacts_that_rest():
+    """They swing on their weight until the time limit. The work at that moment, which has no meaning and is not part of
+    the summary, is wrong by four times the estimate, on meshes of 6 and 11 segments alike."""
+    ball = fm.Sphere("0.45872 mm", velocity="60 um/s", mass="50.48 mg", material="bearing steel")
+    effects = fm.Effects(gravity=True, boundary_reflections=False, rate_hardening=False)
+    law = fm.Contact("stronge", yield_strength="0.6 GPa")
+    scene = fm.Scene(ball, fm.Rod("mild steel", "1.73918 mm"), law, effects)
+    columns = {"impactor.velocity": np.geomspace(5.5e-5, 7e-5, 10)}
+    found, exact = (simulate_many(scene, columns, fm.Solver(accuracy=a)) for a in (1e-4, 1e-6))
+    for name in ("energy_absorbed", "coefficient_of_restitution"):
+        assert np.isnan(found.summary[name]).all() and np.isnan(exact.summary[name]).all()
+    for name in ("maximum_force", "maximum_indentation", "time_of_maximum_indentation", "time_impactor_stops"):
+        off = np.abs(found.summary[name] / exact.summary[name] - 1.0)
+        assert (off <= found.estimated + 1e-6).all()
+
+
 def test_one_hard_impact_does_not_set_the_mesh_of_all():
     """Impacts from 0.1 mm/s to 100 m/s, 1 mg to 100 kg, on balls of 0.1 mm to 1 m."""
     velocity, mass, radius = drawn(512, (1e-4, 100.0), (1e-6, 100.0), (1e-4, 1.0))

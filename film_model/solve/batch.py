@@ -56,7 +56,7 @@ class ManyResult:
         return (self.segments[:, 0] == 0) & (self.status >= 0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BatchResult:
     """Summaries of many impacts: arrays of one shape, SI, by the names of `history.SUMMARY` (nan: did not happen).
 
@@ -78,6 +78,12 @@ class BatchResult:
         def _repr_html_(self) -> str: ...
     else:
         _repr_html_ = Late("film_model.methods:batch_as_html")
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, BatchResult) or self.segments != other.segments:
+            return False
+        mine, theirs = ({**of.varied, **of.summary, "estimated": of.estimated_accuracy} for of in (self, other))
+        return all(np.array_equal(mine[name], theirs.get(name), equal_nan=True) for name in mine)
 
     def __repr__(self) -> str:
         failed, impacts = np.count_nonzero(self.failed), " × ".join(map(str, self.failed.shape)) or "1"

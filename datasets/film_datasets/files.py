@@ -7,7 +7,7 @@ import shutil
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
@@ -150,23 +150,7 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
     import xarray as xr
 
     source = Path(path)
-    if not source.exists():
-        raise FileNotFoundError(f"{source}: there is no such file")
-    if not source.is_dir():
-        try:
-            check_regular(source)
-        except ValueError as error:
-            raise OSError(f"{source}: {error}") from None
-    if source.suffix in TABLES:
-        raise ValueError(f"{source}: a table does not hold the whole dataset: give the .nc or .zarr it was made from")
-    engine = "zarr" if source.is_dir() else "netcdf4"
-    try:
-        if engine == "netcdf4":
-            check_hdf5(source)
-        else:
-            check_folder(source)
-    except ValueError as error:
-        raise OSError(f"{source}: {error}") from error
+    engine = _engine_of(source)
     try:
         ds = _indexed(xr.open_dataset(source, engine=engine, create_default_indexes=False))
     except ImportError as error:
@@ -194,6 +178,23 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         ds.close()
         raise OSError(f"{source}: is damaged ({error})") from error
     return ds
+
+
+def _engine_of(source: Path) -> Literal["zarr", "netcdf4"]:
+    """What reads a file or folder. Raises OSError or ValueError as `open_dataset` for what is not opened."""
+    if not source.exists():
+        raise FileNotFoundError(f"{source}: there is no such file")
+    if source.suffix in TABLES and source.is_file():
+        raise ValueError(f"{source}: a table does not hold the whole dataset: give the .nc or .zarr it was made from")
+    try:
+        if source.is_dir():
+            check_folder(source)
+            return "zarr"
+        check_regular(source)
+        check_hdf5(source)
+    except ValueError as error:
+        raise OSError(f"{source}: {error}") from error
+    return "netcdf4"
 
 
 def _indexed(ds: xr.Dataset) -> xr.Dataset:

@@ -83,7 +83,8 @@ class BatchResult:
         if not isinstance(other, BatchResult) or self.segments != other.segments:
             return False
         mine, theirs = ({**of.varied, **of.summary, "estimated": of.estimated_accuracy} for of in (self, other))
-        return all(np.array_equal(mine[name], theirs.get(name), equal_nan=True) for name in mine)
+        same = mine.keys() == theirs.keys()
+        return same and all(np.array_equal(mine[name], theirs[name], equal_nan=True) for name in mine)
 
     def __repr__(self) -> str:
         failed, impacts = np.count_nonzero(self.failed), " × ".join(map(str, self.failed.shape)) or "1"

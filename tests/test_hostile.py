@@ -22,6 +22,7 @@ from film_datasets.sweeps import read_sweep
 CORPUS = Path(__file__).parent / "hostile"
 SCENES = sorted((CORPUS / "scenes").glob("*.toml"))
 TEXTS = sorted((CORPUS / "texts").iterdir())
+SLOW = [path for path in SCENES if path.stem.startswith("creeping")]
 MOST_SAID = 600
 """Characters of a refusal."""
 
@@ -33,7 +34,10 @@ READERS: dict[str, Callable[[Path], Any]] = {
 }
 
 
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(path, id=path.stem, marks=pytest.mark.slow if path in SLOW else ()) for path in SCENES],
+)
 def test_one_and_many_agree_on_scenes_that_once_were_wrong(path: Path) -> None:
     assert disagreements(fm.Scene.from_toml(path)) == []
 

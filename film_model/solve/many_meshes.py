@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, Mask, all_of, any_of
+from film_model.core import native
 from film_model.core.columns import Columns
 from film_model.core.solving import MOST_LINES, MOST_SEGMENTS, bound_coarse, bound_fine
 from film_model.problem.problem import Problem
 from film_model.problem.summary import difference, rounding
 from film_model.scene import Solver
-from film_model.solve.accuracy import mesh_of
+from film_model.solve.accuracy import line_kind, mesh_of
 from film_model.solve.relaxed import relax_many
 
 FIRST_SEGMENTS = 8
@@ -39,6 +40,11 @@ by tests/test_one_and_many.py."""
 LOADED = 0.05
 """Under a load two meshes may agree by chance, where the sign of their difference changes: an estimate is not less than
 this fraction of the accuracy. Needed by tests/test_sweep_accuracy.py."""
+
+DAMPED_LANES = 512
+"""With more segments damped impacts are marched one by one. Contacts that creep take lanes up to 80 times as long on
+each line, for all impacts of a block; so few need as many segments that lanes bring nothing. Cost only:
+tests/hostile/scenes/creeping_500131.toml."""
 
 LINE_ERROR = 0.2
 """Bound on the relative error of times on a fixed target with n lines a leg, times n^4 (docs/method.md, section 4)."""
@@ -184,4 +190,7 @@ def _half(n: int, solver: Solver) -> int:
 
 
 def _march(problem: Problem, solver: Solver, n: int) -> tuple[NDArray[np.int32], Columns]:
-    return problem.march(mesh_of(solver, problem.curve.segments(n)))
+    counts = problem.curve.segments(n)
+    if problem.law.damped and n > DAMPED_LANES:
+        return problem.march(native.mesh(line_kind(solver), *counts, native.LINES))
+    return problem.march(mesh_of(solver, counts))

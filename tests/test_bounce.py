@@ -103,6 +103,21 @@ def test_an_infinite_plate_moves_even_where_the_first_impact_does_not_need_it():
     assert fixed.rest_time is None and len(fixed.bounces) == 2
 
 
+def test_waves_in_a_half_space_bring_the_ball_to_rest_even_where_the_first_impact_does_not_need_them():
+    """Their share at the velocity V' of a bounce, known from one impact at V', is (V/V')^{2/5} times that simulated."""
+    scene = fm.Scene(BALL, SLAB, fm.Contact(yield_strength="1e5 MPa"))
+    assert choose(scene).problem.gamma == 0.0
+    bounces = fm.bounce(scene, resolution="0.1 mm")
+    assert bounces.scene.effects.wave_losses is True and bounces.rest_time is not None
+    last = bounces.bounces[-1]
+    speed = last.velocity_before
+    one = fm.simulate(scene.replace({"impactor.drop_height": f"{0.5 * speed**2 / G} m", "effects.wave_losses": True}))
+    own = 1.0 - one.summary["coefficient_of_restitution"] ** 2
+    ratio = (bounces.bounces[0].velocity_before / speed) ** 0.4
+    assert 1.0 - last.restitution**2 == pytest.approx(own * ratio, rel=0.02)
+    assert fm.bounce(scene.replace({"effects.wave_losses": False})).rest_time is None
+
+
 def test_a_law_without_losses_never_comes_to_rest():
     """The warning has the restitution that the waves leave, by the effect that `explain` judges."""
     scene = fm.Scene(BALL, SLAB, fm.Contact("hertz"))

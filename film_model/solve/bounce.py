@@ -16,6 +16,7 @@ from film_model.base.late import Late
 from film_model.base.units import format_si
 from film_model.effects.case import case_of
 from film_model.effects.choose import choose
+from film_model.effects.wave_losses import hindered, with_waves
 from film_model.problem.summary import dent_of
 from film_model.scene import STANDARD_GRAVITY, Scene
 from film_model.solve.component import ImpactComponent
@@ -143,10 +144,11 @@ def bounce(scene: Scene, *, resolution: Any = None, accuracy: float | None = Non
 
     Each contact is followed under the weight as `ImpactComponent` does, in the dent that those before it left; flights
     are in closed form. The ball rests when a bounce is lower than `resolution` (m, or with units; default: a millionth
-    of the first fall), or when it stays on the target. A plate without edges moves by its impedance however little that
-    changes the first impact: where later ones are elastic, only this brings the ball to rest. Effects of law "auto" are
-    chosen for the first impact. A ball that no loss stops, that bounces more than `MOST_BOUNCES` times, or whose later
-    contacts cannot be solved does not come to rest: `outcome` and a warning say so.
+    of the first fall), or when it stays on the target. A plate without edges moves by its impedance, and under law
+    "auto" a half-space takes the energy of waves, however little that changes the first impact: where later ones are
+    elastic, only this brings the ball to rest. Effects of law "auto" are chosen for the first impact, at V: the waves of
+    a bounce at V' take (V/V')^{2/5} times too much. A ball that no loss stops, that bounces more than `MOST_BOUNCES`
+    times, or whose later contacts cannot be solved does not come to rest: `outcome` and a warning say so.
 
     >>> fm.bounce(scene.replace({"contact.law": "tsuji", "contact.restitution": 0.5})).outcome
     'at rest after 203.63 ms: the ball stays on the target from contact 10 on'
@@ -179,14 +181,16 @@ def bounce_quietly(scene: Scene, *, resolution: Any = None, accuracy: float | No
 
 
 def _falling(scene: Scene) -> Scene:
-    """The scene with its weight; on a plate without edges, or a long beam or rod, with the motion of the target."""
+    """The scene with its weight; with the motion of a target without edges, and under law "auto" with waves in a
+    half-space, however little they change the first impact."""
     heavy = replace(scene, effects=scene.effects.changed(gravity=True))
-    if scene.effects.target_motion != "auto" or not math.isfinite(scene.target_impedance):
-        return heavy
-    choice = choose(heavy)
-    if choice.decided[1] or choice.support.vibrates or not math.isfinite(choice.support.impedance):
-        return heavy
-    return replace(heavy, effects=heavy.effects.changed(target_motion=True))
+    choice, effects = choose(heavy), heavy.effects
+    own = effects.target_motion == "auto" and not choice.decided[1] and not choice.support.vibrates
+    if own and math.isfinite(choice.support.impedance):
+        effects = effects.changed(target_motion=True)
+    if effects.wave_losses == "auto" and not hindered(choice.problem) and with_waves(choice.problem) is not None:
+        effects = effects.changed(wave_losses=True)
+    return replace(heavy, effects=effects)
 
 
 class _Series:

@@ -49,9 +49,10 @@ def found(rows):
 
 
 def test_held_out_rows_lie_in_their_interval(rows, found):
-    for covered in (coverage(found), coverage(slow_predictions(rows))):
-        assert covered.rows >= 16
-        assert 0.85 <= covered.share <= 0.95
+    """Without a rate law it is wider: it holds what is computed with one, too."""
+    covered, slow = coverage(found), coverage(slow_predictions(rows))
+    assert covered.rows >= 16 and slow.rows >= 16
+    assert 0.85 <= covered.share <= 0.95 and slow.share >= covered.share
     assert coverage_of_new_sources(found).rows <= covered.rows
 
 
@@ -78,13 +79,14 @@ def test_a_family_with_too_few_rows_takes_the_wider_one():
     assert history.interval(E)[2].endswith(FEW)
 
 
-def test_without_a_rate_law_the_interval_comes_from_rows_without_it(rows):
+def test_without_a_rate_law_the_interval_holds_rows_with_and_without_it(rows):
     slow = fm.Scene(scene().impactor, fm.HalfSpace(STEEL), fm.Contact("auto"), effects=fm.Effects(gravity=False))
     history, hardened = fm.simulate(slow), fm.simulate(scene())
     assert family_of(slow) == SLOW[ABOVE] != family_of(scene()) == ABOVE
     low, high, evidence = history.interval(E)
-    assert "computed without rate hardening" in evidence and "rate" not in hardened.interval(E)[2]
-    assert history.summary[E] < low.magnitude, "without it, rebounds come out too low"
+    assert "computed with and without rate hardening" in evidence and "rate" not in hardened.interval(E)[2]
+    assert low.magnitude < history.summary[E], "some metals hardly harden with the rate"
+    assert history.summary[E] < hardened.summary[E] < high.magnitude, "without it, rebounds of steel come out too low"
     best = hardened.interval(E)
     assert low.magnitude < best[1].magnitude and high.magnitude > best[0].magnitude, "they agree"
     off = slow.replace({"effects.rate_hardening": False})

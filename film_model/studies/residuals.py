@@ -10,6 +10,7 @@ from film_model.problem.model_intervals import (
     COVERED,
     FAMILIES,
     POOLED,
+    SLOW,
     Residuals,
     Table,
     by_family,
@@ -52,7 +53,7 @@ def slow_predictions(rows: Iterable[Row]) -> list[Prediction]:
 
 
 def residuals(found: Sequence[Prediction]) -> list[Residuals]:
-    """By family and quantity, of rows that are not held out."""
+    """By family and quantity, of rows that are not held out; without a rate law, wide enough for the same with one."""
     used = [one for one in found if not one.row.held_out and one.value > 0.0]
     table: list[Residuals] = []
     for family in FAMILIES:
@@ -64,7 +65,13 @@ def residuals(found: Sequence[Prediction]) -> list[Residuals]:
                 most = max(yield_velocities(scene_of(AUTO, one.row)) or 0.0 for one in rows)
                 ends = (round(low, DIGITS), round(high, DIGITS), round(most, 1))
                 table.append(Residuals(family, quantity, len(rows), *ends))
-    return table
+    known = by_family(table)
+    fast = {slow: family for family, slow in SLOW.items()}
+    return [_hull(one, known.get((fast.get(one.family, ""), one.quantity), one)) for one in table]
+
+
+def _hull(one: Residuals, other: Residuals) -> Residuals:
+    return one._replace(low=min(one.low, other.low), high=max(one.high, other.high))
 
 
 def central(values: Sequence[float]) -> tuple[float, float]:

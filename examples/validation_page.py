@@ -132,10 +132,10 @@ kind are known: [Accuracy and cost](understand/accuracy_and_cost.md#how-far-meas
 ln(measured/computed) of the rows that are not held out. Of the {held} held-out rows that have an interval, {inside}
 lie in it: {share} %, where 90 ± {spread} % is expected of independent rows. Of {new} in intervals made without
 the source of the row, {new_inside} do: a source that is not in the table is covered less. Impacts on a material
-without a rate law have intervals of their own, from the same rows computed with it and without: {slow_inside} of {slow} lie in
-them. No residual of a held-out row enters an interval, but of two ways to form intervals (ranks, or equal distances
-from the median) the one here was taken after the coverage of both had been seen: the share above is no blind test of
-that choice.
+without a rate law have intervals of their own, from the same rows computed with it and without: {slow_inside} of
+{slow} lie in them. No residual of a held-out row enters an interval, but of two ways to form intervals (ranks, or equal
+distances from the median) the one here was taken after the coverage of both had been seen: the share above is no blind
+test of that choice.
 
 | family | quantity | rows | from, % | to, % | held-out rows inside |
 |---|---|---|---|---|---|

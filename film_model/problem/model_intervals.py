@@ -47,8 +47,8 @@ _KNOWN = {
 }
 _SLOW = "_slow"
 SLOW = {name: f"{name}{_SLOW}" for name in _KNOWN}
-"""Families → those of the same impacts without a rate law of the material that yields: rates raise the strength of steel,
-and of some metals hardly, so that intervals of these hold what is computed with a rate law, too."""
+"""Families → those of the same impacts without a rate law of the material that yields: rates raise the strength of
+steel, and of some metals hardly, so that intervals of these hold what is computed with a rate law, too."""
 
 FAMILIES = (
     {"elastic": "elastic contacts"}

@@ -474,6 +474,17 @@ def test_heating_equals_plastic_work_over_heated_volume():
     assert float(hot) == pytest.approx(11.6, rel=0.05)  # by a finite-element run of this impact: e = 0.289, a = 0.199 R
 
 
+def test_heating_by_hundreds_of_kelvin_is_warned_of():
+    def shot(velocity):
+        ball = fm.Sphere("0.25 mm", velocity=velocity, material="bearing steel")
+        return by_name(fm.Scene(ball, fm.HalfSpace("stainless steel 440C, 58 HRC")))["heating"]
+
+    warm, hot = shot("50 m/s"), shot("250 m/s")
+    assert warm.value < 300 * 3.6e6 < hot.value and hot.threshold == pytest.approx(300 * 3.6e6)
+    assert warm.state == NOT_JUDGED and warm.warning is None
+    assert hot.state == NOT_MODELLED and hot.warning.endswith("the strength falls, and some metals melt")
+
+
 def test_a_contact_wider_than_the_plate_is_thick():
     soft = {**STEEL, "youngs_modulus": "1 MPa"}
     effect = by_name(ball_on(fm.Plate(STEEL, thickness="0.2 mm"), "3 m/s", material=soft))["contact_width"]

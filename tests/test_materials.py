@@ -38,6 +38,12 @@ def test_every_hardness_of_a_metal_has_a_source() -> None:
         assert found.initial_strength <= found.flow_strength
 
 
+def test_crushing_strengths_are_those_of_their_sources() -> None:
+    assert material("concrete").crushing_strength == (30 + 8) * 1e6  # f_cm = f_ck + 8 MPa
+    assert material("ice").crushing_strength == pytest.approx(8.9e6 * 10**0.15, rel=5e-3)
+    assert [m.name for m in catalogue().values() if m.crushing_strength is not None] == ["ice", "concrete C30/37"]
+
+
 def test_tungsten_carbide_of_the_paper() -> None:
     assert material("tungsten carbide").poissons_ratio == 0.22
     found = material("WC, Big-Alabo 2017")

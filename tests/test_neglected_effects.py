@@ -9,6 +9,7 @@ from scipy import integrate, optimize
 import film_datasets
 import film_model as fm
 from film_model.base.materials import catalogue
+from film_model.base.units import format_si
 from film_model.cli.main import main
 from film_model.effects import elastic_ball
 from film_model.effects.air_drag import terminal_velocity
@@ -262,6 +263,56 @@ def test_glass_cracks_by_auerbachs_law():
     by_law = 3 * math.pi**2 / (4 * math.exp(np.interp(0.22, *RING_CRACK))) * 0.71e6**2 * 5e-3 / modulus
     assert least[1] == pytest.approx(by_law, rel=1e-2)
     assert 100.0 < by_law < 300.0
+
+
+def crushed_force(radius, strength, mass, velocity, weight):
+    """Largest force of a ball that stops in material of that pressure over the circle that it cuts, by integration."""
+    stiffness = 2 * math.pi * radius * strength
+    time = math.pi / math.sqrt(stiffness / mass)
+    motion = integrate.solve_ivp(
+        lambda _, y: (y[1], (weight - stiffness * y[0]) / mass),
+        (0, time),
+        (0, velocity),
+        rtol=1e-9,
+        max_step=time / 500,
+    )
+    return stiffness * motion.y[0].max()
+
+
+@pytest.mark.parametrize(
+    ("ball", "target", "strength", "velocity"),
+    [("ice", "bearing steel", 12.6e6, 20.0), ("bearing steel", "concrete", 38e6, 0.02)],
+)
+def test_ice_and_concrete_crush_by_the_mean_pressure(ball, target, strength, velocity):
+    of = fm.Scene(fm.Sphere("10 mm", velocity=f"{velocity} m/s", material=ball), fm.HalfSpace(target))
+    effect, summary = effect_of(of, "fracture"), fm.simulate(of).summary
+    pressure = summary["maximum_force"] / (math.pi * summary["contact_radius"] ** 2)
+    assert effect.state == NOT_MODELLED and effect.indicator == "mean pressure/crushing strength"
+    assert effect.value == pytest.approx(pressure / strength, rel=0.01)
+    assert "it crushes" in effect.warning and "tensile" not in effect.warning
+    bound = crushed_force(0.01, strength, of.mass, velocity, of.mass * 9.80665)
+    assert f"at most about {format_si(bound, 'force', 3)} if" in effect.warning
+    assert bound < summary["maximum_force"]
+
+
+def test_what_a_crushing_strength_replaces():
+    def judged(velocity, **strength):
+        return effect_of(scene({**GLASS, **strength}, fm.HalfSpace(STEEL), velocity), "fracture")
+
+    assert judged("1 m/s").state == NOT_MODELLED and "tensile stress" in judged("1 m/s").reason
+    strong = judged("1 m/s", crushing_strength="2 GPa", fracture_toughness="0.1 MPa*m^0.5")
+    assert strong.state == NOT_NEEDED and strong.warning is None and strong.value < 1
+    barely = judged("1 m/s", crushing_strength=f"{2e9 * strong.value / 1.3!r} Pa")
+    assert barely.value == pytest.approx(1.3, rel=1e-6)
+    assert barely.reason.endswith("it crushes")  # crushed, it would bear 1.1 times the force
+    much = judged("1 m/s", crushing_strength=f"{2e9 * strong.value / 1.9!r} Pa")
+    assert "the force is at most about" in much.reason  # 0.92 times
+    assert "crushing_strength" in effect_of(scene(), "fracture").reason
+
+
+def test_rubber_on_concrete_crushes_nothing():
+    ball = fm.Sphere("30 mm", velocity="3 m/s", material="natural rubber 40 Shore A")
+    assert effect_of(fm.Scene(ball, fm.HalfSpace("concrete")), "fracture").state == NOT_NEEDED
 
 
 def test_the_drag_of_a_fall():

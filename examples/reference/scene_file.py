@@ -34,6 +34,7 @@ EXAMPLES = {
     "yield_strength": '"250 MPa"',
     "tensile_strength": '"45 MPa"',
     "fracture_toughness": '"0.7 MPa*m^0.5"',
+    "crushing_strength": '"38 MPa"',
     "E2": '"10 GPa"',
     "G12": '"7 GPa"',
     "name": '"our steel"',

@@ -28,6 +28,7 @@ class Row(NamedTuple):
     hardness: str | None = None
     johnson_cook: tuple[float, float, float] | None = None
     toughness: float | None = None
+    crushing: float | None = None
 
 
 DAMPING = "loss factor: within the range of Beranek & Vér 1992, Noise and Vibration Control Engineering"

@@ -88,6 +88,8 @@ class Material:
     surface_energy: of one surface, J/m²; those of both bodies give the work of adhesion. loss_factor: tan δ at the
     frequency of the contact, only to estimate damping. tensile_strength: of a brittle material, Pa, only to estimate
     whether it cracks. fracture_toughness: K_Ic of a brittle material, Pa·m^0.5, for the same, instead of the strength.
+    crushing_strength: uniaxial compressive strength of a brittle material, Pa, the mean pressure above which a contact
+    is taken to crush it, instead of both.
 
     prony: of a viscoelastic material, pairs of a relative modulus g and a relaxation time τ [s]. The modulus relaxes as
     E(t) = E₀ [1 − Σ g (1 − exp(−t/τ))] at a constant Poisson's ratio; youngs_modulus is then the instantaneous E₀, and
@@ -115,6 +117,7 @@ class Material:
         "tensile_strength": measure("pressure", 1, 1e12),
         "surface_energy": measure("surface_energy", 0, 1e3),
         "fracture_toughness": measure("fracture_toughness", 1, 1e12),
+        "crushing_strength": measure("pressure", 1, 1e12),
         "prony": PRONY,
     }
 
@@ -135,6 +138,7 @@ class Material:
     tensile_strength: float | None
     surface_energy: float | None
     fracture_toughness: float | None
+    crushing_strength: float | None
     prony: tuple[tuple[float, float], ...] | None
 
     def __init__(
@@ -157,6 +161,7 @@ class Material:
         rate_multiplier: Value | None = None,
         rate_exponent: float | str | None = None,
         fracture_toughness: Value | None = None,
+        crushing_strength: Value | None = None,
     ) -> None:
         mistakes = fill(self, locals())
         raise_all(mistakes or self._contradictions())
@@ -254,6 +259,7 @@ def _material(row: Row) -> Material:
         hardness=row.hardness,
         strain_hardening_exponent=None if constants is None else johnson_cook_exponent(*constants),
         fracture_toughness=with_unit(row.toughness, "MPa*m^0.5"),
+        crushing_strength=with_unit(row.crushing, "MPa"),
     )
 
 

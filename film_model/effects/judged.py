@@ -88,7 +88,8 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
     "heating": ("plastic work/volume, J/m³", "balance of energy", heating),
     "fracture": (
         "force/least force of a crack",
-        "Auerbach 1891; Frank & Lawn 1967; Warren 1995, J. Eur. Ceram. Soc. 15:201; Johnson 1985, section 4.2",
+        "Auerbach 1891; Frank & Lawn 1967; Warren 1995, J. Eur. Ceram. Soc. 15:201; Johnson 1985, section 4.2; "
+        "crushing: balance of energy",
         fracture,
     ),
     "air_drag": ("2 g h/v_t²", "Schiller & Naumann 1933: drag of a sphere; balance of energy", air_drag),

@@ -25,6 +25,15 @@ RING_CRACK = (
 """Poisson's ratio, and ln ψ: K² = F² ψ/(π² a³) of the ring crack around a contact that F drives most. K is the integral
 2 √(c/π) ∫ σ_r g dz/√(c² − z²) with Huber's stress and g = 1.3 − 0.3 (z/c)^1.25 of an edge crack."""
 
+BRITTLE = ("crushing_strength", "fracture_toughness", "tensile_strength")
+"""Entries of a brittle material, of which the first that it has is judged."""
+
+_BRITTLE = f"{', '.join(BRITTLE[:-1])} or {BRITTLE[-1]}"
+
+HOT = 300.0
+"""Rise of temperature above which the heating is warned of, K: by Johnson & Cook's (ΔT/1500 K)^1.03 of 4340 steel, it
+takes a fifth of the strength."""
+
 SOFT = 5e9
 """Young's modulus below which a material is a plastic, rubber or foam, whose losses no impact is without, Pa."""
 
@@ -118,16 +127,16 @@ def material_damping(case: Case, rule: Rule) -> Effect:
 def heating(case: Case, rule: Rule) -> Effect:
     """Plastic work over the hemisphere (2/3) π a³ under the contact. The softening that it causes is not estimated.
 
-    a is the contact's own radius, which is larger than Hertz's where it yields.
+    a is the contact's own radius, which is larger than Hertz's where it yields. Above 300 K it is a warning.
     """
     if case.fraction <= YIELDS:
         return rule.absent("nothing yields")
     value = case.fraction * case.energy / (2.0 / 3.0 * math.pi * _own_radius(case) ** 3)
-    return rule.unjudged(
-        f"the plastic work would heat steel under the contact by {value / STEEL_HEAT:.2g} K; how much this softens the "
-        "material is unknown",
-        value,
-    )
+    rise = value / STEEL_HEAT
+    why = f"the plastic work would heat steel under the contact by {rise:.2g} K"
+    if rise > HOT:
+        return rule.failing(f"{why}: the strength falls, and some metals melt", value, HOT * STEEL_HEAT)
+    return rule.unjudged(f"{why}; how much this softens the material is unknown", value)
 
 
 def _own_radius(case: Case) -> float:
@@ -137,7 +146,8 @@ def _own_radius(case: Case) -> float:
 
 
 def fracture(case: Case, rule: Rule) -> Effect:
-    """A cone crack at the edge of the contact, if the material has a fracture_toughness or a tensile_strength.
+    """Crushing, or a cone crack at the edge of the contact, by the material's crushing_strength, fracture_toughness or
+    tensile_strength.
 
     With a toughness: a ring crack of depth c around the contact has K² = F² ψ/(π² a³), where ψ(c/a, r/a) follows from
     Huber's radial stress over the depth. Its maximum over c and r (at r = 1.18 a, c = 0.05 a for ν = 0.2) gives
@@ -146,27 +156,50 @@ def fracture(case: Case, rule: Rule) -> Effect:
     bear more. Without a toughness: the tensile stress at the edge, (1 − 2ν) p0/3 (Hertz), p0 = 1.5 times the mean
     pressure, against the strength; that stress falls within a fraction of a, so that small contacts bear several times
     as much. What a crack absorbs is unknown.
+
+    A body with a crushing_strength p_c is judged by that alone: it crushes if the mean pressure exceeds p_c. If crushed
+    material bears p_c over the circle that the undeformed ball cuts, π a² = 2π R δ, the force is at most
+    W + √(W² + 4π R p_c E), with the weight W and the impact energy E: a stop by the stiffness 2π R p_c. Crushed
+    material that cannot escape sideways, as below a small ball on a thick body, may bear several times as much.
     """
     scene = case.scene
     bodies = {"impactor": scene.impactor.material, "target": scene.target.material}
     given = [m for m in bodies.values() if m is not None]
-    brittle = [m for m in given if m.tensile_strength is not None or m.fracture_toughness is not None]
+    brittle = [m for m in given if any(getattr(m, name) is not None for name in BRITTLE)]
     if not brittle:
         unknown = [f"{part}.material" for part, m in bodies.items() if m is None or m.initial_strength is None]
         if unknown:
-            return rule.unjudged("missing: fracture_toughness or tensile_strength of " + " and ".join(unknown))
-        return rule.absent("no body is brittle: none has a fracture_toughness or tensile_strength")
+            return rule.unjudged(f"missing: {_BRITTLE} of " + " and ".join(unknown))
+        return rule.absent(f"no body is brittle: none has a {_BRITTLE}")
     radius = _own_radius(case)
-    indicator, value, why = max((_cracking(body, case.force, radius) for body in brittle), key=lambda found: found[1])
+    indicator, value, why, then = max((_failing(body, case, radius) for body in brittle), key=lambda found: found[1])
     rule = rule._replace(indicator=indicator)
     if value <= 1.0:
         return rule.sized(case.tolerance, value, 1.0, 0.0, why)
-    return rule.failing(f"{why}: it may crack", value, 1.0)
+    return rule.failing(f"{why}: {then}", value, 1.0)
 
 
-def _cracking(body: Material, force: float, radius: float) -> tuple[str, float, str]:
-    """Indicator of a crack in a brittle body, its value (1: it may crack), and a sentence."""
+def _failing(body: Material, case: Case, radius: float) -> tuple[str, float, str, str]:
+    """Indicator of a brittle body's failure, its value (1: it fails), a sentence, and what happens above 1."""
     name = body.name or "the brittle body"
+    if body.crushing_strength is None:
+        return *_cracking(body, name, case.force, radius), "it may crack"
+    pressure = case.force / (math.pi * radius**2)
+    value = pressure / body.crushing_strength
+    why = (
+        f"the mean pressure, {format_si(pressure, 'pressure', 3)}, is {value:.3g} times the crushing strength of {name}"
+    )
+    weight = case.problem.impacts.numbers.weight
+    stopping = 2.0 * math.sqrt(math.pi * case.scene.effective_radius * body.crushing_strength * case.energy)
+    bound = weight + math.hypot(weight, stopping)
+    then = "it crushes"
+    if bound < case.force:
+        then += f", and the force is at most about {format_si(bound, 'force', 3)} if what is crushed bears no more"
+    return "mean pressure/crushing strength", value, why, then
+
+
+def _cracking(body: Material, name: str, force: float, radius: float) -> tuple[str, float, str]:
+    """Indicator of a crack in a brittle body, its value (1: it may crack), and a sentence."""
     if body.fracture_toughness is not None:
         shape = math.exp(interpolated(body.poissons_ratio, *RING_CRACK))
         value = force**2 * shape / (math.pi**2 * radius**3 * body.fracture_toughness**2)

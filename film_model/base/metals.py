@@ -12,6 +12,8 @@ _BRINELL_500 = "hardness: the same, 500 kgf, read as Vickers by ISO 18265 for st
 _CALLISTER = "Callister, Materials Science and Engineering, appendix B: {} state"
 _SHIGLEY = "Shigley's Mechanical Engineering Design, table A-20: {}"
 _WEAK = "hardness: a supplier's list, nominal"
+_MONEL = "hardness: Special Metals, annealed bar, middle of 110 to 149 HB, by ISO 18265 for steels"
+_TANTALUM = "hardness: steeldata.info, from 873 MPa; 50 to 200 HV by other suppliers"
 
 METALS: tuple[Row, ...] = (
     Row(
@@ -359,16 +361,7 @@ METALS: tuple[Row, ...] = (
         words=("nickel",),
         johnson_cook=(163, 648, 0.33),
     ),
-    Row(
-        "Monel 400",
-        180,
-        0.32,
-        8800,
-        240,
-        _CALLISTER.format("annealed"),
-        more="hardness: Special Metals, annealed bar, middle of 110 to 149 HB, by ISO 18265 for steels",
-        hardness="130 HB",
-    ),
+    Row("Monel 400", 180, 0.32, 8800, 240, _CALLISTER.format("annealed"), more=_MONEL, hardness="130 HB"),
     Row(
         "Inconel 625",
         207,
@@ -392,15 +385,6 @@ METALS: tuple[Row, ...] = (
     ),
     Row("tungsten", 400, 0.28, 19300, 760, _CALLISTER.format("pure"), more=_WEAK, hardness="310 HV"),
     Row("molybdenum", 320, 0.32, 10220, 500, _CALLISTER.format("pure"), more=_WEAK, hardness="260 HV"),
-    Row(
-        "tantalum",
-        185,
-        0.35,
-        16600,
-        165,
-        _CALLISTER.format("pure"),
-        more="hardness: steeldata.info, from 873 MPa; 50 to 200 HV by other suppliers",
-        hardness="89 HV",
-    ),
+    Row("tantalum", 185, 0.35, 16600, 165, _CALLISTER.format("pure"), more=_TANTALUM, hardness="89 HV"),
     Row("lead", 13.5, 0.44, 11340, 7, _CALLISTER.format("pure"), more=f"{_WEAK}, pure lead", hardness="5 HB"),
 )

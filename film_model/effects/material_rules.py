@@ -30,6 +30,9 @@ BRITTLE = ("crushing_strength", "fracture_toughness", "tensile_strength")
 
 _BRITTLE = f"{', '.join(BRITTLE[:-1])} or {BRITTLE[-1]}"
 
+CRUSHED = 3.0
+"""Mean pressure that crushed material is taken to bear below a ball, over its uniaxial strength; see `fracture`."""
+
 HOT = 300.0
 """Rise of temperature above which the heating is warned of, K: by Johnson & Cook's (ΔT/1500 K)^1.03 of 4340 steel, it
 takes a fifth of the strength."""
@@ -157,10 +160,11 @@ def fracture(case: Case, rule: Rule) -> Effect:
     pressure, against the strength; that stress falls within a fraction of a, so that small contacts bear several times
     as much. What a crack absorbs is unknown.
 
-    A body with a crushing_strength p_c is judged by that alone: it crushes if the mean pressure exceeds p_c. If crushed
-    material bears p_c over the circle that the undeformed ball cuts, π a² = 2π R δ, the force is at most
-    W + √(W² + 4π R p_c E), with the weight W and the impact energy E: a stop by the stiffness 2π R p_c. Crushed
-    material that cannot escape sideways, as below a small ball on a thick body, may bear several times as much.
+    A body with a crushing_strength is judged by that alone: it begins to crush where the mean pressure exceeds it. What
+    is crushed, and held by what surrounds it, is taken to bear p_c = 3 times this strength, as yielding metals do; ice
+    below the middle of a dropped sphere bears 2 to 3.3 times, 25 to 41 MPa (Gagnon & Gammon 1997, J. Glaciol. 43).
+    Over the circle that the undeformed ball cuts, π a² = 2π R δ, the force is then at most W + √(W² + 4π R p_c E), with
+    the weight W and the impact energy E: a stop by the stiffness 2π R p_c. Small contacts on concrete may bear more.
     """
     scene = case.scene
     bodies = {"impactor": scene.impactor.material, "target": scene.target.material}
@@ -190,11 +194,12 @@ def _failing(body: Material, case: Case, radius: float) -> tuple[str, float, str
         f"the mean pressure, {format_si(pressure, 'pressure', 3)}, is {value:.3g} times the crushing strength of {name}"
     )
     weight = case.problem.impacts.numbers.weight
-    stopping = 2.0 * math.sqrt(math.pi * case.scene.effective_radius * body.crushing_strength * case.energy)
+    stopping = math.sqrt(4.0 * math.pi * case.scene.effective_radius * CRUSHED * body.crushing_strength * case.energy)
     bound = weight + math.hypot(weight, stopping)
-    then = "it crushes"
+    then = "it crushes" if value > CRUSHED else "it begins to crush"
     if bound < case.force:
-        then += f", and the force is at most about {format_si(bound, 'force', 3)} if what is crushed bears no more"
+        most = format_si(bound, "force", 3)
+        then += f", and the force is at most about {most} if what is crushed bears {CRUSHED:g} times that strength"
     return "mean pressure/crushing strength", value, why, then
 
 

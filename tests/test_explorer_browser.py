@@ -176,7 +176,7 @@ def check(history, factor, found, fragment):
         allowed = ON_MODES if same else found["error"] + history.accuracy.estimated
     else:
         same = found["segments"] == history.accuracy.lines and history.outcome is fm.Outcome.SEPARATED
-        allowed = SAME + history.problem.curve.fit_error  # the page fits a law with a shape itself
+        allowed = SAME + 4.0 * history.problem.curve.fit_error  # the page fits a law with a shape itself: two fits
         if worst > allowed:
             allowed = amplified(history) if same else found["error"] + history.accuracy.estimated
         if worst > allowed:

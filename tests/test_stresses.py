@@ -103,6 +103,8 @@ def test_what_is_unknown_is_none():
     damped = fm.Contact("hunt-crossley", restitution=0.8)
     lossy = fm.simulate(fm.Scene(fm.Sphere("5 mm", velocity="0.01 m/s", material=STEEL), fm.HalfSpace(STEEL), damped))
     assert lossy.summary["mean_pressure"] is None and lossy.summary["dent_diameter"] == 0.0
+    almost = fm.simulate(lossy.scene.replace({"contact.restitution": 0.9999})).summary  # its largest force is Hertz's
+    assert almost["depth_of_maximum_stress"] is None and almost["peak_pressure"] is None
 
 
 @pytest.mark.parametrize(

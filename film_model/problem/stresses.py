@@ -80,6 +80,7 @@ def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:
     peak = either(elastic, 1.5 * mean, math.nan)
     poisson = scene.stressed_poissons_ratio
     shear, below = (math.nan, math.nan) if poisson is None else shear_below(poisson)
+    deep = force * math.nan if damped else below * radius  # a damped force may be Hertz's by chance
     return {
         "contact_radius": radius,
         "dent_diameter": either(dented, 2.0 * radius, left * 0.0),
@@ -87,7 +88,7 @@ def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:
         "peak_pressure": peak,
         "maximum_shear_stress": shear * peak,
         "maximum_von_mises_stress": 2.0 * shear * peak,
-        "depth_of_maximum_stress": either(elastic, below * radius, math.nan),
+        "depth_of_maximum_stress": either(elastic, deep, math.nan),
     }
 
 

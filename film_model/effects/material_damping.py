@@ -12,6 +12,7 @@ from typing import Any
 from film_model.base.arrays import any_of, either
 from film_model.effects.effect import FREE, NOT_MODELLED, SIMULATED, Effect, off_state
 from film_model.effects.trial import matters
+from film_model.laws.damping import loss_restitution
 from film_model.problem.law_of_scene import DAMPED, ELASTIC, YIELDING, law_named
 from film_model.problem.problem import Problem
 from film_model.scene import Scene
@@ -37,13 +38,22 @@ def damped(problem: Problem) -> tuple[Problem, Any]:
     off = wanted is False or scene.contact.law != "auto" or law not in (ELASTIC, YIELDING)
     if off or known is None or not any_of(known > 0.0) or hindered(problem):
         return problem, False
+    if law == YIELDING and (scene.effects.plasticity is True or _keeps_more(problem, known)):
+        return problem, False
     impacts = problem.impacts.under(law_named(problem.impacts.scene, DAMPED))
     made = impacts.problem(*problem.given, vibrates=problem.vibrates)
     if law == ELASTIC:
         return made, matters(made, problem) if any_of(problem.approach > 0.0) else True
-    if scene.effects.plasticity is True:
-        return problem, False
     return made, _rebound(made) < _rebound(problem)
+
+
+def _keeps_more(problem: Problem, loss_factor: Any) -> bool:
+    """Whether the losses of the materials leave more than yield does in all impacts, which a target that is fixed shows
+    without a march of the damped law."""
+    if any_of(problem.gamma > 0.0) or any_of(problem.load > 0.0) or problem.vibrates:
+        return False
+    kept = loss_restitution(loss_factor) * problem.approach * problem.scales.velocity
+    return not any_of(kept < _rebound(problem))
 
 
 def _rebound(problem: Problem) -> Any:

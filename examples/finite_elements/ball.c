@@ -16,39 +16,15 @@
 
 #include "elements.h"
 
-enum { STEPS_OF_A_RECORD = 8, QUIET_STEPS = 500, MOST_NODES = 500 };
+enum { STEPS_OF_A_RECORD = 8, QUIET_STEPS = 500 };
 
 static const double COURANT = 0.5; /* of the critical time step, which falls as the elements are compressed */
 
-static double *zeros(int count)
-{
-    double *made = calloc((size_t)count, sizeof *made);
-    if (!made) {
-        fputs("out of memory\n", stderr);
-        exit(1);
-    }
-    return made;
-}
-
 static Mesh mesh_of(double h, int fine, double growth, double extent, Material material)
 {
-    double x[MOST_NODES] = {0.0};
-    int count = 0;
-    for (double size = h; x[count] < extent && count < MOST_NODES - 1; count++) {
-        x[count + 1] = x[count] + size;
-        size *= count + 1 >= fine ? growth : 1.0;
-    }
-    const int row = count + 1, nodes = row * row, elements = count * count;
-    Mesh mesh = {.count = count, .material = material};
-    double **of_nodes[] = {&mesh.r, &mesh.z, &mesh.vr, &mesh.vz, &mesh.fr, &mesh.fz, &mesh.mass};
-    double **of_elements[] = {&mesh.srr, &mesh.szz, &mesh.stt, &mesh.srz, &mesh.strain,
-                              &mesh.flow, &mesh.qr,  &mesh.qz,  &mesh.density};
-    for (size_t k = 0; k < sizeof of_nodes / sizeof *of_nodes; k++) {
-        *of_nodes[k] = zeros(nodes);
-    }
-    for (size_t k = 0; k < sizeof of_elements / sizeof *of_elements; k++) {
-        *of_elements[k] = zeros(elements);
-    }
+    double x[MOST_NODES];
+    const int count = graded(h, fine, growth, extent, x), row = count + 1, nodes = row * row, elements = count * count;
+    Mesh mesh = new_mesh(count, material);
     for (int k = 0; k < nodes; k++) {
         const double r = x[k % row], z = -x[k / row], size = (1.0 - 0.5 * z) * (1.0 - 0.5 * z) + 0.25 * r * r;
         mesh.r[k] = r / size;

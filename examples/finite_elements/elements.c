@@ -1,12 +1,55 @@
-/* Forces of the elements: see Flanagan & Belytschko 1981, Int. J. Numer. Meth. Eng. 17:679. */
+/* Mesh and forces of the elements: see Flanagan & Belytschko 1981, Int. J. Numer. Meth. Eng. 17:679. */
 
 #include "elements.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const double VISCOSITY = 0.06; /* linear bulk viscosity over density x wave speed x size */
 enum { MOST_ALONG = 512 };
+
+static double *zeros(int count)
+{
+    double *made = calloc((size_t)count, sizeof *made);
+    if (!made) {
+        fputs("out of memory\n", stderr);
+        exit(1);
+    }
+    return made;
+}
+
+/* Coordinates 0, h, 2h, ... of `fine` elements, then geometric up to `extent`: the number of elements. */
+int graded(double h, int fine, double growth, double extent, double x[MOST_NODES])
+{
+    int k = 0;
+    x[0] = 0.0;
+    for (double size = h; x[k] < extent && k < MOST_NODES - 1; k++) {
+        x[k + 1] = x[k] + size;
+        if (k + 1 >= fine) {
+            size *= growth;
+        }
+    }
+    return k;
+}
+
+/* A grid of count x count elements, all zero. */
+Mesh new_mesh(int count, Material material)
+{
+    const int nodes = (count + 1) * (count + 1), elements = count * count;
+    Mesh mesh = {.count = count, .material = material};
+    double **of_nodes[] = {&mesh.r, &mesh.z, &mesh.vr, &mesh.vz, &mesh.fr, &mesh.fz, &mesh.mass};
+    double **of_elements[] = {&mesh.srr, &mesh.szz, &mesh.stt, &mesh.srz, &mesh.strain,
+                              &mesh.flow, &mesh.qr,  &mesh.qz,  &mesh.density};
+    for (size_t k = 0; k < sizeof of_nodes / sizeof *of_nodes; k++) {
+        *of_nodes[k] = zeros(nodes);
+    }
+    for (size_t k = 0; k < sizeof of_elements / sizeof *of_elements; k++) {
+        *of_elements[k] = zeros(elements);
+    }
+    return mesh;
+}
 
 /* B_iI B_iI of an element with the hoop term, 1/length^2: bounds its highest frequency by 2 c sqrt(BB). */
 static double gradient(const Mesh *mesh, int i, int j, double *area, double *radius)

@@ -21,6 +21,10 @@ typedef struct {
     double internal, plastic, hourglass, viscous; /* of one radian */
 } Work;
 
+enum { MOST_NODES = 500 }; /* along r and along z */
+
+int graded(double h, int fine, double growth, double extent, double x[MOST_NODES]);
+Mesh new_mesh(int count, Material material);
 void set_densities(Mesh *mesh);
 double critical_step(const Mesh *mesh);
 void add_forces(Mesh *mesh, double dt, Work *work);

@@ -19,7 +19,7 @@
 
 #include "elements.h"
 
-enum { STEPS_OF_A_RECORD = 8, STEPS_OF_A_LIMIT = 10, QUIET_STEPS = 500, MOST_NODES = 500 };
+enum { STEPS_OF_A_RECORD = 8, STEPS_OF_A_LIMIT = 10, QUIET_STEPS = 500 };
 
 static const double COURANT = 0.8; /* of the critical time step; the viscosity takes the rest */
 
@@ -27,50 +27,15 @@ typedef struct {
     double mass, velocity, depth; /* of one radian; positive inwards */
 } Ball;
 
-static double *zeros(int count)
-{
-    double *made = calloc((size_t)count, sizeof *made);
-    if (!made) {
-        fputs("out of memory\n", stderr);
-        exit(1);
-    }
-    return made;
-}
-
-/* Coordinates 0, h, 2h, ... of `fine` elements, then geometric up to `extent`: the number of elements. */
-static int graded(double h, int fine, double growth, double extent, double **x)
-{
-    *x = zeros(MOST_NODES);
-    int k = 0;
-    for (double size = h; (*x)[k] < extent && k < MOST_NODES - 1; k++) {
-        (*x)[k + 1] = (*x)[k] + size;
-        if (k + 1 >= fine) {
-            size *= growth;
-        }
-    }
-    return k;
-}
-
 static Mesh mesh_of(double h, int fine, double growth, double extent, Material material)
 {
-    double *x;
-    const int count = graded(h, fine, growth, extent, &x);
-    const int nodes = (count + 1) * (count + 1), elements = count * count;
-    Mesh mesh = {.count = count, .material = material};
-    double **of_nodes[] = {&mesh.r, &mesh.z, &mesh.vr, &mesh.vz, &mesh.fr, &mesh.fz, &mesh.mass};
-    double **of_elements[] = {&mesh.srr, &mesh.szz, &mesh.stt, &mesh.srz, &mesh.strain,
-                              &mesh.flow, &mesh.qr,  &mesh.qz,  &mesh.density};
-    for (size_t k = 0; k < sizeof of_nodes / sizeof *of_nodes; k++) {
-        *of_nodes[k] = zeros(nodes);
-    }
-    for (size_t k = 0; k < sizeof of_elements / sizeof *of_elements; k++) {
-        *of_elements[k] = zeros(elements);
-    }
+    double x[MOST_NODES];
+    const int count = graded(h, fine, growth, extent, x), nodes = (count + 1) * (count + 1);
+    Mesh mesh = new_mesh(count, material);
     for (int k = 0; k < nodes; k++) {
         mesh.r[k] = x[k % (count + 1)];
         mesh.z[k] = -x[k / (count + 1)];
     }
-    free(x);
     set_densities(&mesh);
     return mesh;
 }

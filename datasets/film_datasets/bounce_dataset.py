@@ -15,9 +15,7 @@ from film_model.solve.bounce import Bounce, Bounces
 if TYPE_CHECKING:
     import xarray as xr
 
-COMMENT = (
-    "rest_time, in s, is that of the first touch after which the ball does not rise any more; NaN if there is none."
-)
+COMMENT = "rest_time: first touch of the last bounce, s; NaN if the ball does not come to rest."
 
 
 def bounce_dataset(bounces: Bounces, command: str = "film-model bounce") -> xr.Dataset:

@@ -43,7 +43,7 @@ LOW_BOUNCES = 10
 """A target that vibrates may throw the ball up after a low bounce: rest is so many low ones."""
 
 COLUMNS: dict[str, tuple[str, str]] = {
-    "time": ("time", "first touch; from the release of a ball with a drop height, otherwise from its first touch"),
+    "time": ("time", "of first touch; 0 at the release of a ball with a drop height, otherwise at its first contact"),
     "velocity_before": ("velocity", "impactor velocity at first touch, positive into the target"),
     "velocity_after": ("velocity", "impactor velocity at the end of contact; a rebound is negative"),
     "height": ("length", "height that the ball reaches after the bounce, above where contact ended"),
@@ -89,7 +89,7 @@ class Bounces:
 
     scene: that was simulated, with gravity. law: its name. bounces: SI floats; the names of `COLUMNS` are attributes
     that return arrays with units, nan where a value does not exist. outcome: how it ended, in a sentence. rest_time: of
-    the first touch after which the ball does not rise any more, s; None if it does not come to rest.
+    the first touch of the last bounce, s; None if the ball does not come to rest.
 
     >>> bounces = fm.bounce(scene.replace({"contact.law": "tsuji", "contact.restitution": 0.5}))
     >>> print(f"{bounces.height[0].to('mm'):.2f~P}")

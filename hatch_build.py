@@ -31,6 +31,7 @@ SOURCES = (
     *platforms.MODES,
     *ONE_IMPACT,
     *platforms.RELAXING,
+    *platforms.core("oblique", "friction", "friction_step"),
 )
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 FLAGS = platforms.FLAGS

@@ -26,6 +26,17 @@ OBLIQUE: dict[str, tuple[str, str]] = {
 }
 """Results of an oblique impact, with dimension and meaning."""
 
+REGIMES = ("sticks first", "slides first", "slides throughout")
+
+MOTION: dict[str, tuple[str, str]] = {
+    "time": ("time", "after first touch"),
+    "sliding_velocity": ("velocity", "of the contacting points on each other"),
+    "friction_force": ("force", "on the impactor, against sliding at first touch"),
+    "sliding_displacement": ("length", "of the bodies on each other since first touch, far from the contact"),
+    "stick_radius": ("length", "of the area that sticks; none by springs"),
+}
+"""Columns of the recorded motion, with dimension and meaning."""
+
 OPEN = 0.01
 """Difference of two models, or error, over the sliding velocity before, from which a warning names it."""
 
@@ -34,9 +45,8 @@ OPEN = 0.01
 class Oblique:
     """The tangential part of an impact. summary: SI floats by the names of `OBLIQUE`. sliding_regime: "sticks first",
     "slides first" or "slides throughout". events: (time, s, and "sticks", "slips", "slip_reverses" or "slides").
-    motion: arrays over time, s: sliding_velocity, m/s, and friction_force, N. estimated: error of the sliding velocity
-    over that before. low, high: sliding velocity after the impact under two models of a contact that yields; None of
-    others.
+    motion: arrays, SI, by the names of `MOTION`. estimated: error of the sliding velocity over that before. low, high:
+    sliding velocity after the impact under two models of a contact that yields; None of others.
 
     >>> fm.simulate(scene).oblique is None  # no friction is given
     True

@@ -1,0 +1,396 @@
+/* The phases of friction in one impact, the events between them, and the path of what has stuck. */
+#include "oblique/film_friction_parts.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST_PIECES = 16, ROOT_STEPS = 60 };
+enum { NOTHING, ENDS, TURNS, CORNER, CAUGHT }; /* how a step ends */
+
+static const double ROUNDING = 1e-16; /* terms left out at first touch, and impulses at the end of contact, over the scale */
+static const double CLEAR = 10.0;     /* changes of the remaining way, in which no event falls if none is so near */
+static const double SLOW = 1e-7;      /* D' over approach, below which all is proportional to it, within as much */
+static const double SMALLEST = 1e-6;  /* depth, over D' over approach, below which nothing has stuck that matters */
+static const double AT_TURN = 1e-11;  /* z' over approach: no time to stick before the turn; test at psi1 = 2 chi */
+static const double SAME = 1e-12;     /* depths, relative, between which no piece of the path fits */
+static const double SINGULAR = 1e-7;  /* U over approach: what is left of the piece changes P by its square */
+
+/* A piece of the path. end: where it ends; on a stuck piece with nu and D' there. slope: of a straight one. */
+typedef struct {
+    double begin, end, nu, v, slope;
+    int kind;
+} path_piece;
+
+/* caught: how many terms of z - c are 0 where a phase begins. along: 1 if z' - s D' is 0 where stick begins. */
+typedef struct {
+    film_phase_rule rule;
+    film_moment now;
+    path_piece path[MOST_PIECES];
+    double scale, velocity, begun, part; /* velocity, part: D' and dD/dz at first touch */
+    int pieces, caught, along;
+    film_friction_result *result;
+    double *rows;
+    int32_t per_step, room, count, status;
+} impact;
+
+static double force_of(const impact *in, double z) {
+    double slope;
+    return film_friction_force(&in->rule.normal, z, &slope);
+}
+
+static double speed_of(const impact *in) { return in->now.nu - in->rule.normal.gamma * force_of(in, in->now.z); }
+
+/* ---------------------------------------------------------------- the path */
+
+static void add_piece(impact *in, path_piece piece) {
+    if (in->pieces == MOST_PIECES) in->status = FILM_TOO_MANY;
+    else if (piece.end > piece.begin + SAME * piece.end) in->path[in->pieces++] = piece;
+}
+
+/* Leave the path up to c. */
+static void cut(impact *in, double c) {
+    while (in->pieces > 0 && in->path[in->pieces - 1].begin >= c * (1.0 - SAME)) in->pieces--;
+    if (in->pieces == 0) return;
+    path_piece *last = &in->path[in->pieces - 1];
+    last->end = c;
+    if (last->kind == FILM_STUCK) last->nu = in->now.nu_c, last->v = in->now.v_c;
+}
+
+/* Slip with the present sign from the end of the path on; what slipped in this direction before slips again at once. */
+static void enter(impact *in) {
+    film_moment *now = &in->now;
+    while (in->pieces > 0 && in->path[in->pieces - 1].kind == FILM_STRAIGHT &&
+           in->path[in->pieces - 1].slope == in->rule.sign) {
+        in->pieces--;
+        in->caught = 0;
+    }
+    if (in->pieces == 0) {
+        in->rule.kind = FILM_SLIDES;
+        in->rule.edge = 0;
+        now->c = 0.0;
+        return;
+    }
+    const path_piece *last = &in->path[in->pieces - 1];
+    in->rule.kind = FILM_SLIPS, in->rule.piece = last->kind;
+    in->rule.edge = in->rule.flat && last->kind == FILM_STUCK;
+    now->c = last->end, now->nu_c = last->nu, now->v_c = last->v;
+}
+
+/* Slip begins at the edge, with z - c and so many of its derivatives 0. */
+static void slip_from_edge(impact *in, double sign, int caught) {
+    in->rule.sign = sign;
+    in->caught = caught;
+    in->now.P = in->now.q - sign * force_of(in, in->now.z);
+    enter(in);
+}
+
+/* What slipped outside c sticks: a straight piece. */
+static void stick_all(impact *in) {
+    film_moment *now = &in->now;
+    double c = in->rule.kind == FILM_SLIPS ? fmin(now->c, now->z) : 0.0;
+    cut(in, c);
+    add_piece(in, (path_piece){.begin = c, .end = now->z, .slope = in->rule.sign, .kind = FILM_STRAIGHT});
+}
+
+/* ---------------------------------------------------------------- events */
+
+/* Whether a series, over t^zeros, falls to 0 in (0, h]; then h becomes the first time of that. */
+static int falls(double *series, int zeros, double *h) {
+    for (int k = 0; k <= FILM_FRICTION_ORDER; k++) series[k] = k + zeros <= FILM_FRICTION_ORDER ? series[k + zeros] : 0.0;
+    double t = film_friction_root(series, *h);
+    if (t > *h) return 0;
+    *h = t;
+    return 1;
+}
+
+/* z' - side D' falls to 0 for one of both sides, which becomes the sign. */
+static int stick_ends(impact *in, const film_taylor *of, double *h) {
+    double series[FILM_TERMS], sign = in->rule.sign;
+    int found = NOTHING;
+    for (int side = -1; side <= 1; side += 2) {
+        for (int k = 0; k <= FILM_FRICTION_ORDER; k++) series[k] = of->speed[k] - side * of->v[k];
+        if (falls(series, in->along && side == (sign > 0.0 ? 1 : -1), h)) {
+            in->rule.sign = side;
+            found = TURNS;
+        }
+    }
+    return found;
+}
+
+/* The first event in a step of length *h, which it shortens. */
+static int first_event(impact *in, const film_taylor *of, double *h) {
+    double series[FILM_TERMS];
+    int event = NOTHING;
+    if (in->rule.kind == FILM_STICKS) return stick_ends(in, of, h);
+    for (int k = 0; k <= FILM_FRICTION_ORDER; k++) series[k] = -of->way[k];
+    if (falls(series, in->rule.flat, h)) event = TURNS;
+    if (in->rule.kind == FILM_SLIDES) {
+        memcpy(series, of->z, sizeof series);
+        return falls(series, 0, h) ? ENDS : event;
+    }
+    memcpy(series, of->c, sizeof series);
+    series[0] -= fmax(in->path[in->pieces - 1].begin, SMALLEST * in->scale / in->rule.normal.approach);
+    if (falls(series, 0, h)) event = CORNER;
+    for (int k = 0; k <= FILM_FRICTION_ORDER; k++) series[k] = of->z[k] - of->c[k];
+    return falls(series, in->caught, h) ? CAUGHT : event;
+}
+
+/* ---------------------------------------------------------------- steps */
+
+static void write_row(impact *in, double t, double z, double D, double v, double q, double c) {
+    if (in->count == in->room) {
+        in->status = FILM_FULL;
+        return;
+    }
+    double row[FILM_FRICTION_COLUMNS] = {in->now.time + t, z, D, v, q, c};
+    memcpy(in->rows + FILM_FRICTION_COLUMNS * (size_t)in->count++, row, sizeof row);
+}
+
+static void write_rows(impact *in, const film_taylor *of, double h) {
+    for (int i = 0; in->rows && i < in->per_step && in->status == FILM_OK; i++) {
+        double t = h * i / in->per_step, z = film_friction_at(of->z, t), c = z;
+        if (in->rule.kind != FILM_STICKS) c = in->rule.kind == FILM_SLIDES ? 0.0 : film_friction_at(of->c, t);
+        write_row(in, t, z, film_friction_at(of->D, t), film_friction_at(of->v, t), film_friction_at(of->q, t), c);
+    }
+}
+
+static void watch_at(impact *in, const film_taylor *of, double t) {
+    double q = fabs(film_friction_at(of->q, t));
+    if (q <= in->result->force) return;
+    in->result->force = q;
+    in->result->time_of_force = in->now.time + t;
+}
+
+/* Keeps the largest |q|: at the end of a step, or where its slope changes sign within. */
+static void watch_force(impact *in, const film_taylor *of, double h) {
+    double low = 0.0, high = h, sense = film_friction_slope(of->q, 0.0);
+    watch_at(in, of, h);
+    if (sense * film_friction_slope(of->q, h) >= 0.0) return;
+    for (int step = 0; step < ROOT_STEPS; step++) {
+        double middle = 0.5 * (low + high);
+        if (sense * film_friction_slope(of->q, middle) > 0.0) low = middle;
+        else high = middle;
+    }
+    watch_at(in, of, high);
+}
+
+static void move_on(impact *in, const film_taylor *of, double h) {
+    film_moment *now = &in->now;
+    now->time += h;
+    now->z = film_friction_at(of->z, h);
+    now->nu = film_friction_at(of->nu, h);
+    now->D = film_friction_at(of->D, h);
+    now->v = film_friction_at(of->v, h);
+    now->q = film_friction_at(of->q, h);
+    in->rule.edge = in->rule.flat = in->caught = in->along = 0;
+    if (in->rule.kind != FILM_SLIPS) return;
+    now->P = film_friction_at(of->P, h);
+    now->c = film_friction_at(of->c, h);
+    if (in->rule.piece == FILM_STRAIGHT) return;
+    now->nu_c = film_friction_at(of->nu_c, h);
+    now->v_c = film_friction_at(of->v_c, h);
+}
+
+/* The work of the law up to a depth. */
+static double work_at(const film_normal *normal, double z) {
+    double n = normal->exponent;
+    return 0.5 * normal->slope * z * z + normal->coefficient * pow(z, n + 1.0) / (n + 1.0);
+}
+
+/* Slip near c = 0: P = -s (1 - s part) f(c) is left for so short a time that its impulse is known to rounding. 1: it is,
+ * and c = 0 now. */
+static int slides_now(impact *in, const film_taylor *of) {
+    if (in->rule.kind != FILM_SLIPS || in->pieces > 1 || in->rule.flat || of->way[0] >= 0.0) return 0;
+    double part = in->rule.piece == FILM_STUCK ? in->part : -in->rule.sign; /* slope of the path at 0 */
+    double c = in->now.c, per_c = 1.0 - in->rule.sign * part, a = in->rule.normal.approach, way = -of->way[0];
+    double work = in->rule.rate * work_at(&in->rule.normal, c) / way;
+    double spread = (in->rule.rate + 1.0) * force_of(in, c) * c / (a * a), most = fabs(per_c) + spread;
+    double unknown = most * most * c / way * (fabs(of->way[1]) / way + 1.0) + 2.0 * most * spread;
+    if (work * unknown > ROUNDING * in->scale) return 0;
+    in->now.v += in->rule.sign * per_c * per_c * work;
+    return 1;
+}
+
+/* U = 0 where a stuck piece begins at which slip with the same sign had ended: c falls there without limit. */
+static int at_singular_end(const impact *in) {
+    if (in->rule.kind != FILM_SLIPS || in->rule.piece != FILM_STUCK || in->rule.edge) return 0;
+    double speed = in->now.nu_c - in->rule.normal.gamma * force_of(in, in->now.c);
+    return speed - in->rule.sign * in->now.v_c < SINGULAR * in->rule.normal.approach;
+}
+
+/* Sliding near z = 0: the rest of the contact, as :func:`slides_now`. */
+static int ends_now(impact *in, const film_taylor *of) {
+    double speed = -of->speed[0], z = in->now.z;
+    if (in->rule.kind != FILM_SLIDES || speed <= 0.0) return 0;
+    double impulse = work_at(&in->rule.normal, z) / speed, left = z / speed;
+    double unknown = (of->f[0] * (left + in->rule.normal.gamma) + fabs(in->rule.normal.load) * left) / speed;
+    double most = in->rule.rate * impulse;
+    if (most * unknown > ROUNDING * in->scale || in->rule.sign * in->now.v + speed < CLEAR * (most + impulse)) return 0;
+    in->now.time += left;
+    in->now.z = in->now.q = 0.0;
+    in->now.D += in->now.v * left;
+    in->now.v -= in->rule.sign * most;
+    return 1;
+}
+
+/* On to the end of the phase; the event that ends it. */
+static int phase(impact *in) {
+    film_taylor of;
+    while (in->result->steps++ < FILM_FRICTION_STEPS) {
+        if (at_singular_end(in)) return CORNER;
+        film_friction_series(&in->rule, &in->now, &of);
+        if (slides_now(in, &of)) return CORNER;
+        if (ends_now(in, &of)) return ENDS;
+        double h = film_friction_length(&in->rule, &of, in->scale);
+        if (!(h > 0.0)) break;
+        int event = first_event(in, &of, &h);
+        write_rows(in, &of, h);
+        watch_force(in, &of, h);
+        move_on(in, &of, h);
+        if (event != NOTHING) return event;
+    }
+    in->status = FILM_TOO_MANY;
+    return ENDS;
+}
+
+/* ---------------------------------------------------------------- phases */
+
+static void note(impact *in, int kind) {
+    film_friction_result *result = in->result;
+    if (result->phases == FILM_FRICTION_EVENTS) {
+        in->status = FILM_TOO_MANY;
+        return;
+    }
+    result->begins[result->phases] = in->now.time;
+    result->kinds[result->phases++] = kind;
+}
+
+static void begin_stick(impact *in) {
+    in->rule.kind = FILM_STICKS;
+    in->along = 1;
+    in->begun = in->now.z;
+    note(in, FILM_STICKS);
+}
+
+/* z, nu, D, D' and q at a small depth after first touch, by the first terms in powers of time. */
+static film_moment touched(const impact *in, double depth, double velocity) {
+    const film_normal *normal = &in->rule.normal;
+    double a = normal->approach, t = depth / a, n = normal->exponent;
+    double power = normal->coefficient * pow(depth, n);
+    double once = normal->slope * depth * t / 2.0 + power * t / (n + 1.0);
+    double twice = normal->slope * depth * t * t / 6.0 + power * t * t / ((n + 1.0) * (n + 2.0));
+    film_moment at = {.time = t, .nu = a + normal->load * t - once};
+    at.z = depth + 0.5 * normal->load * t * t - normal->gamma * once - twice;
+    at.v = velocity - in->rule.rate * in->part * once;
+    at.D = velocity * t - in->rule.rate * in->part * twice;
+    at.q = in->part * force_of(in, at.z);
+    return at;
+}
+
+/* c has come to the beginning of its piece. */
+static void next_piece(impact *in) {
+    const film_moment *now = &in->now;
+    if (in->pieces == 1 && in->rule.piece == FILM_STUCK) {
+        film_moment was = touched(in, now->c, in->velocity);
+        in->result->closure = fmax(fabs(now->v_c - was.v) / in->scale, fabs(now->nu_c - was.nu) / in->rule.normal.approach);
+    }
+    in->pieces--;
+    enter(in);
+    if (in->rule.kind == FILM_SLIDES) note(in, FILM_SLIDES);
+}
+
+/* The phase after an event. */
+static void next_phase(impact *in, int event) {
+    film_moment *now = &in->now;
+    int sticks = in->rule.kind == FILM_STICKS, at_turn = speed_of(in) <= AT_TURN * in->rule.normal.approach;
+    if (event == CORNER) {
+        next_piece(in);
+    } else if (event == CAUGHT) {
+        cut(in, now->z);
+        slip_from_edge(in, -in->rule.sign, 1);
+        note(in, FILM_REVERSES);
+    } else if (sticks) {
+        add_piece(in, (path_piece){.begin = in->begun, .end = now->z, .nu = now->nu, .v = now->v, .kind = FILM_STUCK});
+        in->rule.flat = 1;
+        slip_from_edge(in, at_turn ? copysign(1.0, -now->q) : in->rule.sign, 1);
+        note(in, FILM_SLIPS);
+    } else {
+        stick_all(in);
+        if (!at_turn) {
+            begin_stick(in);
+            return;
+        }
+        in->rule.flat = speed_of(in) >= -AT_TURN * in->rule.normal.approach;
+        slip_from_edge(in, -in->rule.sign, 2);
+        note(in, FILM_REVERSES);
+    }
+}
+
+/* The depth at which the first step begins: terms left out of :func:`touched` are below rounding. */
+static double first_depth(const film_normal *normal) {
+    double least = normal->slope > 0.0 ? 1.0 : normal->exponent;
+    double depth = 0.3 * pow(ROUNDING, 1.0 / (2.0 * least + (normal->gamma > 0.0 ? 0.0 : 2.0)));
+    if (normal->load == 0.0) return depth;
+    return fmin(depth, 0.3 * pow(ROUNDING / fmax(fabs(normal->load), ROUNDING), 1.0 / (least + 2.0)));
+}
+
+/* The first moment, and the phase it is in. */
+static void touch(impact *in, double velocity) {
+    double approach = in->rule.normal.approach, depth = first_depth(&in->rule.normal);
+    int stick = fabs(velocity) <= approach;
+    in->part = stick ? velocity / approach : copysign(1.0, velocity);
+    in->now = touched(in, depth, velocity);
+    in->velocity = velocity;
+    in->rule.sign = copysign(1.0, velocity);
+    in->rule.kind = stick ? FILM_STICKS : FILM_SLIDES;
+    in->along = fabs(velocity) == approach;
+    in->result->kinds[0] = in->rule.kind;
+    in->result->phases = 1;
+    if (in->rows) write_row(in, -in->now.time, 0.0, 0.0, velocity, 0.0, 0.0);
+    if (!stick && speed_of(in) >= fabs(in->now.v)) { /* it has stopped sliding before */
+        stick_all(in);
+        begin_stick(in);
+    }
+}
+
+int film_friction(const film_normal *normal, double rate, double velocity, film_friction_result *result, double *rows,
+                  int32_t per_step, int32_t room, int32_t *count) {
+    memset(result, 0, sizeof *result);
+    if (count) *count = 0;
+    if (!(normal->slope >= 0.0 && normal->coefficient >= 0.0 && normal->exponent >= 1.0 && normal->gamma >= 0.0)) {
+        return FILM_BAD_NUMBER;
+    }
+    if (!(normal->approach > 0.0 && isfinite(normal->load) && rate > 0.0 && isfinite(velocity)) || velocity == 0.0) {
+        return FILM_BAD_NUMBER;
+    }
+    double factor = fmin(fabs(velocity) / (SLOW * normal->approach), 1.0);
+    impact in = {.rule = {.normal = *normal, .rate = rate}, .result = result, .rows = rows, .per_step = per_step, .room = room};
+    in.scale = fmin(fabs(velocity / factor), normal->approach);
+    touch(&in, velocity / factor);
+    while (in.status == FILM_OK) {
+        int event = phase(&in);
+        if (event == ENDS) break;
+        next_phase(&in, event);
+    }
+    if (rows && in.status == FILM_OK) write_row(&in, 0.0, 0.0, in.now.D, in.now.v, 0.0, 0.0);
+    for (int i = 0; i < in.count; i++) {
+        for (int column = 2; column < 5; column++) rows[FILM_FRICTION_COLUMNS * i + column] *= factor;
+    }
+    if (count) *count = in.count;
+    result->velocity = factor * in.now.v;
+    result->force *= factor;
+    result->duration = in.now.time;
+    return in.status;
+}
+
+void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,
+                        film_friction_result *results, int32_t *status) {
+    for (int64_t i = 0; i < count; i++) {
+        status[i] = film_friction(&normals[i], rates[i], velocities[i], &results[i], NULL, 1, 0, NULL);
+    }
+}
+
+void film_friction_sizes(int64_t sizes[2]) {
+    sizes[0] = (int64_t)sizeof(film_normal);
+    sizes[1] = (int64_t)sizeof(film_friction_result);
+}

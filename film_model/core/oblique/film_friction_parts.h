@@ -1,0 +1,48 @@
+/* Parts of film_friction.h that its files share. */
+#ifndef FILM_FRICTION_PARTS_H
+#define FILM_FRICTION_PARTS_H
+
+#include "oblique/film_friction.h"
+
+enum { FILM_TERMS = FILM_FRICTION_ORDER + 1 };
+enum { FILM_STUCK, FILM_STRAIGHT }; /* kinds of pieces of the path */
+
+/* The motion at one time: z, nu, D, D' and q, or P in slip; c and, on a stuck piece, nu and D' when it was recorded. */
+typedef struct {
+    double time, z, nu, D, v, q, P, c, nu_c, v_c;
+} film_moment;
+
+/* What holds in a phase. kind: FILM_STICKS, FILM_SLIPS or FILM_SLIDES. piece: on which c is, FILM_STUCK or FILM_STRAIGHT.
+ * flat: 1 if slip begins with w' = 0; edge: 1 if U = 0 too, where stick has ended (film_friction_step.c). */
+typedef struct {
+    film_normal normal;
+    double rate, sign;
+    int kind, piece, flat, edge;
+} film_phase_rule;
+
+/* Taylor series in time from the beginning of a step; `speed` is z', `way` is w'. */
+typedef struct {
+    double z[FILM_TERMS + 1], nu[FILM_TERMS + 1], D[FILM_TERMS + 1], v[FILM_TERMS + 1], q[FILM_TERMS + 1];
+    double P[FILM_TERMS + 1], c[FILM_TERMS + 1], nu_c[FILM_TERMS + 1], v_c[FILM_TERMS + 1];
+    double f[FILM_TERMS + 1], speed[FILM_TERMS + 1], way[FILM_TERMS + 1];
+} film_taylor;
+
+/* The force and its slope at a depth. */
+double film_friction_force(const film_normal *normal, double z, double *slope);
+
+/* The series from a moment. */
+void film_friction_series(const film_phase_rule *rule, const film_moment *at, film_taylor *series);
+
+/* The longest step whose last terms are below the tolerance. scale: of D'. */
+double film_friction_length(const film_phase_rule *rule, const film_taylor *series, double scale);
+
+/* A series at a time in its step. */
+double film_friction_at(const double *series, double t);
+
+/* Its derivative there. */
+double film_friction_slope(const double *series, double t);
+
+/* The first time in (0, h] at which a series that is positive before falls to 0; more than h if there is none. */
+double film_friction_root(const double *series, double h);
+
+#endif

@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 
-import film_datasets as fd
 import film_model as fm
 import fmu_wrapper
 from film_model.cli.main import main
@@ -301,8 +300,6 @@ def test_run_prints_it_and_json_has_it(tmp_path, capsys):
 def test_what_cannot_be_simulated_is_refused_in_a_sentence(tmp_path):
     scene = slanted()
     for refused in (
-        lambda: fm.simulate_batch(scene, velocity=["1 m/s", "2 m/s"]),
-        lambda: fd.sweep(scene, {"impactor.angle": ["10 deg", "20 deg"]}),
         lambda: fm.ImpactComponent(scene),
         lambda: fmu_wrapper.export(scene, tmp_path / "x.fmu"),
     ):

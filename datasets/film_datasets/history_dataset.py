@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.contents import Contents, Values
+from film_datasets.friction_dataset import friction_columns, read_friction
 from film_datasets.provenance import (
     PROGRAM,
     choice_of,
@@ -83,6 +84,7 @@ def history_contents(history: History, samples: int, command: str) -> Contents:
         **_events(history),
         **{name: np.nan if value is None else value for name, value in history.summary.items()},
         **_closed_form(history),
+        **friction_columns(history.oblique),
         **constants_of(history.scene),
         "contact_law_name": history.problem.law.name,
         "scene_key": scene_key(history.scene.archived_text()),
@@ -92,7 +94,13 @@ def history_contents(history: History, samples: int, command: str) -> Contents:
     meanings = {"stages": stages, "branches": branch_words(stages, curve.pulls and not curve.reversible)}
     data = {
         v.name: Values(v.dims, np.asarray(columns[v.name], dtype=v.dtype), v.attributes(meanings))
-        for v in (*TABLE[HISTORY], *TABLE[f"{HISTORY} steps"], *CONSTANTS, SCENE_KEY.over(()))
+        for v in (
+            *TABLE[HISTORY],
+            *TABLE[f"{HISTORY} steps"],
+            *TABLE[f"{HISTORY} friction"],
+            *CONSTANTS,
+            SCENE_KEY.over(()),
+        )
         if v.name in columns
     }
     for name, interval in history.intervals.items():
@@ -174,6 +182,7 @@ def history_of(ds: xr.Dataset) -> History:
         accuracy,
         remarks,
         modes,
+        oblique=read_friction(ds),
     )
 
 

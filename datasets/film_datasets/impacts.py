@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_datasets.schema.friction_variables import ERROR, REGIME
 from film_model.base.arrays import Array, Index, index_or_all, index_or_span
 from film_model.base.errors import SceneError
 from film_model.core import native
@@ -60,7 +61,7 @@ class Impacts:
     summary: SI, by the names of film_model's summary, NaN where there is no value. status: keys of
     `film_model.base.errors.STATUSES`. law: numbers of `laws`, -1 for an impact that has none. gains_energy: whether the
     unloading returned more energy than the loading stored. estimated: bound on the relative error of every value, NaN
-    for an impact that failed.
+    for an impact that failed. friction: by the names of the schema; empty without friction.
     """
 
     scene: Scene
@@ -71,6 +72,7 @@ class Impacts:
     zener_number: Array
     gains_energy: NDArray[np.bool_]
     estimated: Array
+    friction: dict[str, NDArray[Any]]
     _problems: tuple[Problem, ...] = field(repr=False)
     _segments: NDArray[np.int32] = field(repr=False)
     _followed: tuple[Followed, ...] = field(repr=False)
@@ -204,6 +206,9 @@ def simulate_impacts(scene: Scene, numbers: Mapping[str, Array]) -> Impacts:
         zener_number,
         gains,
         found.estimated,
+        {}
+        if (sliding := found.oblique) is None
+        else {**sliding.summary, REGIME: sliding.regime, ERROR: sliding.estimated},
         found.problems,
         found.segments,
         found.followed,

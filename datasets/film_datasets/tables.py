@@ -18,6 +18,7 @@ from film_datasets.schema import (
     Variable,
     dimension_of_unit,
     flag_meanings,
+    has_friction,
     kind_of,
     require,
     variables_of,
@@ -77,7 +78,9 @@ def check_parquet(target: Path) -> None:
 def left_out(ds: xr.Dataset) -> list[str]:
     """What a table of the dataset does not hold, in words."""
     kept = str(ds.attrs.get("kept", "")).split()
-    return [what for what in ("segments", "samples") if what in kept] + ["segments"] * (kind_of(ds) == HISTORY)
+    if kind_of(ds) == HISTORY:
+        return ["segments", *(["friction"] if has_friction(ds) else [])]
+    return [what for what in ("segments", "samples") if what in kept]
 
 
 def _columns(ds: xr.Dataset) -> list[tuple[Variable, Any]]:

@@ -166,8 +166,10 @@ def _shard(options: argparse.Namespace, asked: Sweep) -> int:
 def _sweep_table(report: dict[str, Any]) -> str:
     """Counts of outcomes, and the range of every summary quantity that has a value."""
     from film_model.base.units import format_si
+    from film_model.oblique.result import OBLIQUE
     from film_model.problem.summary import SUMMARY
 
+    dimensions = {name: dimension for name, (dimension, _) in (SUMMARY | OBLIQUE).items()}
     ended = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in report["statuses"].items())
     lines = [report["title"], f"{report['impacts']} impacts: {ended}", ""]
     if report["failed"] == report["impacts"]:
@@ -175,7 +177,7 @@ def _sweep_table(report: dict[str, Any]) -> str:
     lines.append(f"  {'':30}{'minimum':>16}{'mean':>16}{'maximum':>16}")
     for name, row in report["summary"].items():
         cells = (row[key] for key in ("least", "mean", "greatest"))
-        texts = ("-" if value is None else format_si(value, SUMMARY[name][0], 5) for value in cells)
+        texts = ("-" if value is None else format_si(value, dimensions[name], 5) for value in cells)
         lines.append(f"  {name.replace('_', ' '):30}" + "".join(f"{text:>16}" for text in texts))
     lines += ["", f"  estimated relative error ≤ {report['accuracy']['estimated']:.1e}"]
     return "\n".join(lines)

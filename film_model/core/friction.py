@@ -14,7 +14,7 @@ from film_model.core import native
 Array = NDArray[np.float64]
 
 STICKS, SLIPS, REVERSES, SLIDES = range(4)
-"""Phases, by how they begin."""
+"""Phases, by how they begin; also places in `film_model.oblique.result.KINDS`."""
 
 SLOW = 1e-7
 """Sliding over approach velocity below which the core takes all to be proportional to it, within as much."""

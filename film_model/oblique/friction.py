@@ -20,7 +20,7 @@ from film_model.core import friction as core
 from film_model.core import native
 from film_model.laws.law import Power
 from film_model.oblique import springs
-from film_model.oblique.result import MOTION, REGIMES, Oblique
+from film_model.oblique.result import KINDS, MOTION, REGIMES, Oblique
 from film_model.oblique.sliding import Sliding, sliding_of, spin_of
 from film_model.problem.problem import Problem
 from film_model.problem.stresses import contact_radius
@@ -36,8 +36,6 @@ CLOSED = 1e-6
 
 EXACT, ROUNDED = 1e-10, 5e-15
 """Error of the exact sliding velocity over that before: at least, and over ψ₁; measured against smaller steps."""
-
-KINDS = {core.STICKS: "sticks", core.SLIPS: "slips", core.REVERSES: "slip_reverses", core.SLIDES: "slides"}
 
 
 def oblique_of(

@@ -37,6 +37,9 @@ MOTION: dict[str, tuple[str, str]] = {
 }
 """Columns of the recorded motion, with dimension and meaning."""
 
+KINDS = ("sticks", "slips", "slip_reverses", "slides")
+"""Events: a phase of the contact begins."""
+
 OPEN = 0.01
 """Difference of two models, or error, over the sliding velocity before, from which a warning names it."""
 

@@ -27,6 +27,9 @@ from film_model.solve.accuracy import solver_for
 from film_model.solve.many_meshes import march_many
 from film_model.solve.many_modes import Followed, on_modes
 
+if TYPE_CHECKING:
+    from film_model.solve.many_friction import ManyOblique
+
 STATUSES = {code: (status.word, status.sentence) for code, status in errors.STATUSES.items() if status.of_row}
 """How an impact of a batch can end: word and sentence. Negative: it failed, and its values are nan."""
 
@@ -38,7 +41,8 @@ class ManyResult:
     status: keys of `STATUSES`. laws: names, and law: the number of each impact's among them. segments: per loading
     stage and of unloading, for each impact, 0 if its target vibrates. estimated: bound on the relative error of every
     value, nan for an impact that failed; of vibrating targets from those impacts that were tried with two numbers of
-    modes. problems: what was marched; `rows_of` gives the impacts of each. followed: the impacts on modes.
+    modes. problems: what was marched; `rows_of` gives the impacts of each. followed: the impacts on modes. oblique: the
+    tangential parts; None without friction.
     """
 
     summary: dict[str, Array]
@@ -49,6 +53,7 @@ class ManyResult:
     estimated: Array
     problems: tuple[Problem, ...]
     followed: tuple[Followed, ...]
+    oblique: ManyOblique | None = None
 
     @property
     def on_modes(self) -> Mask:
@@ -62,7 +67,9 @@ class BatchResult:
 
     estimated_accuracy: bound on the relative error of every value of each impact (nan: it failed); estimated: the
     largest. segments: largest numbers per loading stage and of unloading. failed: True where the impact failed (its
-    values are nan). varied: the velocities [m/s] and, if given, masses [kg], in the shape of the results.
+    values are nan). varied: the velocities [m/s] and, if given, masses [kg], in the shape of the results. oblique:
+    with friction, arrays by the names of `History.oblique` (nan: nothing slides), its sliding_regime and its
+    estimated_error; else empty.
     """
 
     summary: dict[str, Array]
@@ -71,6 +78,7 @@ class BatchResult:
     estimated: float
     segments: tuple[int, int]
     failed: NDArray[np.bool_]
+    oblique: dict[str, NDArray[Any]]
     _many: ManyResult = field(repr=False, compare=False)
 
     if TYPE_CHECKING:
@@ -82,9 +90,13 @@ class BatchResult:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, BatchResult) or self.segments != other.segments:
             return False
-        mine, theirs = ({**of.varied, **of.summary, "estimated": of.estimated_accuracy} for of in (self, other))
+        mine, theirs = (
+            {**of.varied, **of.summary, **of.oblique, "estimated": of.estimated_accuracy} for of in (self, other)
+        )
         same = mine.keys() == theirs.keys()
-        return same and all(np.array_equal(mine[name], theirs[name], equal_nan=True) for name in mine)
+        return same and all(
+            np.array_equal(mine[name], theirs[name], equal_nan=mine[name].dtype.kind == "f") for name in mine
+        )
 
     def __repr__(self) -> str:
         failed, impacts = np.count_nonzero(self.failed), " × ".join(map(str, self.failed.shape)) or "1"
@@ -167,7 +179,8 @@ def simulate_batch(
     if len(shape) != 1:
         summary = {name: column.reshape(shape) for name, column in summary.items()}
         each, failed = each.reshape(shape), failed.reshape(shape)
-    return BatchResult(summary, varied, each, worst, (counts[0], counts[1]), failed, result)
+    oblique = {} if result.oblique is None else {k: v.reshape(shape) for k, v in result.oblique.arrays().items()}
+    return BatchResult(summary, varied, each, worst, (counts[0], counts[1]), failed, oblique, result)
 
 
 def _common_shape(speeds: Array, masses: Array) -> tuple[int, ...]:
@@ -187,9 +200,8 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     """Impacts of one scene, in which columns replace some numbers: path such as "impactor.velocity" → SI values.
 
     There is at least one column. All have the same length, values within the ranges of scenes, and a path that has a
-    number in `scene`. solver: default the scene's. Raises SimulationError for a scene with friction.
+    number in `scene`. solver: default the scene's. Raises SimulationError where friction is not known.
     """
-    scene.contact.refuse_friction("a batch or a sweep has")
     solver = solver or scene.solver
     count = len(next(iter(columns.values())))
     status = np.full(count, native.BAD_NUMBER, np.int32)
@@ -223,4 +235,10 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
         for name, values in found.summary.items():
             summary[name][vibrating] = values
         followed = found.followed
-    return ManyResult(summary, status, tuple(laws), law, segments, estimated, tuple(problems), tuple(followed))
+    oblique = None
+    if scene.contact.friction is not None:
+        from film_model.solve.many_friction import oblique_of_many
+
+        oblique = oblique_of_many(scene, columns, problems, summary["rebound_velocity"], status, solver)
+    own = tuple(laws), law, segments, estimated, tuple(problems), tuple(followed)
+    return ManyResult(summary, status, *own, oblique)

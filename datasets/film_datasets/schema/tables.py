@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from film_datasets.schema.derivative_variables import derivatives_in
 from film_datasets.schema.finite_element_variables import FINITE_ELEMENTS
+from film_datasets.schema.friction_variables import IN_HISTORIES, IN_SWEEPS
 from film_datasets.schema.motion_variables import (
     MODE_ENERGY,
     SEGMENT_PLACES,
@@ -54,9 +55,10 @@ _STRESSES = (
 )
 
 _STEPS = tuple(variable.name for variable in (*STEP_PLACES, *STEPS))
+_IN_HISTORIES, _IN_SWEEPS = (tuple(v.name for v in variables) for variables in (IN_HISTORIES, IN_SWEEPS))
 
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
-    HISTORY: {"1.1": (), "1.2": _STRESSES, "1.3": (), "1.4": (*_STEPS, MODE_ENERGY.name)},
+    HISTORY: {"1.1": (), "1.2": _STRESSES, "1.3": (), "1.4": (*_STEPS, MODE_ENERGY.name), "1.5": _IN_HISTORIES},
     SWEEP: {
         "1.0": (),
         "1.1": ("estimated_accuracy", *_STRESSES),
@@ -64,6 +66,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.3": (),
         "1.4": (),
         "1.5": _STEPS,
+        "1.6": _IN_SWEEPS,
     },
     MEASUREMENT: {"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter", "input_uncertainty")},
     BOUNCES: {"1.0": ()},
@@ -148,7 +151,7 @@ _SWEEP = (
     SCENE_KEY,
 )
 
-CHOOSABLE = tuple(variable.name for variable in _SWEEP if variable.optional)
+CHOOSABLE = tuple(variable.name for variable in (*_SWEEP, *IN_SWEEPS) if variable.optional)
 """The variables of which a sweep may keep some only; the others say how each impact ended and to what it belongs."""
 
 _SWEEP_SEGMENTS = (
@@ -248,9 +251,11 @@ _COST = (
 TABLE: dict[str, tuple[Variable, ...]] = {
     HISTORY: _HISTORY,
     f"{HISTORY} steps": (*STEPS, MODE_ENERGY),
+    f"{HISTORY} friction": IN_HISTORIES,
     SWEEP: _SWEEP,
     f"{SWEEP} segments": _SWEEP_SEGMENTS,
     f"{SWEEP} steps": (*STEP_PLACES, *STEPS),
+    f"{SWEEP} friction": IN_SWEEPS,
     f"{SWEEP} samples": _SWEEP_SAMPLES,
     f"{MEASUREMENT} history": _MEASURED_HISTORY,
     f"{MEASUREMENT} impacts": _MEASURED_IMPACTS,
@@ -310,8 +315,9 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     if kind == HISTORY:
         constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
     if kind in (HISTORY, BOUNCES, COST):
-        steps = TABLE[f"{HISTORY} steps"] if kind == HISTORY and has_steps(ds) else ()
-        return (*(v for v in (*TABLE[kind], *steps) if v.name not in later), *constants)
+        more = TABLE[f"{HISTORY} steps"] if kind == HISTORY and has_steps(ds) else ()
+        more += TABLE[f"{HISTORY} friction"] if kind == HISTORY and has_friction(ds) else ()
+        return (*(v for v in (*TABLE[kind], *more) if v.name not in later), *constants)
     swept = swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
     dims = tuple(v.dims[0] for v in swept) if "impact" not in ds.sizes else ("impact",)
     kept, chosen = (str(ds.attrs.get(name, "")).split() for name in ("kept", "variables"))
@@ -322,6 +328,11 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
 def has_steps(ds: xr.Dataset) -> bool:
     """Whether a history has any of the variables of an impact on modes."""
     return any(v.name in ds.variables for v in TABLE[f"{HISTORY} steps"])
+
+
+def has_friction(ds: xr.Dataset) -> bool:
+    """Whether a history has any of the variables of friction."""
+    return any(v.name in ds.variables for v in TABLE[f"{HISTORY} friction"])
 
 
 def require(ds: xr.Dataset, names: Iterable[str]) -> None:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from film_datasets.impacts import ClosedForms, Impacts, simulate_impacts
 from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, side_name
+from film_datasets.schema.friction_variables import REGIME
 from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import GRID
@@ -69,6 +70,8 @@ def _empty_columns(sweep: Sweep, count: int) -> Columns:
     columns["status"][:] = NO_VELOCITY
     columns["law"][:] = -1
     columns["scene_key"][:] = sweep.scene_key
+    if REGIME in columns:
+        columns[REGIME][:] = -1
     for entry in sweep.derivatives:
         columns[side_name(entry.path)][:] = NO_DERIVATIVE
     return columns
@@ -85,6 +88,7 @@ def _put(
     at = index_or_all(index, columns["status"].size)
     found = {
         **impacts.summary,
+        **impacts.friction,
         "status": impacts.status,
         "zener_number": impacts.zener_number,
         "estimated_accuracy": impacts.estimated,

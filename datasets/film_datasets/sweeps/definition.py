@@ -113,7 +113,7 @@ class Sweep:
         """The sweep that a dataset was made by."""
         base = Scene.from_stored_text(str(ds.attrs["scene_toml"]), "scene_toml")
         kept = str(ds.attrs["kept"]).split()
-        keep = kept[min(1, len(kept) - 1)]
+        keep = next((word for word in ("segments", "samples") if word in kept), "summary")
         keep = keep if keep != "samples" else f"samples={ds.sizes['normalised_time']}"
         table = toml_table(str(ds.attrs["sweep_toml"]), "sweep_toml")
         over = table["over"]
@@ -146,7 +146,7 @@ class Sweep:
     def kept(self) -> tuple[str, ...]:
         """What is kept of every impact."""
         steps = ("steps",) if self.keep == "segments" and self._may_vibrate else ()
-        return (*dict.fromkeys(("summary", self.keep)), *steps)
+        return (*dict.fromkeys(("summary", self.keep)), *steps, *(("friction",) if self._slides else ()))
 
     @cached_property
     def _scenes_of_numbers(self) -> list[Scene]:
@@ -158,6 +158,12 @@ class Sweep:
         """Whether there may be impacts on targets that vibrate."""
         scenes = (self.combination(number) for number in self.combinations_used)
         return any(map(edged, itertools.chain(scenes, self._scenes_of_numbers)))
+
+    @cached_property
+    def _slides(self) -> bool:
+        """Whether there may be friction."""
+        scenes = (self.combination(number) for number in self.combinations_used)
+        return any(scene.contact.friction is not None for scene in (*scenes, *self._scenes_of_numbers))
 
     @cached_property
     def laws(self) -> tuple[str, ...]:

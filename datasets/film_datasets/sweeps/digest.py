@@ -9,7 +9,6 @@ import numpy as np
 from film_datasets.schema import dimension_of, swept_name, words_of
 from film_datasets.sweeps.statistics import sweep_report
 from film_model.base.units import format_si
-from film_model.solve.history import SUMMARY
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -52,13 +51,13 @@ def digest_text(ds: xr.Dataset, report: dict[str, Any], quantities: list[str]) -
     heads = ("mean", *(f"{p} %" for p in PERCENTILES))
     lines.append(f"  {'':30}" + "".join(f"{head:>13}" for head in heads))
     for name in quantities:
-        row, dimension = report["summary"][name], SUMMARY[name][0]
+        row, dimension = report["summary"][name], dimension_of(ds[name])
         numbers = (row["mean"], *row["percentiles"].values())
         texts = ("-" if value is None else format_si(value, dimension, 4) for value in numbers)
         lines.append(f"  {name.replace('_', ' '):30}" + "".join(f"{text:>13}" for text in texts))
     lines.append("")
     for name in quantities:
-        row, dimension = report["summary"][name], SUMMARY[name][0]
+        row, dimension = report["summary"][name], dimension_of(ds[name])
         for which in ("least", "greatest"):
             if row[which] is not None:
                 where = ", ".join(

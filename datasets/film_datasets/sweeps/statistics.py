@@ -10,6 +10,7 @@ import numpy as np
 from film_datasets.provenance import warnings_of
 from film_datasets.schema import RAGGED, flag_meanings, has_failed, pieces, require_impacts
 from film_model.base.units import si_unit
+from film_model.oblique.result import OBLIQUE
 from film_model.solve.history import SUMMARY
 
 if TYPE_CHECKING:
@@ -39,7 +40,9 @@ def sweep_report(ds: xr.Dataset) -> dict[str, Any]:
         "failed": failed,
         "statuses": {words[code]: counts[code] for code in sorted(counts, key=lambda code: -counts[code])},
         "summary": {
-            name: {**statistics(ds[name]), "units": si_unit(SUMMARY[name][0])} for name in SUMMARY if name in ds
+            name: {**statistics(ds[name]), "units": si_unit(dimension)}
+            for name, (dimension, _) in (SUMMARY | OBLIQUE).items()
+            if name in ds
         },
         "accuracy": {
             "requested": _float(ds.attrs.get("requested_accuracy")),

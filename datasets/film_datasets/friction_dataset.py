@@ -1,0 +1,46 @@
+"""The friction of one impact as variables of a dataset, and back."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from film_datasets.schema import has_friction, require
+from film_datasets.schema.friction_variables import ERROR, HIGH, IN_HISTORIES, LOW, REGIME
+from film_model.oblique.result import KINDS, MOTION, OBLIQUE, REGIMES, Oblique
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def friction_columns(oblique: Oblique | None) -> dict[str, Any]:
+    """The columns of friction; none without it."""
+    if oblique is None:
+        return {}
+    ends = {LOW: oblique.low, HIGH: oblique.high}
+    return {
+        **oblique.summary,
+        REGIME: REGIMES.index(oblique.sliding_regime),
+        ERROR: oblique.estimated,
+        **{name: math.nan if value is None else value for name, value in ends.items()},
+        **{_own(name): values for name, values in oblique.motion.items()},
+        "friction_event_time": [time for time, _ in oblique.events],
+        "friction_event_kind": [KINDS.index(kind) for _, kind in oblique.events],
+    }
+
+
+def read_friction(ds: xr.Dataset) -> Oblique | None:
+    """The tangential part of the impact of a dataset; None without it. Raises ValueError if a variable is missing."""
+    if not has_friction(ds):
+        return None
+    require(ds, (variable.name for variable in IN_HISTORIES))
+    summary = {name: float(ds[name]) for name in OBLIQUE}
+    times, kinds = (ds[f"friction_event_{name}"].values.tolist() for name in ("time", "kind"))
+    events = tuple((time, KINDS[kind]) for time, kind in zip(times, kinds, strict=True))
+    motion = {name: ds[_own(name)].values for name in MOTION}
+    low, high = (None if math.isnan(value := float(ds[name])) else value for name in (LOW, HIGH))
+    return Oblique(summary, REGIMES[int(ds[REGIME])], events, motion, float(ds[ERROR]), low, high)
+
+
+def _own(name: str) -> str:
+    return "friction_time" if name == "time" else name

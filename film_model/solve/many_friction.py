@@ -1,0 +1,129 @@
+"""Friction in many impacts beside their normal motions: exact in one call of the core, others one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.arrays import Array, column, either
+from film_model.core import friction as core
+from film_model.core import native
+from film_model.effects.choose import choose
+from film_model.effects.many import rows_of
+from film_model.laws.law import Power
+from film_model.oblique.friction import CLOSED, exact_error, exact_force, numbers_of, refuse, results
+from film_model.oblique.result import OBLIQUE, REGIMES
+from film_model.oblique.sliding import Sliding, sliding_of
+from film_model.problem.problem import Problem
+from film_model.scene import Scene, Solver
+from film_model.scene.columns import scene_of_columns
+
+
+@dataclass(frozen=True)
+class ManyOblique:
+    """The tangential parts of many impacts; nan where nothing slides and of impacts that failed or whose contact does
+    not end. summary: arrays, SI, by the names of `OBLIQUE`. regime: numbers in `REGIMES`, −1 for none. estimated: error
+    of the sliding velocity after the impact over that before."""
+
+    summary: dict[str, Array]
+    regime: NDArray[np.int8]
+    estimated: Array
+
+    @classmethod
+    def none_of(cls, count: int) -> ManyOblique:
+        """Of impacts that are not known yet."""
+        values = {name: np.full(count, np.nan) for name in OBLIQUE}
+        return cls(values, np.full(count, -1, np.int8), np.full(count, np.nan))
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """The results, the words for the regimes ("" for none) as `sliding_regime`, and `estimated_error`."""
+        words = np.array([*REGIMES, ""])[self.regime]
+        return {**self.summary, "sliding_regime": words, "estimated_error": self.estimated}
+
+    def known(self, rows: Any, summary: Mapping[str, Any], regime: Any, estimated: Any) -> None:
+        """Put in the values of some rows."""
+        for name, values in summary.items():
+            self.summary[name][rows] = values
+        self.regime[rows], self.estimated[rows] = regime, estimated
+
+
+def oblique_of_many(
+    scene: Scene,
+    columns: Mapping[str, Array],
+    problems: Iterable[Problem],
+    rebound: Array,
+    status: NDArray[np.int32],
+    solver: Solver,
+) -> ManyOblique:
+    """The tangential parts of impacts whose normal motions are known. rebound: m/s; status: the core's.
+
+    Impacts of laws whose friction is exact, except those that vibrate, take one call of the core; springs follow others
+    as `simulate` does, one by one. Raises SimulationError as :func:`oblique_of`.
+    """
+    found, ended = ManyOblique.none_of(status.size), status == native.EVENT
+    left = ended.copy()
+    for problem in problems:
+        refuse(problem)
+        if exact_force(problem) is None:
+            continue
+        for part in problem.by_curve():
+            rows = rows_of(part)
+            made = _exactly(found, part, rebound[rows], ended[rows])
+            left[rows[made]] = False
+    for row in left.nonzero()[0].tolist():
+        _one(found, scene, columns, row, solver)
+    return found
+
+
+def _exactly(found: ManyOblique, problem: Problem, rebound: Array, ended: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The exact results of a problem; which of its impacts are done with."""
+    scene, count, force = problem.impacts.scene, rebound.size, exact_force(problem)
+    given = sliding_of(scene)
+    if given is None or force is None:
+        return np.full(count, given is None)
+    given = Sliding(*(one if isinstance(one, tuple) else column(one, count) for one in given))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rate, before = numbers_of(given, problem, scene)
+    slides = ended & (given.velocity != 0.0)
+    solved = slides & (given.friction != 0.0)
+    result: NDArray[Any] = np.zeros(count, core.RESULT_DTYPE)
+    status, result[solved] = core.many(
+        _normals(problem, force, count)[solved], column(rate, count)[solved], before[solved]
+    )
+    missed = np.zeros(count, np.bool_)
+    missed[solved] = (status != native.OK) | (result["closure"][solved] > CLOSED)
+    unit, scales = given.friction * given.ratio, problem.scales
+    after = either(solved, result["velocity"] * unit * scales.velocity, given.velocity)
+    peak = result["force"] * given.friction * scales.force, result["time_of_force"] * scales.time
+    values = results(scene, given, rebound, after, peak)
+    sticks, alone = result["kinds"][:, 0] == core.STICKS, result["phases"] == 1
+    regime = np.where(~solved | (alone & ~sticks), 2, np.where(sticks, 0, 1))
+    error = np.where(solved, exact_error(problem, np.where(solved, before, 1.0)), 0.0)
+    known = slides & ~missed
+    table = {name: column(value, count)[known] for name, value in values.items()}
+    found.known(rows_of(problem)[known], table, regime[known], error[known])
+    return ~missed
+
+
+def _normals(problem: Problem, force: Power, count: int) -> NDArray[Any]:
+    """The normal motions for the core."""
+    normal: NDArray[Any] = np.empty(count, core.NORMAL_DTYPE)
+    normal["slope"], normal["coefficient"] = force.slope, force.coefficient
+    normal["exponent"] = force.exponent if force.coefficient else 1.0
+    normal["approach"], normal["gamma"], normal["load"] = problem.approach, problem.gamma, problem.load
+    return normal
+
+
+def _one(found: ManyOblique, scene: Scene, columns: Mapping[str, Array], row: int, solver: Solver) -> None:
+    """The results of one impact, simulated alone."""
+    from film_model.solve.simulate import simulate_chosen
+
+    own: dict[str, Any] = {path: float(values[row]) for path, values in columns.items()}
+    oblique = simulate_chosen(choose(scene_of_columns(scene, own)), solver).oblique
+    if oblique is not None:
+        number = REGIMES.index(oblique.sliding_regime)
+        found.known(row, oblique.summary, number, oblique.estimated)

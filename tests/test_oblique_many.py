@@ -1,0 +1,150 @@
+"""Oblique impacts in batches, sweeps and datasets: the numbers of `simulate`, and the files that hold them."""
+
+import json
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+import film_datasets as fd
+import film_model as fm
+from film_model.cli.main import main
+from film_model.oblique.result import MOTION, OBLIQUE, REGIMES
+
+STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
+
+
+def slanted(angle="30 deg", law="hertz", mu=0.2, target=None, **ball):
+    sphere = fm.Sphere("5 mm", "3 m/s", material=STEEL, angle=angle, **ball)
+    return fm.Scene(sphere, target or fm.HalfSpace(STEEL), fm.Contact(law, friction=mu), fm.Effects(gravity=False))
+
+
+TARGETS = {
+    "half-space": {},
+    "body": {"target": fm.Body(STEEL, radius="8 mm", velocity="-1 m/s")},
+    "rod": {"target": fm.Rod(STEEL, diameter="12 mm")},
+    "spin": {"spin": "-300 rad/s", "shape": "shell"},
+}
+
+
+def speeds(values):
+    return [f"{value!r} m/s" for value in values]
+
+
+@pytest.mark.parametrize("case", TARGETS)
+def test_a_batch_has_the_numbers_of_single_impacts(case):
+    scene, values = slanted(**TARGETS[case]), np.geomspace(0.05, 20.0, 7).tolist()
+    many = fm.simulate_batch(scene, velocity=speeds(values))
+    for row, text in enumerate(speeds(values)):
+        one = fm.simulate(scene.replace({"impactor.velocity": text})).oblique
+        assert many.oblique["sliding_regime"][row] == one.sliding_regime
+        assert many.oblique["estimated_error"][row] == pytest.approx(one.estimated, rel=1e-12)
+        for name, value in one.summary.items():
+            close = 1e-5 if name == "rebound_angle" else 1e-14  # that of the normal motion on another mesh
+            assert many.oblique[name][row] == pytest.approx(value, rel=close), name
+
+
+def test_a_batch_without_friction_has_no_tangential_part():
+    assert fm.simulate_batch(slanted(mu=None), velocity=["1 m/s"]).oblique == {}
+
+
+def test_impacts_that_yield_are_solved_by_springs_in_a_batch_too():
+    scene = slanted(law="auto", target=fm.HalfSpace("mild steel"))
+    many = fm.simulate_batch(scene, velocity=["0.005 m/s", "2 m/s"])
+    one = fm.simulate(scene.replace({"impactor.velocity": "2 m/s"})).oblique
+    assert many.oblique["tangential_impulse"][1] == one.summary["tangential_impulse"]
+    assert many.oblique["estimated_error"][0] < 1e-9 < many.oblique["estimated_error"][1]
+
+
+def test_friction_that_is_not_known_is_refused_in_a_batch():
+    sticky = fm.Contact("jkr", work_of_adhesion="0.1 J/m^2", friction=0.2)
+    scene = slanted()
+    with pytest.raises(fm.SimulationError, match="friction under adhesion that pulls is not supported"):
+        fm.simulate_batch(fm.Scene(scene.impactor, scene.target, sticky), velocity=["1 m/s"])
+
+
+def test_nothing_slides_in_some_impacts():
+    many = fm.simulate_batch(slanted("0 deg"), velocity=["1 m/s", "2 m/s"])
+    assert np.isnan(many.oblique["rebound_spin"]).all() and (many.oblique["sliding_regime"] == "").all()
+
+
+OVER = {"impactor.angle": ["0 deg", "10 deg", "40 deg", "80 deg"], "contact.friction": ["0", "0.1", "0.3"]}
+
+
+def test_a_sweep_has_the_results_of_single_impacts():
+    scene = slanted(spin="100 rad/s")
+    ds = fd.sweep(scene, OVER)
+    assert fd.validate(ds) == []
+    for i, angle in enumerate(OVER["impactor.angle"]):
+        for k, mu in enumerate(OVER["contact.friction"]):
+            one = fm.simulate(scene.replace({"impactor.angle": angle, "contact.friction": mu})).oblique
+            found = ds.isel(impactor_angle=i, contact_friction=k)
+            assert REGIMES[int(found["sliding_regime"])] == one.sliding_regime
+            assert float(found["estimated_friction_error"]) == pytest.approx(one.estimated, rel=1e-9)
+            for name, value in one.summary.items():
+                close = 1e-5 if name == "rebound_angle" else 1e-13
+                assert float(found[name]) == pytest.approx(value, rel=close, abs=1e-18, nan_ok=True), name
+
+
+def test_a_sweep_where_nothing_slides_or_not_at_all_and_its_choice_of_variables():
+    ds = fd.sweep(slanted(), {"impactor.angle": ["0 deg", "10 deg"]}, keep="segments", variables=["rebound_spin"])
+    assert np.isnan(ds["rebound_spin"][0]) and ds["sliding_regime"].values.tolist() == [-1, 0]
+    assert "friction_work" not in ds and fd.validate(ds) == []
+    plain = fd.sweep(slanted(mu=None), {"impactor.velocity": ["1 m/s", "2 m/s"]})
+    assert "sliding_regime" not in plain and plain.attrs["kept"] == "summary"
+
+
+def test_the_command_prints_and_writes_the_results_of_a_sweep(tmp_path, capsys):
+    (tmp_path / "ball.toml").write_text(slanted().to_toml(), encoding="utf-8")
+    over = '[over]\n"impactor.angle" = ["10 deg", "40 deg", "80 deg"]\n'
+    (tmp_path / "sweep.toml").write_text('scene = "ball.toml"\ndesign = "grid"\n' + over, encoding="utf-8")
+    assert main(["sweep", str(tmp_path / "sweep.toml"), "--output", str(tmp_path / "out.nc")]) == 0
+    printed = capsys.readouterr().out
+    assert "rebound spin" in printed and "friction work" in printed
+    with fd.open(tmp_path / "out.nc") as ds:
+        assert fd.validate(ds) == []
+        mean = float(ds["friction_work"].mean())
+    assert main(["summarise", str(tmp_path / "out.nc"), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["summary"]["friction_work"]["mean"] == pytest.approx(mean, rel=1e-12)
+    assert main(["convert", str(tmp_path / "out.nc"), str(tmp_path / "out.csv")]) == 0
+    heads = (tmp_path / "out.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert "friction_work [J]" in heads and "sliding_regime" in heads
+
+
+@pytest.mark.parametrize("scene", [slanted(), slanted("5 deg", law="elastoplastic", target=fm.HalfSpace("mild steel"))])
+def test_the_dataset_of_a_history_holds_its_friction(scene, tmp_path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        history = fm.simulate(scene)
+    ds = history.to_dataset()
+    assert fd.validate(ds) == [] and ds.attrs["film_model_schema_version"] == "1.5"
+    assert set(OBLIQUE) <= set(ds.variables) and ds["friction_time"].size == history.oblique.motion["time"].size
+    fd.write(ds, tmp_path / "oblique.nc")
+    with fd.open(tmp_path / "oblique.nc") as stored:
+        assert fd.validate(stored) == []
+        read = fd.history_of(stored).oblique
+    assert read == history.oblique and read.events == history.oblique.events
+    for name in MOTION:
+        assert np.array_equal(read.motion[name], history.oblique.motion[name], equal_nan=True)
+    assert fd.validate(ds.drop_vars("friction_work")) == ["variable friction_work is missing"]
+
+
+def test_a_history_without_friction_has_none_in_its_dataset():
+    ds = fm.simulate(slanted(mu=None)).to_dataset()
+    assert "sliding_regime" not in ds and fd.history_of(ds).oblique is None and fd.validate(ds) == []
+
+
+def test_balances_over_the_recorded_motion():
+    """Momentum and displacement are the integrals of force and velocity; the area that sticks lies in the contact."""
+    history = fm.simulate(slanted("20 deg"))
+    motion, found = history.oblique.motion, history.oblique.summary
+    impulse = np.trapezoid(motion["friction_force"], motion["time"])
+    assert impulse == pytest.approx(found["tangential_impulse"], rel=1e-3)
+    moved = np.trapezoid(motion["sliding_velocity"], motion["time"])
+    assert motion["sliding_displacement"][-1] == pytest.approx(
+        moved, abs=3e-3 * abs(motion["sliding_displacement"]).max()
+    )
+    radius = math.sqrt(history.scene.effective_radius * history.summary["maximum_indentation"])
+    assert 0.9 * radius < motion["stick_radius"].max() <= radius * (1.0 + 1e-6)

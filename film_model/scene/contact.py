@@ -115,7 +115,7 @@ class Contact:
         if self.friction is not None:
             raise SimulationError(
                 f"{what} the normal motion only, but contact.friction is {self.friction:g}: leave it out, "
-                "or use simulate or film-model run"
+                "or use simulate, a batch or a sweep"
             )
 
     @property

@@ -85,7 +85,8 @@ def _exactly(found: ManyOblique, problem: Problem, rebound: Array, ended: NDArra
     given = sliding_of(scene)
     if given is None or force is None:
         return np.full(count, given is None)
-    given = Sliding(*(one if isinstance(one, tuple) else column(one, count) for one in given))
+    whole = {name: column(value, count) for name, value in given._asdict().items() if name != "impactor"}
+    given = Sliding(impactor=given.impactor, **whole)
     with np.errstate(divide="ignore", invalid="ignore"):
         rate, before = numbers_of(given, problem, scene)
     slides = ended & (given.velocity != 0.0)

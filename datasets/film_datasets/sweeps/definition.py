@@ -25,6 +25,7 @@ from film_model.base.arrays import Index
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.effects.edge_effects import edged
 from film_model.problem.law_of_scene import DAMPED, ELASTIC, YIELDING
+from film_model.problem.summary import SUMMARY
 from film_model.scene import Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.scene.paths import number_text
@@ -349,7 +350,7 @@ def _variable_mistakes(given: Any) -> list[Mistake]:
 
 
 def _closest(name: Any) -> str:
-    hint = did_you_mean(name, CHOOSABLE) if isinstance(name, str) else ""
+    hint = (did_you_mean(name, SUMMARY) or did_you_mean(name, CHOOSABLE)) if isinstance(name, str) else ""
     return hint or f": {', '.join(CHOOSABLE)}"
 
 

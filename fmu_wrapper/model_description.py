@@ -162,6 +162,8 @@ def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: s
     kind = KINDS[data.kind]
     damped = bool(data.curve.stage[0].damped)
     needs_completed_step = kind == "contact" and damped  # for the maximum force, which no event reports
+    variable = {"canHandleVariableCommunicationStepSize": "true"}
+    rates = {"maxOutputDerivativeOrder": "1"} if kind == "impact" and has_exchange(data) else {}
     if version == 2:
         able = {
             "modelIdentifier": identifier,
@@ -172,7 +174,8 @@ def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: s
         }
         without = {} if needs_completed_step else {"completedIntegratorStepNotNeeded": "true"}
         parents = [ET.SubElement(root, "ModelExchange", {**able, **without})] if has_exchange(data) else []
-        steps = ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true"})
+        inputs = {"canInterpolateInputs": "true"} if kind == "impact" else {}
+        steps = ET.SubElement(root, "CoSimulation", {**able, **variable, **inputs, **rates})
         for parent in (*parents, steps):
             if sources:
                 files = ET.SubElement(parent, "SourceFiles")
@@ -190,7 +193,7 @@ def _interfaces(root: ET.Element, data: Data, version: FmiVersion, identifier: s
         needs = str(needs_completed_step).lower()
         ET.SubElement(root, "ModelExchange", {**able, "needsCompletedIntegratorStep": needs})
     events = {"hasEventMode": "true", "mightReturnEarlyFromDoStep": "true"} if kind == "impact" else {}
-    ET.SubElement(root, "CoSimulation", {**able, "canHandleVariableCommunicationStepSize": "true", **events})
+    ET.SubElement(root, "CoSimulation", {**able, **variable, **events, **rates})
 
 
 def _units(root: ET.Element, chosen: list[Variable]) -> None:

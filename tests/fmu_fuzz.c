@@ -71,7 +71,7 @@ static void call_legal_start(player *p) {
 }
 
 static void call_something(player *p) {
-    static void (*const frequent[])(player *) = {call_step, call_set, call_get, call_exchange};
+    static void (*const frequent[])(player *) = {call_step, call_set, call_get, call_exchange, call_rates};
     static void (*const all[])(player *) = {call_event_mode, call_update, call_leave, call_initialization, call_legal_start,
                                             call_state, call_state, call_derivative, call_absent};
     if (!p->u.c) {
@@ -81,7 +81,7 @@ static void call_something(player *p) {
     snprintf(where, sizeof where, "a sequence: FMI %d, interface %d, state %d, %.200s", p->u.version, p->u.interface,
              ((instance *)p->u.c)->state.mode, p->u.from->path);
     if (likely(1)) call_end(p);
-    else if (likely(60)) frequent[whole(0, 3)](p);
+    else if (likely(60)) frequent[whole(0, (int)(sizeof frequent / sizeof *frequent) - 1)](p);
     else all[whole(0, (int)(sizeof all / sizeof *all) - 1)](p);
     if (p->u.c && ((instance *)p->u.c)->state.mode & (FAILED | TERMINATED) && likely(20)) {
         int status;

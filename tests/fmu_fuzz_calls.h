@@ -171,6 +171,22 @@ static void call_step(player *p) {
     if (status == GOOD) HOLD(isfinite(time) && time >= from - 1e-9 * fabs(size) - 1e-12 * fabs(from));
 }
 
+/* Time derivatives of an input and of an output. */
+static void call_rates(player *p) {
+    unsigned input = likely(95) ? (unsigned)whole(EXTERNAL_FORCE, SUPPORT_VELOCITY) : some_reference(), output = some_reference();
+    int status, order = likely(95) ? 1 : whole(-1, 3);
+    const model_data *data = &p->u.from->data;
+    double most = input == EXTERNAL_FORCE ? 0.1 * data->force_scale : 0.1 * data->start[INITIAL_VELOCITY];
+    double rate = likely(98) ? uniform(-1.0, 1.0) * most / ((instance *)p->u.c)->model.memory.time_scale : odd(), found = NAN;
+    if (p->u.version == 2) {
+        CALL(p, fmi2SetRealInputDerivatives, p->u.c, likely(98) ? &input : NULL, 1, &order, &rate);
+        CALL(p, fmi2GetRealOutputDerivatives, p->u.c, &output, 1, likely(98) ? &order : NULL, &found);
+    } else {
+        CALL(p, fmi3GetOutputDerivatives, p->u.c, &output, 1, &order, likely(98) ? &found : NULL, (size_t)(likely(98) ? 1 : 2));
+    }
+    if (status == GOOD) HOLD(isfinite(found));
+}
+
 static void call_event_mode(player *p) {
     int status;
     EITHER_CALL(p, fmi2EnterEventMode, (p->u.c), fmi3EnterEventMode, (p->u.c));

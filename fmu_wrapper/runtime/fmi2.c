@@ -246,19 +246,19 @@ fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal
 
 /* ---------------------------------------------------------------- co-simulation */
 
-fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
-                                       const fmi2Real value[]) {
-    SELF;
-    (void)vr, (void)order, (void)value;
-    return nvr == 0 ? fmi2OK : (fmi2Status)instance_error(i, HERE, "%s", UNSUPPORTED);
-}
-
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[],
-                                        fmi2Real value[]) {
-    SELF;
-    (void)vr, (void)order, (void)value;
-    return nvr == 0 ? fmi2OK : (fmi2Status)instance_error(i, HERE, "%s", UNSUPPORTED);
-}
+#define TIME_DERIVATIVES(name, type, call)                                                                                \
+    fmi2Status name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2Integer order[], type value[]) { \
+        SELF;                                                                                                             \
+        if (!instance_allows(i, HERE, STEPPING)) return fmi2Error;                                                        \
+        NEED(vr, nvr);                                                                                                    \
+        NEED(order, nvr);                                                                                                 \
+        NEED(value, nvr);                                                                                                 \
+        for (size_t k = 0; k < nvr; k++)                                                                                  \
+            if (call < 0) return (fmi2Status)instance_error(i, HERE, "%s", i->model.message);                             \
+        return fmi2OK;                                                                                                    \
+    }
+TIME_DERIVATIVES(fmi2SetRealInputDerivatives, const fmi2Real, model_set_input_rate(&i->model, vr[k], order[k], value[k]))
+TIME_DERIVATIVES(fmi2GetRealOutputDerivatives, fmi2Real, model_output_rate(&i->model, vr[k], order[k], &value[k]))
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
                       fmi2Boolean noSetFMUStatePriorToCurrentPoint) {

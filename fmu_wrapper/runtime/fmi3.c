@@ -180,8 +180,19 @@ UNSUPPORTED_CALL(fmi3Status fmi3SetIntervalFraction(REFERENCES, const fmi3UInt64
 UNSUPPORTED_CALL(fmi3Status fmi3SetShiftDecimal(REFERENCES, const fmi3Float64 shifts[]), nValueReferences, (void)shifts)
 UNSUPPORTED_CALL(fmi3Status fmi3SetShiftFraction(REFERENCES, const fmi3UInt64 counters[], const fmi3UInt64 resolutions[]),
         nValueReferences, (void)counters, (void)resolutions)
-UNSUPPORTED_CALL(fmi3Status fmi3GetOutputDerivatives(REFERENCES, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues),
-        nValueReferences + nValues, (void)orders, (void)values)
+
+fmi3Status fmi3GetOutputDerivatives(REFERENCES, const fmi3Int32 orders[], fmi3Float64 values[], size_t nValues) {
+    SELF;
+    if (!instance_allows(i, HERE, STEPPING | EVENT)) return fmi3Error;
+    NEED(valueReferences, nValueReferences);
+    NEED(orders, nValueReferences);
+    NEED(values, nValues);
+    CHECK_COUNTS();
+    for (size_t k = 0; k < nValues; k++)
+        if (model_output_rate(&i->model, valueReferences[k], orders[k], &values[k]) < 0)
+            return (fmi3Status)instance_error(i, HERE, "%s", i->model.message);
+    return fmi3OK;
+}
 
 /* ---------------------------------------------------------------- dependencies and derivatives */
 

@@ -67,6 +67,15 @@ int model_set(model *m, unsigned reference, double value) {
     return 0;
 }
 
+int model_set_input_rate(model *m, unsigned reference, int order, double rate) {
+    if (order != 1) return model_error(m, "inputs have time derivatives of order 1, not %d", order);
+    if (m->data->kind != IMPACT || reference < EXTERNAL_FORCE || reference >= EXTERNAL_FORCE + INPUTS)
+        return model_error(m, "only external_force and support_velocity of an impact have time derivatives");
+    if (!isfinite(rate)) return model_error(m, "the time derivative of %s is not finite", VARIABLE[reference].name);
+    m->memory.input_rates[reference - EXTERNAL_FORCE] = rate;
+    return 0;
+}
+
 static const int SCALES_BY[DAMPINGS] = {RADIUS, EFFECTIVE_MODULUS, YIELD_STRENGTH, YIELD_PRESSURE, HARDNESS, STIFFNESS,
                                         POWER_STIFFNESS, MASS, INITIAL_VELOCITY, DAMPING, DISSIPATION_TIME,
                                         HYSTERESIS_DAMPING};
@@ -158,6 +167,7 @@ int model_initialize(model *m, double time) {
     now->announced = 0;
     now->step_force = now->impulse = now->released = now->external = 0.0;
     memcpy(now->first_inputs, &value[EXTERNAL_FORCE], sizeof now->first_inputs);
+    memset(now->input_rates, 0, sizeof now->input_rates);
     now->varied = 0;
     now->contact_speed = m->data->speed / now->velocity;
     now->states[0] = -gap;
@@ -244,15 +254,25 @@ static void balance_step(model *m, double since, double velocity, double displac
     now->released += gained - load * moved;
 }
 
+/* Move the inputs to where their rates bring them after a time. Returns whether one has a rate. */
+static int move_inputs(model_memory *now, double time) {
+    for (int k = 0; k < INPUTS; k++) now->value[EXTERNAL_FORCE + k] += now->input_rates[k] * time;
+    return now->input_rates[0] != 0.0 || now->input_rates[1] != 0.0;
+}
+
 int model_step(model *m, double end, int stop_at_events, int *stopped) {
-    const model_memory *now = &m->memory;
+    model_memory *now = &m->memory;
     double since = now->time, velocity = now->state.nu * now->velocity + now->support;
     double displacement = (now->state.xi + now->state.shift) * now->length + now->support_displacement;
     *stopped = 0;
     if (m->data->kind == CONTACT) return contact_step(m, end);
+    int moving = move_inputs(now, 0.5 * (end - since));
     int status = impact_step(m, end, stop_at_events, stopped);
     if (status == 0) balance_step(m, since, velocity, displacement);
-    return status;
+    if (!moving || status != 0) return status;
+    move_inputs(now, 0.5 * (end - since));
+    memset(now->input_rates, 0, sizeof now->input_rates);
+    return apply_inputs(m);
 }
 
 int model_start(model *m, int importer_integrates) {

@@ -10,6 +10,7 @@
 
 enum { STATES = 3 };                   /* indentation, impactor velocity, target displacement */
 enum { SCALINGS = 7, DAMPINGS = 12, RESTITUTION_TERMS = 48 };  /* parameters that scale the march, and its damping; see model_data */
+enum { INPUTS = 2 };                   /* of an impact: external force and support velocity */
 enum { LIMITS = 2, LONGEST_REASON = 80 };
 enum { MAX_STEP_EVENTS = 1000000 }; /* per step: a ball that bounces without loss has infinitely many events */
 
@@ -98,7 +99,8 @@ typedef struct {
     double step_force;                           /* mean contact force over the last communication step, N */
     double impulse, released, external;          /* of contact, N s; work done by the contact force on the impactor, and by
                                                     gravity and external force, J */
-    double first_inputs[2];                      /* those at the start, as `value` */
+    double first_inputs[INPUTS];                 /* those at the start, as `value` */
+    double input_rates[INPUTS];                  /* their time derivatives in the next step, 1/s times their units */
     double committed_time, committed_indentation, committed_rate; /* contact: last accepted point of the path, SI */
     double indentation, rate;                    /* contact: at the current time, set or extrapolated, m and m/s */
     double recoil;                               /* velocity of a vibrating target's struck point, over the velocity scale */
@@ -143,6 +145,11 @@ void model_free(model *m);
 
 int model_set(model *m, unsigned reference, double value);
 int model_get(model *m, unsigned reference, double *value);
+/* Let an input of an impact change at a constant rate in the next step of Co-Simulation; its mean moves the impactor.
+ * order: of the time derivative; only 1 is known, here and of outputs. */
+int model_set_input_rate(model *m, unsigned reference, int order, double rate);
+/* Time derivative of a real output in Co-Simulation. */
+int model_output_rate(model *m, unsigned reference, int order, double *rate);
 /* Whether an output depends directly on a variable: 1 or 0; -1: not a real output. */
 int model_depends(const model *m, unsigned unknown, unsigned known);
 

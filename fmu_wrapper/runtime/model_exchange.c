@@ -46,6 +46,24 @@ int model_rates(model *m, double rates[STATES]) {
     return 0;
 }
 
+int model_output_rate(model *m, unsigned reference, int order, double *rate) {
+    static const unsigned known[STATES] = {INDENTATION, IMPACTOR_VELOCITY, TARGET_DISPLACEMENT};
+    double rates[STATES], partial;
+    *rate = 0.0;
+    if (order != 1) return model_error(m, "outputs have time derivatives of order 1, not %d", order);
+    if (m->data->kind != IMPACT || !model_has_exchange(m->data))
+        return model_error(m, "time derivatives of outputs are known of impacts that have Model Exchange too");
+    if (!model_has(m, reference) || VARIABLE[reference].role[IMPACT] != OUTPUT || VARIABLE[reference].type != REAL)
+        return model_error(m, "value reference %u is not a real output", reference);
+    if (model_is_discrete(reference)) return 0;
+    if (model_rates(m, rates) < 0) return -1;
+    for (int k = 0; k < STATES; k++) {
+        if (model_partial(m, reference, known[k], &partial) < 0) return -1;
+        *rate += partial * rates[k];
+    }
+    return isfinite(*rate) ? 0 : model_not_finite(m, VARIABLE[reference].name);
+}
+
 int model_indicators(model *m, double indicators[FILM_INDICATORS]) {
     if (m->memory.importer_integrates) load_states(m);
     double speed = m->memory.contact_speed;

@@ -54,6 +54,7 @@ DIMENSIONS: dict[str, Dimension] = {
     "density": Dimension("kg m-3", "a density", "7850 kg/m^3"),
     "mass_per_area": Dimension("kg m-2", "a mass per area", "4.1 kg/m^2"),
     "energy": Dimension("J", "an energy", "2 mJ"),
+    "torque": Dimension("N m", "a torque", "0.1 N*m"),
     "bending_stiffness": Dimension("N m", "a bending stiffness", "150 N*m"),
     "stiffness": Dimension("N m-1", "a stiffness", "1e6 N/m"),
     "stiffness_per_length": Dimension("N m-2", "a stiffness per length", "2e6 N/m^2"),

@@ -48,8 +48,8 @@ class Sliding(NamedTuple):
         return 1.0 / (self.mass * self.ratio)
 
 
-def sliding_of(scene: Scene) -> Sliding | None:
-    """What friction depends on; None without friction, or if nothing slides.
+def sliding_of(scene: Scene, at_rest: bool = False) -> Sliding | None:
+    """What friction depends on; None without friction, or if nothing slides, unless at_rest is true.
 
     Raises SimulationError if the stiffness along the surface is not known.
     """
@@ -59,7 +59,7 @@ def sliding_of(scene: Scene) -> Sliding | None:
     angle, spin = 0.0 if ball.angle is None else ball.angle, spin_of(scene)
     along = ball.path_speed * (np.sin(angle) if isinstance(angle, np.ndarray) else math.sin(angle))
     velocity = along + spin * ball.radius
-    if all_of(velocity == 0.0):
+    if not at_rest and all_of(velocity == 0.0):
         return None
     materials = [ball.material, scene.target.material]
     if None in materials or scene.contact.effective_modulus is not None:

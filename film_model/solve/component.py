@@ -12,6 +12,7 @@ from film_model.base.late import Late
 from film_model.base.units import format_si
 from film_model.core import modal, native
 from film_model.effects.choose import Choice, choose
+from film_model.oblique.stepped import Pushes, SavedSliding, SlidingOutputs, SteppedFriction
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import Linearisation, mesh_for, mesh_of, raise_failure, solver_for
 from film_model.solve.history import Event, stage_name
@@ -57,6 +58,7 @@ class SavedState:
     support_velocity: float
     support_displacement: float
     load: float
+    sliding: SavedSliding | None = None
 
 
 class ImpactComponent:
@@ -73,6 +75,12 @@ class ImpactComponent:
     Viscoelastic bodies have `segments` 0, too. A step raises SimulationError if their contact closes again before it
     ended, or begins before they have recovered from the one before: see docs/effects.md.
     What `simulate` would warn about the accuracy is issued as an ImpactWarning.
+
+    With friction in [contact], the motion along the surface is followed too, through any number of contacts, and does
+    not change the normal motion: `sliding` has its outputs, and steps take tangential force, torque and velocity of the
+    support. It is that of springs side by side, whose stiffness is 4 G*/E* times the slope of the law's force: exact for
+    elastic contacts and balls in their dents; where a law yields in loading, one of the two models between which
+    `simulate` shows the sliding velocity.
 
     Raises SceneError or SimulationError as `simulate` does; SimulationError for a target that is a free body.
 
@@ -92,7 +100,6 @@ class ImpactComponent:
         segments: int | tuple[int, int] | None = None,
         linearisation: Linearisation | None = None,
     ) -> None:
-        scene.contact.refuse_friction("a component steps")
         if scene.target.free:
             raise SimulationError("a free body as target cannot be stepped: simulate() gives its motion")
         self.scene = scene
@@ -108,6 +115,7 @@ class ImpactComponent:
             self._motion = self._on_memory(accuracy, segments, linearisation)
         else:
             self._motion = OnLines(self.problem, self._mesh(accuracy, segments, linearisation))
+        self._friction = None if scene.contact.friction is None else SteppedFriction(self.problem)
         self.reset()
 
     def _mesh(
@@ -161,6 +169,8 @@ class ImpactComponent:
         self._motion.begin(speed, gap / scales.length)
         self._start_time, self._load = begin, self.problem.load
         self._support_velocity = self._support_displacement = 0.0
+        if self._friction is not None:
+            self._friction.begin()
 
     def reset(self) -> None:
         """Return to the initial state: undeformed target, no contact."""
@@ -187,7 +197,8 @@ class ImpactComponent:
     def save(self) -> SavedState:
         """A copy of the state, for `restore`."""
         support = self._support_velocity, self._support_displacement
-        return SavedState(self._motion.save(), self._start_time, *support, self._load)
+        sliding = None if self._friction is None else self._friction.save()
+        return SavedState(self._motion.save(), self._start_time, *support, self._load, sliding)
 
     def restore(self, saved: SavedState) -> None:
         """Return to a saved state; the same steps then give the same results to the last bit."""
@@ -195,6 +206,8 @@ class ImpactComponent:
         self._start_time = saved.start_time
         self._support_velocity, self._support_displacement = saved.support_velocity, saved.support_displacement
         self._load = saved.load
+        if self._friction is not None and saved.sliding is not None:
+            self._friction.restore(saved.sliding)
 
     @property
     def time(self) -> float:
@@ -231,13 +244,28 @@ class ImpactComponent:
             contacts,
         )
 
+    @property
+    def sliding(self) -> SlidingOutputs | None:
+        """Motion along the surface now, SI; None without friction in [contact]."""
+        return None if self._friction is None else self._friction.outputs
+
     def step(
-        self, dt: Any, *, external_force: Any = 0.0, support_velocity: Any = 0.0, stop_at_events: bool = False
+        self,
+        dt: Any,
+        *,
+        external_force: Any = 0.0,
+        support_velocity: Any = 0.0,
+        tangential_force: Any = 0.0,
+        torque: Any = 0.0,
+        tangential_support_velocity: Any = 0.0,
+        stop_at_events: bool = False,
     ) -> StepResult:
         """Advance by dt [s], or with `stop_at_events` to the next event if that comes first.
 
         external_force: on the impactor, positive into the target [N]; support_velocity: of the target as a whole [m/s];
-        both constant during the step. Raises ValueError for a negative time or a value that is not finite;
+        tangential_force: on the impactor's centre [N], torque: about it [N m], both in the direction in which they add
+        to sliding, and tangential_support_velocity: of the target along the surface [m/s], which need friction in
+        [contact]; all constant during the step. Raises ValueError for a negative time or a value that is not finite;
         SimulationError if the indentation passes the end of the contact law or the step has too many events. The
         component then keeps the state of that moment.
         """
@@ -245,6 +273,7 @@ class ImpactComponent:
         if dt < 0.0:
             raise ValueError(f"dt: {dt:g} s must be >= 0 s")
         support = _si(support_velocity, "velocity")
+        self._push(tangential_force, torque, tangential_support_velocity)
         scales, motion = self.problem.scales, self._motion
         load = self.problem.load + force / scales.force
         if load != self._load or support != self._support_velocity:
@@ -255,7 +284,7 @@ class ImpactComponent:
         remaining, before = dt / motion.clock, motion.time
         end = before + remaining
         while True:
-            status = motion.step(remaining)
+            status = self._advance(remaining)
             self._support_displacement += support * (motion.time - before) * motion.clock
             before = motion.time
             if status != native.EVENT:
@@ -269,6 +298,25 @@ class ImpactComponent:
                 break
         outputs = self.outputs
         return StepResult(outputs.time, outputs, tuple(events))
+
+    def _push(self, force: Any, torque: Any, support: Any) -> None:
+        pushes = Pushes(_si(force, "force"), _si(torque, "torque"), _si(support, "velocity"))
+        if self._friction is not None:
+            self._friction.push(pushes)
+        elif any(pushes):
+            raise ValueError("tangential_force, torque and tangential_support_velocity need contact.friction")
+
+    def _advance(self, dt: float) -> int:
+        """Forward by dt or to the next event, with friction beside it; the core's status."""
+        motion = self._motion
+        if self._friction is None or not isinstance(motion, OnLines):
+            return motion.step(dt)
+        begin = native.State.from_buffer_copy(motion.contact)
+        status = motion.step(dt)
+        if status < 0:
+            return status
+        slid = self._friction.follow(self.problem.curve.native, motion.mesh, begin, motion.time - begin.time)
+        return slid if slid < 0 else status
 
     def _where(self) -> str:
         """When the motion failed; between viscoelastic contacts, how much of the surface has not recovered."""

@@ -25,11 +25,11 @@ Now: TypeAlias = tuple[float, float, float, float, float, float, int, int]
 
 
 class OnLines:
-    """The core's march on a mesh, in steps. clock: the unit of its times, s."""
+    """The core's march on a mesh, in steps. clock: the unit of its times, s. mesh: of its lines."""
 
     def __init__(self, problem: Problem, mesh: native.Mesh) -> None:
         self.clock = problem.scales.time
-        self._problem, self._mesh, self._curve = problem, mesh, problem.curve.native
+        self._problem, self.mesh, self._curve = problem, mesh, problem.curve.native
 
     def begin(self, nu: float, gap: float) -> None:
         """Start with a velocity at a distance to the target."""
@@ -39,7 +39,7 @@ class OnLines:
 
     def step(self, dt: float) -> int:
         """Forward by dt or to the next event; the core's status."""
-        return native.step(self._curve, self._mesh, self._state, dt)
+        return native.step(self._curve, self.mesh, self._state, dt)
 
     def set_input(self, load: float, nu_change: float, stop_velocity: float) -> int:
         """Change load, velocity (by a step of the support) and stop velocity; the core's status."""

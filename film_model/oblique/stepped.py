@@ -1,0 +1,117 @@
+"""Friction of an impact that is advanced in steps, over any number of contacts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from film_model.base.errors import SimulationError
+from film_model.core import native
+from film_model.core import sliding as core
+from film_model.oblique.friction import refuse
+from film_model.oblique.sliding import sliding_of, spin_of
+from film_model.problem.problem import Problem
+
+STEP = 0.002
+"""Longest step of the springs, over the unit of time of the march."""
+
+
+class SlidingOutputs(NamedTuple):
+    """Motion along the surface at one time, SI. sliding_velocity: of the contacting point relative to the support.
+    tangential_velocity: of the centre. friction_force: against sliding. tangential_impulse: of the friction force.
+    friction_work: dissipated."""
+
+    sliding_velocity: float
+    tangential_velocity: float
+    spin: float
+    friction_force: float
+    tangential_impulse: float
+    friction_work: float
+
+
+class Pushes(NamedTuple):
+    """What acts along the surface during a step. force: on the centre, N. torque: about it, N·m. support: velocity of
+    the target along the surface, m/s."""
+
+    force: float = 0.0
+    torque: float = 0.0
+    support: float = 0.0
+
+
+@dataclass(frozen=True)
+class SavedSliding:
+    """A copy of the state of :class:`SteppedFriction`."""
+
+    core: bytes
+    pushes: Pushes
+    gained: tuple[float, float]
+
+
+class SteppedFriction:
+    """The motion along the surface beside a normal motion in steps.
+
+    Raises SimulationError for a scene whose friction is not known in steps: without moduli of both bodies, under a law
+    that pulls, on targets that vibrate, of viscoelastic bodies.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        scene = problem.scene
+        refuse(problem)
+        if problem.vibrates:
+            raise SimulationError(
+                "friction is not supported in steps on a target that vibrates: switch target_motion off in [effects]"
+            )
+        given = sliding_of(scene, at_rest=True)
+        assert given is not None
+        self._given, self._ball, scales = given, given.impactor, problem.scales
+        self._along, self._spin = float(given.along), float(spin_of(scene))
+        self._velocity = float(given.ratio) * scales.velocity
+        self._force, self._time = scales.force, scales.time
+        self._rate = float(given.parameter * scene.effective_mass)
+        self.begin()
+
+    def begin(self) -> None:
+        """Return to the start."""
+        self._core = core.Sliding(float(self._given.friction), self._rate, 0.0, STEP)
+        self._core.velocity, self._core.widest = float(self._given.velocity) / self._velocity, 1.0
+        self._pushes, self._gained = Pushes(), (0.0, 0.0)
+
+    def push(self, pushes: Pushes) -> None:
+        """What acts from now on."""
+        ball = self._ball
+        self._core.velocity -= (pushes.support - self._pushes.support) / self._velocity
+        rate = pushes.force / float(ball.mass) + pushes.torque * float(ball.lever) / float(ball.inertia)
+        self._core.push = rate * self._time / self._velocity
+        self._pushes = pushes
+
+    def follow(self, curve: native.Curve, mesh: native.Mesh, begin: native.State, dt: float) -> int:
+        """Advance by dt, in units of the march, beside a normal motion that leads on from `begin`; the core's
+        status."""
+        force, torque, _ = self._pushes
+        self._gained = (self._gained[0] + force * dt * self._time, self._gained[1] + torque * dt * self._time)
+        return core.slide(curve, mesh, begin, dt, self._core)
+
+    @property
+    def outputs(self) -> SlidingOutputs:
+        """Motion now."""
+        ball, now = self._ball, self._core
+        impulse = now.impulse * self._force * self._time
+        pushed, turned = self._gained
+        work = (now.work - core.stored(now)) * self._force * self._velocity * self._time
+        return SlidingOutputs(
+            now.velocity * self._velocity,
+            self._along + (pushed - impulse) / float(ball.mass),
+            self._spin + (turned - float(ball.lever) * impulse) / float(ball.inertia),
+            now.force * self._force,
+            impulse,
+            work,
+        )
+
+    def save(self) -> SavedSliding:
+        """A copy of the state."""
+        return SavedSliding(bytes(self._core), self._pushes, self._gained)
+
+    def restore(self, saved: SavedSliding) -> None:
+        """Return to a saved state."""
+        self._core = core.Sliding.from_buffer_copy(saved.core)
+        self._pushes, self._gained = saved.pushes, saved.gained

@@ -1,0 +1,143 @@
+"""Friction and spin of a component in steps: against simulate, balances, several contacts, saved states, refusals."""
+
+import math
+
+import pytest
+
+import film_model as fm
+
+
+def scene(law="hertz", psi=2.0, friction=0.2, target=None, spin=None, **entries):
+    """A steel ball at the angle at which its impact number is about psi."""
+    angle = math.atan(1.21 * friction * psi)
+    ball = fm.Sphere(radius="10 mm", velocity="0.5 m/s", material="bearing steel", angle=f"{angle} rad", spin=spin)
+    contact = fm.Contact(law=law, friction=friction, **entries)
+    effects = fm.Effects(gravity=False, wave_losses=False)
+    return fm.Scene(ball, target or fm.HalfSpace("bearing steel"), contact=contact, effects=effects)
+
+
+def after(on, steps=1, **pushes):
+    history = fm.simulate(on, accuracy=1e-8)
+    component = fm.ImpactComponent(on, accuracy=1e-8)
+    for _ in range(steps):
+        component.step(1.01 * history.duration / steps, **pushes)
+    return history, component
+
+
+@pytest.mark.parametrize("psi", [0.3, 0.9, 2.0, 4.0, 8.0])
+@pytest.mark.parametrize("steps", [1, 37])
+def test_a_component_slides_as_simulate_does(psi, steps):
+    history, component = after(scene(psi=psi), steps)
+    found, exact = component.sliding, history.oblique.summary
+    before = history.oblique.motion["sliding_velocity"][0]
+    assert found.sliding_velocity == pytest.approx(exact["contact_point_rebound_velocity"], abs=2e-5 * before)
+    assert found.tangential_velocity == pytest.approx(exact["tangential_rebound_velocity"], abs=1e-5 * before)
+    assert found.spin * 0.01 == pytest.approx(exact["rebound_spin"] * 0.01, abs=2e-5 * before)
+    assert found.friction_work == pytest.approx(exact["friction_work"], rel=2e-4)
+    assert found.friction_force == 0.0
+
+
+@pytest.mark.parametrize(
+    ("law", "entries"), [("elastoplastic", {}), ("big-alabo", {}), ("tsuji", {"restitution": 0.8})]
+)
+@pytest.mark.parametrize("psi", [1.0, 3.0])
+def test_laws_that_lose_energy_are_near_simulate(law, entries, psi):
+    """Its springs have the law's own contact radius, and ends of steps; 0.1 % of the sliding velocity before apart."""
+    history, component = after(scene(law, psi, **entries))
+    exact, before = history.oblique, history.oblique.motion["sliding_velocity"][0]
+    low, high = (
+        (exact.low, exact.high) if exact.low is not None else [exact.summary["contact_point_rebound_velocity"]] * 2
+    )
+    assert low - 1e-3 * before < component.sliding.sliding_velocity < high + 1e-3 * before
+
+
+def test_the_normal_motion_is_that_without_friction_to_the_bit():
+    on = scene("elastoplastic", target=fm.Plate("bearing steel", thickness="8 mm"))
+    _, component = after(on)
+    _, plain = after(on.replace({"contact.friction": None}))
+    assert component.outputs == plain.outputs and plain.sliding is None
+
+
+def test_friction_stays_within_its_limit_and_what_acts_is_balanced():
+    history, _ = after(scene(psi=0.7))
+    component = fm.ImpactComponent(scene(psi=0.7))
+    mass, radius = history.scene.mass, 0.01
+    inertia, h = 0.4 * mass * radius**2, history.duration / 200
+    begun, gained = component.sliding, 0.0
+    for n in range(240):
+        force, torque = 3.0 * math.sin(n / 9.0), 0.02 * math.cos(n / 7.0)
+        component.step(h, tangential_force=force, torque=f"{torque} N m", tangential_support_velocity=0.01 * (n % 3))
+        now, gained = component.sliding, gained + force * h
+        assert abs(now.friction_force) <= 0.2 * component.outputs.contact_force * (1.0 + 1e-12)
+        moved = mass * (now.tangential_velocity - begun.tangential_velocity) + now.tangential_impulse
+        assert moved == pytest.approx(gained, abs=1e-13 * mass)
+        along = now.tangential_velocity + radius * now.spin - 0.01 * (n % 3)
+        assert now.sliding_velocity == pytest.approx(along, abs=1e-12)
+    assert inertia > 0.0 and component.phase == "separated"
+
+
+def test_a_ball_bounces_on_with_its_spin_until_it_rolls():
+    """Under weight it comes down again and again; without torque and at rest sliding ends at 5/7 of the velocity."""
+    on = scene(psi=6.0).replace({"impactor.velocity": "0.3 m/s"})
+    component = fm.ImpactComponent(on)
+    begun, weight, works = component.sliding, 9.80665 * on.mass, [0.0]
+    for _ in range(12):
+        component.step("3 ms", external_force=20.0 * weight)
+        works.append(component.sliding.friction_work)
+    now = component.sliding
+    assert component.outputs.contact_count > 5
+    assert works == sorted(works)
+    assert now.tangential_velocity == pytest.approx(begun.tangential_velocity * 5.0 / 7.0, rel=0.02)
+    assert abs(now.sliding_velocity) < 0.02 * begun.sliding_velocity
+    lost = 0.5 * on.mass * (begun.tangential_velocity**2 - now.tangential_velocity**2)
+    assert now.friction_work == pytest.approx(lost - 0.2 * on.mass * (0.01 * now.spin) ** 2, rel=1e-6)
+
+
+def test_a_saved_state_leads_to_the_same_motion():
+    history, _ = after(scene(psi=0.7))
+    component = fm.ImpactComponent(scene(psi=0.7))
+    component.step(0.4 * history.duration, tangential_force=2.0, tangential_support_velocity=0.01)
+    saved = component.save()
+    component.step(history.duration)
+    first = component.sliding
+    component.restore(saved)
+    component.step(history.duration)
+    assert component.sliding == first
+    component.reset()
+    assert component.sliding == fm.ImpactComponent(scene(psi=0.7)).sliding
+
+
+def test_springs_that_are_too_few_are_doubled():
+    """At 30 times the velocity of the scene the contact is much wider than its springs reach at first."""
+    slow = scene(psi=0.7)
+    fast = slow.replace({"impactor.velocity": "15 m/s"})
+    component = fm.ImpactComponent(fast, accuracy=1e-6)
+    history = fm.simulate(fast, accuracy=1e-6)
+    component.step(1.01 * history.duration)
+    before = history.oblique.motion["sliding_velocity"][0]
+    exact = history.oblique.summary["contact_point_rebound_velocity"]
+    assert component.sliding.sliding_velocity == pytest.approx(exact, abs=3e-5 * before)
+
+
+@pytest.mark.parametrize(
+    ("entries", "sentence"),
+    [
+        (
+            {"contact.law": "jkr", "contact.work_of_adhesion": "0.1 J/m^2"},
+            "friction under adhesion that pulls is not supported",
+        ),
+        ({"contact.effective_modulus": "100 GPa"}, "friction needs Young's modulus and Poisson's ratio of both bodies"),
+    ],
+)
+def test_what_has_no_friction_in_steps_is_refused(entries, sentence):
+    with pytest.raises(fm.SimulationError, match=sentence):
+        fm.ImpactComponent(scene().replace(entries))
+
+
+def test_targets_that_vibrate_and_pushes_without_friction_are_refused():
+    beam = fm.Beam("bearing steel", length="200 mm", width="20 mm", thickness="5 mm", position="90 mm")
+    with pytest.raises(fm.SimulationError, match="not supported in steps on a target that vibrates"):
+        fm.ImpactComponent(scene(target=beam))
+    plain = fm.ImpactComponent(scene().replace({"contact.friction": None}))
+    with pytest.raises(ValueError, match=r"need contact\.friction"):
+        plain.step(1e-6, torque="1 N m")

@@ -31,7 +31,8 @@ SOURCES = (
     *platforms.MODES,
     *ONE_IMPACT,
     *platforms.RELAXING,
-    *platforms.core("oblique", "friction", "friction_step", "slide"),
+    *platforms.core("oblique", "friction", "friction_step"),
+    *platforms.SLIDING,
 )
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 FLAGS = platforms.FLAGS

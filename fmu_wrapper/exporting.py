@@ -17,6 +17,7 @@ from film_model.base import units
 from film_model.base.errors import Outcome, SimulationError
 from film_model.base.files import check_replaceable, written_whole
 from film_model.effects.choose import Choice, choose
+from film_model.oblique.stepped import SteppedFriction
 from film_model.problem.problem import Problem
 from film_model.scene import DEFAULT_ACCURACY, Scene
 from film_model.solve.accuracy import mesh_for
@@ -66,8 +67,8 @@ def export(
     Raises ValueError for an invalid argument; FileExistsError; SimulationError as `simulate` does, for an impact on a
     free body and for a contact of viscoelastic bodies; ImportError if matplotlib or ziglang is missing.
     """
-    scene.contact.refuse_friction("an FMU contains")
     target = Path(path)
+    _check_friction(scene, kind)
     if fmi_version not in (2, 3):
         raise ValueError(f"fmi_version: {fmi_version!r} is not allowed: 2 or 3 is needed")
     if kind not in KINDS:
@@ -118,6 +119,14 @@ def _binaries(platform: str | Sequence[str] | None) -> dict[str, bytes]:
             raise ImportError(f"{library} is missing: install the package (pip install .) to compile it")
         found[own] = library.read_bytes()
     return {name: found[name] for name in names}
+
+
+def _check_friction(scene: Scene, kind: Kind) -> None:
+    """Raise SimulationError for friction that an FMU cannot contain."""
+    if kind == "contact":
+        scene.contact.refuse_friction("a contact contains")
+    elif scene.contact.friction is not None:
+        SteppedFriction(choose(scene).problem)
 
 
 def _contents(

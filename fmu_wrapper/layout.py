@@ -54,6 +54,12 @@ class Relaxing(c.Structure):
     _fields_ = (("law", relaxing.Law), ("tolerance", _D))
 
 
+class Friction(c.Structure):
+    """model_friction of runtime/model.h."""
+
+    _fields_ = (("ratio", _D), ("lever", _D), ("inertia", _D))
+
+
 class Stresses(c.Structure):
     """model_stresses of runtime/model.h."""
 
@@ -94,5 +100,6 @@ class Data(c.Structure):
         ("family", Family),
         ("modes", Modes),
         ("relaxation", Relaxing),
+        ("friction", Friction),
     )
     tail = b""

@@ -31,6 +31,7 @@ def nominals(data: Data, stop_time: float) -> dict[str, float]:
 def _sizes(data: Data, stop_time: float) -> dict[str, float]:
     """Dimension → size in the impact, SI."""
     depth, speed, _ = data.nominal
+    lever = data.friction.lever or math.inf
     mass, force = data.start[reference("mass")], loading_force(data, depth, speed)
     return {
         "time": stop_time,
@@ -42,4 +43,6 @@ def _sizes(data: Data, stop_time: float) -> dict[str, float]:
         "pressure": force / (math.pi * data.stresses.radius * depth),
         "energy": 0.5 * mass * speed**2,
         "impulse": mass * speed,
+        "angular_frequency": speed / lever,
+        "torque": force * lever,
     }

@@ -40,15 +40,17 @@ MODES = (
     *core("modal", "modal_contact", "modal_flight"),
 )
 RELAXING = core("relax", "relax", "relax_step")
+SLIDING = core("oblique", "slide")
 SOURCES = (
     *MARCH,
     *MODES,
     *RELAXING,
+    *SLIDING,
     *(
         f"{RUNTIME}/model{part}.c"
         for part in (
             *("", "_events", "_contact", "_curve", "_outputs", "_validity", "_exchange", "_modes", "_beside"),
-            *("_stresses", "_slopes"),
+            *("_stresses", "_slopes", "_sliding"),
         )
     ),
     *(f"{RUNTIME}/{name}.c" for name in ("resource", "instance", "fmi2", "fmi3")),
@@ -58,6 +60,7 @@ HEADERS = (
     *(f"{CORE}/{name}.h" for name in ("curve/film_law", "march/film_line", "march/film_march", "lanes/film_wide")),
     *(f"{CORE}/{name}.h" for name in ("modal/film_modal", "modal/film_modal_parts")),
     *(f"{CORE}/{name}.h" for name in ("relax/film_relax", "relax/film_relax_parts")),
+    f"{CORE}/oblique/film_slide.h",
     *(f"{RUNTIME}/{name}.h" for name in ("model", "model_parts", "instance", "variables", "failures")),
 )
 INCLUDES = (CORE, RUNTIME)
@@ -67,7 +70,7 @@ WINDOWS_PARTS = (
     *(f"api-ms-win-crt-{one}-l1-1-0" for one in ("math", "heap", "stdio", "string", "private")),
 )
 """Parts of Windows that its binary imports; zig makes import libraries of them without compiling C."""
-_OWN = b"film|model|instance|contact|modes|relaxing"  # how the names of all functions begin that are not static
+_OWN = b"film|model|instance|contact|modes|relaxing|sliding"  # how the names of all functions begin that are not static
 DEFINITIONS = {"FILM_API": ""}  # not exported: one process may load FMUs of several versions
 
 # No fused multiply-adds, so that every compiler gives the same bits; the last two flags allow loops to vectorise.

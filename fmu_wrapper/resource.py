@@ -15,6 +15,7 @@ from film_model.base.units import scene_unit
 from film_model.core import native
 from film_model.core.modal import LEVELS, Tables
 from film_model.laws.hertz import hertz_stiffness
+from film_model.oblique.sliding import sliding_of, spin_of
 from film_model.problem import stresses
 from film_model.problem.curve import curve_of
 from film_model.problem.problem import Problem
@@ -32,6 +33,7 @@ from fmu_wrapper.layout import (
     SCALING,
     SHAPED,
     Data,
+    Friction,
     Modes,
     Relaxing,
     Stresses,
@@ -47,7 +49,16 @@ from fmu_wrapper.powers import (
     rational,
     restitution_series,
 )
-from fmu_wrapper.variables import KINDS, RIGID, VARIABLES, Kind, Variable, reference, settable
+from fmu_wrapper.variables import (
+    KINDS,
+    OF_FRICTION,
+    RIGID,
+    VARIABLES,
+    Kind,
+    Variable,
+    reference,
+    settable,
+)
 
 NAME, NOTES, SCENE = "model.film", "notes.json", "scene.toml"
 NAMES = (NAME, NOTES, SCENE)
@@ -123,9 +134,17 @@ def model_data(
     _put_family(data, problem)
     if vibration is not None:
         _put_modes(data, problem, vibration)
+    _put_relaxation_and_friction(data, problem, tolerance)
+    return data
+
+
+def _put_relaxation_and_friction(data: Data, problem: Problem, tolerance: float) -> None:
+    """The series of viscoelastic bodies, and what friction depends on besides its parameters."""
     if problem.relaxation is not None:
         data.relaxation = Relaxing(problem.relaxation.law(1.0), tolerance)
-    return data
+    sliding = sliding_of(problem.scene, at_rest=True)
+    if sliding is not None:
+        data.friction = Friction(sliding.ratio, sliding.impactor.lever, problem.scene.impactor.inertia_number)
 
 
 def _put_damping(
@@ -139,18 +158,24 @@ def _put_damping(
 
 
 def _missing(problem: Problem, vibration: Vibration | None) -> tuple[str, ...]:
-    """Parameters of impacts that this one does not have."""
+    """Parameters and inputs of impacts that this one does not have."""
+    slides = problem.scene.contact.friction is not None
+    unknown = () if slides else tuple(name for name in OF_FRICTION if reference(name) < _SETTABLE)
     if vibration is not None:
-        return OF_HALF_SPACES
+        return (*unknown, *OF_HALF_SPACES)
     if problem.relaxation is not None:
-        return OF_LINES
-    return ("target_impedance",) if problem.compliance > 0.0 else ("target_stiffness",)
+        return (*unknown, *OF_LINES)
+    return (*unknown, "target_impedance" if problem.compliance > 0.0 else "target_stiffness")
 
 
 def _of_scene(problem: Problem) -> dict[str, float]:
     """Start values of the parameters that are not the law's, SI."""
     scene = problem.scene
+    sliding = sliding_of(scene, at_rest=True)
     return {
+        "friction": scene.contact.friction or 0.0,
+        "initial_tangential_velocity": 0.0 if sliding is None else float(sliding.along),
+        "initial_spin": float(spin_of(scene)),
         "mass": problem.mass,
         "initial_velocity": scene.approach_velocity,
         "target_impedance": min(problem.impedance, RIGID),
@@ -288,13 +313,16 @@ def has(data: Data, name: str) -> bool:
     k = reference(name)
     if not has_exchange(data) and k >= reference("rate_of_indentation"):
         return False
+    if name in OF_FRICTION and not data.available[reference("friction")]:
+        return False
     return KINDS[data.kind] in VARIABLES[k].causality and (k >= _SETTABLE or bool(data.available[k]))
 
 
 def has_exchange(data: Data) -> bool:
-    """Whether the FMU is for Model Exchange too: not on a target that vibrates or has a static stiffness, and not of
-    viscoelastic bodies."""
-    return not (data.modes.count or data.available[reference("target_stiffness")] or data.relaxation.tolerance)
+    """Whether the FMU is for Model Exchange too: not on a target that vibrates or has a static stiffness, not of
+    viscoelastic bodies, and not with friction."""
+    without = [reference(name) for name in ("target_stiffness", "friction")]
+    return not (data.modes.count or data.relaxation.tolerance or any(data.available[k] for k in without))
 
 
 def _fnv1a(content: bytes) -> int:

@@ -181,6 +181,14 @@ VARIABLES: tuple[Variable, ...] = (
         "static stiffness of the target, which follows the contact force without delay",
     ),
     _parameter("gravity", "acceleration", -1e9, 1e9, "acceleration of free fall towards the target"),
+    _parameter("friction", "dimensionless", 0.0, 100.0, "coefficient of friction"),
+    _parameter(
+        *("initial_tangential_velocity", "velocity", -2e4, 2e4),
+        "velocity of the impactor's centre along the surface at the start",
+    ),
+    _parameter(
+        "initial_spin", "angular_frequency", -1e7, 1e7, "spin at the start; positive spin adds to tangential velocity"
+    ),
     _parameter(
         *("input_extrapolation", "dimensionless", 0.0, 2.0),
         "after a step, contact_force belongs to the indentation extrapolated by this many steps from its last input",
@@ -203,6 +211,14 @@ VARIABLES: tuple[Variable, ...] = (
         {"impact": "input"},
         "continuous",
         "velocity of the target's support",
+    ),
+    *(
+        Variable(name, Real, dimension, {"impact": "input"}, "continuous", description)
+        for name, dimension, description in (
+            ("tangential_force", "force", "force on the impactor's centre along the surface"),
+            ("torque", "torque", "torque on the impactor, in the direction of positive spin"),
+            ("tangential_support_velocity", "velocity", "velocity of the target along the surface"),
+        )
     ),
     Variable(
         "indentation",
@@ -260,6 +276,17 @@ VARIABLES: tuple[Variable, ...] = (
     _of_steps("contact_energy", "energy", "work done on the indentation: stored and absorbed by the contact"),
     _of_steps("target_energy", "energy", "work done by contact_force on the target and its support"),
     _of_steps("external_work", "energy", "work done by gravity and external_force on the impactor"),
+    *(
+        _discrete(name, Real, dimension, description, low=low, changes="at_steps")
+        for name, dimension, description, low in (
+            ("sliding_velocity", "velocity", "velocity of the contacting point relative to the target", None),
+            ("tangential_velocity", "velocity", "velocity of the impactor's centre along the surface", None),
+            ("spin", "angular_frequency", "spin of the impactor", None),
+            ("friction_force", "force", "friction force, against sliding", None),
+            ("tangential_impulse", "impulse", "integral of friction_force over time", None),
+            ("friction_work", "energy", "energy that friction has dissipated", None),
+        )
+    ),
     _discrete("phase", Phase, None, "phase of the motion", *_BOTH),
     _discrete(
         *("stage", Whole, None, "stage of the contact law from 0; -1 unloading, -2 no contact", *_BOTH),
@@ -336,10 +363,20 @@ EVENT_TIMES = {variable.name: variable.event for variable in VARIABLES if variab
 """Outputs that are times of events, and the events, in the order of events at one time."""
 
 
+OF_FRICTION = (
+    *("friction", "initial_tangential_velocity", "initial_spin"),
+    *("tangential_force", "torque", "tangential_support_velocity"),
+    *("sliding_velocity", "tangential_velocity", "spin", "friction_force", "tangential_impulse", "friction_work"),
+)
+"""Variables of FMUs with friction only."""
+
 LEFT = tuple(
     v.name
     for v in VARIABLES
-    if v.type == Real and v.variability == "discrete" and "impact" in v.causality and v.name != "mean_contact_force"
+    if v.type == Real
+    and v.variability == "discrete"
+    and "impact" in v.causality
+    and v.name not in ("mean_contact_force", *OF_FRICTION)
 )
 """Outputs that events and contacts leave: an impact in Co-Simulation has their derivatives by parameters."""
 

@@ -44,6 +44,13 @@ def viscoelastic(target: str = "half-space") -> fm.Scene:
     )
 
 
+def rubbing(law: str) -> fm.Scene:
+    """The ball comes in at an angle, with friction."""
+    on = scene(law)
+    entries = {"contact.friction": 0.3, "contact.effective_modulus": None, "impactor.angle": "30 deg"}
+    return on.replace({**entries, "impactor.material": "bearing steel", "target.material": "bearing steel"})
+
+
 CASES = {
     "hertz": ("impact", scene("hertz"), 0.0),
     "hertz on a plate": ("impact", scene("hertz", "plate"), "2 um"),
@@ -52,6 +59,7 @@ CASES = {
     "fitted on a rod": ("impact", scene("saturating", "rod"), 0.0),
     "a force at first touch": ("impact", scene("meyer-shifted"), "1 um"),
     "chords": ("impact", scene("big-alabo", "plate", linearisation="chord"), 0.0),
+    "friction": ("impact", rubbing("hertz"), "1 um"),
     "dropped": ("impact", replace(scene("big-alabo"), effects=fm.Effects(gravity=True)), "0.05 mm"),
     "spring and dashpot": ("impact", scene("linear-dashpot"), "1 um"),
     "tsuji on a plate": ("impact", scene("tsuji", "plate"), 0.0),

@@ -160,7 +160,7 @@ def test_a_rate_lasts_one_step_and_is_part_of_the_state(made):
 
 def test_rates_that_do_not_exist_are_refused_in_a_sentence(made):
     for name, order, sentence in (
-        ("mass", 1, "only external_force and support_velocity of an impact have time derivatives"),
+        ("mass", 1, "only inputs of an impact have time derivatives"),
         ("external_force", 2, "inputs have time derivatives of order 1, not 2"),
     ):
         path = made(hertz(), 2)

@@ -78,8 +78,8 @@ class ImpactComponent:
 
     With friction in [contact], the motion along the surface is followed too, through any number of contacts, and does
     not change the normal motion: `sliding` has its outputs, and steps take tangential force, torque and velocity of the
-    support. It is that of springs side by side, whose stiffness is 4 G*/E* times the slope of the law's force: exact for
-    elastic contacts and balls in their dents; where a law yields in loading, one of the two models between which
+    support. It is that of springs side by side, whose stiffness is 4 G*/E* times the slope of the law's force: exact
+    for elastic contacts and balls in their dents; where a law yields in loading, one of the two models between which
     `simulate` shows the sliding velocity.
 
     Raises SceneError or SimulationError as `simulate` does; SimulationError for a target that is a free body.

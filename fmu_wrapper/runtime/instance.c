@@ -87,8 +87,8 @@ instance *instance_new(const char *function, const instance_options *options, co
         error = message;
     }
     if (!error && options->model_exchange && !model_has_exchange(i->data))
-        error = "this FMU is for Co-Simulation, because its target vibrates or follows the force by a static stiffness, or its "
-                "bodies are viscoelastic";
+        error = "this FMU is for Co-Simulation, because its target vibrates or follows the force by a static stiffness, its "
+                "bodies are viscoelastic, or it has friction";
     if (error) {
         instance_error(&none, function, "%s", error);
         instance_free(i);

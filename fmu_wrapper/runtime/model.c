@@ -69,8 +69,8 @@ int model_set(model *m, unsigned reference, double value) {
 
 int model_set_input_rate(model *m, unsigned reference, int order, double rate) {
     if (order != 1) return model_error(m, "inputs have time derivatives of order 1, not %d", order);
-    if (m->data->kind != IMPACT || reference < EXTERNAL_FORCE || reference >= EXTERNAL_FORCE + INPUTS)
-        return model_error(m, "only external_force and support_velocity of an impact have time derivatives");
+    if (m->data->kind != IMPACT || reference < EXTERNAL_FORCE || reference >= EXTERNAL_FORCE + INPUTS || !model_has(m, reference))
+        return model_error(m, "only inputs of an impact have time derivatives");
     if (!isfinite(rate)) return model_error(m, "the time derivative of %s is not finite", VARIABLE[reference].name);
     m->memory.input_rates[reference - EXTERNAL_FORCE] = rate;
     return 0;
@@ -177,6 +177,7 @@ int model_initialize(model *m, double time) {
     now->committed_rate = now->rate = value[RELATIVE_VELOCITY];
     now->committed_time = time;
     now->importer_integrates = 0;
+    if (slides(m)) sliding_begin(m);
     now->initialized = 1;
     return 0;
 }
@@ -188,15 +189,26 @@ static int pass_input(model *m, double load, double nu_change, double stop) {
     return relaxes(m) ? relaxing_input(m, load, nu_change, stop) : film_input(&m->memory.state, load, nu_change, stop);
 }
 
-static int advance(model *m, double dt) {
+static int advance_alone(model *m, double dt) {
     if (vibrates(m)) return modes_step(m, dt);
     return relaxes(m) ? relaxing_step(m, dt) : film_step(m->curve, &m->mesh, &m->memory.state, dt);
+}
+
+static int advance(model *m, double dt) {
+    film_state from;
+    if (!slides(m)) return advance_alone(m, dt);
+    memcpy(&from, &m->memory.state, sizeof from);
+    int status = advance_alone(m, dt);
+    if (status < 0) return status;
+    int slid = sliding_follow(m, &from, m->memory.state.time - from.time);
+    return slid < 0 ? slid : status;
 }
 
 /* Pass changed inputs to the core. */
 static int apply_inputs(model *m) {
     model_memory *now = &m->memory;
     double support = now->value[SUPPORT_VELOCITY], load = load_of(m);
+    if (slides(m)) sliding_input(m);
     if (load == now->load && support == now->support) return 0;
     double change = (now->support - support) / now->velocity, stop = -support / now->velocity;
     if (now->state.branch != FILM_FREE) now->state.force_peak = fmax(now->state.force_peak, now->state.force);
@@ -256,8 +268,12 @@ static void balance_step(model *m, double since, double velocity, double displac
 
 /* Move the inputs to where their rates bring them after a time. Returns whether one has a rate. */
 static int move_inputs(model_memory *now, double time) {
-    for (int k = 0; k < INPUTS; k++) now->value[EXTERNAL_FORCE + k] += now->input_rates[k] * time;
-    return now->input_rates[0] != 0.0 || now->input_rates[1] != 0.0;
+    int moving = 0;
+    for (int k = 0; k < INPUTS; k++) {
+        now->value[EXTERNAL_FORCE + k] += now->input_rates[k] * time;
+        moving |= now->input_rates[k] != 0.0;
+    }
+    return moving;
 }
 
 int model_step(model *m, double end, int stop_at_events, int *stopped) {

@@ -5,12 +5,13 @@
 #define FILM_MODEL_H
 
 #include "modal/film_modal.h"
+#include "oblique/film_slide.h"
 #include "relax/film_relax.h"
 #include "variables.h"
 
 enum { STATES = 3 };                   /* indentation, impactor velocity, target displacement */
 enum { SCALINGS = 7, DAMPINGS = 12, RESTITUTION_TERMS = 48 };  /* parameters that scale the march, and its damping; see model_data */
-enum { INPUTS = 2 };                   /* of an impact: external force and support velocity */
+enum { INPUTS = 5 };                   /* of an impact, from EXTERNAL_FORCE on */
 enum { LIMITS = 2, LONGEST_REASON = 80 };
 enum { MAX_STEP_EVENTS = 1000000 }; /* per step: a ball that bounces without loss has infinitely many events */
 
@@ -34,6 +35,12 @@ typedef struct {
     film_relaxation law;
     double tolerance;
 } model_relaxation;
+
+/* An FMU has friction if the parameter is available. ratio: kappa = E_star/(4 G_star); lever: from the impactor's centre to the
+ * contact, m; inertia: its moment of inertia over mass lever^2. */
+typedef struct {
+    double ratio, lever, inertia;
+} model_friction;
 
 /* What Python's film_model/problem/stresses.py computes, in numbers; 0 for what is unknown. radius: m; hertz: force over the
  * indentation to the power 1.5 of an elastic contact, N/m^1.5; first_radius: contact radius at first yield over the ball's;
@@ -73,6 +80,7 @@ typedef struct {
     model_family family;
     model_modes modes;
     model_relaxation relaxation;
+    model_friction friction;
 } model_data;
 
 enum { HAD_MAXIMUM = 1, HAD_STOP = 2 };         /* events in the current contact */
@@ -104,6 +112,9 @@ typedef struct {
     double committed_time, committed_indentation, committed_rate; /* contact: last accepted point of the path, SI */
     double indentation, rate;                    /* contact: at the current time, set or extrapolated, m and m/s */
     double recoil;                               /* velocity of a vibrating target's struck point, over the velocity scale */
+    double tangential_support;                   /* the input in use, m/s */
+    double pushed, turned;                       /* integrals of tangential_force and torque, N s and N m s */
+    film_sliding sliding;                        /* motion along the surface, of an FMU with friction */
     film_state state;                            /* on a vibrating target (time in s), and of viscoelastic bodies: as the state
                                                     beside this memory, with the motion now */
     model_record actual, reported; /* after the latest event; as outputs show it, until the next model_report */

@@ -128,6 +128,10 @@ static int get_output(model *m, unsigned reference, double *value) {
         return 0;
     }
     if (!now->initialized && model_initialize(m, now->start_time) < 0) return -1;
+    if (model_of_friction(reference)) {
+        *value = sliding_output(m, reference);
+        return 0;
+    }
     if (get_constant(m, reference, value)) return 0;
     if (reference - EVENT_INDICATOR_1 >= FILM_INDICATORS) return get_motion(m, reference, value);
     double indicators[FILM_INDICATORS];
@@ -141,7 +145,8 @@ static int is_exchanged(unsigned reference) { return reference < VARIABLES && VA
 
 int model_has(const model *m, unsigned reference) {
     return reference < VARIABLES && VARIABLE[reference].role[m->data->kind] != ABSENT &&
-           (reference >= SETTABLE || m->data->available[reference]) && (model_has_exchange(m->data) || !is_exchanged(reference));
+           (reference >= SETTABLE || m->data->available[reference]) && (slides(m) || !model_of_friction(reference)) &&
+           (model_has_exchange(m->data) || !is_exchanged(reference));
 }
 
 int model_get(model *m, unsigned reference, double *value) {
@@ -163,6 +168,7 @@ int model_is_parameter(const model *m, unsigned reference) {
 int model_depends(const model *m, unsigned unknown, unsigned known) {
     int exchange = model_has_exchange(m->data);
     if (!exchange && is_exchanged(unknown)) return -1;
+    if (model_of_friction(unknown)) return slides(m) ? 0 : -1;
     if (!exchange && is_state(known)) return model_depends(m, unknown, TIME); /* they are no states there */
     int impact = m->data->kind == IMPACT;
     int by_rate = impact ? known == IMPACTOR_VELOCITY || known == SUPPORT_VELOCITY : known == RELATIVE_VELOCITY;

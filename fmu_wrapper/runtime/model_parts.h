@@ -55,6 +55,15 @@ static inline int relaxes(const model *m) { return m->data->relaxation.tolerance
 /* Whether the target follows the contact force by its static stiffness: the march is that of a contact in series with a spring. */
 static inline int sprung(const model *m) { return m->data->kind == IMPACT && m->data->available[TARGET_STIFFNESS]; }
 
+/* Friction: at the start, with new inputs, and beside a motion that led on from a state in a time, of which only the end may be
+ * an event; the last returns the core's status. model_of_friction: whether an output is one of friction, and its value. */
+void sliding_begin(model *m);
+void sliding_input(model *m);
+int sliding_follow(model *m, const film_state *from, double time);
+static inline int model_of_friction(unsigned reference) { return reference >= SLIDING_VELOCITY && reference <= FRICTION_WORK; }
+double sliding_output(const model *m, unsigned reference);
+static inline int slides(const model *m) { return m->data->kind == IMPACT && m->data->available[FRICTION]; }
+
 /* The unit of state.time, s. */
 static inline double clock_of(const model *m) { return vibrates(m) ? 1.0 : m->memory.time_scale; }
 

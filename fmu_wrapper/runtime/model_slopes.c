@@ -39,7 +39,7 @@ int model_is_discrete(unsigned reference) {
 static int is_unknown(const model *m, unsigned reference, int initial) {
     return reference - EVENT_INDICATOR_1 >= FILM_INDICATORS && reference != TIME && VARIABLE[reference].role[m->data->kind] == OUTPUT &&
            VARIABLE[reference].type == REAL &&
-           (initial ? model_has(m, reference) : model_is_discrete(reference) && reference != MEAN_CONTACT_FORCE);
+           (initial ? model_has(m, reference) : model_is_discrete(reference) && reference != MEAN_CONTACT_FORCE && !model_of_friction(reference));
 }
 
 /* ---------------------------------------------------------------- the impacts of a stencil */
@@ -73,7 +73,7 @@ static int as_marched(model *m, const model *of, double values[VARIABLES]) {
     memcpy(&record, &m->memory.actual, sizeof record);
     int status = march(m, then->time, 0, events, &record);
     for (unsigned k = SETTABLE; k < VARIABLES; k++)
-        if (VARIABLE[k].changes == AT_STEPS && k != MEAN_CONTACT_FORCE && model_get(m, k, &values[k]) < 0) return -1;
+        if (VARIABLE[k].changes == AT_STEPS && k != MEAN_CONTACT_FORCE && !model_of_friction(k) && model_get(m, k, &values[k]) < 0) return -1;
     if (status == 0 && m->memory.actual.events < events)
         status = march(m, 2.0 * then->time - then->start_time, 1, events, &record);
     if (status != 0) return status;

@@ -79,6 +79,11 @@ static int bad_numbers(const model_data *data) {
     for (int k = 0; k < RESTITUTION_TERMS; k++) bad |= !isfinite(data->restitution[k]);
     const double *number = (const double *)&data->stresses;
     for (size_t k = 0; k < sizeof data->stresses / sizeof *number; k++) bad |= !(number[k] >= 0.0 && number[k] < INFINITY);
+    const model_friction *friction = &data->friction;
+    if (data->available[FRICTION])
+        bad |= !(friction->ratio > 0.0 && friction->ratio < INFINITY && friction->lever > 0.0 && friction->lever < INFINITY &&
+                 friction->inertia > 0.0 && friction->inertia < INFINITY) ||
+               data->kind != IMPACT || data->modes.count > 0 || data->relaxation.tolerance > 0.0 || data->curve.pull > 0.0;
     const model_family *family = &data->family;
     if (family->nodes != 0)
         bad |= family->nodes < 2 || family->nodes > FILM_MAX_NODES || !(family->low > 0.0 && family->low < family->high) ||

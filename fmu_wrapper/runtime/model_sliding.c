@@ -1,0 +1,53 @@
+/* Friction: the motion along the surface, in the units of film_slide.h. See model.h. */
+#include "model_parts.h"
+
+static const double STEP = 0.002; /* longest, over the unit of time, as in film_model/oblique/stepped.py */
+
+static double velocity_unit(const model *m) { return m->data->friction.ratio * m->memory.velocity; }
+
+static double inertia_of(const model *m) {
+    const model_friction *own = &m->data->friction;
+    return own->inertia * m->memory.value[MASS] * own->lever * own->lever;
+}
+
+void sliding_begin(model *m) {
+    model_memory *now = &m->memory;
+    const model_friction *own = &m->data->friction;
+    const double *value = now->value;
+    film_sliding start = {.friction = value[FRICTION], .mobility = (1.0 + 1.0 / own->inertia) / own->ratio, .longest = STEP, .widest = 1.0};
+    now->tangential_support = value[TANGENTIAL_SUPPORT_VELOCITY];
+    now->pushed = now->turned = 0.0;
+    start.velocity = (value[INITIAL_TANGENTIAL_VELOCITY] + own->lever * value[INITIAL_SPIN] - now->tangential_support) / velocity_unit(m);
+    now->sliding = start;
+    sliding_input(m);
+}
+
+void sliding_input(model *m) {
+    model_memory *now = &m->memory;
+    const double *value = now->value;
+    double rate = value[TANGENTIAL_FORCE] / value[MASS] + value[TORQUE] * m->data->friction.lever / inertia_of(m);
+    now->sliding.velocity -= (value[TANGENTIAL_SUPPORT_VELOCITY] - now->tangential_support) / velocity_unit(m);
+    now->sliding.push = rate * now->time_scale / velocity_unit(m);
+    now->tangential_support = value[TANGENTIAL_SUPPORT_VELOCITY];
+}
+
+int sliding_follow(model *m, const film_state *from, double time) {
+    model_memory *now = &m->memory;
+    now->pushed += now->value[TANGENTIAL_FORCE] * time * now->time_scale;
+    now->turned += now->value[TORQUE] * time * now->time_scale;
+    return film_slide(m->curve, &m->mesh, from, time, &now->sliding);
+}
+
+double sliding_output(const model *m, unsigned reference) {
+    const model_memory *now = &m->memory;
+    const film_sliding *s = &now->sliding;
+    double impulse = s->impulse * now->force * now->time_scale;
+    switch (reference) {
+    case SLIDING_VELOCITY: return s->velocity * velocity_unit(m);
+    case TANGENTIAL_VELOCITY: return now->value[INITIAL_TANGENTIAL_VELOCITY] + (now->pushed - impulse) / now->value[MASS];
+    case SPIN: return now->value[INITIAL_SPIN] + (now->turned - m->data->friction.lever * impulse) / inertia_of(m);
+    case FRICTION_FORCE: return s->force * now->force;
+    case TANGENTIAL_IMPULSE: return impulse;
+    default: return (s->work - film_slide_stored(s)) * now->force * velocity_unit(m) * now->time_scale;
+    }
+}

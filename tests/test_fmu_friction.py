@@ -1,0 +1,109 @@
+"""FMUs with friction: their motion along the surface is the component's; parameters, inputs and saved states."""
+
+import math
+
+import pytest
+from fmpy.fmi1 import FMICallException
+from test_stepped_friction import scene
+
+import film_model as fm
+import fmu_wrapper
+from fmu_wrapper.instance import opened, started
+from fmu_wrapper.variables import OF_FRICTION, reference
+
+OUTPUTS = OF_FRICTION[6:]
+
+
+def on(law="hertz", **changes):
+    given = {"restitution": 0.8} if law == "tsuji" else {}
+    return fmu_wrapper.served(scene(law, 0.7, **given).replace({"impactor.spin": "2 rad/s", **changes}))
+
+
+def component_for(path, served):
+    with opened(path) as fmu:
+        return fmu_wrapper.resource.component_of(served, fmu.data)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("law", ["hertz", "elastoplastic", "tsuji"])
+def test_outputs_are_those_of_the_component_under_changing_inputs(made, version, law):
+    served = on(law)
+    path, h = made(served, version), fm.simulate(served).duration / 40
+    component = component_for(path, served)
+    with opened(path) as fmu, started(fmu, False, {}) as slave:
+        assert fmu.description.modelExchange is None
+        for n in range(60):
+            inputs = {"tangential_force": math.sin(n / 5.0), "torque": 0.01 * math.cos(n / 4.0)}
+            inputs["tangential_support_velocity"] = 0.01 * (n % 3)
+            for name, value in inputs.items():
+                slave.set(name, value)
+            slave.step(n * h, h)
+            component.step(h, **inputs)
+            found = slave.get(OUTPUTS)
+            for name, value in component.sliding._asdict().items():
+                size = {"spin": 10.0, "friction_force": 1.0}.get(name, 0.1)
+                assert found[name] == pytest.approx(value, rel=1e-11, abs=1e-11 * size), (n, name)
+
+
+def test_parameters_are_those_of_other_impacts(made):
+    served = on()
+    given = {"friction": 0.35, "initial_tangential_velocity": 0.4, "initial_spin": -3.0, "mass": 0.05}
+    angle = math.atan2(0.4, served.approach_velocity)
+    changes = {"contact.friction": 0.35, "impactor.spin": "-3 rad/s", "impactor.mass": "50 g"}
+    speed = math.hypot(0.4, served.approach_velocity)
+    other = served.replace({**changes, "impactor.angle": f"{angle} rad", "impactor.velocity": f"{speed} m/s"})
+    history = fm.simulate(other, accuracy=1e-8)
+    with (
+        opened(made(served)) as fmu,
+        started(fmu, False, {**given, "loading_segments": 200, "unloading_segments": 200}) as slave,
+    ):
+        slave.step(0.0, 1.01 * history.duration)
+        found = slave.get(OUTPUTS)
+    exact, before = history.oblique.summary, history.oblique.motion["sliding_velocity"][0]
+    assert found["sliding_velocity"] == pytest.approx(exact["contact_point_rebound_velocity"], abs=2e-5 * before)
+    assert found["tangential_velocity"] == pytest.approx(exact["tangential_rebound_velocity"], abs=1e-5 * before)
+    assert found["spin"] == pytest.approx(exact["rebound_spin"], abs=2e-5 * before / 0.01)
+
+
+def test_a_saved_state_has_friction_too(made):
+    served = on()
+    h = fm.simulate(served).duration / 10
+    with opened(made(served)) as fmu, started(fmu, False, {}) as slave:
+        slave.set("torque", 0.01)
+        slave.step(0.0, 4 * h)
+        saved = slave.save()
+        slave.step(4 * h, 8 * h)
+        first = slave.get(OUTPUTS)
+        slave.restore(saved)
+        slave.step(4 * h, 8 * h)
+        assert slave.get(OUTPUTS) == first
+
+
+def test_derivatives_by_parameters_leave_friction_out(made):
+    served = on()
+    path, by = made(served, 2), ([reference("mass")], [1.0])
+    with opened(path) as fmu, started(fmu, False, {}) as slave:
+        slave.step(0.0, 1.2 * fm.simulate(served).duration)
+        assert slave.instance.getDirectionalDerivative([reference("maximum_force")], *by)[0] > 0.0
+        with pytest.raises(FMICallException):
+            slave.instance.getDirectionalDerivative([reference("spin")], *by)
+        assert "spin has no derivative by the parameter mass after Initialization Mode" in fmu.messages[-1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("version", [2, 3])
+def test_check_fmu_finds_it_good(made, version):
+    served = on("elastoplastic")
+    report = fmu_wrapper.check(made(served, version), served)
+    assert report.good, report.text()
+
+
+def test_what_has_no_friction_is_refused_or_lacks_its_variables(made, tmp_path):
+    with pytest.raises(fm.SimulationError, match="a contact contains the normal motion only"):
+        fmu_wrapper.export(on(), tmp_path / "contact.fmu", kind="contact")
+    beam = fm.Beam("bearing steel", length="200 mm", width="20 mm", thickness="5 mm", position="90 mm")
+    with pytest.raises(fm.SimulationError, match="not supported in steps on a target that vibrates"):
+        fmu_wrapper.export(scene(target=beam), tmp_path / "beam.fmu")
+    with opened(made(on(**{"contact.friction": None}))) as fmu:
+        names = {variable.name for variable in fmu.description.modelVariables}
+        assert not names & set(OF_FRICTION)

@@ -190,7 +190,7 @@ def test_springs_converge_to_the_exact_motion():
     whole, errors = springs.Grip(times, np.maximum(seen.contact_force, 0.0), radius), []
     for count, stride in ((64, 8), (128, 4), (256, 2)):
         grip = springs.Grip(*(column[::stride] for column in whole))
-        found, _ = springs._run(grip, given.modulus, given.friction, given.mass, given.velocity, count)
+        found, _ = springs.run(grip, given.modulus, given.friction, given.mass, given.velocity, count)
         errors.append(abs(found[-1] - exact.oblique.summary["contact_point_rebound_velocity"]) / given.velocity)
     assert errors[2] < 1e-4 and errors[0] > 1.5 * errors[1] > 2.0 * errors[2]
     run = springs.tangential(

@@ -94,22 +94,22 @@ static void stick_all(impact *in) {
 
 /* ---------------------------------------------------------------- events */
 
-/* Whether a series, over t^zeros, falls to 0 in (0, h]; then h becomes the first time of that. */
-static int falls(double *series, int zeros, double *h) {
-    for (int k = 0; k <= FILM_FRICTION_ORDER; k++) series[k] = k + zeros <= FILM_FRICTION_ORDER ? series[k + zeros] : 0.0;
-    double t = film_friction_root(series, *h);
-    if (t > *h) return 0;
-    *h = t;
+/* Whether a series, over t^zeros, falls to 0 before the time of `end`, which then becomes the first time of that. */
+static int falls(double *series, int zeros, film_powers *end) {
+    for (int k = 0; k < FILM_TERMS && zeros > 0; k++) series[k] = k + zeros < FILM_TERMS ? series[k + zeros] : 0.0;
+    double t = film_friction_root(series, end);
+    if (t > end->t) return 0;
+    film_friction_powers(t, end);
     return 1;
 }
 
 /* z' - side D' falls to 0 for one of both sides, which becomes the sign. */
-static int stick_ends(impact *in, const film_taylor *of, double *h) {
+static int stick_ends(impact *in, const film_taylor *of, film_powers *end) {
     double series[FILM_TERMS], sign = in->rule.sign;
     int found = NOTHING;
     for (int side = -1; side <= 1; side += 2) {
-        for (int k = 0; k <= FILM_FRICTION_ORDER; k++) series[k] = of->speed[k] - side * of->v[k];
-        if (falls(series, in->along && side == (sign > 0.0 ? 1 : -1), h)) {
+        for (int k = 0; k < FILM_TERMS; k++) series[k] = of->speed[k] - side * of->v[k];
+        if (falls(series, in->along && side == (sign > 0.0 ? 1 : -1), end)) {
             in->rule.sign = side;
             found = TURNS;
         }
@@ -117,22 +117,22 @@ static int stick_ends(impact *in, const film_taylor *of, double *h) {
     return found;
 }
 
-/* The first event in a step of length *h, which it shortens. */
-static int first_event(impact *in, const film_taylor *of, double *h) {
+/* The first event in a step up to the time of `end`, which it shortens. */
+static int first_event(impact *in, const film_taylor *of, film_powers *end) {
     double series[FILM_TERMS];
     int event = NOTHING;
-    if (in->rule.kind == FILM_STICKS) return stick_ends(in, of, h);
-    for (int k = 0; k <= FILM_FRICTION_ORDER; k++) series[k] = -of->way[k];
-    if (falls(series, in->rule.flat, h)) event = TURNS;
+    if (in->rule.kind == FILM_STICKS) return stick_ends(in, of, end);
+    for (int k = 0; k < FILM_TERMS; k++) series[k] = -of->way[k];
+    if (falls(series, in->rule.flat, end)) event = TURNS;
     if (in->rule.kind == FILM_SLIDES) {
         memcpy(series, of->z, sizeof series);
-        return falls(series, 0, h) ? ENDS : event;
+        return falls(series, 0, end) ? ENDS : event;
     }
     memcpy(series, of->c, sizeof series);
     series[0] -= fmax(in->path[in->pieces - 1].begin, SMALLEST * in->scale / in->rule.normal.approach);
-    if (falls(series, 0, h)) event = CORNER;
-    for (int k = 0; k <= FILM_FRICTION_ORDER; k++) series[k] = of->z[k] - of->c[k];
-    return falls(series, in->caught, h) ? CAUGHT : event;
+    if (falls(series, 0, end)) event = CORNER;
+    for (int k = 0; k < FILM_TERMS; k++) series[k] = of->z[k] - of->c[k];
+    return falls(series, in->caught, end) ? CAUGHT : event;
 }
 
 /* ---------------------------------------------------------------- steps */
@@ -148,53 +148,51 @@ static void write_row(impact *in, double t, double z, double D, double v, double
 
 static void write_rows(impact *in, const film_taylor *of, double h) {
     for (int i = 0; in->rows && i < in->per_step && in->status == FILM_OK; i++) {
-        double t = h * i / in->per_step, z = film_friction_at(of->z, t), c = z;
-        if (in->rule.kind != FILM_STICKS) c = in->rule.kind == FILM_SLIDES ? 0.0 : film_friction_at(of->c, t);
-        write_row(in, t, z, film_friction_at(of->D, t), film_friction_at(of->v, t), film_friction_at(of->q, t), c);
+        film_powers at;
+        film_friction_powers(h * i / in->per_step, &at);
+        double z = film_friction_sum(of->z, at.value), c = z, D = film_friction_sum(of->D, at.value);
+        if (in->rule.kind != FILM_STICKS) c = in->rule.kind == FILM_SLIDES ? 0.0 : film_friction_sum(of->c, at.value);
+        write_row(in, at.t, z, D, film_friction_sum(of->v, at.value), film_friction_sum(of->q, at.value), c);
     }
 }
 
-static void watch_at(impact *in, const film_taylor *of, double t) {
-    double q = fabs(film_friction_at(of->q, t));
+static void watch_at(impact *in, const film_taylor *of, const film_powers *at) {
+    double q = fabs(film_friction_sum(of->q, at->value));
     if (q <= in->result->force) return;
     in->result->force = q;
-    in->result->time_of_force = in->now.time + t;
+    in->result->time_of_force = in->now.time + at->t;
 }
 
 /* Keeps the largest |q|: at the end of a step, or where its slope changes sign within. */
-static void watch_force(impact *in, const film_taylor *of, double h) {
-    double low = 0.0, high = h, sense = film_friction_slope(of->q, 0.0);
-    watch_at(in, of, h);
-    if (sense * film_friction_slope(of->q, h) >= 0.0) return;
+static void watch_force(impact *in, const film_taylor *of, const film_powers *end) {
+    double low = 0.0, high = end->t, sense = of->q[1];
+    film_powers at;
+    watch_at(in, of, end);
+    if (sense * film_friction_sum(of->q, end->slope) >= 0.0) return;
     for (int step = 0; step < ROOT_STEPS; step++) {
-        double middle = 0.5 * (low + high);
-        if (sense * film_friction_slope(of->q, middle) > 0.0) low = middle;
-        else high = middle;
+        film_friction_powers(0.5 * (low + high), &at);
+        if (sense * film_friction_sum(of->q, at.slope) > 0.0) low = at.t;
+        else high = at.t;
     }
-    watch_at(in, of, high);
+    film_friction_powers(high, &at);
+    watch_at(in, of, &at);
 }
 
-static void move_on(impact *in, const film_taylor *of, double h) {
+static void move_on(impact *in, const film_taylor *of, const film_powers *end) {
     film_moment *now = &in->now;
-    now->time += h;
-    now->z = film_friction_at(of->z, h);
-    now->nu = film_friction_at(of->nu, h);
-    now->D = film_friction_at(of->D, h);
-    now->v = film_friction_at(of->v, h);
-    now->q = film_friction_at(of->q, h);
+    now->time += end->t;
+    now->z = film_friction_sum(of->z, end->value);
+    now->nu = film_friction_sum(of->nu, end->value);
+    now->D = film_friction_sum(of->D, end->value);
+    now->v = film_friction_sum(of->v, end->value);
+    now->q = film_friction_sum(of->q, end->value);
     in->rule.edge = in->rule.flat = in->caught = in->along = 0;
     if (in->rule.kind != FILM_SLIPS) return;
-    now->P = film_friction_at(of->P, h);
-    now->c = film_friction_at(of->c, h);
+    now->P = film_friction_sum(of->P, end->value);
+    now->c = film_friction_sum(of->c, end->value);
     if (in->rule.piece == FILM_STRAIGHT) return;
-    now->nu_c = film_friction_at(of->nu_c, h);
-    now->v_c = film_friction_at(of->v_c, h);
-}
-
-/* The work of the law up to a depth. */
-static double work_at(const film_normal *normal, double z) {
-    double n = normal->exponent;
-    return 0.5 * normal->slope * z * z + normal->coefficient * pow(z, n + 1.0) / (n + 1.0);
+    now->nu_c = film_friction_sum(of->nu_c, end->value);
+    now->v_c = film_friction_sum(of->v_c, end->value);
 }
 
 /* Slip near c = 0: P = -s (1 - s part) f(c) is left for so short a time that its impulse is known to rounding. 1: it is,
@@ -203,7 +201,7 @@ static int slides_now(impact *in, const film_taylor *of) {
     if (in->rule.kind != FILM_SLIPS || in->pieces > 1 || in->rule.flat || of->way[0] >= 0.0) return 0;
     double part = in->rule.piece == FILM_STUCK ? in->part : -in->rule.sign; /* slope of the path at 0 */
     double c = in->now.c, per_c = 1.0 - in->rule.sign * part, a = in->rule.normal.approach, way = -of->way[0];
-    double work = in->rule.rate * work_at(&in->rule.normal, c) / way;
+    double work = in->rule.rate * film_friction_work(&in->rule.normal, c) / way;
     double spread = (in->rule.rate + 1.0) * force_of(in, c) * c / (a * a), most = fabs(per_c) + spread;
     double unknown = most * most * c / way * (fabs(of->way[1]) / way + 1.0) + 2.0 * most * spread;
     if (work * unknown > ROUNDING * in->scale) return 0;
@@ -222,7 +220,7 @@ static int at_singular_end(const impact *in) {
 static int ends_now(impact *in, const film_taylor *of) {
     double speed = -of->speed[0], z = in->now.z;
     if (in->rule.kind != FILM_SLIDES || speed <= 0.0) return 0;
-    double impulse = work_at(&in->rule.normal, z) / speed, left = z / speed;
+    double impulse = film_friction_work(&in->rule.normal, z) / speed, left = z / speed;
     double unknown = (of->f[0] * (left + in->rule.normal.gamma) + fabs(in->rule.normal.load) * left) / speed;
     double most = in->rule.rate * impulse;
     if (most * unknown > ROUNDING * in->scale || in->rule.sign * in->now.v + speed < CLEAR * (most + impulse)) return 0;
@@ -236,6 +234,7 @@ static int ends_now(impact *in, const film_taylor *of) {
 /* On to the end of the phase; the event that ends it. */
 static int phase(impact *in) {
     film_taylor of;
+    film_powers end;
     while (in->result->steps++ < FILM_FRICTION_STEPS) {
         if (at_singular_end(in)) return CORNER;
         film_friction_series(&in->rule, &in->now, &of);
@@ -243,10 +242,11 @@ static int phase(impact *in) {
         if (ends_now(in, &of)) return ENDS;
         double h = film_friction_length(&in->rule, &of, in->scale);
         if (!(h > 0.0)) break;
-        int event = first_event(in, &of, &h);
-        write_rows(in, &of, h);
-        watch_force(in, &of, h);
-        move_on(in, &of, h);
+        film_friction_powers(h, &end);
+        int event = first_event(in, &of, &end);
+        write_rows(in, &of, end.t);
+        watch_force(in, &of, &end);
+        move_on(in, &of, &end);
         if (event != NOTHING) return event;
     }
     in->status = FILM_TOO_MANY;

@@ -22,13 +22,16 @@ typedef struct {
 
 /* Taylor series in time from the beginning of a step; `speed` is z', `way` is w'. */
 typedef struct {
-    double z[FILM_TERMS + 1], nu[FILM_TERMS + 1], D[FILM_TERMS + 1], v[FILM_TERMS + 1], q[FILM_TERMS + 1];
-    double P[FILM_TERMS + 1], c[FILM_TERMS + 1], nu_c[FILM_TERMS + 1], v_c[FILM_TERMS + 1];
-    double f[FILM_TERMS + 1], speed[FILM_TERMS + 1], way[FILM_TERMS + 1];
+    double z[FILM_TERMS], nu[FILM_TERMS], D[FILM_TERMS], v[FILM_TERMS], q[FILM_TERMS];
+    double P[FILM_TERMS], c[FILM_TERMS], nu_c[FILM_TERMS], v_c[FILM_TERMS];
+    double f[FILM_TERMS], speed[FILM_TERMS], way[FILM_TERMS];
 } film_taylor;
 
 /* The force and its slope at a depth. */
 double film_friction_force(const film_normal *normal, double z, double *slope);
+
+/* The work of the law up to a depth. */
+double film_friction_work(const film_normal *normal, double z);
 
 /* The series from a moment. */
 void film_friction_series(const film_phase_rule *rule, const film_moment *at, film_taylor *series);
@@ -36,13 +39,15 @@ void film_friction_series(const film_phase_rule *rule, const film_moment *at, fi
 /* The longest step whose last terms are below the tolerance. scale: of D'. */
 double film_friction_length(const film_phase_rule *rule, const film_taylor *series, double scale);
 
-/* A series at a time in its step. */
-double film_friction_at(const double *series, double t);
+/* Powers of a time in a step: sums with a series are its value and its slope there. */
+typedef struct {
+    double t, value[FILM_TERMS], slope[FILM_TERMS];
+} film_powers;
 
-/* Its derivative there. */
-double film_friction_slope(const double *series, double t);
+void film_friction_powers(double t, film_powers *powers);
+double film_friction_sum(const double *series, const double *powers);
 
-/* The first time in (0, h] at which a series that is positive before falls to 0; more than h if there is none. */
-double film_friction_root(const double *series, double h);
+/* The first time up to that of `end` at which a series that is positive before falls to 0; more if there is none. */
+double film_friction_root(const double *series, const film_powers *end);
 
 #endif

@@ -129,7 +129,7 @@ static int first_event(impact *in, const film_taylor *of, film_powers *end) {
         return falls(series, 0, end) ? ENDS : event;
     }
     memcpy(series, of->c, sizeof series);
-    series[0] -= fmax(in->path[in->pieces - 1].begin, SMALLEST * in->scale / in->rule.normal.approach);
+    series[0] -= fmax(in->path[in->pieces - 1].begin, SMALLEST * in->scale);
     if (falls(series, 0, end)) event = CORNER;
     for (int k = 0; k < FILM_TERMS; k++) series[k] = of->z[k] - of->c[k];
     return falls(series, in->caught, end) ? CAUGHT : event;
@@ -200,9 +200,9 @@ static void move_on(impact *in, const film_taylor *of, const film_powers *end) {
 static int slides_now(impact *in, const film_taylor *of) {
     if (in->rule.kind != FILM_SLIPS || in->pieces > 1 || in->rule.flat || of->way[0] >= 0.0) return 0;
     double part = in->rule.piece == FILM_STUCK ? in->part : -in->rule.sign; /* slope of the path at 0 */
-    double c = in->now.c, per_c = 1.0 - in->rule.sign * part, a = in->rule.normal.approach, way = -of->way[0];
+    double c = in->now.c, per_c = 1.0 - in->rule.sign * part, way = -of->way[0];
     double work = in->rule.rate * film_friction_work(&in->rule.normal, c) / way;
-    double spread = (in->rule.rate + 1.0) * force_of(in, c) * c / (a * a), most = fabs(per_c) + spread;
+    double spread = (in->rule.rate + 1.0) * force_of(in, c) * c, most = fabs(per_c) + spread;
     double unknown = most * most * c / way * (fabs(of->way[1]) / way + 1.0) + 2.0 * most * spread;
     if (work * unknown > ROUNDING * in->scale) return 0;
     in->now.v += in->rule.sign * per_c * per_c * work;
@@ -213,7 +213,7 @@ static int slides_now(impact *in, const film_taylor *of) {
 static int at_singular_end(const impact *in) {
     if (in->rule.kind != FILM_SLIPS || in->rule.piece != FILM_STUCK || in->rule.edge) return 0;
     double speed = in->now.nu_c - in->rule.normal.gamma * force_of(in, in->now.c);
-    return speed - in->rule.sign * in->now.v_c < SINGULAR * in->rule.normal.approach;
+    return speed - in->rule.sign * in->now.v_c < SINGULAR;
 }
 
 /* Sliding near z = 0: the rest of the contact, as :func:`slides_now`. */
@@ -272,27 +272,12 @@ static void begin_stick(impact *in) {
     note(in, FILM_STICKS);
 }
 
-/* z, nu, D, D' and q at a small depth after first touch, by the first terms in powers of time. */
-static film_moment touched(const impact *in, double depth, double velocity) {
-    const film_normal *normal = &in->rule.normal;
-    double a = normal->approach, t = depth / a, n = normal->exponent;
-    double power = normal->coefficient * pow(depth, n);
-    double once = normal->slope * depth * t / 2.0 + power * t / (n + 1.0);
-    double twice = normal->slope * depth * t * t / 6.0 + power * t * t / ((n + 1.0) * (n + 2.0));
-    film_moment at = {.time = t, .nu = a + normal->load * t - once};
-    at.z = depth + 0.5 * normal->load * t * t - normal->gamma * once - twice;
-    at.v = velocity - in->rule.rate * in->part * once;
-    at.D = velocity * t - in->rule.rate * in->part * twice;
-    at.q = in->part * force_of(in, at.z);
-    return at;
-}
-
 /* c has come to the beginning of its piece. */
 static void next_piece(impact *in) {
     const film_moment *now = &in->now;
     if (in->pieces == 1 && in->rule.piece == FILM_STUCK) {
-        film_moment was = touched(in, now->c, in->velocity);
-        in->result->closure = fmax(fabs(now->v_c - was.v) / in->scale, fabs(now->nu_c - was.nu) / in->rule.normal.approach);
+        film_moment was = film_friction_touched(&in->rule, in->part, now->c, in->velocity);
+        in->result->closure = fmax(fabs(now->v_c - was.v) / in->scale, fabs(now->nu_c - was.nu));
     }
     in->pieces--;
     enter(in);
@@ -302,7 +287,7 @@ static void next_piece(impact *in) {
 /* The phase after an event. */
 static void next_phase(impact *in, int event) {
     film_moment *now = &in->now;
-    int sticks = in->rule.kind == FILM_STICKS, at_turn = speed_of(in) <= AT_TURN * in->rule.normal.approach;
+    int sticks = in->rule.kind == FILM_STICKS, at_turn = speed_of(in) <= AT_TURN;
     if (event == CORNER) {
         next_piece(in);
     } else if (event == CAUGHT) {
@@ -320,30 +305,21 @@ static void next_phase(impact *in, int event) {
             begin_stick(in);
             return;
         }
-        in->rule.flat = speed_of(in) >= -AT_TURN * in->rule.normal.approach;
+        in->rule.flat = speed_of(in) >= -AT_TURN;
         slip_from_edge(in, -in->rule.sign, 2);
         note(in, FILM_REVERSES);
     }
 }
 
-/* The depth at which the first step begins: terms left out of :func:`touched` are below rounding. */
-static double first_depth(const film_normal *normal) {
-    double least = normal->slope > 0.0 ? 1.0 : normal->exponent;
-    double depth = 0.3 * pow(ROUNDING, 1.0 / (2.0 * least + (normal->gamma > 0.0 ? 0.0 : 2.0)));
-    if (normal->load == 0.0) return depth;
-    return fmin(depth, 0.3 * pow(ROUNDING / fmax(fabs(normal->load), ROUNDING), 1.0 / (least + 2.0)));
-}
-
 /* The first moment, and the phase it is in. */
 static void touch(impact *in, double velocity) {
-    double approach = in->rule.normal.approach, depth = first_depth(&in->rule.normal);
-    int stick = fabs(velocity) <= approach;
-    in->part = stick ? velocity / approach : copysign(1.0, velocity);
-    in->now = touched(in, depth, velocity);
+    int stick = fabs(velocity) <= 1.0;
+    in->part = stick ? velocity : copysign(1.0, velocity);
+    in->now = film_friction_touched(&in->rule, in->part, film_friction_first(&in->rule.normal, ROUNDING), velocity);
     in->velocity = velocity;
     in->rule.sign = copysign(1.0, velocity);
     in->rule.kind = stick ? FILM_STICKS : FILM_SLIDES;
-    in->along = fabs(velocity) == approach;
+    in->along = fabs(velocity) == 1.0;
     in->result->kinds[0] = in->rule.kind;
     in->result->phases = 1;
     if (in->rows) write_row(in, -in->now.time, 0.0, 0.0, velocity, 0.0, 0.0);
@@ -353,34 +329,57 @@ static void touch(impact *in, double velocity) {
     }
 }
 
+/* The depth at which about all work of the approach is done. */
+static double depth_of(const film_normal *normal) {
+    double n = normal->exponent, work = 0.5 * normal->approach * normal->approach, depth = INFINITY;
+    if (normal->slope > 0.0) depth = sqrt(2.0 * work / normal->slope);
+    if (normal->coefficient > 0.0) depth = fmin(depth, pow((n + 1.0) * work / normal->coefficient, 1.0 / (n + 1.0)));
+    return depth;
+}
+
+/* The results in the caller's units, of those with the depth and the approach velocity as units. factor: of D'. */
+static void scale_back(impact *in, double depth, double approach, double factor) {
+    film_friction_result *result = in->result;
+    double time = depth / approach, force = factor * approach * approach / depth;
+    double units[FILM_FRICTION_COLUMNS] = {time, depth, factor * depth, factor * approach, force, depth};
+    for (int i = 0; i < in->count; i++) {
+        for (int k = 0; k < FILM_FRICTION_COLUMNS; k++) in->rows[FILM_FRICTION_COLUMNS * i + k] *= units[k];
+    }
+    for (int i = 0; i < result->phases; i++) result->begins[i] *= time;
+    result->velocity = factor * approach * in->now.v;
+    result->force *= force;
+    result->time_of_force *= time;
+    result->duration = time * in->now.time;
+}
+
 int film_friction(const film_normal *normal, double rate, double velocity, film_friction_result *result, double *rows,
                   int32_t per_step, int32_t room, int32_t *count) {
+    double a = normal->approach, depth, factor;
     memset(result, 0, sizeof *result);
     if (count) *count = 0;
-    if (!(normal->slope >= 0.0 && normal->coefficient >= 0.0 && normal->exponent >= 1.0 && normal->gamma >= 0.0)) {
+    if (!(normal->slope >= 0.0 && normal->coefficient >= 0.0 && normal->exponent >= 1.0 && normal->gamma >= 0.0 && a > 0.0)) {
         return FILM_BAD_NUMBER;
     }
-    if (!(normal->approach > 0.0 && isfinite(normal->load) && rate > 0.0 && isfinite(velocity)) || velocity == 0.0) {
+    depth = depth_of(normal), factor = fmin(fabs(velocity) / (SLOW * a), 1.0);
+    film_normal own = {normal->slope * depth * depth / (a * a), 0.0, normal->exponent, 1.0, normal->gamma * a / depth,
+                       normal->load * depth / (a * a)};
+    own.coefficient = normal->coefficient * pow(depth, own.exponent + 1.0) / (a * a);
+    velocity /= a * factor;
+    if (!(isfinite(own.slope + own.coefficient + own.exponent + own.gamma + own.load) && rate > 0.0 && isfinite(rate + velocity))) {
         return FILM_BAD_NUMBER;
     }
-    double factor = fmin(fabs(velocity) / (SLOW * normal->approach), 1.0);
-    impact in = {.rule = {.normal = *normal, .rate = rate}, .result = result, .rows = rows, .per_step = per_step, .room = room};
-    in.scale = fmin(fabs(velocity / factor), normal->approach);
-    touch(&in, velocity / factor);
+    impact in = {.rule = {.normal = own, .rate = rate}, .result = result, .rows = rows, .per_step = per_step, .room = room};
+    in.scale = fmin(fabs(velocity), 1.0);
+    touch(&in, velocity);
     while (in.status == FILM_OK) {
         int event = phase(&in);
         if (event == ENDS) break;
         next_phase(&in, event);
     }
     if (rows && in.status == FILM_OK) write_row(&in, 0.0, 0.0, in.now.D, in.now.v, 0.0, 0.0);
-    for (int i = 0; i < in.count; i++) {
-        for (int column = 2; column < 5; column++) rows[FILM_FRICTION_COLUMNS * i + column] *= factor;
-    }
+    scale_back(&in, depth, a, factor);
     if (count) *count = in.count;
-    result->velocity = factor * in.now.v;
-    result->force *= factor;
-    result->duration = in.now.time;
-    return in.status;
+    return in.status != FILM_OK || isfinite(result->velocity + result->force) ? in.status : FILM_BAD_NUMBER;
 }
 
 void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,

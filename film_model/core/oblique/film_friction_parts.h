@@ -13,7 +13,7 @@ typedef struct {
 } film_moment;
 
 /* What holds in a phase. kind: FILM_STICKS, FILM_SLIPS or FILM_SLIDES. piece: on which c is, FILM_STUCK or FILM_STRAIGHT.
- * flat: 1 if slip begins with w' = 0; edge: 1 if U = 0 too, where stick has ended (film_friction_step.c). */
+ * normal: with an approach of 1, and a depth of about 1. flat: 1 if slip begins with w' = 0; edge: 1 if U = 0 too, where stick has ended (film_friction_step.c). */
 typedef struct {
     film_normal normal;
     double rate, sign;
@@ -32,6 +32,12 @@ double film_friction_force(const film_normal *normal, double z, double *slope);
 
 /* The work of the law up to a depth. */
 double film_friction_work(const film_normal *normal, double z);
+
+/* z, nu, D, D' and q at a small depth after first touch, by the first terms in powers of time. part: dD/dz there. */
+film_moment film_friction_touched(const film_phase_rule *rule, double part, double depth, double velocity);
+
+/* The depth up to which the terms that it leaves out are below `rounding`. */
+double film_friction_first(const film_normal *normal, double rounding);
 
 /* The series from a moment. */
 void film_friction_series(const film_phase_rule *rule, const film_moment *at, film_taylor *series);

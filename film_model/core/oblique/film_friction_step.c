@@ -28,6 +28,26 @@ double film_friction_work(const film_normal *normal, double z) {
     return 0.5 * normal->slope * z * z + normal->coefficient * pow(z, n + 1.0) / (n + 1.0);
 }
 
+film_moment film_friction_touched(const film_phase_rule *rule, double part, double depth, double velocity) {
+    const film_normal *normal = &rule->normal;
+    double t = depth, n = normal->exponent, slope, power = normal->coefficient * pow(depth, n);
+    double once = normal->slope * depth * t / 2.0 + power * t / (n + 1.0);
+    double twice = normal->slope * depth * t * t / 6.0 + power * t * t / ((n + 1.0) * (n + 2.0));
+    film_moment at = {.time = t, .nu = 1.0 + normal->load * t - once};
+    at.z = depth + 0.5 * normal->load * t * t - normal->gamma * once - twice;
+    at.v = velocity - rule->rate * part * once;
+    at.D = velocity * t - rule->rate * part * twice;
+    at.q = part * film_friction_force(normal, at.z, &slope);
+    return at;
+}
+
+double film_friction_first(const film_normal *normal, double rounding) {
+    double least = normal->slope > 0.0 ? 1.0 : normal->exponent;
+    double depth = 0.3 * pow(rounding, 1.0 / (2.0 * least + (normal->gamma > 0.0 ? 0.0 : 2.0)));
+    if (normal->load == 0.0) return depth;
+    return fmin(depth, 0.3 * pow(rounding / fmax(fabs(normal->load), rounding), 1.0 / (least + 2.0)));
+}
+
 /* Term k of the product of two series; four sums, which do not wait for each other. */
 static double product(const double *a, const double *b, int k) {
     double sum[4] = {0.0, 0.0, 0.0, 0.0};
@@ -173,13 +193,13 @@ static void watch_terms(const double *series, double scale, double last[2]) {
 }
 
 double film_friction_length(const film_phase_rule *rule, const film_taylor *of, double scale) {
-    double approach = rule->normal.approach, last[2] = {0.0, 0.0}, h = LONGEST;
-    watch_terms(of->nu, approach, last);
+    double last[2] = {0.0, 0.0}, h = LONGEST;
+    watch_terms(of->nu, 1.0, last);
     watch_terms(of->v, scale, last);
     if (rule->kind == FILM_STICKS) watch_terms(of->q, scale, last);
     if (rule->kind == FILM_SLIPS) {
         watch_terms(of->P, scale, last);
-        watch_terms(of->c, approach, last);
+        watch_terms(of->c, 1.0, last);
         if (rule->piece == FILM_STUCK) watch_terms(of->v_c, scale, last);
     }
     for (int k = 0; k < 2; k++) {

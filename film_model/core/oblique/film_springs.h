@@ -8,17 +8,17 @@
 
 #include "film_core.h"
 
-enum { FILM_SPRINGS = 256 }; /* most springs */
+enum { FILM_MOST_SPRINGS = 256 }; /* most springs */
 
 /* stiffness: of one spring. width: distance of the springs. mass: m_t. v: sliding velocity, also where nothing touches.
  * q: friction force. u: deflections. */
 typedef struct {
     double stiffness, width, friction, mass, v, q;
-    double u[FILM_SPRINGS];
+    double u[FILM_MOST_SPRINGS];
     int32_t count, reserved;
 } film_springs;
 
-/* Springs up to the radius `largest`, that do not touch. modulus: G_star. count: 1 to FILM_SPRINGS. FILM_OK, or
+/* Springs up to the radius `largest`, that do not touch. modulus: G_star. count: 1 to FILM_MOST_SPRINGS. FILM_OK, or
  * FILM_BAD_NUMBER: a count out of range, or a number that is not finite, or not > 0; friction may be 0, the velocity any. */
 FILM_API int film_springs_init(film_springs *state, int32_t count, double modulus, double largest, double friction, double mass,
                                double velocity);

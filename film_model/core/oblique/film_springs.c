@@ -29,15 +29,16 @@ void film_springs_step(film_springs *state, double time, double force, double ra
     double n = touch, square = radius * radius, width = state->width * state->width;
     state->v -= 0.5 * time * state->q / state->mass;
     /* the sum of radius^2 - r^2, of which each spring has its share of the normal force */
-    double moved = state->v * time, shares = n * square - width * n * (4.0 * n * n - 1.0) / 12.0, sum = 0.0;
+    double moved = state->v * time, shares = n * square - width * n * (4.0 * n * n - 1.0) / 12.0, sum[4] = {0.0, 0.0, 0.0, 0.0};
     double per_share = shares > 0.0 ? state->friction * force / (state->stiffness * shares) : 0.0;
-    for (int32_t j = 0; j < touch; j++) {
-        double most = (square - width * (j + 0.5) * (j + 0.5)) * per_share;
-        state->u[j] = fmin(fmax(state->u[j] + moved, -most), most);
-        sum += state->u[j];
+    for (int32_t j = 0; j < touch; j++) { /* comparisons that compilers turn into vectors; sums apart, in order */
+        double r = j + 0.5, most = (square - width * r * r) * per_share, u = state->u[j] + moved;
+        u = u < -most ? -most : u;
+        state->u[j] = u > most ? most : u;
     }
+    for (int32_t j = 0; j < touch; j++) sum[j & 3] += state->u[j];
     for (int32_t j = touch; j < state->count; j++) state->u[j] = 0.0;
-    state->q = state->stiffness * sum;
+    state->q = state->stiffness * ((sum[0] + sum[1]) + (sum[2] + sum[3]));
     state->v -= 0.5 * time * state->q / state->mass;
 }
 

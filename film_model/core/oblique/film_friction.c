@@ -125,7 +125,7 @@ static int first_event(impact *in, const film_taylor *of, film_powers *end) {
     for (int k = 0; k < FILM_TERMS; k++) series[k] = -of->way[k];
     if (falls(series, in->rule.flat, end)) event = TURNS;
     if (in->rule.kind == FILM_SLIDES) {
-        memcpy(series, of->z, sizeof series);
+        memcpy(series, in->rule.normal.exponent == 1.5 ? of->root : of->z, sizeof series);
         return falls(series, 0, end) ? ENDS : event;
     }
     memcpy(series, of->c, sizeof series);
@@ -152,7 +152,8 @@ static void write_rows(impact *in, const film_taylor *of, double h) {
         film_friction_powers(h * i / in->per_step, &at);
         double z = film_friction_sum(of->z, at.value), c = z, D = film_friction_sum(of->D, at.value);
         if (in->rule.kind != FILM_STICKS) c = in->rule.kind == FILM_SLIDES ? 0.0 : film_friction_sum(of->c, at.value);
-        write_row(in, at.t, z, D, film_friction_sum(of->v, at.value), film_friction_sum(of->q, at.value), c);
+        double v = film_friction_sum(of->v, at.value), q = film_friction_sum(of->q, at.value);
+        write_row(in, film_friction_sum(of->time, at.value), z, D, v, q, c);
     }
 }
 
@@ -160,7 +161,7 @@ static void watch_at(impact *in, const film_taylor *of, const film_powers *at) {
     double q = fabs(film_friction_sum(of->q, at->value));
     if (q <= in->result->force) return;
     in->result->force = q;
-    in->result->time_of_force = in->now.time + at->t;
+    in->result->time_of_force = in->now.time + film_friction_sum(of->time, at->value);
 }
 
 /* Keeps the largest |q|: at the end of a step, or where its slope changes sign within. */
@@ -180,7 +181,7 @@ static void watch_force(impact *in, const film_taylor *of, const film_powers *en
 
 static void move_on(impact *in, const film_taylor *of, const film_powers *end) {
     film_moment *now = &in->now;
-    now->time += end->t;
+    now->time += film_friction_sum(of->time, end->value);
     now->z = film_friction_sum(of->z, end->value);
     now->nu = film_friction_sum(of->nu, end->value);
     now->D = film_friction_sum(of->D, end->value);
@@ -365,7 +366,7 @@ int film_friction(const film_normal *normal, double rate, double velocity, film_
                        normal->load * depth / (a * a)};
     own.coefficient = normal->coefficient * pow(depth, own.exponent + 1.0) / (a * a);
     velocity /= a * factor;
-    if (!(isfinite(own.slope + own.coefficient + own.exponent + own.gamma + own.load) && rate > 0.0 && isfinite(rate + velocity))) {
+    if (!isfinite(own.slope + own.coefficient + own.exponent + own.gamma + own.load + rate + velocity) || !(rate > 0.0)) {
         return FILM_BAD_NUMBER;
     }
     impact in = {.rule = {.normal = own, .rate = rate}, .result = result, .rows = rows, .per_step = per_step, .room = room};

@@ -13,15 +13,17 @@ typedef struct {
 } film_moment;
 
 /* What holds in a phase. kind: FILM_STICKS, FILM_SLIPS or FILM_SLIDES. piece: on which c is, FILM_STUCK or FILM_STRAIGHT.
- * normal: with an approach of 1, and a depth of about 1. flat: 1 if slip begins with w' = 0; edge: 1 if U = 0 too, where stick has ended (film_friction_step.c). */
+ * normal: with an approach of 1, and a depth of about 1. flat: 1 if slip begins with w' = 0; edge: 1 if U = 0 too, where
+ * stick has ended (film_friction_step.c). */
 typedef struct {
     film_normal normal;
     double rate, sign;
     int kind, piece, flat, edge;
 } film_phase_rule;
 
-/* Taylor series in time from the beginning of a step; `speed` is z', `way` is w'. */
+/* Taylor series from the beginning of a step, in powers of time or of a clock; `speed` is z', `way` is w'. */
 typedef struct {
+    double time[FILM_TERMS], root[FILM_TERMS]; /* root: sqrt(z) under a clock, without which contact ends at a double root */
     double z[FILM_TERMS], nu[FILM_TERMS], D[FILM_TERMS], v[FILM_TERMS], q[FILM_TERMS];
     double P[FILM_TERMS], c[FILM_TERMS], nu_c[FILM_TERMS], v_c[FILM_TERMS];
     double f[FILM_TERMS], speed[FILM_TERMS], way[FILM_TERMS];
@@ -39,13 +41,13 @@ film_moment film_friction_touched(const film_phase_rule *rule, double part, doub
 /* The depth up to which the terms that it leaves out are below `rounding`. */
 double film_friction_first(const film_normal *normal, double rounding);
 
-/* The series from a moment. */
+/* The series from a moment; after first touch, at z > 0. */
 void film_friction_series(const film_phase_rule *rule, const film_moment *at, film_taylor *series);
 
 /* The longest step whose last terms are below the tolerance. scale: of D'. */
 double film_friction_length(const film_phase_rule *rule, const film_taylor *series, double scale);
 
-/* Powers of a time in a step: sums with a series are its value and its slope there. */
+/* Powers of a time, or clock, in a step: sums with a series are its value and its slope there. */
 typedef struct {
     double t, value[FILM_TERMS], slope[FILM_TERMS];
 } film_powers;

@@ -10,6 +10,7 @@
 #include "oblique/film_friction_parts.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { ROOT_STEPS = 80 }; /* bisections that leave no double between, with a margin */
 
@@ -156,9 +157,40 @@ static void retrace(const film_phase_rule *rule, film_taylor *of, record *r, int
     of->v_c[k + 1] = product(r->S, r->pull, k) / (k + 1);
 }
 
+/* Stick and sliding under f = slope z + coefficient z^1.5, in powers of a clock that runs with dt = y d(clock), y = sqrt(z):
+ * all equations are polynomials then, and the series converge far beyond first touch. */
+static void clocked_series(const film_phase_rule *rule, const film_moment *at, film_taylor *of) {
+    double *y = of->root, pull[FILM_TERMS], slope[FILM_TERMS]; /* y, load - f, and y f'(z) */
+    const film_normal *normal = &rule->normal;
+    int sticks = rule->kind == FILM_STICKS;
+    y[0] = sqrt(at->z), of->time[0] = 0.0, of->nu[0] = at->nu, of->D[0] = at->D, of->v[0] = at->v, of->q[0] = at->q;
+    for (int k = 0; k < FILM_TERMS; k++) {
+        of->z[k] = product(y, y, k);
+        of->f[k] = normal->slope * of->z[k] + normal->coefficient * product(y, of->z, k);
+        of->speed[k] = of->nu[k] - normal->gamma * of->f[k];
+        of->way[k] = of->speed[k] - rule->sign * of->v[k];
+        if (!sticks) of->q[k] = rule->sign * of->f[k];
+        if (k == FILM_FRICTION_ORDER) break;
+        pull[k] = (k == 0 ? normal->load : 0.0) - of->f[k];
+        slope[k] = normal->slope * y[k] + 1.5 * normal->coefficient * of->z[k];
+        y[k + 1] = 0.5 * of->speed[k] / (k + 1);
+        of->time[k + 1] = y[k] / (k + 1);
+        of->nu[k + 1] = product(y, pull, k) / (k + 1);
+        of->D[k + 1] = product(y, of->v, k) / (k + 1);
+        of->v[k + 1] = -rule->rate * product(y, of->q, k) / (k + 1);
+        if (sticks) of->q[k + 1] = product(slope, of->v, k) / (k + 1);
+    }
+}
+
 void film_friction_series(const film_phase_rule *rule, const film_moment *at, film_taylor *of) {
     forces at_z;
     record r;
+    if (rule->kind != FILM_SLIPS && rule->normal.exponent == 1.5) {
+        clocked_series(rule, at, of);
+        return;
+    }
+    memset(of->time, 0, sizeof of->time);
+    of->time[1] = 1.0;
     of->z[0] = at->z, of->nu[0] = at->nu, of->D[0] = at->D, of->v[0] = at->v, of->q[0] = at->q;
     of->P[0] = at->P, of->c[0] = at->c, of->nu_c[0] = at->nu_c, of->v_c[0] = at->v_c;
     force_term(&rule->normal, of->z, &at_z, 0);

@@ -9,7 +9,8 @@ static int positive(double x) { return isfinite(x) && x > 0.0; }
 int film_springs_init(film_springs *state, int32_t count, double modulus, double largest, double friction, double mass,
                       double velocity) {
     memset(state, 0, sizeof *state);
-    if (count < 1 || count > FILM_MOST_SPRINGS || !positive(modulus) || !positive(largest) || !positive(mass)) return FILM_BAD_NUMBER;
+    if (count < 1 || count > FILM_MOST_SPRINGS) return FILM_BAD_NUMBER;
+    if (!positive(modulus) || !positive(largest) || !positive(mass)) return FILM_BAD_NUMBER;
     if (!(isfinite(friction) && friction >= 0.0 && isfinite(velocity))) return FILM_BAD_NUMBER;
     state->count = count;
     state->width = largest / count;

@@ -40,7 +40,7 @@ MODES = (
     *core("modal", "modal_contact", "modal_flight"),
 )
 RELAXING = core("relax", "relax", "relax_step")
-SLIDING = core("oblique", "slide")
+SLIDING = core("oblique", "springs", "slide")
 SOURCES = (
     *MARCH,
     *MODES,
@@ -60,7 +60,7 @@ HEADERS = (
     *(f"{CORE}/{name}.h" for name in ("curve/film_law", "march/film_line", "march/film_march", "lanes/film_wide")),
     *(f"{CORE}/{name}.h" for name in ("modal/film_modal", "modal/film_modal_parts")),
     *(f"{CORE}/{name}.h" for name in ("relax/film_relax", "relax/film_relax_parts")),
-    f"{CORE}/oblique/film_slide.h",
+    *(f"{CORE}/oblique/film_{name}.h" for name in ("springs", "slide")),
     *(f"{RUNTIME}/{name}.h" for name in ("model", "model_parts", "instance", "variables", "failures")),
 )
 INCLUDES = (CORE, RUNTIME)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes as c
 from functools import lru_cache
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ STICKS, SLIPS, REVERSES, SLIDES = range(4)
 SLOW = 1e-7
 """Sliding over approach velocity below which the core takes all to be proportional to it, within as much."""
 
-_EVENTS, _STEPS, _COLUMNS, _PER_STEP = 48, 1500, 6, 4
+_EVENTS, _STEPS, _COLUMNS, _PER_STEP, _AT_ONCE = 48, 1500, 6, 4, 1024
 _D, _I = c.c_double, c.c_int32
 
 
@@ -44,7 +44,12 @@ class Result(c.Structure):
         return list(zip(self.begins[: self.phases], self.kinds[: self.phases], strict=True))
 
 
-NORMAL_DTYPE, RESULT_DTYPE = np.dtype(Normal), np.dtype(Result)
+NORMAL_DTYPE = np.dtype(Normal)
+MANY_DTYPE = np.dtype(
+    [(name, np.float64) for name in ("velocity", "force", "time_of_force", "closure")]
+    + [(name, np.int32) for name in ("first", "phases", "steps")]
+)
+"""Of a result, without its events; first: kind of the first phase."""
 
 
 @lru_cache(maxsize=1)
@@ -71,10 +76,17 @@ def impact(normal: Normal, rate: float, velocity: float) -> tuple[int, Result, A
 
 
 def many(normal: NDArray[Any], rate: Array, velocity: Array) -> tuple[NDArray[np.int32], NDArray[Any]]:
-    """Statuses and results (RESULT_DTYPE) of many impacts (NORMAL_DTYPE)."""
+    """Statuses and results (MANY_DTYPE) of many impacts (NORMAL_DTYPE)."""
     normal = np.ascontiguousarray(normal, NORMAL_DTYPE)
     columns = [np.ascontiguousarray(values, np.float64) for values in (rate, velocity)]
-    result, status = np.empty(normal.size, RESULT_DTYPE), np.empty(normal.size, np.int32)
-    at = [array.ctypes.data for array in (normal, *columns, result, status)]
-    _library().film_friction_many(normal.size, *at)
-    return status, result
+    found: NDArray[Any] = np.empty(normal.size, MANY_DTYPE)
+    status = np.empty(normal.size, np.int32)
+    whole: NDArray[Any] = np.empty(min(normal.size, _AT_ONCE), np.dtype(Result))
+    for begin in range(0, normal.size, _AT_ONCE):
+        part = slice(begin, begin + _AT_ONCE)
+        arrays = (normal[part], *(values[part] for values in columns), whole, status[part])
+        count = arrays[0].size
+        _library().film_friction_many(count, *(array.ctypes.data for array in arrays))
+        for name in cast("Any", MANY_DTYPE.names):
+            found[name][part] = whole["kinds"][:count, 0] if name == "first" else whole[name][:count]
+    return status, found

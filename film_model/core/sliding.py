@@ -7,39 +7,39 @@ from functools import lru_cache
 from typing import Any
 
 from film_model.core import native
+from film_model.core.springs import Springs
 
-_D, _SPRINGS = c.c_double, 256
+_D = c.c_double
 
 
 class Sliding(c.Structure):
-    """film_sliding: springs side by side that slip."""
+    """film_sliding: springs that slip, and what they have done."""
 
-    _fields_ = [
-        *((name, _D) for name in ("friction", "mobility", "push", "longest")),
-        *((name, _D) for name in ("velocity", "force", "impulse", "work", "slope", "widest")),
-        ("deflection", _D * _SPRINGS),
-    ]
+    _fields_ = (("longest", _D), ("impulse", _D), ("work", _D), ("springs", Springs))
 
 
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_slide.h declared."""
     lib, pointer = native.library(), c.c_void_p
+    lib.film_slide_init.argtypes = [pointer, _D, _D, _D, _D]
+    lib.film_slide_init.restype = c.c_int
     lib.film_slide.argtypes = [pointer, pointer, pointer, _D, pointer]
     lib.film_slide.restype = c.c_int
-    lib.film_slide_stored.argtypes = [pointer]
-    lib.film_slide_stored.restype = _D
     lib.film_slide_size.restype = c.c_int64
     if lib.film_slide_size() != c.sizeof(Sliding):
         raise ImportError("the core was built from other sources: install the package again (pip install .)")
     return lib
 
 
-def slide(curve: native.Curve, mesh: native.Mesh, begin: native.State, dt: float, sliding: Sliding) -> int:
-    """Advance `sliding` in place by dt, in which the normal motion leads on from `begin`; the core's status."""
-    return _library().film_slide(c.byref(curve), c.byref(mesh), c.byref(begin), dt, c.byref(sliding))
+def begin(friction: float, mass: float, velocity: float, longest: float) -> Sliding:
+    """The start of a motion. Raises ValueError for numbers out of range."""
+    made = Sliding()
+    if _library().film_slide_init(c.byref(made), friction, mass, velocity, longest) != native.OK:
+        raise ValueError(f"the core refuses friction {friction!r}, mass {mass!r}, velocity {velocity!r}")
+    return made
 
 
-def stored(sliding: Sliding) -> float:
-    """Energy of the springs, in units of `work`."""
-    return _library().film_slide_stored(c.byref(sliding))
+def slide(curve: native.Curve, mesh: native.Mesh, begun: native.State, dt: float, sliding: Sliding) -> int:
+    """Advance `sliding` in place by dt, in which the normal motion leads on from `begun`; the core's status."""
+    return _library().film_slide(c.byref(curve), c.byref(mesh), c.byref(begun), dt, c.byref(sliding))

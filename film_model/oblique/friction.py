@@ -34,7 +34,7 @@ SLIDING = 1e-6
 CLOSED = 1e-6
 """Error of the stuck path's beginning, retraced, above which an exact solution has missed an event."""
 
-EXACT, ROUNDED = 1e-10, 5e-15
+EXACT, ROUNDED = 1e-10, 1e-14
 """Error of the exact sliding velocity over that before: at least, and over ψ₁; measured against smaller steps."""
 
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from film_model.base.errors import SimulationError
 from film_model.core import native
 from film_model.core import sliding as core
+from film_model.core import springs
 from film_model.oblique.friction import refuse
 from film_model.oblique.sliding import sliding_of, spin_of
 from film_model.problem.problem import Problem
@@ -67,21 +68,21 @@ class SteppedFriction:
         self._along, self._spin = float(given.along), float(spin_of(scene))
         self._velocity = float(given.ratio) * scales.velocity
         self._force, self._time = scales.force, scales.time
-        self._rate = float(given.parameter * scene.effective_mass)
+        self._mass = 1.0 / float(given.parameter * scene.effective_mass)
         self.begin()
 
     def begin(self) -> None:
         """Return to the start."""
-        self._core = core.Sliding(float(self._given.friction), self._rate, 0.0, STEP)
-        self._core.velocity, self._core.widest = float(self._given.velocity) / self._velocity, 1.0
+        sliding = float(self._given.velocity) / self._velocity
+        self._core = core.begin(float(self._given.friction), self._mass, sliding, STEP)
         self._pushes, self._gained = Pushes(), (0.0, 0.0)
 
     def push(self, pushes: Pushes) -> None:
         """What acts from now on."""
         ball = self._ball
-        self._core.velocity -= (pushes.support - self._pushes.support) / self._velocity
+        self._core.springs.v -= (pushes.support - self._pushes.support) / self._velocity
         rate = pushes.force / float(ball.mass) + pushes.torque * float(ball.lever) / float(ball.inertia)
-        self._core.push = rate * self._time / self._velocity
+        self._core.springs.push = rate * self._time / self._velocity
         self._pushes = pushes
 
     def follow(self, curve: native.Curve, mesh: native.Mesh, begin: native.State, dt: float) -> int:
@@ -97,12 +98,12 @@ class SteppedFriction:
         ball, now = self._ball, self._core
         impulse = now.impulse * self._force * self._time
         pushed, turned = self._gained
-        work = (now.work - core.stored(now)) * self._force * self._velocity * self._time
+        work = (now.work - springs.energy(now.springs)) * self._force * self._velocity * self._time
         return SlidingOutputs(
-            now.velocity * self._velocity,
+            now.springs.v * self._velocity,
             self._along + (pushed - impulse) / float(ball.mass),
             self._spin + (turned - float(ball.lever) * impulse) / float(ball.inertia),
-            now.force * self._force,
+            now.springs.q * self._force,
             impulse,
             work,
         )

@@ -91,7 +91,7 @@ def _exactly(found: ManyOblique, problem: Problem, rebound: Array, ended: NDArra
         rate, before = numbers_of(given, problem, scene)
     slides = ended & (given.velocity != 0.0)
     solved = slides & (given.friction != 0.0)
-    result: NDArray[Any] = np.zeros(count, core.RESULT_DTYPE)
+    result: NDArray[Any] = np.zeros(count, core.MANY_DTYPE)
     status, result[solved] = core.many(
         _normals(problem, force, count)[solved], column(rate, count)[solved], before[solved]
     )
@@ -101,7 +101,7 @@ def _exactly(found: ManyOblique, problem: Problem, rebound: Array, ended: NDArra
     after = either(solved, result["velocity"] * unit * scales.velocity, given.velocity)
     peak = result["force"] * given.friction * scales.force, result["time_of_force"] * scales.time
     values = results(scene, given, rebound, after, peak)
-    sticks, alone = result["kinds"][:, 0] == core.STICKS, result["phases"] == 1
+    sticks, alone = result["first"] == core.STICKS, result["phases"] == 1
     regime = np.where(~solved | (alone & ~sticks), 2, np.where(sticks, 0, 1))
     error = np.where(solved, exact_error(problem, np.where(solved, before, 1.0)), 0.0)
     known = slides & ~missed

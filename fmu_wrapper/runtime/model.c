@@ -177,7 +177,7 @@ int model_initialize(model *m, double time) {
     now->committed_rate = now->rate = value[RELATIVE_VELOCITY];
     now->committed_time = time;
     now->importer_integrates = 0;
-    if (slides(m)) sliding_begin(m);
+    if (slides(m) && sliding_begin(m) < 0) return -1;
     now->initialized = 1;
     return 0;
 }

@@ -10,24 +10,25 @@ static double inertia_of(const model *m) {
     return own->inertia * m->memory.value[MASS] * own->lever * own->lever;
 }
 
-void sliding_begin(model *m) {
+int sliding_begin(model *m) {
     model_memory *now = &m->memory;
     const model_friction *own = &m->data->friction;
     const double *value = now->value;
-    film_sliding start = {.friction = value[FRICTION], .mobility = (1.0 + 1.0 / own->inertia) / own->ratio, .longest = STEP, .widest = 1.0};
     now->tangential_support = value[TANGENTIAL_SUPPORT_VELOCITY];
     now->pushed = now->turned = 0.0;
-    start.velocity = (value[INITIAL_TANGENTIAL_VELOCITY] + own->lever * value[INITIAL_SPIN] - now->tangential_support) / velocity_unit(m);
-    now->sliding = start;
+    double velocity = value[INITIAL_TANGENTIAL_VELOCITY] + own->lever * value[INITIAL_SPIN] - now->tangential_support;
+    int status = film_slide_init(&now->sliding, value[FRICTION], own->ratio / (1.0 + 1.0 / own->inertia), velocity / velocity_unit(m), STEP);
+    if (status < 0) return model_core_error(m, status);
     sliding_input(m);
+    return 0;
 }
 
 void sliding_input(model *m) {
     model_memory *now = &m->memory;
     const double *value = now->value;
     double rate = value[TANGENTIAL_FORCE] / value[MASS] + value[TORQUE] * m->data->friction.lever / inertia_of(m);
-    now->sliding.velocity -= (value[TANGENTIAL_SUPPORT_VELOCITY] - now->tangential_support) / velocity_unit(m);
-    now->sliding.push = rate * now->time_scale / velocity_unit(m);
+    now->sliding.springs.v -= (value[TANGENTIAL_SUPPORT_VELOCITY] - now->tangential_support) / velocity_unit(m);
+    now->sliding.springs.push = rate * now->time_scale / velocity_unit(m);
     now->tangential_support = value[TANGENTIAL_SUPPORT_VELOCITY];
 }
 
@@ -43,11 +44,11 @@ double sliding_output(const model *m, unsigned reference) {
     const film_sliding *s = &now->sliding;
     double impulse = s->impulse * now->force * now->time_scale;
     switch (reference) {
-    case SLIDING_VELOCITY: return s->velocity * velocity_unit(m);
+    case SLIDING_VELOCITY: return s->springs.v * velocity_unit(m);
     case TANGENTIAL_VELOCITY: return now->value[INITIAL_TANGENTIAL_VELOCITY] + (now->pushed - impulse) / now->value[MASS];
     case SPIN: return now->value[INITIAL_SPIN] + (now->turned - m->data->friction.lever * impulse) / inertia_of(m);
-    case FRICTION_FORCE: return s->force * now->force;
+    case FRICTION_FORCE: return s->springs.q * now->force;
     case TANGENTIAL_IMPULSE: return impulse;
-    default: return (s->work - film_slide_stored(s)) * now->force * velocity_unit(m) * now->time_scale;
+    default: return (s->work - film_springs_energy(&s->springs)) * now->force * velocity_unit(m) * now->time_scale;
     }
 }

@@ -94,22 +94,22 @@ static void stick_all(impact *in) {
 
 /* ---------------------------------------------------------------- events */
 
-/* Whether a series, over t^zeros, falls to 0 in (0, h]; then h becomes the first time of that. */
-static int falls(double *series, int zeros, double *h) {
-    for (int k = 0; k <= FILM_FRICTION_ORDER; k++) series[k] = k + zeros <= FILM_FRICTION_ORDER ? series[k + zeros] : 0.0;
-    double t = film_friction_root(series, *h);
-    if (t > *h) return 0;
-    *h = t;
+/* Whether a series, over t^zeros, falls to 0 before the time of `end`, which then becomes the first time of that. */
+static int falls(double *series, int zeros, film_powers *end) {
+    for (int k = 0; k < FILM_TERMS && zeros > 0; k++) series[k] = k + zeros < FILM_TERMS ? series[k + zeros] : 0.0;
+    double t = film_friction_root(series, end);
+    if (t > end->t) return 0;
+    film_friction_powers(t, end);
     return 1;
 }
 
 /* z' - side D' falls to 0 for one of both sides, which becomes the sign. */
-static int stick_ends(impact *in, const film_taylor *of, double *h) {
+static int stick_ends(impact *in, const film_taylor *of, film_powers *end) {
     double series[FILM_TERMS], sign = in->rule.sign;
     int found = NOTHING;
     for (int side = -1; side <= 1; side += 2) {
-        for (int k = 0; k <= FILM_FRICTION_ORDER; k++) series[k] = of->speed[k] - side * of->v[k];
-        if (falls(series, in->along && side == (sign > 0.0 ? 1 : -1), h)) {
+        for (int k = 0; k < FILM_TERMS; k++) series[k] = of->speed[k] - side * of->v[k];
+        if (falls(series, in->along && side == (sign > 0.0 ? 1 : -1), end)) {
             in->rule.sign = side;
             found = TURNS;
         }
@@ -117,22 +117,22 @@ static int stick_ends(impact *in, const film_taylor *of, double *h) {
     return found;
 }
 
-/* The first event in a step of length *h, which it shortens. */
-static int first_event(impact *in, const film_taylor *of, double *h) {
+/* The first event in a step up to the time of `end`, which it shortens. */
+static int first_event(impact *in, const film_taylor *of, film_powers *end) {
     double series[FILM_TERMS];
     int event = NOTHING;
-    if (in->rule.kind == FILM_STICKS) return stick_ends(in, of, h);
-    for (int k = 0; k <= FILM_FRICTION_ORDER; k++) series[k] = -of->way[k];
-    if (falls(series, in->rule.flat, h)) event = TURNS;
+    if (in->rule.kind == FILM_STICKS) return stick_ends(in, of, end);
+    for (int k = 0; k < FILM_TERMS; k++) series[k] = -of->way[k];
+    if (falls(series, in->rule.flat, end)) event = TURNS;
     if (in->rule.kind == FILM_SLIDES) {
-        memcpy(series, of->z, sizeof series);
-        return falls(series, 0, h) ? ENDS : event;
+        memcpy(series, in->rule.normal.exponent == 1.5 ? of->root : of->z, sizeof series);
+        return falls(series, 0, end) ? ENDS : event;
     }
     memcpy(series, of->c, sizeof series);
-    series[0] -= fmax(in->path[in->pieces - 1].begin, SMALLEST * in->scale / in->rule.normal.approach);
-    if (falls(series, 0, h)) event = CORNER;
-    for (int k = 0; k <= FILM_FRICTION_ORDER; k++) series[k] = of->z[k] - of->c[k];
-    return falls(series, in->caught, h) ? CAUGHT : event;
+    series[0] -= fmax(in->path[in->pieces - 1].begin, SMALLEST * in->scale);
+    if (falls(series, 0, end)) event = CORNER;
+    for (int k = 0; k < FILM_TERMS; k++) series[k] = of->z[k] - of->c[k];
+    return falls(series, in->caught, end) ? CAUGHT : event;
 }
 
 /* ---------------------------------------------------------------- steps */
@@ -148,53 +148,52 @@ static void write_row(impact *in, double t, double z, double D, double v, double
 
 static void write_rows(impact *in, const film_taylor *of, double h) {
     for (int i = 0; in->rows && i < in->per_step && in->status == FILM_OK; i++) {
-        double t = h * i / in->per_step, z = film_friction_at(of->z, t), c = z;
-        if (in->rule.kind != FILM_STICKS) c = in->rule.kind == FILM_SLIDES ? 0.0 : film_friction_at(of->c, t);
-        write_row(in, t, z, film_friction_at(of->D, t), film_friction_at(of->v, t), film_friction_at(of->q, t), c);
+        film_powers at;
+        film_friction_powers(h * i / in->per_step, &at);
+        double z = film_friction_sum(of->z, at.value), c = z, D = film_friction_sum(of->D, at.value);
+        if (in->rule.kind != FILM_STICKS) c = in->rule.kind == FILM_SLIDES ? 0.0 : film_friction_sum(of->c, at.value);
+        double v = film_friction_sum(of->v, at.value), q = film_friction_sum(of->q, at.value);
+        write_row(in, film_friction_sum(of->time, at.value), z, D, v, q, c);
     }
 }
 
-static void watch_at(impact *in, const film_taylor *of, double t) {
-    double q = fabs(film_friction_at(of->q, t));
+static void watch_at(impact *in, const film_taylor *of, const film_powers *at) {
+    double q = fabs(film_friction_sum(of->q, at->value));
     if (q <= in->result->force) return;
     in->result->force = q;
-    in->result->time_of_force = in->now.time + t;
+    in->result->time_of_force = in->now.time + film_friction_sum(of->time, at->value);
 }
 
 /* Keeps the largest |q|: at the end of a step, or where its slope changes sign within. */
-static void watch_force(impact *in, const film_taylor *of, double h) {
-    double low = 0.0, high = h, sense = film_friction_slope(of->q, 0.0);
-    watch_at(in, of, h);
-    if (sense * film_friction_slope(of->q, h) >= 0.0) return;
+static void watch_force(impact *in, const film_taylor *of, const film_powers *end) {
+    double low = 0.0, high = end->t, sense = of->q[1];
+    film_powers at;
+    watch_at(in, of, end);
+    if (sense * film_friction_sum(of->q, end->slope) >= 0.0) return;
     for (int step = 0; step < ROOT_STEPS; step++) {
-        double middle = 0.5 * (low + high);
-        if (sense * film_friction_slope(of->q, middle) > 0.0) low = middle;
-        else high = middle;
+        film_friction_powers(0.5 * (low + high), &at);
+        if (sense * film_friction_sum(of->q, at.slope) > 0.0) low = at.t;
+        else high = at.t;
     }
-    watch_at(in, of, high);
+    film_friction_powers(high, &at);
+    watch_at(in, of, &at);
 }
 
-static void move_on(impact *in, const film_taylor *of, double h) {
+static void move_on(impact *in, const film_taylor *of, const film_powers *end) {
     film_moment *now = &in->now;
-    now->time += h;
-    now->z = film_friction_at(of->z, h);
-    now->nu = film_friction_at(of->nu, h);
-    now->D = film_friction_at(of->D, h);
-    now->v = film_friction_at(of->v, h);
-    now->q = film_friction_at(of->q, h);
+    now->time += film_friction_sum(of->time, end->value);
+    now->z = film_friction_sum(of->z, end->value);
+    now->nu = film_friction_sum(of->nu, end->value);
+    now->D = film_friction_sum(of->D, end->value);
+    now->v = film_friction_sum(of->v, end->value);
+    now->q = film_friction_sum(of->q, end->value);
     in->rule.edge = in->rule.flat = in->caught = in->along = 0;
     if (in->rule.kind != FILM_SLIPS) return;
-    now->P = film_friction_at(of->P, h);
-    now->c = film_friction_at(of->c, h);
+    now->P = film_friction_sum(of->P, end->value);
+    now->c = film_friction_sum(of->c, end->value);
     if (in->rule.piece == FILM_STRAIGHT) return;
-    now->nu_c = film_friction_at(of->nu_c, h);
-    now->v_c = film_friction_at(of->v_c, h);
-}
-
-/* The work of the law up to a depth. */
-static double work_at(const film_normal *normal, double z) {
-    double n = normal->exponent;
-    return 0.5 * normal->slope * z * z + normal->coefficient * pow(z, n + 1.0) / (n + 1.0);
+    now->nu_c = film_friction_sum(of->nu_c, end->value);
+    now->v_c = film_friction_sum(of->v_c, end->value);
 }
 
 /* Slip near c = 0: P = -s (1 - s part) f(c) is left for so short a time that its impulse is known to rounding. 1: it is,
@@ -202,9 +201,9 @@ static double work_at(const film_normal *normal, double z) {
 static int slides_now(impact *in, const film_taylor *of) {
     if (in->rule.kind != FILM_SLIPS || in->pieces > 1 || in->rule.flat || of->way[0] >= 0.0) return 0;
     double part = in->rule.piece == FILM_STUCK ? in->part : -in->rule.sign; /* slope of the path at 0 */
-    double c = in->now.c, per_c = 1.0 - in->rule.sign * part, a = in->rule.normal.approach, way = -of->way[0];
-    double work = in->rule.rate * work_at(&in->rule.normal, c) / way;
-    double spread = (in->rule.rate + 1.0) * force_of(in, c) * c / (a * a), most = fabs(per_c) + spread;
+    double c = in->now.c, per_c = 1.0 - in->rule.sign * part, way = -of->way[0];
+    double work = in->rule.rate * film_friction_work(&in->rule.normal, c) / way;
+    double spread = (in->rule.rate + 1.0) * force_of(in, c) * c, most = fabs(per_c) + spread;
     double unknown = most * most * c / way * (fabs(of->way[1]) / way + 1.0) + 2.0 * most * spread;
     if (work * unknown > ROUNDING * in->scale) return 0;
     in->now.v += in->rule.sign * per_c * per_c * work;
@@ -215,14 +214,14 @@ static int slides_now(impact *in, const film_taylor *of) {
 static int at_singular_end(const impact *in) {
     if (in->rule.kind != FILM_SLIPS || in->rule.piece != FILM_STUCK || in->rule.edge) return 0;
     double speed = in->now.nu_c - in->rule.normal.gamma * force_of(in, in->now.c);
-    return speed - in->rule.sign * in->now.v_c < SINGULAR * in->rule.normal.approach;
+    return speed - in->rule.sign * in->now.v_c < SINGULAR;
 }
 
 /* Sliding near z = 0: the rest of the contact, as :func:`slides_now`. */
 static int ends_now(impact *in, const film_taylor *of) {
     double speed = -of->speed[0], z = in->now.z;
     if (in->rule.kind != FILM_SLIDES || speed <= 0.0) return 0;
-    double impulse = work_at(&in->rule.normal, z) / speed, left = z / speed;
+    double impulse = film_friction_work(&in->rule.normal, z) / speed, left = z / speed;
     double unknown = (of->f[0] * (left + in->rule.normal.gamma) + fabs(in->rule.normal.load) * left) / speed;
     double most = in->rule.rate * impulse;
     if (most * unknown > ROUNDING * in->scale || in->rule.sign * in->now.v + speed < CLEAR * (most + impulse)) return 0;
@@ -236,6 +235,7 @@ static int ends_now(impact *in, const film_taylor *of) {
 /* On to the end of the phase; the event that ends it. */
 static int phase(impact *in) {
     film_taylor of;
+    film_powers end;
     while (in->result->steps++ < FILM_FRICTION_STEPS) {
         if (at_singular_end(in)) return CORNER;
         film_friction_series(&in->rule, &in->now, &of);
@@ -243,10 +243,11 @@ static int phase(impact *in) {
         if (ends_now(in, &of)) return ENDS;
         double h = film_friction_length(&in->rule, &of, in->scale);
         if (!(h > 0.0)) break;
-        int event = first_event(in, &of, &h);
-        write_rows(in, &of, h);
-        watch_force(in, &of, h);
-        move_on(in, &of, h);
+        film_friction_powers(h, &end);
+        int event = first_event(in, &of, &end);
+        write_rows(in, &of, end.t);
+        watch_force(in, &of, &end);
+        move_on(in, &of, &end);
         if (event != NOTHING) return event;
     }
     in->status = FILM_TOO_MANY;
@@ -272,27 +273,12 @@ static void begin_stick(impact *in) {
     note(in, FILM_STICKS);
 }
 
-/* z, nu, D, D' and q at a small depth after first touch, by the first terms in powers of time. */
-static film_moment touched(const impact *in, double depth, double velocity) {
-    const film_normal *normal = &in->rule.normal;
-    double a = normal->approach, t = depth / a, n = normal->exponent;
-    double power = normal->coefficient * pow(depth, n);
-    double once = normal->slope * depth * t / 2.0 + power * t / (n + 1.0);
-    double twice = normal->slope * depth * t * t / 6.0 + power * t * t / ((n + 1.0) * (n + 2.0));
-    film_moment at = {.time = t, .nu = a + normal->load * t - once};
-    at.z = depth + 0.5 * normal->load * t * t - normal->gamma * once - twice;
-    at.v = velocity - in->rule.rate * in->part * once;
-    at.D = velocity * t - in->rule.rate * in->part * twice;
-    at.q = in->part * force_of(in, at.z);
-    return at;
-}
-
 /* c has come to the beginning of its piece. */
 static void next_piece(impact *in) {
     const film_moment *now = &in->now;
     if (in->pieces == 1 && in->rule.piece == FILM_STUCK) {
-        film_moment was = touched(in, now->c, in->velocity);
-        in->result->closure = fmax(fabs(now->v_c - was.v) / in->scale, fabs(now->nu_c - was.nu) / in->rule.normal.approach);
+        film_moment was = film_friction_touched(&in->rule, in->part, now->c, in->velocity);
+        in->result->closure = fmax(fabs(now->v_c - was.v) / in->scale, fabs(now->nu_c - was.nu));
     }
     in->pieces--;
     enter(in);
@@ -302,7 +288,7 @@ static void next_piece(impact *in) {
 /* The phase after an event. */
 static void next_phase(impact *in, int event) {
     film_moment *now = &in->now;
-    int sticks = in->rule.kind == FILM_STICKS, at_turn = speed_of(in) <= AT_TURN * in->rule.normal.approach;
+    int sticks = in->rule.kind == FILM_STICKS, at_turn = speed_of(in) <= AT_TURN;
     if (event == CORNER) {
         next_piece(in);
     } else if (event == CAUGHT) {
@@ -320,30 +306,21 @@ static void next_phase(impact *in, int event) {
             begin_stick(in);
             return;
         }
-        in->rule.flat = speed_of(in) >= -AT_TURN * in->rule.normal.approach;
+        in->rule.flat = speed_of(in) >= -AT_TURN;
         slip_from_edge(in, -in->rule.sign, 2);
         note(in, FILM_REVERSES);
     }
 }
 
-/* The depth at which the first step begins: terms left out of :func:`touched` are below rounding. */
-static double first_depth(const film_normal *normal) {
-    double least = normal->slope > 0.0 ? 1.0 : normal->exponent;
-    double depth = 0.3 * pow(ROUNDING, 1.0 / (2.0 * least + (normal->gamma > 0.0 ? 0.0 : 2.0)));
-    if (normal->load == 0.0) return depth;
-    return fmin(depth, 0.3 * pow(ROUNDING / fmax(fabs(normal->load), ROUNDING), 1.0 / (least + 2.0)));
-}
-
 /* The first moment, and the phase it is in. */
 static void touch(impact *in, double velocity) {
-    double approach = in->rule.normal.approach, depth = first_depth(&in->rule.normal);
-    int stick = fabs(velocity) <= approach;
-    in->part = stick ? velocity / approach : copysign(1.0, velocity);
-    in->now = touched(in, depth, velocity);
+    int stick = fabs(velocity) <= 1.0;
+    in->part = stick ? velocity : copysign(1.0, velocity);
+    in->now = film_friction_touched(&in->rule, in->part, film_friction_first(&in->rule.normal, ROUNDING), velocity);
     in->velocity = velocity;
     in->rule.sign = copysign(1.0, velocity);
     in->rule.kind = stick ? FILM_STICKS : FILM_SLIDES;
-    in->along = fabs(velocity) == approach;
+    in->along = fabs(velocity) == 1.0;
     in->result->kinds[0] = in->rule.kind;
     in->result->phases = 1;
     if (in->rows) write_row(in, -in->now.time, 0.0, 0.0, velocity, 0.0, 0.0);
@@ -353,34 +330,57 @@ static void touch(impact *in, double velocity) {
     }
 }
 
+/* The depth at which about all work of the approach is done. */
+static double depth_of(const film_normal *normal) {
+    double n = normal->exponent, work = 0.5 * normal->approach * normal->approach, depth = INFINITY;
+    if (normal->slope > 0.0) depth = sqrt(2.0 * work / normal->slope);
+    if (normal->coefficient > 0.0) depth = fmin(depth, pow((n + 1.0) * work / normal->coefficient, 1.0 / (n + 1.0)));
+    return depth;
+}
+
+/* The results in the caller's units, of those with the depth and the approach velocity as units. factor: of D'. */
+static void scale_back(impact *in, double depth, double approach, double factor) {
+    film_friction_result *result = in->result;
+    double time = depth / approach, force = factor * approach * approach / depth;
+    double units[FILM_FRICTION_COLUMNS] = {time, depth, factor * depth, factor * approach, force, depth};
+    for (int i = 0; i < in->count; i++) {
+        for (int k = 0; k < FILM_FRICTION_COLUMNS; k++) in->rows[FILM_FRICTION_COLUMNS * i + k] *= units[k];
+    }
+    for (int i = 0; i < result->phases; i++) result->begins[i] *= time;
+    result->velocity = factor * approach * in->now.v;
+    result->force *= force;
+    result->time_of_force *= time;
+    result->duration = time * in->now.time;
+}
+
 int film_friction(const film_normal *normal, double rate, double velocity, film_friction_result *result, double *rows,
                   int32_t per_step, int32_t room, int32_t *count) {
+    double a = normal->approach, depth, factor;
     memset(result, 0, sizeof *result);
     if (count) *count = 0;
-    if (!(normal->slope >= 0.0 && normal->coefficient >= 0.0 && normal->exponent >= 1.0 && normal->gamma >= 0.0)) {
+    if (!(normal->slope >= 0.0 && normal->coefficient >= 0.0 && normal->exponent >= 1.0 && normal->gamma >= 0.0 && a > 0.0)) {
         return FILM_BAD_NUMBER;
     }
-    if (!(normal->approach > 0.0 && isfinite(normal->load) && rate > 0.0 && isfinite(velocity)) || velocity == 0.0) {
+    depth = depth_of(normal), factor = fmin(fabs(velocity) / (SLOW * a), 1.0);
+    film_normal own = {normal->slope * depth * depth / (a * a), 0.0, normal->exponent, 1.0, normal->gamma * a / depth,
+                       normal->load * depth / (a * a)};
+    own.coefficient = normal->coefficient * pow(depth, own.exponent + 1.0) / (a * a);
+    velocity /= a * factor;
+    if (!isfinite(own.slope + own.coefficient + own.exponent + own.gamma + own.load + rate + velocity) || !(rate > 0.0)) {
         return FILM_BAD_NUMBER;
     }
-    double factor = fmin(fabs(velocity) / (SLOW * normal->approach), 1.0);
-    impact in = {.rule = {.normal = *normal, .rate = rate}, .result = result, .rows = rows, .per_step = per_step, .room = room};
-    in.scale = fmin(fabs(velocity / factor), normal->approach);
-    touch(&in, velocity / factor);
+    impact in = {.rule = {.normal = own, .rate = rate}, .result = result, .rows = rows, .per_step = per_step, .room = room};
+    in.scale = fmin(fabs(velocity), 1.0);
+    touch(&in, velocity);
     while (in.status == FILM_OK) {
         int event = phase(&in);
         if (event == ENDS) break;
         next_phase(&in, event);
     }
     if (rows && in.status == FILM_OK) write_row(&in, 0.0, 0.0, in.now.D, in.now.v, 0.0, 0.0);
-    for (int i = 0; i < in.count; i++) {
-        for (int column = 2; column < 5; column++) rows[FILM_FRICTION_COLUMNS * i + column] *= factor;
-    }
+    scale_back(&in, depth, a, factor);
     if (count) *count = in.count;
-    result->velocity = factor * in.now.v;
-    result->force *= factor;
-    result->duration = in.now.time;
-    return in.status;
+    return in.status != FILM_OK || isfinite(result->velocity + result->force) ? in.status : FILM_BAD_NUMBER;
 }
 
 void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,

@@ -7,7 +7,7 @@
  * Cattaneo, Mindlin, Jaeger and Ciavarella for elastically similar bodies. (D0(c), q0(c)) is the path: where each depth has
  * stuck; c - s D0(c) = w = z - s D. With P = q - s f(z) = q0(c) - s f(c), slip is P' = -s f'(c) w'.
  * Units: z, nu, f and time as in film_core.h; D over (kappa mu) times the unit of length, kappa = E_star/(4 G_star); q over mu
- * times the unit of force; rate = (m/m_t)/kappa. Motions are Taylor series in time of order FILM_FRICTION_ORDER. */
+ * times the unit of force; rate = (m/m_t)/kappa. Motions are Taylor series of order FILM_FRICTION_ORDER. */
 #ifndef FILM_FRICTION_H
 #define FILM_FRICTION_H
 

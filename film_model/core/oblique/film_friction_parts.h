@@ -13,36 +13,49 @@ typedef struct {
 } film_moment;
 
 /* What holds in a phase. kind: FILM_STICKS, FILM_SLIPS or FILM_SLIDES. piece: on which c is, FILM_STUCK or FILM_STRAIGHT.
- * flat: 1 if slip begins with w' = 0; edge: 1 if U = 0 too, where stick has ended (film_friction_step.c). */
+ * normal: with an approach of 1, and a depth of about 1. flat: 1 if slip begins with w' = 0; edge: 1 if U = 0 too, where
+ * stick has ended (film_friction_step.c). */
 typedef struct {
     film_normal normal;
     double rate, sign;
     int kind, piece, flat, edge;
 } film_phase_rule;
 
-/* Taylor series in time from the beginning of a step; `speed` is z', `way` is w'. */
+/* Taylor series from the beginning of a step, in powers of time or of a clock; `speed` is z', `way` is w'. */
 typedef struct {
-    double z[FILM_TERMS + 1], nu[FILM_TERMS + 1], D[FILM_TERMS + 1], v[FILM_TERMS + 1], q[FILM_TERMS + 1];
-    double P[FILM_TERMS + 1], c[FILM_TERMS + 1], nu_c[FILM_TERMS + 1], v_c[FILM_TERMS + 1];
-    double f[FILM_TERMS + 1], speed[FILM_TERMS + 1], way[FILM_TERMS + 1];
+    double time[FILM_TERMS], root[FILM_TERMS]; /* root: sqrt(z) under a clock, without which contact ends at a double root */
+    double z[FILM_TERMS], nu[FILM_TERMS], D[FILM_TERMS], v[FILM_TERMS], q[FILM_TERMS];
+    double P[FILM_TERMS], c[FILM_TERMS], nu_c[FILM_TERMS], v_c[FILM_TERMS];
+    double f[FILM_TERMS], speed[FILM_TERMS], way[FILM_TERMS];
 } film_taylor;
 
 /* The force and its slope at a depth. */
 double film_friction_force(const film_normal *normal, double z, double *slope);
 
-/* The series from a moment. */
+/* The work of the law up to a depth. */
+double film_friction_work(const film_normal *normal, double z);
+
+/* z, nu, D, D' and q at a small depth after first touch, by the first terms in powers of time. part: dD/dz there. */
+film_moment film_friction_touched(const film_phase_rule *rule, double part, double depth, double velocity);
+
+/* The depth up to which the terms that it leaves out are below `rounding`. */
+double film_friction_first(const film_normal *normal, double rounding);
+
+/* The series from a moment; after first touch, at z > 0. */
 void film_friction_series(const film_phase_rule *rule, const film_moment *at, film_taylor *series);
 
 /* The longest step whose last terms are below the tolerance. scale: of D'. */
 double film_friction_length(const film_phase_rule *rule, const film_taylor *series, double scale);
 
-/* A series at a time in its step. */
-double film_friction_at(const double *series, double t);
+/* Powers of a time, or clock, in a step: sums with a series are its value and its slope there. */
+typedef struct {
+    double t, value[FILM_TERMS], slope[FILM_TERMS];
+} film_powers;
 
-/* Its derivative there. */
-double film_friction_slope(const double *series, double t);
+void film_friction_powers(double t, film_powers *powers);
+double film_friction_sum(const double *series, const double *powers);
 
-/* The first time in (0, h] at which a series that is positive before falls to 0; more than h if there is none. */
-double film_friction_root(const double *series, double h);
+/* The first time up to that of `end` at which a series that is positive before falls to 0; more if there is none. */
+double film_friction_root(const double *series, const film_powers *end);
 
 #endif

@@ -10,6 +10,7 @@
 #include "oblique/film_friction_parts.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { ROOT_STEPS = 80 }; /* bisections that leave no double between, with a margin */
 
@@ -23,27 +24,58 @@ double film_friction_force(const film_normal *normal, double z, double *slope) {
     return z > 0.0 ? normal->slope * z + power * z : 0.0;
 }
 
-/* Term k of the product of two series. */
-static double product(const double *a, const double *b, int k) {
-    double sum = 0.0;
-    for (int j = 0; j <= k; j++) sum += a[j] * b[k - j];
-    return sum;
+double film_friction_work(const film_normal *normal, double z) {
+    double n = normal->exponent;
+    return 0.5 * normal->slope * z * z + normal->coefficient * pow(z, n + 1.0) / (n + 1.0);
 }
 
-/* Term k of x^power for a series x with x[0] > 0: from x y' = power y x'. */
-static void raise_term(const double *x, double power, double *y, int k) {
+film_moment film_friction_touched(const film_phase_rule *rule, double part, double depth, double velocity) {
+    const film_normal *normal = &rule->normal;
+    double t = depth, n = normal->exponent, slope, power = normal->coefficient * pow(depth, n);
+    double once = normal->slope * depth * t / 2.0 + power * t / (n + 1.0);
+    double twice = normal->slope * depth * t * t / 6.0 + power * t * t / ((n + 1.0) * (n + 2.0));
+    film_moment at = {.time = t, .nu = 1.0 + normal->load * t - once};
+    at.z = depth + 0.5 * normal->load * t * t - normal->gamma * once - twice;
+    at.v = velocity - rule->rate * part * once;
+    at.D = velocity * t - rule->rate * part * twice;
+    at.q = part * film_friction_force(normal, at.z, &slope);
+    return at;
+}
+
+double film_friction_first(const film_normal *normal, double rounding) {
+    double least = normal->slope > 0.0 ? 1.0 : normal->exponent;
+    double depth = 0.3 * pow(rounding, 1.0 / (2.0 * least + (normal->gamma > 0.0 ? 0.0 : 2.0)));
+    if (normal->load == 0.0) return depth;
+    return fmin(depth, 0.3 * pow(rounding / fmax(fabs(normal->load), rounding), 1.0 / (least + 2.0)));
+}
+
+/* Term k of the product of two series; four sums, which do not wait for each other. */
+static double product(const double *a, const double *b, int k) {
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    int j = 0;
+    for (; j + 3 <= k; j += 4) {
+        sum[0] += a[j] * b[k - j];
+        sum[1] += a[j + 1] * b[k - j - 1];
+        sum[2] += a[j + 2] * b[k - j - 2];
+        sum[3] += a[j + 3] * b[k - j - 3];
+    }
+    for (; j <= k; j++) sum[0] += a[j] * b[k - j];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+/* Term k of y = x^power for a series x with x[0] > 0, from x y' = power y x'. slopes: j x[j], and slopes[0] = 0. */
+static void raise_term(const double *x, const double *slopes, double power, double *y, int k) {
     if (k == 0) {
         y[0] = pow(x[0], power);
         return;
     }
-    double sum = 0.0;
-    for (int j = 1; j <= k; j++) sum += (power * j - (k - j)) * x[j] * y[k - j];
-    y[k] = sum / (k * x[0]);
+    y[k] = 0.0;
+    y[k] = ((power + 1.0) / k * product(slopes, y, k) - product(x, y, k)) / x[0];
 }
 
-/* The force along a series of depths: power = x^(exponent - 1), f and its slope. */
+/* The force along a series of depths: power = x^(exponent - 1), f and its slope. steps: k x[k]. */
 typedef struct {
-    double power[FILM_TERMS + 1], f[FILM_TERMS + 1], slope[FILM_TERMS + 1];
+    double steps[FILM_TERMS], power[FILM_TERMS], f[FILM_TERMS], slope[FILM_TERMS];
 } forces;
 
 static void force_term(const film_normal *normal, const double *x, forces *to, int k) {
@@ -53,7 +85,8 @@ static void force_term(const film_normal *normal, const double *x, forces *to, i
         to->slope[k] = constant + (k == 0 ? normal->coefficient : 0.0);
         return;
     }
-    raise_term(x, normal->exponent - 1.0, to->power, k);
+    to->steps[k] = k * x[k];
+    raise_term(x, to->steps, normal->exponent - 1.0, to->power, k);
     to->f[k] = linear + normal->coefficient * product(to->power, x, k);
     to->slope[k] = constant + normal->exponent * normal->coefficient * to->power[k];
 }
@@ -61,8 +94,8 @@ static void force_term(const film_normal *normal, const double *x, forces *to, i
 /* The retraced record beside the series: forces at c, z_c', U, S, and dU/d(time of the record). */
 typedef struct {
     forces at_c;
-    double z_rate[FILM_TERMS + 1], U[FILM_TERMS + 1], S[FILM_TERMS + 1], bend[FILM_TERMS + 1], load[FILM_TERMS + 1];
-    double pull[FILM_TERMS + 1];
+    double z_rate[FILM_TERMS], U[FILM_TERMS], S[FILM_TERMS], bend[FILM_TERMS], load[FILM_TERMS];
+    double pull[FILM_TERMS];
 } record;
 
 /* Term k of what follows from c, nu_c, v_c and P up to k. */
@@ -124,9 +157,40 @@ static void retrace(const film_phase_rule *rule, film_taylor *of, record *r, int
     of->v_c[k + 1] = product(r->S, r->pull, k) / (k + 1);
 }
 
+/* Stick and sliding under f = slope z + coefficient z^1.5, in powers of a clock that runs with dt = y d(clock), y = sqrt(z):
+ * all equations are polynomials then, and the series converge far beyond first touch. */
+static void clocked_series(const film_phase_rule *rule, const film_moment *at, film_taylor *of) {
+    double *y = of->root, pull[FILM_TERMS], slope[FILM_TERMS]; /* y, load - f, and y f'(z) */
+    const film_normal *normal = &rule->normal;
+    int sticks = rule->kind == FILM_STICKS;
+    y[0] = sqrt(at->z), of->time[0] = 0.0, of->nu[0] = at->nu, of->D[0] = at->D, of->v[0] = at->v, of->q[0] = at->q;
+    for (int k = 0; k < FILM_TERMS; k++) {
+        of->z[k] = product(y, y, k);
+        of->f[k] = normal->slope * of->z[k] + normal->coefficient * product(y, of->z, k);
+        of->speed[k] = of->nu[k] - normal->gamma * of->f[k];
+        of->way[k] = of->speed[k] - rule->sign * of->v[k];
+        if (!sticks) of->q[k] = rule->sign * of->f[k];
+        if (k == FILM_FRICTION_ORDER) break;
+        pull[k] = (k == 0 ? normal->load : 0.0) - of->f[k];
+        slope[k] = normal->slope * y[k] + 1.5 * normal->coefficient * of->z[k];
+        y[k + 1] = 0.5 * of->speed[k] / (k + 1);
+        of->time[k + 1] = y[k] / (k + 1);
+        of->nu[k + 1] = product(y, pull, k) / (k + 1);
+        of->D[k + 1] = product(y, of->v, k) / (k + 1);
+        of->v[k + 1] = -rule->rate * product(y, of->q, k) / (k + 1);
+        if (sticks) of->q[k + 1] = product(slope, of->v, k) / (k + 1);
+    }
+}
+
 void film_friction_series(const film_phase_rule *rule, const film_moment *at, film_taylor *of) {
     forces at_z;
     record r;
+    if (rule->kind != FILM_SLIPS && rule->normal.exponent == 1.5) {
+        clocked_series(rule, at, of);
+        return;
+    }
+    memset(of->time, 0, sizeof of->time);
+    of->time[1] = 1.0;
     of->z[0] = at->z, of->nu[0] = at->nu, of->D[0] = at->D, of->v[0] = at->v, of->q[0] = at->q;
     of->P[0] = at->P, of->c[0] = at->c, of->nu_c[0] = at->nu_c, of->v_c[0] = at->v_c;
     force_term(&rule->normal, of->z, &at_z, 0);
@@ -155,42 +219,61 @@ void film_friction_series(const film_phase_rule *rule, const film_moment *at, fi
     }
 }
 
-/* The step whose last two terms are the tolerance times the scale. */
-static double length_of(const double *series, double scale) {
-    double h = LONGEST;
-    for (int k = FILM_FRICTION_ORDER - 1; k <= FILM_FRICTION_ORDER; k++) {
-        double term = fabs(series[k]);
-        if (term * pow(h, k) > TOLERANCE * scale) h = pow(TOLERANCE * scale / term, 1.0 / k);
+/* Keeps the largest of the last two terms over the scale. */
+static void watch_terms(const double *series, double scale, double last[2]) {
+    for (int k = 0; k < 2; k++) last[k] = fmax(last[k], fabs(series[FILM_FRICTION_ORDER - 1 + k]) / scale);
+}
+
+double film_friction_length(const film_phase_rule *rule, const film_taylor *of, double scale) {
+    double last[2] = {0.0, 0.0}, h = LONGEST;
+    watch_terms(of->nu, 1.0, last);
+    watch_terms(of->v, scale, last);
+    if (rule->kind == FILM_STICKS) watch_terms(of->q, scale, last);
+    if (rule->kind == FILM_SLIPS) {
+        watch_terms(of->P, scale, last);
+        watch_terms(of->c, 1.0, last);
+        if (rule->piece == FILM_STUCK) watch_terms(of->v_c, scale, last);
+    }
+    for (int k = 0; k < 2; k++) {
+        if (last[k] > 0.0) h = fmin(h, pow(TOLERANCE / last[k], 1.0 / (FILM_FRICTION_ORDER - 1 + k)));
     }
     return h;
 }
 
-double film_friction_length(const film_phase_rule *rule, const film_taylor *of, double scale) {
-    double approach = rule->normal.approach;
-    double h = fmin(length_of(of->nu, approach), length_of(of->v, scale));
-    if (rule->kind == FILM_STICKS) return fmin(h, length_of(of->q, scale));
-    if (rule->kind == FILM_SLIDES) return h;
-    h = fmin(h, fmin(length_of(of->P, scale), length_of(of->c, approach)));
-    return rule->piece == FILM_STRAIGHT ? h : fmin(h, length_of(of->v_c, scale));
+void film_friction_powers(double t, film_powers *to) {
+    to->t = t;
+    to->value[0] = 1.0, to->slope[0] = 0.0;
+    for (int k = 1; k < FILM_TERMS; k++) {
+        to->value[k] = t * to->value[k - 1];
+        to->slope[k] = k * to->value[k - 1];
+    }
 }
 
-double film_friction_at(const double *series, double t) {
-    double sum = series[FILM_FRICTION_ORDER];
-    for (int k = FILM_FRICTION_ORDER - 1; k >= 0; k--) sum = sum * t + series[k];
+double film_friction_sum(const double *series, const double *powers) {
+    double sum[4] = {0.0, 0.0, 0.0, 0.0};
+    int k = FILM_TERMS;
+    for (; k >= 4; k -= 4) { /* from the smallest terms on */
+        for (int j = 0; j < 4; j++) sum[j] += series[k - 1 - j] * powers[k - 1 - j];
+    }
+    for (; k > 0; k--) sum[0] += series[k - 1] * powers[k - 1];
+    return (sum[1] + sum[2]) + (sum[3] + sum[0]);
+}
+
+static double value_at(const double *series, double t, double *slope) {
+    double sum = series[FILM_FRICTION_ORDER], change = 0.0;
+    for (int k = FILM_FRICTION_ORDER - 1; k >= 0; k--) {
+        change = change * t + sum;
+        sum = sum * t + series[k];
+    }
+    *slope = change;
     return sum;
 }
 
-double film_friction_slope(const double *series, double t) {
-    double sum = FILM_FRICTION_ORDER * series[FILM_FRICTION_ORDER];
-    for (int k = FILM_FRICTION_ORDER - 1; k >= 1; k--) sum = sum * t + k * series[k];
-    return sum;
-}
-
-/* Where a function of the series falls through 0 between low, where it is positive, and high: Newton, within the bracket. */
+/* Where a series falls through 0 between low, where it is positive, and high: Newton, within the bracket. */
 static double between(const double *series, double low, double high) {
     double t = 0.5 * (low + high);
     for (int step = 0; step < ROOT_STEPS; step++) {
-        double value = film_friction_at(series, t), slope = film_friction_slope(series, t);
+        double slope, value = value_at(series, t, &slope);
         if (value > 0.0) low = t;
         else high = t;
         double next = slope < 0.0 ? t - value / slope : low;
@@ -201,15 +284,15 @@ static double between(const double *series, double low, double high) {
     return high;
 }
 
-double film_friction_root(const double *series, double h) {
+double film_friction_root(const double *series, const film_powers *end) {
+    double h = end->t, low = 0.0, high = h;
     if (series[0] <= 0.0) return 0.0;
-    if (film_friction_at(series, h) <= 0.0) return between(series, 0.0, h);
-    if (!(film_friction_slope(series, 0.0) < 0.0 && film_friction_slope(series, h) > 0.0)) return 2.0 * h;
-    double low = 0.0, high = h; /* it falls and rises: its least value may be below 0 */
-    for (int step = 0; step < ROOT_STEPS && high > low; step++) {
-        double middle = 0.5 * (low + high);
-        if (film_friction_at(series, middle) <= 0.0) return between(series, 0.0, middle);
-        if (film_friction_slope(series, middle) < 0.0) low = middle;
+    if (film_friction_sum(series, end->value) <= 0.0) return between(series, 0.0, h);
+    if (series[1] >= 0.0 || film_friction_sum(series, end->slope) <= 0.0) return 2.0 * h;
+    for (int step = 0; step < ROOT_STEPS && high > low; step++) { /* it falls and rises: its least value may be below 0 */
+        double slope, middle = 0.5 * (low + high);
+        if (value_at(series, middle, &slope) <= 0.0) return between(series, 0.0, middle);
+        if (slope < 0.0) low = middle;
         else high = middle;
     }
     return 2.0 * h;

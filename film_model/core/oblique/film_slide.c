@@ -22,54 +22,13 @@ static grip grip_of(const film_curve *curve, const film_state *state) {
     return now;
 }
 
-static void release(film_sliding *s) {
-    for (int k = 0; k < FILM_SPRINGS; k++) s->deflection[k] = 0.0;
-    s->force = s->slope = 0.0;
-}
-
-/* Half as many springs for what there is, and new ones beyond, until there is one at `slope`. */
-static void widen(film_sliding *s, double slope) {
-    for (int twice = 0; s->widest < slope && twice < 1100; twice++) {
-        for (int k = 0; k < FILM_SPRINGS / 2; k++) s->deflection[k] = 0.5 * (s->deflection[2 * k] + s->deflection[2 * k + 1]);
-        for (int k = FILM_SPRINGS / 2; k < FILM_SPRINGS; k++) s->deflection[k] = 0.0;
-        s->widest *= 2.0;
-    }
-}
-
-/* Stretch the springs by `moved`, let them slip, and sum their forces. A spring that the contact has just reached moves with it
- * for its part of the step, in which the square of r grows evenly, as the indentation of a sphere does. */
-static void stretch(film_sliding *s, grip now, double moved) {
-    widen(s, now.slope);
-    double ds = s->widest / FILM_SPRINGS, square = now.slope * now.slope, shares = 0.0, sum = 0.0;
-    double grown = fmax(square - s->slope * s->slope, 0.0), share[FILM_SPRINGS];
-    for (int k = 0; k < FILM_SPRINGS; k++) {
-        double at = (k + 0.5) * ds;
-        share[k] = fmax(square - at * at, 0.0);
-        shares += share[k];
-    }
-    if (!(shares > 0.0)) {
-        release(s);
-        return;
-    }
-    double limit = s->friction * now.force / (shares * ds);
-    for (int k = 0; k < FILM_SPRINGS; k++) {
-        double most = share[k] * limit, part = share[k] < grown ? share[k] / grown : 1.0;
-        s->deflection[k] = fmin(fmax(s->deflection[k] + part * moved, -most), most);
-        sum += s->deflection[k];
-    }
-    s->force = sum * ds;
-    s->slope = now.slope;
-}
-
-/* By the rule of the midpoint: half a step with the force before, half with that after. */
-static void advance(film_sliding *s, grip now, double h) {
-    double before = s->force, begin = s->velocity;
-    s->velocity += 0.5 * h * (s->push - s->mobility * before);
-    double moved = s->velocity * h;
-    stretch(s, now, moved);
-    s->velocity += 0.5 * h * (s->push - s->mobility * s->force);
-    s->impulse += 0.5 * h * (before + s->force);
-    s->work += (0.5 * (begin - s->velocity) * (begin + s->velocity) + s->push * moved) / s->mobility;
+static void advance(film_sliding *sliding, grip now, double h) {
+    film_springs *s = &sliding->springs;
+    double force = s->q, before = s->v, push = s->push;
+    film_springs_step(s, h, now.force, now.slope);
+    double moved = (before + 0.5 * h * (push - force / s->mass)) * h;
+    sliding->impulse += 0.5 * h * (force + s->q);
+    sliding->work += s->mass * (0.5 * (before - s->v) * (before + s->v) + push * moved);
 }
 
 static int follow(const film_curve *curve, const film_mesh *mesh, film_state *state, double time) {
@@ -79,15 +38,20 @@ static int follow(const film_curve *curve, const film_mesh *mesh, film_state *st
     return status < 0 ? status : FILM_OK;
 }
 
+int film_slide_init(film_sliding *sliding, double friction, double mass, double velocity, double longest) {
+    *sliding = (film_sliding){.longest = longest};
+    if (!(longest > 0.0)) return FILM_BAD_NUMBER;
+    return film_springs_init(&sliding->springs, FILM_MOST_SPRINGS, 0.125, 1.0, friction, mass, velocity);
+}
+
 int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state *from, double dt, film_sliding *sliding) {
     film_state state = *from;
     if (!(dt >= 0.0 && dt < INFINITY)) return FILM_BAD_NUMBER;
     if (state.branch == FILM_FREE) {
-        release(sliding);
-        sliding->velocity += sliding->push * dt;
+        advance(sliding, (grip){0.0, 0.0}, dt);
         return FILM_OK;
     }
-    double slope = fmax(grip_of(curve, &state).slope, 1.0), rate = sqrt(slope * fmax(sliding->mobility, 1.0));
+    double slope = fmax(grip_of(curve, &state).slope, 1.0), rate = sqrt(slope / fmin(sliding->springs.mass, 1.0));
     double count = ceil(dt / fmin(sliding->longest, OF_A_PERIOD / rate));
     if (!(count <= FILM_MOST_SLIDE_STEPS)) return FILM_TOO_MANY;
     for (double k = 1.0; k <= count; k += 1.0) {
@@ -96,12 +60,6 @@ int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state 
         advance(sliding, grip_of(curve, &state), dt / count);
     }
     return FILM_OK;
-}
-
-double film_slide_stored(const film_sliding *sliding) {
-    double sum = 0.0;
-    for (int k = 0; k < FILM_SPRINGS; k++) sum += sliding->deflection[k] * sliding->deflection[k];
-    return 0.5 * sum * (sliding->widest / FILM_SPRINGS);
 }
 
 int64_t film_slide_size(void) { return (int64_t)sizeof(film_sliding); }

@@ -1,0 +1,40 @@
+/* Friction in any contact, by springs beside each other that slip: for laws that yield or are damped, in steps.
+ *
+ * Springs at radii r share the tangential stiffness 8 G_star a and the normal force like those of Popov's reduction of a
+ * sphere, p(r) ~ 1 - r^2/a^2. Errors fall with the square of the steps. Units: any consistent ones.
+ * Nothing is allocated; copying a film_springs saves it. */
+#ifndef FILM_SPRINGS_H
+#define FILM_SPRINGS_H
+
+#include "film_core.h"
+
+enum { FILM_MOST_SPRINGS = 256 }; /* most springs */
+
+/* stiffness: of one spring. width: distance of the springs. mass: m_t. v: sliding velocity, also where nothing touches.
+ * q: friction force. push: acceleration by what else acts. radius: of the contact, now. u: deflections. */
+typedef struct {
+    double stiffness, width, friction, mass, v, q, push, radius;
+    double u[FILM_MOST_SPRINGS];
+    int32_t count, reserved;
+} film_springs;
+
+/* Springs up to the radius `largest`, that do not touch; a step to a larger one doubles their distance. modulus: G_star. count: 1 to FILM_MOST_SPRINGS. FILM_OK, or
+ * FILM_BAD_NUMBER: a count out of range, or a number that is not finite, or not > 0; friction may be 0, the velocity any. */
+FILM_API int film_springs_init(film_springs *state, int32_t count, double modulus, double largest, double friction, double mass,
+                               double velocity);
+
+/* Forward by a time >= 0, at the end of which the contact has this normal force and radius; both 0 without contact. The
+ * rule of the midpoint: half a step with the friction force before, half with that after. */
+FILM_API void film_springs_step(film_springs *state, double time, double force, double radius);
+
+/* `steps` steps over a recorded normal motion, with sliding velocity and friction force after each. */
+FILM_API void film_springs_follow(film_springs *state, double time, int64_t steps, const double *force, const double *radius,
+                                  double *velocity, double *friction);
+
+/* Energy of the springs. */
+FILM_API double film_springs_energy(const film_springs *state);
+
+/* sizeof film_springs. */
+FILM_API int64_t film_springs_size(void);
+
+#endif

@@ -1,0 +1,77 @@
+"""The core's springs that slip, seen from Python. Nothing else knows their structure (film_springs.h)."""
+
+from __future__ import annotations
+
+import ctypes as c
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.core import native
+
+Array = NDArray[np.float64]
+
+MOST = 256
+"""Springs beside each other."""
+
+_D, _I = c.c_double, c.c_int32
+
+
+class Springs(c.Structure):
+    """film_springs: springs at one moment; v: sliding velocity, q: friction force, push: other acceleration."""
+
+    _fields_ = (
+        [(name, _D) for name in ("stiffness", "width", "friction", "mass", "v", "q", "push", "radius")]
+        + [("u", _D * MOST)]
+        + [("count", _I), ("reserved", _I)]
+    )
+
+
+@lru_cache(maxsize=1)
+def _library() -> Any:
+    """The core's library, with the functions of film_springs.h declared."""
+    lib, pointer, i64 = native.library(), c.c_void_p, c.c_int64
+    signatures: dict[str, tuple[list[Any], Any]] = {
+        "film_springs_init": ([pointer, _I, *[_D] * 5], c.c_int),
+        "film_springs_step": ([pointer, _D, _D, _D], None),
+        "film_springs_follow": ([pointer, _D, i64, pointer, pointer, pointer, pointer], None),
+        "film_springs_energy": ([pointer], _D),
+        "film_springs_size": ([], i64),
+    }
+    for name, (arguments, result) in signatures.items():
+        function = getattr(lib, name)
+        function.argtypes = arguments
+        function.restype = result
+    if lib.film_springs_size() != c.sizeof(Springs):
+        raise ImportError("the core was built from other sources: install the package again (pip install .)")
+    return lib
+
+
+def springs(count: int, modulus: float, largest: float, friction: float, mass: float, velocity: float) -> Springs:
+    """Springs that do not touch yet, up to the radius `largest`. Raises ValueError for numbers out of range."""
+    made = Springs()
+    numbers = modulus, largest, friction, mass, velocity
+    if _library().film_springs_init(c.byref(made), count, *numbers) != native.OK:
+        raise ValueError(f"the core refuses {count} springs with {numbers!r}")
+    return made
+
+
+def step(state: Springs, time: float, force: float, radius: float) -> None:
+    """Forward by a time, at the end of which the contact has this normal force and radius."""
+    _library().film_springs_step(c.byref(state), time, force, radius)
+
+
+def energy(state: Springs) -> float:
+    """Energy of the springs."""
+    return _library().film_springs_energy(c.byref(state))
+
+
+def follow(state: Springs, time: float, force: Array, radius: Array) -> tuple[Array, Array]:
+    """Sliding velocity and friction force after each of as many steps as there are forces and radii."""
+    force, radius = (np.ascontiguousarray(values, np.float64) for values in (force, radius))
+    velocity, friction = np.empty(force.size), np.empty(force.size)
+    at = [array.ctypes.data for array in (force, radius, velocity, friction)]
+    _library().film_springs_follow(c.byref(state), time, force.size, *at)
+    return velocity, friction

@@ -355,3 +355,10 @@ def test_effects_compared():
     for row in example("effects_compared").rows():
         least = next((bound for name, bound in bounds.items() if f"`{name}`" in row.quantity), 0.9)
         assert least < row.found / row.counted < 1.1, row
+
+
+@pytest.mark.slow
+def test_oblique_page(tmp_path):
+    page, picture = example("oblique_page").main(tmp_path)
+    assert page.read_text("utf-8") == (EXAMPLES.parent / "docs" / "oblique.md").read_text("utf-8")
+    assert is_png(picture) and (EXAMPLES.parent / "docs" / "oblique.png").exists()

@@ -1,0 +1,69 @@
+"""How far the rebound of an oblique impact is open while friction is not known: bounds over its coefficient."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from film_model.scene import Scene
+
+LARGEST = 1.0
+"""Coefficient of friction up to which the rebound is bounded; the least is 0."""
+
+REVERSED = (
+    *((0.5, 1.0), (0.6, 0.9794), (0.7, 0.9265), (0.8333, 0.8295), (1.0, 0.7039), (1.1667, 0.597), (1.25, 0.5521)),
+    *((1.4412, 0.4678), (1.75, 0.3718), (2.0, 0.3176), (2.5, 0.245)),
+)
+"""χ and the largest share of the sliding velocity that comes back reversed, over all coefficients of friction: a scan
+of the elastic solution for Hertz's law. Beyond these χ all of it may, as friction does no negative work."""
+
+
+class Open(NamedTuple):
+    """Least and greatest speed after the impact, m/s, angle of the path to the normal, rad, and spin, rad/s. change:
+    range of the tangential velocity over the speed before."""
+
+    speed: tuple[float, float]
+    angle: tuple[float, float]
+    spin: tuple[float, float]
+    change: float
+
+
+def unknown(scene: Scene, restitution: float) -> Open:
+    """The rebound for coefficients of friction from 0 to `LARGEST`.
+
+    The impulse of friction lies between 0 and the lesser of µ m (1 + e) V_n, that of sliding throughout, and m_t v
+    (1 + β), with β of `REVERSED`, v the sliding velocity and 1/m_t = Σ (1/m + R²/J).
+    """
+    ball, along = scene.impactor, scene.impactor.path_speed * math.sin(scene.impactor.angle or 0.0)
+    spin, normal = ball.spin or 0.0, scene.effective_mass * (1.0 + restitution) * scene.approach_velocity
+    inertia = ball.inertia_number * scene.mass * ball.radius**2
+    sliding = along + spin * ball.radius
+    mobility = 1.0 / scene.mass + ball.radius**2 / inertia
+    mobility += 3.5 / (scene.target.own_mass or math.inf) if scene.target.free else 0.0
+    most = min(LARGEST * normal, abs(sliding) / mobility * (1.0 + reversed_share(scene, mobility)))
+    impulses = 0.0, math.copysign(most, sliding)
+    tangential = sorted(along - impulse / scene.mass for impulse in impulses)
+    spins = sorted(spin - ball.radius * impulse / inertia for impulse in impulses)
+    away = normal / scene.mass - ball.speed
+    speeds = sorted(math.hypot(end, away) for end in tangential)
+    least = abs(away) if tangential[0] < 0.0 < tangential[1] else speeds[0]
+    low, high = (math.atan2(end, abs(away)) for end in tangential)
+    change = most / scene.mass / max(ball.path_speed, scene.approach_velocity)
+    return Open((least, speeds[1]), (low, high), (spins[0], spins[1]), change)
+
+
+def reversed_share(scene: Scene, mobility: float) -> float:
+    """β of `REVERSED` for χ = m/(2 κ m_t); without the materials for κ = 3/2, the largest. mobility: 1/m_t, 1/kg."""
+    materials = scene.impactor.material, scene.target.material
+    ratio = 1.5
+    if materials[0] is not None and materials[1] is not None:
+        softness, normal = 0.0, 0.0
+        for m in materials:
+            assert m is not None
+            softness += 2.0 * (2.0 - m.poissons_ratio) * (1.0 + m.poissons_ratio) / m.youngs_modulus
+            normal += (1.0 - m.poissons_ratio**2) / m.youngs_modulus
+        ratio = softness / (4.0 * normal)
+    chi, share = np.array(REVERSED).T
+    return float(np.interp(0.5 * mobility * scene.effective_mass / ratio, chi, share, 1.0, 1.0))

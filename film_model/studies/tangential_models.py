@@ -84,20 +84,41 @@ MODELS: dict[str, Callable[[float, Array], Array]] = {
 """ψ₂ of a model for χ and ψ₁ >= 0, by name."""
 
 
+class Groups(NamedTuple):
+    """What ψ₂ over ψ₁ depends on. parameter: χ = (m/m_t)/(2 κ). ratio: κ = K_n/K_t = E*/(4 G*)."""
+
+    parameter: float
+    ratio: float
+
+
+def groups(scene: Scene) -> Groups:
+    """χ and κ of a scene, whatever its law, angle, spin and friction. Raises SimulationError as `simulate` does."""
+    found = _after(scene, FRICTION)
+    return Groups(found["tangential_parameter"], _sliding(scene) / (found["impact_number"] * FRICTION * _normal(scene)))
+
+
 def theory(scene: Scene, before: Array) -> Array:
     """ψ₂ for ψ₁ = before, from 0.02 on: simulated under Hertz's law at 45°, with the friction that belongs to ψ₁.
 
     Only the ratios of stiffnesses and of masses of the scene matter. Raises SimulationError as `simulate` does.
     """
+    unit = _sliding(scene) / (groups(scene).ratio * _normal(scene))  # µ ψ₁
+    rebounds = [_after(scene, unit / psi)["contact_point_rebound_velocity"] for psi in np.ravel(before).tolist()]
+    return np.ravel(before) * np.array(rebounds) / _sliding(scene)
+
+
+def _after(scene: Scene, friction: float) -> Mapping[str, float]:
+    """The tangential results of the scene at 45° under Hertz's law."""
     still = Effects(gravity=False, target_motion=False, viscoelasticity=False)
+    one = Scene(scene.impactor, scene.target, Contact("hertz", friction=friction), still)
+    found = simulate_quietly(one.replace({"impactor.angle": "45 deg", "impactor.spin": None})).oblique
+    assert found is not None
+    return found.summary
 
-    def after(friction: float) -> Mapping[str, float]:
-        one = Scene(scene.impactor, scene.target, Contact("hertz", friction=friction), still)
-        found = simulate_quietly(one.replace({"impactor.angle": "45 deg", "impactor.spin": None})).oblique
-        assert found is not None
-        return found.summary
 
-    unit = FRICTION * after(FRICTION)["impact_number"]
-    sliding = scene.impactor.path_speed * math.sin(math.radians(45.0))
-    each = [psi * after(unit / psi)["contact_point_rebound_velocity"] / sliding for psi in np.ravel(before).tolist()]
-    return np.array(each)
+def _sliding(scene: Scene) -> float:
+    return scene.impactor.path_speed * math.sin(math.radians(45.0))
+
+
+def _normal(scene: Scene) -> float:
+    return scene.impactor.path_speed * math.cos(math.radians(45.0)) - scene.target.velocity

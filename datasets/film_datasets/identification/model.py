@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.csv_measurement import measured_over
-from film_datasets.impacts import scene_with_numbers, simulate_impacts
+from film_datasets.oblique_impacts import RESULTS, results_of
 from film_datasets.schema import MEASURED_CONDITIONS, MEASURED_MOTION
-from film_model.base.errors import SimulationError
 from film_model.effects.choose import problem_of
 from film_model.oblique.result import OBLIQUE
 from film_model.scene import Scene
-from film_model.solve.history import SUMMARY, Samples
+from film_model.solve.history import Samples
 from film_model.solve.simulate import simulate_quietly
 
 if TYPE_CHECKING:
@@ -45,7 +44,7 @@ ON_MODES = Numerics(1e-4, 1e-2, 1e-5, 1e-7)
 is enough for steps of the search and for intervals; the result is that of the impacts themselves."""
 
 DIMENSIONS_OF_QUANTITIES = {
-    name: dimension for table in (MEASURED_MOTION, SUMMARY, OBLIQUE) for name, (dimension, _) in table.items()
+    name: dimension for table in (MEASURED_MOTION, RESULTS) for name, (dimension, _) in table.items()
 }
 """Dimension of every quantity that can be measured."""
 
@@ -83,7 +82,9 @@ def predict(
     """
     along, _ = measured_over(measured)
     if along != "t":
-        return _impacts(scene, measured, names, along, points)
+        asked = [np.isfinite(measured[name].values) for name in names if name in OBLIQUE]
+        needed = np.logical_or.reduce(asked) if asked and points is None else None
+        return results_of(scene, _conditions(measured, along, points), names, needed)
     points = np.asarray(measured[along].values if points is None else points)
     t = points - time_offset
     samples = simulate_quietly(scene).sample_si(np.maximum(t, 0.0))
@@ -99,33 +100,6 @@ def _conditions(measured: xr.Dataset, along: str, points: Array | None) -> dict[
         name.replace("_", ".", 1): values if points is None else np.interp(points, ends, values[order])
         for name, values in found.items()
     }
-
-
-def _impacts(
-    scene: Scene, measured: xr.Dataset, names: Sequence[str], along: str, points: Array | None
-) -> dict[str, Array]:
-    """Results of impacts: those of the normal motion by arrays, those with friction one by one, where one is measured
-    or at all `points`."""
-    given = _conditions(measured, along, points)
-    smooth = scene.replace({"contact.friction": None, "impactor.spin": None})
-    normal = {key: values for key, values in given.items() if key != "impactor.spin"}
-    asked, count = [name for name in names if name in OBLIQUE], given["impactor.velocity"].size
-    found = simulate_impacts(smooth, normal).summary if len(asked) < len(names) else {}
-    if not asked:
-        return found
-    if scene.contact.friction is None:
-        raise SimulationError(f"{', '.join(asked)}: friction in [contact] is needed, with a value to begin with")
-    columns = {name: np.full(count, np.nan) for name in asked}
-    needed = np.ones(count, np.bool_)
-    if points is None:
-        needed = np.isfinite([measured[name].values for name in asked]).any(axis=0)
-    for row in np.flatnonzero(needed).tolist():
-        own = {key: float(values[row]) for key, values in given.items()}
-        oblique = simulate_quietly(scene_with_numbers(scene, own)).oblique
-        if oblique is not None:  # something slides
-            for name in asked:
-                columns[name][row] = oblique.summary[name]
-    return {**found, **columns}
 
 
 def _motion(samples: Samples, scene: Scene, name: str) -> Array:

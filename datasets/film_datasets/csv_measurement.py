@@ -156,6 +156,11 @@ def measured_over(ds: xr.Dataset) -> tuple[str, list[str]]:
     return along, [str(name) for name in ds.data_vars if name not in MEASURED_CONDITIONS]
 
 
+def _given(along: str) -> tuple[str, ...]:
+    """Variables that are not measured: the time of a history, the conditions of impacts."""
+    return (along,) if along == "t" else MEASURED_CONDITIONS
+
+
 def split_heading(heading: str) -> tuple[str, str]:
     """The name and the unit of a heading such as `time [us]`; the unit may be empty."""
     match = _HEADING.fullmatch(heading)
@@ -247,7 +252,7 @@ def _columns(
     if along not in names:
         what = 'a column "time [us]", "velocity [m/s]" or "drop_height [mm]" is needed'
         mistakes.append(Mistake(file, line, "", what))
-    elif set(names) <= {along, *MEASURED_CONDITIONS}:
+    elif set(names) <= {*_given(along)}:
         mistakes.append(Mistake(file, line, "", f"a column beside {along} is needed: {', '.join(others)}"))
     if not set(names) <= set(known):
         what = 'give the headings of another program by --columns (in Python columns): velocity="v_in [mm/s]" and so on'
@@ -315,7 +320,7 @@ def _dataset(
 
     data = {name: (v.dims, array, v.attributes()) for name, (v, array) in values.items()}
     order = [variable.name for variable in TABLE[f"{MEASUREMENT} {kind}"] if variable.name in data]
-    given = [name for name in order if name in (along, *MEASURED_CONDITIONS)]
+    given = [name for name in order if name in _given(along)]
     ds = xr.Dataset({name: data[name] for name in order}).set_coords(given)
     ds.attrs = {
         **provenance(

@@ -61,7 +61,7 @@ def parameters_of(scene: Scene, fit: Sequence[str], measured: Sequence[xr.Datase
     """The parameters at the paths `fit`; a time offset for each history. Raises SceneError for those that cannot be
     fitted."""
     histories = [ds.attrs["measured"] == "history" for ds in measured]
-    given = {name.replace("_", ".", 1) for ds in measured for name in MEASURED_CONDITIONS if name in ds.variables}
+    given = {name.replace("_", ".", 1) for ds in measured for name in MEASURED_CONDITIONS if name in ds.coords}
     _check(scene, fit, histories, given)
     found: list[Parameter] = []
     for path in fit:

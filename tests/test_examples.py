@@ -108,6 +108,8 @@ def test_method_figures(tmp_path):
     assert numbers["method_regimes"][1.0] == pytest.approx((1.0, math.exp(-1.0)), rel=0.02)
     aimed, late = (numbers["method_turn"][name][24] for name in ("the core: last line meets the law", LATE))
     assert 25 * aimed < late
+    oblique = numbers["method_oblique"]  # reference values, integrated elsewhere between events
+    assert (oblique[1.5], oblique[6.0]) == pytest.approx((-0.428016532, 0.235294118), abs=1e-6)
     for found in numbers["method_loops"].values():
         assert found["absorbed"] > 0.0
     orders = numbers["method_damping"]

@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 from film_model.base.units import format_si
 from film_model.effects.case import ABSENT, Case, Rule
-from film_model.effects.effect import SIMULATED, Effect
+from film_model.effects.effect import FREE, SIMULATED, Effect
 from film_model.effects.elastic_ball import COMPUTED, Body, change, excess
-from film_model.effects.unknown_friction import LARGEST, unknown
+from film_model.effects.oblique_limits import LARGEST, expected, unknown
 from film_model.laws.hertz import hertz_stiffness
 from film_model.scene import Scene
 from film_model.targets import Estimate, Impact
@@ -136,7 +136,9 @@ def oblique(scene: Scene, rule: Rule, restitution: float | None, tolerance: floa
         return rule.absent("the impact is along the normal, without spin")
     if friction is not None:
         why = f"the tangential motion and the spin are simulated with a friction coefficient of {friction:g}"
-        return rule.failing(why, math.degrees(angle), 0.0)._replace(state=SIMULATED, change=None)
+        sliding = None if restitution is None else expected(scene, restitution)
+        why += f"; {sliding}" if sliding else ""
+        return rule.failing(why, math.degrees(angle), 0.0)._replace(state=SIMULATED, cost=FREE)
     normal = format_si(scene.impactor.speed, "velocity")
     why = f"only the normal component, {normal}, is simulated: give friction in [contact]"
     if restitution is None:

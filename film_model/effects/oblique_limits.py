@@ -1,4 +1,4 @@
-"""How far the rebound of an oblique impact is open while friction is not known: bounds over its coefficient."""
+"""Oblique impact in closed form: how the contact will slide, and how far the rebound is open without friction."""
 
 from __future__ import annotations
 
@@ -40,8 +40,7 @@ def unknown(scene: Scene, restitution: float) -> Open:
     spin, normal = ball.spin or 0.0, scene.effective_mass * (1.0 + restitution) * scene.approach_velocity
     inertia = ball.inertia_number * scene.mass * ball.radius**2
     sliding = along + spin * ball.radius
-    mobility = 1.0 / scene.mass + ball.radius**2 / inertia
-    mobility += 3.5 / (scene.target.own_mass or math.inf) if scene.target.free else 0.0
+    mobility = tangential_mobility(scene)
     most = min(LARGEST * normal, abs(sliding) / mobility * (1.0 + reversed_share(scene, mobility)))
     impulses = 0.0, math.copysign(most, sliding)
     tangential = sorted(along - impulse / scene.mass for impulse in impulses)
@@ -56,14 +55,38 @@ def unknown(scene: Scene, restitution: float) -> Open:
 
 def reversed_share(scene: Scene, mobility: float) -> float:
     """β of `REVERSED` for χ = m/(2 κ m_t); without the materials for κ = 3/2, the largest. mobility: 1/m_t, 1/kg."""
-    materials = scene.impactor.material, scene.target.material
-    ratio = 1.5
-    if materials[0] is not None and materials[1] is not None:
-        softness, normal = 0.0, 0.0
-        for m in materials:
-            assert m is not None
-            softness += 2.0 * (2.0 - m.poissons_ratio) * (1.0 + m.poissons_ratio) / m.youngs_modulus
-            normal += (1.0 - m.poissons_ratio**2) / m.youngs_modulus
-        ratio = softness / (4.0 * normal)
     chi, share = np.array(REVERSED).T
-    return float(np.interp(0.5 * mobility * scene.effective_mass / ratio, chi, share, 1.0, 1.0))
+    own = 0.5 * mobility * scene.effective_mass / (stiffness_ratio(scene) or 1.5)
+    return float(np.interp(own, chi, share, 1.0, 1.0))
+
+
+def expected(scene: Scene, restitution: float) -> str | None:
+    """How the contact will slide, in words; None without friction or the materials.
+
+    It sticks first below ψ₁ = 1 and slides throughout from ψ₁ = 2 χ (1 + e) − e on: under any law with elastic
+    unloading friction then never falls below its limit.
+    """
+    ball, friction, ratio = scene.impactor, scene.contact.friction, stiffness_ratio(scene)
+    if not friction or ratio is None:
+        return None
+    sliding = ball.path_speed * math.sin(ball.angle or 0.0) + (ball.spin or 0.0) * ball.radius
+    number = abs(sliding) / (ratio * friction * scene.approach_velocity)
+    chi = 0.5 * tangential_mobility(scene) * scene.effective_mass / ratio
+    last = 2.0 * chi * (1.0 + restitution) - restitution
+    how = "sticks first" if number < 1.0 else "slides first" if number < last else "slides throughout"
+    return f"the contact {how}: impact number {number:.3g}, limits 1 and {last:.3g}"
+
+
+def tangential_mobility(scene: Scene) -> float:
+    """1/m_t = Σ (1/m + R²/J) of the bodies that are free, 1/kg."""
+    own = (1.0 + 1.0 / scene.impactor.inertia_number) / scene.mass
+    return own + (3.5 / scene.target.own_mass if scene.target.free and scene.target.own_mass else 0.0)
+
+
+def stiffness_ratio(scene: Scene) -> float | None:
+    """κ = E*/(4 G*) of the materials; None if one of them is not known."""
+    own, other = scene.impactor.material, scene.target.material
+    if own is None or other is None:
+        return None
+    softness = sum(2.0 * (2.0 - m.poissons_ratio) * (1.0 + m.poissons_ratio) / m.youngs_modulus for m in (own, other))
+    return softness / (4.0 * sum((1.0 - m.poissons_ratio**2) / m.youngs_modulus for m in (own, other)))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import film_model as fm
-from film_model.effects.unknown_friction import REVERSED, reversed_share, unknown
+from film_model.effects.oblique_limits import REVERSED, reversed_share, unknown
 from film_model.solve.simulate import simulate_quietly
 from film_model.studies.tangential_models import theory
 
@@ -77,3 +77,17 @@ def test_the_warning_says_how_far_the_rebound_is_open():
     assert effect.change == pytest.approx(bounds.change) and effect.change > 0.2
     assert effect_of(slanted("0.2 deg")).state == "not needed"
     assert effect_of(slanted().replace({"contact.friction": 0.1})).state == "simulated"
+
+
+@pytest.mark.parametrize("angle", [5.0, 30.0, 75.0])
+@pytest.mark.parametrize("law", ["hertz", "elastoplastic"])
+def test_how_the_contact_will_slide_is_said_before_it_is_computed(angle, law):
+    target = fm.HalfSpace("mild steel") if law == "elastoplastic" else None
+    history = simulate_quietly(slanted(f"{angle} deg", target=target, law=law).replace({"contact.friction": 0.2}))
+    (effect,) = [effect for effect in history.effects if effect.name == "obliqueness"]
+    assert f"the contact {history.oblique.sliding_regime}: impact number " in effect.reason
+    number = abs(history.oblique.summary["impact_number"])
+    assert f"impact number {number:.3g}" in effect.reason
+    if law == "hertz":
+        chi = history.oblique.summary["tangential_parameter"]
+        assert f"limits 1 and {4.0 * chi - 1.0:.3g}" in effect.reason

@@ -491,6 +491,41 @@ def damping_figure() -> tuple[Figure, dict]:
     return figure, numbers
 
 
+# ---------------------------------------------------------------- friction
+
+
+def oblique_figure() -> tuple[Figure, dict]:
+    """Friction force of four impacts between its limits, and the path of force and displacement that it follows."""
+    figure = Figure(figsize=(9.5, 4.0), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    steel = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
+    ratio, friction, numbers = 1.7 / 1.4, 0.2, {}  # κ of alike bodies, µ
+    for before, colour in ((0.4, BLUE), (1.5, GREEN), (3.6, PURPLE), (6.0, ORANGE)):
+        ball = fm.Sphere("5 mm", "3 m/s", material=steel, angle=f"{math.atan(ratio * friction * before)!r} rad")
+        contact, still = fm.Contact("hertz", friction=friction), fm.Effects(gravity=False)
+        history = fm.simulate(fm.Scene(ball, fm.HalfSpace(steel), contact, still))
+        oblique, clock = history.oblique, history.duration
+        t, v = (oblique.motion[name] for name in ("time", "sliding_velocity"))
+        q = oblique.motion["friction_force"] / (friction * history.summary["maximum_force"])
+        way = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * np.diff(t))])
+        unit = ratio * friction * history.summary["maximum_indentation"]
+        left.plot(t / clock, q, color=colour, linewidth=1.3, label=f"ψ₁ = {before:g}")
+        right.plot(way / unit, q, color=colour, linewidth=1.3)
+        for time, _ in oblique.events:
+            left.plot(time / clock, np.interp(time, t, q), marker=".", color=colour)
+            right.plot(np.interp(time, t, way) / unit, np.interp(time, t, q), marker=".", color=colour)
+        unit = ratio * friction * history.scene.approach_velocity
+        numbers[before] = oblique.summary["contact_point_rebound_velocity"] / unit
+    limit = history.sample_si(times := np.linspace(0.0, clock, 400)).contact_force / history.summary["maximum_force"]
+    left.fill_between(times / clock, -limit, limit, color="0.92", linewidth=0.0, label="up to µF")
+    left.set(xlabel="time over that of contact", ylabel="friction force Q/(µ F_m)", title="dots: events")
+    right.set(xlabel="displacement Δ/(κ µ δ_m)", ylabel="friction force Q/(µ F_m)")
+    left.legend(fontsize="small", loc="lower left")
+    for axes in (left, right):
+        axes.grid(alpha=0.3)
+    return figure, numbers
+
+
 FIGURES = {
     "method_lines": lines_figure,
     "method_order": convergence_figure,
@@ -499,6 +534,7 @@ FIGURES = {
     "method_turn": turn_figure,
     "method_loops": loop_figure,
     "method_damping": damping_figure,
+    "method_oblique": oblique_figure,
 }
 
 

@@ -108,6 +108,8 @@ def test_method_figures(tmp_path):
     assert numbers["method_regimes"][1.0] == pytest.approx((1.0, math.exp(-1.0)), rel=0.02)
     aimed, late = (numbers["method_turn"][name][24] for name in ("the core: last line meets the law", LATE))
     assert 25 * aimed < late
+    oblique = numbers["method_oblique"]  # reference values, integrated elsewhere between events
+    assert (oblique[1.5], oblique[6.0]) == pytest.approx((-0.428016532, 0.235294118), abs=1e-6)
     for found in numbers["method_loops"].values():
         assert found["absorbed"] > 0.0
     orders = numbers["method_damping"]
@@ -355,3 +357,10 @@ def test_effects_compared():
     for row in example("effects_compared").rows():
         least = next((bound for name, bound in bounds.items() if f"`{name}`" in row.quantity), 0.9)
         assert least < row.found / row.counted < 1.1, row
+
+
+@pytest.mark.slow
+def test_oblique_page(tmp_path):
+    page, picture = example("oblique_page").main(tmp_path)
+    assert page.read_text("utf-8") == (EXAMPLES.parent / "docs" / "oblique.md").read_text("utf-8")
+    assert is_png(picture) and (EXAMPLES.parent / "docs" / "oblique.png").exists()

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from film_datasets.provenance import provenance
-from film_datasets.schema import MEASUREMENT, TABLE, Variable, content_sha256
+from film_datasets.schema import MEASURED_CONDITIONS, MEASUREMENT, TABLE, Variable, content_sha256
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.units import DIMENSIONS, to_si
+from film_model.oblique.result import OBLIQUE
 from film_model.scene import STANDARD_GRAVITY
 from film_model.scene.toml import LARGEST_TABLE, read_text
 
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 NAMES = {
     **{"time": "t", "force": "contact_force", "velocity": "impactor_velocity", "displacement": "impactor_displacement"},
     **{"restitution": "coefficient_of_restitution", "e": "coefficient_of_restitution"},
-    "acceleration": "impactor_acceleration",
+    **{"acceleration": "impactor_acceleration", "angle": "impactor_angle", "spin": "impactor_spin"},
 }
 """Short names of columns, and the variables they stand for."""
 
@@ -53,7 +54,10 @@ CONVERTED = {
 }
 """Columns that are converted as they are read."""
 
-SIGNED = ("rebound_velocity", "permanent_indentation", "energy_absorbed", "energy_radiated", "impulse")
+SIGNED = (
+    *("rebound_velocity", "permanent_indentation", "energy_absorbed", "energy_radiated", "impulse"),
+    *("impactor_spin", *OBLIQUE),
+)
 """Values of impacts that may be negative: a rebound is, and small ones with noise. The others are sizes."""
 
 STANDARD_GRAVITIES = ("g", "G", "gn", "g0")
@@ -74,7 +78,9 @@ def from_csv(path: str | os.PathLike[str], title: str = "", columns: Mapping[str
     """A measured history, or measured impacts at several velocities, as a dataset of kind impact_measurement, SI.
 
     The first line that is not a comment (#) has the names of the columns, each with its unit: `time [us], force [kN]`
-    and any other quantity of a history; or `velocity [m/s], restitution` and any other summary quantity. The units may
+    and any other quantity of a history; or `velocity [m/s], restitution` and any other summary quantity. Impacts at an
+    angle or with spin have `angle [deg]` or `spin [rpm]` too, and results such as `tangential_restitution`,
+    `rebound_angle [deg]` or `rebound_spin [rad/s]`, whose sign is positive if the spin adds to sliding. The units may
     be a row of their own below it. Times count from first touch (an offset can be fitted, see `identify`). Cells may be
     empty, except times and velocities. Columns are separated by commas, semicolons or tabs; numbers have a decimal
     point. `acceleration [g]` is that of an accelerometer on the impactor, positive into the target; `deceleration` the
@@ -141,9 +147,18 @@ def doubts_of(ds: xr.Dataset) -> list[str]:
 
 
 def measured_over(ds: xr.Dataset) -> tuple[str, list[str]]:
-    """The variable over which a measurement was made ("t" or "impactor_velocity"), and the measured variables."""
-    along = "t" if ds.attrs["measured"] == "history" else "impactor_velocity"
-    return along, [str(name) for name in ds.data_vars if name != along]
+    """The variable over which a measurement was made ("t", "impactor_velocity" or, if they were made at several angles,
+    "impactor_angle"), and the measured variables."""
+    if ds.attrs["measured"] == "history":
+        return "t", [str(name) for name in ds.data_vars if name != "t"]
+    angles = ds["impactor_angle"].values if "impactor_angle" in ds.variables else np.zeros(1)
+    along = "impactor_angle" if np.ptp(angles) > 0.0 else "impactor_velocity"
+    return along, [str(name) for name in ds.data_vars if name not in MEASURED_CONDITIONS]
+
+
+def _given(along: str) -> tuple[str, ...]:
+    """Variables that are not measured: the time of a history, the conditions of impacts."""
+    return (along,) if along == "t" else MEASURED_CONDITIONS
 
 
 def split_heading(heading: str) -> tuple[str, str]:
@@ -237,7 +252,7 @@ def _columns(
     if along not in names:
         what = 'a column "time [us]", "velocity [m/s]" or "drop_height [mm]" is needed'
         mistakes.append(Mistake(file, line, "", what))
-    elif set(names) == {along}:
+    elif set(names) <= {*_given(along)}:
         mistakes.append(Mistake(file, line, "", f"a column beside {along} is needed: {', '.join(others)}"))
     if not set(names) <= set(known):
         what = 'give the headings of another program by --columns (in Python columns): velocity="v_in [mm/s]" and so on'
@@ -265,7 +280,7 @@ def _values(
             mistakes.append(Mistake(file, line, "", f"{len(cells)} cells, but {len(names)} columns"))
             continue
         for column, cell in enumerate(cells):
-            if not cell.strip() and names[column] not in ("t", "impactor_velocity"):
+            if not cell.strip() and names[column] not in ("t", *MEASURED_CONDITIONS):
                 continue
             try:
                 table[row, column] = float(cell)
@@ -305,12 +320,13 @@ def _dataset(
 
     data = {name: (v.dims, array, v.attributes()) for name, (v, array) in values.items()}
     order = [variable.name for variable in TABLE[f"{MEASUREMENT} {kind}"] if variable.name in data]
-    ds = xr.Dataset({name: data[name] for name in order}).set_coords(along)
+    given = [name for name in order if name in _given(along)]
+    ds = xr.Dataset({name: data[name] for name in order}).set_coords(given)
     ds.attrs = {
         **provenance(
             MEASUREMENT,
             title=title or f"Measurement {path.stem}",
-            summary=f"Measured {', '.join(name for name in order if name != along)} of "
+            summary=f"Measured {', '.join(name for name in order if name not in given)} of "
             + ("one impact over time." if kind == "history" else "impacts at several velocities."),
             source=f"measurement, from the file {path.name}",
             command="film_datasets.from_csv",

@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from film_datasets.axis_style import label, plain
+from film_datasets.oblique_impacts import RESULTS
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.tolerances.analysis import Tolerance
 from film_datasets.tolerances.one_at_a_time import HIGH, LOW, Swing, one_at_a_time
 from film_model.base.units import format_si
 from film_model.plot.style import COLOURS, picture, prefixed_unit
-from film_model.solve.history import SUMMARY
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,7 +45,7 @@ def draw_tornado(sweep: Sweep, quantity: str) -> Callable[[Figure], None]:
 def _fill(figure: Figure, sweep: Sweep, quantity: str, swings: Sequence[Swing], units: dict[str, str]) -> None:
     figure.set_layout_engine("constrained", w_pad=0.1, h_pad=0.08)
     panel = figure.add_subplot()
-    size, unit = prefixed_unit([v for s in swings for v in (s.at_low, s.at_high)], SUMMARY[quantity][0])
+    size, unit = prefixed_unit([v for s in swings for v in (s.at_low, s.at_high)], RESULTS[quantity][0])
     middle = swings[0].median / size
     for place, swing in enumerate(swings):
         for end, value, colour in ((swing.low, swing.at_low, COLOURS[0]), (swing.high, swing.at_high, COLOURS[1])):

@@ -51,6 +51,7 @@ DIMENSIONS: dict[str, Dimension] = {
     "force": Dimension("N", "a force", "500 N"),
     "pressure": Dimension("Pa", "a pressure", "210 GPa"),
     "inverse_mass": Dimension("kg-1", "an inverse mass", "2 kg^-1"),
+    "moment_of_inertia": Dimension("kg m2", "a moment of inertia", "2e-6 kg*m^2"),
     "density": Dimension("kg m-3", "a density", "7850 kg/m^3"),
     "mass_per_area": Dimension("kg m-2", "a mass per area", "4.1 kg/m^2"),
     "energy": Dimension("J", "an energy", "2 mJ"),

@@ -94,6 +94,10 @@ def _text(scene: Scene, made: list[Translation]) -> str:
     for name, error in best.errors.items():
         worst = f"{100 * error.worst:+.1f} % at {error.velocity:.3g} m/s"
         lines.append(f"  {name:{WIDTH + 24}}{100 * error.rms:>10.1f} %{worst:>22}")
+    if best.tangential:
+        lines += ["", f"  {'friction, ψ₂ over ψ₁, against ours':{WIDTH + 24}}{'error (rms)':>12}{'worst':>10}"]
+    for name, one in best.tangential.items():
+        lines.append(f"  {name:{WIDTH + 24}}{one.rms:>12.3f}{one.worst:>+10.3f} at ψ₁ = {one.before:.3g}")
     if len(made) > 1:
         lines += ["", f"  {'other laws':{WIDTH + 24}}{'force':>10}{'duration':>10}{'restitution':>13}  (rms)"]
     for one in made[1:]:

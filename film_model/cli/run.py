@@ -11,6 +11,7 @@ from film_model.cli.output import (
     add_json,
     add_plot,
     check_outputs,
+    check_picture,
     listed,
     print_json,
     print_warnings,
@@ -38,6 +39,9 @@ def add_commands(named: Any) -> None:
         "--output", metavar="FILE", help="write the history: .nc or .zarr (complete), .csv, .parquet or .mat (motion)"
     )
     add_plot(parser, "draw the history")
+    parser.add_argument(
+        "--strobe", metavar="FILE", help="draw the ball at even times before and after (.png, .svg or .pdf)"
+    )
     how = parser.add_mutually_exclusive_group()
     how.add_argument("--accuracy", type=float, help="relative accuracy of every summary value, e.g. 1e-6")
     how.add_argument("--segments", type=int, help="segments per stage, instead of an accuracy")
@@ -58,6 +62,7 @@ def run(options: argparse.Namespace) -> int:
     from film_model.solve.simulate import simulate_quietly
 
     check_outputs(options)
+    check_picture(options.strobe, options.force)
     scene = Scene.from_toml(options.scene)
     history = simulate_quietly(
         scene,
@@ -74,12 +79,16 @@ def run(options: argparse.Namespace) -> int:
         from film_model.plot.history import plot_history
 
         plot_history(history, options.plot)
+    if options.strobe:
+        from film_model.plot.strobe import plot_strobe
+
+        plot_strobe(history, options.strobe)
     if options.json:
         print_json(history.to_dict())
     else:
         print(_table(history, options.verbose))
         print(_derivatives(history), end="")
-        print_written(options.output, options.plot)
+        print_written(options.output, options.plot, options.strobe)
     print_warnings(history.warnings)
     return DONE
 

@@ -7,8 +7,9 @@ from collections.abc import Callable
 
 from film_model.base.units import format_si
 from film_model.effects.case import ABSENT, Case, Rule
-from film_model.effects.effect import SIMULATED, Effect
+from film_model.effects.effect import FREE, SIMULATED, Effect
 from film_model.effects.elastic_ball import COMPUTED, Body, change, excess
+from film_model.effects.oblique_limits import LARGEST, expected, unknown
 from film_model.laws.hertz import hertz_stiffness
 from film_model.scene import Scene
 from film_model.targets import Estimate, Impact
@@ -119,32 +120,39 @@ def _bodies(scene: Scene, modulus: float) -> tuple[list[Body], bool]:
 def obliqueness(case: Case, rule: Rule) -> Effect:
     """An impact at an angle or with spin: simulated with friction in [contact], otherwise only its normal component.
 
-    Left out then are the tangential velocity v_t = V sin α, friction and spin. Friction's impulse is at most µ times
-    the normal one, m (1 + e) V cos α, and at most 2/7 of m v_t, which stops the sliding of a solid ball that did not
-    spin: it does so from µ = 2 tan α/(7 (1 + e)). The normal impact is unchanged by friction if both bodies are
-    elastically similar.
+    Left out then are the tangential velocity, friction and spin. How far they are open is bounded for friction
+    coefficients from 0 to 1: friction's impulse is at most µ times the normal one, m (1 + e) V cos α, and at most that
+    which throws the contact point back, m_t v (1 + β), with the share β that an elastic contact gives back at most. The
+    change is the range of the tangential velocity of the ball, over its speed before. The normal impact is unchanged by
+    friction if both bodies are elastically similar.
     """
-    return oblique(case.scene, rule, case.restitution)
+    return oblique(case.scene, rule, case.restitution, case.tolerance)
 
 
-def oblique(scene: Scene, rule: Rule, restitution: float | None) -> Effect:
+def oblique(scene: Scene, rule: Rule, restitution: float | None, tolerance: float) -> Effect:
     """The same, also for an impact whose restitution is unknown."""
     angle, spin, friction = scene.impactor.angle or 0.0, scene.impactor.spin or 0.0, scene.contact.friction
     if angle == 0.0 and spin == 0.0:
         return rule.absent("the impact is along the normal, without spin")
     if friction is not None:
         why = f"the tangential motion and the spin are simulated with a friction coefficient of {friction:g}"
-        return rule.failing(why, math.degrees(angle), 0.0)._replace(state=SIMULATED, change=None)
-    sliding = scene.impactor.path_speed * math.sin(angle)
-    why = (
-        f"only the normal component, {format_si(scene.impactor.speed, 'velocity')}, is simulated; the tangential "
-        f"velocity of {format_si(sliding, 'velocity')}, friction and spin are not: give friction in [contact]"
+        sliding = None if restitution is None else expected(scene, restitution)
+        why += f"; {sliding}" if sliding else ""
+        return rule.failing(why, math.degrees(angle), 0.0)._replace(state=SIMULATED, cost=FREE)
+    normal = format_si(scene.impactor.speed, "velocity")
+    why = f"only the normal component, {normal}, is simulated: give friction in [contact]"
+    if restitution is None:
+        return rule.failing(why, math.degrees(angle), 0.0)
+    found = unknown(scene, restitution)
+    kinds = {"velocity": found.speed, "angle": found.angle, "angular_frequency": found.spin}
+    speed, turn, spun = (_range(ends, kind) for kind, ends in kinds.items())
+    why += (
+        f"; with coefficients from 0 to {LARGEST:g} the ball leaves with {speed} at {turn} to the normal, spin {spun}"
     )
-    if restitution is not None:
-        sticks = 2.0 * math.tan(angle) / (7.0 * (1.0 + restitution))
-        normal = scene.effective_mass * (1.0 + restitution) * scene.approach_velocity
-        why += (
-            f": friction takes up to µ x {format_si(normal, 'impulse')}, and from µ = {sticks:.2g} a solid ball stops "
-            "sliding and loses 2/7 of its tangential velocity"
-        )
-    return rule.failing(why, math.degrees(angle), 0.0)
+    return rule.sized(tolerance, math.degrees(angle), 0.0, found.change, why)
+
+
+def _range(ends: tuple[float, float], kind: str) -> str:
+    if kind == "angle":
+        return " to ".join(f"{math.degrees(end):.3g}°" for end in ends)
+    return " to ".join(format_si(end, kind, 3) for end in ends)

@@ -56,7 +56,7 @@ def _apply(name: str, problem: Problem, case: Case | None) -> Effect:
     if case is not None:
         return judge_case(case, rule)
     if judge_case is obliqueness:
-        return oblique(problem.scene, rule, None)
+        return oblique(problem.scene, rule, None, problem.scene.effect_tolerance)
     ends = "the target is too soft for an estimate of the indentation" if problem.trial.ends else "contact did not end"
     return rule.unjudged("the impactor has no velocity" if problem.approach == 0.0 else ends)
 
@@ -103,7 +103,11 @@ _TABLE: dict[str, tuple[str, str, Callable[[Case, Rule], Effect]]] = {
         "lubrication of a sphere; Davis, Serayssol & Hinch 1986; compare Joseph et al. 2001, Legendre et al. 2005",
         squeeze_film,
     ),
-    "obliqueness": ("angle from the normal, °", "impulse and angular momentum of a solid ball", obliqueness),
+    "obliqueness": (
+        "angle from the normal, °",
+        "impulse and angular momentum; Maw, Barber & Fawcett 1976",
+        obliqueness,
+    ),
 }
 """Name → indicator, source and rule."""
 

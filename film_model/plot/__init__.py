@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from film_model.plot.history import plot_history
     from film_model.plot.laws import plot_laws
     from film_model.plot.regimes import plot_regimes
+    from film_model.plot.strobe import plot_strobe
     from film_model.plot.style import check_picture, picture_style
 
 _HOMES = {
@@ -23,6 +24,7 @@ _HOMES = {
     "plot_history": "history",
     "plot_laws": "laws",
     "plot_regimes": "regimes",
+    "plot_strobe": "strobe",
     "check_picture": "style",
     "picture_style": "style",
 }
@@ -34,6 +36,7 @@ __all__ = [
     "plot_history",
     "plot_laws",
     "plot_regimes",
+    "plot_strobe",
     "plot_studies",
     "plot_study",
 ]

@@ -1,6 +1,7 @@
 """The picture of one impact: force, indentation, velocities and energies over time, and the force loop.
 
-On a target that vibrates: displacements instead of velocities, which are ragged there, and the energy by vibration.
+On a target that vibrates: displacements instead of velocities, which are ragged there, and the energy by vibration. At
+an angle or with spin: the friction force and its limits.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from film_model.base.units import format_si
-from film_model.plot.style import COLOURS, NO_CONTACT, UNLOADING, picture, plain, prefixed_unit
+from film_model.plot.style import COLOURS, HIGHLIGHT, NO_CONTACT, UNLOADING, picture, plain, prefixed_unit
 from film_model.solve.history import MOTION, SUMMARY, Event, History, Samples
 
 if TYPE_CHECKING:
@@ -60,6 +61,12 @@ MOST_STEPS = 5000
 WEAKEST = 1e-6
 """Least energy in the spectrum, over the largest."""
 
+ABOVE: dict[str, Any] = {
+    **{"loc": "lower right", "bbox_to_anchor": (1.0, 1.01), "ncols": 3, "borderaxespad": 0.0},
+    **{"fontsize": 8, "frameon": False},
+}
+"""Place of a legend above the right end of a panel."""
+
 SIZE, LEFT = (9.6, 7.0), 0.075  # inches; left margin as a fraction of the width
 
 
@@ -68,7 +75,8 @@ class Trace:
     """The data of the picture. stages: of the law, in order. samples: SI, from first touch to `end` [s].
 
     energies: J at the samples, by name; empty if they are unknown. spectrum: frequency, Hz, and energy at the end, J,
-    of each vibration of the target; None if it does not vibrate, or its vibrations are unknown.
+    of each vibration of the target; None if it does not vibrate, or its vibrations are unknown. friction: time, s, the
+    friction force and its limit, N; None without friction.
     """
 
     title: str
@@ -80,6 +88,7 @@ class Trace:
     summary: Mapping[str, float | None]
     energies: Mapping[str, Any]
     spectrum: tuple[Any, Any] | None = None
+    friction: tuple[Any, Any, Any] | None = None
 
     @classmethod
     def of(cls, history: History) -> Trace:
@@ -98,7 +107,8 @@ class Trace:
             spectrum = vibration.frequency / (2.0 * math.pi), history.vibration_energy_by_mode
             if "target" in found and not vibration.damped and vibration.frequency[0] > 0.0:
                 found["vibrations"] = found.pop("target")
-        return cls(title, law, stages, samples, history.duration, history.events, history.summary, found, spectrum)
+        seen = samples, history.duration, history.events, history.summary, found, spectrum
+        return cls(title, law, stages, *seen, friction_over_time(history))
 
 
 def plot_history(history: History | Trace, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
@@ -111,10 +121,10 @@ def _draw(figure: Figure, trace: Trace) -> None:
     rows, columns = figure.add_gridspec(
         1, 2, width_ratios=(1.35, 1.0), left=LEFT, right=0.985, bottom=0.135, top=0.83, wspace=0.2
     )
-    below = int(bool(trace.energies)) + int(trace.spectrum is not None)
+    below = int(bool(trace.energies)) + int(trace.spectrum is not None) + int(trace.friction is not None)
     grid, beside = (
         rows.subgridspec(3, 1, hspace=0.12),
-        columns.subgridspec(1 + below, 1, hspace=(0.0, 0.34, 0.62)[below]),
+        columns.subgridspec(1 + below, 1, hspace=(0.0, 0.34, 0.62, 0.9)[below]),
     )
     samples = trace.samples
     force = figure.add_subplot(grid[0])
@@ -136,6 +146,10 @@ def _draw(figure: Figure, trace: Trace) -> None:
         panels.append(figure.add_subplot(beside[1], sharex=force))
         _energies(panels[3], trace)
     beneath = panels[3:]
+    if trace.friction is not None:
+        panels.append(figure.add_subplot(beside[len(beneath) + 1], sharex=force))
+        beneath = panels[3:]
+        _friction(panels[-1], *trace.friction)
     if trace.spectrum is not None:
         beneath = [*beneath, figure.add_subplot(beside[below])]
         _spectrum(beneath[-1], *trace.spectrum)
@@ -190,6 +204,14 @@ def energies(history: History, samples: Samples) -> dict[str, Any]:
     }
 
 
+def friction_over_time(history: History) -> tuple[Any, Any, Any] | None:
+    """Time, s, friction force and its limit µF, N; None without friction."""
+    if history.oblique is None:
+        return None
+    t, force = (history.oblique.motion[name] for name in ("time", "friction_force"))
+    return t, force, (history.scene.contact.friction or 0.0) * history.sample_si(t).contact_force
+
+
 NARROWEST = 20.0
 """Least ratio of the ends of the spectrum's axis of energy, so that powers of ten stand there."""
 
@@ -208,8 +230,16 @@ def _energies(panel: Axes, trace: Trace) -> None:
     least = min(float(values.min()) for values in trace.energies.values()) / size
     if least > -1e-3 * panel.get_ylim()[1]:
         panel.set_ylim(0.0, None)
-    above: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.01), "ncols": 3, "borderaxespad": 0.0}
-    panel.legend(**above, fontsize=8, frameon=False)
+    panel.legend(**ABOVE)
+
+
+def _friction(panel: Axes, time: Any, force: Any, limit: Any) -> None:
+    """The friction force over time between its limits, ± µ times the contact force."""
+    (x_size, x_unit), (size, unit) = prefixed_unit(time, "time"), prefixed_unit(limit, "force")
+    panel.fill_between(time / x_size, -limit / size, limit / size, color="0.9", linewidth=0.0, label="up to µF")
+    panel.plot(time / x_size, force / size, color=HIGHLIGHT, label="friction")
+    panel.set(xlabel=f"time ({x_unit})", ylabel=f"friction ({unit})")
+    panel.legend(**ABOVE)
 
 
 def _spectrum(panel: Axes, frequency: Any, energy: Any) -> None:

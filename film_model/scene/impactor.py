@@ -20,6 +20,9 @@ STEEPEST = 1.57
 SHAPES = {"solid": 0.4, "shell": 2.0 / 3.0}
 """Bodies → J/(m R²)."""
 
+SAME = 0.01
+"""Relative difference up to which a moment of inertia is that of the shape."""
+
 SLOWEST = 1e-100
 """Least velocity, m/s: the square of a smaller one underflows to 0."""
 
@@ -33,7 +36,8 @@ class Sphere:
     between the velocity and the normal of the surface, rad; default 0. The normal motion is that of the component
     velocity × cos(angle); with friction in [contact] the tangential motion and the spin are simulated beside it. spin:
     about the axis across the plane of incidence, rad/s, positive if it adds to sliding; default 0. shape: "solid" ball
-    or thin "shell", which turns as a whole.
+    or thin "shell", which turns as a whole. inertia: moment of inertia of another body about its centre of mass, kg·m²;
+    default that of the shape.
 
     >>> fm.Sphere(diameter="20 mm", drop_height="0.5 m", material="bearing steel").speed  # m/s
     3.1315...
@@ -49,6 +53,7 @@ class Sphere:
         "angle": measure("angle", 0, STEEPEST),
         "spin": measure("angular_frequency", -1e7, 1e7),
         "shape": Field(choice(*SHAPES).read, '"solid" or "shell" is needed'),
+        "inertia": measure("moment_of_inertia", 1e-60, 1e30),
     }
 
     radius: float
@@ -59,6 +64,7 @@ class Sphere:
     angle: float | None
     spin: float | None
     shape: str | None
+    inertia: float | None
 
     def __init__(
         self,
@@ -71,11 +77,17 @@ class Sphere:
         diameter: Value | None = None,
         spin: Value | None = None,
         shape: Literal["solid", "shell"] | None = None,
+        inertia: Value | None = None,
     ) -> None:
         mistakes = fill_ball(self, locals()) + one_of(self, velocity=velocity, drop_height=drop_height)
         if not mistakes and 0.0 < self.speed < SLOWEST:
             name = "drop_height" if velocity is None else "velocity"
             mistakes.append(mistake(self, name, f"{self.speed:g} m/s must be 0 or at least {SLOWEST:g} m/s"))
+        if not mistakes and self.inertia is not None and self.shape is not None and self.own_mass is not None:
+            own = SHAPES[self.shape] * self.own_mass * self.radius**2
+            if abs(self.inertia - own) > SAME * own:
+                what = f'{self.inertia:.4g} kg m^2 contradicts shape = "{self.shape}", which has {own:.4g} kg m^2'
+                mistakes.append(mistake(self, "inertia", f"{what}: leave one of them out"))
         raise_all(mistakes)
 
     @property
@@ -92,7 +104,9 @@ class Sphere:
 
     @property
     def inertia_number(self) -> float:
-        """J/(m R²): 2/5 of a solid ball, 2/3 of a thin shell."""
+        """J/(m R²): of the given moment of inertia, otherwise 2/5 of a solid ball and 2/3 of a thin shell."""
+        if self.inertia is not None:
+            return self.inertia / (cast("float", self.own_mass) * self.radius**2)
         return SHAPES[self.shape or "solid"]
 
     @property

@@ -20,6 +20,7 @@ from film_model.effects.choose import choose
 from film_model.problem.problem import refuse_relaxation
 from film_model.scene import Scene, Sphere
 from film_model.solve.batch import ManyResult, simulate_many
+from film_model.studies.tangential_models import MODELS, groups, theory
 from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter, Values
 from film_model.translate.march import march
 
@@ -28,6 +29,9 @@ COUNT = 9
 
 COMPARED = {"force": "maximum_force", "duration": "contact_duration", "restitution": "coefficient_of_restitution"}
 """What is compared, and its name in the summary of an impact."""
+
+POINTS = 25
+"""ψ₁ at which models of friction are compared, up to 4χ, beyond which all slide."""
 
 RIGID_RATIO = 0.3
 """Poisson's ratio given to an engine if the scene has none; only the effective modulus matters."""
@@ -58,8 +62,19 @@ class Error:
 
 
 @dataclass(frozen=True)
+class Tangential:
+    """A model of friction beside our impacts: ψ₂ over ψ₁ of elastic impacts, up to where all slide throughout. rms,
+    worst: of the difference in ψ₂; before: ψ₁ of the worst."""
+
+    rms: float
+    worst: float
+    before: float
+
+
+@dataclass(frozen=True)
 class Translation:
-    """A fitted law. values: parameters, SI. wanted, found: arrays over `velocities` by the names of `COMPARED`."""
+    """A fitted law. values: parameters, SI. wanted, found: arrays over `velocities` by the names of `COMPARED`.
+    tangential: the engine's models of friction by name, if the scene has friction."""
 
     engine: Engine
     law: EngineLaw
@@ -69,6 +84,7 @@ class Translation:
     wanted: Mapping[str, Array]
     found: Mapping[str, Array]
     warnings: tuple[str, ...]
+    tangential: Mapping[str, Tangential]
 
     @property
     def errors(self) -> dict[str, Error]:
@@ -104,6 +120,7 @@ class Translation:
             },
             "rms_error": self.rms,
             "errors": {name: vars(error) for name, error in self.errors.items()},
+            "tangential": {name: vars(one) for name, one in self.tangential.items()},
             "velocities": self.velocities.tolist(),
             "wanted": {name: column.tolist() for name, column in self.wanted.items()},
             "found": {name: column.tolist() for name, column in self.found.items()},
@@ -121,6 +138,9 @@ def contact_for(
     velocity: lowest and highest approach velocity, texts or quantities, numbers are m/s; default: half and twice the
     scene's. Raises ValueError for a bad range or an unknown law; SimulationError for a scene whose impacts an engine's
     law cannot reproduce: a vibrating target, or an impact that does not end by separation.
+
+    With friction in [contact] the tangential springs have the stiffness K_t = K_n/κ of the scene, and how far each
+    model of the engine is off in ψ₂(ψ₁) is computed. Angle and spin of the scene do not matter: velocities are normal.
     """
     laws = engine.laws if law is None else (engine.law(law),)
     velocities = _velocities(scene, velocity, count)
@@ -129,7 +149,8 @@ def contact_for(
     middle = _middle(velocities, wanted, result.summary["maximum_indentation"])
     pair = pair_of(scene, math.sqrt(velocities[0] * velocities[-1]), middle.depth)
     warnings = _warnings(scene, velocities, result)
-    made = [_fitted(engine, one, pair, middle, velocities, wanted, warnings) for one in laws]
+    models = _models(scene, {spring for one in laws for spring in one.tangential.values()})
+    made = [_fitted(engine, one, pair, middle, velocities, wanted, warnings, models) for one in laws]
     return sorted(made, key=lambda translation: translation.rms)
 
 
@@ -137,7 +158,10 @@ def pair_of(scene: Scene, velocity: float, depth: float) -> Pair:
     """The scene's two bodies, as an engine sees them."""
     mass = scene.target.own_mass
     assert mass is not None
-    ratio = scene.poissons_ratio
+    ratio, friction, kappa = scene.poissons_ratio, scene.contact.friction, 1.0
+    if friction is not None:
+        kappa = groups(scene).ratio
+        ratio = (2.0 * kappa - 2.0) / (2.0 * kappa - 1.0)  # of alike bodies, κ = (2 − ν)/(2 (1 − ν))
     return Pair(
         mass=scene.effective_mass,
         radius=scene.effective_radius,
@@ -148,7 +172,23 @@ def pair_of(scene: Scene, velocity: float, depth: float) -> Pair:
         poissons_ratio=RIGID_RATIO if ratio is None else ratio,
         velocity=velocity,
         depth=depth,
+        friction=friction,
+        ratio=kappa,
     )
+
+
+def _models(scene: Scene, springs: set[str]) -> dict[str, Tangential]:
+    """How far springs are off for the χ of the scene; none without friction."""
+    if scene.contact.friction is None or not springs:
+        return {}
+    chi = groups(scene).parameter
+    before = np.linspace(0.0, 4.0 * chi, POINTS + 1)[1:]
+    exact, made = theory(scene, before), dict[str, Tangential]()
+    for name in springs:
+        off = MODELS[name](chi, before) - exact
+        worst = int(np.abs(off).argmax())
+        made[name] = Tangential(math.sqrt(float(np.mean(off**2))), float(off[worst]), float(before[worst]))
+    return made
 
 
 def _velocities(scene: Scene, given: Sequence[Any], count: int) -> Array:
@@ -196,9 +236,10 @@ def _impacts(scene: Scene, velocities: Array) -> ManyResult:
 
 
 def scene_at(scene: Scene, velocity: float) -> Scene:
-    """The scene at an approach velocity, without gravity."""
+    """The scene at an approach velocity along the normal, without gravity and friction."""
     speed = f"{velocity + scene.target.velocity!r} m/s"
-    return scene.replace({"effects.gravity": False, "impactor.drop_height": None, "impactor.velocity": speed})
+    normal = {"impactor.angle": None, "impactor.spin": None, "contact.friction": None}
+    return scene.replace({**normal, "effects.gravity": False, "impactor.drop_height": None, "impactor.velocity": speed})
 
 
 def _warnings(scene: Scene, velocities: Array, result: ManyResult) -> tuple[str, ...]:
@@ -256,6 +297,7 @@ def _fitted(
     velocities: Array,
     wanted: Mapping[str, Array],
     warnings: tuple[str, ...],
+    models: Mapping[str, Tangential],
 ) -> Translation:
     """The law with its parameters fitted."""
     from scipy.optimize import least_squares
@@ -289,4 +331,5 @@ def _fitted(
     values = {name: float(value) for name, value in scale.values(best.x).items()}
     impacts = march(law, pair, values, velocities)
     found = {name: getattr(impacts, name) for name in COMPARED}
-    return Translation(engine, law, pair, values, velocities, wanted, found, warnings)
+    tangential = {name: models[spring] for name, spring in law.tangential.items() if spring in models}
+    return Translation(engine, law, pair, values, velocities, wanted, found, warnings, tangential)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
 import numpy as np
@@ -82,11 +82,12 @@ def law_by_restitution(
     paste: Callable[[Pair, Values], str],
     pulls: bool,
     notes: tuple[str, ...],
+    tangential: Mapping[str, str] | None = None,
 ) -> EngineLaw:
     """`hertz_by_restitution` or `hooke_by_restitution` in an engine's words."""
     formula, force, start = _BY_RESTITUTION[name]
     parameters = (modulus("youngs_modulus"), RESTITUTION)
-    return EngineLaw(name, formula, source, parameters, force, start, paste, pulls, notes)
+    return EngineLaw(name, formula, source, parameters, force, start, paste, pulls, notes, tangential or {})
 
 
 _BY_RESTITUTION = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from film_model.translate import granular
@@ -11,8 +12,17 @@ SOURCE = "LAMMPS documentation, pair_style granular"
 NOTES = ("the damping force may attract at the end of contact: without limit_damping, as here",)
 
 
-def _command(pair: Pair, coefficients: str, damping: str) -> str:
-    model = f"{coefficients} tangential linear_nohistory 0.0 0.0 damping {damping}"
+MINDLIN = {name: name for name in ("mindlin/force", "mindlin_rescale/force", "mindlin", "mindlin_rescale")}
+LINEAR = {"linear_history": "hooke"}
+"""Models of friction with the springs that they are."""
+
+
+def _command(pair: Pair, coefficients: str, damping: str, stiffness: float, models: Mapping[str, str]) -> str:
+    """stiffness: of the tangential spring, N/m, or Pa times the contact radius."""
+    tangential = "linear_nohistory 0.0 0.0"
+    if pair.friction is not None:
+        tangential = f"{next(iter(models))} {stiffness:.6g} 0.0 {pair.friction:.6g}"
+    model = f"{coefficients} tangential {tangential} damping {damping}"
     if not pair.fixed:
         return f"pair_style granular\npair_coeff * * {model}"
     if pair.target_radius < float("inf"):
@@ -22,7 +32,13 @@ def _command(pair: Pair, coefficients: str, damping: str) -> str:
 
 def _paste_restitution(pair: Pair, values: Values) -> str:
     e, nu = values["restitution"], pair.poissons_ratio
-    return _command(pair, f"hertz/material {values['youngs_modulus']:.6g} {e:.6g} {nu:.6g}", "coeff_restitution")
+    material = f"hertz/material {values['youngs_modulus']:.6g} {e:.6g} {nu:.6g}"
+    return _command(pair, material, "coeff_restitution", _mindlin_stiffness(pair, values), MINDLIN)
+
+
+def _mindlin_stiffness(pair: Pair, values: Values) -> float:
+    """8 G* = 2 E*/κ."""
+    return 2.0 * pair.effective_modulus(values["youngs_modulus"]) / pair.ratio
 
 
 def _viscoelastic(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
@@ -37,7 +53,7 @@ def _start_viscoelastic(pair: Pair, middle: Middle) -> dict[str, float]:
 
 def _paste_viscoelastic(pair: Pair, values: Values) -> str:
     material = f"{values['youngs_modulus']:.6g} {values['eta_n']:.6g} {pair.poissons_ratio:.6g}"
-    return _command(pair, f"hertz/material {material}", "viscoelastic")
+    return _command(pair, f"hertz/material {material}", "viscoelastic", _mindlin_stiffness(pair, values), MINDLIN)
 
 
 def _hooke(pair: Pair, values: Values, depth: Any, rate: Any) -> Any:
@@ -50,11 +66,12 @@ def _start_hooke(pair: Pair, middle: Middle) -> dict[str, float]:
 
 
 def _paste_hooke(pair: Pair, values: Values) -> str:
-    return _command(pair, f"hooke {values['k_n']:.6g} {values['restitution']:.6g}", "coeff_restitution")
+    material, k = f"hooke {values['k_n']:.6g} {values['restitution']:.6g}", values["k_n"]
+    return _command(pair, material, "coeff_restitution", k / pair.ratio, LINEAR)
 
 
 HERTZ = granular.law_by_restitution(
-    "hertz", f"{SOURCE}: hertz/material, damping coeff_restitution", _paste_restitution, True, NOTES
+    "hertz", f"{SOURCE}: hertz/material, damping coeff_restitution", _paste_restitution, True, NOTES, MINDLIN
 )
 
 VISCOELASTIC = EngineLaw(
@@ -67,6 +84,7 @@ VISCOELASTIC = EngineLaw(
     paste=_paste_viscoelastic,
     pulls=True,
     notes=NOTES,
+    tangential=MINDLIN,
 )
 
 HOOKE = EngineLaw(
@@ -79,6 +97,7 @@ HOOKE = EngineLaw(
     paste=_paste_hooke,
     pulls=True,
     notes=NOTES,
+    tangential=LINEAR,
 )
 
 LAMMPS = Engine("lammps", "LAMMPS", (HERTZ, VISCOELASTIC, HOOKE))

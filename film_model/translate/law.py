@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 Values: TypeAlias = Mapping[str, Any]
@@ -21,7 +21,9 @@ class Pair:
 
     mass, radius: effective, 1/(1/m + 1/m_t) and 1/(1/R + 1/R_t). ball_mass, ball_radius: of the ball. target_mass,
     target_radius: of the target; infinite mass if it is fixed, infinite radius if flat. poissons_ratio: given to
-    engines that take a Young's modulus. velocity: geometric mean of the range. depth: of our impact near it.
+    engines that take a Young's modulus. velocity: geometric mean of the range. depth: of our impact near it. friction:
+    coefficient, None without. ratio: κ = K_n/K_t of the normal and the tangential stiffness, where friction is given;
+    poissons_ratio is then that of alike bodies with this κ.
     """
 
     mass: float
@@ -33,6 +35,8 @@ class Pair:
     poissons_ratio: float
     velocity: float
     depth: float
+    friction: float | None = None
+    ratio: float = 1.0
 
     @property
     def fixed(self) -> bool:
@@ -93,7 +97,8 @@ class EngineLaw:
     formula: of the force, for a reader. source: of the formula. force(pair, values, depth, rate): N, before the engine
     cuts off attraction; depth >= 0. start(pair, middle): values from which the fit begins. paste(pair, values): text
     for the engine's input. pulls: whether the engine keeps an attractive force near the end of contact, so that contact
-    ends at zero depth instead of zero force. notes: what a user must know.
+    ends at zero depth instead of zero force. notes: what a user must know. tangential: the engine's models of friction
+    and the springs of `film_model.studies.tangential_models` that they are; the first is pasted.
     """
 
     name: str
@@ -105,6 +110,7 @@ class EngineLaw:
     paste: Callable[[Pair, Values], str]
     pulls: bool = False
     notes: tuple[str, ...] = ()
+    tangential: Mapping[str, str] = field(default_factory=dict[str, str])
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,10 @@ from film_model.translate.law import Engine, EngineLaw, Middle, Pair, Parameter,
 
 SOURCE = "LIGGGHTS-PUBLIC documentation, gran model"
 NOTES = ("the damping force may attract at the end of contact: limitForce is off, as by default",)
+HOOKE_NOTES = (*NOTES, "without friction: the tangential stiffness of hooke is kn, whatever the materials")
 
+HISTORY = {"tangential history": "mindlin"}
+"""The model of friction and the spring that it is."""
 
 SOFTEST = 1e9
 """Young's modulus [Pa] above which LIGGGHTS asks for `hard_particles yes`."""
@@ -21,10 +24,14 @@ def _property(name: str, value: float, kind: str) -> str:
 
 
 def _model(pair: Pair, model: str) -> str:
+    friction = ""
+    if pair.friction is not None and model != "hooke":  # there kt is kn
+        friction = _property("coefficientFriction", pair.friction, "peratomtypepair 1") + "\n"
+        model += " tangential history"
     lines = f"pair_style gran model {model}\npair_coeff * *"
     if pair.fixed and pair.target_radius == float("inf"):
         lines += f"\nfix target all wall/gran model {model} primitive type 1 zplane 0.0"
-    return lines
+    return friction + lines
 
 
 def _paste_material(model: str, pair: Pair, values: Values) -> str:
@@ -50,16 +57,17 @@ def _start_coefficients(pair: Pair, middle: Middle) -> dict[str, float]:
 
 
 def _paste_coefficients(pair: Pair, values: Values) -> str:
-    numbers = {"kn": values["kn"], "kt": 0.0, "gamman": values["gamman"], "gammat": 0.0}
+    tangential = 0.0 if pair.friction is None else 1.5 * values["kn"] / pair.ratio  # 8 G* = 2 E*/κ, kn = 4/3 E*
+    numbers = {"kn": values["kn"], "kt": tangential, "gamman": values["gamman"], "gammat": 0.0}
     lines = [_property(name, value, "peratomtypepair 1") for name, value in numbers.items()]
     return "\n".join([*lines, _model(pair, "hertz/stiffness")])
 
 
 HERTZ = granular.law_by_restitution(
-    "hertz", f"{SOURCE} hertz; normal_model_hertz.h", partial(_paste_material, "hertz"), True, NOTES
+    "hertz", f"{SOURCE} hertz; normal_model_hertz.h", partial(_paste_material, "hertz"), True, NOTES, HISTORY
 )
 
-HOOKE = granular.law_by_restitution("hooke", f"{SOURCE} hooke", partial(_paste_material, "hooke"), True, NOTES)
+HOOKE = granular.law_by_restitution("hooke", f"{SOURCE} hooke", partial(_paste_material, "hooke"), True, HOOKE_NOTES)
 
 STIFFNESS = EngineLaw(
     name="hertz-stiffness",
@@ -74,6 +82,7 @@ STIFFNESS = EngineLaw(
     paste=_paste_coefficients,
     pulls=True,
     notes=NOTES,
+    tangential=HISTORY,
 )
 
 LIGGGHTS = Engine("liggghts", "LIGGGHTS", (HERTZ, HOOKE, STIFFNESS))

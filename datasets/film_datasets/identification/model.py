@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.csv_measurement import measured_over
-from film_datasets.impacts import simulate_impacts
-from film_datasets.schema import MEASURED_MOTION
+from film_datasets.oblique_impacts import RESULTS, results_of
+from film_datasets.schema import MEASURED_CONDITIONS, MEASURED_MOTION
 from film_model.effects.choose import problem_of
+from film_model.oblique.result import OBLIQUE
 from film_model.scene import Scene
-from film_model.solve.history import SUMMARY, Samples
+from film_model.solve.history import Samples
 from film_model.solve.simulate import simulate_quietly
 
 if TYPE_CHECKING:
@@ -42,7 +43,9 @@ ON_MODES = Numerics(1e-4, 1e-2, 1e-5, 1e-7)
 """For a target that vibrates, where 1e-7 takes up to a second an impact. Derivatives are then known to about 1 %, which
 is enough for steps of the search and for intervals; the result is that of the impacts themselves."""
 
-DIMENSIONS_OF_QUANTITIES = {name: dimension for name, (dimension, _) in (*MEASURED_MOTION.items(), *SUMMARY.items())}
+DIMENSIONS_OF_QUANTITIES = {
+    name: dimension for table in (MEASURED_MOTION, RESULTS) for name, (dimension, _) in table.items()
+}
 """Dimension of every quantity that can be measured."""
 
 
@@ -73,17 +76,30 @@ class Case:
 def predict(
     scene: Scene, measured: xr.Dataset, names: Sequence[str], time_offset: float, points: Array | None = None
 ) -> dict[str, Array]:
-    """The quantities `names` at the measured times or velocities, or at other `points`, SI.
+    """The quantities `names` at the measured times, velocities or angles, or at other `points`, SI.
 
     time_offset: time of the measurement's first touch, s. Raises SimulationError if there is no impact.
     """
     along, _ = measured_over(measured)
+    if along != "t":
+        asked = [np.isfinite(measured[name].values) for name in names if name in OBLIQUE]
+        needed = np.logical_or.reduce(asked) if asked and points is None else None
+        return results_of(scene, _conditions(measured, along, points), names, needed)
     points = np.asarray(measured[along].values if points is None else points)
-    if along == "impactor_velocity":
-        return simulate_impacts(scene, {"impactor.velocity": points}).summary
     t = points - time_offset
     samples = simulate_quietly(scene).sample_si(np.maximum(t, 0.0))
     return {name: _before_first_touch(_motion(samples, scene, name), t, scene, name) for name in names}
+
+
+def _conditions(measured: xr.Dataset, along: str, points: Array | None) -> dict[str, Array]:
+    """Key of the scene → values of the impacts; between measured points the other conditions are interpolated."""
+    order = np.argsort(measured[along].values, kind="stable")
+    ends = measured[along].values[order]
+    found = {name: measured[name].values for name in MEASURED_CONDITIONS if name in measured.variables}
+    return {
+        name.replace("_", ".", 1): values if points is None else np.interp(points, ends, values[order])
+        for name, values in found.items()
+    }
 
 
 def _motion(samples: Samples, scene: Scene, name: str) -> Array:

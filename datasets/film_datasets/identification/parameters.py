@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from film_datasets.identification.result import TIME_OFFSET
+from film_datasets.schema import MEASURED_CONDITIONS
 from film_model.base.errors import Mistake, SceneError, raise_all
 from film_model.base.fields import Field
 from film_model.base.units import power_stiffness_unit, scene_unit
@@ -60,7 +61,8 @@ def parameters_of(scene: Scene, fit: Sequence[str], measured: Sequence[xr.Datase
     """The parameters at the paths `fit`; a time offset for each history. Raises SceneError for those that cannot be
     fitted."""
     histories = [ds.attrs["measured"] == "history" for ds in measured]
-    _check(scene, fit, histories)
+    given = {name.replace("_", ".", 1) for ds in measured for name in MEASURED_CONDITIONS if name in ds.coords}
+    _check(scene, fit, histories, given)
     found: list[Parameter] = []
     for path in fit:
         if path != TIME_OFFSET:
@@ -114,7 +116,7 @@ def _field(scene: Scene, path: str, fit: Sequence[str]) -> Field | None:
     return field_at(scene, path)
 
 
-def _check(scene: Scene, fit: Sequence[str], histories: Sequence[bool]) -> None:
+def _check(scene: Scene, fit: Sequence[str], histories: Sequence[bool], given: Collection[str]) -> None:
     mistakes: list[Mistake] = []
     for path in fit:
         try:
@@ -123,7 +125,7 @@ def _check(scene: Scene, fit: Sequence[str], histories: Sequence[bool]) -> None:
                     raise ValueError("is for measured histories")
             elif _field(scene, path, fit) is None:
                 raise ValueError("is not a number that can be fitted")
-            elif path == "impactor.velocity" and not any(histories):
+            elif path in given and not any(histories):
                 raise ValueError("is measured")
             if list(fit).count(path) > 1:
                 raise ValueError("is given twice")

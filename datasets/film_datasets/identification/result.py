@@ -28,8 +28,11 @@ TIME_OFFSET = "time_offset"
 
 SIZE = (7.2, 5.2)  # inches
 
-FINE_POINTS = 501
-"""Points of the fitted curve in the figure."""
+FINE_POINTS, FEW_POINTS = 501, 61
+"""Points of the fitted curve in the figure; fewer over the angle, where impacts are simulated one by one."""
+
+ALONG = {"t": "time", "impactor_velocity": "velocity", "impactor_angle": "angle"}
+"""Words, and dimensions, of what measurements are made over."""
 
 
 @dataclass(frozen=True)
@@ -152,9 +155,9 @@ class Identification:
         for column, (case, name) in enumerate(pairs):
             along, _ = measured_over(case.measured)
             x, values = case.measured[along].values, case.measured[name].values
-            fine = np.linspace(x.min(), x.max(), FINE_POINTS)
+            fine = np.linspace(x.min(), x.max(), FEW_POINTS if along == "impactor_angle" else FINE_POINTS)
             curve, at_points = (case.predict(self.scene, points)[name] for points in (fine, x))
-            x_size, x_unit = prefixed_unit(x, "time" if along == "t" else "velocity")
+            x_size, x_unit = prefixed_unit(x, ALONG[along])
             size, unit = prefixed_unit(finite(case.measured[name]), DIMENSIONS_OF_QUANTITIES[name])
             above, below = panels[:, column]
             above.plot(x / x_size, values / size, "o", color="0.45", markersize=2.5, label="measured")
@@ -164,7 +167,7 @@ class Identification:
             above.set_ylabel(label(name, unit))
             if case.changes:
                 above.set_title(", ".join(case.changes.values()), fontsize=8)
-            below.set(xlabel=label("time" if along == "t" else "velocity", x_unit), ylabel=label("difference", unit))
+            below.set(xlabel=label(ALONG[along], x_unit), ylabel=label("difference", unit))
         panels[0, 0].legend(frameon=False, fontsize=8)
         texts: list[str] = []
         for one in self.parameters:

@@ -40,6 +40,7 @@ from film_datasets.schema.variable import (
 )
 from film_model.base.errors import STATUSES
 from film_model.core.native import EVENTS
+from film_model.oblique.result import OBLIQUE
 from film_model.solve.bounce import COLUMNS
 from film_model.solve.history import MOTION, SUMMARY
 from film_model.studies.reference import COMPARED
@@ -68,7 +69,10 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.5": _STEPS,
         "1.6": _IN_SWEEPS,
     },
-    MEASUREMENT: {"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter", "input_uncertainty")},
+    MEASUREMENT: {
+        **{"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter", "input_uncertainty")},
+        "1.3": ("impactor_angle", "impactor_spin", *OBLIQUE),
+    },
     BOUNCES: {"1.0": ()},
     COST: {"1.0": ()},
 }
@@ -187,8 +191,16 @@ _MEASURED_HISTORY = (
 
 _MEASURED_IMPACTS = (
     number("impactor_velocity", ("impact",), "velocity", "impactor velocity at first touch"),
+    number("impactor_angle", ("impact",), "angle", "between the path and the normal at first touch", optional=True),
+    number("impactor_spin", ("impact",), "angular_frequency", "spin at first touch", "adds to sliding", optional=True),
     *(replace(variable, long_name=f"measured {variable.long_name}") for variable in _summary_variables(("impact",))),
+    *(
+        number(name, ("impact",), dimension, f"measured {spaced(name)}", f"{what.partition(';')[0]}; {_ABSENT}", True)
+        for name, (dimension, what) in OBLIQUE.items()
+    ),
 )
+MEASURED_CONDITIONS = ("impactor_velocity", "impactor_angle", "impactor_spin")
+"""Variables of measured impacts that are given, not measured; the first is always there."""
 
 EVIDENCE_QUANTITIES = (
     *("coefficient_of_restitution", "maximum_force", "maximum_indentation"),

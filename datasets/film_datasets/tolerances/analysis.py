@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from film_datasets.impacts import scene_with_numbers
+from film_datasets.oblique_impacts import RESULTS, results_of
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import points
@@ -20,8 +21,8 @@ from film_datasets.tolerances.sobol import Indices
 from film_model.base.arrays import Array
 from film_model.base.errors import SimulationError
 from film_model.base.units import format_si, quantity, si_unit
+from film_model.oblique.result import OBLIQUE
 from film_model.scene import Scene
-from film_model.solve.history import SUMMARY
 from film_model.solve.simulate import simulate_quietly
 
 SHOWN = ("maximum_force", "maximum_indentation", "contact_duration", "coefficient_of_restitution")
@@ -31,6 +32,9 @@ SAMPLES, CONFIDENCE = 1024, 0.95
 """Points of the sample, and level of the intervals, unless given."""
 
 LEAST = 8  # points
+
+STEP = 0.1
+"""Step of the derivatives of results along the surface, in standard deviations: above the errors of these results."""
 
 PERCENTILES = (2.5, 50.0, 97.5)
 
@@ -68,7 +72,7 @@ class Tolerance:
 
     def of(self, name: str) -> tuple[Any, Any]:
         """Mean and standard deviation of a result, as pint quantities, from the sample."""
-        spread, dimension = self.spreads[name], SUMMARY[name][0]
+        spread, dimension = self.spreads[name], RESULTS[name][0]
         return quantity(spread.mean, dimension), quantity(spread.deviation, dimension)
 
     def to_dict(self) -> dict[str, Any]:
@@ -97,7 +101,7 @@ class Tolerance:
 
 def _plain(name: str, spread: Spread) -> dict[str, Any]:
     return {
-        "units": si_unit(SUMMARY[name][0]),
+        "units": si_unit(RESULTS[name][0]),
         "at_means": spread.at_means,
         "linear_standard_deviation": spread.linear,
         "mean": _known(spread.mean),
@@ -119,7 +123,7 @@ def _known(value: float) -> float | None:
 
 def _text(name: str, spread: Spread, confidence: float) -> list[str]:
     """The lines of one result."""
-    dimension = SUMMARY[name][0]
+    dimension = RESULTS[name][0]
     if not spread.used:
         return [f"  {name.replace('_', ' ')}: no value in any impact"]
 
@@ -160,8 +164,10 @@ def tolerance(
     """How far the scatter of some numbers spreads the results of an impact.
 
     over: key of the scene → a tolerance, "10 mm ± 0.05 mm", or a distribution, as in :func:`film_datasets.sweep`.
-    quantities: names of summary values. samples: points; (numbers + 2) times as many impacts are simulated.
-    confidence: level of the intervals of Sobol's indices. correlation: as in `sweep`; then there are no indices.
+    quantities: names of results: of the summary, or along
+    the surface such as "rebound_spin", if the scene has friction; these are simulated one by one. samples: points;
+    (numbers + 2) times as many impacts are simulated. confidence: level of the intervals of Sobol's indices.
+    correlation: as in `sweep`; then there are no indices.
 
     Linear: σ_y² = Σ ∂y/∂x_i ∂y/∂x_j c_ij σ_i σ_j with the derivatives at the means. Raises SceneError for mistakes,
     ValueError for an unknown quantity.
@@ -181,7 +187,7 @@ def tolerance_of(sweep: Sweep, quantities: Sequence[str] = SHOWN, confidence: fl
     axes, warnings = scattering(sweep), list[str]()
     sweep = replace(sweep, samples=1 << max(sweep.samples - 1, LEAST - 1).bit_length())
     known = {axis.path: moments(axis) for axis in axes}
-    at_means, slopes = _linear(sweep, {path: mean for path, (mean, _) in known.items()}, warnings)
+    at_means, slopes = _linear(sweep, known, quantities, warnings)
     spreads: dict[str, Spread] = {}
     for name, results in zip(quantities, _sampled(sweep, axes, quantities), strict=True):
         independent, indices = results[:2].ravel(), dict[str, Indices]()
@@ -206,18 +212,35 @@ def tolerance_of(sweep: Sweep, quantities: Sequence[str] = SHOWN, confidence: fl
 
 
 def _linear(
-    sweep: Sweep, means: Mapping[str, float], warnings: list[str]
+    sweep: Sweep, known: Mapping[str, tuple[float, float]], quantities: Sequence[str], warnings: list[str]
 ) -> tuple[dict[str, float | None], dict[str, dict[str, float | None]]]:
-    """The summary with all numbers at their means, and its derivatives there."""
-    scene = scene_with_numbers(sweep.first, means)
+    """The results with all numbers at their means, and their derivatives there: by differences along the surface."""
+    scene = scene_with_numbers(sweep.first, {path: mean for path, (mean, _) in known.items()})
     try:
-        history = simulate_quietly(scene, derivatives=list(means))
+        history = simulate_quietly(scene, derivatives=list(known))
     except SimulationError as error:
         warnings.append(f"no linear estimate: {error}")
         return {}, {}
     assert history.derivatives is not None
     warnings += history.warnings
-    return dict(history.summary), {name: dict(row) for name, row in history.derivatives.values.items()}
+    values, slopes = dict(history.summary), {name: dict(row) for name, row in history.derivatives.values.items()}
+    asked = [name for name in quantities if name in OBLIQUE]
+    if history.oblique is not None and asked:
+        values |= {name: history.oblique.summary[name] for name in asked}
+        slopes |= _differences(sweep.first, known, asked)
+    return values, slopes
+
+
+def _differences(
+    scene: Scene, known: Mapping[str, tuple[float, float]], names: Sequence[str]
+) -> dict[str, dict[str, float | None]]:
+    """Central differences of results along the surface, over `STEP` standard deviations to both sides."""
+    count, means = len(known), np.array([mean for mean, _ in known.values()])
+    steps = STEP * np.array([deviation for _, deviation in known.values()])
+    moved = means + np.concatenate([np.diag(steps), -np.diag(steps)])
+    found = results_of(scene, {path: moved[:, k] for k, path in enumerate(known)}, names)
+    slopes = {name: (found[name][:count] - found[name][count:]) / (2.0 * steps) for name in names}
+    return {name: dict(zip(known, map(_known, row.tolist()), strict=True)) for name, row in slopes.items()}
 
 
 def _sampled(sweep: Sweep, axes: Sequence[Axis], quantities: Sequence[str]) -> Array:

@@ -7,12 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
 
-from film_datasets.impacts import simulate_impacts
+from film_datasets.oblique_impacts import RESULTS, results_of
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.definition import Sweep
 from film_model.base.arrays import Array
 from film_model.base.errors import Mistake, SceneError, did_you_mean, shown
-from film_model.solve.history import SUMMARY
 
 NODES = 96
 """Gauss-Hermite nodes of the moments: exact for normal distributions, to 1e-9 for smooth ones."""
@@ -41,19 +40,19 @@ def moments(axis: Axis) -> tuple[float, float]:
 
 
 def results_at(sweep: Sweep, axes: Sequence[Axis], u: Array, quantities: Sequence[str]) -> Array:
-    """Summary values at probabilities u (impacts, axes): (quantities, impacts); nan where an impact has none."""
+    """Results at probabilities u (impacts, axes): (quantities, impacts); nan where an impact has none."""
     columns = {axis.path: np.asarray(axis.quantile(u[:, k]), np.float64) for k, axis in enumerate(axes)}
     outside = [axis.outside(columns[axis.path]) for axis in axes]
     inside = np.flatnonzero(~np.logical_or.reduce(outside))
     found = np.full((len(quantities), u.shape[0]), np.nan)
     if inside.size:
-        summary = simulate_impacts(sweep.first, {path: values[inside] for path, values in columns.items()}).summary
-        found[:, inside] = [summary[name] for name in quantities]
+        results = results_of(sweep.first, {path: values[inside] for path, values in columns.items()}, quantities)
+        found[:, inside] = [results[name] for name in quantities]
     return found
 
 
 def check_quantities(quantities: Sequence[str]) -> None:
-    """Raise ValueError for a name that is no summary value."""
+    """Raise ValueError for a name that is no result."""
     for name in quantities:
-        if name not in SUMMARY:
-            raise ValueError(f"quantity: {shown(name)} is not a summary value{did_you_mean(name, SUMMARY)}")
+        if name not in RESULTS:
+            raise ValueError(f"quantity: {shown(name)} is not a summary value{did_you_mean(name, RESULTS)}")

@@ -1,7 +1,7 @@
 /* Friction in any contact, by springs beside each other that slip: for laws that yield or are damped, in steps.
  *
  * Springs at radii r share the tangential stiffness 8 G_star a and the normal force like those of Popov's reduction of a
- * sphere, p(r) ~ 1 - r^2/a^2. Errors fall with the square of the steps. Units: any consistent ones.
+ * sphere, p(r) ~ 1 - r^2/a^2. Errors fall faster than one over the number of steps. Units: any consistent ones.
  * Nothing is allocated; copying a film_springs saves it. */
 #ifndef FILM_SPRINGS_H
 #define FILM_SPRINGS_H

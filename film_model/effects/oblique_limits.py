@@ -1,0 +1,92 @@
+"""Oblique impact in closed form: how the contact will slide, and how far the rebound is open without friction."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from film_model.scene import Scene
+
+LARGEST = 1.0
+"""Coefficient of friction up to which the rebound is bounded; the least is 0."""
+
+REVERSED = (
+    *((0.5, 1.0), (0.6, 0.9794), (0.7, 0.9265), (0.8333, 0.8295), (1.0, 0.7039), (1.1667, 0.597), (1.25, 0.5521)),
+    *((1.4412, 0.4678), (1.75, 0.3718), (2.0, 0.3176), (2.5, 0.245)),
+)
+"""χ and the largest share of the sliding velocity that comes back reversed, over all coefficients of friction: a scan
+of the elastic solution for Hertz's law. Beyond these χ all of it may, as friction does no negative work."""
+
+
+class Open(NamedTuple):
+    """Least and greatest speed after the impact, m/s, angle of the path to the normal, rad, and spin, rad/s. change:
+    range of the tangential velocity over the speed before."""
+
+    speed: tuple[float, float]
+    angle: tuple[float, float]
+    spin: tuple[float, float]
+    change: float
+
+
+def unknown(scene: Scene, restitution: float) -> Open:
+    """The rebound for coefficients of friction from 0 to `LARGEST`.
+
+    The impulse of friction lies between 0 and the lesser of µ m (1 + e) V_n, that of sliding throughout, and m_t v
+    (1 + β), with β of `REVERSED`, v the sliding velocity and 1/m_t = Σ (1/m + R²/J).
+    """
+    ball, along = scene.impactor, scene.impactor.path_speed * math.sin(scene.impactor.angle or 0.0)
+    spin, normal = ball.spin or 0.0, scene.effective_mass * (1.0 + restitution) * scene.approach_velocity
+    inertia = ball.inertia_number * scene.mass * ball.radius**2
+    sliding = along + spin * ball.radius
+    mobility = tangential_mobility(scene)
+    most = min(LARGEST * normal, abs(sliding) / mobility * (1.0 + reversed_share(scene, mobility)))
+    impulses = 0.0, math.copysign(most, sliding)
+    tangential = sorted(along - impulse / scene.mass for impulse in impulses)
+    spins = sorted(spin - ball.radius * impulse / inertia for impulse in impulses)
+    away = normal / scene.mass - ball.speed
+    speeds = sorted(math.hypot(end, away) for end in tangential)
+    least = abs(away) if tangential[0] < 0.0 < tangential[1] else speeds[0]
+    low, high = (math.atan2(end, abs(away)) for end in tangential)
+    change = most / scene.mass / max(ball.path_speed, scene.approach_velocity)
+    return Open((least, speeds[1]), (low, high), (spins[0], spins[1]), change)
+
+
+def reversed_share(scene: Scene, mobility: float) -> float:
+    """β of `REVERSED` for χ = m/(2 κ m_t); without the materials for κ = 3/2, the largest. mobility: 1/m_t, 1/kg."""
+    chi, share = np.array(REVERSED).T
+    own = 0.5 * mobility * scene.effective_mass / (stiffness_ratio(scene) or 1.5)
+    return float(np.interp(own, chi, share, 1.0, 1.0))
+
+
+def expected(scene: Scene, restitution: float) -> str | None:
+    """How the contact will slide, in words; None without friction or the materials.
+
+    It sticks first below ψ₁ = 1 and slides throughout from ψ₁ = 2 χ (1 + e) − e on: under any law with elastic
+    unloading friction then never falls below its limit.
+    """
+    ball, friction, ratio = scene.impactor, scene.contact.friction, stiffness_ratio(scene)
+    if not friction or ratio is None:
+        return None
+    sliding = ball.path_speed * math.sin(ball.angle or 0.0) + (ball.spin or 0.0) * ball.radius
+    number = abs(sliding) / (ratio * friction * scene.approach_velocity)
+    chi = 0.5 * tangential_mobility(scene) * scene.effective_mass / ratio
+    last = 2.0 * chi * (1.0 + restitution) - restitution
+    how = "sticks first" if number < 1.0 else "slides first" if number < last else "slides throughout"
+    return f"the contact {how}: impact number {number:.3g}, limits 1 and {last:.3g}"
+
+
+def tangential_mobility(scene: Scene) -> float:
+    """1/m_t = Σ (1/m + R²/J) of the bodies that are free, 1/kg."""
+    own = (1.0 + 1.0 / scene.impactor.inertia_number) / scene.mass
+    return own + (3.5 / scene.target.own_mass if scene.target.free and scene.target.own_mass else 0.0)
+
+
+def stiffness_ratio(scene: Scene) -> float | None:
+    """κ = E*/(4 G*) of the materials; None if one of them is not known."""
+    own, other = scene.impactor.material, scene.target.material
+    if own is None or other is None:
+        return None
+    softness = sum(2.0 * (2.0 - m.poissons_ratio) * (1.0 + m.poissons_ratio) / m.youngs_modulus for m in (own, other))
+    return softness / (4.0 * sum((1.0 - m.poissons_ratio**2) / m.youngs_modulus for m in (own, other)))

@@ -1,0 +1,130 @@
+"""Oblique impact through `simulate`: moments of inertia, and hard cases."""
+
+import math
+
+import pytest
+
+import film_model as fm
+
+STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
+
+
+def slanted(angle="30 deg", mu=0.2, material=STEEL, **ball):
+    sphere = fm.Sphere("5 mm", "3 m/s", material=material, angle=angle, **ball)
+    return fm.Scene(sphere, fm.HalfSpace(material), fm.Contact("hertz", friction=mu), fm.Effects(gravity=False))
+
+
+def test_a_moment_of_inertia_of_another_body():
+    """Equal to that of a ball or a shell it gives their results; a smaller one makes the impactor turn faster."""
+    ball = slanted()
+    size = ball.mass * ball.impactor.radius**2
+    for shape, number in (("solid", 0.4), ("shell", 2.0 / 3.0)):
+        given = fm.simulate(slanted(inertia=f"{number * size!r} kg m^2")).oblique.summary
+        assert given == pytest.approx(fm.simulate(slanted(shape=shape)).oblique.summary, rel=1e-9)
+    dice = slanted(inertia=f"{0.1 * size * 1e3!r} g m^2")
+    assert dice.impactor.inertia_number == pytest.approx(0.1)
+    spins = [abs(fm.simulate(one).oblique.summary["rebound_spin"]) for one in (dice, ball)]
+    assert spins[0] > spins[1]
+    assert fm.Scene.from_text(dice.to_toml()) == dice
+    with pytest.raises(fm.SceneError, match=r'Sphere\.inertia: 1e-06 kg m\^2 contradicts shape = "shell", which has 6'):
+        slanted(inertia="1e-6 kg*m^2", shape="shell")
+    with pytest.raises(fm.SceneError, match=r"Sphere\.inertia: 0\.1 has no unit, a moment of inertia is needed"):
+        slanted(inertia=0.1)
+    assert slanted(inertia=f"{0.4004 * size!r} kg m^2", shape="solid").impactor.shape == "solid"
+
+
+def groups(history):
+    """ψ₁, ψ₂ and χ of an impact."""
+    found, scene = history.oblique.summary, history.scene
+    ball = scene.impactor
+    before = ball.path_speed * math.sin(ball.angle or 0.0) + (ball.spin or 0.0) * ball.radius
+    after = found["contact_point_rebound_velocity"] * found["impact_number"] / before
+    return found["impact_number"], after, found["tangential_parameter"]
+
+
+def at(number, ratio=0.3, mu=0.2, **ball):
+    """The impact with ψ₁ = number: tan α = ψ₁ κ µ, κ = (2 − ν)/(2 (1 − ν))."""
+    kappa = (2.0 - ratio) / (2.0 * (1.0 - ratio))
+    material = {**STEEL, "poissons_ratio": ratio}
+    return fm.simulate(slanted(f"{math.atan(number * kappa * mu)!r} rad", mu, material, **ball))
+
+
+def chi_of(ratio):
+    return 7.0 * (1.0 - ratio) / (2.0 * (2.0 - ratio))
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.499])
+def test_the_groups_follow_from_the_scene(ratio):
+    before, _, chi = groups(at(2.0, ratio))
+    assert (before, chi) == pytest.approx((2.0, chi_of(ratio)), rel=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 0.499])
+def test_where_sliding_throughout_begins(ratio):
+    """ψ₁ = 4χ − 1: ψ₂ = −1, without a jump."""
+    corner = 4.0 * chi_of(ratio) - 1.0
+    for step in (-1e-4, 0.0, 1e-4):
+        history = at(corner + step, ratio)
+        assert groups(history)[1] == pytest.approx(-1.0 + step, abs=2e-4)
+        assert step < 0.0 or history.oblique.sliding_regime == "slides throughout"
+
+
+@pytest.mark.parametrize(("ratio", "expected"), [(0.0, 0.3869), (0.3, 0.2314)])
+def test_hardly_any_angle(ratio, expected):
+    """ψ₁ → 0: ψ₂/ψ₁ tends to a limit."""
+    before, after, _ = groups(at(2e-3, ratio))
+    assert after / before == pytest.approx(expected, abs=5e-3)
+
+
+def test_the_first_touch_sticks_below_one_and_slides_above():
+    below, above = at(1.0 - 1e-4), at(1.0 + 1e-4)
+    assert (below.oblique.sliding_regime, above.oblique.sliding_regime) == ("sticks first", "slides first")
+    assert groups(below)[1] == pytest.approx(groups(above)[1], abs=1e-3)
+
+
+def test_friction_that_vanishes_and_friction_that_is_large():
+    """µ → 0: the impulse is that of sliding, 2 µ m V_n; µ → ∞: as ψ₁ → 0, and the result no longer depends on µ."""
+    weak = fm.simulate(slanted(mu=1e-6))
+    normal = 2.0 * weak.scene.mass * weak.scene.approach_velocity
+    assert weak.oblique.summary["tangential_impulse"] == pytest.approx(1e-6 * normal, rel=1e-5)
+    strong = [fm.simulate(slanted("20 deg", mu)).oblique.summary["rebound_spin"] for mu in (50.0, 100.0)]
+    assert strong[0] == pytest.approx(strong[1], rel=2e-3)
+
+
+def test_spin_that_cancels_the_velocity_and_spin_near_it():
+    """Nothing slides: no friction. Close to it the impulse is small and keeps its sign."""
+    ball = slanted()
+    spin = -ball.impactor.path_speed * math.sin(ball.impactor.angle) / ball.impactor.radius
+    assert fm.simulate(slanted(spin=f"{spin!r} rad/s")).oblique is None
+    for share in (1.0 + 1e-3, 1.0 - 1e-3):
+        found = fm.simulate(slanted(spin=f"{share * spin!r} rad/s")).oblique.summary
+        assert found["tangential_impulse"] * (1.0 - share) > 0.0
+        assert found["friction_work"] >= 0.0
+
+
+def test_mirror_images_of_the_sliding_velocity():
+    """ψ₂(−ψ₁) = −ψ₂(ψ₁): back spin that turns the sliding round."""
+    ball = slanted()
+    speed = ball.impactor.path_speed * math.sin(ball.impactor.angle)
+    forward = fm.simulate(ball).oblique.summary
+    back = fm.simulate(slanted(spin=f"{-2.0 * speed / ball.impactor.radius!r} rad/s")).oblique.summary
+    for name in ("contact_point_rebound_velocity", "tangential_impulse", "impact_number"):
+        assert back[name] == pytest.approx(-forward[name], rel=1e-7)
+    assert back["friction_work"] == pytest.approx(forward["friction_work"], rel=1e-7)
+
+
+def test_grazing():
+    """At 89.9° friction takes 2 µ/tan α of the tangential velocity."""
+    history = fm.simulate(slanted("89.9 deg", material=STEEL))
+    share = 1.0 - 0.4 / math.tan(math.radians(89.9))
+    assert history.oblique.sliding_regime == "slides throughout"
+    assert history.oblique.summary["tangential_restitution"] == pytest.approx(share, rel=1e-7)
+
+
+def test_the_shape_of_the_rebound():
+    """ν = 0.3: the maximum, the zero and the minimum of ψ₂."""
+    for before, after in ((0.4168, 0.050018), (0.809919, 0.0), (3.6166, -1.481162)):
+        assert groups(at(before))[1] == pytest.approx(after, abs=1e-6)
+        if after != 0.0:
+            sides = [groups(at(before * factor))[1] for factor in (0.97, 1.03)]
+            assert all(abs(side) < abs(after) for side in sides)

@@ -13,7 +13,6 @@ from film_datasets.csv_measurement import measured_over
 from film_datasets.oblique_impacts import RESULTS, results_of
 from film_datasets.schema import MEASURED_CONDITIONS, MEASURED_MOTION
 from film_model.effects.choose import problem_of
-from film_model.oblique.result import OBLIQUE
 from film_model.scene import Scene
 from film_model.solve.history import Samples
 from film_model.solve.simulate import simulate_quietly
@@ -82,9 +81,7 @@ def predict(
     """
     along, _ = measured_over(measured)
     if along != "t":
-        asked = [np.isfinite(measured[name].values) for name in names if name in OBLIQUE]
-        needed = np.logical_or.reduce(asked) if asked and points is None else None
-        return results_of(scene, _conditions(measured, along, points), names, needed)
+        return results_of(scene, _conditions(measured, along, points), names)
     points = np.asarray(measured[along].values if points is None else points)
     t = points - time_offset
     samples = simulate_quietly(scene).sample_si(np.maximum(t, 0.0))

@@ -66,7 +66,7 @@ def test_where_sliding_throughout_begins(ratio):
     for step in (-1e-4, 0.0, 1e-4):
         history = at(corner + step, ratio)
         assert groups(history)[1] == pytest.approx(-1.0 + step, abs=2e-4)
-        assert step < 0.0 or history.oblique.sliding_regime == "slides throughout"
+        assert step <= 0.0 or history.oblique.sliding_regime == "slides throughout"
 
 
 @pytest.mark.parametrize(("ratio", "expected"), [(0.0, 0.3869), (0.3, 0.2314)])

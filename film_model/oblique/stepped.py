@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from film_model.base.errors import SimulationError
-from film_model.core import native
+from film_model.core import native, springs
 from film_model.core import sliding as core
-from film_model.core import springs
 from film_model.oblique.friction import refuse
 from film_model.oblique.sliding import sliding_of, spin_of
 from film_model.problem.problem import Problem

@@ -12,6 +12,7 @@ import pytest
 
 import film_datasets as fd
 import film_model as fm
+from film_datasets.bounce_dataset import bounces_of
 from film_model.cli.main import main
 from film_model.effects.choose import choose
 from film_model.problem.summary import SUMMARY
@@ -193,7 +194,6 @@ def test_a_free_plate_moves_away():
         ),
         (fm.Scene(fm.Sphere("5 mm", "0 m/s", material="glass"), SLAB), {}, fm.SimulationError, "no velocity: give"),
         (fm.Scene(BALL, fm.Body("mild steel", radius="9 mm")), {}, fm.SimulationError, "free body as target cannot"),
-        (fm.Scene(BALL, SLAB, fm.Contact(friction=0.3)), {}, fm.SimulationError, "normal motion only"),
         (fm.Scene(BALL, SLAB), {"resolution": "1 m"}, ValueError, "below the height of the fall, 0.02 m"),
         (fm.Scene(BALL, SLAB), {"resolution": 0.0}, ValueError, "must be above 0 m"),
         (fm.Scene(BALL, SLAB), {"resolution": "1 kg"}, ValueError, "a length is needed"),
@@ -255,3 +255,22 @@ def test_the_picture_is_parabolas_of_the_heights():
     assert flights[1:-2, -1] == pytest.approx(0.0, abs=2e-6)
     assert (np.diff(t) >= 0.0).all()
     assert bounces.plot().axes[0].get_xlabel() == "time (ms)"
+
+
+def test_a_ball_with_spin_is_turned_at_every_bounce(tmp_path):
+    """The first bounce is the impact's; the angular momentum about the contact, V − 2/5 R spin, stays at every one."""
+    ball = fm.Sphere(radius="5 mm", drop_height="20 mm", material="bearing steel", spin="300 rad/s")
+    scene = fm.Scene(ball, SLAB, fm.Contact("tsuji", restitution=0.8, friction=0.1))
+    bounces = fm.bounce(scene, accuracy=1e-6)
+    alone = fm.simulate(scene, accuracy=1e-6).oblique.summary
+    first = bounces.bounces[0]
+    assert first.spin == pytest.approx(alone["rebound_spin"], rel=1e-3)
+    assert first.tangential_velocity == pytest.approx(alone["tangential_rebound_velocity"], rel=1e-3)
+    ended = [bounce for bounce in bounces.bounces if bounce.spin is not None]
+    assert len(ended) == len(bounces.bounces) - 1 > 5 and abs(ended[-1].spin) < abs(first.spin)
+    momenta = [bounce.tangential_velocity - 0.4 * 0.005 * bounce.spin for bounce in ended]
+    assert momenta == pytest.approx([-0.4 * 0.005 * 300.0] * len(momenta), rel=1e-9)
+    ds = bounces.to_dataset()
+    assert fd.validate(ds) == [] and ds.spin.values[0] == first.spin
+    fd.write(ds, tmp_path / "spin.nc")
+    assert bounces_of(fd.open(tmp_path / "spin.nc")).bounces == bounces.bounces

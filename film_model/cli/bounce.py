@@ -61,20 +61,22 @@ def bounce(options: argparse.Namespace) -> int:
 def _table(done: Bounces, most: int) -> str:
     count = len(done.bounces)
     lines = [done.scene.title or "Bounces", f"law {done.law}; {done.outcome}", ""]
-    heads = ("time", "velocity", "rebound", "height", "force", "dent")
+    heads = ["time", "velocity", "rebound", "height", "force", "dent"]
+    if done.scene.contact.friction is not None:
+        heads += ["along", "spin"]
     lines.append(f"{'':5}{''.join(f'{head:>14}' for head in heads)}{'e':>9}")
     for number, bounce in enumerate(done.bounces, 1):
         if count <= most or number <= most // 2 or number > count - most // 2:
-            lines.append(f"{number:5}{_row(bounce)}")
+            lines.append(f"{number:5}{_row(bounce, len(heads))}")
         elif number == most // 2 + 1:
             lines.append(f"  ... {count - 2 * (most // 2)} more")
     return "\n".join(lines)
 
 
-def _row(bounce: Bounce) -> str:
+def _row(bounce: Bounce, count: int) -> str:
     from film_model.base.units import format_si
 
-    dent = bounce.permanent_indentation
+    dent, along, spin = bounce.permanent_indentation, bounce.tangential_velocity, bounce.spin
     cells = (
         format_si(bounce.time, "time", 5),
         format_si(bounce.velocity_before, "velocity"),
@@ -82,5 +84,7 @@ def _row(bounce: Bounce) -> str:
         format_si(bounce.height, "length"),
         format_si(bounce.maximum_force, "force"),
         "-" if dent is None else format_si(dent, "length"),
-    )
+        "-" if along is None else format_si(along, "velocity"),
+        "-" if spin is None else format_si(spin, "angular_frequency"),
+    )[:count]
     return f"{''.join(f'{cell:>14}' for cell in cells)}{bounce.restitution:9.4f}"

@@ -50,13 +50,15 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "maximum_force": ("force", "largest contact force"),
     "contact_duration": ("time", "time from first touch to the end of contact"),
     "permanent_indentation": ("length", "dent after the bounce"),
+    "tangential_velocity": ("velocity", "of the ball's centre along the surface after the bounce, with friction"),
+    "spin": ("angular_frequency", "of the ball after the bounce, with friction"),
 }
 """Values of a bounce, with dimension and meaning."""
 
 
 class Bounce(NamedTuple):
     """One contact, SI floats, as in `COLUMNS`. If the ball stays on the target its velocity after it and its height are
-    0, and there is no duration or dent."""
+    0, and there is no duration or dent. tangential_velocity, spin: of a scene with friction."""
 
     time: float
     velocity_before: float
@@ -65,6 +67,8 @@ class Bounce(NamedTuple):
     maximum_force: float
     contact_duration: float | None
     permanent_indentation: float | None
+    tangential_velocity: float | None = None
+    spin: float | None = None
 
     @property
     def restitution(self) -> float:
@@ -254,7 +258,9 @@ class _Series:
         after, length = event.impactor_velocity, component.problem.scales.length
         height = 0.5 * min(after, 0.0) ** 2 / STANDARD_GRAVITY
         dent = dent_of(component.problem, self._deepest / length, event.indentation / length) * length
-        return Bounce(touch.time, before, after, height, component.largest_force, event.time - touch.time, dent)
+        duration, sliding = event.time - touch.time, component.sliding
+        along = (None, None) if sliding is None else (sliding.tangential_velocity, sliding.spin)
+        return Bounce(touch.time, before, after, height, component.largest_force, duration, dent, *along)
 
     def _event(self, speed: float) -> Event | None:
         """The next event; None if contact, or a flight that begins with `speed` [m/s], has none any more."""

@@ -40,7 +40,7 @@ def plastic_contact(impacts: Impacts) -> Plastic | None:
 def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tuple[Number, Any]:
     """Contact radius at the largest force [N] and indentation [m], m (nan if unknown); and whether contact is Hertz's.
 
-    √(R δ) while the force is Hertz's; beyond, at most R: the law's own if it has one (`AbstractLaw.widening`), otherwise
+    √(R δ) while the force is Hertz's; beyond, at most R: the law's own if it has one (`AbstractLaw.widening`), or
     that of the finite elements (`plastic_contact`).
     """
     scene = impacts.scene

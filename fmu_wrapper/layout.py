@@ -65,7 +65,10 @@ class Stresses(c.Structure):
 
     _fields_ = tuple(
         (name, _D)
-        for name in (*("radius", "hertz", "first_radius", "onset", "spread", "hertzian", "shallow", "shear", "depth"),)
+        for name in (
+            *("radius", "hertz", "first_radius", "onset", "spread", "widening"),
+            *("hertzian", "shallow", "shear", "depth"),
+        )
     )
 
 

@@ -220,6 +220,7 @@ def _stresses(problem: Problem) -> Stresses:
     if modulus is None or problem.curve.pulls:
         return known
     known.hertz, known.hertzian, known.shallow = hertz_stiffness(modulus, radius), stresses.HERTZIAN, stresses.SHALLOW
+    known.widening = problem.impacts.law.value("widening")
     plastic = stresses.plastic_contact(problem.impacts)
     if plastic is not None:
         known.first_radius, known.onset, known.spread = plastic.first_radius, plastic.constants.onset, plastic.spread

@@ -281,6 +281,17 @@ def test_losses_of_materials_equal_python(shown, tmp_path):
     assert laws == ["tsuji", "tsuji", "elastoplastic", "tsuji", "hertz", "tsuji", "tsuji", "tsuji"]
 
 
+def test_a_ball_deeper_than_the_end_of_the_law_fails_as_in_python(shown, tmp_path):
+    ball = {"radius": "10 mm", "velocity": "30 m/s", "material": "bearing steel"}
+    scene = fm.Scene.from_table({"impactor": ball, "target": {"kind": "half-space", "material": "lead"}})
+    write_page(tmp_path / "impact.html", scene)
+    fragments = [f"scene=scene&impactor.velocity={speed}" for speed in (30, 200, 600)]
+    window = shown((tmp_path / "impact.html").as_uri())
+    found = [each for each, _ in window.evaluate(SUMMARIES, fragments)]
+    assert found[0]["law"] == "elastoplastic"
+    assert all("passed the end of the law's last stage" in each["reason"] for each in found[1:])
+
+
 def test_waves_in_a_half_space_equal_python(shown, tmp_path):
     ball = {"radius": "5 mm", "velocity": "4 m/s", "material": "bearing steel"}
     write_page(

@@ -30,7 +30,7 @@ def same(found, summary):
 
 
 @combinations(
-    law=["hertz", "big-alabo", "stronge", "meyer", "tsuji", "saturating"],
+    law=["hertz", "big-alabo", "stronge", "meyer", "tsuji", "saturating", "thornton", "rigid-plastic"],
     velocity=[0.003, 0.25, 3.0],
     version=[2, 3],
     fast=6,

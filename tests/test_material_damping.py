@@ -10,6 +10,7 @@ from scipy.special import gamma
 import film_model as fm
 import fmu_wrapper
 from film_model.base.materials import catalogue
+from film_model.core import native
 from film_model.effects.choose import choose
 from film_model.effects.effect import NOT_MODELLED, SIMULATED
 from film_model.laws.damping import LOSS_SLOPE, loss_restitution
@@ -139,6 +140,24 @@ def test_batches_sweeps_and_components_decide_alike():
     varied = simulate_many(scene("PMMA"), {"impactor.material.loss_factor": losses})
     expected = loss_restitution(losses * scene("PMMA").loss_factor / 0.03)
     assert varied.summary["coefficient_of_restitution"] == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("target", ["lead", "aluminium"])
+def test_a_ball_deeper_than_the_end_of_the_law_is_an_error_not_elastic(target, made):
+    speeds = np.array([30.0, 200.0, 300.0, 600.0])
+    one = scene("bearing steel", "30 m/s", target)
+    many = simulate_many(one, {"impactor.velocity": speeds})
+    assert many.status.tolist() == [native.EVENT, *[native.BEYOND_LAW] * 3]
+    assert many.summary["coefficient_of_restitution"][0] == pytest.approx(rebound(one), rel=1e-4)
+    assert np.isnan(many.summary["coefficient_of_restitution"][1:]).all()
+    for speed in speeds[1:]:
+        with pytest.raises(fm.SimulationError, match="passed the end of the law's last stage"):
+            fm.simulate(scene("bearing steel", f"{speed} m/s", target))
+    with pytest.raises(fm.SimulationError, match="passed the end of the law's last stage"):
+        fm.ImpactComponent(scene("bearing steel", "200 m/s", target), initial_gap="1 um")
+    with pytest.raises(fm.SimulationError, match="passed the end of the law's last stage"):
+        fmu_wrapper.run(made(one), start_values={"initial_velocity": "200 m/s"})
 
 
 def test_fmus_contain_the_damped_law():

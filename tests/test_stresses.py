@@ -87,6 +87,24 @@ def test_a_contact_beyond_yield(law):
     assert {name for name in ELASTIC if summary[name] is None} == ELASTIC
 
 
+@pytest.mark.parametrize(("law", "widening", "over"), [("thornton", 1.0, 1.6), ("rigid-plastic", 2.0, 3.0)])
+def test_laws_with_a_contact_radius_of_their_own(law, widening, over):
+    alone = fm.simulate(scene(law, "20 m/s"))
+    summary, pressure = alone.summary, over * alone.scene.flow_strength
+    radius = math.sqrt(widening * 5e-3 * summary["maximum_indentation"])
+    assert summary["contact_radius"] == pytest.approx(radius, rel=1e-12)
+    assert summary["dent_diameter"] == 2 * summary["contact_radius"]
+    if law == "rigid-plastic":  # the pressure is p_d throughout
+        assert summary["mean_pressure"] == pytest.approx(pressure, rel=1e-6)
+    else:  # p_y at the centre, and less outside
+        assert 2 / 3 * pressure < summary["mean_pressure"] < pressure
+    many = fm.simulate_batch(scene(law), velocity=["20 m/s", "30 m/s"])
+    assert many.summary["contact_radius"][0] == pytest.approx(radius, rel=1e-4)
+    given = fm.simulate(scene(law, yield_pressure="2 GPa")).summary
+    own = math.sqrt(widening * 5e-3 * given["maximum_indentation"])
+    assert given["contact_radius"] == pytest.approx(own, rel=1e-12)
+
+
 def test_the_contact_is_at_most_as_wide_as_the_ball():
     radius, elastic = contact_radius(choose(scene("auto", "50 m/s")).problem.impacts, 1e4, 4e-3)
     assert not elastic

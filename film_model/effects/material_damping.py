@@ -44,7 +44,8 @@ def damped(problem: Problem) -> tuple[Problem, Any]:
     made = impacts.problem(*problem.given, vibrates=problem.vibrates)
     if law == ELASTIC:
         return made, matters(made, problem) if any_of(problem.approach > 0.0) else True
-    return made, _rebound(made) < _rebound(problem)
+    known = problem.trial.status >= 0  # a ball deeper than the law's end is an error, not elastic
+    return made, known & (_rebound(made) < _rebound(problem))
 
 
 def _keeps_more(problem: Problem, loss_factor: Any) -> bool:

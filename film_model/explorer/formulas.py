@@ -135,6 +135,7 @@ def problem_function(name: str, template: Scene, law: AbstractLaw, fixed: frozen
     problem = impacts.problem(recording.symbol("impedance"), recording.symbol("load"))
     outputs = {entry: getattr(problem.scales, entry) for entry in (*_SCALES, "energy")}
     outputs |= {entry: getattr(problem, entry) for entry in (*_PROBLEM, *_START)}
+    outputs["widening"] = getattr(law, "law", law).widening  # of the law below a rule of unloading
     outputs["stop_velocity"] = replace(problem, free=True).stop_velocity  # -0 with the drift 0 of other targets
     return recording.function(name, "n, impedance, load", outputs)
 
@@ -224,7 +225,7 @@ def _problem(
     varied.rate_hardening = RateHardening(
         **{name.removeprefix("rate_"): n for name, n in recording.symbols("n", RATE_LAW).items()}
     )
-    law = SceneLaw(cast("Any", None), {}, None, {})
+    law = SceneLaw(cast("Any", None), {"widening": recording.symbol(f"{owner}.widening")}, None, {})
     impacts = Impacts(template, law, _numbers(recording), varied=varied)
     values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": float(damped)}
     return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free, vibrates=vibrates)

@@ -180,7 +180,8 @@ class AbstractLaw(ABC):
     the law holds. family: a key of `FAMILIES`; laws of a user's own script need none. default_unloading: name of the
     unloading rule (:mod:`film_model.laws.unloading`) for a law without one. damped: the stage of the law has damping.
     shaped_by: fields that enter the stages through `shape` only. shaped_beside: a field beside these on which the
-    functions and the end of the last stage depend smoothly, and the ends of its range.
+    functions and the end of the last stage depend smoothly, and the ends of its range. widening: a²/(R δ) of a contact
+    of radius a that is not Hertz's; 0: that of law elastoplastic.
     """
 
     name: ClassVar[str]
@@ -191,6 +192,7 @@ class AbstractLaw(ABC):
     parameters: ClassVar[Mapping[str, Parameter]] = {}
     default_unloading: ClassVar[str | None] = None
     damped: ClassVar[bool] = False
+    widening: ClassVar[float] = 0.0
     shaped_by: ClassVar[tuple[str, ...]] = ()
     shaped_beside: ClassVar[Mapping[str, tuple[float, float]]] = {}
 

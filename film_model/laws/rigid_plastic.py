@@ -25,6 +25,7 @@ class RigidPlastic(AbstractLaw):
 
     name: ClassVar[str] = "rigid-plastic"
     family: ClassVar[Family] = "yields"
+    widening: ClassVar[float] = 2.0
     summary: ClassVar[str] = "constant pressure, F = 2 π R p_d δ; elastic recovery of the contact radius"
     source: ClassVar[str] = "Johnson 1985, Contact Mechanics, section 11.5"
     validity: ClassVar[str] = "far beyond yield, V above some hundred V_Y; no elastic stage"

@@ -26,6 +26,7 @@ class Thornton(AbstractLaw):
 
     name: ClassVar[str] = "thornton"
     family: ClassVar[Family] = "yields"
+    widening: ClassVar[float] = 1.0
     summary: ClassVar[str] = (
         "elastic, then linear under a limiting pressure; Hertz unloading from the same contact radius"
     )

@@ -40,7 +40,8 @@ def plastic_contact(impacts: Impacts) -> Plastic | None:
 def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tuple[Number, Any]:
     """Contact radius at the largest force [N] and indentation [m], m (nan if unknown); and whether contact is Hertz's.
 
-    √(R δ) while the force is Hertz's; beyond, that of the finite elements (`plastic_contact`), at most R.
+    √(R δ) while the force is Hertz's; beyond, at most R: the law's own if it has one (`AbstractLaw.widening`), or
+    that of the finite elements (`plastic_contact`).
     """
     scene = impacts.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius
@@ -52,11 +53,12 @@ def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tupl
     square = radius * indentation
     if not any_of(off > HERTZIAN):
         return root(square), elastic
-    plastic = plastic_contact(impacts)
-    if plastic is None:
-        return either(elastic, root(square), math.nan), elastic
-    w = greater(indentation / (plastic.first_radius**2.0 * radius), 1.0)
-    return root(either(elastic, square, lesser(square * plastic.widening(w), radius * radius))), elastic
+    own, plastic, widened = impacts.law.value("widening"), plastic_contact(impacts), math.nan
+    if plastic is not None:
+        w = greater(indentation / (plastic.first_radius**2.0 * radius), 1.0)
+        widened = plastic.widening(w)
+    widened = either(own > 0.0, own, widened)
+    return root(either(elastic, square, lesser(square * widened, radius * radius))), elastic
 
 
 def stresses_of(problem: Problem, summary: dict[str, Any]) -> dict[str, Any]:

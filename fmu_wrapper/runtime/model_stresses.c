@@ -12,6 +12,7 @@ static double ratio_of(const model *m, int parameter) { return m->memory.value[p
 /* a^2/(R delta) of a contact that is not Hertz's; 0: unknown. */
 static double widening(const model *m, double radius, double indentation) {
     const model_stresses *s = &m->data->stresses;
+    if (s->widening > 0.0) return fmin(s->widening, radius / indentation);
     double root = s->first_radius * ratio_of(m, YIELD_STRENGTH) / ratio_of(m, EFFECTIVE_MODULUS), first = root * root * radius;
     if (!(first > 0.0)) return 0.0;
     double beyond = (fmax(indentation / first, 1.0) - 1.0) / s->onset;

@@ -167,7 +167,8 @@ function choose(scene, slow) {
   } else if (damping !== false && !(problem.compliance > 0)) {
     const lossy = problemOf(lawOrThrow(scene, n, damped), n, problem.impedance, problem.load);
     const size = changeOf(lossy, problem);
-    const takes = problem.law.name === elastic ? !(size <= tolerance) : plasticity !== true && reboundOf(lossy) < reboundOf(problem);
+    const known = trial(problem).status >= 0; // a ball deeper than the law's end is an error, not elastic
+    const takes = problem.law.name === elastic ? !(size <= tolerance) : plasticity !== true && known && reboundOf(lossy) < reboundOf(problem);
     effects.material_damping = { simulated: takes, change: size };
     if (takes) [problem, used] = [lossy, slow]; // a damped law has no strength
     keeps &&= !takes;

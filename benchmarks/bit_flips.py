@@ -74,13 +74,18 @@ def outcomes(path: Path, count: int, seed: int) -> Counter[str]:
     files = sorted(file for file in path.rglob("*") if file.is_file()) if path.is_dir() else [path]
     good, contents = fd.read(path), [file.read_bytes() for file in files]
     chance, found = random.Random(seed), Counter[str]()
-    for _ in range(count):
+    for number in range(count):
         (at,) = chance.choices(range(len(files)), [len(content) for content in contents])
         bit, changed = chance.randrange(8 * len(contents[at])), bytearray(contents[at])
         changed[bit // 8] ^= 1 << bit % 8
-        files[at].write_bytes(changed)
-        found[outcome(path, good)] += 1
-        files[at].write_bytes(contents[at])
+        # HDF5 keeps files that it could not read open, and refuses later ones of that name
+        place = files[at] if path.is_dir() else path.with_name(f"damaged{number}{path.suffix}")
+        place.write_bytes(changed)
+        found[outcome(path if path.is_dir() else place, good)] += 1
+        if path.is_dir():
+            place.write_bytes(contents[at])
+        else:
+            place.unlink()
     return found
 
 

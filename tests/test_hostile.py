@@ -1,8 +1,8 @@
 """The corpus in `tests/hostile`: scenes that once were slow or wrong, and texts that no reader may take or hang on.
 
 A scene that the project meets and that is slow, wrong or ends in an undocumented exception is added to `scenes`, with a
-comment that says what it did, or to `extreme_scenes.txt`, where an empty line ends a scene; a text to `texts`, its name beginning with what reads it. Damaged datasets are made by
-tests/test_damaged_data.py.
+comment that says what it did, or to `extreme_scenes.txt`, where an empty line ends a scene; a text to `texts`, its name
+beginning with what reads it. Damaged datasets are made by tests/test_damaged_data.py.
 """
 
 from __future__ import annotations
@@ -69,10 +69,12 @@ def ends(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     try:
         history = simulate_quietly(fm.Scene.from_text(text))
     except (fm.SceneError, fm.SimulationError) as error:
-        assert all(0 < len(line) <= MOST_SAID for line in str(error).splitlines()), text
+        said = str(error).splitlines()
     else:
+        said = [history.outcome.value]
         assert all(value is None or math.isfinite(value) for value in history.summary.values()), text
         assert (history.summary["maximum_force"] or 0.0) >= 0.0, text
+    assert all(0 < len(line) <= MOST_SAID for line in said), text
     assert sum(works) <= 2 * modal.MOST_WORK and len(works) < 20, text
 
 

@@ -294,8 +294,9 @@ def _too_many_steps(problem: Problem, tables: modal.Tables) -> str:
     hertz, lightest = tables.frequency / (2.0 * math.pi), int(np.argmax(tables.share))
     return (
         f"the contact with {hertz.size} vibrations from {hertz[0]:.4g} to {hertz[-1]:.4g} Hz needs more steps than the "
-        f"{modal.MOST_WORK // (hertz.size + modal.MODES_OF_A_STEP)} allowed. The lightest, at {hertz[lightest]:.4g} Hz, has a modal mass of {1 / tables.share[lightest]:.3g} kg "
-        f"at the struck point, the impactor {problem.mass:.3g} kg: check modal_mass or the shape of a structure; take "
+        f"{modal.MOST_WORK // (hertz.size + modal.MODES_OF_A_STEP)} allowed. The lightest, at "
+        f"{hertz[lightest]:.4g} Hz, has a modal mass of {1 / tables.share[lightest]:.3g} kg at the struck point, "
+        f"the impactor {problem.mass:.3g} kg: check modal_mass or the shape of a structure; take "
         "static_stiffness for a plate or beam"
     )
 

@@ -34,6 +34,10 @@ def log_likelihood(
 
     Raises ValueError for a dataset that is no measurement of a history or of impacts, and for a σ that is missing, of
     another dimension or not above 0.
+
+    >>> measured = fd.from_csv("measured.csv")
+    >>> print(f"{fd.log_likelihood(measured, scene, {'coefficient_of_restitution': 0.1}):.2f}")
+    -6.98
     """
     if kind_of(measured) != MEASUREMENT or measured.attrs["measured"] not in ("history", "impacts"):
         raise ValueError("measured: a measured history or measured impacts (film_datasets.from_csv) are needed")

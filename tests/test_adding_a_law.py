@@ -67,7 +67,7 @@ def test_scenes_and_comparisons_contain_it(bilinear, capsys):
     with pytest.raises(fm.SceneError, match="hardening: 2 must be < 1"):
         scene.replace({"contact.hardening": 2.0})
     assert main(["explain", BALL, "--law", "all"]) == 0
-    assert "\nbilinear              - stiffness: missing" in capsys.readouterr().out
+    assert "bilinear (stiffness, yield_force)" in capsys.readouterr().out
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from cases import BALL, LAWS, STEEL, combinations
 import film_datasets as fd
 import film_model as fm
 from film_model.cli.main import main
+from film_model.core import modal
 from film_model.effects.choose import choose, problem_of
 from film_model.effects.many import problems_of
 from film_model.solve import structures, vibration
@@ -368,7 +369,7 @@ def _on_a_beam(**options):
 @pytest.mark.slow
 def test_unreachable_accuracy_does_not_worsen_the_result(monkeypatch):
     """The tolerance of a step is at least rounding: otherwise the steps would use up the work limit."""
-    monkeypatch.setattr(vibration, "MOST_WORK", vibration.MOST_WORK // 3)
+    monkeypatch.setattr(modal, "MOST_WORK", modal.MOST_WORK // 3)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", fm.ImpactWarning)

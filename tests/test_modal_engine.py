@@ -200,7 +200,7 @@ def test_a_record_in_many_parts(monkeypatch):
     assert len(whole.segments) > 100 and parts.segments.tobytes() == whole.segments.tobytes()
     assert np.array_equal(parts.flights, whole.flights) and parts.summary.work == whole.summary.work
     monkeypatch.setattr(modal, "MOST_MEMORY", 10_000)
-    with pytest.raises(fm.SimulationError, match="needs more steps than are allowed"):
+    with pytest.raises(fm.SimulationError, match=r"needs more steps than the \d+ allowed"):
         on_few(LAWS["walton-braun"], 1e-6, "2 kg")
     assert problem.vibrates
 
@@ -302,7 +302,7 @@ def test_the_most_modes_that_can_be_computed(monkeypatch):
 
 def test_a_contact_that_is_not_resolved_is_refused():
     wide = fm.Plate(STEEL, "1 mm", size=["10 m", "10 m"], edges="clamped")
-    with pytest.raises(fm.SimulationError, match="half-waves along one side, but at most 600 are allowed: take simply"):
+    with pytest.raises(fm.SimulationError, match="half-waves along one side, but at most 400 are allowed: take simply"):
         fm.simulate(struck(wide, "1 mm", "1 m/s"))
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from film_datasets.files import open_dataset as open
     from film_datasets.files import read, write
     from film_datasets.history_dataset import history_of, lines_of
-    from film_datasets.identification import Identification, compare_laws, identify
+    from film_datasets.identification import Identification, compare_laws, identify, log_likelihood
     from film_datasets.published_data import load, published
     from film_datasets.schema import TABLE, VERSIONS, Variable, content_sha256, validate
     from film_datasets.sweeps import sweep
@@ -47,6 +47,7 @@ __all__ = [
     "identify",
     "lines_of",
     "load",
+    "log_likelihood",
     "open",
     "plot",
     "plot_tornado",
@@ -69,7 +70,7 @@ _MODULES = {
     "file_conversion": ("convert",),
     "files": ("open_dataset", "read", "write"),
     "history_dataset": ("history_of", "lines_of"),
-    "identification": ("Identification", "compare_laws", "identify"),
+    "identification": ("Identification", "compare_laws", "identify", "log_likelihood"),
     "published_data": ("load", "published"),
     "schema": ("TABLE", "VERSIONS", "Variable", "content_sha256", "validate"),
     "sweeps": ("sweep",),

@@ -6,6 +6,7 @@ import os
 import shutil
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
 
@@ -15,6 +16,7 @@ from film_datasets.history_dataset import SAMPLES, history_contents
 from film_datasets.quantities import in_numbers
 from film_datasets.schema import ADDED, HISTORY, content_sha256, holds_text, kind_of, variables_of
 from film_datasets.schema.validation import damage
+from film_datasets.seal import check_seal, seal_store, sealed
 from film_datasets.tables import TABLES, check_parquet, write_table
 from film_model.base.files import check_folder, check_regular, check_replaceable, flush, written_whole
 from film_model.base.hdf5 import check_hdf5
@@ -69,6 +71,7 @@ def write(ds: xr.Dataset | History, path: str | os.PathLike[str], overwrite: boo
         check_file(target, overwrite)
         contents = history_contents(ds, SAMPLES, "film_datasets.to_dataset")
         if target.suffix == SUFFIX:
+            contents = replace(contents, attrs=sealed(contents))
             return _write_netcdf(target, lambda beside: contents.write(beside, _encoding(cast("Any", contents))))
         ds = contents.dataset()
     import xarray as xr
@@ -83,6 +86,7 @@ def write(ds: xr.Dataset | History, path: str | os.PathLike[str], overwrite: boo
         return target
     if target.suffix == SUFFIX:
         how: dict[str, Any] = {"format": "NETCDF4", "engine": "netcdf4", "encoding": _encoding(found)}
+        found = found.assign_attrs(sealed(found))
         return _write_netcdf(target, lambda beside: found.to_netcdf(beside, mode="w", **how))
     return _write_folder(found, target)
 
@@ -123,6 +127,7 @@ def _write_folder(ds: xr.Dataset, target: Path) -> Path:
             )
     except ImportError as error:
         raise ImportError(f"{target}: {NEEDS_ZARR}") from error
+    seal_store(beside)
     put_in_place(beside, target)
     return target
 
@@ -168,6 +173,7 @@ def open_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         ds.close()
         raise ValueError(f"{source}: {error}") from None
     try:
+        check_seal(ds, source)
         wrong = damage(ds, "content_sha256" in ds.attrs and ds.nbytes <= CHECKED_AT_ONCE)
         if wrong:
             raise OSError("; ".join(wrong))

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import os
+import platform
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from film_datasets.scene_constants import check_scene_key, scene_key
 from film_datasets.schema import HISTORY, VERSIONS, kind_of
 from film_model.base.errors import SceneError
+from film_model.core import native
 from film_model.effects.choose import Choice, choose
 from film_model.scene import Scene
 from film_model.version import __version__
@@ -50,7 +54,19 @@ def provenance(kind: str, *, title: str, summary: str, source: str, command: str
         "film_model_schema": kind,
         "film_model_schema_version": VERSIONS[kind],
         "film_model_version": __version__,
+        "computing_platform": made_on(),
     }
+
+
+def made_on() -> str:
+    """What rounding depends on: processor and its vector instructions, C library or system, NumPy, Python."""
+    instructions = native.INSTRUCTIONS[native.instructions()]
+    try:
+        c_library = os.confstr("CS_GNU_LIBC_VERSION") or platform.platform()
+    except (AttributeError, ValueError, OSError):  # no glibc
+        c_library = platform.platform()
+    versions = f"NumPy {np.__version__}, Python {platform.python_version()}"
+    return f"{platform.machine()} ({instructions}), {c_library}, {versions}"
 
 
 def text_and_hash(name: str, text: str) -> dict[str, str]:

@@ -17,6 +17,9 @@ from film_model.core.native import Curve, Line, State
 Array = NDArray[np.float64]
 
 LEVELS = 40
+MODES_OF_A_STEP, MOST_WORK = 100, 150_000_000
+"""The core's limit of an impact: FILM_MOST_WORK over modes + FILM_MODES_OF_A_STEP is the largest number of steps."""
+
 MOST_MEMORY = 256 * 2**20
 """Limit of a record, bytes: 10,000 contacts on 200 modes with 100 steps each."""
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from film_model.base.errors import TooManyModes
 from film_model.base.fields import measure
+from film_model.core import modal
 from film_model.effects.choose import Choice
 from film_model.effects.edge_effects import CLOSE, SLOW
 from film_model.explorer.inputs import Input
@@ -25,7 +26,6 @@ from film_model.solve.vibration import (
     LONGEST,
     MODES_FACTOR,
     MODES_FALL,
-    MOST_WORK,
     REFINED,
     SLOWEST,
     STEP,
@@ -44,7 +44,7 @@ ALL = 1e20
 MOST_MODES = 4000
 """Largest number of modes on a page: 100 kB."""
 
-LIVE_WORK = MOST_WORK / 4
+LIVE_WORK = modal.MOST_WORK / 2
 """Limit of a run on the page, about a second: steps times (number of modes + 100)."""
 
 LIVE = ("target.material.yield_strength",)

@@ -70,7 +70,7 @@ class Event(NamedTuple):
         return table
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Samples:
     """Motion at given times: arrays, or numbers for a single time; quantities from `sample`, SI from `sample_si`.
 
@@ -86,6 +86,14 @@ class Samples:
     target_displacement: Any
     target_velocity: Any
     stage: Any
+
+    __hash__ = None  # pyright: ignore[reportAssignmentType]  # arrays have none
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Samples):
+            return NotImplemented
+        pairs = ((getattr(self, one.name), getattr(other, one.name)) for one in fields(self))
+        return np.shape(self.time) == np.shape(other.time) and all(bool(np.all(a == b)) for a, b in pairs)
 
 
 @dataclass(frozen=True)

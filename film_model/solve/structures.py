@@ -88,10 +88,8 @@ def _with_omitted(modes: Modes, omitted: float, highest: float, longest: float) 
 
 
 def computable(target: AbstractTarget, highest: float, unit: float, least: float = 0.0) -> float:
-    """The frequency, `highest` or less by powers of 2^(1/2), up to which the modes can be computed.
-
-    Every second of these is known from the runs that doubled their frequency. TooManyModes if it is below `least`.
-    """
+    """The frequency, `highest` or less by powers of 2^(1/2), up to which the modes can be computed. TooManyModes if it
+    is below `least`."""
     while True:
         try:
             structure_of(target, highest, unit)

@@ -24,9 +24,6 @@ from film_model.targets import AbstractTarget
 
 Array = NDArray[np.float64]
 
-MOST_WORK = 300_000_000
-"""Limit of a run, some seconds: the steps of the last run times (number of modes + 100)."""
-
 LONGEST = 3.0
 """Time limit over the sum of contact times on a fixed target and on the static stiffness, and the longest period."""
 
@@ -141,8 +138,8 @@ class Vibration(ModalMotion):
 
     @property
     def work(self) -> int:
-        """Steps times modes, as limited by `MOST_WORK`."""
-        return int(self.summary.lines) * (self.modes + 100)
+        """Steps times modes, as limited by `modal.MOST_WORK`."""
+        return int(self.summary.lines) * (self.modes + modal.MODES_OF_A_STEP)
 
 
 ModesUpTo = Callable[[float], structures.Structure]
@@ -161,21 +158,24 @@ def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings:
     """The impact with as many modes as the accuracy needs, and the error estimate.
 
     The highest frequency is doubled, with a smaller tolerance of the steps, until three runs agree; after the first run
-    without a run, as long as contact follows modes near it quickly. If more modes are needed than can be computed, the
-    result is that with the most modes, and a warning gives the accuracy reached.
+    without a run, as long as contact follows modes near it quickly. If more modes or steps are needed than are allowed,
+    the result is that of the last run, and a warning gives the accuracy reached.
     """
     unit = problem.scales.time
     still, lowest, limit = _on_a_fixed_target(problem), structures.lowest_frequency(target), time_limit(problem, target)
     first = structures.rounded(max(FIRST_PHASE / (still.time_of_maximum_indentation * unit), 4.0 * lowest))
 
+    tried = [first]
+
     def modes(highest: float) -> structures.Structure:
+        tried.append(highest)
         return structures.structure_of(target, highest, unit)
 
     try:
         rattles = structures.omitted_as_mode(problem, target, first)
         return _refined(problem, modes, limit, (first, HIGHEST * first if rattles else math.inf), accuracy, warnings)
     except TooManyModes:
-        most = structures.computable(target, HIGHEST * first, unit, UNRESOLVED * first)
+        most = structures.computable(target, tried[-1] / 2.0**0.5, unit, UNRESOLVED * first)
         return _refined(problem, modes, limit, (most / 4.0, most), accuracy, warnings)
 
 
@@ -184,35 +184,29 @@ def _refined(
 ) -> tuple[Vibration, float]:
     """`vibrate` with the highest frequency from and up to two values. limit: as of `run`."""
     (highest, most), tolerance = between, step_tolerance(accuracy)
-    coarse = run(problem, modes(highest), REFINED * tolerance, limit)
-    before: dict[str, Any] | None = None
-    errors: dict[str, float] = {}
-    tolerance = max(tolerance * _step_share(problem, coarse, modes(highest)), TIGHTEST)
-    while math.isinf(most) and _swiftness(problem, coarse, modes(2.0 * highest)) > FOLLOWED * 2.0 * highest:
+    runs = [run(problem, modes(highest), REFINED * tolerance, limit)]
+    tolerance = max(tolerance * _step_share(problem, runs[0], modes(highest)), TIGHTEST)
+    while math.isinf(most) and _swiftness(problem, runs[0], modes(2.0 * highest)) > FOLLOWED * 2.0 * highest:
         highest *= 2.0
     while True:
-        highest *= 2.0
         try:
-            fine = run(problem, modes(highest), tolerance, limit, 2 * int(coarse.summary.lines))
-        except CoreError as error:  # a stiff omitted mode rattles between the impactor and the others
-            if error.status != native.TOO_MANY or not errors:
+            runs.append(run(problem, modes(2.0 * highest), tolerance, limit, 2 * int(runs[-1].summary.lines)))
+            highest *= 2.0
+            last = highest >= most or 4 * runs[-1].work > modal.MOST_WORK or 4 * runs[-1].modes > structures.MOST_MODES
+        except (CoreError, TooManyModes) as error:  # of steps: a stiff omitted mode rattles between the others
+            if len(runs) == 1 or (isinstance(error, CoreError) and error.status != native.TOO_MANY):
                 raise
-            return coarse, _unreached(coarse, errors, accuracy, warnings)
-        changes = differences(problem, coarse.summary, fine.summary)
-        last = highest >= most or 4 * fine.work > MOST_WORK or 4 * fine.modes > structures.MOST_MODES
-        if before is None and last:  # the difference to fewer modes than those of the first run is known quickly
-            fewer = run(problem, modes(highest / 4.0), REFINED**2 * tolerance, limit)
-            before = differences(problem, fewer.summary, coarse.summary)
-        if before is None:
-            coarse, before, tolerance = fine, changes, max(tolerance / REFINED, TIGHTEST)
-            continue
-        errors = {name: float(error_of(problem, before[name], change)) + tolerance for name, change in changes.items()}
-        estimated = max(errors.values())
-        if estimated <= accuracy:
-            return fine, estimated
-        if last:
-            return fine, _unreached(fine, errors, accuracy, warnings)
-        coarse, before, tolerance = fine, changes, max(tolerance / REFINED, TIGHTEST)
+            last = True
+        if last and len(runs) == 2:  # the difference to fewer modes than those of the first run is known quickly
+            runs.insert(0, run(problem, modes(highest / 4.0), REFINED**2 * tolerance, limit))
+        if len(runs) > 2:
+            before, change = (differences(problem, *(r.summary for r in pair)) for pair in (runs[-3:-1], runs[-2:]))
+            errors = {name: float(error_of(problem, before[name], change[name])) + tolerance for name in change}
+            if (estimated := max(errors.values())) <= accuracy:
+                return runs[-1], estimated
+            if last:
+                return runs[-1], _unreached(runs[-1], errors, accuracy, warnings)
+        tolerance = max(tolerance / REFINED, TIGHTEST)
 
 
 def _unreached(found: Vibration, errors: dict[str, float], accuracy: float, warnings: list[str]) -> float:
@@ -299,9 +293,10 @@ def _too_many_steps(problem: Problem, tables: modal.Tables) -> str:
     """Why an impact on these modes takes too many steps, and what to do."""
     hertz, lightest = tables.frequency / (2.0 * math.pi), int(np.argmax(tables.share))
     return (
-        f"the contact with {hertz.size} vibrations from {hertz[0]:.4g} to {hertz[-1]:.4g} Hz needs more steps than are "
-        f"allowed. The lightest, at {hertz[lightest]:.4g} Hz, has a modal mass of {1 / tables.share[lightest]:.3g} kg "
-        f"at the struck point, the impactor {problem.mass:.3g} kg: check modal_mass or the shape of a structure; take "
+        f"the contact with {hertz.size} vibrations from {hertz[0]:.4g} to {hertz[-1]:.4g} Hz needs more steps than the "
+        f"{modal.MOST_WORK // (hertz.size + modal.MODES_OF_A_STEP)} allowed. The lightest, at "
+        f"{hertz[lightest]:.4g} Hz, has a modal mass of {1 / tables.share[lightest]:.3g} kg at the struck point, "
+        f"the impactor {problem.mass:.3g} kg: check modal_mass or the shape of a structure; take "
         "static_stiffness for a plate or beam"
     )
 

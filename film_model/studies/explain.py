@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import textwrap
 from typing import Any
 
 from film_model.base.errors import SceneError, SimulationError
@@ -47,8 +49,13 @@ def explain(scene: Scene, *, laws: bool = False) -> dict[str, Any]:
     return {**report, "laws": compare_laws(scene)} if laws else report
 
 
+_WANTS = re.compile(r"^(missing|give)\b|\bneeds a value\b")
+"""In the sentence about an entry that a law needs."""
+
+
 def compare_laws(scene: Scene) -> list[dict[str, Any]]:
-    """One row per law: name, and summary as in `History.to_dict`, or the reason why it is missing.
+    """One row per law: name, and summary as in `History.to_dict`, or the reason why it is missing; needs: the entries
+    of [contact] that would have to be given, if that is the reason.
 
     All laws use the scene's materials and the common [contact] entries; only the scene's own law uses its parameters.
     """
@@ -59,7 +66,7 @@ def compare_laws(scene: Scene) -> list[dict[str, Any]]:
         if name == "auto":
             continue
         contact = table["contact"] if name == scene.contact.law_name else {**common, "law": name}
-        row: dict[str, Any] = {"name": name, "summary": None, "missing": None}
+        row: dict[str, Any] = {"name": name, "summary": None, "missing": None, "needs": []}
         try:
             summary = simulate_quietly(Scene.from_table({**table, "contact": contact})).summary
             row["summary"] = {
@@ -67,6 +74,8 @@ def compare_laws(scene: Scene) -> list[dict[str, Any]]:
             }
         except SceneError as error:
             row["missing"] = "; ".join(f"{m.key.partition('.')[2]}: {m.message}" for m in error.mistakes)
+            if all(m.key.startswith("contact.") and _WANTS.search(m.message) for m in error.mistakes):
+                row["needs"] = [m.key.partition(".")[2] for m in error.mistakes]
         except SimulationError as error:
             row["missing"] = str(error)
         rows.append(row)
@@ -143,13 +152,21 @@ def _indicator(effect: Effect) -> str:
 
 
 def laws_text(rows: list[dict[str, Any]]) -> str:
-    """The comparison of laws as a table."""
+    """The comparison of laws as a table, and a sentence on those that need entries of their own."""
     lines = [f"{'law':20}" + "".join(f"{word:>14}" for word in SHOWN.values())]
+    needing = {row["name"]: row["needs"] for row in rows if row["needs"]}
     for row in rows:
+        if row["name"] in needing:
+            continue
         if row["summary"] is None:
             lines.append(f"{row['name']:20}  - {row['missing']}")
             continue
         values = ((row["summary"][name]["value"], SUMMARY[name][0]) for name in SHOWN)
         cells = ("-" if value is None else format_si(value, kind) for value, kind in values)
         lines.append(f"{row['name']:20}" + "".join(f"{cell:>14}" for cell in cells))
+    if needing:
+        said = ", ".join(f"{name} ({', '.join(entries)})" for name, entries in needing.items())
+        lines.append(
+            textwrap.fill(f"Not compared, because they need entries in [contact]: {said}.", 100, break_on_hyphens=False)
+        )
     return "\n".join(lines)

@@ -16,11 +16,12 @@ import numpy as np
 
 from film_model.base.arrays import Number, same
 from film_model.base.errors import TooManyModes
+from film_model.base.threads import one_thread
 from film_model.targets.line_functions import line, polynomials
 from film_model.targets.modes import Array, Modes, check_count, projected, sorted_modes
 
-MOST_WAVES = 450
-"""Most half-waves of a beam that is not simply supported: their vibrations take two seconds."""
+MOST_WAVES = 300
+"""Most half-waves of a beam that is not simply supported: their vibrations take half a second."""
 
 LEAST = 8
 """Half-waves that are described at least."""
@@ -59,6 +60,7 @@ def beam_shear_coefficient(poissons_ratio: float) -> float:
 
 
 @lru_cache(maxsize=64)
+@one_thread
 def line_modes(beam: Line, position: float, highest: float) -> Modes:
     """The vibrations of a beam up to the frequency `highest` [rad/s], seen from `position` [m]."""
     simple = beam.ends == ("simply supported", "simply supported")

@@ -25,19 +25,19 @@ from film_model.targets.plate_statics import levy_compliance
 Block = tuple[Index, Index]
 """Numbers p and q of some products."""
 
-MOST_FUNCTIONS = 2000
-"""Largest number of products that interact: their vibrations take a second and 100 MB."""
+MOST_FUNCTIONS = 1500
+"""Largest number of products that interact: their vibrations take a second and 60 MB."""
 
-MOST_WAVES = 300
+MOST_WAVES = 200
 """Most half-waves along a side, twice as many if its ends are alike, unless two opposite edges are simply supported:
-their shapes take two seconds."""
+their shapes take a second."""
 
 SHARPNESS = ((2.0, 300), (1.6, 1000), (1.3, MOST_FUNCTIONS))
 """Highest frequency of the products over the highest that is asked for, and the number of products that it may take.
 Errors of the highest frequency are then up to 1e-3, 2e-3 and 4e-3; below half of it up to 1e-4, 1e-4 and 2e-4."""
 
-MOST_STRIPS = 6e9
-"""Largest sum of the cubes of the numbers of polynomials of all half-waves: their vibrations take three seconds."""
+MOST_STRIPS = 3e9
+"""Largest sum of the cubes of the numbers of polynomials of all half-waves: their vibrations take a second."""
 
 MOST_DEGREE = 128
 """Highest degree of the polynomials across a strip: rounding spoils those of higher degree. Shapes of a beam replace

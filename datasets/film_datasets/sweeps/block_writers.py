@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from film_datasets.files import DEFLATE_FROM, NEEDS_ZARR, ZARR, temporary_path
 from film_datasets.schema import RAGGED, TEXT, Variable
+from film_datasets.seal import netcdf_attributes, seal_store
 from film_datasets.sweeps.deflate import deflated
 
 Region = tuple[slice, ...]
@@ -122,6 +123,7 @@ class NetCDFWriter:
         self._chunks: dict[str, tuple[tuple[int, ...], np.dtype[Any], float]] = {}
         self._growth: dict[str, _Growth] = {}
         self._ready: dict[str, list[tuple[Region, Any]]] = {}
+        self._described: Sequence[tuple[Variable, dict[str, Any]]] = ()
 
     def create(
         self, sizes: Mapping[str, int], chunks: Mapping[str, int], variables: Sequence[tuple[Variable, dict[str, Any]]]
@@ -159,6 +161,7 @@ class NetCDFWriter:
                     self._chunks[variable.name] = shape, variable.dtype, fill
                 if _grows(variable):
                     self._growth[variable.name] = _Growth(chunks[variable.dims[0]])
+        self._described = variables
         self._file = h5py.File(self.path, "r+")
         self._variables = {variable.name: self._file[variable.name] for variable, _ in variables}
 
@@ -191,9 +194,10 @@ class NetCDFWriter:
             for begin, rest in growth.rest():
                 self.put(name, _rows(begin, rest), rest)
         self.commit()
+        described = [(v.name, v.dims, self._variables[v.name].shape, v, own) for v, own in self._described]
         self._file.close()
         with netCDF4.Dataset(self.path, "a") as file:
-            file.setncatts(dict(attributes))
+            file.setncatts(netcdf_attributes(described, attributes))
 
     def abandon(self) -> None:
         """Remove what was written."""
@@ -305,6 +309,7 @@ class ZarrWriter:
                 "ignore"
             )  # format 3 does not yet specify consolidated metadata, but xarray reads them
             zarr.consolidate_metadata(self.path)
+        seal_store(self.path)
 
     def abandon(self) -> None:
         """Remove what was written."""

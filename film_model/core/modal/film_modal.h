@@ -20,7 +20,9 @@ enum {
     FILM_LEVELS = 40,    /* step sizes: longest/2^level */
     FILM_FLIGHTS = 10,   /* step sizes in one flight */
     FILM_BENDS = 6,      /* numbers of the interpolation of x - sum w_n within a step */
-    FILM_MOST_MODES = 10000000
+    FILM_MOST_MODES = 10000000,
+    FILM_MODES_OF_A_STEP = 100, /* a step takes as long as this many modes in it, 3 to 8 ns each */
+    FILM_MOST_WORK = 150000000  /* largest number of steps of an impact times (modes + FILM_MODES_OF_A_STEP) */
 };
 
 /* The modes, and tables for every step size used so far. Not to be shared by threads: step sizes are tabulated on demand. */
@@ -68,7 +70,7 @@ typedef struct {
     int32_t half;                     /* of waves[] that holds the beginning of the step: 0 or 1 */
     int32_t level, flight_level;      /* of the next step; of the shortest steps in flight, -1 before they are known */
     int32_t kind, has_step;           /* FILM_STEP_... */
-    int32_t short_steps, steps;       /* steps of duration 0 in sequence; steps of this call or impact */
+    int32_t short_steps, steps;       /* steps of duration 0 in sequence; work of this call or impact in steps */
     int32_t moving_in, flight_size;   /* 1: the impactor's stop is still to be reported; k of the next step in flight */
 } film_modal;
 

@@ -17,6 +17,9 @@ static const double JUMP_STEPS = 2.0;
 /* A mode is slow that turns by less than this angle [rad] while a jump begins to be worthwhile. */
 static const double SLOW = 1e-3;
 
+/* A jump takes as long as this many steps: sines, cosines and roots of every mode. */
+enum { JUMP_WORK = 8 };
+
 /* A touch is sought to this fraction of the march's unit of time. */
 static const double LANDING = 1e-12;
 
@@ -92,6 +95,7 @@ static void jump(const film_structure *structure, film_modal *s, double *waves, 
     double *end = waves + ends_at(structure, s);
     s->kind = FILM_STEP_JUMP;
     s->h = h;
+    s->steps += JUMP_WORK;
     s->end_shift = s->end_rate = 0.0;
     for (int32_t i = 0; i < n; i++) {
         film_moved_mode(structure, s, waves, i, h, &end[i], &end[n + i]);

@@ -16,6 +16,7 @@ import numpy as np
 
 from film_model.base.arrays import Number, same
 from film_model.base.errors import TooManyModes
+from film_model.base.threads import one_thread
 from film_model.targets.line_functions import line, polynomials
 from film_model.targets.modes import Array, Modes, check_count, projected, sorted_modes
 
@@ -111,6 +112,7 @@ def _simple(beam: Line, position: float, highest: float, waves: float) -> Modes:
     return sorted_modes(np.sqrt(square), share, highest)
 
 
+@one_thread
 def _timoshenko(beam: Line, position: float, degree: int) -> tuple[Array, Array]:
     """Frequencies and shares of all vibrations of a beam in a space of polynomials.
 
@@ -130,16 +132,16 @@ def _timoshenko(beam: Line, position: float, degree: int) -> tuple[Array, Array]
     moved[0, 0] = 1.0
     space = _space(beam.ends, moved, slope)
     moved, slope = space @ moved, space @ slope
-    unit = length / (2.0 * np.arange(degree + 4.0) + 1.0)
-    mass = beam.mass * (moved * unit) @ moved.T + beam.turning * (slope * unit) @ slope.T
+    unit = np.sqrt(length / (2.0 * np.arange(degree + 4.0) + 1.0))
+    factor = np.hstack([math.sqrt(beam.mass) * moved * unit, math.sqrt(beam.turning) * slope * unit])
     bent = space[:, 2:] @ space[:, 2:].T  # each function of the series has the energy ½ J
     shift = beam.bending / (beam.mass * length**4)
-    root = np.linalg.inv(np.linalg.cholesky(bent + shift * mass))
+    root = np.linalg.inv(np.linalg.cholesky(bent + shift * factor @ factor.T))
     at = np.polynomial.legendre.legvander(np.array([2.0 * position / length - 1.0]), degree + 3)[0]
-    inverse, shapes = np.linalg.eigh(root @ mass @ root.T)
-    seen = projected(root @ (moved @ at), inverse, shapes)
-    kept = inverse > 1e-14 * inverse[-1]
-    inverse, seen = inverse[kept][::-1], seen[kept][::-1]
+    shapes, size, _ = np.linalg.svd(root @ factor, full_matrices=False)  # more accurate than `eigh`: see line_functions
+    seen = projected(root @ (moved @ at), size[::-1], shapes[:, ::-1])[::-1]
+    kept = size > 1e-7 * size[0]
+    inverse, seen = size[kept] ** 2, seen[kept]
     square = 1.0 / inverse - shift
     square[: beam.rigid] = 0.0
     return np.sqrt(np.maximum(square, 0.0)), seen**2 / inverse

@@ -367,6 +367,7 @@ def ritz_compliance(panel: Panel, position: tuple[float, float], degree: int = _
 
 
 @lru_cache(maxsize=64)
+@one_thread
 def panel_compliance(panel: Panel, position: tuple[float, float]) -> float:
     """Static deflection over force of a plate at the point `position` [m], m/N.
 

@@ -15,7 +15,7 @@ from film_model.base.units import Value
 from film_model.targets.beam_theory import Line, beam_shear_coefficient, line_compliance, line_modes
 from film_model.targets.modes import Modes, pulse_response
 from film_model.targets.plate_waves import plate_stiffness, shear_around
-from film_model.targets.ritz import Panel, panel_compliance, panel_modes
+from film_model.targets.ritz import Panel, compliance_and_error, panel_compliance, panel_modes
 from film_model.targets.stretching import lengthening, stretching
 from film_model.targets.supports import DAMPING, SUPPORTS, damped, one_or
 from film_model.targets.target import (
@@ -133,6 +133,13 @@ class Beam(AbstractTarget):
         if self.wide:
             return panel_compliance(self._strip, (self._struck, self.width / 2))
         return line_compliance(self._line, self._struck)
+
+    @property
+    def compliance_error(self) -> float:
+        """Bound on the error of the static deflection over force of a wide beam, m/N: of Ritz's method."""
+        if self.stiffness_given or not self.wide:
+            return 0.0
+        return compliance_and_error(self._strip, (self._struck, self.width / 2))[1]
 
     @property
     def stiffness_given(self) -> bool:

@@ -27,7 +27,7 @@ from film_model.targets.plate_waves import (
     reach_of_edges,
     shear_around,
 )
-from film_model.targets.ritz import Panel, loose, panel_compliance, panel_modes
+from film_model.targets.ritz import Panel, compliance_and_error, loose, panel_modes
 from film_model.targets.stretching import lengthening, mean_square, sliding, stretching
 from film_model.targets.supports import DAMPING, EDGE_STIFFNESS, EDGES, FOUNDATION, damped, four, spring_mistakes
 from film_model.targets.target import (
@@ -47,13 +47,10 @@ from film_model.targets.target import (
     no_effect,
     place_mistakes,
 )
-from film_model.targets.waves import BESIDE_BENDING, THIN, pressure_velocity, radiated_energy, shear_velocity
+from film_model.targets.waves import BESIDE_BENDING, MEAN_FREQUENCY, bending_time, crossing_time, radiated_energy
 
 REFLECTION_CHANGE = 0.03, 2.2
 """c and p of the change c m (1 + e)/(Z e t_c) (t/t_return)^p by waves reflected from the edges of a plate."""
-
-MEAN_FREQUENCY = 0.7737 * math.pi
-"""Mean of ω t_c over |F(ω)|² of a half-sine."""
 
 Edge = Literal["simply supported", "clamped", "free"]
 
@@ -238,13 +235,20 @@ class Plate(AbstractTarget):
     @property
     def compliance(self) -> float | None:
         """Static deflection over force at the struck point, m/N; None if unknown."""
-        if self.static_stiffness is not None:
-            return 1 / self.static_stiffness
-        if self.size is None:
-            return None
+        return self._static[0]
+
+    @property
+    def compliance_error(self) -> float:
+        """Bound on the error of Ritz's static deflection over force, m/N."""
+        return self._static[1]
+
+    @property
+    def _static(self) -> tuple[float | None, float]:
+        if self.static_stiffness is not None or self.size is None:
+            return (None if self.static_stiffness is None else 1 / self.static_stiffness), 0.0
         if self._simple and not self.foundation_stiffness:
-            return plate_compliance(self.stiffness, self.size, self._struck)
-        return panel_compliance(self._panel, self._struck)
+            return plate_compliance(self.stiffness, self.size, self._struck), 0.0
+        return compliance_and_error(self._panel, self._struck)
 
     @property
     def modes_missing(self) -> str:
@@ -319,7 +323,7 @@ class Plate(AbstractTarget):
             return Estimate("the shear stiffness of a plate of layers, or of given bending_stiffness, is not known")
         if impact.by_compliance or impact.vibrates:
             return self._shear_of_a_bent_plate(impact, material, thickness)
-        if impact.duration < self._crossing(material):
+        if impact.duration < crossing_time(material, thickness):
             return no_effect("contact ends before a wave returns from the far side: see wave losses")
         square = MEAN_FREQUENCY / impact.duration * math.sqrt(self.surface_density / self.stiffness[0])
         shear = square * thickness**2 / 5.0
@@ -348,19 +352,15 @@ class Plate(AbstractTarget):
         material = self.material
         if self.thickness is None or material is None:
             return Estimate("the thickness or the waves of a plate of layers, or of given stiffness, are not known")
-        if impact.duration >= THIN * self.thickness / shear_velocity(material):
+        if impact.duration >= bending_time(material, self.thickness):
             return no_effect("the contact is slow enough for bending waves, which are part of the target's motion")
         carried = 1.0 - impact.restitution**2 - impact.fraction if impact.by_impedance else 0.0
         radiated = radiated_energy(material, impact) / impact.energy
         size = min(1.0, max(BESIDE_BENDING * radiated, radiated - carried))
         reason = "the plate is too thick for bending waves alone and too thin for a half-space"
-        if impact.duration < self._crossing(material):
+        if impact.duration < crossing_time(material, self.thickness):
             reason = "contact ends before a wave returns from the far side, so that the plate radiates as a half-space"
         return Estimate(reason, size, impact.tolerance, size)
-
-    def _crossing(self, material: Material) -> float:
-        """Time in which a longitudinal wave crosses the plate and returns, s."""
-        return 2.0 * cast("float", self.thickness) / pressure_velocity(material)
 
     def contact_width(self, impact: Impact) -> Estimate:
         """Half-space laws need a contact that is narrow compared with the thickness."""

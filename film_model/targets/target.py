@@ -152,6 +152,11 @@ class AbstractTarget(ABC):
         return None
 
     @property
+    def compliance_error(self) -> float:
+        """Bound on the error of `compliance`, m/N, where it is computed and neither given nor in closed form."""
+        return 0.0
+
+    @property
     def stiffness_given(self) -> bool:
         """Whether the scene gives the static stiffness, so that it is not computed from the structure."""
         return False

@@ -14,8 +14,9 @@ from film_model.effects.choose import choose
 from film_model.targets import Modes, plate_statics, ritz
 from film_model.targets.line_functions import line, polynomials
 from film_model.targets.modes import pulse_response
+from film_model.targets.panel_statics import panel_compliance
 from film_model.targets.plate_modes import plate_modes
-from film_model.targets.ritz import Panel, panel_compliance, panel_modes
+from film_model.targets.ritz import Panel, panel_modes
 
 WORDS = {"S": "simply supported", "C": "clamped", "F": "free"}
 ISOTROPIC = (1.0, 0.3, 1.0, 0.35)
@@ -164,8 +165,10 @@ def test_frequencies_of_a_long_plate_with_a_clamped_and_a_free_end():
     modes = panel_modes(strip, place, (70 * math.pi) ** 2).frequency[:30]
     lines = [polynomials(strip.ends[0], 60), polynomials(strip.ends[1], 14)]
     every = [indices.ravel() for indices in np.indices([each.bent.size for each in lines])]
-    blocks = ritz._split(strip, lines, place, *every)
-    exact = np.sort(np.concatenate([ritz._vibrations(strip, lines, block, place)[0] for block in blocks]))[:30]
+    blocks = ritz.split(strip, lines, ((1.0, place),), *every)
+    exact = np.sort(np.concatenate([ritz._vibrations(strip, lines, block, ((1.0, place),))[0] for block in blocks]))[
+        :30
+    ]
     assert modes == pytest.approx(exact, rel=1.5e-5)
 
 
@@ -315,7 +318,7 @@ def test_the_lowest_vibrations_are_as_exact_as_the_highest():
     """Against the largest eigenvalues of the inverse, which `eigh` finds to rounding; of the matrix it does not."""
     strip, highest = panel("CFFF", (30.0, 1.0)), 300.0
     lines = [ritz._line(strip, along, highest) for along in (0, 1)]
-    energy = ritz._energy(strip, lines, *ritz._blocks(strip, lines, highest, (29.0, 0.5))[0])
+    energy = ritz.energy_of(strip, lines, *ritz._blocks(strip, lines, highest, ((1.0, (29.0, 0.5)),))[0])
     unit = 1.0 / np.sqrt(np.diag(energy))
     inverse = np.linalg.inv(energy * unit[:, None] * unit) * unit[:, None] * unit
     exact = 1.0 / np.linalg.eigvalsh(inverse)[::-1][:4]

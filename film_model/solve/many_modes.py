@@ -181,8 +181,8 @@ def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, a
     values["energy_radiated"] = np.where(status == native.EVENT, energy, np.nan)
     if tried[0].reversible:
         values["energy_absorbed"] = np.where(status == native.EVENT, 0.0, values["energy_absorbed"])
-    poor, own = ~(estimated <= accuracy), max(run.target_error for run, _ in runs)
-    found = Vibrating(values, status, [first.law.name] * rows.size, estimated + own + first.curve.fit_error, followed)
+    poor, still = ~(estimated <= accuracy), max(run.target_error for run, _ in runs)
+    found = Vibrating(values, status, [first.law.name] * rows.size, estimated + still + first.curve.fit_error, followed)
     return _again(found, scene, columns, rows, accuracy, poor) if poor.any() else found
 
 

@@ -15,8 +15,9 @@ QUIET = fm.Effects(gravity=False, boundary_reflections=True, target_inertia=True
 SIZE, STRUCK, OTHER = ["60 mm", "50 mm"], ["24 mm", "20 mm"], ["10 mm", "50 mm"]
 
 
-def on(target):
-    return fm.simulate(fm.Scene(fm.Sphere("5 mm", "1 m/s", material=STEEL), target, fm.Contact("hertz"), QUIET))
+def on(target, accuracy=1e-4):
+    ball = fm.Sphere("5 mm", "1 m/s", material=STEEL)
+    return fm.simulate(fm.Scene(ball, target, fm.Contact("hertz"), QUIET), accuracy=accuracy)
 
 
 def plate(edges, *places, **options):
@@ -43,12 +44,12 @@ TARGETS = {
 @pytest.mark.parametrize("name", TARGETS)
 def test_a_sensor_at_the_struck_point_moves_as_the_target(name):
     """The core's displacement is that of the modes and what others add statically."""
-    history = on(TARGETS[name]())
+    history = on(TARGETS[name](), 3e-3)
     times = np.linspace(0.0, history.duration, 101)
     found, motion = history.sensed_si(times), history.sample_si(times)
     scales, rest = history.problem.scales, history.vibration.start.rest
     moved = motion.target_displacement - rest * scales.length / scales.force * motion.contact_force
-    assert np.abs(found.displacement[0] - moved).max() < 2e-6 * np.abs(motion.target_displacement).max()
+    assert np.abs(found.displacement[0] - moved).max() < 1e-5 * np.abs(motion.target_displacement).max()
 
 
 def test_influence_of_a_simply_supported_plate():

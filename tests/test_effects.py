@@ -24,8 +24,7 @@ from film_model.laws.jkr import JKR_LOSS
 from film_model.problem.problem import Problem
 from film_model.studies import explain
 from film_model.studies.regimes import regimes
-from film_model.targets.plate import MEAN_FREQUENCY
-from film_model.targets.waves import HERTZ_PULSE, HERTZ_SQUARE, radiation, shear_velocity
+from film_model.targets.waves import HERTZ_PULSE, HERTZ_SQUARE, MEAN_FREQUENCY, radiation, shear_velocity
 
 SCENES = Path(__file__).parent.parent / "examples" / "scenes"
 STRESSES = list(fm.simulate(fm.Scene.from_toml(SCENES / "two_steel_balls.toml")).summary)[10:]

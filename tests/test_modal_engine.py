@@ -335,3 +335,23 @@ def test_a_damped_law_on_a_structure_with_an_omitted_compliance(tmp_path, third,
         found = fm.simulate(fm.Scene(ball, target, damped))
     soft = fm.simulate(fm.Scene(ball, target, elastic)).summary["maximum_force"]
     assert found.summary["maximum_force"] == pytest.approx(soft, rel=5e-3)  # the spring is softer than the contact
+
+
+def test_the_estimate_sees_the_error_of_the_static_compliance(monkeypatch):
+    """The summary with a static compliance that is off by its bound; a plate struck beside a clamped edge."""
+    plate = fm.Plate(ALUMINIUM, "3 mm", size=["200 mm", "120 mm"], edges="clamped", position=["30 mm", "4 mm"])
+    scene = struck(plate, "5 mm", "1 m/s")
+    found = fm.simulate(scene, accuracy=1e-4)
+    error = plate.compliance_error
+    assert 1e-6 < error / plate.compliance < 1e-2
+    assert 0.0 < found.vibration.target_error < found.accuracy.estimated
+    batch = fm.simulate_batch(scene, velocity=["1 m/s", "2 m/s"], accuracy=1e-4)
+    assert batch.estimated_accuracy[0] == found.accuracy.estimated
+    wrong = fm.Plate.compliance.fget(plate) + error
+    monkeypatch.setattr(fm.Plate, "compliance", property(lambda self: wrong))
+    structures.forget()
+    other = fm.simulate(scene, accuracy=1e-4)
+    structures.forget()
+    assert other.maximum_force != found.maximum_force
+    for name in ("maximum_force", "rebound_velocity", "contact_duration"):
+        assert other.summary[name] == pytest.approx(found.summary[name], rel=found.accuracy.estimated)

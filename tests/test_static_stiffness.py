@@ -15,9 +15,10 @@ from film_model.core import native
 from film_model.problem.curve import curve_of
 from film_model.problem.scales import scales_of
 from film_model.studies import quadrature
-from film_model.targets import plate_statics
+from film_model.targets import panel_statics, plate_statics
 from film_model.targets.beam_theory import Line, line_compliance
-from film_model.targets.ritz import Panel, panel_compliance, ritz_compliance
+from film_model.targets.panel_statics import compliance_and_error, panel_compliance, ritz_compliance
+from film_model.targets.ritz import Panel
 
 ISOTROPIC = (1.0, 0.3, 1.0, 0.35)
 OLSSON = (154.9, 4.76, 91.4, 8.97)
@@ -333,3 +334,47 @@ def test_damped_laws_are_refused(law):
         fm.simulate(_on(1e6, law))
     with pytest.raises(fm.SimulationError, match="damped laws are not supported on targets with a static stiffness"):
         curve_of(LAWS[law], 0.1)
+
+
+@pytest.mark.parametrize("bed", [0.0, 1e4, 1e8])
+@pytest.mark.parametrize("place", [(0.5, 0.35), (0.03, 0.2)])
+def test_beds_in_closed_form(bed, place):
+    """Navier's series: the bed's part of it converges as the eighth power of the number of half-waves."""
+    stiffness, size, n = (1.0, 0.3, 1.0, 0.35), (1.0, 0.7), np.arange(1.0, 1501.0)
+    u, v = (n / size[0])[:, None] ** 2, (n / size[1]) ** 2
+    square = math.pi**4 * (u + v) ** 2
+    seen = np.sin(n * math.pi * place[0])[:, None] * np.sin(n * math.pi * place[1] / size[1])
+    less = 4 / math.prod(size) * float(np.sum(seen**2 * (bed / square / (square + bed))))
+    exact = plate_statics.plate_compliance(stiffness, size, place) - less
+    got, error = compliance_and_error(Panel(1.0, stiffness, size, ("simply supported",) * 4, foundation=bed), place)
+    assert abs(got - exact) <= error
+    assert got == pytest.approx(exact, rel=5e-8)
+
+
+@pytest.mark.parametrize("ends", [("free", "free"), ("clamped", "free"), ("free", "clamped")])
+def test_springs_and_beds_of_plates_between_simple_supports(ends):
+    """Polynomials of high degree, whose deflections under the force are too small by their error on another plate."""
+    stiffness, size, place = (1.3, 0.3, 0.8, 0.4), (1.0, 0.6), (0.4, 0.25)
+    springs = tuple(30.0 if end == "free" else 0.0 for end in ends)
+    held = Panel(1.0, stiffness, size, (*ends, *("simply supported",) * 2), (*springs, 0.0, 0.0), 500.0)
+    plain = Panel(1.0, stiffness, size, (*ends, *("simply supported",) * 2))
+    lacking = panel_compliance(plain, place) - ritz_compliance(plain, place, 32)
+    assert panel_compliance(held, place) == pytest.approx(ritz_compliance(held, place, 32) + lacking, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_the_bound_on_the_error_of_static_deflections():
+    """Plates struck beside free and clamped edges, against polynomials of degree 44: 14 of 15 at least are bounded."""
+    draw, bounded, most = np.random.default_rng(5), 0, 0.0
+    for _ in range(15):
+        edges = ("free", str(draw.choice(["clamped", "free"])), "clamped", str(draw.choice(["clamped", "free"])))
+        size, bed = (1.0, float(draw.uniform(0.5, 2.0))), float(draw.choice([0.0, 1e4]))
+        own = Panel(1.0, (1.0, 0.3, 1.0, 0.35), size, edges, foundation=bed)
+        place = (float(draw.uniform(0.0, 0.1)), float(draw.uniform(0.1, 0.9)) * size[1])
+        got, error = compliance_and_error(own, place)
+        with pytest.MonkeyPatch.context() as changed:
+            changed.setattr(panel_statics, "_STATIC_DEGREE", 44)
+            exact = compliance_and_error.__wrapped__(own, place)[0]
+        bounded, most = bounded + (abs(got - exact) <= error), max(most, error / got)
+    assert bounded >= 14
+    assert most < 3e-3

@@ -195,6 +195,7 @@ indentation [um], force [N]
                 ("`frequency`", "`Hz`", "0: a motion of the whole structure; required"),
                 ("`modal_mass`", "`kg`", "of the shape in the next column"),
                 ("`shape`", "", "deflection of that shape at the struck point, along the impact"),
+                ("`shape_…`", "", "deflection at a sensor that names this column; optional"),
                 ("`mass_normalised_shape`", "`1/sqrt(kg)`", "replaces both: the shape whose modal mass is 1"),
                 ("`damping_ratio`", "", "optional"),
             ],

@@ -100,6 +100,7 @@ def _table(history: History, verbose: bool) -> str:
     problem, accuracy = history.problem, history.accuracy
     lines = [history.scene.title or "Impact", f"law {problem.law.name}; {history.outcome.value}", ""]
     lines += _results(history, verbose)
+    lines += _sensors(history)
     lines += [] if history.oblique is None else ["", history.oblique.text()]
     lines += [*_events(history), ""] if verbose else [""]
     lines += [
@@ -124,6 +125,18 @@ def _results(history: History, verbose: bool) -> list[str]:
             continue
         text = "-" if value is None else format_si(value, SUMMARY[name][0], 6)
         lines.append(f"  {name.replace('_', ' '):30}{text:>16}{history.interval_text(name)}")
+    return lines
+
+
+def _sensors(history: History) -> list[str]:
+    """The largest motion of each sensor."""
+    from film_model.base.units import format_si
+    from film_model.solve.sensed import MOTION
+
+    lines = list[str]()
+    for name, peaks in history.sensor_peaks.items():
+        texts = (format_si(peaks[f"maximum_{what}"], kind, 4) for what, (kind, _) in MOTION.items())
+        lines.append(f"  {f'sensor {name}, largest':30}{', '.join(texts)}")
     return lines
 
 

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from film_model.solve.derivatives import Derivatives
     from film_model.solve.modal_motion import ModalMotion
     from film_model.solve.relaxed import Relaxed
+    from film_model.solve.sensed import Sensed
 
 MOTION: dict[str, tuple[str, str]] = {
     "indentation": ("length", "impactor displacement less target displacement"),
@@ -225,6 +226,28 @@ class History:
         low, high = (units.quantity(end, SUMMARY[name][0]) for end in (found.low, found.high))
         return low, high, found.evidence
 
+    def sensed_si(self, times: Any) -> Sensed:
+        """Motion of the target's sensors at ascending `times` [s, from first touch], SI; see `film_model.solve.sensed`.
+
+        Raises ValueError if the target has no sensors or its vibrations are not simulated, or for wrong times.
+        """
+        from film_model.solve.sensed import sensed
+
+        t = units.array_to_si(times, "time", bare=True)
+        if t.ndim != 1 or not (t >= 0.0).all() or (np.diff(t) < 0.0).any():
+            raise ValueError("times must be a list that ascends from 0 s, first touch, or later")
+        return sensed(self.scene.target, self.vibration, float(self.problem.scales.force), t)
+
+    @cached_property
+    def sensor_peaks(self) -> Mapping[str, Mapping[str, float]]:
+        """Largest displacement, velocity and acceleration of each sensor, SI; empty if none is simulated."""
+        from film_model.solve.sensed import SAMPLES, peaks_of
+
+        if not self.scene.target.sensors or self.vibration is None:
+            return {}
+        even, events = np.linspace(0.0, self.duration, SAMPLES), [event.time for event in self.events]
+        return peaks_of(self.sensed_si(np.union1d(even, events)))
+
     @property
     def vibration_energy_by_mode(self) -> NDArray[np.float64] | None:
         """Energy of each natural vibration at the end, J, in the order of `vibration.frequency`; None without modes."""
@@ -293,6 +316,7 @@ class History:
             },
             **found,
             **({} if self.oblique is None else {"oblique": self.oblique.to_dict()}),
+            **({"sensors": self.sensor_peaks} if self.sensor_peaks else {}),
             "events": [event.to_dict() for event in self.events],
             "effects": [effect.to_dict() for effect in self.effects],
             "accuracy": {f.name: getattr(self.accuracy, f.name) for f in fields(self.accuracy)},

@@ -181,8 +181,8 @@ def _on_one_structure(scene: Scene, columns: Mapping[str, Array], rows: Index, a
     values["energy_radiated"] = np.where(status == native.EVENT, energy, np.nan)
     if tried[0].reversible:
         values["energy_absorbed"] = np.where(status == native.EVENT, 0.0, values["energy_absorbed"])
-    poor = ~(estimated <= accuracy)
-    found = Vibrating(values, status, [first.law.name] * rows.size, estimated + first.curve.fit_error, followed)
+    poor, still = ~(estimated <= accuracy), max(run.target_error for run, _ in runs)
+    found = Vibrating(values, status, [first.law.name] * rows.size, estimated + still + first.curve.fit_error, followed)
     return _again(found, scene, columns, rows, accuracy, poor) if poor.any() else found
 
 
@@ -227,7 +227,12 @@ def _refined(
     Of the rows that reach the accuracy together each gets the largest estimate: one row's runs may agree by chance.
     """
     status, core, estimated = np.empty(rows.size, np.int32), _no_summaries(rows.size), np.full(rows.size, np.inf)
-    left, coarse, before, followed = np.arange(rows.size), _no_summaries(0), np.ones(rows.size), list[Followed]()
+    left, coarse, before, followed = (
+        np.arange(rows.size),
+        _no_summaries(0),
+        np.full(rows.size, np.inf),
+        list[Followed](),
+    )
     for k in range(MOST_RUNS):
         problem, steps = problem_at(rows[left]), tolerance[left] * vibration.REFINED ** (2 - k)
         try:

@@ -120,7 +120,10 @@ def _normal(choice: Choice, solver: Solver) -> History:
         raise SimulationError("the impactor has no velocity and no force pushes it: there is no impact")
     scene = scene if solver is scene.solver else replace(scene, solver=solver)
     way = _on_modes if problem.vibrates else _on_lines if problem.relaxation is None else _relaxing
-    history = way(scene, choice, [])
+    remarks = list[str]()
+    if scene.target.sensors and not problem.vibrates:
+        remarks.append(f"sensors are left out: the vibrations of the {scene.target.kind} are not simulated")
+    history = way(scene, choice, remarks)
     return replace(history, remarks=(*history.remarks, *energy_warning(problem, dict(history.summary))))
 
 

@@ -9,7 +9,7 @@ jumps, gets the remaining compliance as one more mode above the others.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -65,6 +65,15 @@ def made(target: AbstractTarget, highest: float, longest: float) -> Structure:
     omitted = target.omitted(modes, highest)
     return Structure(
         highest, tables, omitted, _with_omitted(modes, omitted, highest, longest) if omitted > 0.0 else tables
+    )
+
+
+def softer(structure: Structure, error: float) -> Structure:
+    """The same with more omitted compliance, m/N."""
+    own, omitted = structure.tables, structure.omitted + error
+    modes = Modes(own.frequency, own.share, own.ratio)
+    return replace(
+        structure, omitted=omitted, with_omitted=_with_omitted(modes, omitted, structure.highest, own.longest)
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -66,6 +66,10 @@ SLOWEST = 1e-3
 UNRESOLVED = 0.25
 """Highest frequency over that of the first run, below which the contact is not resolved and the scene is refused."""
 
+NEGLIGIBLE = 1e-3
+"""Error of the static compliance, over that of contact and target together and over the accuracy, that does not
+matter."""
+
 HIGHEST = 64.0
 """Highest frequency over that of the first run, where more modes cannot be computed, or where the omitted compliance is
 a mode: a stiffer one rattles between the impactor and the others, thousands of times, and changes no result."""
@@ -101,6 +105,8 @@ class Vibration(ModalMotion):
     summary: native.Summary = field(repr=False)
     contacts: int
     waited: bool
+    target_error: float = 0.0
+    """Relative error of the summary by the error of the target's static compliance."""
 
     @cached_property
     def events(self) -> tuple[Moment, ...]:
@@ -173,10 +179,34 @@ def vibrate(problem: Problem, target: AbstractTarget, accuracy: float, warnings:
 
     try:
         rattles = structures.omitted_as_mode(problem, target, first)
-        return _refined(problem, modes, limit, (first, HIGHEST * first if rattles else math.inf), accuracy, warnings)
+        between = first, HIGHEST * first if rattles else math.inf
+        found, estimated = _refined(problem, modes, limit, between, accuracy, warnings)
     except TooManyModes:
         most = structures.computable(target, tried[-1] / 2.0**0.5, unit, UNRESOLVED * first)
-        return _refined(problem, modes, limit, (most / 4.0, most), accuracy, warnings)
+        found, estimated = _refined(problem, modes, limit, (most / 4.0, most), accuracy, warnings)
+    own = _target_error(problem, target, modes(found.highest / 2.0), found, accuracy)
+    if estimated <= accuracy < estimated + own:
+        warnings.append(
+            f"accuracy {accuracy:g} is not reached: the static deflection of the {target.kind} is known within "
+            f"{target.compliance_error / (target.compliance or 1.0):.1e}, which changes the summary by {own:.1e}"
+        )
+    return replace(found, target_error=own), estimated + own
+
+
+def _target_error(
+    problem: Problem, target: AbstractTarget, structure: structures.Structure, found: Vibration, accuracy: float
+) -> float:
+    """Largest relative change of the summary by the error of the static compliance: with half the highest frequency,
+    one run with the compliance as it is and one with more. An error that is too small to matter is not followed."""
+    core, scales, error = found.summary, problem.scales, target.compliance_error
+    soft = core.maximum_indentation / core.maximum_force * scales.length / scales.force if core.maximum_force else 0.0
+    if error <= NEGLIGIBLE * accuracy * (soft + (target.compliance or 0.0)):
+        return 0.0
+    same, other = (
+        run(problem, each, found.start.tolerance, found.start.limit)
+        for each in (structure, structures.softer(structure, error))
+    )
+    return max(map(float, differences(problem, same.summary, other.summary).values()))
 
 
 def _refined(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from film_model.base.arrays import same
 from film_model.base.errors import raise_all
@@ -13,9 +13,11 @@ from film_model.base.fields import Field, choice, measure, mistake
 from film_model.base.materials import REQUIRED_MATERIAL, Material, MaterialLike
 from film_model.base.units import Value
 from film_model.targets.beam_theory import Line, beam_shear_coefficient, line_compliance, line_modes
-from film_model.targets.modes import Modes, pulse_response
+from film_model.targets.modes import Modes, Points, pulse_response
+from film_model.targets.panel_statics import compliance_and_error, panel_compliance
 from film_model.targets.plate_waves import plate_stiffness, shear_around
-from film_model.targets.ritz import Panel, panel_compliance, panel_modes
+from film_model.targets.ritz import Panel, panel_modes
+from film_model.targets.sensors import SENSORS, Sensor, sensor_mistakes
 from film_model.targets.stretching import lengthening, stretching
 from film_model.targets.supports import DAMPING, SUPPORTS, damped, one_or
 from film_model.targets.target import (
@@ -51,7 +53,8 @@ class Beam(AbstractTarget):
     "auto": a plate if at least six times as wide as thick, otherwise Timoshenko's. damping_ratio: of the vibrations;
     one number, or a list for those that move the struck point. position: of the impact, distance from the first end, m;
     default the middle, or the free end of a cantilever. static_stiffness: force over deflection at that point, N/m;
-    default from the theory. radius: of a curved surface, m.
+    default from the theory. sensors: points whose motion is
+    wanted. radius: of a curved surface, m.
 
     >>> fm.Beam("mild steel", length="300 mm", width="20 mm", thickness="10 mm").finite
     True
@@ -70,6 +73,7 @@ class Beam(AbstractTarget):
         "damping_ratio": DAMPING,
         "position": PLACE,
         "static_stiffness": STATIC_STIFFNESS,
+        "sensors": SENSORS,
         "radius": RADIUS,
     }
 
@@ -82,6 +86,7 @@ class Beam(AbstractTarget):
     damping_ratio: float | tuple[float, ...] | None
     position: float | None
     static_stiffness: float | None
+    sensors: tuple[Sensor, ...] | None  # pyright: ignore[reportIncompatibleVariableOverride]
     radius: float
 
     def __init__(
@@ -96,6 +101,7 @@ class Beam(AbstractTarget):
         radius: Value | None = None,
         theory: Literal["auto", "timoshenko", "euler-bernoulli", "plate"] = "auto",
         damping_ratio: float | Sequence[float] | None = None,
+        sensors: Sequence[Sensor | Mapping[str, Any]] | None = None,
     ) -> None:
         mistakes = fill_target(self, locals())
         if isinstance(self.ends, tuple) and "cantilever" in self.ends:
@@ -103,7 +109,7 @@ class Beam(AbstractTarget):
         elif self.ends:
             size, place = (None if v is None else (v,) for v in (self.length, self.position))
             mistakes += place_mistakes(self, "length", size, place, self._ends)
-        raise_all(mistakes)
+        raise_all(mistakes + sensor_mistakes(self, self.sensors, (self.length,) if self.length else None))
 
     @property
     def finite(self) -> bool:
@@ -135,6 +141,13 @@ class Beam(AbstractTarget):
         return line_compliance(self._line, self._struck)
 
     @property
+    def compliance_error(self) -> float:
+        """Bound on the error of the static deflection over force of a wide beam, m/N: of Ritz's method."""
+        if self.stiffness_given or not self.wide:
+            return 0.0
+        return compliance_and_error(self._strip, (self._struck, self.width / 2))[1]
+
+    @property
     def stiffness_given(self) -> bool:
         """Whether `static_stiffness` is given."""
         return self.static_stiffness is not None
@@ -154,12 +167,13 @@ class Beam(AbstractTarget):
         """Why the vibrations are unknown: only if the static stiffness is given."""
         return GIVEN_STIFFNESS if self.stiffness_given else ""
 
-    def modes(self, highest: float) -> Modes:
-        """Natural vibrations up to a frequency [rad/s]."""
+    def modes(self, highest: float, others: Points = ()) -> Modes:
+        """Natural vibrations up to a frequency [rad/s]; in the middle of the width."""
         if self.wide:
-            modes = panel_modes(self._strip, (self._struck, self.width / 2), highest)
+            across = tuple((factor, (at, self.width / 2)) for factor, (at,) in others)
+            modes = panel_modes(self._strip, (self._struck, self.width / 2), highest, across)
         else:
-            modes = line_modes(self._line, self._struck, highest)
+            modes = line_modes(self._line, self._struck, highest, others)
         return damped(modes, self.damping_ratio)
 
     def reflections(self, impact: Impact) -> Estimate:

@@ -18,7 +18,7 @@ from film_model.base.arrays import Number, same
 from film_model.base.errors import TooManyModes
 from film_model.base.threads import one_thread
 from film_model.targets.line_functions import line, polynomials
-from film_model.targets.modes import Array, Modes, check_count, projected, sorted_modes
+from film_model.targets.modes import Array, Modes, Points, check_count, projected, sorted_modes
 
 MOST_WAVES = 300
 """Most half-waves of a beam that is not simply supported: their vibrations take half a second."""
@@ -60,9 +60,9 @@ def beam_shear_coefficient(poissons_ratio: float) -> float:
 
 
 @lru_cache(maxsize=64)
-@one_thread
-def line_modes(beam: Line, position: float, highest: float) -> Modes:
-    """The vibrations of a beam up to the frequency `highest` [rad/s], seen from `position` [m]."""
+def line_modes(beam: Line, position: float, highest: float, others: Points = ()) -> Modes:
+    """The vibrations of a beam up to the frequency `highest` [rad/s], seen from `position` [m] and other points."""
+    points = ((1.0, (position,)), *others)
     simple = beam.ends == ("simply supported", "simply supported")
     if math.isinf(beam.shear):
         waves = math.sqrt(highest * math.sqrt(beam.mass / beam.bending)) * beam.length / math.pi
@@ -70,7 +70,7 @@ def line_modes(beam: Line, position: float, highest: float) -> Modes:
         waves = _wave_number(beam, highest) * beam.length / math.pi
     check_count(waves)
     if simple:
-        return _simple(beam, position, highest, waves)
+        return _simple(beam, points, highest, waves)
     if waves > MOST_WAVES:
         raise TooManyModes(
             f"the vibrations of this beam need {waves:.0f} half-waves, but at most {MOST_WAVES} are allowed: take "
@@ -80,10 +80,11 @@ def line_modes(beam: Line, position: float, highest: float) -> Modes:
     if math.isinf(beam.shear):
         shapes = line(beam.ends, count)
         frequency = np.sqrt(beam.bending / beam.mass * shapes.bent) * (2.0 / beam.length) ** 2
-        share = shapes.at(2.0 * position / beam.length - 1.0) ** 2 * 2.0 / (beam.mass * beam.length)
+        shape = sum(factor * shapes.at(2.0 * at / beam.length - 1.0) for factor, (at,) in points)
+        share = shape**2 * 2.0 / (beam.mass * beam.length)
         kept = slice(0, shapes.shapes)
         return sorted_modes(frequency[kept], share[kept], highest)
-    return sorted_modes(*_timoshenko(beam, position, 2 * count + 12), highest)
+    return sorted_modes(*_timoshenko(beam, points, 2 * count + 12), highest)
 
 
 def _wave_number(beam: Line, frequency: float) -> float:
@@ -93,13 +94,14 @@ def _wave_number(beam: Line, frequency: float) -> float:
     return math.sqrt((slow + turn) / 2 + math.sqrt(((slow - turn) / 2) ** 2 + bent))
 
 
-def _simple(beam: Line, position: float, highest: float, waves: float) -> Modes:
+def _simple(beam: Line, points: Points, highest: float, waves: float) -> Modes:
     """Modes of a simply supported beam: w = sin(βx), ψ = Ψ cos(βx), β = nπ/L.
 
     Timoshenko: (κGA β² − ρA ω²)(EI β² + κGA − ρI ω²) = (κGA β)². Of the two roots, one is thickness shear.
     """
     n = np.arange(1.0, waves + 2.0)
-    beta, sines = n * math.pi / beam.length, np.sin(n * math.pi * position / beam.length) ** 2
+    beta = n * math.pi / beam.length
+    sines = sum((factor * np.sin(beta * at) for factor, (at,) in points), np.zeros(n.size)) ** 2
     half = beam.mass * beam.length / 2
     if math.isinf(beam.shear):
         return sorted_modes(beta**2 * math.sqrt(beam.bending / beam.mass), sines / half, highest)
@@ -113,7 +115,8 @@ def _simple(beam: Line, position: float, highest: float, waves: float) -> Modes:
     return sorted_modes(np.sqrt(square), share, highest)
 
 
-def _timoshenko(beam: Line, position: float, degree: int) -> tuple[Array, Array]:
+@one_thread
+def _timoshenko(beam: Line, points: Points, degree: int) -> tuple[Array, Array]:
     """Frequencies and shares of all vibrations of a beam in a space of polynomials.
 
     The curvature and the shear are Legendre series, w and ψ their integrals. The energy is then diagonal, so slender
@@ -132,16 +135,17 @@ def _timoshenko(beam: Line, position: float, degree: int) -> tuple[Array, Array]
     moved[0, 0] = 1.0
     space = _space(beam.ends, moved, slope)
     moved, slope = space @ moved, space @ slope
-    unit = length / (2.0 * np.arange(degree + 4.0) + 1.0)
-    mass = beam.mass * (moved * unit) @ moved.T + beam.turning * (slope * unit) @ slope.T
+    unit = np.sqrt(length / (2.0 * np.arange(degree + 4.0) + 1.0))
+    factor = np.hstack([math.sqrt(beam.mass) * moved * unit, math.sqrt(beam.turning) * slope * unit])
     bent = space[:, 2:] @ space[:, 2:].T  # each function of the series has the energy ½ J
     shift = beam.bending / (beam.mass * length**4)
-    root = np.linalg.inv(np.linalg.cholesky(bent + shift * mass))
-    at = np.polynomial.legendre.legvander(np.array([2.0 * position / length - 1.0]), degree + 3)[0]
-    inverse, shapes = np.linalg.eigh(root @ mass @ root.T)
-    seen = projected(root @ (moved @ at), inverse, shapes)
-    kept = inverse > 1e-14 * inverse[-1]
-    inverse, seen = inverse[kept][::-1], seen[kept][::-1]
+    root = np.linalg.inv(np.linalg.cholesky(bent + shift * factor @ factor.T))
+    places = np.array([2.0 * at / length - 1.0 for _, (at,) in points])
+    at = np.array([factor for factor, _ in points]) @ np.polynomial.legendre.legvander(places, degree + 3)
+    shapes, size, _ = np.linalg.svd(root @ factor, full_matrices=False)  # more accurate than `eigh`: see line_functions
+    seen = projected(root @ (moved @ at), size[::-1], shapes[:, ::-1])[::-1]
+    kept = size > 1e-7 * size[0]
+    inverse, seen = size[kept] ** 2, seen[kept]
     square = 1.0 / inverse - shift
     square[: beam.rigid] = 0.0
     return np.sqrt(np.maximum(square, 0.0)), seen**2 / inverse
@@ -201,7 +205,7 @@ def _one_compliance(beam: Line, position: float) -> float:
 def _sum(beam: Line, position: float) -> float:
     """Compliance of all vibrations in a space of polynomials."""
     if not math.isinf(beam.shear):
-        frequency, share = _timoshenko(beam, position, _STATIC)
+        frequency, share = _timoshenko(beam, ((1.0, (position,)),), _STATIC)
     else:
         shapes = polynomials(beam.ends, _STATIC)
         frequency = np.sqrt(beam.bending / beam.mass * shapes.bent) * (2.0 / beam.length) ** 2

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,9 @@ from numpy.typing import NDArray
 from film_model.base.errors import TooManyModes
 
 Array = NDArray[np.float64]
+
+Points: TypeAlias = tuple[tuple[float, tuple[float, ...]], ...]
+"""Factors and points [m]: a structure is seen as the sum of its displacements there times the factors."""
 
 RESOLVED = 10.0
 """Highest frequency for the response to a half-sine over that of the half-sine; the modes above follow statically."""

@@ -16,7 +16,8 @@ from film_model.base.units import Value, format_si
 from film_model.targets.bending_stiffness import BendingStiffness
 from film_model.targets.bending_strength import bending_strength, reach_of
 from film_model.targets.layup import LAYUP, Ply, PlyLike, coupling, laminate
-from film_model.targets.modes import Modes
+from film_model.targets.modes import Modes, Points
+from film_model.targets.panel_statics import compliance_and_error
 from film_model.targets.plate_modes import plate_modes
 from film_model.targets.plate_statics import plate_compliance
 from film_model.targets.plate_waves import (
@@ -27,7 +28,8 @@ from film_model.targets.plate_waves import (
     reach_of_edges,
     shear_around,
 )
-from film_model.targets.ritz import Panel, loose, panel_compliance, panel_modes
+from film_model.targets.ritz import Panel, loose, panel_modes
+from film_model.targets.sensors import SENSORS, Sensor, sensor_mistakes
 from film_model.targets.stretching import lengthening, mean_square, sliding, stretching
 from film_model.targets.supports import DAMPING, EDGE_STIFFNESS, EDGES, FOUNDATION, damped, four, spring_mistakes
 from film_model.targets.target import (
@@ -47,13 +49,10 @@ from film_model.targets.target import (
     no_effect,
     place_mistakes,
 )
-from film_model.targets.waves import BESIDE_BENDING, THIN, pressure_velocity, radiated_energy, shear_velocity
+from film_model.targets.waves import BESIDE_BENDING, MEAN_FREQUENCY, bending_time, crossing_time, radiated_energy
 
 REFLECTION_CHANGE = 0.03, 2.2
 """c and p of the change c m (1 + e)/(Z e t_c) (t/t_return)^p by waves reflected from the edges of a plate."""
-
-MEAN_FREQUENCY = 0.7737 * math.pi
-"""Mean of ω t_c over |F(ω)|² of a half-sine."""
 
 Edge = Literal["simply supported", "clamped", "free"]
 
@@ -71,7 +70,8 @@ class Plate(AbstractTarget):
     foundation_stiffness: of an elastic bed, N/m³. damping_ratio: of the vibrations; one number, or a list for those
     that move the struck point. position: of the impact, distances from a corner along the two sides, m; default the
     centre. static_stiffness: force over deflection at that point, N/m; default from plate theory. impedance_formula:
-    "exact", or "paper" to reproduce published results. radius: of a curved surface, m.
+    "exact", or "paper" to reproduce published results. sensors: points whose motion is
+    wanted. radius: of a curved surface, m.
 
     >>> round(fm.Plate("mild steel", "4 mm", size=["150 mm", "100 mm"]).impedance, 1)  # N·s/m
     1572.7
@@ -94,6 +94,7 @@ class Plate(AbstractTarget):
         "position": several(PLACE, 2),
         "static_stiffness": STATIC_STIFFNESS,
         "impedance_formula": choice("exact", "paper"),
+        "sensors": SENSORS,
         "radius": RADIUS,
     }
 
@@ -110,6 +111,7 @@ class Plate(AbstractTarget):
     position: tuple[float, float] | None
     static_stiffness: float | None
     impedance_formula: Literal["exact", "paper"]
+    sensors: tuple[Sensor, ...] | None  # pyright: ignore[reportIncompatibleVariableOverride]
     radius: float
 
     def __init__(
@@ -128,10 +130,12 @@ class Plate(AbstractTarget):
         edge_stiffness: Value | Sequence[Value] | None = None,
         foundation_stiffness: Value | None = None,
         damping_ratio: float | Sequence[float] | None = None,
+        sensors: Sequence[Sensor | Mapping[str, Any]] | None = None,
     ) -> None:
         mistakes = fill_target(self, locals())
         if self.edges:
             mistakes += place_mistakes(self, "size", self.size, self.position, four(self.edges))
+            mistakes += sensor_mistakes(self, self.sensors, self.size)
             mistakes += spring_mistakes(self, four(self.edge_stiffness or 0.0), four(self.edges))
         for name in ("edges", "edge_stiffness", "foundation_stiffness", "damping_ratio"):
             given = getattr(self, name)
@@ -238,27 +242,34 @@ class Plate(AbstractTarget):
     @property
     def compliance(self) -> float | None:
         """Static deflection over force at the struck point, m/N; None if unknown."""
-        if self.static_stiffness is not None:
-            return 1 / self.static_stiffness
-        if self.size is None:
-            return None
+        return self._static[0]
+
+    @property
+    def compliance_error(self) -> float:
+        """Bound on the error of Ritz's static deflection over force, m/N."""
+        return self._static[1]
+
+    @property
+    def _static(self) -> tuple[float | None, float]:
+        if self.static_stiffness is not None or self.size is None:
+            return (None if self.static_stiffness is None else 1 / self.static_stiffness), 0.0
         if self._simple and not self.foundation_stiffness:
-            return plate_compliance(self.stiffness, self.size, self._struck)
-        return panel_compliance(self._panel, self._struck)
+            return plate_compliance(self.stiffness, self.size, self._struck), 0.0
+        return compliance_and_error(self._panel, self._struck)
 
     @property
     def modes_missing(self) -> str:
         """Why the vibrations are unknown: only if the static stiffness is given."""
         return GIVEN_STIFFNESS if self.stiffness_given else ""
 
-    def modes(self, highest: float) -> Modes:
+    def modes(self, highest: float, others: Points = ()) -> Modes:
         """Natural vibrations up to a frequency [rad/s]: in closed form if simply supported, or by Ritz's method."""
         assert self.size is not None
         if self._simple:
             bed = self.foundation_stiffness or 0.0
-            modes = plate_modes(self.surface_density, self.stiffness, self.size, self._struck, highest, bed)
+            modes = plate_modes(self.surface_density, self.stiffness, self.size, self._struck, highest, bed, others)
         else:
-            modes = panel_modes(self._panel, self._struck, highest)
+            modes = panel_modes(self._panel, self._struck, highest, others)
         return damped(modes, self.damping_ratio)
 
     @property
@@ -280,15 +291,10 @@ class Plate(AbstractTarget):
         simply supported square plates, summed over their modes, for λ from 0.1 to 2. The change oscillates with t; from
         0.003 to 0.3 the formula agrees within a factor of three.
         """
-        constant, power = REFLECTION_CHANGE
-        return lesser(constant * motion / greater(restitution, 1e-3) * delay**power, 1.0)
+        return lesser(REFLECTION_CHANGE[0] * motion / greater(restitution, 1e-3) * delay ** REFLECTION_CHANGE[1], 1.0)
 
     def reflections(self, impact: Impact) -> Estimate:
-        """Waves reflected from the edges before contact ends.
-
-        The change is 0.03 (t/t_return)^2.2 m (1 + e)/(Z e t_c) (`reflection_change`), with t from the centre of the
-        impulse to the end of contact; fitted for λ from 0.1 to 2, within a factor of three.
-        """
+        """Waves reflected from the edges before contact ends: `reflection_change`."""
         if self.size is None:
             return missing("target.size")
         if not impact.by_impedance:
@@ -297,8 +303,7 @@ class Plate(AbstractTarget):
             return Estimate(
                 "the plate is struck on an edge: the impedance of an infinite plate does not apply", 0.0, None, 1.0
             )
-        value = impact.back / self.return_time
-        constant, power = REFLECTION_CHANGE
+        value, (constant, power) = impact.back / self.return_time, REFLECTION_CHANGE
         share = constant * impact.motion / max(impact.restitution, 1e-3)
         threshold = (impact.tolerance / share) ** (1.0 / power)
         back, felt = format_si(impact.back, "time", 3), format_si(self.return_time, "time", 3)
@@ -319,7 +324,7 @@ class Plate(AbstractTarget):
             return Estimate("the shear stiffness of a plate of layers, or of given bending_stiffness, is not known")
         if impact.by_compliance or impact.vibrates:
             return self._shear_of_a_bent_plate(impact, material, thickness)
-        if impact.duration < self._crossing(material):
+        if impact.duration < crossing_time(material, thickness):
             return no_effect("contact ends before a wave returns from the far side: see wave losses")
         square = MEAN_FREQUENCY / impact.duration * math.sqrt(self.surface_density / self.stiffness[0])
         shear = square * thickness**2 / 5.0
@@ -345,22 +350,17 @@ class Plate(AbstractTarget):
         A contact shorter than 2h/c_L radiates as into a half-space; one longer than 10 h/c_T excites bending waves.
         Between, a quarter of what a half-space takes comes on top of bending and shear, or what it takes more than it.
         """
-        material = self.material
-        if self.thickness is None or material is None:
+        if self.thickness is None or (material := self.material) is None:
             return Estimate("the thickness or the waves of a plate of layers, or of given stiffness, are not known")
-        if impact.duration >= THIN * self.thickness / shear_velocity(material):
+        if impact.duration >= bending_time(material, self.thickness):
             return no_effect("the contact is slow enough for bending waves, which are part of the target's motion")
         carried = 1.0 - impact.restitution**2 - impact.fraction if impact.by_impedance else 0.0
         radiated = radiated_energy(material, impact) / impact.energy
         size = min(1.0, max(BESIDE_BENDING * radiated, radiated - carried))
         reason = "the plate is too thick for bending waves alone and too thin for a half-space"
-        if impact.duration < self._crossing(material):
+        if impact.duration < crossing_time(material, self.thickness):
             reason = "contact ends before a wave returns from the far side, so that the plate radiates as a half-space"
         return Estimate(reason, size, impact.tolerance, size)
-
-    def _crossing(self, material: Material) -> float:
-        """Time in which a longitudinal wave crosses the plate and returns, s."""
-        return 2.0 * cast("float", self.thickness) / pressure_velocity(material)
 
     def contact_width(self, impact: Impact) -> Estimate:
         """Half-space laws need a contact that is narrow compared with the thickness."""

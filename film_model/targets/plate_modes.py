@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from film_model.targets.modes import Modes, check_count, sorted_modes
+from film_model.targets.modes import Modes, Points, check_count, sorted_modes
 from film_model.targets.plate_statics import anisotropy
 
 
@@ -17,14 +17,16 @@ def plate_modes(
     position: tuple[float, float],
     highest: float,
     foundation: float = 0.0,
+    others: Points = (),
 ) -> Modes:
     """Modes up to the frequency `highest` [rad/s] of a simply supported rectangular plate, isotropic or orthotropic.
 
     φ = sin(iπx/a) sin(jπy/b), M = ρ_A a b/4, ω² = (π⁴/ρ_A)(D11 i⁴/a⁴ + 2 (D12 + 2 D66) i²j²/(a²b²) + D22 j⁴/b⁴) +
     k_f/ρ_A on an elastic bed of `foundation` k_f [N/m³]. Modes with a node line through the struck point `position` are
-    omitted. Valid for thin plates: wavelengths must be long compared with the thickness.
+    omitted; the plate may be seen from other points, too. Valid for thin plates: wavelengths must be long compared with
+    the thickness.
     """
-    (d11, _, d22, _), (a, b), (x, y) = stiffness, size, position
+    (d11, _, d22, _), (a, b) = stiffness, size
     coupling = stiffness[1] + 2 * stiffness[3]
     bound = highest**2 * mass_per_area / math.pi**4 / min(1.0, (1.0 + anisotropy(*stiffness)) / 2)
     most = [(bound / d) ** 0.25 * length + 2.0 for d, length in ((d11, a), (d22, b))]
@@ -34,5 +36,7 @@ def plate_modes(
     square = math.pi**4 / mass_per_area * (d11 * u**2 + 2 * coupling * u * v + d22 * v**2)
     if foundation:
         square += foundation / mass_per_area
-    shape = (np.sin(i * math.pi * x / a)[:, None] * np.sin(j * math.pi * y / b)) ** 2
-    return sorted_modes(np.sqrt(square), shape * 4 / (mass_per_area * a * b), highest)
+    shape = np.zeros(square.shape)
+    for factor, (x, y) in ((1.0, position), *others):
+        shape += factor * np.sin(i * math.pi * x / a)[:, None] * np.sin(j * math.pi * y / b)
+    return sorted_modes(np.sqrt(square), shape**2 * 4 / (mass_per_area * a * b), highest)

@@ -61,20 +61,24 @@ def levy_compliance(
     size: tuple[float, float],
     ends: tuple[str, str],
     position: tuple[float, float],
+    springs: tuple[float, float] = (0.0, 0.0),
+    foundation: float = 0.0,
 ) -> float:
     """Static deflection over force of a plate with the edges `ends` at x = 0 and x = a, simply supported at y = 0 and
     b.
 
-    Lévy's solution: w = Σ w_j(x) sin(jπy/b), where D11 w⁗ − 2 (D12 + 2 D66) k² w″ + D22 k⁴ w = (2/b) F sin(jπy/b) δ(x),
-    k = jπ/b. Each w_j is the solution on an infinite strip and four exponentials that satisfy the edges. The terms
-    approach a multiple of sin²/j³, whose sum is known; the remainder is below 1e-7.
+    Lévy's solution: w = Σ w_j(x) sin(jπy/b), where D11 w⁗ − 2 (D12 + 2 D66) k² w″ + (D22 k⁴ + k_f) w = (2/b) F
+    sin(jπy/b) δ(x), k = jπ/b, on an elastic bed of `foundation` k_f [N/m³]. Each w_j is the solution on an infinite
+    strip and four exponentials that satisfy the edges; `springs` [N/m²] hold free ones. The terms approach a multiple
+    of sin²/j³, whose sum is known; the remainder is below 1e-7.
     """
     (d11, d12, d22, d66), (a, b), (x, y) = stiffness, size, position
     j = np.arange(1.0, LEVY_TERMS + 1.0)
     k = j * math.pi / b
-    mean, spread = (d12 + 2 * d66) / d11, np.emath.sqrt(complex((d12 + 2 * d66) ** 2 - d11 * d22)) / d11
-    if abs(spread) < DISTINCT * abs(mean):  # the roots of an isotropic plate coincide: they are moved apart
-        spread = complex(DISTINCT * abs(mean))
+    mean, bed = (d12 + 2 * d66) / d11, foundation / k**4
+    spread = np.emath.sqrt(((d12 + 2 * d66) ** 2 - d11 * (d22 + bed)).astype(complex)) / d11
+    # the roots of an isotropic plate coincide: they are moved apart
+    spread = np.where(np.abs(spread) < DISTINCT * abs(mean), DISTINCT * abs(mean), spread)
     one, two = (np.sqrt(mean + sign * spread) * k for sign in (1, -1))
     scale = 2 * d11 * (one**2 - two**2)
 
@@ -88,12 +92,14 @@ def levy_compliance(
         for row, n in enumerate(wanted, 2 * end):
             # every function is written from this edge inwards; derivatives are taken outwards
             less = {2: d12, 3: d12 + 4 * d66}[n] / d11 * k**2 if kind == "free" else 0.0
+            held = springs[end] / d11 if n == 3 else 0.0
             for column, rate in enumerate((one, two)):
-                near, far = rate**n - less * rate ** (n - 2.0), (-rate) ** n - less * (-rate) ** (n - 2.0)
+                near = rate**n - less * rate ** (n - 2.0) - held
+                far = (-rate) ** n - less * (-rate) ** (n - 2.0) - held
                 matrix[:, row, 2 * end + column] = near
                 matrix[:, row, 2 * (1 - end) + column] = far * np.exp(-rate * a)
             lower = alone(distance, n - 2) if kind == "free" else 0.0
-            right[:, row] = -(alone(distance, n) - less * lower)
+            right[:, row] = -(alone(distance, n) - less * lower - held * alone(distance, 0))
     found = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
     waves = np.stack([np.exp(-rate * distance) for distance in (x, a - x) for rate in (one, two)], axis=1)
     terms = (alone(0.0, 0) + np.sum(found * waves, axis=1)).real

@@ -19,8 +19,7 @@ from film_model.base.arrays import Array, Index
 from film_model.base.errors import SimulationError, TooManyModes
 from film_model.base.threads import one_thread
 from film_model.targets.line_functions import SIMPLE, Line, line, polynomials
-from film_model.targets.modes import Modes, check_count, projected, sorted_modes
-from film_model.targets.plate_statics import levy_compliance
+from film_model.targets.modes import Modes, Points, check_count, projected, sorted_modes
 
 Block = tuple[Index, Index]
 """Numbers p and q of some products."""
@@ -67,8 +66,6 @@ ROUNDED = 1e-14
 LEAST = 8
 """Shapes along each side at least: ten vibrations then have errors below 1e-5, with corners clamped-free 1e-4."""
 
-_STATIC_DEGREE = 20
-
 
 @dataclass(frozen=True)
 class Panel:
@@ -93,13 +90,14 @@ class Panel:
 
 @lru_cache(maxsize=16)
 @one_thread
-def panel_modes(panel: Panel, position: tuple[float, float], highest: float) -> Modes:
-    """The vibrations of a plate up to the frequency `highest` [rad/s], seen from `position` [m].
+def panel_modes(panel: Panel, position: tuple[float, float], highest: float, others: Points = ()) -> Modes:
+    """The vibrations of a plate up to the frequency `highest` [rad/s], seen from `position` [m] and from other points.
 
     TooManyModes beyond MOST_FUNCTIONS.
     """
+    points = ((1.0, position), *others)
     if SIMPLE in panel.ends:
-        return sorted_modes(*_strips(panel, position, highest), highest)
+        return sorted_modes(*_strips(panel, points, highest), highest)
     waves = [_half_waves(panel, along, highest) for along in (0, 1)]
     for along, number in enumerate(waves):
         if number > (most := MOST_WAVES * (2 if _symmetric(panel, along) else 1)):
@@ -116,27 +114,27 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float) -> 
         if least * sharpness**2 > most < MOST_FUNCTIONS:  # certainly too many
             continue
         lines = [_line(panel, along, sharpness * highest) for along in (0, 1)]
-        blocks = _blocks(panel, lines, sharpness * highest, position)
+        blocks = _blocks(panel, lines, sharpness * highest, points)
         largest = max(p.size for p, _ in blocks)
         if largest <= most:
             break
     if largest > MOST_FUNCTIONS:
         raise TooManyModes(_too_many(largest))
-    found = [_vibrations(panel, lines, block, position) for block in blocks]
+    found = [_vibrations(panel, lines, block, points) for block in blocks]
     frequency, share = (np.concatenate(columns) for columns in zip(*found, strict=True))
     return sorted_modes(frequency, share, highest)
 
 
-def _strips(panel: Panel, position: tuple[float, float], highest: float) -> tuple[Array, Array]:
+def _strips(panel: Panel, points: Points, highest: float) -> tuple[Array, Array]:
     """Frequencies, rad/s, and shares of a plate with two opposite edges simply supported, each half-wave alone."""
     if panel.ends[0] != SIMPLE:
-        panel, position = _turned(panel), (position[1], position[0])
-    (d11, d12, d22, _), (a, b), (x, y) = panel.stiffness, panel.size, position
+        panel, points = turned(panel), tuple((factor, point[::-1]) for factor, point in points)
+    (d11, d12, d22, _), (a, b) = panel.stiffness, panel.size
     # half-waves have at least the energy of the stiffness D11 − D12²/D22: edges that are free let the plate curl
     waves = _half_waves(panel, 0, highest) * (1.0 - d12**2 / (d11 * d22)) ** -0.25
     check_count(waves)
     wave = np.arange(1.0, max(LEAST, int(waves)) + 1.0) * math.pi / a
-    wave = wave[np.abs(np.sin(wave * x)) > NODE]
+    wave = wave[np.max([np.abs(np.sin(wave * point[0])) for _, point in points], axis=0) > NODE]
     degree, groups = _degrees(panel, wave, highest), 2 if _symmetric(panel, 1) else 1
     if float(np.sum((degree / groups) ** 3)) > MOST_STRIPS:
         raise TooManyModes(
@@ -147,17 +145,19 @@ def _strips(panel: Panel, position: tuple[float, float], highest: float) -> tupl
     for size in np.unique(degree):
         ends, exact = panel.ends[1], size <= MOST_DEGREE
         across = polynomials(ends, int(size)) if exact else line(ends, int(SHAPES * size))
-        seen = across.at(2.0 * y / b - 1.0) * (2.0 / math.sqrt(a * b))
+        seen = np.array([factor * across.at(2.0 * y / b - 1.0) for factor, (_, y) in points]) * 2.0 / math.sqrt(a * b)
         for odd in (False, True)[:groups]:
-            q = np.flatnonzero(across.odd == odd) if groups == 2 else np.arange(seen.size)
-            if np.abs(seen[q]).max() > NODE:
-                sides = _across(panel, across, q)
-                found += [_strip(panel, sides, k, seen[q] * math.sin(k * x)) for k in wave[degree == size]]
+            q = np.flatnonzero(across.odd == odd) if groups == 2 else np.arange(seen.shape[1])
+            sides = _across(panel, across, q)
+            for k in wave[degree == size]:
+                there = np.sin(k * np.array([point[0] for _, point in points])) @ seen[:, q]
+                if np.abs(there).max() > NODE:
+                    found.append(_strip(panel, sides, k, there))
     frequency, share = (np.concatenate(columns) for columns in zip(*found, strict=True))
     return frequency, share
 
 
-def _turned(panel: Panel) -> Panel:
+def turned(panel: Panel) -> Panel:
     """The same plate with its sides exchanged."""
     (d11, d12, d22, d66), (a, b), edges, springs = panel.stiffness, panel.size, panel.edges, panel.springs
     turned = (d22, d12, d11, d66), (b, a), (*edges[2:], *edges[:2]), (*springs[2:], *springs[:2])
@@ -220,7 +220,7 @@ def _too_many(count: float) -> str:
     )
 
 
-def _energy(panel: Panel, lines: list[Line], p: Index, q: Index) -> Array:
+def energy_of(panel: Panel, lines: list[Line], p: Index, q: Index) -> Array:
     """Matrix of the energy of products f_p(x) g_q(y) that are orthonormal in ∫∫w²."""
     (d11, d12, d22, d66), (x, y) = panel.stiffness, lines
     a, b = (2.0 / side for side in panel.size)
@@ -235,14 +235,17 @@ def _energy(panel: Panel, lines: list[Line], p: Index, q: Index) -> Array:
     return found
 
 
-def _shape(panel: Panel, lines: list[Line], position: tuple[float, float], p: Index, q: Index) -> Array:
-    """The products at a point, orthonormal in ∫∫w²."""
+def shape_at(panel: Panel, lines: list[Line], points: Points, p: Index, q: Index) -> Array:
+    """The products, orthonormal in ∫∫w², seen from points."""
     a, b = panel.size
-    x, y = (own.at(2.0 * at / side - 1.0) for own, at, side in zip(lines, position, panel.size, strict=True))
-    return x[p] * y[q] * (2.0 / math.sqrt(a * b))
+    total = np.zeros(p.size)
+    for factor, position in points:
+        x, y = (own.at(2.0 * at / side - 1.0) for own, at, side in zip(lines, position, panel.size, strict=True))
+        total += factor * x[p] * y[q]
+    return total * (2.0 / math.sqrt(a * b))
 
 
-def _blocks(panel: Panel, lines: list[Line], highest: float, position: tuple[float, float]) -> list[Block]:
+def _blocks(panel: Panel, lines: list[Line], highest: float, points: Points) -> list[Block]:
     """The products up to a frequency, in groups that do not interact; those that are 0 at a point are left out."""
     (d11, d12, d22, d66), (x, y) = panel.stiffness, lines
     a, b = (2.0 / side for side in panel.size)
@@ -252,15 +255,15 @@ def _blocks(panel: Panel, lines: list[Line], highest: float, position: tuple[flo
     kept = own + (a * b) ** 2 * mixed <= panel.mass_per_area * highest**2
     kept[x.shapes :] = kept[:, y.shapes :] = True
     kept[:LEAST] = kept[:, :LEAST] = True  # the first vibrations are accurate however low the frequency
-    return _split(panel, lines, position, *np.nonzero(kept))
+    return split(panel, lines, points, *np.nonzero(kept))
 
 
-def _split(panel: Panel, lines: list[Line], position: tuple[float, float], p: Index, q: Index) -> list[Block]:
+def split(panel: Panel, lines: list[Line], points: Points, p: Index, q: Index) -> list[Block]:
     """Products in groups that do not interact; those that are 0 at a point are left out."""
     groups = [_groups(panel, lines, along) for along in (0, 1)]
     key = groups[0][p] * (int(groups[1].max()) + 1) + groups[1][q]
     blocks = [(p[key == group], q[key == group]) for group in np.unique(key)]
-    return [block for block in blocks if np.abs(_shape(panel, lines, position, *block)).max() > NODE] or blocks[:1]
+    return [block for block in blocks if np.abs(shape_at(panel, lines, points, *block)).max() > NODE] or blocks[:1]
 
 
 def _symmetric(panel: Panel, along: int) -> bool:
@@ -278,10 +281,10 @@ def _groups(panel: Panel, lines: list[Line], along: int) -> Index:
     return np.zeros(lines[along].bent.size, np.intp)
 
 
-def _vibrations(panel: Panel, lines: list[Line], block: Block, position: tuple[float, float]) -> tuple[Array, Array]:
+def _vibrations(panel: Panel, lines: list[Line], block: Block, points: Points) -> tuple[Array, Array]:
     """Frequencies, rad/s, and shares of a group of products."""
-    square, moved = _spectrum(_energy(panel, lines, *block), _shape(panel, lines, position, *block), _least(panel))
-    square[: _loose(panel, lines, block).shape[1]] = 0.0
+    square, moved = _spectrum(energy_of(panel, lines, *block), shape_at(panel, lines, points, *block), _least(panel))
+    square[: loose_motions(panel, lines, block).shape[1]] = 0.0
     frequency = np.sqrt(np.maximum(square, 0.0) / panel.mass_per_area)
     return frequency, moved**2 / panel.mass_per_area
 
@@ -325,14 +328,14 @@ def _spectrum(energy: Array, seen: Array, least: float) -> tuple[Array, Array]:
     return 1.0 / values[::-1][known] - shift, found[known]
 
 
-def _loose(panel: Panel, lines: list[Line], block: Block) -> Array:
+def loose_motions(panel: Panel, lines: list[Line], block: Block) -> Array:
     """Orthonormal combinations of the products of a group that move without energy, one per column."""
     p, q = block
     tilted = (lines[0].bent[p] == 0.0) & (lines[1].bent[q] == 0.0)
     rigid = np.flatnonzero(tilted)
     if rigid.size == 0 or panel.foundation:
         return np.zeros((p.size, 0))
-    energy = _energy(panel, lines, p[rigid], q[rigid])
+    energy = energy_of(panel, lines, p[rigid], q[rigid])
     values, shapes = np.linalg.eigh(energy)
     a, b = panel.size
     least = 1e-12 * (max(panel.stiffness) / (a * b) ** 2 + max(panel.springs) / min(a, b))
@@ -345,43 +348,4 @@ def loose(panel: Panel) -> bool:
     """Whether the plate can move without bending: nothing holds it, or it turns about one edge."""
     lines = [line(ends, LEAST) for ends in panel.ends]
     every = [indices.ravel() for indices in np.indices([each.bent.size for each in lines])]
-    return _loose(panel, lines, (every[0], every[1])).shape[1] > 0
-
-
-def ritz_compliance(panel: Panel, position: tuple[float, float], degree: int = _STATIC_DEGREE) -> float:
-    """Static deflection over force by Ritz's method alone, m/N: too small, because polynomials smooth the point force.
-
-    Of a plate that nothing holds: the deflection without its motion as a rigid body.
-    """
-    lines = [polynomials(ends, degree) for ends in panel.ends]
-    p, q = (indices.ravel() for indices in np.indices([each.bent.size for each in lines]))
-    total = 0.0
-    for block in _split(panel, lines, position, p, q):
-        seen, energy = _shape(panel, lines, position, *block), _energy(panel, lines, *block)
-        loose = _loose(panel, lines, block)
-        energy += float(np.trace(energy)) / energy.shape[0] * loose @ loose.T
-        seen = seen - loose @ (loose.T @ seen)
-        scale = 1 / np.sqrt(np.diag(energy))
-        total += float(seen * scale @ np.linalg.solve(energy * scale[:, None] * scale, seen * scale))
-    return total
-
-
-@lru_cache(maxsize=64)
-def panel_compliance(panel: Panel, position: tuple[float, float]) -> float:
-    """Static deflection over force of a plate at the point `position` [m], m/N.
-
-    Polynomials cannot represent the singularity under the force. Their error is that of the same plate with two
-    opposite edges simply supported, for which :func:`levy_compliance` is exact, so the difference there corrects it.
-    The edges next to the force stay as they are. The error is below 1e-5 at the centre, 1e-4 next to an edge. Of a
-    plate that nothing holds, this is the deflection without its motion as a rigid body.
-    """
-    (x, y), (a, b), (d11, _, d22, _) = position, panel.size, panel.stiffness
-    simple = [ends == SIMPLE and not any(panel.springs) for ends in panel.ends]
-    nearer = min(y, b - y) / d22**0.25 < min(x, a - x) / d11**0.25
-    if (nearer and not simple[1]) or simple[0]:
-        panel, position = _turned(panel), (y, x)
-    like = Panel(panel.mass_per_area, panel.stiffness, panel.size, panel.ends[0] + SIMPLE)
-    known = levy_compliance(panel.stiffness, panel.size, panel.ends[0], position)
-    if like == panel:
-        return known
-    return known + ritz_compliance(panel, position) - ritz_compliance(like, position)
+    return loose_motions(panel, lines, (every[0], every[1])).shape[1] > 0

@@ -7,13 +7,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, cast
 
+import numpy as np
+
 from film_model.base.arrays import either, root
 from film_model.base.errors import raise_all, shown
 from film_model.base.fields import Field, measure, mistake, one_of
 from film_model.base.materials import REQUIRED_MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, format_si
-from film_model.targets.modes import Modes
+from film_model.targets.modes import Modes, Points
 from film_model.targets.rod_modes import rod_compliance, rod_modes
+from film_model.targets.sensors import SENSORS, Influence, Sensor, sensor_mistakes
 from film_model.targets.supports import DAMPING, damped
 from film_model.targets.target import LENGTH, RADIUS, AbstractTarget, Estimate, Impact, fill_target, missing
 
@@ -44,7 +47,8 @@ class Rod(AbstractTarget):
 
     material: name or table. diameter: m; or area: of the cross-section, m². length: m; without it no wave returns.
     far_end: "free", "fixed", or the impedance of what it is joined to, N·s/m. damping_ratio: of the vibrations; one
-    number or a list. radius: of a rounded end, m.
+    number or a list. sensors: points whose motion is
+    wanted. radius: of a rounded end, m.
 
     >>> round(fm.Rod("mild steel", diameter="20 mm").impedance)  # N·s/m
     12755
@@ -61,6 +65,7 @@ class Rod(AbstractTarget):
         "length": LENGTH,
         "far_end": FAR_END,
         "damping_ratio": DAMPING,
+        "sensors": SENSORS,
         "radius": RADIUS,
     }
 
@@ -70,6 +75,7 @@ class Rod(AbstractTarget):
     length: float | None
     far_end: Literal["free", "fixed"] | float
     damping_ratio: float | tuple[float, ...] | None
+    sensors: tuple[Sensor, ...] | None  # pyright: ignore[reportIncompatibleVariableOverride]
     radius: float
 
     def __init__(
@@ -81,12 +87,14 @@ class Rod(AbstractTarget):
         radius: Value | None = None,
         far_end: Literal["free", "fixed"] | Value = "free",
         damping_ratio: float | Sequence[float] | None = None,
+        sensors: Sequence[Sensor | Mapping[str, Any]] | None = None,
     ) -> None:
         mistakes = fill_target(self, locals())
         for name, given in (("far_end", far_end != "free"), ("damping_ratio", damping_ratio is not None)):
             if length is None and given:
                 mistakes.append(mistake(self, name, "needs a length: no wave returns from an infinite rod"))
-        raise_all(mistakes + one_of(self, diameter=diameter, area=area))
+        sides = None if self.length is None else (self.length,)
+        raise_all(mistakes + sensor_mistakes(self, self.sensors, sides) + one_of(self, diameter=diameter, area=area))
 
     @property
     def cross_section(self) -> float:
@@ -137,7 +145,13 @@ class Rod(AbstractTarget):
         """Never missing."""
         return ""
 
-    def modes(self, highest: float) -> Modes:
+    def influence(self, highest: float, sensor: Sensor) -> Influence:
+        """How a force on the end moves a sensor: the shapes are cos(ω x/c)."""
+        assert sensor.position is not None and self.length is not None
+        modes, delay = self.modes(highest), sensor.position[0] / self.length * self.return_time / 2
+        return Influence(modes.frequency, modes.share * np.cos(modes.frequency * delay), modes.damping_ratio)
+
+    def modes(self, highest: float, others: Points = ()) -> Modes:
         """Natural vibrations up to a frequency [rad/s]."""
         return damped(rod_modes(self.impedance, self.return_time / 2, self._behind, highest), self.damping_ratio)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
@@ -13,7 +13,8 @@ from film_model.base.errors import Mistake, raise_all, shown
 from film_model.base.fields import Field, measure, mistake, words
 from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, array_to_si, needed
-from film_model.targets.modes import Modes, pulse_response
+from film_model.targets.modes import Modes, Points, pulse_response
+from film_model.targets.sensors import SENSORS, Influence, Sensor, replaced
 from film_model.targets.structure_file import MOST_LISTED, read_structure
 from film_model.targets.supports import DAMPING, damped
 from film_model.targets.target import RADIUS, AbstractTarget, Estimate, Impact, fill_target, no_effect
@@ -49,7 +50,8 @@ class Structure(AbstractTarget):
     its shape is 1 at the struck point.
     damping_ratio: one number, or a list by ascending frequency; replaces that of the file. static_compliance:
     deflection over force at the struck point, m/N; default that of the vibrations together. A structure that is not
-    held: without its motion as a whole. radius: of a curved surface, m.
+    held: without its motion as a whole. sensors: points whose
+    motion is wanted. radius: of a curved surface, m.
 
     >>> fm.Structure(frequency=["180 Hz", "410 Hz"], modal_mass=["0.9 kg", "1.4 kg"]).frequency
     (180.0, 410.0)
@@ -64,6 +66,7 @@ class Structure(AbstractTarget):
         "modal_mass": _list_of("mass", 1e-28, 1e60, zero=False),
         "damping_ratio": DAMPING,
         "static_compliance": measure("compliance", 1e-18, 1e12),
+        "sensors": SENSORS,
         "radius": RADIUS,
     }
 
@@ -73,6 +76,7 @@ class Structure(AbstractTarget):
     modal_mass: tuple[float, ...]
     damping_ratio: float | tuple[float, ...] | None
     static_compliance: float | None
+    sensors: tuple[Sensor, ...] | None  # pyright: ignore[reportIncompatibleVariableOverride]
     radius: float
 
     def __init__(
@@ -84,6 +88,7 @@ class Structure(AbstractTarget):
         damping_ratio: float | Sequence[float] | None = None,
         static_compliance: Value | None = None,
         radius: Value | None = None,
+        sensors: Sequence[Sensor | Mapping[str, Any]] | None = None,
     ) -> None:
         mistakes = fill_target(self, locals())
         if self.file is not None:
@@ -95,6 +100,7 @@ class Structure(AbstractTarget):
         elif self.frequency and self.modal_mass and len(self.frequency) != len(self.modal_mass):
             wrong = f"{len(self.modal_mass)} values for {len(self.frequency)} frequencies"
             mistakes.append(mistake(self, "modal_mass", wrong))
+        mistakes += [] if mistakes else self._sensor_mistakes()
         if not mistakes:
             self._sort()
             least = self._all.compliance
@@ -109,7 +115,8 @@ class Structure(AbstractTarget):
             return [mistake(self, "file", "give file, or frequency and modal_mass, not both")]
         assert self.file is not None
         try:
-            listed = read_structure(self.file)
+            named = {s.shape.lower() for s in self.sensors or () if isinstance(s.shape, str)}
+            listed = read_structure(self.file, tuple(sorted(named)))
         except (OSError, ValueError) as error:
             reason = (
                 f"{shown(self.file)} cannot be read: {error.strerror}" if isinstance(error, OSError) else str(error)
@@ -120,12 +127,34 @@ class Structure(AbstractTarget):
         for name in ("damping_ratio", "static_compliance"):
             if getattr(self, name) is None:
                 object.__setattr__(self, name, getattr(listed, name))
+        if self.sensors:
+            found = (
+                replaced(s, listed.shapes[s.shape.lower()]) if isinstance(s.shape, str) else s for s in self.sensors
+            )
+            object.__setattr__(self, "sensors", tuple(found))
         object.__setattr__(self, "file", None)
         return []
 
+    def _sensor_mistakes(self) -> list[Mistake]:
+        """Mistakes of sensors: each needs a shape with a number for each vibration."""
+        for sensor in self.sensors or ():
+            wrong = (
+                "a shape is needed: the name of a column of the modes file, or a list" if sensor.shape is None else ""
+            )
+            if isinstance(sensor.shape, str):
+                wrong = f"the shape {shown(sensor.shape)} names a column, which needs a file"
+            elif sensor.shape is not None and len(sensor.shape) != len(self.frequency):
+                wrong = f"the shape has {len(sensor.shape)} values for {len(self.frequency)} frequencies"
+            if wrong:
+                return [mistake(self, "sensors", f"{shown(sensor.name)}: {wrong}")]
+        return []
+
     def _sort(self) -> None:
-        """Sort both lists by ascending frequency."""
+        """Sort the lists by ascending frequency."""
         order = sorted(range(len(self.frequency)), key=lambda k: self.frequency[k])
+        if self.sensors:
+            found = (replaced(s, tuple(cast("tuple[float, ...]", s.shape)[k] for k in order)) for s in self.sensors)
+            object.__setattr__(self, "sensors", tuple(found))
         for name in ("frequency", "modal_mass"):
             object.__setattr__(self, name, tuple(getattr(self, name)[k] for k in order))
 
@@ -158,9 +187,15 @@ class Structure(AbstractTarget):
         """Never missing."""
         return ""
 
-    def modes(self, highest: float) -> Modes:
+    def modes(self, highest: float, others: Points = ()) -> Modes:
         """The given vibrations up to the frequency `highest` [rad/s]."""
         return damped(self._all.below(highest), self.damping_ratio)
+
+    def influence(self, highest: float, sensor: Sensor) -> Influence:
+        """How a force at the struck point moves a sensor: its shape is relative to that point."""
+        modes = self.modes(highest)
+        shape = np.array(sensor.shape, dtype=np.float64)[: modes.frequency.size]
+        return Influence(modes.frequency, modes.share * shape, modes.damping_ratio)
 
     def omitted(self, modes: Modes, highest: float) -> float:
         """Static compliance of the vibrations above `highest` [rad/s], m/N: their sum.

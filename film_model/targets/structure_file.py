@@ -38,10 +38,12 @@ class Listed(NamedTuple):
     modal_mass: tuple[float, ...]
     damping_ratio: tuple[float, ...] | None
     static_compliance: float | None
+    shapes: dict[str, tuple[float, ...]]
+    """Of the further columns asked for: the shape there over that at the struck point."""
 
 
-def read_structure(path: str) -> Listed:
-    """The vibrations in a file that move the struck point.
+def read_structure(path: str, shapes: tuple[str, ...] = ()) -> Listed:
+    """The vibrations in a file that move the struck point. shapes: further columns, of the shape at other points.
 
     CSV, or netCDF if the file begins as such a file does. Columns or variables: frequency; modal_mass and shape, the
     deflection at the struck point of the shape that has this mass, or mass_normalised_shape; damping_ratio if known.
@@ -53,22 +55,22 @@ def read_structure(path: str) -> Listed:
     except ValueError as error:
         raise ValueError(f"{shown(path)} {error}") from None
     if content.startswith((b"\x89HDF\r\n", b"CDF")):
-        places, columns, static = _netcdf(path)
+        places, columns, static = _netcdf(path, shapes)
     else:
         try:
             text = content.decode("utf-8-sig")
         except UnicodeDecodeError as error:
             raise ValueError(f"{shown(path)} is not a text in UTF-8: byte {error.start}") from None
-        places, columns = _csv(path, text)
+        places, columns = _csv(path, text, shapes)
         static = None
-    return _listed(path, places, columns, static)
+    return _listed(path, places, columns, static, shapes)
 
 
-def _csv(path: str, text: str) -> tuple[list[str], dict[str, list[float]]]:
+def _csv(path: str, text: str, shapes: tuple[str, ...]) -> tuple[list[str], dict[str, list[float]]]:
     """Where each row is, and the columns in SI units."""
     rows = rows_of(path, text)
     line, heading = next(rows, (1, []))
-    where = dict(_heading(f"{shown(path)}, line {line}", heading))
+    where = dict(_heading(f"{shown(path)}, line {line}", heading, shapes))
     places: list[str] = []
     columns: dict[str, list[float]] = {name: [] for name in where}
     for line, cells in rows:
@@ -83,13 +85,15 @@ def _csv(path: str, text: str) -> tuple[list[str], dict[str, list[float]]]:
     return places, columns
 
 
-def _heading(place: str, cells: list[str]) -> Iterator[tuple[str, tuple[int, str]]]:
+def _heading(place: str, cells: list[str], shapes: tuple[str, ...]) -> Iterator[tuple[str, tuple[int, str]]]:
     """Column name → its number and unit."""
     seen: set[str] = set()
     for k, cell in enumerate(cells):
         match = HEADING.fullmatch(cell)
         name = "" if match is None else match[1].lower()
-        if match is None or name not in COLUMNS:
+        if match is None or name not in (*COLUMNS, *shapes):
+            if match is not None and name.startswith("shape"):
+                continue  # of a sensor that is not asked for
             hint = did_you_mean(name, COLUMNS) or f": a heading such as {EXAMPLE} is needed"
             raise ValueError(f"{place}: unknown column {shown(cell.strip())}{hint}")
         if name in seen:
@@ -98,10 +102,10 @@ def _heading(place: str, cells: list[str]) -> Iterator[tuple[str, tuple[int, str
         if match[2]:
             _factor(f"{place}: {name}", name, match[2])
         yield name, (k, match[2] or "")
-    _check_columns(place, seen)
+    _check_columns(place, seen, shapes)
 
 
-def _check_columns(place: str, seen: set[str]) -> None:
+def _check_columns(place: str, seen: set[str], shapes: tuple[str, ...]) -> None:
     """A ValueError unless there are frequencies, and shapes in one of two ways."""
     if "frequency" not in seen:
         raise ValueError(f"{place}: no column frequency: a heading such as {EXAMPLE} is needed")
@@ -110,6 +114,9 @@ def _check_columns(place: str, seen: set[str]) -> None:
     missing = {"modal_mass", "shape"} - seen
     if "mass_normalised_shape" not in seen and missing:
         raise ValueError(f"{place}: no column {min(missing)}: a heading such as {EXAMPLE} is needed")
+    for name in shapes:
+        if name not in seen:
+            raise ValueError(f"{place}: no column {shown(name)}, which a sensor names as its shape")
 
 
 def _factor(place: str, name: str, unit: str) -> float:
@@ -149,7 +156,7 @@ def _value(place: str, name: str, cell: str, unit: str) -> float:
     return value * _factor(f"{place}: {name}", name, unit)
 
 
-def _netcdf(path: str) -> tuple[list[str], dict[str, list[float]], float | None]:
+def _netcdf(path: str, shapes: tuple[str, ...]) -> tuple[list[str], dict[str, list[float]], float | None]:
     """Where each vibration is, the variables in SI units, and the static compliance if the file has it."""
     import netCDF4
 
@@ -159,7 +166,9 @@ def _netcdf(path: str) -> tuple[list[str], dict[str, list[float]], float | None]
         raise ValueError(f"{shown(path)} cannot be read as netCDF: {error}") from None
     try:
         with netCDF4.Dataset(path, "r") as file:
-            found: dict[str, Any] = {name: _variable(path, file, name) for name in COLUMNS if name in file.variables}
+            found: dict[str, Any] = {
+                name: _variable(path, file, name) for name in (*COLUMNS, *shapes) if name in file.variables
+            }
             static = None
             if "static_compliance" in file.variables:
                 value = _numbers(path, file.variables["static_compliance"], "static_compliance")
@@ -167,7 +176,7 @@ def _netcdf(path: str) -> tuple[list[str], dict[str, list[float]], float | None]
                 static = to_si(f"{float(value.ravel()[0])!r} {unit}", "compliance")
     except (OSError, RuntimeError) as error:
         raise ValueError(f"{shown(path)} cannot be read as netCDF: {error}") from None
-    _check_columns(shown(path), set(found))
+    _check_columns(shown(path), set(found), shapes)
     sizes = {name: len(values) for name, values in found.items()}
     if len(set(sizes.values())) > 1:
         raise ValueError(f"{shown(path)}: " + ", ".join(f"{size} values of {name}" for name, size in sizes.items()))
@@ -191,7 +200,9 @@ def _numbers(path: str, variable: Any, name: str) -> Array:
     return np.ma.filled(np.ma.asarray(variable[...], dtype=np.float64), np.nan)
 
 
-def _listed(path: str, places: list[str], columns: dict[str, list[float]], static: float | None) -> Listed:
+def _listed(
+    path: str, places: list[str], columns: dict[str, list[float]], static: float | None, shapes: tuple[str, ...]
+) -> Listed:
     """The vibrations, checked and sorted."""
     if not places:
         raise ValueError(f"{shown(path)} has no vibrations")
@@ -213,4 +224,6 @@ def _listed(path: str, places: list[str], columns: dict[str, list[float]], stati
     order = order[moves[order]]
     bent = order[frequency[order] > 0.0]
     damping = tuple(columns["damping_ratio"][k] for k in bent.tolist()) if "damping_ratio" in columns else ()
-    return Listed(tuple(frequency[order].tolist()), tuple((1 / share[order]).tolist()), damping or None, static)
+    struck = np.array(columns["mass_normalised_shape" if "mass_normalised_shape" in columns else "shape"])[order]
+    there = {name: tuple((np.array(columns[name])[order] / struck).tolist()) for name in shapes}
+    return Listed(tuple(frequency[order].tolist()), tuple((1 / share[order]).tolist()), damping or None, static, there)

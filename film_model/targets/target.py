@@ -25,7 +25,8 @@ from film_model.base.arrays import endless
 from film_model.base.errors import Mistake, SimulationError
 from film_model.base.fields import Field, fill, measure, mistake
 from film_model.base.materials import Material
-from film_model.targets.modes import Modes
+from film_model.targets.modes import Modes, Points
+from film_model.targets.sensors import OTHER, Influence, Sensor, influence_of
 
 RADIUS = measure("length", 1e-10, 1e3)
 LENGTH = measure("length", 1e-10, 1e5)
@@ -127,6 +128,7 @@ class AbstractTarget(ABC):
     material: Material | None
     radius: float
     velocity: float = field(default=0.0, init=False, repr=False, compare=False)
+    sensors: ClassVar[tuple[Sensor, ...] | None] = None
 
     @property
     def own_mass(self) -> float | None:
@@ -150,6 +152,11 @@ class AbstractTarget(ABC):
         Of a structure that nothing holds: of its vibrations together, without its motion as a whole.
         """
         return None
+
+    @property
+    def compliance_error(self) -> float:
+        """Bound on the error of `compliance`, m/N, where it is computed and neither given nor in closed form."""
+        return 0.0
 
     @property
     def stiffness_given(self) -> bool:
@@ -191,9 +198,15 @@ class AbstractTarget(ABC):
         """Why the natural vibrations of a structure are unknown, as a clause; empty if they are known."""
         return f"the vibrations of a {self.kind} are not known"
 
-    def modes(self, highest: float) -> Modes:
-        """Natural vibrations up to the frequency `highest`, rad/s."""
+    def modes(self, highest: float, others: Points = ()) -> Modes:
+        """Natural vibrations up to the frequency `highest`, rad/s, seen from the struck point and `others` together."""
         raise SimulationError(self.modes_missing)
+
+    def influence(self, highest: float, sensor: Sensor) -> Influence:
+        """How a force at the struck point moves a sensor, by the vibrations up to the frequency `highest`, rad/s."""
+        assert sensor.position is not None
+        both = [self.modes(highest, ((sign, sensor.position),)) for sign in (OTHER, -OTHER)]
+        return influence_of(both[0], both[1], self.modes(highest))
 
     def omitted(self, modes: Modes, highest: float) -> float:
         """Static compliance of the vibrations above `highest` [rad/s], m/N. modes: those up to it."""

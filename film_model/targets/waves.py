@@ -21,6 +21,8 @@ RADIATION = (0.41756, -0.63293, 0.69362, -0.73621, 0.68903, -0.37054)
 THIN = 10.0
 """Contact time over the time in which a shear wave crosses a plate, from which bending waves describe its motion."""
 
+MEAN_FREQUENCY = 0.7737 * math.pi
+"""Mean of ω t_c over |F(ω)|² of a half-sine."""
 
 BESIDE_BENDING = 0.25
 """Energy that a plate between thick and thin radiates beside bending, over what a half-space takes: finite elements of
@@ -36,6 +38,16 @@ def pressure_velocity(material: Material) -> float:
     """c_L = c_T √((2 − 2ν)/(1 − 2ν)) of longitudinal waves in a solid, m/s."""
     ratio = material.poissons_ratio
     return shear_velocity(material) * math.sqrt((2.0 - 2.0 * ratio) / (1.0 - 2.0 * ratio))
+
+
+def bending_time(material: Material, thickness: float) -> float:
+    """Contact time from which bending waves describe the motion of a plate of a thickness [m], s."""
+    return THIN * thickness / shear_velocity(material)
+
+
+def crossing_time(material: Material, thickness: float) -> float:
+    """Time in which a longitudinal wave crosses a plate of a thickness [m] and returns, s."""
+    return 2.0 * thickness / pressure_velocity(material)
 
 
 def radiation(material: Material) -> Any:

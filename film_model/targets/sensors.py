@@ -1,0 +1,146 @@
+"""Sensors on a structure: points at which its motion is wanted beside the struck one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple, cast
+
+import numpy as np
+
+from film_model.base.errors import Mistake, raise_all, shown
+from film_model.base.fields import Field, build, fill, measure, mistake, words
+from film_model.base.units import Value
+from film_model.targets.modes import Array, Modes
+
+MOST_SENSORS = 100
+
+_PLACE = measure("length", 0, 1e5)
+
+
+class Influence(NamedTuple):
+    """Motion of a point by a force at the struck one: Σ r_n, r̈_n + 2 ζ_n ω_n ṙ_n + ω_n² r_n = factor_n F.
+
+    frequency: ω_n, rad/s. factor: φ_n(point) φ_n(struck point)/M_n, 1/kg. damping_ratio: ζ_n.
+    """
+
+    frequency: Array
+    factor: Array
+    damping_ratio: Array
+
+
+OTHER = 0.7548776662466927
+"""Factor of a sensor's displacement where a structure is seen from it and from the struck point: any number that leaves
+no vibrations unseen if both are the same point, or one of symmetry."""
+
+
+def influence_of(plus: Modes, minus: Modes, struck: Modes) -> Influence:
+    """The influence from modes seen from both points: 4 g φ ψ = (φ + g ψ)² − (φ − g ψ)², g being `OTHER`.
+
+    No mode need be found again in the other list. struck: modes of the struck point, with their damping; modes that
+    have a node there cancel, so that the damping of the nearest serves them.
+    """
+    frequency = np.concatenate([plus.frequency, minus.frequency])
+    right = np.clip(np.searchsorted(struck.frequency, frequency), 1, struck.frequency.size - 1)
+    nearer = frequency - struck.frequency[right - 1] < struck.frequency[right] - frequency
+    damping = struck.damping_ratio[np.where(nearer, right - 1, right)]
+    return Influence(frequency, np.concatenate([plus.share, -minus.share]) / (4.0 * OTHER), damping)
+
+
+def _read_position(value: object) -> tuple[float, ...]:
+    items = [value] if isinstance(value, str) or not isinstance(value, Sequence) else cast("Sequence[object]", value)
+    return tuple(_PLACE.read(item) for item in items)
+
+
+def _read_shape(value: object) -> Any:
+    if isinstance(value, str) or not isinstance(value, Sequence):
+        return words("the name of a column of the modes file").read(value)
+    return tuple(measure("dimensionless", -1e15, 1e15).read(item) for item in cast("Sequence[object]", value))
+
+
+@dataclass(frozen=True, init=False)
+class Sensor:
+    """A point of a structure whose motion is wanted.
+
+    name: in results. position: on a plate two distances from a corner, m; on a beam or rod one from its first or
+    struck end. shape: on a structure the name of a column of the modes file, or for each vibration the deflection there
+    over that at the struck point.
+    """
+
+    FIELDS: ClassVar[Mapping[str, Field]] = {
+        "name": Field(words("a name").read, "a name is needed", required=True),
+        "position": Field(_read_position, 'a length such as "20 mm", or a list of two, is needed', dimension="length"),
+        "shape": Field(_read_shape, "the name of a column of the modes file is needed"),
+    }
+
+    name: str
+    position: tuple[float, ...] | None
+    shape: str | tuple[float, ...] | None
+
+    def __init__(
+        self,
+        name: str | None = None,
+        position: Value | Sequence[Value] | None = None,
+        shape: str | Sequence[float] | None = None,
+    ) -> None:
+        mistakes = fill(self, locals())
+        if (position is None) == (shape is None):
+            mistakes.append(mistake(self, "position", "give position, or shape on a structure of given vibrations"))
+        raise_all(mistakes)
+
+
+def replaced(sensor: Sensor, shape: tuple[float, ...]) -> Sensor:
+    """The sensor with its shape as numbers."""
+    return Sensor(sensor.name, shape=shape)
+
+
+def _read_sensors(value: object) -> tuple[Sensor, ...]:
+    if isinstance(value, str) or not isinstance(value, Sequence):
+        raise ValueError(f"{shown(value)} is not allowed: {SENSORS.need}")
+    items = cast("Sequence[Any]", value)
+    if not 1 <= len(items) <= MOST_SENSORS:
+        raise ValueError(f"there are {len(items)} sensors: 1 to {MOST_SENSORS} are allowed")
+    found = tuple(item if isinstance(item, Sensor) else build(Sensor, item) for item in items)
+    names = [sensor.name for sensor in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"two sensors are called {shown(name)}: each needs a name of its own")
+    return found
+
+
+def _write(sensors: tuple[Sensor, ...]) -> Any:
+    given = ({"name": s.name, "position": s.position, "shape": s.shape} for s in sensors)
+    return [{key: _plain(key, value) for key, value in table.items() if value is not None} for table in given]
+
+
+def _plain(key: str, value: Any) -> Any:
+    if isinstance(value, str):
+        return value
+    return [f"{number!r} m" if key == "position" else number for number in value]
+
+
+SENSORS = Field(_read_sensors, "a list of sensors, each with name and position, is needed", write=_write)
+
+
+def sensor_mistakes(
+    owner: object, sensors: tuple[Sensor, ...] | None, sides: tuple[float, ...] | None
+) -> list[Mistake]:
+    """Mistakes of sensors that are not on a plate, beam or rod with these sides, m."""
+    if not sensors:
+        return []
+    if sides is None:
+        return [mistake(owner, "sensors", "need a target with edges: an infinite one has no vibrations")]
+    found: list[Mistake] = []
+    for sensor in sensors:
+        if sensor.position is None:
+            found.append(mistake(owner, "sensors", f"{shown(sensor.name)}: a position is needed, not a shape"))
+        elif len(sensor.position) != len(sides):
+            wrong = f"{shown(sensor.name)}: the position has {len(sensor.position)} distances, {len(sides)} needed"
+            found.append(mistake(owner, "sensors", wrong))
+        else:
+            off = [(x, side) for x, side in zip(sensor.position, sides, strict=True) if x > side]
+            found += [
+                mistake(owner, "sensors", f"{shown(sensor.name)}: {x:g} m is beyond the edge at {side:g} m")
+                for x, side in off
+            ]
+    return found

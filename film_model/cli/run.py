@@ -130,6 +130,10 @@ def _results(history: History, verbose: bool) -> list[str]:
 
 def _sensors(history: History) -> list[str]:
     """The largest motion of each sensor."""
+    if not history.scene.target.sensors:
+        return []
+    if not history.sensor_peaks:
+        return ["  sensors                       no motion: the vibrations of the target are not simulated"]
     from film_model.base.units import format_si
     from film_model.solve.sensed import MOTION
 

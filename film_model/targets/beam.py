@@ -53,8 +53,8 @@ class Beam(AbstractTarget):
     "auto": a plate if at least six times as wide as thick, otherwise Timoshenko's. damping_ratio: of the vibrations;
     one number, or a list for those that move the struck point. position: of the impact, distance from the first end, m;
     default the middle, or the free end of a cantilever. static_stiffness: force over deflection at that point, N/m;
-    default from the theory. sensors: points whose motion is
-    wanted. radius: of a curved surface, m.
+    default from the theory. sensors: points whose motion is wanted.
+    radius: of a curved surface, m.
 
     >>> fm.Beam("mild steel", length="300 mm", width="20 mm", thickness="10 mm").finite
     True

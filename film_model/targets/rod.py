@@ -47,8 +47,8 @@ class Rod(AbstractTarget):
 
     material: name or table. diameter: m; or area: of the cross-section, m². length: m; without it no wave returns.
     far_end: "free", "fixed", or the impedance of what it is joined to, N·s/m. damping_ratio: of the vibrations; one
-    number or a list. sensors: points whose motion is
-    wanted. radius: of a rounded end, m.
+    number or a list. sensors: points whose motion is wanted.
+    radius: of a rounded end, m.
 
     >>> round(fm.Rod("mild steel", diameter="20 mm").impedance)  # N·s/m
     12755

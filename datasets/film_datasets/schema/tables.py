@@ -59,7 +59,13 @@ _STEPS = tuple(variable.name for variable in (*STEP_PLACES, *STEPS))
 _IN_HISTORIES, _IN_SWEEPS = (tuple(v.name for v in variables) for variables in (IN_HISTORIES, IN_SWEEPS))
 
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
-    HISTORY: {"1.1": (), "1.2": _STRESSES, "1.3": (), "1.4": (*_STEPS, MODE_ENERGY.name), "1.5": _IN_HISTORIES},
+    HISTORY: {
+        "1.1": (),
+        "1.2": _STRESSES,
+        "1.3": (),
+        "1.4": (*_STEPS, MODE_ENERGY.name),
+        "1.5": _IN_HISTORIES,
+    },
     SWEEP: {
         "1.0": (),
         "1.1": ("estimated_accuracy", *_STRESSES),

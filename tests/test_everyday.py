@@ -205,6 +205,7 @@ def test_a_file_of_the_other_kind_is_named_in_one_sentence(tmp_path, capsys):
 
 
 def test_only_names_for_users_are_listed():
-    assert not {"Any", "TYPE_CHECKING", "annotations", "import_module"} & {*dir(fm)} and {"simulate", "laws"} <= {
-        *dir(fm)
-    }
+    tools = {"Any", "TYPE_CHECKING", "annotations", "import_module", "find_spec"}
+    for package, names in ((fm, {"simulate", "laws"}), (fd, {"sweep", "open"})):
+        assert not tools & {*dir(package)} and names <= {*dir(package)}
+    assert repr(fm.LAWS).startswith("<film_model.laws: hertz, ") and "jackson-green" in repr(fm.LAWS)

@@ -94,4 +94,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*__all__, *globals()})
+    without = {"Any", "TYPE_CHECKING", "annotations", "find_spec", "import_module"}
+    return sorted({*__all__, *globals()} - without)

@@ -43,6 +43,9 @@ class LateClasses(MutableMapping[str, type[T]]):
     def __contains__(self, name: object) -> bool:
         return name in self._loaded
 
+    def __repr__(self) -> str:
+        return f"<{self._package}: {', '.join(self)}>"
+
     def called(self, class_name: str) -> type[T]:
         """The class of this name, for a package's `__getattr__`; AttributeError if there is none."""
         for name in self:

@@ -119,12 +119,12 @@ def test_method_figures(tmp_path):
 
 @pytest.mark.slow
 def test_map_tables():
-    """The core's tables are what the script writes; without 80-bit numbers, nearly."""
+    """The core's tables are what the script writes, but for the order in which NumPy sums."""
     tables = example("map_tables")
     texts = {name: tables.text(name) for name in tables.TABLES} | {"film_way_through": tables.text_through()}
     for name, made in texts.items():
         kept = (tables.CORE / f"{name}.c").read_text(encoding="utf-8")
-        assert made == kept or np.finfo(np.longdouble).nmant < 63
+        assert made.partition("{")[0] == kept.partition("{")[0]
         for part in (1, 2) if name == "film_way_through" else (1,):
             numbers = [np.array(text.split("{")[part].split("}")[0].split(",")[:-1], float) for text in (made, kept)]
             assert numbers[0].size == numbers[1].size

@@ -126,9 +126,11 @@ static void close_resources(resources *r, int count) {
 
 static inline int relaxing(const resources *r) { return r->data.relaxation.tolerance > 0.0; }
 
-/* On a target that vibrates or has a static stiffness, or of viscoelastic bodies: for Co-Simulation only, and not the march of
+/* On a target that vibrates or has a static stiffness, of viscoelastic bodies, or with friction: for Co-Simulation only, and not the march of
  * the law's curve alone. */
-static inline int beside(const resources *r) { return r->data.modes.count > 0 || relaxing(r) || r->data.available[TARGET_STIFFNESS]; }
+static inline int beside(const resources *r) {
+    return r->data.modes.count > 0 || relaxing(r) || r->data.available[TARGET_STIFFNESS] || r->data.available[FRICTION];
+}
 
 /* ---------------------------------------------------------------- one interface to both versions */
 
@@ -195,6 +197,7 @@ static inline double get(unit *u, unsigned reference) {
 
 static inline int has(const resources *r, unsigned reference) {
     if (beside(r) && VARIABLE[reference].changes == IN_MODEL_EXCHANGE) return 0;
+    if (reference >= SLIDING_VELOCITY && reference <= FRICTION_WORK && !r->data.available[FRICTION]) return 0;
     return VARIABLE[reference].role[r->data.kind] != ABSENT && (reference >= SETTABLE || r->data.available[reference]);
 }
 

@@ -158,8 +158,7 @@ static void call_step(player *p) {
     const model_memory *m = &((instance *)p->u.c)->model.memory;
     double from = likely(95) ? m->time : m->time + odd(), size = likely(95) ? typical_step(p) : odd(), time = NAN;
     int status;
-    int slow = beside(p->u.from) || p->u.from->data.available[FRICTION];
-    if (size > (slow ? 30.0 : 1e3) * m->time_scale && likely(98)) size = 0.0; /* valid, but a million events take a second */
+    if (size > (beside(p->u.from) ? 30.0 : 1e3) * m->time_scale && likely(98)) size = 0.0; /* valid, but a million events take a second */
     if (p->u.version == 2) {
         CALL(p, fmi2DoStep, p->u.c, from, size, likely(50));
         if (status == GOOD) CALL(p, fmi2GetRealStatus, p->u.c, fmi2LastSuccessfulTime, &time);

@@ -47,7 +47,8 @@ def viscoelastic(target: str = "half-space") -> fm.Scene:
 def rubbing(law: str) -> fm.Scene:
     """The ball comes in at an angle, with friction."""
     on = scene(law)
-    entries = {"contact.friction": 0.3, "contact.effective_modulus": None, "impactor.angle": "30 deg"}
+    entries = {"contact.friction": 0.3, "contact.effective_modulus": None}
+    entries |= {"impactor.angle": "30 deg", "impactor.spin": "9 rad/s"}
     return on.replace({**entries, "impactor.material": "bearing steel", "target.material": "bearing steel"})
 
 

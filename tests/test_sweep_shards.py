@@ -218,6 +218,8 @@ def test_shards_of_many_processes_that_are_killed(tmp_path: Path) -> None:
     one, other = tree(target), tree(tmp_path / "whole.zarr")
     attributes = [json.loads(files.pop("zarr.json"))["attributes"] for files in (one, other)]
     assert one == other
+    seals = {each.pop("metadata_sha256") for each in attributes}  # of the commands too
+    assert len(seals) == 2 and fd.open(target).sizes == fd.open(tmp_path / "whole.zarr").sizes
     assert attributes[0].pop("history").replace(str(target), "") == attributes[1].pop("history").replace(
         str(tmp_path / "whole.zarr"), ""
     )

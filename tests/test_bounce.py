@@ -274,3 +274,10 @@ def test_a_ball_with_spin_is_turned_at_every_bounce(tmp_path):
     assert fd.validate(ds) == [] and ds.spin.values[0] == first.spin
     fd.write(ds, tmp_path / "spin.nc")
     assert bounces_of(fd.open(tmp_path / "spin.nc")).bounces == bounces.bounces
+
+
+def test_models_of_friction_that_differ_are_said():
+    """A contact that yields: the first impact under both models, as `simulate` says."""
+    shot = fm.Sphere(diameter="1 mm", velocity="40 m/s", angle="45 deg", material="bearing steel")
+    scene = fm.Scene(shot, fm.HalfSpace("aluminium 6061-T6"), fm.Contact(friction=0.3))
+    assert any("two models give a sliding velocity" in sentence for sentence in fm.bounce(scene).warnings)

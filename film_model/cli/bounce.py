@@ -63,7 +63,7 @@ def _table(done: Bounces, most: int) -> str:
     lines = [done.scene.title or "Bounces", f"law {done.law}; {done.outcome}", ""]
     heads = ["time", "velocity", "rebound", "height", "force", "dent"]
     if done.scene.contact.friction is not None:
-        heads += ["along", "spin"]
+        heads += ["along", f"{'spin':>18}"]
     lines.append(f"{'':5}{''.join(f'{head:>14}' for head in heads)}{'e':>9}")
     for number, bounce in enumerate(done.bounces, 1):
         if count <= most or number <= most // 2 or number > count - most // 2:
@@ -85,6 +85,6 @@ def _row(bounce: Bounce, count: int) -> str:
         format_si(bounce.maximum_force, "force"),
         "-" if dent is None else format_si(dent, "length"),
         "-" if along is None else format_si(along, "velocity"),
-        "-" if spin is None else format_si(spin, "angular_frequency"),
+        f"{'-' if spin is None else format_si(spin, 'angular_frequency'):>18}",
     )[:count]
     return f"{''.join(f'{cell:>14}' for cell in cells)}{bounce.restitution:9.4f}"

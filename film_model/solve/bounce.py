@@ -15,12 +15,13 @@ from film_model.base.errors import ImpactWarning, Mistake, SceneError, Simulatio
 from film_model.base.late import Late
 from film_model.base.units import format_si
 from film_model.effects.case import case_of
-from film_model.effects.choose import choose
+from film_model.effects.choose import Choice, choose
 from film_model.effects.wave_losses import hindered, with_waves
 from film_model.problem.summary import dent_of
 from film_model.scene import STANDARD_GRAVITY, Scene
 from film_model.solve.component import ImpactComponent
 from film_model.solve.history import Event
+from film_model.solve.simulate import simulate_chosen
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -197,6 +198,17 @@ def _falling(scene: Scene) -> Scene:
     return replace(heavy, effects=effects)
 
 
+def _doubts_of_friction(choice: Choice) -> tuple[str, ...]:
+    """How far models of the friction differ in the first impact."""
+    if choice.scene.contact.friction is None:
+        return ()
+    try:
+        oblique = simulate_chosen(choice, choice.scene.solver).oblique
+    except SimulationError:  # a first contact that does not end
+        return ()
+    return () if oblique is None else oblique.warnings
+
+
 class _Series:
     """The bounces of a component, one after the other. least: height that is rest, m."""
 
@@ -210,7 +222,7 @@ class _Series:
         """All of them, and how they end."""
         choice = self._component.choice
         outcome, rests, said = self._ended()
-        warnings = (*choice.warnings, *said)
+        warnings = (*choice.warnings, *_doubts_of_friction(choice), *said)
         rest = self._found[-1].time if rests else None
         return Bounces(choice.scene, choice.problem.law.name, tuple(self._found), outcome, rest, warnings)
 

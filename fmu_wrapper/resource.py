@@ -15,11 +15,11 @@ from film_model.base.units import scene_unit
 from film_model.core import native
 from film_model.core.modal import LEVELS, Tables
 from film_model.laws.hertz import hertz_stiffness
-from film_model.oblique.sliding import sliding_of, spin_of
 from film_model.problem import stresses
 from film_model.problem.curve import curve_of
 from film_model.problem.problem import Problem
 from film_model.scene import STANDARD_GRAVITY, Scene
+from film_model.scene.rolling import sliding_of, spin_of
 from film_model.solve.component import ImpactComponent
 from film_model.solve.vibration import Vibration
 from fmu_wrapper.assumptions import Validity

@@ -14,7 +14,7 @@ from film_model.core import friction as core
 from film_model.core import native
 from film_model.core import springs as core_springs
 from film_model.oblique import springs
-from film_model.oblique.sliding import sliding_of
+from film_model.scene.rolling import sliding_of
 
 REFERENCE = {
     1.75: {0.5: 0.175136886, 1.5: 0.096408594, 3.0: -1.037584925, 5.0: -1.523272442},

@@ -48,6 +48,11 @@ def cosine(x: Any) -> Any:
     return np.cos(x) if isinstance(x, np.ndarray) else math.cos(x)
 
 
+def sine(x: Any) -> Any:
+    """sin x, x in radians."""
+    return np.sin(x) if isinstance(x, np.ndarray) else math.sin(x)
+
+
 def exponential(x: Any) -> Any:
     """eˣ of a number, an array, or an object that has a method for it."""
     if isinstance(x, np.ndarray):

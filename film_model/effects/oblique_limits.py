@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from film_model.scene import Scene
+from film_model.scene.rolling import stiffness_ratio, tangential_mobility
 
 LARGEST = 1.0
 """Coefficient of friction up to which the rebound is bounded; the least is 0."""
@@ -36,7 +37,7 @@ def unknown(scene: Scene, restitution: float) -> Open:
     The impulse of friction lies between 0 and the lesser of µ m (1 + e) V_n, that of sliding throughout, and m_t v
     (1 + β), with β of `REVERSED`, v the sliding velocity and 1/m_t = Σ (1/m + R²/J).
     """
-    ball, along = scene.impactor, scene.impactor.path_speed * math.sin(scene.impactor.angle or 0.0)
+    ball, along = scene.impactor, scene.impactor.tangential_speed
     spin, normal = ball.spin or 0.0, scene.effective_mass * (1.0 + restitution) * scene.approach_velocity
     inertia = ball.inertia_number * scene.mass * ball.radius**2
     sliding = along + spin * ball.radius
@@ -69,24 +70,9 @@ def expected(scene: Scene, restitution: float) -> str | None:
     ball, friction, ratio = scene.impactor, scene.contact.friction, stiffness_ratio(scene)
     if not friction or ratio is None:
         return None
-    sliding = ball.path_speed * math.sin(ball.angle or 0.0) + (ball.spin or 0.0) * ball.radius
+    sliding = ball.tangential_speed + (ball.spin or 0.0) * ball.radius
     number = abs(sliding) / (ratio * friction * scene.approach_velocity)
     chi = 0.5 * tangential_mobility(scene) * scene.effective_mass / ratio
     last = 2.0 * chi * (1.0 + restitution) - restitution
     how = "sticks first" if number < 1.0 else "slides first" if number < last else "slides throughout"
     return f"the contact {how}: impact number {number:.3g}, limits 1 and {last:.3g}"
-
-
-def tangential_mobility(scene: Scene) -> float:
-    """1/m_t = Σ (1/m + R²/J) of the bodies that are free, 1/kg."""
-    own = (1.0 + 1.0 / scene.impactor.inertia_number) / scene.mass
-    return own + (3.5 / scene.target.own_mass if scene.target.free and scene.target.own_mass else 0.0)
-
-
-def stiffness_ratio(scene: Scene) -> float | None:
-    """κ = E*/(4 G*) of the materials; None if one of them is not known."""
-    own, other = scene.impactor.material, scene.target.material
-    if own is None or other is None:
-        return None
-    softness = sum(2.0 * (2.0 - m.poissons_ratio) * (1.0 + m.poissons_ratio) / m.youngs_modulus for m in (own, other))
-    return softness / (4.0 * sum((1.0 - m.poissons_ratio**2) / m.youngs_modulus for m in (own, other)))

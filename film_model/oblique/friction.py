@@ -21,10 +21,10 @@ from film_model.core import native
 from film_model.laws.law import Power
 from film_model.oblique import springs
 from film_model.oblique.result import KINDS, MOTION, REGIMES, Oblique
-from film_model.oblique.sliding import Sliding, sliding_of, spin_of
 from film_model.problem.problem import Problem
 from film_model.problem.stresses import contact_radius
 from film_model.scene import Scene
+from film_model.scene.rolling import Sliding, sliding_of, spin_of
 
 STICKS, SLIDES, THROUGHOUT = REGIMES
 

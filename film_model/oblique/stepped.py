@@ -9,8 +9,8 @@ from film_model.base.errors import SimulationError
 from film_model.core import native, springs
 from film_model.core import sliding as core
 from film_model.oblique.friction import refuse
-from film_model.oblique.sliding import sliding_of, spin_of
 from film_model.problem.problem import Problem
+from film_model.scene.rolling import sliding_of, spin_of
 
 STEP = 0.002
 """Longest step of the springs, over the unit of time of the march."""

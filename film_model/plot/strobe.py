@@ -53,7 +53,7 @@ def paths(history: History) -> tuple[Path, Path]:
     ball, rebound = history.scene.impactor, history.summary["rebound_velocity"]
     if rebound is None:
         raise ValueError("a strobe picture shows the rebound, but contact does not end")
-    before = Path(ball.path_speed * math.sin(ball.angle or 0.0), -ball.speed, ball.spin or 0.0)
+    before = Path(ball.tangential_speed, -ball.speed, ball.spin or 0.0)
     if history.oblique is not None:
         found = history.oblique.summary
         return before, Path(found["tangential_rebound_velocity"], -rebound, found["rebound_spin"])

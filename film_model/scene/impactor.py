@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal, cast
 
-from film_model.base.arrays import cosine, root
+from film_model.base.arrays import cosine, root, sine
 from film_model.base.errors import raise_all
 from film_model.base.fields import Field, choice, fill_ball, measure, mistake, one_of
 from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
@@ -101,6 +101,11 @@ class Sphere:
     def speed(self) -> float:
         """The component of that velocity normal to the surface, m/s, which is simulated."""
         return self.path_speed if self.angle is None else self.path_speed * cosine(self.angle)
+
+    @property
+    def tangential_speed(self) -> float:
+        """The component of that velocity along the surface, m/s."""
+        return self.path_speed * sine(0.0 if self.angle is None else self.angle)
 
     @property
     def inertia_number(self) -> float:

@@ -17,10 +17,10 @@ from film_model.effects.many import rows_of
 from film_model.laws.law import Power
 from film_model.oblique.friction import CLOSED, exact_error, exact_force, numbers_of, refuse, results
 from film_model.oblique.result import OBLIQUE, REGIMES
-from film_model.oblique.sliding import Sliding, sliding_of
 from film_model.problem.problem import Problem
 from film_model.scene import Scene, Solver
 from film_model.scene.columns import scene_of_columns
+from film_model.scene.rolling import Sliding, sliding_of
 
 
 @dataclass(frozen=True)

@@ -15,14 +15,13 @@ from typing import NamedTuple
 import numpy as np
 
 from film_model.base.arrays import Array
+from film_model.base.errors import SimulationError
 from film_model.scene import Contact, Effects, Scene
+from film_model.scene.rolling import MATERIALS, stiffness_ratio, tangential_mobility
 from film_model.solve.simulate import simulate_quietly
 
 STEPS = 4000
 """Time steps of an impact; ψ₂ of a model then changes by less than 1e-3 when they are doubled."""
-
-FRICTION = 0.2
-"""Coefficient at which `theory` finds the unit of ψ."""
 
 
 class Spring(NamedTuple):
@@ -92,9 +91,11 @@ class Groups(NamedTuple):
 
 
 def groups(scene: Scene) -> Groups:
-    """χ and κ of a scene, whatever its law, angle, spin and friction. Raises SimulationError as `simulate` does."""
-    found = _after(scene, FRICTION)
-    return Groups(found["tangential_parameter"], _sliding(scene) / (found["impact_number"] * FRICTION * _normal(scene)))
+    """χ and κ of a scene, whatever its law, angle, spin and friction. Raises SimulationError without both materials."""
+    ratio = stiffness_ratio(scene)
+    if ratio is None:
+        raise SimulationError(MATERIALS)
+    return Groups(0.5 * tangential_mobility(scene) * scene.effective_mass / ratio, ratio)
 
 
 def theory(scene: Scene, before: Array) -> Array:

@@ -5,15 +5,18 @@ Every formula serves one impact, whose numbers are floats, and many, whose numbe
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple, cast
-
-import numpy as np
 
 from film_model.base.arrays import Number, all_of, endless
 from film_model.base.errors import SimulationError
 from film_model.base.materials import Material
 from film_model.scene import Scene
+
+MATERIALS = (
+    "friction needs Young's modulus and Poisson's ratio of both bodies: give impactor.material and target.material, "
+    "without effective_modulus in [contact]"
+)
+"""What is missing where κ is not known."""
 
 
 class Body(NamedTuple):
@@ -56,22 +59,45 @@ def sliding_of(scene: Scene, at_rest: bool = False) -> Sliding | None:
     ball, friction = scene.impactor, scene.contact.friction
     if friction is None:
         return None
-    angle, spin = 0.0 if ball.angle is None else ball.angle, spin_of(scene)
-    along = ball.path_speed * (np.sin(angle) if isinstance(angle, np.ndarray) else math.sin(angle))
-    velocity = along + spin * ball.radius
+    along = ball.tangential_speed
+    velocity = along + spin_of(scene) * ball.radius
     if not at_rest and all_of(velocity == 0.0):
         return None
-    materials = [ball.material, scene.target.material]
-    if None in materials or scene.contact.effective_modulus is not None:
-        raise SimulationError(
-            "friction needs Young's modulus and Poisson's ratio of both bodies: give impactor.material and "
-            "target.material, without effective_modulus in [contact]"
-        )
-    softness = sum((2.0 - m.poissons_ratio) / _shear_modulus(m) for m in cast("list[Material]", materials))
-    impactor = Body(scene.mass, ball.radius, ball.inertia_number * scene.mass * ball.radius**2)
-    mobility = impactor.mobility + _mobility_of_target(scene)
-    modulus = cast("float", scene.effective_modulus)
-    return Sliding(friction, modulus * softness / 4.0, 1.0 / softness, 1.0 / mobility, impactor, velocity, along)
+    ratio = stiffness_ratio(scene)
+    if ratio is None or scene.contact.effective_modulus is not None:
+        raise SimulationError(MATERIALS)
+    modulus = 1.0 / _softness(_materials(scene))
+    return Sliding(friction, ratio, modulus, 1.0 / tangential_mobility(scene), _impactor(scene), velocity, along)
+
+
+def stiffness_ratio(scene: Scene) -> Number | None:
+    """κ = E*/(4 G*) of the materials; None if one of them is not known."""
+    materials = _materials(scene)
+    if not materials:
+        return None
+    one, two = ((1 - m.poissons_ratio**2) / m.youngs_modulus for m in materials)
+    return 1 / (one + two) * _softness(materials) / 4.0
+
+
+def tangential_mobility(scene: Scene) -> Number:
+    """1/m_t = Σ (1/m + R²/J) of the bodies that are free, 1/kg."""
+    return _impactor(scene).mobility + _mobility_of_target(scene)
+
+
+def _impactor(scene: Scene) -> Body:
+    ball = scene.impactor
+    return Body(scene.mass, ball.radius, ball.inertia_number * scene.mass * ball.radius**2)
+
+
+def _materials(scene: Scene) -> tuple[Material, ...]:
+    """Those of both bodies; none if one of them is not known."""
+    one, two = scene.impactor.material, scene.target.material
+    return () if one is None or two is None else (one, two)
+
+
+def _softness(materials: tuple[Material, ...]) -> Number:
+    """1/G* = Σ (2 − ν)/G, 1/Pa."""
+    return sum((2.0 - m.poissons_ratio) / _shear_modulus(m) for m in materials)
 
 
 def spin_of(scene: Scene) -> Number:

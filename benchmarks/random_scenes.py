@@ -128,7 +128,7 @@ def _sliding(scene: fm.Scene) -> Iterator[str]:
     """Tangential results that differ between one impact and the same in a batch by more than both errors."""
     try:
         one = simulate_quietly(scene).oblique
-        many = fm.simulate_batch(scene, velocity=[f"{scene.impactor.speed!r} m/s"])
+        many = fm.simulate_batch(scene, velocity=[f"{scene.impactor.velocity!r} m/s"])
     except (fm.SceneError, fm.SimulationError):
         return
     if one is None or many.failed[0]:

@@ -64,6 +64,12 @@ class Event(NamedTuple):
     target_displacement: float
     target_velocity: float
 
+    def __repr__(self) -> str:
+        shown = ("indentation", "relative_velocity", "contact_force")
+        values = {name: units.format_si(getattr(self, name), MOTION[name][0]) for name in shown}
+        motion = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in values.items())
+        return f"Event({self.name} at {units.format_si(self.time, 'time')}: {motion})"
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON (`force` is the contact force)."""
         table = self._asdict()

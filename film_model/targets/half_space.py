@@ -16,7 +16,7 @@ from film_model.targets.target import RADIUS, AbstractTarget, Estimate, Impact, 
 from film_model.targets.waves import HERTZ_SQUARE, radiated_energy, radiation_impedance
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class HalfSpace(AbstractTarget):
     """A target so thick and wide that it does not move but by waves, which do not come back.
     material: name or table. radius: of a curved surface, m; default flat.

@@ -60,7 +60,7 @@ class Spread:
     used: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Tolerance:
     """Results of a tolerance analysis. numbers: mean and standard deviation of each, SI. spreads: by summary name."""
 
@@ -88,7 +88,7 @@ class Tolerance:
             "warnings": list(self.warnings),
         }
 
-    def __str__(self) -> str:
+    def __repr__(self) -> str:
         lines = [self.sweep.scene.title or "Impact", ""]
         lines.append(f"  {'':32}{'mean':>15}{'standard deviation':>20}")
         for axis in self.sweep.axes:

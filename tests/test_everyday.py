@@ -75,8 +75,8 @@ def test_parts_of_a_scene_are_shown_in_units():
     }
     for text, found in shown.items():
         assert repr(found) == text
-    twice = eval(repr(fm.Sphere("1 mm", "2 m/s", "1 g", material="glass")), {"Sphere": fm.Sphere})
-    assert twice == fm.Sphere("1 mm", "2 m/s", "1 g", material="glass")
+    twice = eval(repr(fm.Sphere("1 mm", "2 m/s", mass="1 g", material="soda-lime glass")), {"Sphere": fm.Sphere})
+    assert twice == fm.Sphere("1 mm", "2 m/s", mass="1 g", material="soda-lime glass")
 
 
 def test_everything_fits_a_line_at_the_prompt():

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from film_model.base.text import Text
     from film_model.solve.closed_form import ClosedForm
     from film_model.solve.derivatives import Derivatives
     from film_model.solve.modal_motion import ModalMotion
@@ -175,10 +176,12 @@ class History:
         def __getattr__(self, name: str) -> Any: ...  # the summary values, added below the class
         def plot(self, path: str | os.PathLike[str] | None = None) -> Figure: ...
         def to_dataset(self, samples: int = 201) -> xr.Dataset: ...
+        def citations(self) -> Text: ...
         def _repr_html_(self) -> str: ...
     else:
         plot = Late("film_model.methods:plot")
         to_dataset = Late("film_model.methods:to_dataset")
+        citations = Late("film_model.methods:citations")
         _repr_html_ = Late("film_model.methods:history_as_html")
 
     def __repr__(self) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from film_model.base.arrays import either, endless, lesser, ratio, root
+from film_model.base.arrays import either, endless, lesser, root
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.fields import build, key_text, mistake, table_of
 from film_model.base.late import Late
@@ -165,9 +165,8 @@ class Scene:
     def effective_radius(self) -> float:
         """1/(1/R + 1/R_t), m; R_t < 0 in a hollow, nan in one that is too narrow."""
         own, other = self.impactor.radius, self.target.radius
-        if endless(other):
-            return own
-        return ratio(own * other, either((other > 0.0) | (other < -own), own + other, math.nan))
+        total = own + other
+        return own if endless(other) else own * other / either(other * total > 0.0, total, math.nan)
 
     @cached_property
     def effective_modulus(self) -> float | None:
@@ -322,10 +321,8 @@ class Scene:
         if target.free and self.approach_velocity <= 0:
             found["target.velocity"] = f"{target.velocity:g} m/s must be < the impactor's {self.impactor.speed:g} m/s"
         if -self.impactor.radius <= target.radius < 0.0:
-            wide = format_si(-self.impactor.radius, "length")
-            found["target.radius"] = (
-                f"{format_si(target.radius, 'length')} is a hollow: it must be < {wide}, the ball's"
-            )
+            radii = [format_si(size, "length") for size in (target.radius, -self.impactor.radius)]
+            found["target.radius"] = f"{radii[0]} is a hollow: it must be < {radii[1]}, the ball's"
         if contact.needs("effective_modulus") and self.effective_modulus is None:
             both = (("impactor", self.impactor), ("target", target))
             missing = " and ".join(f"{part}.material" for part, body in both if body.material is None)

@@ -54,8 +54,8 @@ def laws_page() -> str:
     rules = "\n".join(_section(name, law, "###") for name, law in UNLOADINGS.items())
     return f"""# Contact laws
 
-Made from the code by `python -m examples.reference_pages`. The name goes into a scene's `[contact]` as `law = "…"`,
-with the parameters below; quantities have units. δ: indentation, F: contact force, K = (4/3) E √R: Hertz's stiffness.
+Name a law in a scene's `[contact]` as `law = "…"`, with its parameters; quantities have units.
+δ: indentation, F: contact force, K = (4/3) E √R: Hertz's stiffness.
 
 ![One impact under every law](laws.png)
 
@@ -90,7 +90,7 @@ def effects_page() -> str:
     )
     return f"""# Effects
 
-Made from the code by `python -m examples.reference_pages`. Each effect of a scene has an indicator with its value and
+`film-model explain` lists what matters in your scene. Each effect of a scene has an indicator with its value and
 the threshold from which it matters, the error if it is neglected, and a state: simulated, not needed, switched off
 (by the scene, without harm), needed but not modelled (a warning in every output, also if the scene's switch or law
 leaves it out), or not judged (the scene lacks data for it).

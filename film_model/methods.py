@@ -47,6 +47,13 @@ def to_dataset(self: History, samples: int = 201) -> xr.Dataset:
     return film_datasets.to_dataset(self, samples, "History.to_dataset")
 
 
+def citations(self: History) -> Text:
+    """What to cite, as BibTeX: this package, its method, and the sources of the law, the effects and the friction."""
+    from film_model.studies.citations import citations as found
+
+    return Text(found(self))
+
+
 def explain(self: Scene, *, verbose: bool = False) -> Text:
     """What `film-model explain` prints: the effects of the scene, with the numbers that decide.
 

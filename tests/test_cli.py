@@ -335,3 +335,31 @@ def test_one_material_with_its_sources(capsys):
     assert status != 0 and "no material's name contains" in err
     status, _, err = run(capsys, "materials", "alumunium")
     assert status != 0 and 'did you mean "aluminium"?' in err
+
+
+@pytest.mark.parametrize(
+    ("command", "file", "said"),
+    [
+        ("run", "m.csv", "m.csv: is a table; a scene or a sweep (TOML) is needed"),
+        (
+            "sweep",
+            "x.nc",
+            'x.nc: is a dataset: "film-model plot" and "film-model check" read it; a scene or a sweep (TOML)',
+        ),
+        (
+            "run",
+            "impact.fmu",
+            'impact.fmu: is an FMU: "film-model check-fmu" reads it; a scene or a sweep (TOML) is needed',
+        ),
+        (
+            "plot",
+            "scene.toml",
+            'scene.toml: is a scene or a sweep, no dataset: "film-model run" and "film-model sweep"',
+        ),
+    ],
+)
+def test_a_file_of_another_kind_is_named(command, file, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / file).write_text("velocity\n", "utf-8")
+    assert main([command, file, "--output" if command != "plot" else "--quantity", "y.nc"]) in (2, 3)
+    assert capsys.readouterr().err.startswith(said)

@@ -53,6 +53,32 @@ def test_warnings_that_python_ignores_cost_nothing(monkeypatch):
         fm.simulate(SCENE)
 
 
+def test_parts_of_a_scene_are_shown_in_units():
+    block = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3", "hardness": "1 GPa"}
+    shown = {
+        "Sphere(radius='10 mm', velocity='0.25 m/s', material='bearing steel')": fm.Sphere(
+            diameter="20 mm", velocity="25 cm/s", material="bearing steel"
+        ),
+        "HalfSpace(material=Material(youngs_modulus='210 GPa', poissons_ratio=0.3, density='7850 kg/m^3', "
+        "hardness='1 GPa'))": fm.HalfSpace(material=block),
+        "Plate(material='mild steel', thickness='5 mm', size=('200 mm', '300 mm'))": fm.Plate(
+            material="mild steel", thickness="0.5 cm", size=["0.2 m", "0.3 m"]
+        ),
+        "Contact(law='meyer', exponent=1.5, stiffness=\"1000000000.0 N/m^1.5\")": fm.Contact(
+            "meyer", exponent=1.5, stiffness="1 GN/m^1.5"
+        ),
+        "Effects(gravity=True)": fm.Effects(gravity=True),
+        "Event(contact_begins at 0 s: indentation 0 m, relative velocity 0.25 m/s, contact force 0 N)": HISTORY.events[
+            0
+        ],
+        f"Effect({HISTORY.effects[0].line})": HISTORY.effects[0],
+    }
+    for text, found in shown.items():
+        assert repr(found) == text
+    twice = eval(repr(fm.Sphere("1 mm", "2 m/s", mass="1 g", material="soda-lime glass")), {"Sphere": fm.Sphere})
+    assert twice == fm.Sphere("1 mm", "2 m/s", mass="1 g", material="soda-lime glass")
+
+
 def test_everything_fits_a_line_at_the_prompt():
     titled = SCENE.replace({"title": "A ball"})
     many = fm.simulate_batch(SCENE, velocity=["1 m/s", "2 m/s"])

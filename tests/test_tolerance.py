@@ -10,7 +10,7 @@ from scipy import stats
 import film_datasets as fd
 import film_model as fm
 from film_datasets.sweeps import Sweep
-from film_datasets.tolerances import one_at_a_time
+from film_datasets.tolerances import one_at_a_time, shapley, tolerance_of
 from film_datasets.tolerances.inputs import moments
 from film_model.cli.main import main
 
@@ -74,14 +74,55 @@ def test_sobol_indices_are_those_of_a_product_of_lognormal_numbers(found):
     assert restitution.deviation < 1e-12
 
 
-def test_correlated_numbers_have_a_linear_variance_but_no_indices():
-    found = fd.tolerance(SCENE, OVER, samples=1024, correlation=[[1, -0.9], [-0.9, 1]], quantities=["maximum_force"])
+def test_correlated_numbers_have_shapley_effects():
+    found = fd.tolerance(SCENE, OVER, samples=1000, correlation=[[1, -0.9], [-0.9, 1]], quantities=["maximum_force"])
     spread = found.spreads["maximum_force"]
     a, b = (POWERS[path] * deviation / mean for path, (mean, deviation) in found.numbers.items())
     assert spread.linear / spread.at_means == pytest.approx(math.sqrt(a * a + b * b - 1.8 * a * b), rel=1e-6)
     assert spread.deviation / spread.mean == pytest.approx(spread.linear / spread.at_means, rel=0.05)
-    assert spread.indices == {}
-    assert spread.shares == {}
+    assert spread.indices == {} and "Shapley's (95 %)" in str(found) and "1000 points, sobol, correlated" in str(found)
+    # y = a x + b z of correlation r: a² (1 − r²/2) + a b r + b² r²/2 is the effect of x (Owen & Prieur 2017)
+    whole, r = a * a + b * b - 1.8 * a * b, -0.9
+    exact = [(p * p * (1 - r * r / 2) + p * q * r + q * q * r * r / 2) / whole for p, q in ((a, b), (b, a))]
+    assert list(spread.shares.values()) == pytest.approx(exact, rel=1e-6)
+    for share, effect in zip(exact, spread.effects.values(), strict=True):
+        assert effect.value == pytest.approx(share, abs=0.02)
+        assert effect.low < effect.value < effect.high < effect.low + 0.2
+    assert sum(effect.value for effect in spread.effects.values()) == pytest.approx(1.0, rel=1e-12)
+
+
+def test_shapley_effects_of_independent_numbers_lie_between_the_indices():
+    u = np.random.default_rng(1).random((4096, 6))
+    y = [np.prod(1.0 + probabilities, axis=1) for probabilities in shapley.designs(u, np.eye(3))]
+    effects = shapley.effects(np.array(y), 0.95, 1)
+    variance = (1.5**2 + 1 / 12) ** 3 - 1.5**6
+    for effect in effects:
+        assert effect.low < 1 / 3 < effect.high and effect.value == pytest.approx(1 / 3, abs=0.02)
+    first, total = 1.5**4 / 12 / variance, 1 - ((1.5**2 + 1 / 12) ** 2 - 1.5**4) * 1.5**2 / variance
+    assert first < effects[0].value < total
+
+
+def test_the_design_and_the_number_of_points_are_those_asked_for(tmp_path):
+    sweep = Sweep.of(SCENE, OVER, "random", samples=100, seed=2)
+    found = tolerance_of(sweep, ["maximum_force"])
+    assert found.spreads["maximum_force"].used == 200 and "100 points, random" in str(found)
+    with pytest.raises(ValueError, match="samples: 5 must be >= 8"):
+        fd.tolerance(SCENE, OVER, samples=5)
+
+
+def test_correlated_numbers_move_together_in_the_picture():
+    free, tied = (
+        one_at_a_time(Sweep.of(SCENE, OVER, "sobol", samples=8, correlation=given), "maximum_force")
+        for given in (None, [[1, -0.5], [-0.5, 1]])
+    )
+    assert all(one.size < other.size for one, other in zip(tied, free, strict=True))
+
+
+def test_many_correlated_numbers_have_no_shares_and_it_is_said(monkeypatch):
+    monkeypatch.setattr(shapley, "MOST_NUMBERS", 1)
+    found = fd.tolerance(SCENE, OVER, samples=16, correlation=[[1, 0.5], [0.5, 1]], quantities=["maximum_force"])
+    assert found.spreads["maximum_force"].effects == {} == found.spreads["maximum_force"].shares
+    assert "no shares of the variance: 2 correlated numbers, at most 1 can be" in found.warnings
 
 
 def test_the_same_analysis_has_the_same_numbers_and_says_them(found):

@@ -64,4 +64,5 @@ def _fill(figure: Figure, sweep: Sweep, quantity: str, swings: Sequence[Swing], 
     panel.set_xlabel(label(quantity, unit))
     figure.suptitle((sweep.scene.title or "Impact").replace("$", r"\$"), fontsize=11, fontweight="bold")
     ends = f"each number at its {100 * LOW:g} % and {100 * HIGH:g} % quantile, the others at their medians"
+    ends += ", given it by the correlations" if sweep.correlation else ""
     panel.set_title(ends, fontsize=8)

@@ -36,6 +36,7 @@ COMMANDS = {
     "identify": "film-model identify measured.csv scene.toml --fit contact.yield_strength",
     "explain": "film-model explain scene.toml --law all",
     "laws": "film-model laws --plot laws.png",
+    "cite": "film-model cite scene.toml > models.bib",
     "materials": "film-model materials --search glass",
 }
 """An example of each command."""

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import enum
-from collections.abc import Iterable, Mapping
+import re
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -46,6 +48,22 @@ class SceneError(ValueError):
 
     def __str__(self) -> str:
         return "\n".join(map(str, self.mistakes))
+
+    @property
+    def needed(self) -> list[str]:
+        """The entries of [contact] that a law needs and the scene does not give; none if there is another mistake."""
+        wanted = all(m.key.startswith("contact.") and _WANTS.search(m.message) for m in self.mistakes)
+        return [m.key.partition(".")[2] for m in self.mistakes] if wanted else []
+
+
+_WANTS = re.compile(r"^(missing|give)\b|\bneeds a value\b")
+"""In the sentence about an entry that a law needs."""
+
+
+def not_compared(needing: Mapping[str, Sequence[str]]) -> str:
+    """The laws that are not compared, and the entries that each needs."""
+    said = ", ".join(f"{name} ({', '.join(entries)})" for name, entries in needing.items())
+    return textwrap.fill(f"Not compared, because they need entries in [contact]: {said}.", 100, break_on_hyphens=False)
 
 
 def raise_all(mistakes: list[Mistake]) -> None:

@@ -9,7 +9,9 @@ from __future__ import annotations
 import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from inspect import signature
 from typing import Any, ClassVar, Protocol, TypeVar, cast
 
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
@@ -22,7 +24,7 @@ class Field:
 
     low, high: range of a quantity, SI; with `open_ends`, the range excludes its ends. inside: names of
     the entries of a part. write: a stored value as a scene file contains it; default :func:`written`. width: reads a
-    difference of two values, where this is not a quantity of the dimension.
+    difference of two values, where this is not a quantity of the dimension. by_name: finds a part in a catalogue.
     """
 
     read: Callable[[object], Any]
@@ -35,6 +37,7 @@ class Field:
     inside: tuple[str, ...] = ()
     write: Callable[[Any], Any] | None = None
     width: Callable[[object], float] | None = None
+    by_name: Callable[[str], Any] | None = None
 
     def read_width(self, value: object) -> float:
         """A difference of two values, such as a standard deviation or a tolerance, SI."""
@@ -49,6 +52,34 @@ class Part(Protocol):
     """A frozen dataclass with a table of its fields."""
 
     FIELDS: ClassVar[Mapping[str, Field]]
+
+
+class InUnits:
+    """Shown with the entries that differ from their defaults, six digits and units, in place of the SI floats."""
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(self.shown_entries())})"
+
+    def shown_entries(self) -> list[str]:
+        """The entries of the table `FIELDS` as arguments of the constructor."""
+        entries = signature(type(self)).parameters
+        return [
+            f"{name}={_in_units(value, field)}"
+            for name, field in cast("Part", self).FIELDS.items()
+            if (value := getattr(self, name)) not in (None, math.inf, "", entries[name].default)
+        ]
+
+
+def _in_units(value: Any, field: Field) -> str:
+    if isinstance(value, tuple):
+        return f"({', '.join(_in_units(item, field) for item in cast('tuple[Any, ...]', value))})"
+    if isinstance(value, float) and field.dimension != "dimensionless":
+        return repr(format_si(value, field.dimension, 6))
+    name = getattr(value, "name", None)
+    if field.by_name is not None and name:
+        with suppress(ValueError):
+            return repr(name if value == field.by_name(name) else value)
+    return repr(value)
 
 
 AnyPart = TypeVar("AnyPart")
@@ -146,7 +177,7 @@ def part(cls: type[AnyPart], *, required: bool = False, by_name: Callable[[str],
             return build(cls, cast("Mapping[str, object]", value))
         raise ValueError(f"{shown(value)} is not allowed: {what} is needed")
 
-    return Field(read, f"{what} is needed", required, inside=tuple(cast("type[Part]", cls).FIELDS))
+    return Field(read, f"{what} is needed", required, inside=tuple(cast("type[Part]", cls).FIELDS), by_name=by_name)
 
 
 def mistake(owner: object, name: str, message: str) -> Mistake:

@@ -17,6 +17,8 @@ def check_hdf5(source: str | os.PathLike[str]) -> None:
     writes, or whose attributes are damaged: the netCDF library follows links, and may end the process for the last."""
     import h5py  # lazy: only files need it
 
+    if os.fspath(source).lower().endswith(".toml"):
+        raise ValueError('is a scene or a sweep, no dataset: "film-model run" and "film-model sweep" read it')
     try:
         if not h5py.is_hdf5(source):
             return  # classic netCDF, or for the netCDF library to refuse

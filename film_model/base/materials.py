@@ -10,7 +10,7 @@ from typing import Any, ClassVar, TypeAlias, cast
 
 from film_model.base.catalogue import ROWS
 from film_model.base.errors import Mistake, raise_all, shown
-from film_model.base.fields import Field, fill, measure, mistake, part, words, written
+from film_model.base.fields import Field, InUnits, fill, measure, mistake, part, words, written
 from film_model.base.flow_stress import (
     MOST_HARDENING,
     MOST_OVER_YIELD,
@@ -67,8 +67,8 @@ _PRONY_NEEDED = (
 PRONY = Field(_read_prony, _PRONY_NEEDED, write=_write_prony)
 
 
-@dataclass(frozen=True, init=False)
-class Material:
+@dataclass(frozen=True, init=False, repr=False)
+class Material(InUnits):
     """An isotropic elastic material. Quantities go in, SI floats are stored.
 
     name: in messages. youngs_modulus: Pa. poissons_ratio: dimensionless. density: kg/m³. yield_strength: Pa; none for a

@@ -60,7 +60,8 @@ def bounce(options: argparse.Namespace) -> int:
 
 def _table(done: Bounces, most: int) -> str:
     count = len(done.bounces)
-    lines = [done.scene.title or "Bounces", f"law {done.law}; {done.outcome}", ""]
+    waves = f", with waves in the {done.scene.target.kind}" if done.scene.effects.wave_losses is True else ""
+    lines = [done.scene.title or "Bounces", f"law {done.law}{waves}; {done.outcome}", ""]
     heads = ["time", "velocity", "rebound", "height", "force", "dent"]
     if done.scene.contact.friction is not None:
         heads += ["along", f"{'spin':>18}"]
@@ -87,4 +88,4 @@ def _row(bounce: Bounce, count: int) -> str:
         "-" if along is None else format_si(along, "velocity"),
         f"{'-' if spin is None else format_si(spin, 'angular_frequency'):>18}",
     )[:count]
-    return f"{''.join(f'{cell:>14}' for cell in cells)}{bounce.restitution:9.4f}"
+    return f"{''.join(f' {cell:>13}' for cell in cells)}{bounce.restitution:9.4f}"

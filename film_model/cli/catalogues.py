@@ -1,4 +1,4 @@
-"""film-model explain, laws, materials: what applies to a scene, and what there is to choose from."""
+"""film-model explain, cite, laws, materials: what applies to a scene, and what there is to choose from."""
 
 from __future__ import annotations
 
@@ -39,6 +39,10 @@ def add_commands(named: Any) -> None:
     add_plot(parser, "draw all of them")
     add_force(parser, "overwrite an existing picture")
     parser.set_defaults(command=laws)
+
+    parser = named.add_parser("cite", help="print what to cite for a scene, as BibTeX")
+    parser.add_argument("scene", help="scene file (TOML)")
+    parser.set_defaults(command=cite)
 
     parser = named.add_parser("materials", help="list the materials of the catalogue, or show one")
     parser.add_argument("name", nargs="?", help="show this one, with the sources of its values")
@@ -116,6 +120,14 @@ def _print_law(row: dict[str, Any]) -> None:
         kind = f"list of {kind}s" if parameter["several"] else kind
         needed = "" if parameter["required"] else ", optional"
         print(f"{'':20}  {key}: {parameter['help']} ({kind}{needed})")
+
+
+def cite(options: argparse.Namespace) -> int:
+    from film_model.scene import Scene
+    from film_model.solve.simulate import simulate_quietly
+
+    print(simulate_quietly(Scene.from_toml(options.scene)).citations())
+    return DONE
 
 
 def materials(options: argparse.Namespace) -> int:

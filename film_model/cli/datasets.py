@@ -164,7 +164,7 @@ def _shard(options: argparse.Namespace, asked: Sweep) -> int:
 
 
 def _sweep_table(report: dict[str, Any]) -> str:
-    """Counts of outcomes, and the range of every summary quantity that has a value."""
+    """Counts of outcomes, and the range of every summary quantity that has a value, with the impacts that have one."""
     from film_model.base.units import format_si
     from film_model.oblique.result import OBLIQUE
     from film_model.problem.summary import SUMMARY
@@ -175,10 +175,12 @@ def _sweep_table(report: dict[str, Any]) -> str:
     if report["failed"] == report["impacts"]:
         return "\n".join(lines[:2])
     lines.append(f"  {'':30}{'minimum':>16}{'mean':>16}{'maximum':>16}")
-    for name, row in report["summary"].items():
-        cells = (row[key] for key in ("least", "mean", "greatest"))
-        texts = ("-" if value is None else format_si(value, dimensions[name], 5) for value in cells)
-        lines.append(f"  {name.replace('_', ' '):30}" + "".join(f"{text:>16}" for text in texts))
+    known = {name: row for name, row in report["summary"].items() if row["count"]}
+    most = max((row["count"] for row in known.values()), default=0)
+    for name, row in known.items():
+        texts = (format_si(row[key], dimensions[name], 5) for key in ("least", "mean", "greatest"))
+        few = f"   in {row['count']} of {most}" if row["count"] < most else ""
+        lines.append(f"  {name.replace('_', ' '):30}" + "".join(f"{text:>16}" for text in texts) + few)
     lines += ["", f"  estimated relative error ≤ {report['accuracy']['estimated']:.1e}"]
     return "\n".join(lines)
 

@@ -69,6 +69,8 @@ def export_fmu(options: argparse.Namespace) -> int:
         overwrite=options.force,
     )
     print_written(path)
+    if options.kind == "impact" and scene.effects.gravity == "auto":
+        print("the weight is simulated, however small; the parameter gravity = 0 leaves it out", file=sys.stderr)
     _say_if_alone(options)
     return DONE
 

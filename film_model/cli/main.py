@@ -30,12 +30,12 @@ COMMANDS = {
     "datasets": ("sweep", "plot", "identify"),
     "tolerance": ("tolerance",),
     "tables": ("check", "convert", "summarise", "table"),
-    "catalogues": ("explain", "laws", "materials"),
+    "catalogues": ("explain", "laws", "cite", "materials"),
 }
 """Modules of `film_model.cli`, and the commands that each adds."""
 
 GROUPS = {
-    "simulate": ("new", "run", "bounce", "explain", "explore", "laws", "materials"),
+    "simulate": ("new", "run", "bounce", "explain", "cite", "explore", "laws", "materials"),
     "data": ("sweep", "tolerance", "identify", "plot", "summarise", "table", "convert", "check"),
     "other programs": ("export-fmu", "check-fmu", "export-ssp", "export-page", "contact-for"),
     "how good it is": ("validate", "cost", "hard-cases"),

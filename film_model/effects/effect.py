@@ -53,6 +53,9 @@ class Effect(NamedTuple):
     source: str
     cost: str = FREE
 
+    def __repr__(self) -> str:
+        return f"Effect({self.line})"
+
     @property
     def simulated(self) -> bool:
         """Whether the simulation includes the effect."""

@@ -12,6 +12,8 @@ from film_model.base.materials import Material
 from film_model.base.units import scene_unit
 from film_model.scene import Scene
 
+SMALLEST_RADIUS = 1e-10  # m
+
 _POSITIVE = (1.0 / 20.0, 20.0)
 """Least and largest value of a slider over the value of the scene."""
 
@@ -58,10 +60,14 @@ class Input:
         name, low, high = self.path.rsplit(".", 1)[1], self.field.low, self.field.high
         assert low is not None and high is not None
         value = self.value
+        if name == "radius" and low < 0.0:  # a slider does not pass from a ball through a flat to a hollow
+            low, high = (SMALLEST_RADIUS, high) if (value or 0.0) > 0.0 else (low, -SMALLEST_RADIUS)
         logarithmic = value is not None and 0.0 < value < math.inf and low >= 0.0
         if logarithmic:
             assert value is not None
             slider = [max(low, value * _POSITIVE[0]), min(high, value * _POSITIVE[1])]
+        elif high < 0.0:
+            slider = [max(low, (value or 0.0) * _POSITIVE[1]), min(high, (value or 0.0) * _POSITIVE[0])]
         else:
             size = max(abs(value or 0.0), 1.0 if high > 1.0 else high)
             slider = [max(low, -10.0 * size), min(high, 10.0 * size)]

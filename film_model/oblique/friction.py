@@ -28,6 +28,9 @@ from film_model.scene.rolling import Sliding, sliding_of, spin_of
 
 STICKS, SLIDES, THROUGHOUT = REGIMES
 
+SOURCE = "Mindlin 1949; Jäger 1994"
+"""Of the theory of friction."""
+
 SLIDING = 1e-6
 """The impulse of friction is that of sliding throughout if it lacks less than this share of µ times the normal one."""
 

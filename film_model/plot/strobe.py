@@ -7,6 +7,8 @@ import os
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from film_model.base.units import format_si
 from film_model.plot.style import COLOURS, HIGHLIGHT, picture, plain
 from film_model.solve.history import History
@@ -102,6 +104,9 @@ def _draw(figure: Figure, history: History, interval: float, seen: list[Seen]) -
     panel.set(xlim=(middle - half, middle + half), ylim=(low, low + inch * SIZE[1] * BOX[3]))
     if math.isinf(target.radius):
         panel.fill_between([middle - half, middle + half], low, 0.0, color="0.85", linewidth=0.0)
+    elif target.radius < 0.0:  # a hollow
+        x = np.linspace(-1.0, 1.0, 201) * min(half, -target.radius)
+        panel.fill_between(x, low, -target.radius - np.sqrt(target.radius**2 - x * x), color="0.85", linewidth=0.0)
     else:
         panel.add_patch(Circle((0.0, -target.radius), target.radius, color="0.85"))
     panel.set_axis_off()

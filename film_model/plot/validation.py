@@ -20,32 +20,26 @@ MARKS = {"measured": "o", "finite_element": "s", "theory": "^"}
 def plot_validation(
     reports: Sequence[LawReport], path: str | os.PathLike[str] | None = None, dpi: float = 200.0
 ) -> Figure:
-    """Left: computed over published value for every row and law. Right: the distribution of the errors of each law."""
+    """Computed over published value for every row and law, of restitution and of dents; right: the distribution of the
+    errors of each law."""
 
     def draw(figure: Figure) -> None:
         from matplotlib.ticker import LogLocator
 
         figure.set_layout_engine("constrained")
-        left, right = figure.subplots(1, 2, width_ratios=(3, 2))
-        for k, report in _drawn(reports):
-            first = report.law == AUTO
-            colour = _colour(report, k)
-            for kind, mark in MARKS.items():
-                found = [p for p in report.predictions if p.row.kind == kind and p.value == p.value]
-                values = [p.row.value if p.row.quantity == RESTITUTION else 1e3 * p.row.value for p in found]
-                style: Any = {"linestyle": "", "marker": mark, "markersize": 5.0 if first else 3.0, "color": colour}
-                left.plot(values, [1.0 + p.error for p in found], **style, alpha=1.0 if first else 0.45)
+        figure.suptitle("Contact laws compared with published values", fontsize=11, fontweight="bold")
+        *left, right = figure.subplots(1, 3, width_ratios=(3, 2, 3))
+        for panel, restitution in zip(left, (True, False), strict=True):
+            for k, report in _drawn(reports):
+                _points(panel, report, _colour(report, k), restitution)
+            panel.axhline(1.0, color="0.3", linewidth=0.8)
+            what = "coefficient of restitution" if restitution else "dent, mm"
+            panel.set(xscale="log", ylim=(0.4, 1.8), xlabel=f"published {what}")
+            panel.xaxis.set_major_formatter("{x:g}")
+            panel.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
+            panel.xaxis.set_minor_formatter("{x:g}")
+        left[0].set_ylabel("computed over published value")
         _legend(figure, reports)
-        left.axhline(1.0, color="0.3", linewidth=0.8)
-        left.set(
-            xscale="log",
-            ylim=(0.4, 1.8),
-            xlabel="published value: coefficient of restitution, or dent in mm",
-            ylabel="computed over published value",
-        )
-        left.xaxis.set_major_formatter("{x:g}")
-        left.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
-        left.xaxis.set_minor_formatter("{x:g}")
         errors: list[Any] = [[100 * error for error in report.errors()] for report in reports]
         right.boxplot(errors, orientation="horizontal", whis=(0, 100))
         names = [f"{report.law}{'' if report.monotone else ' (not monotone)'}" for report in reports]
@@ -58,6 +52,17 @@ def plot_validation(
             right.plot(own, [k + 1] * len(own), "o", markersize=3.0, color=HIGHLIGHT)
 
     return picture(path, draw, (11.0, 5.0), dpi)
+
+
+def _points(panel: Any, report: LawReport, colour: str, restitution: bool) -> None:
+    """The values of one law: coefficients of restitution, or dents in mm."""
+    first = report.law == AUTO
+    rows = [p for p in report.predictions if p.value == p.value and (p.row.quantity == RESTITUTION) == restitution]
+    for kind, mark in MARKS.items():
+        found = [p for p in rows if p.row.kind == kind]
+        values = [p.row.value * (1.0 if restitution else 1e3) for p in found]
+        style: Any = {"linestyle": "", "marker": mark, "markersize": 5.0 if first else 3.0, "color": colour}
+        panel.plot(values, [1.0 + p.error for p in found], **style, alpha=1.0 if first else 0.45)
 
 
 def _drawn(reports: Sequence[LawReport]) -> list[tuple[int, LawReport]]:

@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any, ClassVar, Literal, cast
 
 from film_model.base.errors import Mistake, SimulationError, did_you_mean, raise_all, shown
-from film_model.base.fields import Field, choice, fill, key_text, measure, table_of, words, written
+from film_model.base.fields import Field, InUnits, choice, fill, key_text, measure, table_of, words, written
 from film_model.base.units import Value, array_to_si, needed, power_stiffness_to_si, power_stiffness_unit, to_si
 from film_model.laws import LAWS, AbstractLaw, Parameter
 from film_model.laws.law import wrong_values
@@ -34,8 +34,8 @@ def _read_law(value: object) -> str | AbstractLaw:
     raise ValueError(f"{shown(value)} is not a contact law: its name or a law is needed")
 
 
-@dataclass(frozen=True, init=False)
-class Contact:
+@dataclass(frozen=True, init=False, repr=False)
+class Contact(InUnits):
     """The contact law and its values.
 
     law: "auto", a name, or a law of your own. effective_modulus: E of Hertz's theory, Pa; default from both materials.
@@ -97,6 +97,10 @@ class Contact:
                 mistakes.append(Mistake(None, None, "Contact.unloading", message))
         object.__setattr__(self, "parameters", read)
         raise_all(mistakes)
+
+    def shown_entries(self) -> list[str]:
+        table = contact_table(self)
+        return super().shown_entries() + [f"{name}={shown(table[name])}" for name in self.parameters]
 
     def needs(self, name: str) -> bool:
         """Whether the contact needs the scene's effective_modulus, radius, yield_strength or poissons_ratio."""

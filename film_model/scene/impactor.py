@@ -8,7 +8,7 @@ from typing import ClassVar, Literal, cast
 
 from film_model.base.arrays import cosine, root, sine
 from film_model.base.errors import raise_all
-from film_model.base.fields import Field, choice, fill_ball, measure, mistake, one_of
+from film_model.base.fields import Field, InUnits, choice, fill_ball, measure, mistake, one_of
 from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
 from film_model.base.units import Value
 
@@ -27,8 +27,8 @@ SLOWEST = 1e-100
 """Least velocity, m/s: the square of a smaller one underflows to 0."""
 
 
-@dataclass(frozen=True, init=False)
-class Sphere:
+@dataclass(frozen=True, init=False, repr=False)
+class Sphere(InUnits):
     """The impactor.
 
     radius: of the contacting surface, m; or, to the constructor, diameter. velocity: towards the target, m/s; or

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, TypeAlias
 
 from film_model.base.errors import Mistake, raise_all
-from film_model.base.fields import Field, choice, fill, measure, whole
+from film_model.base.fields import Field, InUnits, choice, fill, measure, whole
 
 DEFAULT_ACCURACY = 1e-4
 DEFAULT_TOLERANCE = 0.01
@@ -15,8 +15,8 @@ DEFAULT_TOLERANCE = 0.01
 Switch: TypeAlias = Literal["auto"] | bool
 
 
-@dataclass(frozen=True, init=False)
-class Effects:
+@dataclass(frozen=True, init=False, repr=False)
+class Effects(InUnits):
     """Which effects are simulated: each "auto", True or False.
 
     plasticity: whether law "auto" yields. target_motion: of a target that is not a half-space; false holds it fixed.
@@ -76,8 +76,8 @@ class Effects:
         return Effects(**{name: getattr(self, name) for name in self.FIELDS} | changes)
 
 
-@dataclass(frozen=True, init=False)
-class Solver:
+@dataclass(frozen=True, init=False, repr=False)
+class Solver(InUnits):
     """How accurately the motion is solved.
 
     accuracy: relative, of every summary value, default 1e-4; or segments: number per stage. linearisation: of the

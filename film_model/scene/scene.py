@@ -163,9 +163,10 @@ class Scene:
 
     @cached_property
     def effective_radius(self) -> float:
-        """1/(1/R + 1/R_t), m."""
+        """1/(1/R + 1/R_t), m; R_t < 0 in a hollow, nan in one that is too narrow."""
         own, other = self.impactor.radius, self.target.radius
-        return own if endless(other) else own * other / (own + other)
+        total = own + other
+        return own if endless(other) else own * other / either(other * total > 0.0, total, math.nan)
 
     @cached_property
     def effective_modulus(self) -> float | None:
@@ -319,6 +320,9 @@ class Scene:
             found["target.mass"] = "missing: give mass, or a material (the mass is then density × sphere volume)"
         if target.free and self.approach_velocity <= 0:
             found["target.velocity"] = f"{target.velocity:g} m/s must be < the impactor's {self.impactor.speed:g} m/s"
+        if -self.impactor.radius <= target.radius < 0.0:
+            radii = [format_si(size, "length") for size in (target.radius, -self.impactor.radius)]
+            found["target.radius"] = f"{radii[0]} is a hollow: it must be < {radii[1]}, the ball's"
         if contact.needs("effective_modulus") and self.effective_modulus is None:
             both = (("impactor", self.impactor), ("target", target))
             missing = " and ".join(f"{part}.material" for part, body in both if body.material is None)

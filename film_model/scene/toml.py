@@ -15,6 +15,14 @@ from film_model.base.fields import key_text
 from film_model.base.files import read_bytes
 
 LARGEST_FILE = 1_000_000  # bytes; a typical scene file has 1000
+NO_SCENES = {
+    ".csv": "is a table",
+    ".nc": 'is a dataset: "film-model plot" and "film-model check" read it',
+    ".zarr": 'is a dataset: "film-model plot" and "film-model check" read it',
+    ".fmu": 'is an FMU: "film-model check-fmu" reads it',
+}
+"""Files that are given in place of a scene."""
+
 LARGEST_TABLE = 100_000_000  # bytes; a million rows of five numbers
 
 
@@ -22,6 +30,9 @@ def read_text(path: str | os.PathLike[str], most: int = LARGEST_FILE) -> tuple[s
     """The text of a file of at most `most` bytes, and its name as messages show it. Raises SceneError."""
     name = os.fspath(path)
     shown_name = name if name.isprintable() else ascii(name)
+    what = NO_SCENES.get(os.path.splitext(name)[1].lower()) if most == LARGEST_FILE else None
+    if what and (os.path.isfile(path) or os.path.isdir(path)):
+        raise SceneError([Mistake(shown_name, None, "", f"{what}; a scene or a sweep (TOML) is needed")])
     try:
         text = read_bytes(path, most).decode("utf-8-sig")
     except OSError as error:

@@ -136,7 +136,13 @@ def _in_si(name: Literal["velocity", "mass"], values: Any) -> Array:
 
 
 def simulate_batch(
-    scene: Scene, *, velocity: Any, mass: Any = None, accuracy: float | None = None, segments: int | None = None
+    scene: Scene,
+    *,
+    velocity: Any,
+    mass: Any = None,
+    accuracy: float | None = None,
+    segments: int | None = None,
+    **others: object,
 ) -> BatchResult:
     """Impacts of one scene at many velocities, and masses if given; arrays with units that broadcast together.
 
@@ -144,12 +150,15 @@ def simulate_batch(
     refined until its own estimate meets it.
 
     Raises ValueError for a velocity or mass that is not > 0 or outside the range of scenes, a velocity that is not
-    above a free target's, empty arrays, or arrays that do not broadcast together; SceneError for a bad option.
+    above a free target's, empty arrays, or arrays that do not broadcast together; SceneError for a bad option;
+    TypeError for `others`: every entry of a scene is varied by `film_datasets.sweep`.
 
     >>> many = fm.simulate_batch(scene, velocity=["0.1 m/s", "1 m/s"])
     >>> many.summary["coefficient_of_restitution"].round(3)
     array([0.928, 0.702])
     """
+    if others:
+        raise TypeError(f"simulate_batch varies velocity and mass, not {', '.join(others)}: use film_datasets.sweep")
     speeds = _in_si("velocity", velocity)
     masses = None if mass is None else _in_si("mass", mass)
     shape = speeds.shape if masses is None else _common_shape(speeds, masses)

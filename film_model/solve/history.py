@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from film_model.base.text import Text
     from film_model.solve.closed_form import ClosedForm
     from film_model.solve.derivatives import Derivatives
     from film_model.solve.modal_motion import ModalMotion
@@ -63,6 +64,12 @@ class Event(NamedTuple):
     impactor_velocity: float
     target_displacement: float
     target_velocity: float
+
+    def __repr__(self) -> str:
+        shown = ("indentation", "relative_velocity", "contact_force")
+        values = {name: units.format_si(getattr(self, name), MOTION[name][0]) for name in shown}
+        motion = ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in values.items())
+        return f"Event({self.name} at {units.format_si(self.time, 'time')}: {motion})"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON (`force` is the contact force)."""
@@ -169,10 +176,12 @@ class History:
         def __getattr__(self, name: str) -> Any: ...  # the summary values, added below the class
         def plot(self, path: str | os.PathLike[str] | None = None) -> Figure: ...
         def to_dataset(self, samples: int = 201) -> xr.Dataset: ...
+        def citations(self) -> Text: ...
         def _repr_html_(self) -> str: ...
     else:
         plot = Late("film_model.methods:plot")
         to_dataset = Late("film_model.methods:to_dataset")
+        citations = Late("film_model.methods:citations")
         _repr_html_ = Late("film_model.methods:history_as_html")
 
     def __repr__(self) -> str:

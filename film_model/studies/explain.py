@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import re
-import textwrap
 from typing import Any
 
-from film_model.base.errors import SceneError, SimulationError
+from film_model.base.errors import SceneError, SimulationError, not_compared
 from film_model.base.units import format_si, si_unit
 from film_model.effects.choose import choose
 from film_model.effects.effect import (
@@ -49,10 +47,6 @@ def explain(scene: Scene, *, laws: bool = False) -> dict[str, Any]:
     return {**report, "laws": compare_laws(scene)} if laws else report
 
 
-_WANTS = re.compile(r"^(missing|give)\b|\bneeds a value\b")
-"""In the sentence about an entry that a law needs."""
-
-
 def compare_laws(scene: Scene) -> list[dict[str, Any]]:
     """One row per law: name, and summary as in `History.to_dict`, or the reason why it is missing; needs: the entries
     of [contact] that would have to be given, if that is the reason.
@@ -74,8 +68,7 @@ def compare_laws(scene: Scene) -> list[dict[str, Any]]:
             }
         except SceneError as error:
             row["missing"] = "; ".join(f"{m.key.partition('.')[2]}: {m.message}" for m in error.mistakes)
-            if all(m.key.startswith("contact.") and _WANTS.search(m.message) for m in error.mistakes):
-                row["needs"] = [m.key.partition(".")[2] for m in error.mistakes]
+            row["needs"] = error.needed
         except SimulationError as error:
             row["missing"] = str(error)
         rows.append(row)
@@ -165,8 +158,5 @@ def laws_text(rows: list[dict[str, Any]]) -> str:
         cells = ("-" if value is None else format_si(value, kind) for value, kind in values)
         lines.append(f"{row['name']:20}" + "".join(f"{cell:>14}" for cell in cells))
     if needing:
-        said = ", ".join(f"{name} ({', '.join(entries)})" for name, entries in needing.items())
-        lines.append(
-            textwrap.fill(f"Not compared, because they need entries in [contact]: {said}.", 100, break_on_hyphens=False)
-        )
+        lines.append(not_compared(needing))
     return "\n".join(lines)

@@ -43,7 +43,7 @@ WIDE = 6.0
 force more than shear does, in impacts of R = 15 mm at 1 m/s on steel beams of 500 × 5 mm."""
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Beam(AbstractTarget):
     """A beam of rectangular cross-section, struck across its thickness in the middle of its width.
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from film_model.base.errors import raise_all
-from film_model.base.fields import Field, fill, measure, mistake
+from film_model.base.fields import Field, InUnits, fill, measure, mistake
 from film_model.base.units import Value
 
 _STIFFNESS = measure("bending_stiffness", 1e-30, 1e18, required=True)
 
 
-@dataclass(frozen=True, init=False)
-class BendingStiffness:
+@dataclass(frozen=True, init=False, repr=False)
+class BendingStiffness(InUnits):
     """Bending stiffnesses of an orthotropic plate, N·m.
 
     D11: along the first side. D12: coupling of both curvatures. D22: along the second side. D66: of twist.

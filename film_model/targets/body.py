@@ -13,7 +13,7 @@ from film_model.base.units import Value
 from film_model.targets.target import AbstractTarget
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Body(AbstractTarget):
     """A free body: a second ball.
 

@@ -4,29 +4,39 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, cast
 
 from film_model.base.errors import raise_all
 from film_model.base.fields import Field
 from film_model.base.materials import MATERIAL, Material, MaterialLike
-from film_model.base.units import Value, format_si
+from film_model.base.units import Value, format_si, to_si
 from film_model.targets.plate_waves import plate_impedance, plate_stiffness
 from film_model.targets.target import RADIUS, AbstractTarget, Estimate, Impact, fill_target, missing
 from film_model.targets.waves import HERTZ_SQUARE, radiated_energy, radiation_impedance
 
 
-@dataclass(frozen=True, init=False)
+def _read_curved(value: object) -> float:
+    size = to_si(value, "length")
+    RADIUS.read(f"{abs(size)!r} m")
+    return size
+
+
+CURVED = replace(RADIUS, read=_read_curved, low=-cast("float", RADIUS.high))
+"""The radius of a ball's or of a hollow's surface, which is negative."""
+
+
+@dataclass(frozen=True, init=False, repr=False)
 class HalfSpace(AbstractTarget):
     """A target so thick and wide that it does not move but by waves, which do not come back.
-    material: name or table. radius: of a curved surface, m; default flat.
+    material: name or table. radius: of a curved surface, m; negative: of a hollow, wider than the ball; default flat.
 
     >>> fm.HalfSpace("mild steel").impedance
     inf
     """
 
     kind: ClassVar[str] = "half-space"
-    FIELDS: ClassVar[Mapping[str, Field]] = {"material": MATERIAL, "radius": RADIUS}
+    FIELDS: ClassVar[Mapping[str, Field]] = {"material": MATERIAL, "radius": CURVED}
 
     material: Material | None
     radius: float

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, TypeAlias, cast
 import numpy as np
 
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
-from film_model.base.fields import Field, build, fill, measure, mistake, part, words
+from film_model.base.fields import Field, InUnits, build, fill, measure, mistake, part, words
 from film_model.base.materials import Material, MaterialLike
 from film_model.base.materials import material as plain_material
 from film_model.base.units import Value
@@ -24,8 +24,8 @@ ALIKE = 1e-9
 """Relative difference up to which two plies count as equal."""
 
 
-@dataclass(frozen=True, init=False)
-class PlyMaterial:
+@dataclass(frozen=True, init=False, repr=False)
+class PlyMaterial(InUnits):
     """An orthotropic ply, in its axes: 1 along the fibres, 2 across.
 
     name: in messages. E1: modulus along the fibres, Pa. E2: modulus across, Pa. G12: shear modulus, Pa. nu12: strain
@@ -124,8 +124,8 @@ def _read_material(value: object) -> PlyMaterial:
     return _ORTHOTROPIC.read(value)
 
 
-@dataclass(frozen=True, init=False)
-class Ply:
+@dataclass(frozen=True, init=False, repr=False)
+class Ply(InUnits):
     """A layer. material: of a ply, or isotropic: name, object or table. thickness: m. angle: from the plate's first
     side to the fibres, degrees; without effect on an isotropic layer."""
 

@@ -57,7 +57,7 @@ REFLECTION_CHANGE = 0.03, 2.2
 Edge = Literal["simply supported", "clamped", "free"]
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Plate(AbstractTarget):
     """A thin plate: infinite, or rectangular with waves reflected from its edges.
 

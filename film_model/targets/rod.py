@@ -41,7 +41,7 @@ RETURNED = 0.3
 """Time from the centre of the impulse to the end of contact over 2L/c, up to which no wave has returned for certain."""
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Rod(AbstractTarget):
     """A long thin rod struck on its end.
 

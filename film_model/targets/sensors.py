@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple, cast
 import numpy as np
 
 from film_model.base.errors import Mistake, raise_all, shown
-from film_model.base.fields import Field, build, fill, measure, mistake, words
+from film_model.base.fields import Field, InUnits, build, fill, measure, mistake, words
 from film_model.base.units import Value
 from film_model.targets.modes import Array, Modes
 
@@ -58,8 +58,8 @@ def _read_shape(value: object) -> Any:
     return tuple(measure("dimensionless", -1e15, 1e15).read(item) for item in cast("Sequence[object]", value))
 
 
-@dataclass(frozen=True, init=False)
-class Sensor:
+@dataclass(frozen=True, init=False, repr=False)
+class Sensor(InUnits):
     """A point of a structure whose motion is wanted.
 
     name: in results. position: on a plate two distances from a corner, m; on a beam or rod one from its first or

@@ -41,7 +41,7 @@ def _list_of(dimension: str, low: float, high: float, zero: bool) -> Field:
     return Field(read, need, dimension=dimension)
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class Structure(AbstractTarget):
     """A structure known by its natural vibrations.
 

@@ -23,7 +23,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from film_model.base.arrays import endless
 from film_model.base.errors import Mistake, SimulationError
-from film_model.base.fields import Field, fill, measure, mistake
+from film_model.base.fields import Field, InUnits, fill, measure, mistake
 from film_model.base.materials import Material
 from film_model.targets.modes import Modes, Points
 from film_model.targets.sensors import OTHER, Influence, Sensor, influence_of
@@ -105,8 +105,8 @@ def missing(what: str) -> Estimate:
     return Estimate(f"missing: {what}")
 
 
-@dataclass(frozen=True, init=False)
-class AbstractTarget(ABC):
+@dataclass(frozen=True, init=False, repr=False)
+class AbstractTarget(InUnits, ABC):
     """A target. Implementations are frozen dataclasses; their constructors take quantities and store SI floats.
 
     kind: the name in scene files. FIELDS: the entries of the section [target], in order. free: the target is a free

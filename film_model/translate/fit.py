@@ -158,6 +158,8 @@ def pair_of(scene: Scene, velocity: float, depth: float) -> Pair:
     """The scene's two bodies, as an engine sees them."""
     mass = scene.target.own_mass
     assert mass is not None
+    if scene.target.radius < 0.0:
+        raise SimulationError(f"target.radius: {scene.target.radius:g} m is a hollow, which engines do not have")
     ratio, friction, kappa = scene.poissons_ratio, scene.contact.friction, 1.0
     if friction is not None:
         kappa = groups(scene).ratio

@@ -173,4 +173,5 @@ class Identification:
         for one in self.parameters:
             interval = f"{one.text(one.low)} to {one.text(one.high)}" if one.identified else one.limit()
             texts.append(f"{one.path} {one.text(one.value)} ({interval})")
-        figure.suptitle("\n".join(texts).replace("$", r"\$"), fontsize=9)
+        law = f"law {self.scene.contact.law_name}, intervals at {100 * self.confidence:g} %"
+        figure.suptitle("\n".join([law, *texts]).replace("$", r"\$"), fontsize=9, y=0.985)

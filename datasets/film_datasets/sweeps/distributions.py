@@ -155,15 +155,25 @@ def correlated(u: Array, factor: Array) -> Array:
     The normal deviates of the result have the correlations L L'. Sums are formed in a fixed order, so that a row does
     not depend on the rows beside it.
     """
-    from scipy.special import ndtr  # lazy: only distributions need SciPy
-
-    z = _deviations(np.minimum(u, 1.0 - SMALLEST_PROBABILITY))
+    z = deviates(u)
     mixed = np.empty_like(z)
     for k, row in enumerate(factor):
         mixed[:, k] = row[0] * z[:, 0]
         for j in range(1, k + 1):
             mixed[:, k] += row[j] * z[:, j]
-    return ndtr(mixed)
+    return probabilities(mixed)
+
+
+def deviates(u: Array) -> Array:
+    """Standard normal deviates at probabilities, finite at 0 and 1."""
+    return _deviations(np.minimum(u, 1.0 - SMALLEST_PROBABILITY))
+
+
+def probabilities(z: Array) -> Array:
+    """Of standard normal deviates."""
+    from scipy.special import ndtr  # lazy: only distributions need SciPy
+
+    return ndtr(z)
 
 
 def _deviations(u: Array) -> Array:

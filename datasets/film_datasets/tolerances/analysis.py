@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,9 +15,9 @@ from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.definition import Sweep
 from film_datasets.sweeps.designs import points
 from film_datasets.sweeps.distributions import correlated, correlation_factor
-from film_datasets.tolerances import sobol
+from film_datasets.tolerances import shapley, sobol
 from film_datasets.tolerances.inputs import check_quantities, moments, results_at, scattering
-from film_datasets.tolerances.sobol import Indices
+from film_datasets.tolerances.sobol import Indices, Interval
 from film_model.base.arrays import Array
 from film_model.base.errors import SimulationError
 from film_model.base.units import format_si, quantity, si_unit
@@ -45,8 +45,8 @@ class Spread:
 
     at_means: with all numbers at their means. linear: standard deviation from the derivatives there, None if there are
     none. slopes: the derivatives. shares: of each number in the linear variance. mean, deviation, percentiles: of the
-    sample. indices: Sobol's, of each number; none if the numbers are correlated. used: points of the sample that have a
-    value.
+    sample. indices: Sobol's, of each number. effects: Shapley's, instead of them if the numbers are correlated. used:
+    impacts of the sample that have a value.
     """
 
     at_means: float | None
@@ -57,10 +57,11 @@ class Spread:
     deviation: float
     percentiles: tuple[float, ...]
     indices: dict[str, Indices]
+    effects: dict[str, Interval]
     used: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Tolerance:
     """Results of a tolerance analysis. numbers: mean and standard deviation of each, SI. spreads: by summary name."""
 
@@ -88,8 +89,10 @@ class Tolerance:
             "warnings": list(self.warnings),
         }
 
-    def __str__(self) -> str:
-        lines = [self.sweep.scene.title or "Impact", ""]
+    def __repr__(self) -> str:
+        sweep = self.sweep
+        how = f"{sweep.samples} points, {sweep.design}{', correlated' if sweep.correlation else ''}"
+        lines = [sweep.scene.title or "Impact", how, ""]
         lines.append(f"  {'':32}{'mean':>15}{'standard deviation':>20}")
         for axis in self.sweep.axes:
             mean, deviation = (format_si(value, axis.dimension, 5) for value in self.numbers[axis.path])
@@ -113,6 +116,7 @@ def _plain(name: str, spread: Spread) -> dict[str, Any]:
             path: {word: [_known(v) for v in interval] for word, interval in one._asdict().items()}
             for path, one in spread.indices.items()
         },
+        "shapley_effects": {path: [_known(v) for v in one] for path, one in spread.effects.items()},
         "points": spread.used,
     }
 
@@ -137,17 +141,16 @@ def _text(name: str, spread: Spread, confidence: float) -> list[str]:
         f"    95 % between {low} and {high}, median {middle}; {spread.used} impacts",
         f"    at the means {shown(spread.at_means)}, linear standard deviation {shown(spread.linear)}",
     ]
-    if not spread.shares and not spread.indices:
+    if not spread.shares and not spread.indices and not spread.effects:
         return lines
-    lines.append(
-        f"    {'share of the variance':32}{'linear':>10}{f'first order ({100 * confidence:g} %)':>28}{'total':>22}"
-    )
+    level = f"({100 * confidence:g} %)"
+    words = (f"Shapley's {level}", "") if spread.effects else (f"first order {level}", "total")
+    lines.append(f"    {'share of the variance':32}{'linear':>10}{words[0]:>28}{words[1]:>22}".rstrip())
     for path in spread.slopes:
         linear = f"{100 * spread.shares[path]:.1f} %" if path in spread.shares else "-"
-        cells = ["-", "-"]
-        if path in spread.indices:
-            cells = [f"{100 * v:.1f} % ({100 * a:.1f} to {100 * b:.1f})" for v, a, b in spread.indices[path]]
-        lines.append(f"    {path:32}{linear:>10}{cells[0]:>28}{cells[1]:>26}")
+        found = spread.indices.get(path) or ([spread.effects[path]] if path in spread.effects else [])
+        cells = [f"{100 * v:.1f} % ({100 * a:.1f} to {100 * b:.1f})" for v, a, b in found] or ["-", "-"]
+        lines.append(f"    {path:32}{linear:>10}{cells[0]:>28}" + "".join(f"{cell:>26}" for cell in cells[1:]))
     return lines
 
 
@@ -165,9 +168,10 @@ def tolerance(
 
     over: key of the scene → a tolerance, "10 mm ± 0.05 mm", or a distribution, as in :func:`film_datasets.sweep`.
     quantities: names of results: of the summary, or along
-    the surface such as "rebound_spin", if the scene has friction; these are simulated one by one. samples: points;
-    (numbers + 2) times as many impacts are simulated. confidence: level of the intervals of Sobol's indices.
-    correlation: as in `sweep`; then there are no indices.
+    the surface such as "rebound_spin", if the scene has friction; these are simulated one by one. samples: points, at
+    least 8; (numbers + 2) times as many impacts are simulated. confidence: level of the intervals of the shares.
+    correlation: as in `sweep`; the shares are then Shapley's effects, from 2^numbers times as many impacts, for at most
+    8 numbers.
 
     Linear: σ_y² = Σ ∂y/∂x_i ∂y/∂x_j c_ij σ_i σ_j with the derivatives at the means. Raises SceneError for mistakes,
     ValueError for an unknown quantity.
@@ -182,20 +186,27 @@ def tolerance(
 
 
 def tolerance_of(sweep: Sweep, quantities: Sequence[str] = SHOWN, confidence: float = CONFIDENCE) -> Tolerance:
-    """As :func:`tolerance`, for the scatter of a sampled sweep; its samples are rounded up to a power of two."""
+    """As :func:`tolerance`, for the scatter of a sampled sweep, with its design and number of points."""
     check_quantities(quantities)
+    if sweep.samples < LEAST:
+        raise ValueError(f"samples: {sweep.samples} must be >= {LEAST}")
     axes, warnings = scattering(sweep), list[str]()
-    sweep = replace(sweep, samples=1 << max(sweep.samples - 1, LEAST - 1).bit_length())
+    if sweep.correlation and len(axes) > shapley.MOST_NUMBERS:
+        most = f"{len(axes)} correlated numbers, at most {shapley.MOST_NUMBERS} can be"
+        warnings.append(f"no shares of the variance: {most}")
     known = {axis.path: moments(axis) for axis in axes}
     at_means, slopes = _linear(sweep, known, quantities, warnings)
     spreads: dict[str, Spread] = {}
     for name, results in zip(quantities, _sampled(sweep, axes, quantities), strict=True):
-        independent, indices = results[:2].ravel(), dict[str, Indices]()
-        values = independent[np.isfinite(independent)]
-        if values.size < independent.size:
-            warnings.append(f"{name}: {independent.size - values.size} of {independent.size} impacts have no value")
+        plain = (results[[0, -1]] if sweep.correlation else results[:2]).ravel()  # independent designs
+        indices, effects = dict[str, Indices](), dict[str, Interval]()
+        values = plain[np.isfinite(plain)]
+        if values.size < plain.size:
+            warnings.append(f"{name}: {plain.size - values.size} of {plain.size} impacts have no value")
         if not sweep.correlation:
             indices = dict(zip(known, sobol.indices(results, confidence, sweep.seed), strict=True))
+        elif len(axes) <= shapley.MOST_NUMBERS:
+            effects = dict(zip(known, shapley.effects(results, confidence, sweep.seed), strict=True))
         linear, shares = _variance(slopes[name], known, sweep) if name in slopes else (None, {})
         spreads[name] = Spread(
             at_means=at_means.get(name),
@@ -206,6 +217,7 @@ def tolerance_of(sweep: Sweep, quantities: Sequence[str] = SHOWN, confidence: fl
             deviation=float(values.std(ddof=1)) if values.size > 1 else math.nan,
             percentiles=tuple(np.quantile(values, np.array(PERCENTILES) / 100).tolist() if values.size else ()),
             indices=indices,
+            effects=effects,
             used=int(values.size),
         )
     return Tolerance(sweep, confidence, known, spreads, tuple(warnings))
@@ -244,12 +256,16 @@ def _differences(
 
 
 def _sampled(sweep: Sweep, axes: Sequence[Axis], quantities: Sequence[str]) -> Array:
-    """Results of the sample: (quantities, designs, points). One design where the numbers are correlated."""
+    """Results of the sample: (quantities, designs, points), those of `sobol.designs` or `shapley.designs`."""
     d = len(axes)
+    u = points(sweep.design, 2 * d, sweep.samples, sweep.seed)(0, sweep.samples)
     if sweep.correlation:
-        u = correlated(points("sobol", d, sweep.samples, sweep.seed)(0, sweep.samples), _factor(sweep))
-        return results_at(sweep, axes, u, quantities)[:, None, :]
-    made = sobol.designs(points("sobol", 2 * d, sweep.samples, sweep.seed)(0, sweep.samples))
+        if d > shapley.MOST_NUMBERS:
+            both = (correlated(part, _factor(sweep)) for part in (u[:, :d], u[:, d:]))
+        else:
+            both = shapley.designs(u, np.array(sweep.correlation))
+        return np.stack([results_at(sweep, axes, design, quantities) for design in both], axis=1)
+    made = sobol.designs(u)
     found = results_at(sweep, axes, made.reshape(-1, d), quantities)
     return found.reshape(len(quantities), d + 2, sweep.samples)
 
@@ -261,12 +277,13 @@ def _factor(sweep: Sweep) -> Array:
 def _variance(
     slopes: Mapping[str, float | None], known: Mapping[str, tuple[float, float]], sweep: Sweep
 ) -> tuple[float | None, dict[str, float]]:
-    """Linear standard deviation, and the share of each number where they are independent."""
+    """Linear standard deviation, and the share of each number."""
     if any(slope is None for slope in slopes.values()):
         return None, {}
     each = np.array([(slopes[path] or 0.0) * deviation for path, (_, deviation) in known.items()])
     matrix = np.array(sweep.correlation) if sweep.correlation else np.eye(each.size)
     variance = float(each @ matrix @ each)
-    if sweep.correlation or not variance > 0.0:
+    if not variance > 0.0 or (sweep.correlation and each.size > shapley.MOST_NUMBERS):
         return math.sqrt(max(variance, 0.0)), {}
-    return math.sqrt(variance), dict(zip(known, (each**2 / variance).tolist(), strict=True))
+    shares = shapley.linear_shares(each, matrix) if sweep.correlation else (each**2 / variance).tolist()
+    return math.sqrt(variance), dict(zip(known, shares, strict=True))

@@ -1,4 +1,7 @@
-"""One number at a time: a result at a low and a high value of each number, the others at their medians."""
+"""One number at a time: a result at a low and a high value of each number, the others at their medians, given it.
+
+Correlated numbers follow each other: the median of one, given another, moves with it.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ import numpy as np
 
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.definition import Sweep
+from film_datasets.sweeps.distributions import deviates, probabilities
 from film_datasets.tolerances.inputs import check_quantities, results_at, scattering
 
 LOW, HIGH = 0.05, 0.95
@@ -38,8 +42,11 @@ def one_at_a_time(sweep: Sweep, quantity: str) -> tuple[Swing, ...]:
     """
     check_quantities([quantity])
     axes = scattering(sweep)
+    matrix = np.array(sweep.correlation) if sweep.correlation else np.eye(len(axes))
+    z = deviates(np.array([LOW, HIGH]))
     u = np.full((1 + 2 * len(axes), len(axes)), 0.5)
-    for k in range(len(axes)):
+    for k, row in enumerate(matrix):
+        u[1 + 2 * k : 3 + 2 * k] = np.where(row == 0.0, 0.5, probabilities(z[:, None] * row))
         u[1 + 2 * k, k], u[2 + 2 * k, k] = LOW, HIGH
     median, *others = results_at(sweep, axes, u, [quantity])[0].tolist()
     if not np.isfinite(median):

@@ -1,7 +1,7 @@
 """Sobol's indices of a result, with confidence intervals: which share of its variance each number causes.
 
-First order: the variance of the mean over all other numbers; total: with all interactions (Saltelli et al. 2010, by
-`scipy.stats.sobol_indices`). They need independent numbers.
+First order: the variance of the mean over all other numbers; total: with all interactions (Saltelli et al. 2010, table
+2, b and f). They need independent numbers.
 """
 
 from __future__ import annotations
@@ -44,31 +44,35 @@ def designs(u: Array) -> Array:
     return found
 
 
+def means(terms: Array, seed: int) -> Array:
+    """Of each row of `terms` (rows, n): the mean, then those of bootstrap samples of the n points, the same for all
+    rows: (rows, 1 + RESAMPLES)."""
+    count, generator = terms.shape[1], np.random.default_rng(seed)
+    found = [terms.mean(axis=1)]
+    for _ in range(RESAMPLES):
+        weights = np.bincount(generator.integers(count, size=count), minlength=count)
+        found.append(np.einsum("kn,n->k", terms, weights) / count)
+    return np.array(found).T
+
+
 def indices(results: Array, confidence: float, seed: int) -> list[Indices]:
     """Indices of each number from the results of `designs` (d + 2, n); nan if the results do not vary.
 
-    Points of which a result is nan are omitted; the others are cut to a power of two. The intervals are those of a
-    percentile bootstrap with a generator of its own, because SciPy's draws from NumPy's global one.
+    Points of which a result is nan are omitted. The intervals are those of a percentile bootstrap.
     """
-    known = np.flatnonzero(np.isfinite(results).all(axis=0))
-    count = 1 << (known.size.bit_length() - 1) if known.size else 0
-    if count < 4 or not np.ptp(results[0, known]) > 0.0:
+    used = results[:, np.isfinite(results).all(axis=0)]
+    if used.shape[1] < 4 or not np.ptp(used[0]) > 0.0:
         none = Interval(np.nan, np.nan, np.nan)
         return [Indices(none, none)] * (results.shape[0] - 2)
-    used, generator = results[:, known[:count]], np.random.default_rng(seed)
-    drawn = np.concatenate([np.arange(count)[None], generator.integers(count, size=(RESAMPLES, count))])
-    estimates = _estimates(used[:, drawn])  # the sample itself first
-    found = estimates[..., 0]
-    low, high = np.quantile(estimates[..., 1:], [0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence], axis=-1)
-    both = [[Interval(*map(float, one)) for one in zip(found[k], low[k], high[k], strict=True)] for k in range(2)]
-    return [Indices(first, total) for first, total in zip(*both, strict=True)]
+    used = used - used[:2].mean()
+    a, b, mixed = used[0], used[1], used[2:]
+    found = means(np.concatenate([[a + b, a * a + b * b], b * (mixed - a), 0.5 * (mixed - a) ** 2]), seed)
+    shares = found[2:] / (0.5 * found[1] - (0.5 * found[0]) ** 2)
+    ends = [interval(one, confidence) for one in shares]
+    return [Indices(*pair) for pair in zip(ends[: len(mixed)], ends[len(mixed) :], strict=True)]
 
 
-def _estimates(results: Array) -> Array:
-    """First-order and total indices from many samples (d + 2, samples, n): (2, d, samples)."""
-    from scipy.stats import sobol_indices  # lazy: importing scipy.stats takes 1 s
-
-    designs, samples, n = results.shape
-    made = sobol_indices(func={"f_A": results[0], "f_B": results[1], "f_AB": results[2:]}, n=n)
-    both = (made.first_order, made.total_order)
-    return np.array([np.reshape(one, (samples, designs - 2)).T for one in both])
+def interval(estimates: Array, confidence: float) -> Interval:
+    """The estimate of the sample itself, which is the first, within the quantiles of the others."""
+    low, high = np.quantile(estimates[1:], [0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence])
+    return Interval(float(estimates[0]), float(low), float(high))

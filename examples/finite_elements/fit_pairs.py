@@ -1,9 +1,9 @@
 """Law elastoplastic and the published impacts of two bodies that yield: `python examples/finite_elements/fit_pairs.py`.
 
 Prints the errors of the law, which knows the softer body only, and those of a rule for the harder one, with its
-constants: h = (1 − exp(−k (s − 1)^q))/(1 + m) is the harder body's part of the elastic compliance, m the ratio of moduli,
-less where it yields, too, at a ratio of strengths s. With h contact is narrower, full plasticity comes earlier, and
-unloading is nearer to Hertz's.
+constants: h = (1 − exp(−k (s − 1)^q))/(1 + m) is the harder body's part of the elastic compliance, m the ratio of
+moduli, less where it yields, too, at a ratio of strengths s. With h contact is narrower, full plasticity comes earlier,
+and unloading is nearer to Hertz's.
 """
 
 from dataclasses import astuple, dataclass, replace

@@ -212,6 +212,7 @@ PAIRS = {  # median and largest error of pairs that the rule is not fitted to: o
 }
 
 
+@pytest.mark.slow
 def test_two_bodies_that_yield_against_the_law_and_with_the_rule_for_the_harder():
     _, law, ruled = fit_pairs.main()
     held = fd.load("finite_element_pairs")["held_out"].values == 1

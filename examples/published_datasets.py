@@ -2,9 +2,9 @@
 
 paper_big_alabo, paper_stronge, paper_plate: the impacts of Big-Alabo, Cartmell & Harrison 2017. zener: the coefficient
 of restitution over Zener's inelasticity parameter, on plates of any thickness. restitution: over velocity, for the laws
-of `CONTACTS`. measured_impacts: published values, from the tables in CSV beside it. finite_element_impacts: copied; the
-runs take twenty minutes (examples/finite_elements/run.py and publish.py). Published data stay as they are: a
-law that is added later does not change them.
+of `CONTACTS`. measured_impacts: published values, from the tables in CSV beside it. finite_element_impacts and
+finite_element_pairs: copied; the runs take an hour (run.py, pair.py and publish.py of examples/finite_elements).
+Published data stay as they are: a law that is added later does not change them.
 """
 
 import sys
@@ -84,7 +84,7 @@ def main(folder: str | Path = FOLDER) -> dict[str, xr.Dataset]:
     made["measured_impacts"] = evidence_from_csv(
         FOLDER / "measured_impacts.csv", FOLDER / "measured_impacts_sources.csv"
     )
-    made["finite_element_impacts"] = fd.load("finite_element_impacts")
+    made |= {name: fd.load(name) for name in ("finite_element_impacts", "finite_element_pairs")}
     Path(folder).mkdir(parents=True, exist_ok=True)
     for name, dataset in made.items():
         fd.write(dataset, Path(folder) / f"{name}.nc", overwrite=True)

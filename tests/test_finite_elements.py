@@ -19,6 +19,8 @@ sys.path.insert(0, str(FOLDER))
 
 import again  # noqa: E402
 import fit  # noqa: E402
+import fit_pairs  # noqa: E402
+import pair  # noqa: E402
 import publish  # noqa: E402
 import run  # noqa: E402
 
@@ -175,3 +177,47 @@ def test_a_dent_is_as_wide_as_the_contact_was():
     assert summary["mean_pressure"] == pytest.approx(
         summary["maximum_force"] / (np.pi * summary["contact_radius"] ** 2), rel=1e-12
     )
+
+
+@needs_gcc
+@pytest.mark.slow
+def test_a_ball_that_cannot_yield_or_bend_dents_as_the_rigid_one():
+    """The program of two bodies against that of one."""
+    mesh = run.Mesh(elements=12, slowness=40.0)
+    alone, found = run.strike(run.Impact(100.0, 200.0), mesh), pair.strike(pair.Pair(100.0, 200.0, 0.0, 1e3, 1e3), mesh)
+    for name in ("restitution", "force", "depth", "radius", "residual"):
+        assert found[name] == pytest.approx(alone[name], rel=2e-3), name
+    assert abs(found["balance"]) < 5e-3 and found["harder"] < 1e-6
+
+
+def test_published_pairs():
+    ds = fd.load("finite_element_pairs")
+    assert fd.validate(ds) == []
+    assert np.abs(ds["energy_balance"].values).max() < publish.LARGEST_IMBALANCE
+    assert ds["mesh_error"].values.max() < 1e-2
+    designed = {(one.velocity, one.strengths, one.moduli): k for k, one in enumerate(pair.design())}
+    columns = (ds[name].values for name in ("velocity_ratio", "strength_ratio", "modulus_ratio"))
+    index = np.array([designed[tuple(row)] for row in np.column_stack([*columns]).tolist()])
+    assert (np.diff(index) > 0).all() and pair.DESIGNED - index.size <= 5
+    every = publish.HELD_OUT_EVERY
+    assert ds["held_out"].values.tolist() == (index % every == every - 1).tolist()
+
+
+PAIRS = {  # median and largest error of pairs that the rule is not fitted to: of the law, and with the rule
+    "coefficient_of_restitution": (0.03, 0.11, 0.008, 0.04),
+    "largest_force": (0.008, 0.06, 0.015, 0.035),
+    "largest_depth": (0.008, 0.05, 0.008, 0.015),
+    "largest_radius": (0.02, 0.08, 0.01, 0.035),
+    "residual_depth": (0.035, 0.15, 0.015, 0.03),
+}
+
+
+@pytest.mark.slow
+def test_two_bodies_that_yield_against_the_law_and_with_the_rule_for_the_harder():
+    _, law, ruled = fit_pairs.main()
+    held = fd.load("finite_element_pairs")["held_out"].values == 1
+    for name, (median, most, median_ruled, most_ruled) in PAIRS.items():
+        size, better = np.abs(law[name][held]), np.abs(ruled[name][held])
+        assert np.median(size) < median and size.max() < most, name
+        assert np.median(better) < median_ruled and better.max() < most_ruled, name
+    assert np.median(np.abs(law["coefficient_of_restitution"])) > 0.01  # a reader is told so

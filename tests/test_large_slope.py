@@ -145,6 +145,18 @@ def test_the_estimate_against_impacts_of_a_ball_with_its_inertia():
     assert 1 / 1.3 < estimate / (1 / impact.depth - 1) < 1.3
 
 
+def test_a_static_law_would_raise_the_force_of_an_impact_too_much():
+    """By 30 % where that of a ball with its inertia rises by 17 %: contact is too short for equilibrium."""
+    slopes, forces = table("ball")
+    depth, ratio = energetic(slopes, forces, 0.42), 0.3
+    static = depth**1.5 * np.interp(0.42 * depth**0.5, slopes, forces)
+    assert static == pytest.approx(1.30, abs=0.01)
+    velocity = math.sqrt(0.8 / math.pi) * 0.42**2.5  # over √(E*/ρ), lengths in R
+    lasting = 0.893 * ball.HERTZ_TIME * 0.42**2 / velocity
+    wave = math.sqrt((1 - ratio**2) * (1 - ratio) / ((1 + ratio) * (1 - 2 * ratio)))
+    assert lasting / (4.0 / wave) == pytest.approx(2.2, abs=0.05)
+
+
 def test_the_excess_vanishes_with_the_slope_and_is_shared():
     whole, plane = Body(1.0, 1.0), Body(1.0, 0.0)
     assert change(excess([whole]), 0.0) == 0.0

@@ -483,7 +483,7 @@ def test_validate_finds_any_damage() -> None:
     begun.attrs["content_sha256"] = fd.content_sha256(begun)
     assert fd.validate(begun) == ["segment_begin is not the sum of the segment_count before"]
     foreign = xr.Dataset(attrs={"film_model_schema": "impact_measurement", "measured": "nothing"})
-    kinds = "'history', 'impacts', 'values' or 'finite_elements'"
+    kinds = "'history', 'impacts', 'values', 'finite_elements' or 'finite_element_pairs'"
     assert fd.validate(foreign) == [f"attribute measured is 'nothing', not {kinds}"]
 
 

@@ -29,7 +29,7 @@ def load(name: str) -> xr.Dataset:
     """A dataset that is installed with the package, e.g. "zener". Raises KeyError for an unknown name.
 
     >>> sorted(fd.published())[:2]
-    ['finite_element_impacts', 'measured_impacts']
+    ['finite_element_impacts', 'finite_element_pairs']
     >>> fd.load("zener").sizes["target_thickness"]
     121
     """

@@ -142,9 +142,11 @@ class Elastoplastic(AbstractLaw):
     the rebound restitution is 1 within 0.33 %, at that of the first impact the law's within 1.2 %.
 
     strain_hardening_exponent: n, of the material; 0, without hardening, if it gives none. Of two bodies that yield, the
-    law takes the strength, ν and n of the softer: the other stays elastic. Two equal bodies are each pressed against a
-    plane, by symmetry: for small a/R with the same f(w), but half of a/R in M, which the law does not know: the
-    restitution of two steel balls (477 MPa) is 0.5 % below that of one on a rigid plane at 1 m/s, and 4 % at 20 m/s.
+    law takes the strength, ν and n of the softer, and the other as if it were rigid, at the effective modulus of both.
+    Finite elements of two bodies (dataset finite_element_pairs) say what that is worth: if the harder body is as stiff
+    and stays elastic, restitution is 5 to 9 % above the law's, if it is four times as stiff 2 %. Two equal bodies are
+    each pressed against a plane, by symmetry: for small a/R with the same f(w), but half of a/R in M: the restitution
+    of two steel balls (477 MPa) is 0.5 % below that of one on a rigid plane at 1 m/s, and 4 % at 20 m/s.
     Ends where a = R.
     """
 

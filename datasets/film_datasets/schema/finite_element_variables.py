@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from film_datasets.schema.motion_variables import number
 from film_datasets.schema.variable import BYTE, Variable
 
@@ -34,10 +36,32 @@ _NUMBERS = tuple(
     )
 )
 
-FINITE_ELEMENTS = (
-    *_NUMBERS,
-    Variable(
-        *("held_out", _RUN, BYTE, None, "whether the fit of the closed forms leaves it out"),
-        flags=((0, "fitted"), (1, "held_out")),
-    ),
+_HELD_OUT = Variable(
+    *("held_out", _RUN, BYTE, None, "whether the fit of the closed forms leaves it out"),
+    flags=((0, "fitted"), (1, "held_out")),
 )
+
+FINITE_ELEMENTS = (*_NUMBERS, _HELD_OUT)
+
+_PAIR = {
+    "stiffness_ratio": ("effective modulus times 1 - nu^2 over the yield strength", "the lower one of the strengths"),
+    "mesh_error": ("relative difference of the restitution on a coarser mesh", "of the run with the nearest velocity"),
+}
+
+FINITE_ELEMENT_PAIRS = (
+    *(
+        replace(
+            one,
+            long_name=_PAIR.get(one.name, (one.long_name, ""))[0],
+            comment=_PAIR.get(one.name, ("", one.comment))[1],
+        )
+        for one in _NUMBERS
+        if one.dims == _RUN
+    ),
+    number("strength_ratio", _RUN, "dimensionless", "yield strength of the harder body over that of the softer"),
+    number("modulus_ratio", _RUN, "dimensionless", "Young's modulus of the harder body over that of the softer"),
+    number("harder_share", _RUN, "dimensionless", "part of the plastic work that the harder body takes"),
+    Variable("softer", _RUN, BYTE, None, "which body is softer", flags=((0, "half_space"), (1, "ball"))),
+    _HELD_OUT,
+)
+"""Of a ball on a half-space that both yield."""

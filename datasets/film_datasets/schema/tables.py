@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.schema.derivative_variables import derivatives_in
-from film_datasets.schema.finite_element_variables import FINITE_ELEMENTS
+from film_datasets.schema.finite_element_variables import FINITE_ELEMENT_PAIRS, FINITE_ELEMENTS
 from film_datasets.schema.friction_variables import IN_HISTORIES, IN_SWEEPS
 from film_datasets.schema.motion_variables import (
     MODE_ENERGY,
@@ -279,6 +279,7 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     f"{MEASUREMENT} impacts": _MEASURED_IMPACTS,
     f"{MEASUREMENT} values": _EVIDENCE,
     f"{MEASUREMENT} finite_elements": FINITE_ELEMENTS,
+    f"{MEASUREMENT} finite_element_pairs": FINITE_ELEMENT_PAIRS,
     BOUNCES: _BOUNCES,
     COST: _COST,
 }

@@ -28,8 +28,8 @@ def validate(ds: xr.Dataset) -> list[str]:
         return [str(error)]
     if kind == MEASUREMENT and f"{kind} {ds.attrs.get('measured')}" not in TABLE:
         return [
-            f"attribute measured is {ds.attrs.get('measured')!r}, not 'history', 'impacts', 'values' or "
-            "'finite_elements'"
+            f"attribute measured is {ds.attrs.get('measured')!r}, not 'history', 'impacts', 'values', "
+            "'finite_elements' or 'finite_element_pairs'"
         ]
     variables = variables_of(ds)
     found = [f"attribute {name} is missing" for name in ATTRIBUTES[kind] if name not in ds.attrs]

@@ -145,10 +145,60 @@ def random_normals(count, seed):
 def test_random_impacts_end_and_retrace_what_had_stuck():
     """Friction takes energy, and a path that is followed back ends at first touch."""
     normal, rate, before = random_normals(3000, 3)
-    status, found = core.many(normal, rate, before)
-    assert (status == native.OK).all() and (np.abs(found["velocity"]) <= before * (1.0 + 1e-9)).all()
+    found = core.many(normal, rate, before)
+    assert (found["status"] == native.OK).all() and (np.abs(found["velocity"]) <= before * (1.0 + 1e-9)).all()
     assert (found["closure"] <= 1e-10 + 1e-14 / np.maximum(before, core.SLOW)).all()
     assert (found["steps"] < 400).all()
+
+
+def of_hertz(count):
+    normal = np.zeros(count, core.NORMAL_DTYPE)
+    normal["coefficient"], normal["exponent"], normal["approach"] = 1.25, 1.5, 1.0
+    return normal
+
+
+def test_the_table_of_hertz_and_its_cuts():
+    """Over χ from 0.8 to 1.751, on both sides of ψ₁ = 1, 2χ and 4χ − 1, and for hardly any sliding velocity."""
+    rng, count = np.random.default_rng(6), 500
+    chi = rng.uniform(0.8, 1.751, count)
+    across = [np.ones(count), 2.0 * chi, 4.0 * chi - 1.0]
+    near = [
+        corner * (1.0 + rng.choice([-1.0, 1.0], count) * 10.0 ** rng.uniform(-15.0, -1.0, count)) for corner in across
+    ]
+    few = 10.0 ** rng.uniform(-4.0, 0.0, count)
+    for before in (rng.uniform(0.0, 7.0, count), few, *near):
+        exact, found = (core.many(of_hertz(count), 2.0 * chi, before, table) for table in (False, True))
+        off = np.abs(found["velocity"] - exact["velocity"])
+        assert (off <= core.TABLE_ERROR * before).all() and (found["steps"] == 0).all()
+        assert found["force"] == pytest.approx(exact["force"], rel=core.TABLE_ERROR)
+        assert found["time_of_force"] == pytest.approx(exact["time_of_force"], rel=3e-8)  # a flat maximum
+        back = core.many(of_hertz(count), 2.0 * chi, -before, True)
+        assert np.array_equal(back["velocity"], -found["velocity"])
+    beyond = core.many(of_hertz(2), np.array([1.5, 3.6]), np.array([0.5, 0.5]), True)
+    assert (beyond["steps"] > 0).all()
+
+
+def test_the_table_is_made_as_it_was():
+    from examples.friction_table import fit, outward
+
+    head = np.load(core.TABLE)
+    begin, terms, rows = head[33:36].astype(int)
+    assert fit(outward, lambda found, _: found["velocity"], terms, rows).ravel() == pytest.approx(
+        head[begin:], abs=1e-12
+    )
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.2, 1.5, 3.0])
+def test_sliding_throughout_takes_no_steps_among_many(exponent):
+    normal = np.zeros(3, core.NORMAL_DTYPE)
+    normal["coefficient"], normal["exponent"], normal["approach"] = 0.7, exponent, 2.0
+    rate, before = np.array([0.4, 2.5, 3.0]), np.array([2.1, -11.0, 10.0])
+    found = core.many(normal, rate, before)
+    for row in range(3):
+        status, result, _ = core.impact(core.Normal(*normal[row].tolist()), rate[row], before[row])
+        assert (status, found["steps"][row], found["regime"][row]) == (native.OK, 0, 2)
+        for name in ("velocity", "force", "time_of_force"):
+            assert found[name][row] == pytest.approx(getattr(result, name), rel=1e-10)
 
 
 def test_friction_never_exceeds_its_limit():

@@ -15,12 +15,15 @@ from film_model.core import native
 from film_model.effects.choose import choose
 from film_model.effects.many import rows_of
 from film_model.laws.law import Power
-from film_model.oblique.friction import CLOSED, exact_error, exact_force, numbers_of, refuse, results
+from film_model.oblique.friction import CLOSED, THROUGHOUT, exact_error, exact_force, numbers_of, refuse, results
 from film_model.oblique.result import OBLIQUE, REGIMES
 from film_model.problem.problem import Problem
-from film_model.scene import Scene, Solver
+from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.columns import scene_of_columns
 from film_model.scene.rolling import Sliding, sliding_of
+
+COARSE = 10.0 * core.TABLE_ERROR
+"""Accuracy from which the table serves."""
 
 
 @dataclass(frozen=True)
@@ -61,10 +64,12 @@ def oblique_of_many(
 ) -> ManyOblique:
     """The tangential parts of impacts whose normal motions are known. rebound: m/s; status: the core's.
 
-    Impacts of laws whose friction is exact, except those that vibrate, take one call of the core; springs follow others
-    as `simulate` does, one by one. Raises SimulationError as :func:`oblique_of`.
+    Impacts of laws whose friction is exact, except those that vibrate, take one call of the core, which looks up those
+    under Hertz's law on immovable targets if the accuracy allows it; springs follow others as `simulate` does, one by
+    one. Raises SimulationError as :func:`oblique_of`.
     """
     found, ended = ManyOblique.none_of(status.size), status == native.EVENT
+    table = (solver.accuracy or DEFAULT_ACCURACY) >= COARSE
     left = ended.copy()
     for problem in problems:
         refuse(problem)
@@ -72,15 +77,17 @@ def oblique_of_many(
             continue
         for part in problem.by_curve():
             rows = rows_of(part)
-            made = _exactly(found, part, rebound[rows], ended[rows])
+            made = _exactly(found, part, rebound[rows], ended[rows], table)
             left[rows[made]] = False
     for row in left.nonzero()[0].tolist():
         _one(found, scene, columns, row, solver)
     return found
 
 
-def _exactly(found: ManyOblique, problem: Problem, rebound: Array, ended: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The exact results of a problem; which of its impacts are done with."""
+def _exactly(
+    found: ManyOblique, problem: Problem, rebound: Array, ended: NDArray[np.bool_], table: bool
+) -> NDArray[np.bool_]:
+    """The exact results of a problem, or those of the table; which of its impacts are done with."""
     scene, count, force = problem.impacts.scene, rebound.size, exact_force(problem)
     given = sliding_of(scene)
     if given is None or force is None:
@@ -92,21 +99,20 @@ def _exactly(found: ManyOblique, problem: Problem, rebound: Array, ended: NDArra
     slides = ended & (given.velocity != 0.0)
     solved = slides & (given.friction != 0.0)
     result: NDArray[Any] = np.zeros(count, core.MANY_DTYPE)
-    status, result[solved] = core.many(
-        _normals(problem, force, count)[solved], column(rate, count)[solved], before[solved]
-    )
-    missed = np.zeros(count, np.bool_)
-    missed[solved] = (status != native.OK) | (result["closure"][solved] > CLOSED)
+    normals = _normals(problem, force, count)[solved]
+    result[solved] = core.many(normals, column(rate, count)[solved], before[solved], table)
+    missed = solved & ((result["status"] != native.OK) | (result["closure"] > CLOSED))
     unit, scales = given.friction * given.ratio, problem.scales
     after = either(solved, result["velocity"] * unit * scales.velocity, given.velocity)
     peak = result["force"] * given.friction * scales.force, result["time_of_force"] * scales.time
     values = results(scene, given, rebound, after, peak)
-    sticks, alone = result["first"] == core.STICKS, result["phases"] == 1
-    regime = np.where(~solved | (alone & ~sticks), 2, np.where(sticks, 0, 1))
+    regime = np.where(solved, result["regime"], REGIMES.index(THROUGHOUT))
+    tabled = solved & (result["steps"] == 0) & (result["regime"] != REGIMES.index(THROUGHOUT))
     error = np.where(solved, exact_error(problem, np.where(solved, before, 1.0)), 0.0)
+    error[tabled] = core.TABLE_ERROR
     known = slides & ~missed
-    table = {name: column(value, count)[known] for name, value in values.items()}
-    found.known(rows_of(problem)[known], table, regime[known], error[known])
+    summary = {name: column(value, count)[known] for name, value in values.items()}
+    found.known(rows_of(problem)[known], summary, regime[known], error[known])
     return ~missed
 
 

@@ -330,8 +330,7 @@ static void touch(impact *in, double velocity) {
     }
 }
 
-/* The depth at which about all work of the approach is done. */
-static double depth_of(const film_normal *normal) {
+double film_friction_depth(const film_normal *normal) {
     double n = normal->exponent, work = 0.5 * normal->approach * normal->approach, depth = INFINITY;
     if (normal->slope > 0.0) depth = sqrt(2.0 * work / normal->slope);
     if (normal->coefficient > 0.0) depth = fmin(depth, pow((n + 1.0) * work / normal->coefficient, 1.0 / (n + 1.0)));
@@ -353,22 +352,24 @@ static void scale_back(impact *in, double depth, double approach, double factor)
     result->duration = time * in->now.time;
 }
 
+int film_friction_sound(const film_normal *normal, double rate, double velocity) {
+    double a = normal->approach, work = normal->slope + normal->coefficient;
+    int signs = normal->slope >= 0.0 && normal->coefficient >= 0.0 && normal->gamma >= 0.0 && work > 0.0 && a > 0.0 && rate > 0.0;
+    return signs && normal->exponent >= 1.0 && velocity != 0.0 && isfinite(work + normal->exponent + a + rate + velocity);
+}
+
 int film_friction(const film_normal *normal, double rate, double velocity, film_friction_result *result, double *rows,
                   int32_t per_step, int32_t room, int32_t *count) {
     double a = normal->approach, depth, factor;
     memset(result, 0, sizeof *result);
     if (count) *count = 0;
-    if (!(normal->slope >= 0.0 && normal->coefficient >= 0.0 && normal->exponent >= 1.0 && normal->gamma >= 0.0 && a > 0.0)) {
-        return FILM_BAD_NUMBER;
-    }
-    depth = depth_of(normal), factor = fmin(fabs(velocity) / (SLOW * a), 1.0);
+    if (!film_friction_sound(normal, rate, velocity)) return FILM_BAD_NUMBER;
+    depth = film_friction_depth(normal), factor = fmin(fabs(velocity) / (SLOW * a), 1.0);
     film_normal own = {normal->slope * depth * depth / (a * a), 0.0, normal->exponent, 1.0, normal->gamma * a / depth,
                        normal->load * depth / (a * a)};
     own.coefficient = normal->coefficient * pow(depth, own.exponent + 1.0) / (a * a);
     velocity /= a * factor;
-    if (!isfinite(own.slope + own.coefficient + own.exponent + own.gamma + own.load + rate + velocity) || !(rate > 0.0)) {
-        return FILM_BAD_NUMBER;
-    }
+    if (!isfinite(own.slope + own.coefficient + own.exponent + own.gamma + own.load + velocity)) return FILM_BAD_NUMBER;
     impact in = {.rule = {.normal = own, .rate = rate}, .result = result, .rows = rows, .per_step = per_step, .room = room};
     in.scale = fmin(fabs(velocity), 1.0);
     touch(&in, velocity);
@@ -381,16 +382,4 @@ int film_friction(const film_normal *normal, double rate, double velocity, film_
     scale_back(&in, depth, a, factor);
     if (count) *count = in.count;
     return in.status != FILM_OK || isfinite(result->velocity + result->force) ? in.status : FILM_BAD_NUMBER;
-}
-
-void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,
-                        film_friction_result *results, int32_t *status) {
-    for (int64_t i = 0; i < count; i++) {
-        status[i] = film_friction(&normals[i], rates[i], velocities[i], &results[i], NULL, 1, 0, NULL);
-    }
-}
-
-void film_friction_sizes(int64_t sizes[2]) {
-    sizes[0] = (int64_t)sizeof(film_normal);
-    sizes[1] = (int64_t)sizeof(film_friction_result);
 }

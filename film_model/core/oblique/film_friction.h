@@ -43,11 +43,19 @@ typedef struct {
 FILM_API int film_friction(const film_normal *normal, double rate, double velocity, film_friction_result *result, double *rows,
                            int32_t per_step, int32_t room, int32_t *count);
 
-/* count impacts. results, status: of each. */
-FILM_API void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,
-                                 film_friction_result *results, int32_t *status);
+enum { FILM_STICKS_FIRST, FILM_SLIDES_FIRST, FILM_SLIDES_THROUGHOUT }; /* regimes */
 
-/* sizeof film_normal, film_friction_result. */
-FILM_API void film_friction_sizes(int64_t sizes[2]);
+/* Of one impact of many. steps: 0 where none was needed. */
+typedef struct {
+    double velocity, force, time_of_force, closure;
+    int32_t status, regime, steps, reserved;
+} film_friction_brief;
+
+/* count impacts. table: of Hertz's law (film_friction_many.c), or null for none. */
+FILM_API void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,
+                                 const double *table, film_friction_brief *results);
+
+/* sizeof film_normal, film_friction_result, film_friction_brief. */
+FILM_API void film_friction_sizes(int64_t sizes[3]);
 
 #endif

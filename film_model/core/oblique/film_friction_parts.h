@@ -29,6 +29,12 @@ typedef struct {
     double f[FILM_TERMS], speed[FILM_TERMS], way[FILM_TERMS];
 } film_taylor;
 
+/* 1: numbers in range. */
+int film_friction_sound(const film_normal *normal, double rate, double velocity);
+
+/* The depth at which about all work of the approach is done; all of it under one power. */
+double film_friction_depth(const film_normal *normal);
+
 /* The force and its slope at a depth. */
 double film_friction_force(const film_normal *normal, double z, double *slope);
 

@@ -7,9 +7,11 @@ batches from them.
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
+from numpy.typing import NDArray
 
 from film_model.core import friction as core
 
@@ -26,7 +28,7 @@ CORNER_BETWEEN, HALVINGS = (1.45, 1.88), 34
 
 def solved(psi: np.ndarray, chi: np.ndarray) -> np.ndarray:
     """Results of the exact solver, in its units."""
-    normal = np.zeros(psi.size, core.NORMAL_DTYPE)
+    normal: NDArray[Any] = np.zeros(psi.size, core.NORMAL_DTYPE)
     normal["coefficient"], normal["exponent"], normal["approach"] = 1.25, 1.5, 1.0
     return core.many(normal, 2.0 * chi.ravel(), psi.ravel()).reshape(psi.shape)
 

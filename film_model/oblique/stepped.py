@@ -10,7 +10,7 @@ from film_model.core import native, springs
 from film_model.core import sliding as core
 from film_model.oblique.friction import refuse
 from film_model.problem.problem import Problem
-from film_model.scene.rolling import sliding_of, spin_of
+from film_model.scene.rolling import sliding_of
 
 STEP = 0.002
 """Longest step of the springs, over the unit of time of the march."""
@@ -64,7 +64,7 @@ class SteppedFriction:
         given = sliding_of(scene, at_rest=True)
         assert given is not None
         self._given, self._ball, scales = given, given.impactor, problem.scales
-        self._along, self._spin = float(given.along), float(spin_of(scene))
+        self._along, self._spin = float(given.along), float(given.impactor.spin)
         self._velocity = float(given.ratio) * scales.velocity
         self._force, self._time = scales.force, scales.time
         self._mass = 1.0 / float(given.parameter * scene.effective_mass)

@@ -1,4 +1,4 @@
-"""Friction in many impacts beside their normal motions: exact in one call of the core, others one by one."""
+"""Friction in many impacts beside their normal motions: exact in one call of the core, others by springs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array, column, either
+from film_model.base.arrays import Array, Index, column, either
 from film_model.core import friction as core
 from film_model.core import native
 from film_model.effects.choose import choose
@@ -20,7 +20,8 @@ from film_model.oblique.result import OBLIQUE, REGIMES
 from film_model.problem.problem import Problem
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.columns import scene_of_columns
-from film_model.scene.rolling import Sliding, sliding_of
+from film_model.scene.rolling import sliding_of
+from film_model.solve.many_springs import Normal, by_springs
 
 COARSE = 10.0 * core.TABLE_ERROR
 """Accuracy from which the table serves."""
@@ -58,30 +59,41 @@ def oblique_of_many(
     scene: Scene,
     columns: Mapping[str, Array],
     problems: Iterable[Problem],
-    rebound: Array,
-    status: NDArray[np.int32],
+    normal: Normal,
     solver: Solver,
 ) -> ManyOblique:
-    """The tangential parts of impacts whose normal motions are known. rebound: m/s; status: the core's.
+    """The tangential parts of impacts whose normal motions are known.
 
-    Impacts of laws whose friction is exact, except those that vibrate, take one call of the core, which looks up those
-    under Hertz's law on immovable targets if the accuracy allows it; springs follow others as `simulate` does, one by
-    one. Raises SimulationError as :func:`oblique_of`.
+    Impacts of laws whose friction is exact take one call of the core, which looks up those under Hertz's law on
+    immovable targets if the accuracy allows it; springs follow others, as many as the accuracy needs, and impacts
+    whose target vibrates are simulated one by one. Raises SimulationError as :func:`oblique_of`.
     """
-    found, ended = ManyOblique.none_of(status.size), status == native.EVENT
-    table = (solver.accuracy or DEFAULT_ACCURACY) >= COARSE
-    left = ended.copy()
+    found, ended = ManyOblique.none_of(normal.status.size), normal.status == native.EVENT
+    left, table = ended.copy(), (solver.accuracy or DEFAULT_ACCURACY) >= COARSE
     for problem in problems:
         refuse(problem)
-        if exact_force(problem) is None:
-            continue
-        for part in problem.by_curve():
-            rows = rows_of(part)
-            made = _exactly(found, part, rebound[rows], ended[rows], table)
-            left[rows[made]] = False
+        rows = rows_of(problem)
+        if exact_force(problem) is not None:
+            for part in problem.by_curve():
+                own = rows_of(part)
+                left[own] &= ~_exactly(found, part, normal.rebound[own], ended[own], table)
+        others = np.flatnonzero(left[rows])
+        if others.size:
+            left[_by_springs(found, problem.part(others), normal.of(rows[others]), solver)] = False
     for row in left.nonzero()[0].tolist():
         _one(found, scene, columns, row, solver)
     return found
+
+
+def _by_springs(found: ManyOblique, problem: Problem, normal: Normal, solver: Solver) -> Index:
+    """Put in the results by springs; the rows of impacts that are done with."""
+    rows, done = rows_of(problem), list[Index]()
+    for places, summary, regime, estimated in by_springs(problem, normal, solver):
+        slides = estimated == estimated
+        values = {name: value[slides] for name, value in summary.items()}
+        found.known(rows[places[slides]], values, regime[slides], estimated[slides])
+        done.append(rows[places])
+    return np.concatenate([np.empty(0, np.intp), *done])
 
 
 def _exactly(
@@ -92,8 +104,8 @@ def _exactly(
     given = sliding_of(scene)
     if given is None or force is None:
         return np.full(count, given is None)
-    whole = {name: column(value, count) for name, value in given._asdict().items() if name != "impactor"}
-    given = Sliding(impactor=given.impactor, **whole)
+    bodies = ("impactor", "target")
+    given = given._replace(**{k: column(v, count) for k, v in given._asdict().items() if k not in bodies})
     with np.errstate(divide="ignore", invalid="ignore"):
         rate, before = numbers_of(given, problem, scene)
     slides = ended & (given.velocity != 0.0)

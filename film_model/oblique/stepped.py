@@ -12,9 +12,6 @@ from film_model.oblique.friction import refuse
 from film_model.problem.problem import Problem
 from film_model.scene.rolling import sliding_of
 
-STEP = 0.002
-"""Longest step of the springs, over the unit of time of the march."""
-
 
 class SlidingOutputs(NamedTuple):
     """Motion along the surface at one time, SI. sliding_velocity: of the contacting point relative to the support.
@@ -73,7 +70,7 @@ class SteppedFriction:
     def begin(self) -> None:
         """Return to the start."""
         sliding = float(self._given.velocity) / self._velocity
-        self._core = core.begin(float(self._given.friction), self._mass, sliding, STEP)
+        self._core = core.begin(float(self._given.friction), self._mass, sliding)
         self._pushes, self._gained = Pushes(), (0.0, 0.0)
 
     def push(self, pushes: Pushes) -> None:

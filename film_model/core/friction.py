@@ -23,8 +23,8 @@ SLOW = 1e-7
 TABLE = Path(__file__).parent / "oblique" / "hertz.npy"
 """Made by `python examples/friction_table.py`."""
 
-TABLE_ERROR = 1e-8
-"""Of sliding velocities in the table over those before, and of its forces and their times; measured in tests."""
+COARSE_ERROR = 1e-8
+"""Of coarse sliding velocities over those before, and of forces and their times in the table; measured in tests."""
 
 _EVENTS, _STEPS, _COLUMNS, _PER_STEP = 48, 1500, 6, 4
 _D, _I = c.c_double, c.c_int32
@@ -63,7 +63,7 @@ MANY_DTYPE = np.dtype(
 def _library() -> Any:
     """The core's library, with the functions of film_friction.h declared."""
     lib, pointer, i64 = native.library(), c.c_void_p, c.c_int64
-    lib.film_friction.argtypes = [pointer, _D, _D, pointer, pointer, _I, _I, pointer]
+    lib.film_friction.argtypes = [pointer, _D, _D, c.c_int, pointer, pointer, _I, _I, pointer]
     lib.film_friction.restype = c.c_int
     lib.film_friction_many.argtypes = [i64, *[pointer] * 5]
     lib.film_friction_many.restype = None
@@ -78,16 +78,17 @@ def impact(normal: Normal, rate: float, velocity: float) -> tuple[int, Result, A
     """Status and result of one impact, and its motion: rows of time, z, D, D', q and c. rate: 2χ; velocity: D'."""
     result, rows, count = Result(), np.empty((_PER_STEP * _STEPS + 2, _COLUMNS)), _I()
     room = rows.ctypes.data, _PER_STEP, len(rows), c.byref(count)
-    status = _library().film_friction(c.byref(normal), rate, velocity, c.byref(result), *room)
+    status = _library().film_friction(c.byref(normal), rate, velocity, 0, c.byref(result), *room)
     return status, result, rows[: count.value].copy()
 
 
-def many(normal: NDArray[Any], rate: Array, velocity: Array, table: bool = False) -> NDArray[Any]:
-    """Results (MANY_DTYPE) of many impacts (NORMAL_DTYPE). table: take those under Hertz's law alone from a table."""
+def many(normal: NDArray[Any], rate: Array, velocity: Array, coarse: bool = False) -> NDArray[Any]:
+    """Results (MANY_DTYPE) of many impacts (NORMAL_DTYPE). coarse: errors up to `COARSE_ERROR`,
+    with those under Hertz's law alone from a table."""
     normal = np.ascontiguousarray(normal, NORMAL_DTYPE)
     rate, velocity = (np.ascontiguousarray(values, np.float64) for values in (rate, velocity))
     found: NDArray[Any] = np.empty(normal.size, MANY_DTYPE)
-    tabled = _table().ctypes.data if table else None
+    tabled = _table().ctypes.data if coarse else None
     at = [array.ctypes.data for array in (normal, rate, velocity)]
     _library().film_friction_many(normal.size, *at, tabled, found.ctypes.data)
     return found

@@ -23,8 +23,8 @@ from film_model.scene.columns import scene_of_columns
 from film_model.scene.rolling import sliding_of
 from film_model.solve.many_springs import Normal, by_springs
 
-COARSE = 10.0 * core.TABLE_ERROR
-"""Accuracy from which the table serves."""
+COARSE = 10.0 * core.COARSE_ERROR
+"""Accuracy from which coarse steps and the table serve."""
 
 
 @dataclass(frozen=True)
@@ -69,14 +69,14 @@ def oblique_of_many(
     whose target vibrates are simulated one by one. Raises SimulationError as :func:`oblique_of`.
     """
     found, ended = ManyOblique.none_of(normal.status.size), normal.status == native.EVENT
-    left, table = ended.copy(), (solver.accuracy or DEFAULT_ACCURACY) >= COARSE
+    left, coarse = ended.copy(), (solver.accuracy or DEFAULT_ACCURACY) >= COARSE
     for problem in problems:
         refuse(problem)
         rows = rows_of(problem)
         if exact_force(problem) is not None:
             for part in problem.by_curve():
                 own = rows_of(part)
-                left[own] &= ~_exactly(found, part, normal.rebound[own], ended[own], table)
+                left[own] &= ~_exactly(found, part, normal.rebound[own], ended[own], coarse)
         others = np.flatnonzero(left[rows])
         if others.size:
             left[_by_springs(found, problem.part(others), normal.of(rows[others]), solver)] = False
@@ -97,9 +97,9 @@ def _by_springs(found: ManyOblique, problem: Problem, normal: Normal, solver: So
 
 
 def _exactly(
-    found: ManyOblique, problem: Problem, rebound: Array, ended: NDArray[np.bool_], table: bool
+    found: ManyOblique, problem: Problem, rebound: Array, ended: NDArray[np.bool_], coarse: bool
 ) -> NDArray[np.bool_]:
-    """The exact results of a problem, or those of the table; which of its impacts are done with."""
+    """The exact results of a problem, or coarse ones; which of its impacts are done with."""
     scene, count, force = problem.impacts.scene, rebound.size, exact_force(problem)
     given = sliding_of(scene)
     if given is None or force is None:
@@ -112,16 +112,17 @@ def _exactly(
     solved = slides & (given.friction != 0.0)
     result: NDArray[Any] = np.zeros(count, core.MANY_DTYPE)
     normals = _normals(problem, force, count)[solved]
-    result[solved] = core.many(normals, column(rate, count)[solved], before[solved], table)
+    result[solved] = core.many(normals, column(rate, count)[solved], before[solved], coarse)
     missed = solved & ((result["status"] != native.OK) | (result["closure"] > CLOSED))
     unit, scales = given.friction * given.ratio, problem.scales
     after = either(solved, result["velocity"] * unit * scales.velocity, given.velocity)
     peak = result["force"] * given.friction * scales.force, result["time_of_force"] * scales.time
     values = results(scene, given, rebound, after, peak)
     regime = np.where(solved, result["regime"], REGIMES.index(THROUGHOUT))
-    tabled = solved & (result["steps"] == 0) & (result["regime"] != REGIMES.index(THROUGHOUT))
     error = np.where(solved, exact_error(problem, np.where(solved, before, 1.0)), 0.0)
-    error[tabled] = core.TABLE_ERROR
+    if coarse:
+        closed = (result["steps"] == 0) & (regime == REGIMES.index(THROUGHOUT))
+        error = np.where(solved & ~closed, np.maximum(error, core.COARSE_ERROR), error)
     known = slides & ~missed
     summary = {name: column(value, count)[known] for name, value in values.items()}
     found.known(rows_of(problem)[known], summary, regime[known], error[known])

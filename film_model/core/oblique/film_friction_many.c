@@ -13,6 +13,7 @@
 enum { CORNER, BELOW, ABOVE, FORCE, TIME, EARLY, LATE = EARLY + 3, OUTWARD = LATE + 3 }; /* panels; EARLY, LATE: 3 each */
 enum { MOST_TERMS = 32 };
 
+static const double FEWEST = 0.01; /* psi, below which coarse steps would be too coarse; test of coarse steps */
 static const double PI = 3.14159265358979323846;
 static const double LEAST_CHI = 0.8, MOST_CHI = 1.751, LAST_CHI = 1.9; /* of the table; where ABOVE ends */
 static const double EARLIEST = 0.15;                                  /* (psi - 1)/(2 chi - 1) up to which EARLY holds */
@@ -89,7 +90,8 @@ static void one(const film_normal *normal, double rate, double velocity, const d
         to->status = FILM_BAD_NUMBER;
         return;
     }
-    to->status = film_friction(normal, rate, velocity, &found, NULL, 1, 0, NULL);
+    int coarse = table && fabs(velocity) > FEWEST * approach;
+    to->status = film_friction(normal, rate, velocity, coarse, &found, NULL, 1, 0, NULL);
     to->velocity = found.velocity, to->force = found.force, to->time_of_force = found.time_of_force;
     to->closure = found.closure, to->steps = found.steps;
     to->regime = found.kinds[0] == FILM_STICKS ? FILM_STICKS_FIRST : found.phases > 1 ? FILM_SLIDES_FIRST : FILM_SLIDES_THROUGHOUT;

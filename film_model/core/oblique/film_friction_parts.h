@@ -14,11 +14,11 @@ typedef struct {
 
 /* What holds in a phase. kind: FILM_STICKS, FILM_SLIPS or FILM_SLIDES. piece: on which c is, FILM_STUCK or FILM_STRAIGHT.
  * normal: with an approach of 1, and a depth of about 1. flat: 1 if slip begins with w' = 0; edge: 1 if U = 0 too, where
- * stick has ended (film_friction_step.c). */
+ * stick has ended (film_friction_step.c). coarse: 0 or 1. */
 typedef struct {
     film_normal normal;
     double rate, sign;
-    int kind, piece, flat, edge;
+    int kind, piece, flat, edge, coarse;
 } film_phase_rule;
 
 /* Taylor series from the beginning of a step, in powers of time or of a clock; `speed` is z', `way` is w'. */

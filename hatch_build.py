@@ -31,7 +31,7 @@ SOURCES = (
     *platforms.MODES,
     *ONE_IMPACT,
     *platforms.RELAXING,
-    *platforms.core("oblique", "friction", "friction_step"),
+    *platforms.core("oblique", "friction", "friction_step", "friction_many"),
     *platforms.SLIDING,
 )
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")

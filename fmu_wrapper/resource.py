@@ -19,7 +19,7 @@ from film_model.problem import stresses
 from film_model.problem.curve import curve_of
 from film_model.problem.problem import Problem
 from film_model.scene import STANDARD_GRAVITY, Scene
-from film_model.scene.rolling import sliding_of, spin_of
+from film_model.scene.rolling import sliding_of
 from film_model.solve.component import ImpactComponent
 from film_model.solve.vibration import Vibration
 from fmu_wrapper.assumptions import Validity
@@ -175,7 +175,7 @@ def _of_scene(problem: Problem) -> dict[str, float]:
     return {
         "friction": scene.contact.friction or 0.0,
         "initial_tangential_velocity": 0.0 if sliding is None else float(sliding.along),
-        "initial_spin": float(spin_of(scene)),
+        "initial_spin": scene.impactor.spin or 0.0,
         "mass": problem.mass,
         "initial_velocity": scene.approach_velocity,
         "target_impedance": min(problem.impedance, RIGID),

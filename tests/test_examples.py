@@ -14,6 +14,7 @@ import pytest
 
 import film_datasets as fd
 import film_model as fm
+from film_model.core import friction as core
 from film_model.effects.choose import problem_of
 from film_model.problem import model_intervals
 from film_model.studies import quadrature
@@ -360,6 +361,11 @@ def test_effects_compared():
 
 
 @pytest.mark.slow
+def test_friction_table(tmp_path):
+    made, stored = (np.load(path) for path in (example("friction_table").main(tmp_path / "table.npy"), core.TABLE))
+    assert made == pytest.approx(stored, abs=1e-9)  # but for rounding of a linear solver
+
+
 def test_oblique_page(tmp_path):
     page, picture = example("oblique_page").main(tmp_path)
     assert page.read_text("utf-8") == (EXAMPLES.parent / "docs" / "oblique.md").read_text("utf-8")

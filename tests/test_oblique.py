@@ -145,10 +145,61 @@ def random_normals(count, seed):
 def test_random_impacts_end_and_retrace_what_had_stuck():
     """Friction takes energy, and a path that is followed back ends at first touch."""
     normal, rate, before = random_normals(3000, 3)
-    status, found = core.many(normal, rate, before)
-    assert (status == native.OK).all() and (np.abs(found["velocity"]) <= before * (1.0 + 1e-9)).all()
+    found = core.many(normal, rate, before)
+    assert (found["status"] == native.OK).all() and (np.abs(found["velocity"]) <= before * (1.0 + 1e-9)).all()
     assert (found["closure"] <= 1e-10 + 1e-14 / np.maximum(before, core.SLOW)).all()
     assert (found["steps"] < 400).all()
+
+
+def test_coarse_steps_are_as_exact_as_they_say():
+    """Below 0.01 of the approach velocity they are exact."""
+    normal, rate, _ = random_normals(600, 5)
+    before = 10.0 ** np.random.default_rng(5).uniform(-4.0, 1.0, rate.size)
+    exact, coarse = (core.many(normal, rate, before, few) for few in (False, True))
+    off = np.abs(coarse["velocity"] - exact["velocity"])
+    assert (off <= core.COARSE_ERROR * before).all() and (coarse["regime"] == exact["regime"]).all()
+    above = before > 0.01
+    assert coarse["steps"][above].sum() < 0.6 * exact["steps"][above].sum()
+
+
+def of_hertz(count):
+    normal = np.zeros(count, core.NORMAL_DTYPE)
+    normal["coefficient"], normal["exponent"], normal["approach"] = 1.25, 1.5, 1.0
+    return normal
+
+
+def test_the_table_of_hertz_and_its_cuts():
+    """Over χ from 0.8 to 1.751, on both sides of ψ₁ = 1, 2χ and 4χ − 1, and for hardly any sliding velocity."""
+    rng, count = np.random.default_rng(6), 500
+    chi = rng.uniform(0.8, 1.751, count)
+    across = [np.ones(count), 2.0 * chi, 4.0 * chi - 1.0]
+    near = [
+        corner * (1.0 + rng.choice([-1.0, 1.0], count) * 10.0 ** rng.uniform(-15.0, -1.0, count)) for corner in across
+    ]
+    few = 10.0 ** rng.uniform(-4.0, 0.0, count)
+    for before in (rng.uniform(0.0, 7.0, count), few, *near):
+        exact, found = (core.many(of_hertz(count), 2.0 * chi, before, table) for table in (False, True))
+        off = np.abs(found["velocity"] - exact["velocity"])
+        assert (off <= core.COARSE_ERROR * before).all() and (found["steps"] == 0).all()
+        assert found["force"] == pytest.approx(exact["force"], rel=core.COARSE_ERROR)
+        assert found["time_of_force"] == pytest.approx(exact["time_of_force"], rel=3e-8)  # a flat maximum
+        back = core.many(of_hertz(count), 2.0 * chi, -before, True)
+        assert np.array_equal(back["velocity"], -found["velocity"])
+    beyond = core.many(of_hertz(2), np.array([1.5, 3.6]), np.array([0.5, 0.5]), True)
+    assert (beyond["steps"] > 0).all()
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.2, 1.5, 3.0])
+def test_sliding_throughout_takes_no_steps_among_many(exponent):
+    normal = np.zeros(3, core.NORMAL_DTYPE)
+    normal["coefficient"], normal["exponent"], normal["approach"] = 0.7, exponent, 2.0
+    rate, before = np.array([0.4, 2.5, 3.0]), np.array([2.1, -11.0, 10.0])
+    found = core.many(normal, rate, before)
+    for row in range(3):
+        status, result, _ = core.impact(core.Normal(*normal[row].tolist()), rate[row], before[row])
+        assert (status, found["steps"][row], found["regime"][row]) == (native.OK, 0, 2)
+        for name in ("velocity", "force", "time_of_force"):
+            assert found[name][row] == pytest.approx(getattr(result, name), rel=1e-10)
 
 
 def test_friction_never_exceeds_its_limit():
@@ -218,16 +269,21 @@ def test_springs_follow_the_exact_motion_within_their_estimate():
         assert abs(run.velocity[-1] - after(chi, before)) <= run.estimated < 1e-3 * before
 
 
-def test_springs_step_as_they_follow_and_refuse_bad_numbers():
+def test_springs_of_an_impact_are_those_that_follow_and_refuse_bad_numbers():
     rng = np.random.default_rng(2)
-    force, radius = rng.uniform(0.0, 1.0, 50), np.sqrt(rng.uniform(0.0, 1.0, 50))
-    made = [core_springs.springs(40, 1.0, 1.0, 0.3, 2.0, 1.5) for _ in range(2)]
-    velocity, friction = core_springs.follow(made[0], 0.05, force, radius)
-    for k in range(50):
-        core_springs.step(made[1], 0.05, float(force[k]), float(radius[k]))
-        assert (made[1].v, made[1].q) == (velocity[k], friction[k])
-        assert abs(made[1].q) <= 0.3 * force[k] * (1.0 + 1e-12)
-    assert bytes(made[0]) == bytes(made[1])
+    force, radius = rng.uniform(0.0, 1.0, 51), np.sqrt(rng.uniform(0.0, 1.0, 51))
+    made = core_springs.springs(40, 1.0, float(radius.max()), 0.3, 2.0, 1.5)
+    velocity, friction = core_springs.follow(made, 0.05, force[1:], radius[1:])
+    assert (np.abs(friction) <= 0.3 * force[1:] * (1.0 + 1e-12)).all()
+    one = core_springs.impact(40, [1.0, 0.3, 2.0, 1.5], 0.05, force, radius)
+    assert (one.velocity, one.force, one.step) == (
+        *(velocity[-1], np.abs(friction).max()),
+        np.abs(friction).argmax() + 1,
+    )
+    half = core_springs.springs(20, 1.0, float(radius.max()), 0.3, 2.0, 1.5)
+    coarse, _ = core_springs.follow(half, 0.1, force[2::2], radius[2::2])
+    assert one.apart == np.abs(velocity[1::2] - coarse).max()
+    assert core_springs.impact(40, [1.0, 0.3, 0.0, 1.5], 0.05, force, radius) is None
     for bad in ((0, 1.0, 1.0, 0.3, 2.0, 1.5), (257, 1.0, 1.0, 0.3, 2.0, 1.5), (40, 1.0, 0.0, 0.3, 2.0, 1.5)):
         with pytest.raises(ValueError, match="the core refuses"):
             core_springs.springs(*bad)
@@ -278,6 +334,43 @@ def test_balances_of_momentum_and_of_angular_momentum():
         assert found["friction_work"] >= 0.0 and abs(impulse) <= 0.2 * history.summary["impulse"] * (1.0 + 1e-6)
         moment = np.trapezoid(history.oblique.motion["friction_force"], history.oblique.motion["time"])
         assert moment == pytest.approx(impulse, rel=2e-3)
+
+
+@pytest.mark.parametrize("spin", ["0 rad/s", "-700 rad/s", "300 rpm"])
+def test_momentum_and_angular_momentum_of_two_balls_that_spin(spin):
+    """Σ m V along the surface, and Σ J ω with the moments of m V about the contact, to 1e-14."""
+    body = fm.Body(STEEL, radius="8 mm", velocity="-1 m/s", spin=spin, shape="shell")
+    scene = slanted("20 deg", target=body, spin="-100 rad/s")
+    ball, found = scene.impactor, fm.simulate(scene).oblique.summary
+    masses, radii = (scene.mass, body.own_mass), (ball.radius, body.radius)
+    inertias = [m * r * r * number for m, r, number in zip(masses, radii, (0.4, 2.0 / 3.0), strict=True)]
+
+    def totals(along, spins):
+        momenta = [mass * one for mass, one in zip(masses, along, strict=True)]
+        turning = sum(inertia * one for inertia, one in zip(inertias, spins, strict=True))
+        return sum(momenta), turning - radii[0] * momenta[0] + radii[1] * momenta[1]
+
+    before = totals((ball.tangential_speed, 0.0), (ball.spin, body.spin))
+    along = found["tangential_rebound_velocity"], found["target_tangential_velocity"]
+    spins = found["rebound_spin"], found["target_rebound_spin"]
+    assert totals(along, spins) == pytest.approx(before, rel=1e-14)
+    apart = along[0] - along[1] + radii[0] * spins[0] + radii[1] * spins[1]
+    assert apart == pytest.approx(found["contact_point_rebound_velocity"], rel=1e-12)
+
+
+def test_equal_balls_that_spin_against_each_other_do_not_slide():
+    """Test 7 of Chung & Ooi (2011): equal and opposite velocities of the contacting points. Alike, they add."""
+    twin = fm.Body(STEEL, radius="5 mm", spin="-100 rad/s")
+    assert fm.simulate(slanted("0 deg", target=twin, spin="100 rad/s")).oblique is None
+    alike = slanted("0 deg", target=twin, spin="-100 rad/s")
+    found = fm.simulate(alike).oblique.summary
+    assert found["rebound_spin"] == found["target_rebound_spin"] != -100.0
+    assert found["target_tangential_velocity"] == -found["tangential_rebound_velocity"]
+    assert found["impact_number"] == pytest.approx(2.0 * groups_of(slanted("0 deg", spin="-100 rad/s")), rel=1e-12)
+
+
+def groups_of(scene):
+    return fm.simulate(scene).oblique.summary["impact_number"]
 
 
 def test_the_normal_motion_is_not_changed():

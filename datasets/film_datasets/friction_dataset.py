@@ -19,7 +19,7 @@ def friction_columns(oblique: Oblique | None) -> dict[str, Any]:
         return {}
     ends = {LOW: oblique.low, HIGH: oblique.high}
     return {
-        **oblique.summary,
+        **{name: oblique.summary.get(name, math.nan) for name in OBLIQUE},
         REGIME: REGIMES.index(oblique.sliding_regime),
         ERROR: oblique.estimated,
         **{name: math.nan if value is None else value for name, value in ends.items()},
@@ -34,7 +34,8 @@ def read_friction(ds: xr.Dataset) -> Oblique | None:
     if not has_friction(ds):
         return None
     require(ds, (variable.name for variable in IN_HISTORIES))
-    summary = {name: float(ds[name]) for name in OBLIQUE}
+    values = {name: float(ds[name]) for name in OBLIQUE}
+    summary = {name: value for name, value in values.items() if not (name.startswith("target_") and math.isnan(value))}
     times, kinds = (ds[f"friction_event_{name}"].values.tolist() for name in ("time", "kind"))
     events = tuple((time, KINDS[kind]) for time, kind in zip(times, kinds, strict=True))
     motion = {name: ds[_own(name)].values for name in MOTION}

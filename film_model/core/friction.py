@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ctypes as c
 from functools import lru_cache
-from typing import Any, cast
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,13 @@ STICKS, SLIPS, REVERSES, SLIDES = range(4)
 SLOW = 1e-7
 """Sliding over approach velocity below which the core takes all to be proportional to it, within as much."""
 
-_EVENTS, _STEPS, _COLUMNS, _PER_STEP, _AT_ONCE = 48, 1500, 6, 4, 1024
+TABLE = Path(__file__).parent / "oblique" / "hertz.npy"
+"""Made by `python examples/friction_table.py`."""
+
+COARSE_ERROR = 1e-8
+"""Of coarse sliding velocities over those before, and of forces and their times in the table; measured in tests."""
+
+_EVENTS, _STEPS, _COLUMNS, _PER_STEP = 48, 1500, 6, 4
 _D, _I = c.c_double, c.c_int32
 
 
@@ -47,22 +54,22 @@ class Result(c.Structure):
 NORMAL_DTYPE = np.dtype(Normal)
 MANY_DTYPE = np.dtype(
     [(name, np.float64) for name in ("velocity", "force", "time_of_force", "closure")]
-    + [(name, np.int32) for name in ("first", "phases", "steps")]
+    + [(name, np.int32) for name in ("status", "regime", "steps", "reserved")]
 )
-"""Of a result, without its events; first: kind of the first phase."""
+"""film_friction_brief. regime: place in `film_model.oblique.result.REGIMES`. steps: 0 where none was needed."""
 
 
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_friction.h declared."""
     lib, pointer, i64 = native.library(), c.c_void_p, c.c_int64
-    lib.film_friction.argtypes = [pointer, _D, _D, pointer, pointer, _I, _I, pointer]
+    lib.film_friction.argtypes = [pointer, _D, _D, c.c_int, pointer, pointer, _I, _I, pointer]
     lib.film_friction.restype = c.c_int
-    lib.film_friction_many.argtypes = [i64, pointer, pointer, pointer, pointer, pointer]
+    lib.film_friction_many.argtypes = [i64, *[pointer] * 5]
     lib.film_friction_many.restype = None
-    sizes = (c.c_int64 * 2)()
+    sizes = (c.c_int64 * 3)()
     lib.film_friction_sizes(sizes)
-    if list(sizes) != [c.sizeof(Normal), c.sizeof(Result)]:
+    if list(sizes) != [c.sizeof(Normal), c.sizeof(Result), MANY_DTYPE.itemsize]:
         raise ImportError("the core was built from other sources: install the package again (pip install .)")
     return lib
 
@@ -71,22 +78,23 @@ def impact(normal: Normal, rate: float, velocity: float) -> tuple[int, Result, A
     """Status and result of one impact, and its motion: rows of time, z, D, D', q and c. rate: 2χ; velocity: D'."""
     result, rows, count = Result(), np.empty((_PER_STEP * _STEPS + 2, _COLUMNS)), _I()
     room = rows.ctypes.data, _PER_STEP, len(rows), c.byref(count)
-    status = _library().film_friction(c.byref(normal), rate, velocity, c.byref(result), *room)
+    status = _library().film_friction(c.byref(normal), rate, velocity, 0, c.byref(result), *room)
     return status, result, rows[: count.value].copy()
 
 
-def many(normal: NDArray[Any], rate: Array, velocity: Array) -> tuple[NDArray[np.int32], NDArray[Any]]:
-    """Statuses and results (MANY_DTYPE) of many impacts (NORMAL_DTYPE)."""
+def many(normal: NDArray[Any], rate: Array, velocity: Array, coarse: bool = False) -> NDArray[Any]:
+    """Results (MANY_DTYPE) of many impacts (NORMAL_DTYPE). coarse: errors up to `COARSE_ERROR`,
+    with those under Hertz's law alone from a table."""
     normal = np.ascontiguousarray(normal, NORMAL_DTYPE)
-    columns = [np.ascontiguousarray(values, np.float64) for values in (rate, velocity)]
+    rate, velocity = (np.ascontiguousarray(values, np.float64) for values in (rate, velocity))
     found: NDArray[Any] = np.empty(normal.size, MANY_DTYPE)
-    status = np.empty(normal.size, np.int32)
-    whole: NDArray[Any] = np.empty(min(normal.size, _AT_ONCE), np.dtype(Result))
-    for begin in range(0, normal.size, _AT_ONCE):
-        part = slice(begin, begin + _AT_ONCE)
-        arrays = (normal[part], *(values[part] for values in columns), whole, status[part])
-        count = arrays[0].size
-        _library().film_friction_many(count, *(array.ctypes.data for array in arrays))
-        for name in cast("Any", MANY_DTYPE.names):
-            found[name][part] = whole["kinds"][:count, 0] if name == "first" else whole[name][:count]
-    return status, found
+    tabled = _table().ctypes.data if coarse else None
+    at = [array.ctypes.data for array in (normal, rate, velocity)]
+    _library().film_friction_many(normal.size, *at, tabled, found.ctypes.data)
+    return found
+
+
+@lru_cache(maxsize=1)
+def _table() -> Array:
+    """The table of film_friction_many.c."""
+    return np.load(TABLE)

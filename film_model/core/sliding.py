@@ -15,14 +15,14 @@ _D = c.c_double
 class Sliding(c.Structure):
     """film_sliding: springs that slip, and what they have done."""
 
-    _fields_ = (("longest", _D), ("impulse", _D), ("work", _D), ("springs", Springs))
+    _fields_ = (("impulse", _D), ("work", _D), ("springs", Springs))
 
 
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_slide.h declared."""
     lib, pointer = native.library(), c.c_void_p
-    lib.film_slide_init.argtypes = [pointer, _D, _D, _D, _D]
+    lib.film_slide_init.argtypes = [pointer, _D, _D, _D]
     lib.film_slide_init.restype = c.c_int
     lib.film_slide.argtypes = [pointer, pointer, pointer, _D, pointer]
     lib.film_slide.restype = c.c_int
@@ -32,10 +32,10 @@ def _library() -> Any:
     return lib
 
 
-def begin(friction: float, mass: float, velocity: float, longest: float) -> Sliding:
+def begin(friction: float, mass: float, velocity: float) -> Sliding:
     """The start of a motion. Raises ValueError for numbers out of range."""
     made = Sliding()
-    if _library().film_slide_init(c.byref(made), friction, mass, velocity, longest) != native.OK:
+    if _library().film_slide_init(c.byref(made), friction, mass, velocity) != native.OK:
         raise ValueError(f"the core refuses friction {friction!r}, mass {mass!r}, velocity {velocity!r}")
     return made
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes as c
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -29,14 +30,21 @@ class Springs(c.Structure):
     )
 
 
+class Impact(c.Structure):
+    """film_springs_impact_result. velocity: at the end. force, step: largest friction force, and after how many steps.
+    apart: largest difference of the velocity at any time to that of half as many springs and steps."""
+
+    _fields_ = (("velocity", _D), ("force", _D), ("apart", _D), ("step", c.c_int64))
+
+
 @lru_cache(maxsize=1)
 def _library() -> Any:
     """The core's library, with the functions of film_springs.h declared."""
     lib, pointer, i64 = native.library(), c.c_void_p, c.c_int64
     signatures: dict[str, tuple[list[Any], Any]] = {
         "film_springs_init": ([pointer, _I, *[_D] * 5], c.c_int),
-        "film_springs_step": ([pointer, _D, _D, _D], None),
         "film_springs_follow": ([pointer, _D, i64, pointer, pointer, pointer, pointer], None),
+        "film_springs_impact": ([_I, *[_D] * 5, i64, pointer, pointer, pointer], c.c_int),
         "film_springs_energy": ([pointer], _D),
         "film_springs_size": ([], i64),
     }
@@ -58,11 +66,6 @@ def springs(count: int, modulus: float, largest: float, friction: float, mass: f
     return made
 
 
-def step(state: Springs, time: float, force: float, radius: float) -> None:
-    """Forward by a time, at the end of which the contact has this normal force and radius."""
-    _library().film_springs_step(c.byref(state), time, force, radius)
-
-
 def energy(state: Springs) -> float:
     """Energy of the springs."""
     return _library().film_springs_energy(c.byref(state))
@@ -75,3 +78,15 @@ def follow(state: Springs, time: float, force: Array, radius: Array) -> tuple[Ar
     at = [array.ctypes.data for array in (force, radius, velocity, friction)]
     _library().film_springs_follow(c.byref(state), time, force.size, *at)
     return velocity, friction
+
+
+def impact(count: int, numbers: Sequence[float], step: float, force: Array, radius: Array) -> Impact | None:
+    """An impact in an even number of steps of a time; None for numbers out of range.
+
+    numbers: modulus, friction, mass and velocity. force, radius: before the first step and after each.
+    """
+    force, radius = (np.ascontiguousarray(values, np.float64) for values in (force, radius))
+    found = Impact()
+    at = force.ctypes.data, radius.ctypes.data, c.byref(found)
+    status = _library().film_springs_impact(count, *numbers, step, force.size - 1, *at)
+    return found if status == native.OK else None

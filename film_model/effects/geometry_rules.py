@@ -131,8 +131,8 @@ def obliqueness(case: Case, rule: Rule) -> Effect:
 
 def oblique(scene: Scene, rule: Rule, restitution: float | None, tolerance: float) -> Effect:
     """The same, also for an impact whose restitution is unknown."""
-    angle, spin, friction = scene.impactor.angle or 0.0, scene.impactor.spin or 0.0, scene.contact.friction
-    if angle == 0.0 and spin == 0.0:
+    angle, friction = scene.impactor.angle or 0.0, scene.contact.friction
+    if angle == 0.0 and not scene.impactor.spin and not getattr(scene.target, "spin", None):
         return rule.absent("the impact is along the normal, without spin")
     if friction is not None:
         why = f"the tangential motion and the spin are simulated with a friction coefficient of {friction:g}"

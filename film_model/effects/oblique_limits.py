@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from film_model.scene import Scene
-from film_model.scene.rolling import stiffness_ratio, tangential_mobility
+from film_model.scene.rolling import sliding_before, stiffness_ratio, tangential_mobility
 
 LARGEST = 1.0
 """Coefficient of friction up to which the rebound is bounded; the least is 0."""
@@ -40,7 +40,7 @@ def unknown(scene: Scene, restitution: float) -> Open:
     ball, along = scene.impactor, scene.impactor.tangential_speed
     spin, normal = ball.spin or 0.0, scene.effective_mass * (1.0 + restitution) * scene.approach_velocity
     inertia = ball.inertia_number * scene.mass * ball.radius**2
-    sliding = along + spin * ball.radius
+    sliding = sliding_before(scene)
     mobility = tangential_mobility(scene)
     most = min(LARGEST * normal, abs(sliding) / mobility * (1.0 + reversed_share(scene, mobility)))
     impulses = 0.0, math.copysign(most, sliding)
@@ -67,11 +67,10 @@ def expected(scene: Scene, restitution: float) -> str | None:
     It sticks first below ψ₁ = 1 and slides throughout from ψ₁ = 2 χ (1 + e) − e on: under any law with elastic
     unloading friction then never falls below its limit.
     """
-    ball, friction, ratio = scene.impactor, scene.contact.friction, stiffness_ratio(scene)
+    friction, ratio = scene.contact.friction, stiffness_ratio(scene)
     if not friction or ratio is None:
         return None
-    sliding = ball.tangential_speed + (ball.spin or 0.0) * ball.radius
-    number = abs(sliding) / (ratio * friction * scene.approach_velocity)
+    number = abs(sliding_before(scene)) / (ratio * friction * scene.approach_velocity)
     chi = 0.5 * tangential_mobility(scene) * scene.effective_mass / ratio
     last = 2.0 * chi * (1.0 + restitution) - restitution
     how = "sticks first" if number < 1.0 else "slides first" if number < last else "slides throughout"

@@ -24,7 +24,7 @@ from film_model.oblique.result import KINDS, MOTION, REGIMES, Oblique
 from film_model.problem.problem import Problem
 from film_model.problem.stresses import contact_radius
 from film_model.scene import Scene
-from film_model.scene.rolling import Sliding, sliding_of, spin_of
+from film_model.scene.rolling import Sliding, sliding_of
 
 STICKS, SLIDES, THROUGHOUT = REGIMES
 
@@ -134,10 +134,9 @@ def _by_springs(
     times = np.linspace(0.0, duration, springs.STEPS + 1)
     seen = sample(times)
     force, depth = np.maximum(seen.contact_force, 0.0), np.asarray(seen.indentation)
-    radius = np.where(force > 0.0, np.sqrt(scene.effective_radius * np.maximum(depth, 0.0)), 0.0)
-    radii = [radius]
-    if _yields(problem):
-        radii = _radii_beyond_yield(scene, problem, depth, force)
+    radii = [radius_of(problem, depth, force)]
+    if yields(problem):
+        radii.append(_radius_by_slope(problem, depth, force, radii[0]))
     runs = [
         springs.tangential(springs.Grip(times, force, own), given.modulus, given.friction, given.mass, given.velocity)
         for own in radii
@@ -147,9 +146,7 @@ def _by_springs(
     columns = (times, first.velocity, first.force, moved, np.full(times.size, np.nan))
     motion = dict(zip(MOTION, columns, strict=True))
     normal = float(np.trapezoid(force, times))
-    slides = given.mass * abs(given.velocity - first.velocity[-1]) >= (1.0 - SLIDING) * given.friction * normal
-    sticks = abs(given.velocity) < given.friction * given.ratio * scene.approach_velocity
-    regime = THROUGHOUT if slides else STICKS if sticks else SLIDES
+    regime = REGIMES[int(regime_of(scene, given, first.velocity[-1], normal))]
     ends = [float(run.velocity[-1]) for run in runs]
     events = ((0.0, "sticks" if regime == STICKS else "slides"),)
     error = first.estimated / abs(given.velocity)
@@ -161,24 +158,43 @@ def _by_springs(
     return replace(found, low=min(ends), high=max(ends))
 
 
-def _yields(problem: Problem) -> bool:
+def regime_of(scene: Scene, given: Sliding, after: Number, normal: Number) -> Any:
+    """Place in `REGIMES` of impacts by springs. after: sliding velocity, m/s. normal: impulse of the force, N·s."""
+    slides = given.mass * abs(given.velocity - after) >= (1.0 - SLIDING) * given.friction * normal
+    sticks = abs(given.velocity) < given.friction * given.ratio * scene.approach_velocity
+    return np.where(slides, REGIMES.index(THROUGHOUT), np.where(sticks, 0, 1))
+
+
+def yields(problem: Problem) -> bool:
+    """Whether unloading does not retrace loading."""
     core = problem.curve.native
     return any(core.stage[k].unloading != native.RETRACE for k in range(core.stages))
 
 
-def _radii_beyond_yield(scene: Scene, problem: Problem, depth: Array, force: Array) -> list[Array]:
-    """The contact radius over time, m: that of the law in loading, and that of an elastic contact with the slope of its
-    force; in unloading both shrink as those of a ball in its dent."""
-    turn, found = int(np.argmax(depth)), list[Array]()
-    loading, modulus = slice(0, turn + 1), cast("float", scene.effective_modulus)
-    law, _ = contact_radius(problem.impacts, force[loading], depth[loading])
-    slope = np.gradient(force[loading], depth[loading])
-    left = float(depth[force > 0.0][-1]) if (force > 0.0).any() else 0.0
-    opening = np.sqrt(np.clip((depth - left) / max(depth[turn] - left, 1e-300), 0.0, 1.0))
-    for radius in (np.nan_to_num(np.asarray(law)), np.nan_to_num(slope) / (2.0 * modulus)):
-        whole = float(np.nan_to_num(np.asarray(law))[-1]) * opening
-        whole[loading] = np.maximum(radius, 0.0)
-        found.append(np.where(force > 0.0, whole, 0.0))
+def radius_of(problem: Problem, depth: Array, force: Array) -> Array:
+    """The contact radius over time, m; arrays (times,) of one impact or (times, impacts).
+
+    √(R δ); where the law yields, in loading its own, and in unloading that of a ball in its dent. The last time is
+    that of the end of contact.
+    """
+    touches = force > 0.0
+    if not yields(problem):
+        radius = np.sqrt(problem.impacts.scene.effective_radius * np.maximum(depth, 0.0))
+        return np.where(touches, radius, 0.0)
+    law = np.nan_to_num(np.asarray(contact_radius(problem.impacts, force, depth)[0]))
+    turn = np.argmax(depth, axis=0, keepdims=True)
+    deepest, widest = (np.take_along_axis(values, turn, 0) for values in (depth, law))
+    opening = np.sqrt(np.clip((depth - depth[-1]) / np.maximum(deepest - depth[-1], 1e-300), 0.0, 1.0))
+    loading = np.arange(len(depth)).reshape(-1, *[1] * (depth.ndim - 1)) <= turn
+    return np.where(touches, np.where(loading, np.maximum(law, 0.0), widest * opening), 0.0)
+
+
+def _radius_by_slope(problem: Problem, depth: Array, force: Array, radius: Array) -> Array:
+    """The same of a law that yields, in loading that of an elastic contact with the slope of its force."""
+    loading = slice(0, int(np.argmax(depth)) + 1)
+    modulus, found = cast("float", problem.scene.effective_modulus), radius.copy()
+    slope = np.nan_to_num(np.gradient(force[loading], depth[loading])) / (2.0 * modulus)
+    found[loading] = np.where(force[loading] > 0.0, np.maximum(slope, 0.0), 0.0)
     return found
 
 
@@ -192,10 +208,10 @@ def results(
     ball, impulse = given.impactor, given.mass * (given.velocity - after)
     along, limit = given.along - impulse / ball.mass, given.ratio * given.friction * scene.approach_velocity
     angle = np.arctan2 if isinstance(along, np.ndarray) else math.atan2
-    number = ratio(given.velocity, limit)
-    return {
+    number, other = ratio(given.velocity, limit), given.target
+    found = {
         "tangential_rebound_velocity": along,
-        "rebound_spin": spin_of(scene) - ball.lever * impulse / ball.inertia,
+        "rebound_spin": ball.spin - ball.lever * impulse / ball.inertia,
         "rebound_angle": angle(along, abs(rebound)),
         "contact_point_rebound_velocity": after,
         "tangential_restitution": ratio(along, given.along),
@@ -206,3 +222,7 @@ def results(
         "impact_number": either(number == number, number, math.inf),
         "tangential_parameter": 0.5 * given.parameter * scene.effective_mass,
     }
+    if other is not None:
+        found["target_tangential_velocity"] = impulse / other.mass
+        found["target_rebound_spin"] = other.spin - other.lever * impulse / other.inertia
+    return found

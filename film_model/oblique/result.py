@@ -23,8 +23,10 @@ OBLIQUE: dict[str, tuple[str, str]] = {
     "friction_work": ("energy", "dissipated by friction"),
     "impact_number": ("dimensionless", "ψ₁ = v/(κ µ V_n) of the sliding velocity v before; sticks first below 1"),
     "tangential_parameter": ("dimensionless", "χ = (m/m_t)/(2 κ), with κ = E*/(4 G*)"),
+    "target_tangential_velocity": ("velocity", "of the centre of a target that is a free body"),
+    "target_rebound_spin": ("angular_frequency", "of a target that is a free body; positive as the impactor's"),
 }
-"""Results of an oblique impact, with dimension and meaning."""
+"""Results of an oblique impact, with dimension and meaning; those of the target of free bodies only."""
 
 REGIMES = ("sticks first", "slides first", "slides throughout")
 

@@ -20,6 +20,13 @@ SAFETY = 2.0
 """Of the largest difference to half as many springs and steps at any time, as an estimate of the error."""
 
 
+LEVELS = (64, 128, SPRINGS)
+"""Springs in batches, as many as the accuracy needs; 8 steps for each, as above."""
+
+MODELLED = 1e-3
+"""Accuracy beyond which springs of a contact that yields are not refined in batches: its stiffness is less known."""
+
+
 class Grip(NamedTuple):
     """The normal motion over evenly spaced times, s. force: F ≥ 0, N. radius: a, m; both 0 without contact."""
 

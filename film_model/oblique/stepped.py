@@ -10,10 +10,7 @@ from film_model.core import native, springs
 from film_model.core import sliding as core
 from film_model.oblique.friction import refuse
 from film_model.problem.problem import Problem
-from film_model.scene.rolling import sliding_of, spin_of
-
-STEP = 0.002
-"""Longest step of the springs, over the unit of time of the march."""
+from film_model.scene.rolling import sliding_of
 
 
 class SlidingOutputs(NamedTuple):
@@ -64,7 +61,7 @@ class SteppedFriction:
         given = sliding_of(scene, at_rest=True)
         assert given is not None
         self._given, self._ball, scales = given, given.impactor, problem.scales
-        self._along, self._spin = float(given.along), float(spin_of(scene))
+        self._along, self._spin = float(given.along), float(given.impactor.spin)
         self._velocity = float(given.ratio) * scales.velocity
         self._force, self._time = scales.force, scales.time
         self._mass = 1.0 / float(given.parameter * scene.effective_mass)
@@ -73,7 +70,7 @@ class SteppedFriction:
     def begin(self) -> None:
         """Return to the start."""
         sliding = float(self._given.velocity) / self._velocity
-        self._core = core.begin(float(self._given.friction), self._mass, sliding, STEP)
+        self._core = core.begin(float(self._given.friction), self._mass, sliding)
         self._pushes, self._gained = Pushes(), (0.0, 0.0)
 
     def push(self, pushes: Pushes) -> None:

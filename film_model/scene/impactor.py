@@ -8,20 +8,15 @@ from typing import ClassVar, Literal, cast
 
 from film_model.base.arrays import cosine, root, sine
 from film_model.base.errors import raise_all
-from film_model.base.fields import Field, InUnits, choice, fill_ball, measure, mistake, one_of
+from film_model.base.fields import Field, InUnits, fill_ball, measure, mistake, one_of
 from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
+from film_model.base.turning import TURNING, contradictions, inertia_number_of
 from film_model.base.units import Value
 
 STANDARD_GRAVITY = 9.80665  # m/s²
 
 STEEPEST = 1.57
 """Largest angle of impact, rad (89.95°)."""
-
-SHAPES = {"solid": 0.4, "shell": 2.0 / 3.0}
-"""Bodies → J/(m R²)."""
-
-SAME = 0.01
-"""Relative difference up to which a moment of inertia is that of the shape."""
 
 SLOWEST = 1e-100
 """Least velocity, m/s: the square of a smaller one underflows to 0."""
@@ -51,9 +46,7 @@ class Sphere(InUnits):
         "mass": MASS,
         "material": MATERIAL,
         "angle": measure("angle", 0, STEEPEST),
-        "spin": measure("angular_frequency", -1e7, 1e7),
-        "shape": Field(choice(*SHAPES).read, '"solid" or "shell" is needed'),
-        "inertia": measure("moment_of_inertia", 1e-60, 1e30),
+        **TURNING,
     }
 
     radius: float
@@ -83,12 +76,7 @@ class Sphere(InUnits):
         if not mistakes and 0.0 < self.speed < SLOWEST:
             name = "drop_height" if velocity is None else "velocity"
             mistakes.append(mistake(self, name, f"{self.speed:g} m/s must be 0 or at least {SLOWEST:g} m/s"))
-        if not mistakes and self.inertia is not None and self.shape is not None and self.own_mass is not None:
-            own = SHAPES[self.shape] * self.own_mass * self.radius**2
-            if abs(self.inertia - own) > SAME * own:
-                what = f'{self.inertia:.4g} kg m^2 contradicts shape = "{self.shape}", which has {own:.4g} kg m^2'
-                mistakes.append(mistake(self, "inertia", f"{what}: leave one of them out"))
-        raise_all(mistakes)
+        raise_all(mistakes or contradictions(self))
 
     @property
     def path_speed(self) -> float:
@@ -109,10 +97,8 @@ class Sphere(InUnits):
 
     @property
     def inertia_number(self) -> float:
-        """J/(m R²): of the given moment of inertia, otherwise 2/5 of a solid ball and 2/3 of a thin shell."""
-        if self.inertia is not None:
-            return self.inertia / (cast("float", self.own_mass) * self.radius**2)
-        return SHAPES[self.shape or "solid"]
+        """J/(m R²)."""
+        return inertia_number_of(self)
 
     @property
     def diameter(self) -> float:

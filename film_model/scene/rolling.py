@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from typing import NamedTuple, cast
 
+from film_model import targets
 from film_model.base.arrays import Number, all_of, endless
 from film_model.base.errors import SimulationError
 from film_model.base.materials import Material
-from film_model.scene import Scene
+from film_model.scene import Scene, Sphere
 
 MATERIALS = (
     "friction needs Young's modulus and Poisson's ratio of both bodies: give impactor.material and target.material, "
@@ -20,28 +21,36 @@ MATERIALS = (
 
 
 class Body(NamedTuple):
-    """What moves along the surface. mass: kg; infinite if nothing does. lever: from the centre to the contact, m.
-    inertia: about the centre, kg·m²."""
+    """What moves along the surface. mass: kg. lever: from the centre to the contact, m. inertia: about the centre,
+    kg·m². spin: before, rad/s."""
 
     mass: Number
     lever: Number
     inertia: Number
+    spin: Number
 
     @property
     def mobility(self) -> Number:
         """Of its contacting point, 1/m + R²/J, 1/kg."""
         return 1.0 / self.mass + self.lever**2 / self.inertia
 
+    @property
+    def turning(self) -> Number:
+        """Velocity of its contacting point by its spin, m/s."""
+        return self.spin * self.lever
+
 
 class Sliding(NamedTuple):
     """What friction depends on besides the normal motion. ratio: κ = E*/(4 G*). modulus: G*, Pa. mass: m_t, kg.
-    velocity: of sliding before, m/s. along: tangential velocity of the centre before, m/s."""
+    target: the target's body; None of one that is immovable in its plane. velocity: of sliding before, m/s. along:
+    tangential velocity of the impactor's centre before, m/s."""
 
     friction: Number
     ratio: Number
     modulus: Number
     mass: Number
     impactor: Body
+    target: Body | None
     velocity: Number
     along: Number
 
@@ -56,18 +65,22 @@ def sliding_of(scene: Scene, at_rest: bool = False) -> Sliding | None:
 
     Raises SimulationError if the stiffness along the surface is not known.
     """
-    ball, friction = scene.impactor, scene.contact.friction
-    if friction is None:
-        return None
-    along = ball.tangential_speed
-    velocity = along + spin_of(scene) * ball.radius
-    if not at_rest and all_of(velocity == 0.0):
+    friction, velocity = scene.contact.friction, sliding_before(scene)
+    if friction is None or (not at_rest and all_of(velocity == 0.0)):
         return None
     ratio = stiffness_ratio(scene)
     if ratio is None or scene.contact.effective_modulus is not None:
         raise SimulationError(MATERIALS)
     modulus = 1.0 / _softness(_materials(scene))
-    return Sliding(friction, ratio, modulus, 1.0 / tangential_mobility(scene), _impactor(scene), velocity, along)
+    mass, bodies = 1.0 / tangential_mobility(scene), (_impactor(scene), _target(scene))
+    return Sliding(friction, ratio, modulus, mass, *bodies, velocity, scene.impactor.tangential_speed)
+
+
+def sliding_before(scene: Scene) -> Number:
+    """Velocity of the impactor's contacting point on the target's at first touch, m/s."""
+    target = _target(scene)
+    turning = _impactor(scene).turning + (0.0 if target is None else target.turning)
+    return scene.impactor.tangential_speed + turning
 
 
 def stiffness_ratio(scene: Scene) -> Number | None:
@@ -81,12 +94,25 @@ def stiffness_ratio(scene: Scene) -> Number | None:
 
 def tangential_mobility(scene: Scene) -> Number:
     """1/m_t = Σ (1/m + R²/J) of the bodies that are free, 1/kg."""
-    return _impactor(scene).mobility + _mobility_of_target(scene)
+    target = _target(scene)
+    return _impactor(scene).mobility + (0.0 if target is None else target.mobility)
 
 
 def _impactor(scene: Scene) -> Body:
-    ball = scene.impactor
-    return Body(scene.mass, ball.radius, ball.inertia_number * scene.mass * ball.radius**2)
+    return _ball(scene.impactor, scene.mass)
+
+
+def _target(scene: Scene) -> Body | None:
+    """A ball; other targets are immovable in their plane."""
+    target = scene.target
+    if not isinstance(target, targets.Body) or endless(cast("float", target.own_mass)):
+        return None
+    return _ball(target, cast("float", target.own_mass))
+
+
+def _ball(ball: Sphere | targets.Body, mass: Number) -> Body:
+    inertia = ball.inertia_number * mass * ball.radius**2
+    return Body(mass, ball.radius, inertia, 0.0 if ball.spin is None else ball.spin)
 
 
 def _materials(scene: Scene) -> tuple[Material, ...]:
@@ -100,20 +126,5 @@ def _softness(materials: tuple[Material, ...]) -> Number:
     return sum((2.0 - m.poissons_ratio) / _shear_modulus(m) for m in materials)
 
 
-def spin_of(scene: Scene) -> Number:
-    """Spin of the impactor before, rad/s."""
-    spin = scene.impactor.spin
-    return 0.0 if spin is None else spin
-
-
 def _shear_modulus(of: Material) -> Number:
     return of.youngs_modulus / (2.0 * (1.0 + of.poissons_ratio))
-
-
-def _mobility_of_target(scene: Scene) -> Number:
-    """A ball moves and turns, other targets are immovable in their plane, 1/kg."""
-    target = scene.target
-    if not target.free or endless(cast("float", target.own_mass)):
-        return 0.0
-    mass = cast("float", target.own_mass)
-    return Body(mass, target.radius, 0.4 * mass * target.radius**2).mobility

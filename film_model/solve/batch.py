@@ -247,7 +247,9 @@ def simulate_many(scene: Scene, columns: Mapping[str, Array], solver: Solver | N
     oblique = None
     if scene.contact.friction is not None:
         from film_model.solve.many_friction import oblique_of_many
+        from film_model.solve.many_springs import Normal
 
-        oblique = oblique_of_many(scene, columns, problems, summary["rebound_velocity"], status, solver)
+        normal = Normal(status, segments, summary["rebound_velocity"], summary["contact_duration"])
+        oblique = oblique_of_many(scene, columns, problems, normal, solver)
     own = tuple(laws), law, segments, estimated, tuple(problems), tuple(followed)
     return ManyResult(summary, status, *own, oblique)

@@ -1,4 +1,4 @@
-"""Friction in many impacts beside their normal motions: exact in one call of the core, others one by one."""
+"""Friction in many impacts beside their normal motions: exact in one call of the core, others by springs."""
 
 from __future__ import annotations
 
@@ -9,18 +9,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from film_model.base.arrays import Array, column, either
+from film_model.base.arrays import Array, Index, column, either
 from film_model.core import friction as core
 from film_model.core import native
 from film_model.effects.choose import choose
 from film_model.effects.many import rows_of
 from film_model.laws.law import Power
-from film_model.oblique.friction import CLOSED, exact_error, exact_force, numbers_of, refuse, results
+from film_model.oblique.friction import CLOSED, THROUGHOUT, exact_error, exact_force, numbers_of, refuse, results
 from film_model.oblique.result import OBLIQUE, REGIMES
 from film_model.problem.problem import Problem
-from film_model.scene import Scene, Solver
+from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.columns import scene_of_columns
-from film_model.scene.rolling import Sliding, sliding_of
+from film_model.scene.rolling import sliding_of
+from film_model.solve.many_springs import Normal, by_springs
+
+COARSE = 10.0 * core.COARSE_ERROR
+"""Accuracy from which coarse steps and the table serve."""
 
 
 @dataclass(frozen=True)
@@ -55,58 +59,73 @@ def oblique_of_many(
     scene: Scene,
     columns: Mapping[str, Array],
     problems: Iterable[Problem],
-    rebound: Array,
-    status: NDArray[np.int32],
+    normal: Normal,
     solver: Solver,
 ) -> ManyOblique:
-    """The tangential parts of impacts whose normal motions are known. rebound: m/s; status: the core's.
+    """The tangential parts of impacts whose normal motions are known.
 
-    Impacts of laws whose friction is exact, except those that vibrate, take one call of the core; springs follow others
-    as `simulate` does, one by one. Raises SimulationError as :func:`oblique_of`.
+    Impacts of laws whose friction is exact take one call of the core, which looks up those under Hertz's law on
+    immovable targets if the accuracy allows it; springs follow others, as many as the accuracy needs, and impacts
+    whose target vibrates are simulated one by one. Raises SimulationError as :func:`oblique_of`.
     """
-    found, ended = ManyOblique.none_of(status.size), status == native.EVENT
-    left = ended.copy()
+    found, ended = ManyOblique.none_of(normal.status.size), normal.status == native.EVENT
+    left, coarse = ended.copy(), (solver.accuracy or DEFAULT_ACCURACY) >= COARSE
     for problem in problems:
         refuse(problem)
-        if exact_force(problem) is None:
-            continue
-        for part in problem.by_curve():
-            rows = rows_of(part)
-            made = _exactly(found, part, rebound[rows], ended[rows])
-            left[rows[made]] = False
+        rows = rows_of(problem)
+        if exact_force(problem) is not None:
+            for part in problem.by_curve():
+                own = rows_of(part)
+                left[own] &= ~_exactly(found, part, normal.rebound[own], ended[own], coarse)
+        others = np.flatnonzero(left[rows])
+        if others.size:
+            left[_by_springs(found, problem.part(others), normal.of(rows[others]), solver)] = False
     for row in left.nonzero()[0].tolist():
         _one(found, scene, columns, row, solver)
     return found
 
 
-def _exactly(found: ManyOblique, problem: Problem, rebound: Array, ended: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The exact results of a problem; which of its impacts are done with."""
+def _by_springs(found: ManyOblique, problem: Problem, normal: Normal, solver: Solver) -> Index:
+    """Put in the results by springs; the rows of impacts that are done with."""
+    rows, done = rows_of(problem), list[Index]()
+    for places, summary, regime, estimated in by_springs(problem, normal, solver):
+        slides = estimated == estimated
+        values = {name: value[slides] for name, value in summary.items()}
+        found.known(rows[places[slides]], values, regime[slides], estimated[slides])
+        done.append(rows[places])
+    return np.concatenate([np.empty(0, np.intp), *done])
+
+
+def _exactly(
+    found: ManyOblique, problem: Problem, rebound: Array, ended: NDArray[np.bool_], coarse: bool
+) -> NDArray[np.bool_]:
+    """The exact results of a problem, or coarse ones; which of its impacts are done with."""
     scene, count, force = problem.impacts.scene, rebound.size, exact_force(problem)
     given = sliding_of(scene)
     if given is None or force is None:
         return np.full(count, given is None)
-    whole = {name: column(value, count) for name, value in given._asdict().items() if name != "impactor"}
-    given = Sliding(impactor=given.impactor, **whole)
+    bodies = ("impactor", "target")
+    given = given._replace(**{k: column(v, count) for k, v in given._asdict().items() if k not in bodies})
     with np.errstate(divide="ignore", invalid="ignore"):
         rate, before = numbers_of(given, problem, scene)
     slides = ended & (given.velocity != 0.0)
     solved = slides & (given.friction != 0.0)
     result: NDArray[Any] = np.zeros(count, core.MANY_DTYPE)
-    status, result[solved] = core.many(
-        _normals(problem, force, count)[solved], column(rate, count)[solved], before[solved]
-    )
-    missed = np.zeros(count, np.bool_)
-    missed[solved] = (status != native.OK) | (result["closure"][solved] > CLOSED)
+    normals = _normals(problem, force, count)[solved]
+    result[solved] = core.many(normals, column(rate, count)[solved], before[solved], coarse)
+    missed = solved & ((result["status"] != native.OK) | (result["closure"] > CLOSED))
     unit, scales = given.friction * given.ratio, problem.scales
     after = either(solved, result["velocity"] * unit * scales.velocity, given.velocity)
     peak = result["force"] * given.friction * scales.force, result["time_of_force"] * scales.time
     values = results(scene, given, rebound, after, peak)
-    sticks, alone = result["first"] == core.STICKS, result["phases"] == 1
-    regime = np.where(~solved | (alone & ~sticks), 2, np.where(sticks, 0, 1))
+    regime = np.where(solved, result["regime"], REGIMES.index(THROUGHOUT))
     error = np.where(solved, exact_error(problem, np.where(solved, before, 1.0)), 0.0)
+    if coarse:
+        closed = (result["steps"] == 0) & (regime == REGIMES.index(THROUGHOUT))
+        error = np.where(solved & ~closed, np.maximum(error, core.COARSE_ERROR), error)
     known = slides & ~missed
-    table = {name: column(value, count)[known] for name, value in values.items()}
-    found.known(rows_of(problem)[known], table, regime[known], error[known])
+    summary = {name: column(value, count)[known] for name, value in values.items()}
+    found.known(rows_of(problem)[known], summary, regime[known], error[known])
     return ~missed
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from film_model.base.errors import raise_all
 from film_model.base.fields import Field, fill_ball, measure
 from film_model.base.materials import MASS, MATERIAL, Material, MaterialLike, sphere_mass
+from film_model.base.turning import TURNING, contradictions, inertia_number_of
 from film_model.base.units import Value
 from film_model.targets.target import AbstractTarget
 
@@ -18,7 +19,9 @@ class Body(AbstractTarget):
     """A free body: a second ball.
 
     material: name or table. radius: m; or, to the constructor, diameter. mass: kg; default density × sphere volume.
-    velocity: m/s, positive in the impactor's direction; default 0.
+    velocity: m/s, positive in the impactor's direction; default 0. spin: rad/s, in the sense of the impactor's, so that
+    it adds to sliding if it is positive; default 0. shape: "solid" ball or thin "shell". inertia: moment of inertia of
+    another body about its centre of mass, kg·m²; default that of the shape.
 
     >>> round(fm.Body("mild steel", diameter="20 mm").own_mass, 5)  # kg
     0.03288
@@ -32,12 +35,16 @@ class Body(AbstractTarget):
         "radius": measure("length", 1e-10, 1e3, required=True),
         "mass": MASS,
         "velocity": measure("velocity", -2e4, 2e4, required=True),
+        **TURNING,
     }
 
     material: Material | None
     radius: float
     mass: float | None
     velocity: float
+    spin: float | None
+    shape: str | None
+    inertia: float | None
 
     def __init__(
         self,
@@ -46,8 +53,16 @@ class Body(AbstractTarget):
         mass: Value | None = None,
         velocity: Value = "0 m/s",
         diameter: Value | None = None,
+        spin: Value | None = None,
+        shape: Literal["solid", "shell"] | None = None,
+        inertia: Value | None = None,
     ) -> None:
-        raise_all(fill_ball(self, locals()))
+        raise_all(fill_ball(self, locals()) or contradictions(self))
+
+    @property
+    def inertia_number(self) -> float:
+        """J/(m R²)."""
+        return inertia_number_of(self)
 
     @property
     def diameter(self) -> float:

@@ -1,8 +1,6 @@
 /* Friction: the motion along the surface, in the units of film_slide.h. See model.h. */
 #include "model_parts.h"
 
-static const double STEP = 0.002; /* longest, over the unit of time, as in film_model/oblique/stepped.py */
-
 static double velocity_unit(const model *m) { return m->data->friction.ratio * m->memory.velocity; }
 
 static double inertia_of(const model *m) {
@@ -17,7 +15,7 @@ int sliding_begin(model *m) {
     now->tangential_support = value[TANGENTIAL_SUPPORT_VELOCITY];
     now->pushed = now->turned = 0.0;
     double velocity = value[INITIAL_TANGENTIAL_VELOCITY] + own->lever * value[INITIAL_SPIN] - now->tangential_support;
-    int status = film_slide_init(&now->sliding, value[FRICTION], own->ratio / (1.0 + 1.0 / own->inertia), velocity / velocity_unit(m), STEP);
+    int status = film_slide_init(&now->sliding, value[FRICTION], own->ratio / (1.0 + 1.0 / own->inertia), velocity / velocity_unit(m));
     if (status < 0) return model_core_error(m, status);
     sliding_input(m);
     return 0;

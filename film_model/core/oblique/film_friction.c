@@ -7,7 +7,8 @@
 enum { MOST_PIECES = 16, ROOT_STEPS = 60 };
 enum { NOTHING, ENDS, TURNS, CORNER, CAUGHT }; /* how a step ends */
 
-static const double ROUNDING = 1e-16; /* terms left out at first touch, and impulses at the end of contact, over the scale */
+/* terms left out at first touch, and impulses at the end of contact, over the scale; exact and coarse */
+static const double ROUNDING[2] = {1e-16, 1e-10};
 static const double CLEAR = 10.0;     /* changes of the remaining way, in which no event falls if none is so near */
 static const double SLOW = 1e-7;      /* D' over approach, below which all is proportional to it, within as much */
 static const double SMALLEST = 1e-6;  /* depth, over D' over approach, below which nothing has stuck that matters */
@@ -205,7 +206,7 @@ static int slides_now(impact *in, const film_taylor *of) {
     double work = in->rule.rate * film_friction_work(&in->rule.normal, c) / way;
     double spread = (in->rule.rate + 1.0) * force_of(in, c) * c, most = fabs(per_c) + spread;
     double unknown = most * most * c / way * (fabs(of->way[1]) / way + 1.0) + 2.0 * most * spread;
-    if (work * unknown > ROUNDING * in->scale) return 0;
+    if (work * unknown > ROUNDING[in->rule.coarse] * in->scale) return 0;
     in->now.v += in->rule.sign * per_c * per_c * work;
     return 1;
 }
@@ -224,7 +225,8 @@ static int ends_now(impact *in, const film_taylor *of) {
     double impulse = film_friction_work(&in->rule.normal, z) / speed, left = z / speed;
     double unknown = (of->f[0] * (left + in->rule.normal.gamma) + fabs(in->rule.normal.load) * left) / speed;
     double most = in->rule.rate * impulse;
-    if (most * unknown > ROUNDING * in->scale || in->rule.sign * in->now.v + speed < CLEAR * (most + impulse)) return 0;
+    if (most * unknown > ROUNDING[in->rule.coarse] * in->scale) return 0;
+    if (in->rule.sign * in->now.v + speed < CLEAR * (most + impulse)) return 0;
     in->now.time += left;
     in->now.z = in->now.q = 0.0;
     in->now.D += in->now.v * left;
@@ -316,7 +318,8 @@ static void next_phase(impact *in, int event) {
 static void touch(impact *in, double velocity) {
     int stick = fabs(velocity) <= 1.0;
     in->part = stick ? velocity : copysign(1.0, velocity);
-    in->now = film_friction_touched(&in->rule, in->part, film_friction_first(&in->rule.normal, ROUNDING), velocity);
+    double first = film_friction_first(&in->rule.normal, ROUNDING[in->rule.coarse]);
+    in->now = film_friction_touched(&in->rule, in->part, first, velocity);
     in->velocity = velocity;
     in->rule.sign = copysign(1.0, velocity);
     in->rule.kind = stick ? FILM_STICKS : FILM_SLIDES;
@@ -330,8 +333,7 @@ static void touch(impact *in, double velocity) {
     }
 }
 
-/* The depth at which about all work of the approach is done. */
-static double depth_of(const film_normal *normal) {
+double film_friction_depth(const film_normal *normal) {
     double n = normal->exponent, work = 0.5 * normal->approach * normal->approach, depth = INFINITY;
     if (normal->slope > 0.0) depth = sqrt(2.0 * work / normal->slope);
     if (normal->coefficient > 0.0) depth = fmin(depth, pow((n + 1.0) * work / normal->coefficient, 1.0 / (n + 1.0)));
@@ -353,23 +355,26 @@ static void scale_back(impact *in, double depth, double approach, double factor)
     result->duration = time * in->now.time;
 }
 
-int film_friction(const film_normal *normal, double rate, double velocity, film_friction_result *result, double *rows,
+int film_friction_sound(const film_normal *normal, double rate, double velocity) {
+    double a = normal->approach, work = normal->slope + normal->coefficient;
+    int signs = normal->slope >= 0.0 && normal->coefficient >= 0.0 && normal->gamma >= 0.0 && work > 0.0 && a > 0.0 && rate > 0.0;
+    return signs && normal->exponent >= 1.0 && velocity != 0.0 && isfinite(work + normal->exponent + a + rate + velocity);
+}
+
+int film_friction(const film_normal *normal, double rate, double velocity, int coarse, film_friction_result *result, double *rows,
                   int32_t per_step, int32_t room, int32_t *count) {
     double a = normal->approach, depth, factor;
     memset(result, 0, sizeof *result);
     if (count) *count = 0;
-    if (!(normal->slope >= 0.0 && normal->coefficient >= 0.0 && normal->exponent >= 1.0 && normal->gamma >= 0.0 && a > 0.0)) {
-        return FILM_BAD_NUMBER;
-    }
-    depth = depth_of(normal), factor = fmin(fabs(velocity) / (SLOW * a), 1.0);
+    if (!film_friction_sound(normal, rate, velocity)) return FILM_BAD_NUMBER;
+    depth = film_friction_depth(normal), factor = fmin(fabs(velocity) / (SLOW * a), 1.0);
     film_normal own = {normal->slope * depth * depth / (a * a), 0.0, normal->exponent, 1.0, normal->gamma * a / depth,
                        normal->load * depth / (a * a)};
     own.coefficient = normal->coefficient * pow(depth, own.exponent + 1.0) / (a * a);
     velocity /= a * factor;
-    if (!isfinite(own.slope + own.coefficient + own.exponent + own.gamma + own.load + rate + velocity) || !(rate > 0.0)) {
-        return FILM_BAD_NUMBER;
-    }
-    impact in = {.rule = {.normal = own, .rate = rate}, .result = result, .rows = rows, .per_step = per_step, .room = room};
+    if (!isfinite(own.slope + own.coefficient + own.exponent + own.gamma + own.load + velocity)) return FILM_BAD_NUMBER;
+    impact in = {.rule = {.normal = own, .rate = rate, .coarse = coarse != 0}, .result = result};
+    in.rows = rows, in.per_step = per_step, in.room = room;
     in.scale = fmin(fabs(velocity), 1.0);
     touch(&in, velocity);
     while (in.status == FILM_OK) {
@@ -381,16 +386,4 @@ int film_friction(const film_normal *normal, double rate, double velocity, film_
     scale_back(&in, depth, a, factor);
     if (count) *count = in.count;
     return in.status != FILM_OK || isfinite(result->velocity + result->force) ? in.status : FILM_BAD_NUMBER;
-}
-
-void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,
-                        film_friction_result *results, int32_t *status) {
-    for (int64_t i = 0; i < count; i++) {
-        status[i] = film_friction(&normals[i], rates[i], velocities[i], &results[i], NULL, 1, 0, NULL);
-    }
-}
-
-void film_friction_sizes(int64_t sizes[2]) {
-    sizes[0] = (int64_t)sizeof(film_normal);
-    sizes[1] = (int64_t)sizeof(film_friction_result);
 }

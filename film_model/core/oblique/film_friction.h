@@ -37,17 +37,25 @@ typedef struct {
     int32_t phases, steps;
 } film_friction_result;
 
-/* One impact, with D' = velocity at first touch. rows: room for `room` rows of time, z, D, D', q and the depth c outside which
+/* One impact, with D' = velocity at first touch. coarse: 1 for errors up to 1e-8 of a velocity above 0.01 approach, in half the steps. rows: room for `room` rows of time, z, D, D', q and the depth c outside which
  * the contact slips (z if it sticks), `per_step` in each step and the end, or null; *count is their number.
  * FILM_OK; FILM_BAD_NUMBER for numbers out of range; FILM_TOO_MANY events or steps; FILM_FULL: more rows than room. */
-FILM_API int film_friction(const film_normal *normal, double rate, double velocity, film_friction_result *result, double *rows,
-                           int32_t per_step, int32_t room, int32_t *count);
+FILM_API int film_friction(const film_normal *normal, double rate, double velocity, int coarse, film_friction_result *result,
+                           double *rows, int32_t per_step, int32_t room, int32_t *count);
 
-/* count impacts. results, status: of each. */
+enum { FILM_STICKS_FIRST, FILM_SLIDES_FIRST, FILM_SLIDES_THROUGHOUT }; /* regimes */
+
+/* Of one impact of many. steps: 0 where none was needed. */
+typedef struct {
+    double velocity, force, time_of_force, closure;
+    int32_t status, regime, steps, reserved;
+} film_friction_brief;
+
+/* count impacts. table: of Hertz's law (film_friction_many.c), or null for none; with it, steps are coarse. */
 FILM_API void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,
-                                 film_friction_result *results, int32_t *status);
+                                 const double *table, film_friction_brief *results);
 
-/* sizeof film_normal, film_friction_result. */
-FILM_API void film_friction_sizes(int64_t sizes[2]);
+/* sizeof film_normal, film_friction_result, film_friction_brief. */
+FILM_API void film_friction_sizes(int64_t sizes[3]);
 
 #endif

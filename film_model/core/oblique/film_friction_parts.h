@@ -14,11 +14,11 @@ typedef struct {
 
 /* What holds in a phase. kind: FILM_STICKS, FILM_SLIPS or FILM_SLIDES. piece: on which c is, FILM_STUCK or FILM_STRAIGHT.
  * normal: with an approach of 1, and a depth of about 1. flat: 1 if slip begins with w' = 0; edge: 1 if U = 0 too, where
- * stick has ended (film_friction_step.c). */
+ * stick has ended (film_friction_step.c). coarse: 0 or 1. */
 typedef struct {
     film_normal normal;
     double rate, sign;
-    int kind, piece, flat, edge;
+    int kind, piece, flat, edge, coarse;
 } film_phase_rule;
 
 /* Taylor series from the beginning of a step, in powers of time or of a clock; `speed` is z', `way` is w'. */
@@ -28,6 +28,12 @@ typedef struct {
     double P[FILM_TERMS], c[FILM_TERMS], nu_c[FILM_TERMS], v_c[FILM_TERMS];
     double f[FILM_TERMS], speed[FILM_TERMS], way[FILM_TERMS];
 } film_taylor;
+
+/* 1: numbers in range. */
+int film_friction_sound(const film_normal *normal, double rate, double velocity);
+
+/* The depth at which about all work of the approach is done; all of it under one power. */
+double film_friction_depth(const film_normal *normal);
 
 /* The force and its slope at a depth. */
 double film_friction_force(const film_normal *normal, double z, double *slope);

@@ -14,8 +14,9 @@
 
 enum { ROOT_STEPS = 80 }; /* bisections that leave no double between, with a margin */
 
-static const double TOLERANCE = 1e-15;   /* last terms of a step, over the scale; 30 reference values need 1e-13 */
-static const double LONGEST = 0.5;       /* of a step, in units of time: a few steps in a contact, which takes about 3 */
+/* last terms of a step, over the scale, exact and coarse; 30 reference values need 1e-13 */
+static const double TOLERANCE[2] = {1e-15, 1e-10};
+static const double LONGEST = 0.5; /* of a step, in units of time: a few steps in a contact, which takes about 3 */
 
 double film_friction_force(const film_normal *normal, double z, double *slope) {
     double power = z > 0.0 ? normal->coefficient * pow(z, normal->exponent - 1.0)
@@ -235,7 +236,7 @@ double film_friction_length(const film_phase_rule *rule, const film_taylor *of, 
         if (rule->piece == FILM_STUCK) watch_terms(of->v_c, scale, last);
     }
     for (int k = 0; k < 2; k++) {
-        if (last[k] > 0.0) h = fmin(h, pow(TOLERANCE / last[k], 1.0 / (FILM_FRICTION_ORDER - 1 + k)));
+        if (last[k] > 0.0) h = fmin(h, pow(TOLERANCE[rule->coarse] / last[k], 1.0 / (FILM_FRICTION_ORDER - 1 + k)));
     }
     return h;
 }

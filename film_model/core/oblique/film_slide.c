@@ -2,9 +2,11 @@
 #include "oblique/film_slide.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { MOST_EVENTS_A_STEP = 64 };
 
+static const double LONGEST = 0.002;     /* step, over the unit of time of the march */
 static const double OF_A_PERIOD = 0.003; /* a step, over the time in which the springs would turn the motion by 1 rad */
 
 typedef struct {
@@ -38,9 +40,8 @@ static int follow(const film_curve *curve, const film_mesh *mesh, film_state *st
     return status < 0 ? status : FILM_OK;
 }
 
-int film_slide_init(film_sliding *sliding, double friction, double mass, double velocity, double longest) {
-    *sliding = (film_sliding){.longest = longest};
-    if (!(longest > 0.0)) return FILM_BAD_NUMBER;
+int film_slide_init(film_sliding *sliding, double friction, double mass, double velocity) {
+    memset(sliding, 0, sizeof *sliding);
     return film_springs_init(&sliding->springs, FILM_MOST_SPRINGS, 0.125, 1.0, friction, mass, velocity);
 }
 
@@ -52,7 +53,7 @@ int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state 
         return FILM_OK;
     }
     double slope = fmax(grip_of(curve, &state).slope, 1.0), rate = sqrt(slope / fmin(sliding->springs.mass, 1.0));
-    double count = ceil(dt / fmin(sliding->longest, OF_A_PERIOD / rate));
+    double count = ceil(dt / fmin(LONGEST, OF_A_PERIOD / rate));
     if (!(count <= FILM_MOST_SLIDE_STEPS)) return FILM_TOO_MANY;
     for (double k = 1.0; k <= count; k += 1.0) {
         int status = follow(curve, mesh, &state, from->time + dt * (k / count));

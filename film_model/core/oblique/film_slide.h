@@ -11,15 +11,15 @@
 
 enum { FILM_MOST_SLIDE_STEPS = 1000000 /* in one call */ };
 
-/* No pointer: copying it saves it. longest: step, > 0. impulse: of the friction force. work: done on the motion along the surface
+/* No pointer: copying it saves it. impulse: of the friction force. work: done on the motion along the surface
  * by that force, what the springs store included. */
 typedef struct {
-    double longest, impulse, work;
+    double impulse, work;
     film_springs springs;
 } film_sliding;
 
 /* At the start of a motion: mass and velocity as above. FILM_OK or FILM_BAD_NUMBER. */
-FILM_API int film_slide_init(film_sliding *sliding, double friction, double mass, double velocity, double longest);
+FILM_API int film_slide_init(film_sliding *sliding, double friction, double mass, double velocity);
 
 /* From a state of the normal motion on by dt, in which only its end may be an event: FILM_OK, FILM_TOO_MANY steps, or what
  * film_step fails with. */

@@ -75,4 +75,23 @@ void film_springs_follow(film_springs *state, double time, int64_t steps, const 
     }
 }
 
+int film_springs_impact(int32_t count, double modulus, double friction, double mass, double velocity, double time, int64_t steps,
+                        const double *force, const double *radius, film_springs_impact_result *result) {
+    film_springs fine, coarse;
+    double largest = 0.0;
+    for (int64_t i = 0; i <= steps; i++) largest = fmax(largest, radius[i]);
+    *result = (film_springs_impact_result){.velocity = velocity};
+    if (film_springs_init(&fine, count, modulus, largest, friction, mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
+    if (film_springs_init(&coarse, count / 2, modulus, largest, friction, mass, velocity) != FILM_OK) return FILM_BAD_NUMBER;
+    for (int64_t i = 1; i <= steps; i++) {
+        film_springs_step(&fine, time, force[i], radius[i]);
+        if (fabs(fine.q) > result->force) result->force = fabs(fine.q), result->step = i;
+        if (i % 2 != 0) continue;
+        film_springs_step(&coarse, 2.0 * time, force[i], radius[i]);
+        result->apart = fmax(result->apart, fabs(fine.v - coarse.v));
+    }
+    result->velocity = fine.v;
+    return isfinite(fine.v + result->apart) ? FILM_OK : FILM_BAD_NUMBER;
+}
+
 int64_t film_springs_size(void) { return (int64_t)sizeof(film_springs); }

@@ -31,6 +31,18 @@ FILM_API void film_springs_step(film_springs *state, double time, double force, 
 FILM_API void film_springs_follow(film_springs *state, double time, int64_t steps, const double *force, const double *radius,
                                   double *velocity, double *friction);
 
+/* One impact: velocity at the end; force, step: largest |q|, and after how many steps; apart: largest difference of the velocity, at
+ * any time, to that of half as many springs in half as many steps. */
+typedef struct {
+    double velocity, force, apart;
+    int64_t step;
+} film_springs_impact_result;
+
+/* An impact from first touch on in steps of a time; force, radius: before the first step and after each. steps: even. count: of
+ * springs, even. FILM_OK or FILM_BAD_NUMBER as film_springs_init. */
+FILM_API int film_springs_impact(int32_t count, double modulus, double friction, double mass, double velocity, double time,
+                                 int64_t steps, const double *force, const double *radius, film_springs_impact_result *result);
+
 /* Energy of the springs. */
 FILM_API double film_springs_energy(const film_springs *state);
 

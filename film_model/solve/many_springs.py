@@ -1,0 +1,121 @@
+"""Friction by springs in many impacts, beside the lines of their normal motions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.arrays import Array, Index, column
+from film_model.core import native
+from film_model.core import springs as core
+from film_model.core.records import Lines, recorded, sample_many
+from film_model.oblique import springs
+from film_model.oblique.friction import radius_of, regime_of, results, yields
+from film_model.problem.problem import Problem
+from film_model.problem.scales import motion_of
+from film_model.scene import DEFAULT_ACCURACY, Solver
+from film_model.scene.rolling import sliding_of
+from film_model.solve.accuracy import mesh_of
+from film_model.solve.many_meshes import recorded_segments
+
+AT_ONCE = 64
+"""Impacts whose motion is sampled at a time, which a processor's cache holds."""
+
+
+class Normal(NamedTuple):
+    """Normal motions. status: the core's. segments: of the march. rebound: m/s. duration: of contact, s."""
+
+    status: NDArray[np.int32]
+    segments: NDArray[np.int32]
+    rebound: Array
+    duration: Array
+
+    def of(self, rows: Any) -> Normal:
+        """Some of them."""
+        return Normal(self.status[rows], self.segments[rows], self.rebound[rows], self.duration[rows])
+
+
+def by_springs(problem: Problem, normal: Normal, solver: Solver) -> Iterator[tuple[Index, dict[str, Array], Any, Any]]:
+    """Places of impacts, their results along the surface, regimes, and estimates (nan if nothing slides).
+
+    Springs are doubled until the estimate meets the accuracy, or `springs.MODELLED` if the law yields. Impacts without
+    a record are left out.
+    """
+    accuracy = solver.accuracy or DEFAULT_ACCURACY
+    tolerance = max(accuracy, springs.MODELLED) if yields(problem) else accuracy
+    for begin in range(0, normal.status.size, AT_ONCE):
+        places = np.arange(begin, min(begin + AT_ONCE, normal.status.size))
+        part, motion = problem.part(places), normal.of(places)
+        found = _followed(_Motions(part, motion.segments, motion.duration, solver), motion.rebound, tolerance)
+        known, summary, regime, estimated = found
+        yield places[known], {name: value[known] for name, value in summary.items()}, regime[known], estimated[known]
+
+
+@dataclass(frozen=True)
+class _Motions:
+    """Normal motions of impacts, by the lines of their meshes and curves. durations: s."""
+
+    problem: Problem
+    segments: NDArray[np.int32]
+    durations: Array
+    solver: Solver
+
+    def at(self, places: Index, steps: int) -> tuple[Array, Array, Array]:
+        """Times, forces and contact radii of some impacts, (impacts, times), SI; nan without a record."""
+        problem, times = self.problem.part(places), np.linspace(0.0, 1.0, steps + 1) * self.durations[places, None]
+        scales = problem.scales.part((slice(None), None))
+        ahead, values = times / scales.time, np.full((5, *times.shape), np.nan)
+        own = recorded_segments(problem, self.solver, self.segments[places])
+        for of, curve in _curves(problem):
+            for counts in sorted(set(map(tuple, own[of].tolist()))):
+                alike, mesh = of[(own[of] == counts).all(axis=1)], mesh_of(self.solver, counts)
+                for part, lines in recorded(curve, mesh, problem.start[alike]):
+                    some = alike[part][lines.counts > 0]
+                    lines = Lines(lines.table, lines.counts[lines.counts > 0])
+                    values[:, some] = sample_many(curve, lines, ahead[some])
+        seen = motion_of(scales, problem.drift[:, None], problem.share[:, None], problem.free, times, values)
+        force, depth = np.maximum(seen["contact_force"], 0.0), seen["indentation"]
+        return times, force, np.ascontiguousarray(radius_of(problem, depth.T, force.T).T)
+
+
+def _curves(problem: Problem) -> Iterator[tuple[Index, native.Curve]]:
+    """Places of the impacts of each curve."""
+    own = problem.own
+    if own.alike:
+        yield np.arange(problem.approach.size), problem.curve.native
+        return
+    for places in own.groups():
+        yield places, own.part(places).first(lambda: problem.impacts.curve.native)
+
+
+def _followed(
+    motions: _Motions, rebound: Array, tolerance: float
+) -> tuple[NDArray[np.bool_], dict[str, Array], Any, Array]:
+    """Which impacts have a record, their results, regimes and estimates."""
+    problem, count = motions.problem, rebound.size
+    scene = problem.impacts.scene
+    given = sliding_of(scene, at_rest=True)
+    assert given is not None
+    names = ("modulus", "friction", "mass", "velocity")
+    numbers = np.array([column(getattr(given, name), count) for name in names]).T
+    after, peak, when, apart, impulse = np.full((5, count), np.nan)
+    left = np.arange(count)
+    for level in springs.LEVELS:
+        times, force, radius = motions.at(left, 8 * level)
+        for row, t, f, r in zip(left.tolist(), times, force, radius, strict=True):
+            step = float(t[1])
+            run = core.impact(level, numbers[row].tolist(), step, f, r)
+            if run is not None:
+                after[row], peak[row], apart[row] = run.velocity, run.force, springs.SAFETY * run.apart
+                when[row], impulse[row] = t[run.step], np.trapezoid(f, dx=step)
+        left = left[apart[left] > tolerance * abs(numbers[left, 3])]
+        if left.size == 0:
+            break
+    found = results(scene, given, rebound, after, (peak, when))
+    summary = {name: column(value, count) for name, value in found.items()}
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return after == after, summary, regime_of(scene, given, after, impulse), apart / abs(numbers[:, 3])

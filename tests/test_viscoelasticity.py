@@ -5,9 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.linalg import expm
-from scipy.optimize import brentq
 
 import film_model as fm
 from film_model.core import native, relaxing

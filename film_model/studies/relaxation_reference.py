@@ -23,8 +23,8 @@ class Ting:
     """One contact from first touch to its end.
 
     terms: pairs of a relative modulus g and a relaxation time. way_in, way_out: solutions of `solve_ivp` over time:
-    ξ, ẋ, and for each term ∫ g-weighted d(ξ^{3/2}) (on the way in only) and ∫ dξ, both fading. turn, deepest, end: times
-    and depth; left, final: indentation and velocity at the end.
+    ξ, ẋ, and of each term ∫ exp(−r (t − s)) d(ξ^{3/2}), on the way in only, and the same with dξ. turn, end: times.
+    deepest: largest ξ. left, final: ξ and velocity at the end.
     """
 
     def __init__(

@@ -31,13 +31,15 @@ class Score:
 def score(path: str | os.PathLike[str], case: str | None = None) -> list[Score]:
     """Compare histories with the reference impacts.
 
-    path: a file CASE.csv, or a folder of them. Columns as in `reference.csv`, of which `time` and one more are needed, with
-    any units: `time [us], contact_force [kN]`. The reference is evaluated at the times of the file, so that nothing is
-    interpolated. From the columns follow the errors of maximum_force, maximum_indentation, contact_duration (the last time
-    with a force) and rebound_velocity (the last velocity). case: the name, of a file that is called otherwise.
+    path: a file CASE.csv, or a folder of them. Columns as in `reference.csv`, of which `time` and one more are needed,
+    with any units: `time [us], contact_force [kN]`; cells may be empty, except times and impactor_velocity. The
+    reference is evaluated at the times of the file, so that nothing is interpolated. From the columns follow the errors
+    of maximum_force, maximum_indentation, contact_duration (the last time with a force), rebound_velocity (the last
+    impactor_velocity) and coefficient_of_restitution (the last relative_velocity). case: the name, of a file that is
+    called otherwise.
 
-    Raises SceneError for wrong columns, units or numbers, ValueError for an unknown case or a bouncing one, OSError for a
-    file that cannot be read.
+    Raises SceneError for wrong columns, units or numbers, ValueError for an unknown case or a bouncing one, OSError for
+    a file that cannot be read.
 
     >>> fd.score("hertz-half-space-0.4.csv")[0].errors["maximum_force"] < 1e-3
     True
@@ -81,13 +83,15 @@ def _summary_errors(history: History, times: Any, columns: Mapping[str, Any]) ->
         found["contact_duration"] = float(times[np.flatnonzero(force > 0.0)[-1]]) if (force > 0.0).any() else 0.0
     if "indentation" in columns:
         found["maximum_indentation"] = float(np.nanmax(columns["indentation"]))
+    if "relative_velocity" in columns:
+        found["coefficient_of_restitution"] = -float(columns["relative_velocity"][-1]) / history.scene.approach_velocity
     if "impactor_velocity" in columns:
         found["rebound_velocity"] = float(columns["impactor_velocity"][-1])
     pairs = ((name, value, history.summary[name]) for name, value in found.items())
     return {name: abs(value / own - 1.0) for name, value, own in pairs if own}
 
 
-def by_quantity(scores: list[Score]) -> dict[str, dict[str, float]]:
+def by_quantity(scores: list[Score]) -> dict[str, dict[str, Any]]:
     """Number of cases, median and largest error of each quantity, and the case of the largest."""
     found = dict[str, Any]()
     for name in dict.fromkeys(name for one in scores for name in one.errors):
@@ -100,8 +104,8 @@ def by_quantity(scores: list[Score]) -> dict[str, dict[str, float]]:
 def text_of(scores: list[Score]) -> str:
     """The errors in a table: a row for each quantity, then one for each case."""
     lines = [f"{'quantity':24}{'cases':>6}{'median':>10}{'largest':>10}  in case"]
-    for name, one in by_quantity(scores).items():
-        lines.append(f"{name:24}{one['cases']:>6}{one['median']:>10.1e}{one['largest']:>10.1e}  {one['case']}")
+    for name, row in by_quantity(scores).items():
+        lines.append(f"{name:24}{row['cases']:>6}{row['median']:>10.1e}{row['largest']:>10.1e}  {row['case']}")
     width = max(len(one.case) for one in scores) + 2
     lines += ["", f"{'case':{width}}{'rows':>7}{'largest error':>15}  of"]
     for one in scores:

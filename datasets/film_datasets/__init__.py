@@ -23,7 +23,10 @@ if TYPE_CHECKING:
     from film_datasets.history_dataset import history_of, lines_of
     from film_datasets.identification import Identification, compare_laws, identify, log_likelihood
     from film_datasets.published_data import load, published
+    from film_datasets.reference_impacts.score import Score, score
+    from film_datasets.reference_impacts.suite import write_suite
     from film_datasets.schema import TABLE, VERSIONS, Variable, content_sha256, validate
+    from film_datasets.score_plot import plot_scores
     from film_datasets.sweeps import sweep
     from film_datasets.tables import to_frame
     from film_datasets.tolerances import Tolerance, tolerance
@@ -36,6 +39,7 @@ __all__ = [
     "VERSIONS",
     "Film",
     "Identification",
+    "Score",
     "Tolerance",
     "Variable",
     "check",
@@ -50,15 +54,18 @@ __all__ = [
     "log_likelihood",
     "open",
     "plot",
+    "plot_scores",
     "plot_tornado",
     "published",
     "read",
+    "score",
     "sweep",
     "to_dataset",
     "to_frame",
     "tolerance",
     "validate",
     "write",
+    "write_suite",
 ]
 
 _MODULES = {
@@ -72,7 +79,10 @@ _MODULES = {
     "history_dataset": ("history_of", "lines_of"),
     "identification": ("Identification", "compare_laws", "identify", "log_likelihood"),
     "published_data": ("load", "published"),
+    "reference_impacts.score": ("Score", "score"),
+    "reference_impacts.suite": ("write_suite",),
     "schema": ("TABLE", "VERSIONS", "Variable", "content_sha256", "validate"),
+    "score_plot": ("plot_scores",),
     "sweeps": ("sweep",),
     "tables": ("to_frame",),
     "tolerances": ("Tolerance", "tolerance"),

@@ -19,6 +19,8 @@ COMMANDS = {
     "bounce": "film-model bounce scene.toml --plot bounces.png",
     "cost": "film-model cost scene.toml --plot cost.png",
     "hard-cases": 'film-model hard-cases --match "turns at"',
+    "reference-impacts": "film-model reference-impacts --output impacts --workers 2",
+    "score": "film-model score results --plot score.png",
     "validate": "film-model validate --law all --plot errors.png",
     "explore": "film-model explore scene.toml",
     "export-page": "film-model export-page scene.toml --output impact.html",

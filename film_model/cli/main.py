@@ -27,6 +27,7 @@ COMMANDS = {
     "explore": ("explore", "export-page"),
     "fmu": ("export-fmu", "export-ssp", "check-fmu"),
     "engines": ("contact-for",),
+    "reference_impacts": ("reference-impacts", "score"),
     "datasets": ("sweep", "plot", "identify"),
     "tolerance": ("tolerance",),
     "tables": ("check", "convert", "summarise", "table"),
@@ -38,7 +39,7 @@ GROUPS = {
     "simulate": ("new", "run", "bounce", "explain", "cite", "explore", "laws", "materials"),
     "data": ("sweep", "tolerance", "identify", "plot", "summarise", "table", "convert", "check"),
     "other programs": ("export-fmu", "check-fmu", "export-ssp", "export-page", "contact-for"),
-    "how good it is": ("validate", "cost", "hard-cases"),
+    "how good it is": ("validate", "cost", "hard-cases", "reference-impacts", "score"),
 }
 """The commands in the order of `--help`."""
 

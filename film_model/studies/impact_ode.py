@@ -105,16 +105,31 @@ class Impact:
         return count
 
     def loading(self) -> list[Run]:
-        """The law's stages."""
-        return [self._along(s, s.end) for s in self.stages]
+        """The law's stages from first touch, ξ = 0, on; a law that pulls has others before."""
+        return [self._along(s, s.end) for s in self.stages if s.end > 0.0]
 
-    def unloading(self, stage: int, xi: float, force: float) -> list[Run]:
-        """The runs of unloading from a turn in a stage."""
+    def unloading(self, run: int, xi: float, force: float) -> list[Run]:
+        """The runs of unloading from a turn in a run of loading."""
+        stage = run + sum(s.end <= 0.0 for s in self.stages)
         rule = self.stages[stage].unloading
         if rule is None:
             return [self._along(s, s.begin) for s in self.stages[: stage + 1][::-1]]
+        if rule.contact_area is not None:
+            return [self._parting(float(value(rule.contact_area, xi, self.stages[stage])), xi, force)]
         branch = unloaded(rule, self.stages[stage], xi, force)
         return [self._along(branch, branch.begin)]
+
+    def _parting(self, area: float, xi: float, force: float) -> Run:
+        """JKR's contact of the area α² through (ξ, f), where its ball has r times the radius: lengths over
+        δ_s r^{1/3}, forces over r F_c (Thornton & Ning 1998)."""
+        ratio = area**1.5 / (force + 2.0 * area**0.75)
+        if ratio < 1.0:
+            raise ValueError("a dent close to yield, whose radius would be below that of the ball, is not integrated")
+        first, length = self.stages[0], ratio ** (1.0 / 3.0)
+        origin = xi - (3.0 * area / ratio - 4.0 * area**0.25)
+        jkr = scalar(first.force, first)
+        own = self.counted(lambda at: ratio * jkr((at - origin) / length))
+        return Run(own, origin + length * first.begin, origin + length * first.begin, None)
 
     def _along(self, stage: Stage, to: float) -> Run:
         run = Run(self.counted(scalar(stage.force, stage)), to, stage.begin, _own_power(stage.force, stage))

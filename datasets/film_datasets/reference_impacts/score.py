@@ -1,0 +1,114 @@
+"""The score of another code: its histories beside the exact motion of the reference impacts."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from film_datasets.csv_measurement import from_csv
+from film_datasets.reference_impacts.cases import Case
+from film_datasets.reference_impacts.suite import chosen, scene_of
+from film_model.base.errors import Mistake, SceneError
+from film_model.solve.history import MOTION, History
+from film_model.solve.simulate import simulate_quietly
+
+
+@dataclass(frozen=True)
+class Score:
+    """Errors of one history. errors: by quantity, relative. Of a quantity over time the largest difference at the given
+    times over the largest value of the reference; of a summary value over that value."""
+
+    case: str
+    rows: int
+    errors: Mapping[str, float]
+
+
+def score(path: str | os.PathLike[str], case: str | None = None) -> list[Score]:
+    """Compare histories with the reference impacts.
+
+    path: a file CASE.csv, or a folder of them. Columns as in `reference.csv`, of which `time` and one more are needed,
+    with any units: `time [us], contact_force [kN]`; cells may be empty, except times and impactor_velocity. The
+    reference is evaluated at the times of the file, so that nothing is interpolated. From the columns follow the errors
+    of maximum_force, maximum_indentation, contact_duration (the last time with a force), rebound_velocity (the last
+    impactor_velocity) and coefficient_of_restitution (the last relative_velocity). case: the name, of a file that is
+    called otherwise.
+
+    Raises SceneError for wrong columns, units or numbers, ValueError for an unknown case or a bouncing one, OSError for
+    a file that cannot be read.
+
+    >>> fd.score("hertz-half-space-0.4.csv")[0].errors["maximum_force"] < 1e-3
+    True
+    """
+    given = Path(path)
+    files = sorted(given.glob("*.csv")) if given.is_dir() else [given]
+    if not files:
+        raise ValueError(f"{given}: has no files CASE.csv")
+    if case is not None and given.is_dir():
+        raise ValueError(f"case: names the case of one file, and {given} is a folder")
+    wanted = [chosen([case or file.stem])[0] for file in files]
+    return [_score(file, one) for file, one in zip(files, wanted, strict=True)]
+
+
+def _score(file: Path, case: Case) -> Score:
+    if case.group == "bouncing":
+        raise ValueError(f"{file}: case {case.name} is a series of bounces, which has no history to compare")
+    measured = from_csv(file)
+    if measured.attrs["measured"] != "history":
+        raise SceneError([Mistake(str(file), None, "", 'a column "time" is needed: these are impacts, not a history')])
+    times = measured["t"].values
+    if times[0] < 0.0:
+        raise SceneError([Mistake(str(file), None, "", f"time {times[0]:g} s is before first touch, which is 0 s")])
+    history = simulate_quietly(scene_of(case))
+    exact = history.sample_si(times)
+    largest = history.sample_si(np.linspace(0.0, history.duration, 401))
+    errors = dict[str, float]()
+    columns = {name: measured[name].values for name in MOTION if name in measured}
+    for name, values in columns.items():
+        size = float(np.abs(getattr(largest, name)).max())
+        errors[name] = float(np.nanmax(np.abs(values - getattr(exact, name)))) / size if size else float(np.nan)
+    return Score(case.name, times.size, errors | _summary_errors(history, times, columns))
+
+
+def _summary_errors(history: History, times: Any, columns: Mapping[str, Any]) -> dict[str, float]:
+    """Errors of the values that follow from the columns."""
+    found = dict[str, float]()
+    if "contact_force" in columns:
+        force = columns["contact_force"]
+        found["maximum_force"] = float(np.nanmax(force))
+        found["contact_duration"] = float(times[np.flatnonzero(force > 0.0)[-1]]) if (force > 0.0).any() else 0.0
+    if "indentation" in columns:
+        found["maximum_indentation"] = float(np.nanmax(columns["indentation"]))
+    if "relative_velocity" in columns:
+        found["coefficient_of_restitution"] = -float(columns["relative_velocity"][-1]) / history.scene.approach_velocity
+    if "impactor_velocity" in columns:
+        found["rebound_velocity"] = float(columns["impactor_velocity"][-1])
+    pairs = ((name, value, history.summary[name]) for name, value in found.items())
+    return {name: abs(value / own - 1.0) for name, value, own in pairs if own}
+
+
+def by_quantity(scores: list[Score]) -> dict[str, dict[str, Any]]:
+    """Number of cases, median and largest error of each quantity, and the case of the largest."""
+    found = dict[str, Any]()
+    for name in dict.fromkeys(name for one in scores for name in one.errors):
+        pairs = [(one.errors[name], one.case) for one in scores if name in one.errors]
+        values, worst = [error for error, _ in pairs], max(pairs)
+        found[name] = {"cases": len(pairs), "median": float(np.median(values)), "largest": worst[0], "case": worst[1]}
+    return found
+
+
+def text_of(scores: list[Score]) -> str:
+    """The errors in a table: a row for each quantity, then one for each case."""
+    lines = [f"{'quantity':24}{'cases':>6}{'median':>10}{'largest':>10}  in case"]
+    for name, row in by_quantity(scores).items():
+        lines.append(f"{name:24}{row['cases']:>6}{row['median']:>10.1e}{row['largest']:>10.1e}  {row['case']}")
+    width = max(len(one.case) for one in scores) + 2
+    lines += ["", f"{'case':{width}}{'rows':>7}{'largest error':>15}  of"]
+    for one in scores:
+        worst = max(one.errors, key=lambda name: one.errors[name])
+        lines.append(f"{one.case:{width}}{one.rows:>7}{one.errors[worst]:>15.1e}  {worst}")
+    return "\n".join(lines)

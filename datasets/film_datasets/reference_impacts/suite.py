@@ -1,0 +1,232 @@
+"""Writes the suite of reference impacts: a folder of plain files for each case, the same bytes in every run."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import os
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import fields
+from functools import partial
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any, NamedTuple, cast
+
+from film_datasets.conversion import to_dataset
+from film_datasets.reference_impacts.cases import Case, cases, scene_of
+from film_datasets.reference_impacts.second import Second, second, second_bounces, second_friction
+from film_datasets.tables import to_frame
+from film_model.base.errors import did_you_mean
+from film_model.base.units import si_unit
+from film_model.laws.law import AbstractLaw
+from film_model.oblique.result import OBLIQUE
+from film_model.problem.problem import Problem
+from film_model.problem.summary import SUMMARY
+from film_model.solve.bounce import COLUMNS, Bounces, bounce_quietly
+from film_model.solve.history import History
+from film_model.solve.simulate import simulate_quietly
+
+FILES = Path(__file__).parent / "files"
+"""Files of the whole suite: its description, licence, metadata, and the schema of summary.json."""
+
+DIGITS = 10
+"""Most digits of a value."""
+
+SAMPLES = 201
+"""Even times of a history, beside its events."""
+
+BOUNCES = 4
+"""Bounces of a bouncing case."""
+
+LEAST = 1e-3
+"""The error of a velocity or length is relative to at least this part of the approach velocity or of the indentation;
+that of a velocity on a free body, which may be a difference of large ones, to the approach velocity."""
+
+
+class Value(NamedTuple):
+    """A value, SI, with its unit, the bound of its error, and its difference to the second computation."""
+
+    value: float
+    unit: str
+    bound: float
+    difference: float
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON. digits: that the bound certifies, at most `DIGITS`; the value is rounded to them."""
+        digits = DIGITS if not self.bound else math.floor(math.log10(max(abs(self.value), 1e-300) / (2.0 * self.bound)))
+        digits = min(max(digits, 0), DIGITS)
+        return {
+            "value": float(f"{self.value:.{max(digits, 1)}g}"),
+            "units": self.unit,
+            "digits": digits,
+            "error_bound": float(f"{self.bound:.2g}"),
+            "difference": float(f"{self.difference:.1g}"),
+        }
+
+
+class Computed(NamedTuple):
+    """A case that is computed. motion: its history, or its bounces. how, second: in words."""
+
+    case: Case
+    problem: Problem
+    motion: History | Bounces
+    how: str
+    second: str
+    values: Mapping[str, Value]
+
+    def to_dict(self) -> dict[str, Any]:
+        """summary.json."""
+        motion, problem = self.motion, self.problem
+        outcome = motion.outcome.value if isinstance(motion, History) else motion.outcome
+        return {
+            "case": self.case.name,
+            "group": self.case.group,
+            "law": _law(problem.law),
+            "effective_mass": problem.mass,
+            "target_impedance": None if math.isinf(problem.impedance) else problem.impedance,
+            "load": problem.load * problem.scales.force,
+            "outcome": outcome,
+            "how": self.how,
+            "second": self.second,
+            "values": {name: value.to_dict() for name, value in self.values.items()},
+        }
+
+
+def _law(law: AbstractLaw) -> dict[str, Any]:
+    """Name, source and parameters; of a rule of unloading, a parameter is the law that it unloads."""
+    own = {field.name: getattr(law, field.name) for field in fields(cast("Any", law))}
+    values = {name: _law(value) if isinstance(value, AbstractLaw) else value for name, value in own.items()}
+    return {"name": law.name, "source": law.source, "parameters": values}
+
+
+def compute(case: Case) -> Computed:
+    """A case by the march and by its second computation."""
+    scene = scene_of(case)
+    history = simulate_quietly(scene)
+    if case.group == "bouncing":
+        return _bounces(case, history)
+    again = second(history)
+    values = _compared(history.summary, again, history.accuracy.estimated, history, SUMMARY)
+    how, ways = f"{_march(history)}, accuracy {case.accuracy:g}", again.how
+    if history.oblique is not None:
+        slid = second_friction(history)
+        values |= _compared(history.oblique.summary, slid, 0.0, history, OBLIQUE)
+        ways = f"{ways}; {slid.how}"
+    return Computed(case, history.problem, history, how, ways, values)
+
+
+def _march(history: History) -> str:
+    if history.vibration is not None:
+        return f"{history.accuracy.modes} natural vibrations in closed form, contact by steps of degree 7"
+    if history.relaxed is not None:
+        return f"collocation in {history.accuracy.lines} steps"
+    return f"{history.accuracy.lines} segments in closed form"
+
+
+def _compared(
+    found: Mapping[str, float | None], again: Second, estimated: float, history: History,
+    table: Mapping[str, tuple[str, str]],
+) -> dict[str, Value]:  # fmt: skip
+    """Each value that both computations have. The bound is the sum of both errors."""
+    approach, deepest = history.scene.approach_velocity, history.summary["maximum_indentation"] or 0.0
+    least = {"length": LEAST * deepest, "velocity": approach * (1.0 if history.problem.free else LEAST)}
+    values = dict[str, Value]()
+    for name, other in again.values.items():
+        own, dimension = found[name], table[name][0]
+        if own is None:
+            continue
+        size = max(abs(own), least.get(dimension, LEAST if dimension == "dimensionless" else 0.0))
+        bound = again.errors[name] if again.errors else (estimated + again.error) * size
+        values[name] = Value(own, si_unit(dimension), bound, abs(own - other))
+    return values
+
+
+def _bounces(case: Case, history: History) -> Computed:
+    """The bound of a bounce is twice the change by a hundredfold accuracy, and the error of the second computation."""
+    made, coarse = (bounce_quietly(history.scene, accuracy=factor * case.accuracy) for factor in (1.0, 1e2))
+    again = second_bounces(history.scene, history.problem, BOUNCES)
+    values = dict[str, Value]()
+    for name, other in again.values.items():
+        _, number, column = name.split("_", 2)
+        own, less = (float(one.column(column)[int(number) - 1]) for one in (made, coarse))
+        bound = 2.0 * abs(own - less) + again.error * abs(own)
+        values[name] = Value(own, si_unit(COLUMNS[column][0]), bound, abs(own - other))
+    how = f"component, accuracy {case.accuracy:g}, and flights in closed form"
+    return Computed(case, history.problem, made, how, again.how, values)
+
+
+def chosen(names: Sequence[str] | None) -> list[Case]:
+    """The cases of these names, or all. Raises ValueError for one that is not known."""
+    known = cases()
+    for name in names or ():
+        if name not in known:
+            raise ValueError(f'case "{name}" is not in the suite{did_you_mean(name, known)}')
+    return [case for case in known.values() if not names or case.name in names]
+
+
+def write_suite(
+    folder: str | os.PathLike[str],
+    names: Sequence[str] | None = None,
+    workers: int = 1,
+    progress: Callable[[str], None] | None = None,
+) -> list[Path]:
+    """Write the suite, or the cases of these names, into a new or empty folder; returns the folders of the cases.
+
+    The same bytes are written by any number of workers. Raises FileExistsError for a folder that has files, ValueError
+    for an unknown name or fewer than one worker.
+
+    >>> fd.write_suite("impacts", ["hertz-half-space-0.4"])
+    [PosixPath('impacts/hertz-half-space-0.4')]
+    """
+    root, todo = Path(folder), chosen(names)
+    if workers < 1:
+        raise ValueError(f"workers: {workers} must be at least 1")
+    if root.exists() and (not root.is_dir() or any(root.iterdir())):
+        raise FileExistsError(f"{root}: exists and is not an empty folder")
+    root.mkdir(parents=True, exist_ok=True)
+    if workers == 1:
+        written = _each(map(partial(_write_case, root), todo), progress)
+    else:
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            written = _each(pool.map(partial(_write_case, root), todo), progress)
+    for file in sorted(FILES.iterdir()):
+        shutil.copyfile(file, root / ("." + file.name if file.name == "zenodo.json" else file.name))
+    _write(root / "cases.csv", "case,group,law,target\n" + "".join(map(_row, todo)))
+    made = sorted(path for path in root.rglob("*") if path.is_file())
+    sums = (f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.relative_to(root).as_posix()}\n" for path in made)
+    _write(root / "SHA256SUMS", "".join(sums))
+    return written
+
+
+def _each(found: Any, progress: Callable[[str], None] | None) -> list[Path]:
+    paths: list[Path] = []
+    for path in found:
+        paths.append(path)
+        if progress is not None:
+            progress(path.name)
+    return paths
+
+
+def _row(case: Case) -> str:
+    return f"{case.name},{case.group},{case.scene['contact']['law']},{case.scene['target']['kind']}\n"
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _write_case(root: Path, case: Case) -> Path:
+    """The three files of a case."""
+    path, made = root / case.name, compute(case)
+    path.mkdir()
+    _write(path / "case.toml", scene_of(case).to_toml())
+    _write(path / "summary.json", json.dumps(made.to_dict(), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    motion = made.motion
+    table = to_frame(to_dataset(motion, samples=SAMPLES) if isinstance(motion, History) else motion.to_dataset())
+    if isinstance(motion, Bounces):
+        table = table.head(BOUNCES)
+    _write(path / "reference.csv", table.to_csv(index=False, float_format=f"%.{DIGITS}g", lineterminator="\n"))
+    return path

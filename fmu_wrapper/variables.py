@@ -318,10 +318,10 @@ VARIABLES: tuple[Variable, ...] = (
         *("validity", Whole, None),
         "0: the assumptions of the export hold; otherwise the sum of 1: a parameter, or the velocity at first touch "
         "of a contact, is outside its range of validity, 2: the contact yields but the law is elastic, 4: the contact "
-        "is too wide for the law",
+        "is too wide for the law, 8: a contact alone lasted fewer than 20 communication steps",
         *_BOTH,
         low=0,
-        high=7,
+        high=15,
     ),
     *(
         _rate(state, dimension, depends, damped)

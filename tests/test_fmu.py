@@ -808,3 +808,19 @@ def test_check_finds_a_changed_force(made, tmp_path):
     assert not report.good
     wrong = [finding for finding in report.findings if not finding.good]
     assert any("contact_force" in finding.what and 1e-7 < finding.difference < 1e-5 for finding in wrong)
+
+
+@pytest.mark.parametrize("kind", ["plate", pytest.param("micrometre ball", marks=pytest.mark.slow)])
+def test_a_step_ends_after_a_limited_amount_of_work(made, kind):
+    """1e20 N on a plate, and a ball of 1 µm that bounces for 1e6 s, are refused in a sentence."""
+    on, step, force = fm.Scene.from_toml(BALL.with_name("olsson_plate.toml")), 1e-3, 1e20
+    words = "more segments than are allowed: ask for fewer segments or for a shorter step"
+    if kind != "plate":
+        on, step, force = fmu_wrapper.served(ball(**{"impactor.radius": "1 um", "effects.gravity": True})), 1e6, 0.0
+        words = "more than 100000 events in one step"
+        with pytest.raises(fm.SimulationError, match=f"{words}; at .* s: ask for a shorter one"):
+            fm.ImpactComponent(on).step(step)
+    with opened(made(on)) as fmu:
+        pressed = started(fmu, False, {"external_force": force})
+        with pytest.raises(fm.SimulationError, match=words), pressed as slave:
+            slave.step(0.0, step)

@@ -58,6 +58,8 @@ def test_a_dataset_has_the_motion_along_the_surface(made):
             assert float(ds[name][k]) == pytest.approx(getattr(component.sliding, name), abs=1e-9 * size), name
     assert ds.friction_force.attrs["units"] == "N" and float(ds.friction_force.max()) > 1.0
     assert fd.validate(ds) == []
+    with pytest.raises(ValueError, match="it has friction, so there is no mode 'exchange': mode 'steps'"):
+        fmu_wrapper.run(made(served), mode="exchange")
 
 
 def test_parameters_are_those_of_other_impacts(made):

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_datasets.schema.contact_variables import CONTACTS
 from film_datasets.schema.derivative_variables import derivatives_in
 from film_datasets.schema.finite_element_variables import FINITE_ELEMENTS
 from film_datasets.schema.friction_variables import IN_HISTORIES, IN_STEPS, IN_SWEEPS
@@ -56,18 +57,9 @@ _STRESSES = (
 )
 
 _STEPS = tuple(variable.name for variable in (*STEP_PLACES, *STEPS))
-_IN_HISTORIES, _IN_STEPS, _IN_SWEEPS = (tuple(v.name for v in each) for each in (IN_HISTORIES, IN_STEPS, IN_SWEEPS))
-
-_NOT_YET = "NaN if the run ended before"
-
-_CONTACTS = {
-    "contact_begin_time": ("time", "time of the first touch of each contact"),
-    "contact_end_time": ("time", f"time of the end of each contact; {_NOT_YET}"),
-    "contact_approach_velocity": ("velocity", "relative velocity at the first touch of each contact"),
-    "contact_rebound_velocity": ("velocity", f"impactor velocity at the end of each contact; {_NOT_YET}"),
-    "contact_maximum_force": ("force", "largest force of each contact"),
-    "contact_maximum_indentation": ("length", "largest indentation of each contact"),
-}
+_IN_HISTORIES, _IN_SWEEPS, _IN_STEPS, _OF_CONTACTS = (
+    tuple(v.name for v in variables) for variables in (IN_HISTORIES, IN_SWEEPS, IN_STEPS, CONTACTS)
+)
 
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
     HISTORY: {
@@ -75,7 +67,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.2": _STRESSES,
         "1.3": (),
         "1.4": (*_STEPS, MODE_ENERGY.name),
-        "1.5": (*_IN_HISTORIES, *_CONTACTS, *_IN_STEPS),
+        "1.5": (*_IN_HISTORIES, *_OF_CONTACTS, *_IN_STEPS),
     },
     SWEEP: {
         "1.0": (),
@@ -281,10 +273,7 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     HISTORY: _HISTORY,
     f"{HISTORY} steps": (*STEPS, MODE_ENERGY),
     f"{HISTORY} friction": IN_HISTORIES,
-    f"{HISTORY} contacts": tuple(
-        number(name, ("contact",), dimension, *what.split("; "), optional="; " in what)
-        for name, (dimension, what) in _CONTACTS.items()
-    ),
+    f"{HISTORY} contacts": CONTACTS,
     f"{HISTORY} sliding": IN_STEPS,
     SWEEP: _SWEEP,
     f"{SWEEP} segments": _SWEEP_SEGMENTS,

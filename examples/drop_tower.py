@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from pythonfmu.builder import FmuBuilder
 from scipy.integrate import OdeSolution, solve_ivp
 
@@ -58,7 +58,16 @@ class Unit:
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName=path.stem,
         )
-        self.slave.instantiate()
+        self.messages: set[bytes] = set()
+        self.callbacks = fmi2CallbackFunctions()
+        self.callbacks.logger = fmi2CallbackLoggerTYPE(self.log)
+        self.slave.instantiate(callbacks=self.callbacks)
+
+    def log(self, _environment: int, _name: bytes, _status: int, _category: bytes, message: bytes) -> None:
+        """Print a message of the FMU, each once: every run after a reset repeats it."""
+        if message not in self.messages:
+            print(message.decode())
+        self.messages.add(message)
 
     def start(self, **values: float) -> None:
         """Set parameters and initialize."""

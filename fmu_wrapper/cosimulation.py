@@ -72,9 +72,8 @@ def run(
         if mode == "events" and fmu.version == 2:
             raise ValueError(f"{path}: mode 'events' needs FMI 3.0, this is FMI 2.0")
         if mode == "exchange" and not resource.has_exchange(fmu.data):
-            relaxes = fmu.data.relaxation.tolerance > 0.0
-            why = "its material is viscoelastic" if relaxes else "its target vibrates or has a static stiffness"
-            raise ValueError(f"{path}: {why}: there is no mode 'exchange'")
+            why = _why_no_exchange(fmu.data)
+            raise ValueError(f"{path}: {why}, so there is no mode 'exchange': mode 'steps' gives its exact motion")
         experiment = fmu.description.defaultExperiment
         stop = _positive("stop_time", float(experiment.stopTime) if stop_time is None else stop_time)
         step = _positive("step_size", float(experiment.stepSize) if step_size is None else step_size)
@@ -96,6 +95,13 @@ def run(
         if starts or given:
             ds.attrs["start_values"] = "\n".join(_line(name, value) for name, value in {**starts, **given}.items())
         return ds
+
+
+def _why_no_exchange(data: resource.Data) -> str:
+    if resource.has(data, "friction"):
+        return "it has friction"
+    relaxes = data.relaxation.tolerance > 0.0
+    return "its material is viscoelastic" if relaxes else "its target vibrates or has a static stiffness"
 
 
 def _line(name: str, value: Any) -> str:

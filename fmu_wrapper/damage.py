@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import signal
 import subprocess
 import sys
 import zipfile
 import zlib
+from collections.abc import Callable
 from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any
 
 from film_model.base.errors import DamagedFile
 from fmu_wrapper import platforms, resource
 
 _LOAD = "import ctypes, sys; ctypes.CDLL(sys.argv[1])"
 _LONGEST_LOAD = 60.0  # s
+_PLACE = r"^ERROR \((line \d+), column \d+\): "  # in messages of FMPy
 
 
 def sound(source: Path) -> tuple[resource.Data, list[str]]:
@@ -45,6 +49,20 @@ def sound(source: Path) -> tuple[resource.Data, list[str]]:
     except ValueError as error:
         raise DamagedFile(f"{source}: resources/{error}") from None
     return data, sorted({name.split("/")[1] for name in names if name.startswith("binaries/")})
+
+
+def described(source: Path, folder: str, read: Callable[..., Any]) -> Any:
+    """The model description in a folder, by FMPy's `read`; DamagedFile if it does not obey FMI."""
+    where = f"{source}: modelDescription.xml"
+    try:
+        return read(folder, validate=True)
+    except AttributeError:  # FMPy looks at the version before the schema
+        raise DamagedFile(f"{where} has no fmiVersion") from None
+    except LookupError:
+        raise DamagedFile(f"{where} refers to a variable that it does not have") from None
+    except Exception as error:  # of lxml or FMPy: there is no common class
+        first = re.sub(_PLACE, r"\1: ", first_line((getattr(error, "problems", None) or [error])[0]))
+        raise DamagedFile(f"{where} cannot be read: {first}") from error
 
 
 def _leads_out(name: str) -> bool:
@@ -79,9 +97,17 @@ def _failure(binary: Path) -> str:
         return f"it takes longer than {_LONGEST_LOAD:g} s"
     if done.returncode < 0:
         return f"it ends the process by {signal.Signals(-done.returncode).name}"
+    if done.returncode and _processor(binary) != _processor(sys.executable):
+        return "it is compiled for another processor"  # Linux says "No such file" of it
     return done.stderr.strip().splitlines()[-1].replace("OSError: ", "") if done.returncode else ""
 
 
-def first_line(error: Exception) -> str:
+def _processor(binary: str | Path) -> bytes:
+    """The field e_machine of an ELF file; empty for other formats, of which the system says what is wrong."""
+    head = Path(binary).read_bytes()[:20]
+    return head[18:] if head[:4] == b"\x7fELF" else b""
+
+
+def first_line(error: object) -> str:
     """The first line of an error's message, or its class."""
     return next(iter(str(error).strip().splitlines()), type(error).__name__)

@@ -16,7 +16,7 @@ from film_model.laws import LAWS
 from film_model.scene import Scene
 from film_model.scene.toml import toml_table
 from fmu_wrapper import platforms, resource
-from fmu_wrapper.damage import check_loads, first_line, sound
+from fmu_wrapper.damage import check_loads, described, sound
 from fmu_wrapper.variables import VARIABLES, reference
 
 Row = dict[str, float]
@@ -68,14 +68,16 @@ def opened(path: str | os.PathLike[str]) -> Generator[Fmu]:
     data, included = sound(source)
     folder = str(extract(str(source)))
     try:
-        try:
-            description: Any = read_model_description(folder, validate=False)
-        except Exception as error:  # of lxml or FMPy: there is no common class
-            raise DamagedFile(f"{source}: modelDescription.xml cannot be read: {first_line(error)}") from error
+        description: Any = described(source, folder, read_model_description)
         exchange = ("modelExchange",) if resource.has_exchange(data) else ()
         for name in ("coSimulation", *exchange, "defaultExperiment"):
             if getattr(description, name) is None:
                 raise DamagedFile(f"{source}: modelDescription.xml has no {name[0].upper()}{name[1:]}")
+        if description.guid.encode() != data.token:
+            raise DamagedFile(f"{source}: modelDescription.xml and resources/{resource.NAME} belong to different FMUs")
+        identifiers = {getattr(description, name).modelIdentifier for name in ("coSimulation", *exchange)}
+        if len(identifiers) > 1:
+            raise DamagedFile(f"{source}: modelDescription.xml has several model identifiers: {', '.join(identifiers)}")
         fmu = Fmu(source, folder, description, data)
         needed = platforms.folder(platforms.this_platform(), fmu.version)
         if needed not in included:

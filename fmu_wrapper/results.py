@@ -22,17 +22,17 @@ from film_model.scene import Scene
 from film_model.solve.history import MOTION, SUMMARY
 from fmu_wrapper import resource
 from fmu_wrapper.instance import Fmu, Row
+from fmu_wrapper.stepping import ALONG
 from fmu_wrapper.variables import STRESSES, reference
 
 
 def dataset(fmu: Fmu, rows: list[Row], events: list[Row], interface: str, starts: Mapping[str, float]) -> xr.Dataset:
     """The dataset of a run. interface: of FMI, in words. starts: parameters that were set, SI."""
     touch = next((event["time"] for event in events if event["kind"] == native.EVENTS.index("contact_begins")), 0.0)
-    all_contacts = fmu.data.modes.count > 0  # as in a history: those on a target that vibrates are one impact
-    of_impact = [row for row in rows if all_contacts or row["contact_count"] <= 1]
-    summary = _summary(events, touch, of_impact[-1]["largest_force"], fmu.data, all_contacts) | _stresses(of_impact)
+    summary = _summary(events, touch, rows[-1]["largest_force"], fmu.data) | _stresses(rows)
     columns = {
         **_motion(rows, events, touch),
+        **_contacts(rows, events, touch),
         **{name: math.nan if value is None else value for name, value in summary.items()},
         **_scales(fmu.data),
         "drift_velocity": 0.0,
@@ -42,7 +42,8 @@ def dataset(fmu: Fmu, rows: list[Row], events: list[Row], interface: str, starts
     }
     meanings = {"stages": tuple(f"stage_{k}" for k in range(fmu.data.curve.stages))}
     arrays: dict[str, Any] = {}
-    for v in (*TABLE[HISTORY], *(v for v in CONSTANTS if v.name in columns)):
+    more = (*TABLE[f"{HISTORY} contacts"], *TABLE[f"{HISTORY} sliding"], *CONSTANTS)
+    for v in (*TABLE[HISTORY], *(v for v in more if v.name in columns)):
         values = np.zeros(0) if "segment" in v.dims else columns[v.name]
         arrays[v.name] = (v.dims, np.asarray(values, dtype=v.dtype), v.attributes(meanings))
     ds = xr.Dataset({name: value for name, value in arrays.items() if name != "t"}, coords={"t": arrays["t"]})
@@ -76,7 +77,9 @@ def _text(fmu: Fmu, name: str) -> str:
 def _motion(rows: list[Row], events: list[Row], touch: float) -> dict[str, Any]:
     """Columns of motion and events. Of two rows at one time, before and after an event, the second is used."""
     last = [row for row, following in itertools.pairwise(rows) if following["time"] != row["time"]] + rows[-1:]
-    columns: dict[str, Any] = {name: np.array([row[name] for row in last]) for name in (*MOTION, "stage")}
+    columns: dict[str, Any] = {
+        name: np.array([row[name] for row in last]) for name in (*MOTION, "stage", *ALONG) if name in last[0]
+    }
     columns["t"] = np.array([row["time"] for row in last]) - touch
     columns["event_time"] = np.array([event["time"] - touch for event in events])
     columns["event_kind"] = [event["kind"] for event in events]
@@ -94,14 +97,31 @@ def _scales(data: resource.Data) -> dict[str, float]:
     }
 
 
-def _summary(
-    events: list[Row], touch: float, peak: float, data: resource.Data, all_contacts: bool
-) -> dict[str, float | None]:
-    """Summary of the impact, from its events and its largest force; `contact_duration` is that of the first contact."""
+def _contacts(rows: list[Row], events: list[Row], touch: float) -> dict[str, list[float]]:
+    """Columns of the contacts, from their events; the largest force is that of the last row before the next contact."""
+    begins, ends = (
+        [event for event in events if event["kind"] == native.EVENTS.index(f"contact_{which}")]
+        for which in ("begins", "ends")
+    )
+    missing = [math.nan] * (len(begins) - len(ends))
+    latest = {int(row["contact_count"]): row for row in rows} | {k: end for k, end in enumerate(ends, 1)}
+    of_contact = [latest[k] for k in range(1, len(begins) + 1)]
+    return {
+        "contact_begin_time": [event["time"] - touch for event in begins],
+        "contact_end_time": [event["time"] - touch for event in ends] + missing,
+        "contact_approach_velocity": [event["relative_velocity"] for event in begins],
+        "contact_rebound_velocity": [event["impactor_velocity"] for event in ends] + missing,
+        **{f"contact_{name}": [row[name] for row in of_contact] for name in ("maximum_force", "maximum_indentation")},
+    }
+
+
+def _summary(events: list[Row], touch: float, peak: float, data: resource.Data) -> dict[str, float | None]:
+    """Summary of all contacts as one impact, like that of a history on a target that vibrates, from the events and the
+    largest force; `contact_duration` is that of the first contact."""
     summary: dict[str, float | None] = dict.fromkeys(SUMMARY)
     names = [native.EVENTS[int(event["kind"])] for event in events]
     ended = [k for k, name in enumerate(names) if name == "contact_ends"]
-    end = len(names) if not ended else ended[-1 if all_contacts else 0]
+    end = len(names) if not ended else ended[-1]
     first = dict(zip(reversed(names[: end + 1]), reversed(events[: end + 1]), strict=True))
     turns = [e for e, name in zip(events[: end + 1], names, strict=False) if name == "maximum_indentation"]
     begins, ends = first.get("contact_begins"), events[end] if ended else None

@@ -13,19 +13,27 @@ import numpy as np
 from film_model.base.errors import SimulationError
 from film_model.core import native
 from film_model.solve.history import MOTION
+from fmu_wrapper import resource
 from fmu_wrapper.instance import Fmu, Row, Slave, started
 from fmu_wrapper.variables import EVENT_TIMES, STRESSES
 
 _EVENT_OUTPUTS = (*EVENT_TIMES, "event_count", "last_event", "time_of_last_event", "stage", "phase", "contact_count")
-_OTHER_OUTPUTS = ("maximum_force", "largest_force", "support_velocity", "validity", *STRESSES)
+_OTHER_OUTPUTS = ("maximum_force", "maximum_indentation", "largest_force", "support_velocity", "validity", *STRESSES)
 RECORDED = (*MOTION, *_EVENT_OUTPUTS, *_OTHER_OUTPUTS)
 """Outputs in each row."""
+
+ALONG = ("sliding_velocity", "tangential_velocity", "spin", "friction_force")
+"""Further outputs in each row of an FMU with friction."""
 
 
 def value_at(time: float, value: Any) -> float:
     """Value of an input, a number or a function of time, at a time [s]."""
     number: Any = value(time) if callable(value) else value
     return float(number)
+
+
+def _recorded(fmu: Fmu) -> tuple[str, ...]:
+    return (*RECORDED, *ALONG) if resource.has(fmu.data, "friction") else RECORDED
 
 
 # ---------------------------------------------------------------- Co-Simulation
@@ -39,7 +47,7 @@ def stepped(
     rows: list[Row] = []
     events: list[Row] = []
     with started(fmu, event_mode, {**starts, **first}) as slave:
-        before = slave.get(RECORDED)
+        before = slave.get(_recorded(slave.fmu))
         rows.append({"time": 0.0, **before})
         events += _events_at_start(before)
         count = max(1, math.ceil(stop / step * (1.0 - 1e-12)))
@@ -61,7 +69,7 @@ def _step_in_event_mode(slave: Slave, time: float, end: float, rows: list[Row], 
         if event:
             slave.instance.enterEventMode()
             slave.handle()
-        row = slave.get(RECORDED)
+        row = slave.get(_recorded(slave.fmu))
         rows.append({"time": time, **row})
         if event and row["event_count"] > rows[-2]["event_count"]:
             events.append(_event(time, native.EVENTS[int(row["last_event"])], row))
@@ -73,7 +81,7 @@ def _step_and_repeat(slave: Slave, time: float, end: float, rows: list[Row], eve
     """A step without event mode. If it contains events, restore the state and step to the time of each event."""
     saved, before = slave.save(), rows[-1]
     slave.step(time, end - time)
-    after = slave.get(RECORDED)
+    after = slave.get(_recorded(slave.fmu))
     times = _events_between(before, after, time)
     if times is None and end - time > 1e-12 * end:  # the outputs do not identify all events: halve the step
         slave.restore(saved)
@@ -94,13 +102,13 @@ def _step_and_repeat(slave: Slave, time: float, end: float, rows: list[Row], eve
         if at > now:
             slave.step(now, at - now)
         now = at
-        row = slave.get(RECORDED)
+        row = slave.get(_recorded(slave.fmu))
         if at > rows[-1]["time"]:
             rows.append({"time": at, **row})
         events.append(_event(at, name, {**row, "stage": _stage_after(slave, now, end)}))
     if end > now:
         slave.step(now, end - now)
-    rows.append({"time": end, **slave.get(RECORDED), **reported})
+    rows.append({"time": end, **slave.get(_recorded(slave.fmu)), **reported})
 
 
 def _stage_after(slave: Slave, now: float, end: float) -> float:

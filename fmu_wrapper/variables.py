@@ -151,7 +151,10 @@ VARIABLES: tuple[Variable, ...] = (
     _parameter("initial_gap", "length", 0.0, 1e5, "distance to first touch at the start"),
     _parameter("radius", "length", 1e-10, 1e3, "effective radius of the contact", *_BOTH),
     _parameter("effective_modulus", "pressure", 1.0, 1e14, "effective modulus of the contact", *_BOTH),
-    _parameter("yield_strength", "pressure", 1.0, 1e13, "yield strength of the contact", *_BOTH),
+    _parameter(
+        *("yield_strength", "pressure", 1.0, 1e13),
+        *("yield strength of the contact; dynamic, at the rate of the scene's impact, if its material hardens", *_BOTH),
+    ),
     _parameter("yield_pressure", "pressure", 1.0, 1e13, "contact pressure at which the law yields", *_BOTH),
     _parameter("hardness", "pressure", 1.0, 1e13, "hardness of the body that yields", *_BOTH),
     _parameter("stiffness", "stiffness", 1e-12, 1e18, "stiffness of the law", *_BOTH),
@@ -318,10 +321,10 @@ VARIABLES: tuple[Variable, ...] = (
         *("validity", Whole, None),
         "0: the assumptions of the export hold; otherwise the sum of 1: a parameter, or the velocity at first touch "
         "of a contact, is outside its range of validity, 2: the contact yields but the law is elastic, 4: the contact "
-        "is too wide for the law",
+        "is too wide for the law, 8: a contact alone lasted fewer than 20 communication steps",
         *_BOTH,
         low=0,
-        high=7,
+        high=15,
     ),
     *(
         _rate(state, dimension, depends, damped)

@@ -196,6 +196,38 @@ def test_bounces_with_a_gap_and_gravity(made, version, size):
         assert at + touch == pytest.approx(event.time, rel=1e-11)
 
 
+@pytest.mark.parametrize("mode", ["steps", "events"])
+def test_the_summary_of_a_run_is_that_of_all_contacts(made, mode):
+    """A ball that is pressed on a half-space touches it five times; each contact is the component's."""
+    on, press, stop = scene("big-alabo"), 100.0, 2e-3
+    component = fm.ImpactComponent(on)
+    ds = fmu_wrapper.run(made(on), mode=mode, step_size=1e-5, stop_time=stop, inputs={"external_force": press})
+    events = []
+    while component.time < stop:
+        result = component.step(stop - component.time, external_force=press, stop_at_events=True)
+        events += result.events
+    ends, begins = ([e for e in events if e.name == f"contact_{which}"] for which in ("ends", "begins"))
+    turns = [e for e in events if e.name == "maximum_indentation"]
+    peaks = [
+        max(e.contact_force for e in turns if b.time <= e.time <= f.time) for b, f in zip(begins, ends, strict=False)
+    ]
+    assert len(ends) >= 3 and ds.sizes["contact"] == len(begins)
+    close = {"rel": 1e-10}
+    for name, wanted in {
+        "contact_begin_time": [e.time for e in begins],
+        "contact_end_time": [e.time for e in ends],
+        "contact_rebound_velocity": [e.impactor_velocity for e in ends],
+        "contact_maximum_force": peaks,
+    }.items():
+        assert ds[name].values[: len(ends)].tolist() == pytest.approx(wanted[: len(ends)], **close), name
+    assert np.isnan(ds.contact_end_time.values[len(ends) :]).all()
+    assert float(ds.maximum_force) == pytest.approx(max(e.contact_force for e in turns), **close)
+    assert float(ds.maximum_indentation) == ds.contact_maximum_indentation.values.max()
+    assert float(ds.rebound_velocity) == pytest.approx(ends[-1].impactor_velocity, **close)
+    assert float(ds.contact_duration) == pytest.approx(ends[0].time, **close)
+    assert fd.validate(ds) == []
+
+
 @VERSIONS
 def test_a_support_that_moves(made, version):
     on = scene("big-alabo", "plate")
@@ -776,3 +808,19 @@ def test_check_finds_a_changed_force(made, tmp_path):
     assert not report.good
     wrong = [finding for finding in report.findings if not finding.good]
     assert any("contact_force" in finding.what and 1e-7 < finding.difference < 1e-5 for finding in wrong)
+
+
+@pytest.mark.parametrize("kind", ["plate", pytest.param("micrometre ball", marks=pytest.mark.slow)])
+def test_a_step_ends_after_a_limited_amount_of_work(made, kind):
+    """1e20 N on a plate, and a ball of 1 µm that bounces for 1e6 s, are refused in a sentence."""
+    on, step, force = fm.Scene.from_toml(BALL.with_name("olsson_plate.toml")), 1e-3, 1e20
+    words = "more segments than are allowed: ask for fewer segments or for a shorter step"
+    if kind != "plate":
+        on, step, force = fmu_wrapper.served(ball(**{"impactor.radius": "1 um", "effects.gravity": True})), 1e6, 0.0
+        words = "more than 100000 events in one step"
+        with pytest.raises(fm.SimulationError, match=f"{words}; at .* s: ask for a shorter one"):
+            fm.ImpactComponent(on).step(step)
+    with opened(made(on)) as fmu:
+        pressed = started(fmu, False, {"external_force": force})
+        with pytest.raises(fm.SimulationError, match=words), pressed as slave:
+            slave.step(0.0, step)

@@ -1,6 +1,7 @@
 """FMUs of kind contact in masters that exchange values at communication points; energies of FMUs of kind impact."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -31,7 +32,7 @@ def gradient(slave, unknown, known):
 
 
 def coupled(slave, history, steps, way, ahead):
-    """Restitution and largest force of a mass coupled to the contact, `steps` steps a contact; exact for that force."""
+    """Restitution, largest force and end, s, of a mass coupled to the contact, `steps` steps a contact."""
     on = history.scene
     h, x, v, told, time, largest = history.duration / steps, 0.0, on.approach_velocity, 0.0, 0.0, 0.0
     mass, velocity = on.mass, on.approach_velocity
@@ -62,7 +63,7 @@ def coupled(slave, history, steps, way, ahead):
         time, largest = time + h, max(largest, told)
         if x < 0.0 and v < 0.0:
             break
-    return -v / velocity, largest
+    return -v / velocity, largest, time
 
 
 def moved(x, v, a, h):
@@ -74,8 +75,21 @@ def test_coupling_errors_are_those_of_the_documentation(made):
     with opened(made(history.scene, 3, kind="contact")) as fmu, started(fmu, False, {}) as slave:
         for steps, told in COUPLING_ERRORS.items():
             for name, error in zip(COUPLINGS, told, strict=True):
-                restitution, _ = coupled(slave, history, steps, *WAYS[name])
+                restitution, *_ = coupled(slave, history, steps, *WAYS[name])
                 assert restitution - 1.0 == pytest.approx(error, rel=0.1), (steps, name)
+
+
+@pytest.mark.parametrize(("steps", "validity"), [(2, 8), (10, 8), (30, 0)])
+def test_a_contact_of_few_steps_says_so(made, steps, validity):
+    history = fm.simulate(scene("hertz"), accuracy=1e-8)
+    with opened(made(history.scene, 3, kind="contact")) as fmu, started(fmu, False, {}) as slave:
+        *_, time = coupled(slave, history, steps, "side by side", 1.5)
+        for name, value in {"indentation": -1e-6, "relative_velocity": -1.0}.items():
+            slave.set(name, value)
+        slave.step(time, 1e-6)
+        assert int(slave.get(("validity",))["validity"]) & 8 == validity
+    told = re.findall(r"a contact lasted (\d+) communication steps; with fewer than 20 ", "".join(fmu.notices))
+    assert [abs(int(count) - steps) <= 2 for count in told] == [True] * (validity == 8)
 
 
 @combinations(law=["hertz", "big-alabo", "tsuji", "linear-dashpot"], fast=2)
@@ -83,7 +97,7 @@ def test_a_master_that_steps_side_by_side_has_errors_of_a_percent_at_50_steps(ma
     history = fm.simulate(scene(law), accuracy=1e-8)
     with opened(made(history.scene, 3, kind="contact")) as fmu, started(fmu, False, {}) as slave:
         default = slave.get(("input_extrapolation",))["input_extrapolation"]
-        restitution, force = coupled(slave, history, 50, "side by side", default)
+        restitution, force, _ = coupled(slave, history, 50, "side by side", default)
     assert restitution == pytest.approx(history.summary["coefficient_of_restitution"], abs=0.01)
     assert force == pytest.approx(history.summary["maximum_force"], rel=0.017)
 

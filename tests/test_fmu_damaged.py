@@ -1,6 +1,8 @@
 """Damaged FMUs: one sentence with the path of the FMU, exit status 2, and Python survives."""
 
+import re
 import shutil
+import sys
 import zipfile
 from pathlib import Path
 
@@ -67,6 +69,24 @@ def test_damaged_entries(whole, tmp_path, capsys, version):
             changed(xml, lambda c: b"\n".join(line for line in c.split(b"\n") if b"DefaultExperiment" not in line)),
             (xml, "has no DefaultExperiment"),
         ),
+        "no version": (changed(xml, lambda c: c.replace(b"fmiVersion=", b"x=")), (xml, "has no fmiVersion")),
+        "no token": (
+            changed(xml, lambda c: re.sub(b"(guid|instantiationToken)=", b"x=", c)),
+            (xml, "cannot be read: line 2: Element 'fmiModelDescription'"),
+        ),
+        "another token": (changed(xml, lambda c: c.replace(b"{", b"{0")), (xml, "belong to different FMUs")),
+        "no number": (
+            changed(xml, lambda c: c.replace(b'startTime="0', b'startTime="a')),
+            (xml, "cannot be read", "startTime"),
+        ),
+        "two identifiers": (
+            changed(xml, lambda c: c.replace(b'modelIdentifier="', b'modelIdentifier="a', 1)),
+            (xml, "several model identifiers"),
+        ),
+        "a reference that leads nowhere": (
+            changed(xml, lambda c: re.sub(b'<(Output valueReference|Unknown index)="', rb"\g<0>9", c)),
+            (xml, "refers to a variable"),
+        ),
         "short data": (changed(f"resources/{resource.NAME}", lambda c: c[:-5]), (f"resources/{resource.NAME}",)),
         "changed data": (
             changed(f"resources/{resource.NAME}", lambda c: c[:9999] + bytes([c[9999] ^ 1]) + c[10000:]),
@@ -111,3 +131,14 @@ def test_a_missing_binary(whole, tmp_path, capsys):
         return (f"{where}other.so" if name.startswith(where) else name), content
 
     refused(rewritten(whole(3), tmp_path / "renamed.fmu", renamed), capsys, where, "is missing")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems say it themselves")
+def test_a_binary_for_another_processor(whole, tmp_path, capsys):
+    where = f"binaries/{platforms.folder(platforms.this_platform(), 3)}/"
+
+    def other(name, content):
+        machine = content[:18] + b"\xf3\x00" + content[20:]  # RISC-V
+        return name, machine if name.startswith(where) else content
+
+    refused(rewritten(whole(3), tmp_path / "other.fmu", other), capsys, where, "compiled for another processor")

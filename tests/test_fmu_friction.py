@@ -6,6 +6,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from test_stepped_friction import scene
 
+import film_datasets as fd
 import film_model as fm
 import fmu_wrapper
 from fmu_wrapper.instance import opened, started
@@ -43,6 +44,22 @@ def test_outputs_are_those_of_the_component_under_changing_inputs(made, version,
             for name, value in component.sliding._asdict().items():
                 size = {"spin": 10.0, "friction_force": 1.0}.get(name, 0.1)
                 assert found[name] == pytest.approx(value, rel=1e-11, abs=1e-11 * size), (n, name)
+
+
+def test_a_dataset_has_the_motion_along_the_surface(made):
+    served = on()
+    duration = fm.simulate(served).duration
+    ds = fmu_wrapper.run(made(served), stop_time=1.2 * duration, step_size=duration / 10, inputs={"torque": 0.01})
+    component = component_for(made(served), served)
+    for k, time in enumerate(ds.t.values.tolist()):
+        component.step(max(time - component.time, 0.0), torque=0.01)
+        for name in ("sliding_velocity", "tangential_velocity", "spin", "friction_force"):
+            size = float(abs(ds[name]).max())
+            assert float(ds[name][k]) == pytest.approx(getattr(component.sliding, name), abs=1e-9 * size), name
+    assert ds.friction_force.attrs["units"] == "N" and float(ds.friction_force.max()) > 1.0
+    assert fd.validate(ds) == []
+    with pytest.raises(ValueError, match="it has friction, so there is no mode 'exchange': mode 'steps'"):
+        fmu_wrapper.run(made(served), mode="exchange")
 
 
 def test_parameters_are_those_of_other_impacts(made):

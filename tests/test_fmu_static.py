@@ -169,5 +169,5 @@ def test_there_is_no_model_exchange_and_the_documentation_says_why(made, version
     with zipfile.ZipFile(path) as archive:
         assert b"ModelExchange" not in archive.read("modelDescription.xml")
         assert "<code>target_stiffness</code>, without delay" in archive.read("documentation/index.html").decode()
-    with pytest.raises(ValueError, match="has a static stiffness: there is no mode 'exchange'"):
+    with pytest.raises(ValueError, match="has a static stiffness, so there is no mode 'exchange': mode 'steps'"):
         fmu_wrapper.run(path, mode="exchange")

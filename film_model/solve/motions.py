@@ -41,6 +41,9 @@ class OnLines:
         """Forward by dt or to the next event; the core's status."""
         return native.step(self._curve, self.mesh, self._state, dt)
 
+    def renew_work(self) -> None:
+        """Begin a step of the caller's, whose work is limited."""
+
     def set_input(self, load: float, nu_change: float, stop_velocity: float) -> int:
         """Change load, velocity (by a step of the support) and stop velocity; the core's status."""
         return native.set_input(self._state, load, nu_change, stop_velocity)
@@ -86,6 +89,9 @@ class _InOneMotion(ABC, Generic[Motion]):
     """A contact that the core advances as a whole, `_motion`, which saves itself."""
 
     _motion: Motion
+
+    def renew_work(self) -> None:
+        """Begin a step of the caller's, whose work is limited."""
 
     def step(self, dt: float) -> int:
         """Forward by dt or to the next event; the core's status."""
@@ -133,6 +139,10 @@ class OnModes(_InOneMotion[modal.Motion]):
     def follow(self, tables: modal.Tables, rest: float, tolerance: float) -> None:
         """From the next `begin`, other vibrations; rest: compliance of the omitted ones, in the units of the march."""
         self.tables, self._start.rest, self._start.tolerance = tables, rest, tolerance
+
+    def renew_work(self) -> None:
+        """Begin a step of the caller's, whose work is limited."""
+        self._motion.state.steps = 0
 
     def begin(self, nu: float, gap: float) -> None:
         """Start with a velocity at a distance to the target, which is at rest."""

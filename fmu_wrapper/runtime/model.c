@@ -227,6 +227,8 @@ static int impact_step(model *m, double end, int stop_at_events, int *stopped) {
     *stopped = 0;
     if (apply_inputs(m) < 0) return -1;
     if (!isfinite((end - now->start_time) / clock)) return model_error(m, "a step to %g s is too long", end);
+    if (vibrates(m)) modes_renew_work(m);
+    int most = slides(m) ? MAX_SLIDING_EVENTS : MAX_STEP_EVENTS;
     for (int events = 0;;) {
         double before = state->time, left = fmax((end - now->start_time) / clock - before, 0.0);
         int status = advance(m, left);
@@ -247,9 +249,9 @@ static int impact_step(model *m, double end, int stop_at_events, int *stopped) {
             *stopped = 1;
             return 0;
         }
-        if (++events > MAX_STEP_EVENTS)
+        if (++events > most)
             return model_error(m, "more than %d events in one step, the last one %s at %g s: ask for a shorter step",
-                          (int)MAX_STEP_EVENTS, EVENT_NAMES[state->event], time);
+                          most, EVENT_NAMES[state->event], time);
     }
 }
 

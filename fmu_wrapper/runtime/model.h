@@ -13,7 +13,7 @@ enum { STATES = 3 };                   /* indentation, impactor velocity, target
 enum { SCALINGS = 7, DAMPINGS = 12, RESTITUTION_TERMS = 48 };  /* parameters that scale the march, and its damping; see model_data */
 enum { INPUTS = 5 };                   /* of an impact, from EXTERNAL_FORCE on */
 enum { LIMITS = 2, LONGEST_REASON = 80 };
-enum { MAX_STEP_EVENTS = 1000000 }; /* per step: a ball that bounces without loss has infinitely many events */
+enum { MAX_STEP_EVENTS = 100000, MAX_SLIDING_EVENTS = 4000 }; /* of a step, and with friction: a ball may bounce for ever; 0.1 to 2 s */
 
 /* The family of curves of a law whose stages depend on a shape: shape * prod (p/start)^power with p = radius, effective
  * modulus, yield strength. If nodes > 0, a film_curve (`whole`) and the numbers of film_family follow model_data. */
@@ -85,12 +85,15 @@ typedef struct {
 } model_data;
 
 enum { HAD_MAXIMUM = 1, HAD_STOP = 2 };         /* events in the current contact */
-enum { OUTSIDE = 1, YIELDS = 2, WIDE = 4 };     /* assumptions of the export that do not hold: see the variable validity */
+/* Assumptions of the export that do not hold: see the variable validity. */
+enum { OUTSIDE = 1, YIELDS = 2, WIDE = 4, COARSE = 8 };
+enum { FEWEST_STEPS = 20 }; /* of a contact alone: with them the restitution of an elastic contact errs by 1.2 % */
 
 /* The discrete outputs. */
 typedef struct {
     int32_t phase, stage, contacts, events, last_event, had;
-    int32_t validity;        /* sum of OUTSIDE, YIELDS, WIDE */
+    int32_t validity;        /* sum of OUTSIDE, YIELDS, WIDE, COARSE */
+    int32_t steps, coarse;   /* contact: communication steps of the present contact; of the first that had too few, 0: none */
     int32_t outside_contact; /* number of the first contact that began with a velocity outside its range; 0: none */
     double outside_speed;    /* that velocity, m/s */
     double value[VARIABLES - SETTABLE]; /* times and values of events, by value reference - SETTABLE */

@@ -61,12 +61,26 @@ int contact_accept_input(model *m) {
     return 0;
 }
 
+/* A contact of few communication steps gains energy in most masters. */
+static void count_step(model_record *record) {
+    if (record->stage != FILM_FREE) {
+        record->steps++;
+        return;
+    }
+    if (record->steps > 0 && record->steps < FEWEST_STEPS) {
+        record->validity |= COARSE;
+        if (!record->coarse) record->coarse = record->steps;
+    }
+    record->steps = 0;
+}
+
 /* After the step the force belongs to the motion that is extrapolated from the input: the indentation by its rate; the
  * rate, on which only a damped force depends, by its change since the last input. */
 int contact_step(model *m, double end) {
     model_memory *now = &m->memory;
     double since = now->committed_time, rate_since = now->committed_rate;
     if (contact_accept_input(m) < 0) return -1;
+    count_step(&now->actual);
     double ahead = now->value[INPUT_EXTRAPOLATION] * (end - now->time);
     now->indentation = now->committed_indentation + now->committed_rate * ahead;
     double change = now->time > since ? (now->committed_rate - rate_since) / (now->time - since) : 0.0;

@@ -55,6 +55,8 @@ static void show(model *m) {
     now->recoil = values[3] - values[1];
 }
 
+void modes_renew_work(model *m) { m->modal->steps = 0; }
+
 int modes_begin(model *m, const film_modal_start *start, double xi) {
     int status = film_modal_init(&m->structure, m->curve, m->modal, waves_of(m), start, xi);
     if (status == FILM_OK) show(m);

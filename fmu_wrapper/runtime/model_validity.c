@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { TOUCH = 8 }; /* of what has been logged: that the velocity of a contact is outside */
+enum { TOUCH = 16 }; /* of what has been logged: that the velocity of a contact is outside */
 
 static double limit_of(const model *m, int which) {
     return model_scaled(m, m->data->limit[which], m->data->limit_power[which], SCALINGS);
@@ -64,6 +64,11 @@ int model_announce(model *m, char *text, size_t room) {
     now->announced |= news & OUTSIDE;
     if (news & OUTSIDE && announce_outside(m, text, room) > 0) return 1;
     news &= ~OUTSIDE;
+    if (news & COARSE) {
+        now->announced |= COARSE;
+        return snprintf(text, room, "a contact lasted %d communication steps; with fewer than %d the bodies may gain 1 %% of "
+                        "their velocity and more: ask for shorter steps", (int)now->actual.coarse, (int)FEWEST_STEPS) > 0;
+    }
     if (!news) return 0;
     int which = news & YIELDS ? 0 : 1;
     now->announced |= which == 0 ? YIELDS : WIDE;

@@ -28,6 +28,16 @@ def _results(dims: tuple[str, ...]) -> tuple[Variable, ...]:
 
 IN_SWEEPS = _results((IMPACTS,))
 
+_ALONG = {
+    "sliding_velocity": ("velocity", "of the contacting point relative to the target"),
+    "tangential_velocity": ("velocity", "of the impactor's centre along the surface"),
+    "spin": ("angular_frequency", "positive if it adds to sliding"),
+    "friction_force": ("force", "on the impactor, against sliding at first touch"),
+}
+
+IN_STEPS = tuple(number(name, ("t",), dimension, spaced(name), what) for name, (dimension, what) in _ALONG.items())
+"""The motion along the surface of a component that was run in steps."""
+
 IN_HISTORIES = (
     *_results(()),
     *(

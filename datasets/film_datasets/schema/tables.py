@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from film_datasets.schema.contact_variables import CONTACTS
 from film_datasets.schema.derivative_variables import derivatives_in
 from film_datasets.schema.finite_element_variables import FINITE_ELEMENT_PAIRS, FINITE_ELEMENTS
-from film_datasets.schema.friction_variables import IN_HISTORIES, IN_SWEEPS
+from film_datasets.schema.friction_variables import IN_HISTORIES, IN_STEPS, IN_SWEEPS
 from film_datasets.schema.motion_variables import (
     MODE_ENERGY,
     SEGMENT_PLACES,
@@ -56,7 +57,9 @@ _STRESSES = (
 )
 
 _STEPS = tuple(variable.name for variable in (*STEP_PLACES, *STEPS))
-_IN_HISTORIES, _IN_SWEEPS = (tuple(v.name for v in variables) for variables in (IN_HISTORIES, IN_SWEEPS))
+_IN_HISTORIES, _IN_SWEEPS, _IN_STEPS, _OF_CONTACTS = (
+    tuple(v.name for v in variables) for variables in (IN_HISTORIES, IN_SWEEPS, IN_STEPS, CONTACTS)
+)
 
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
     HISTORY: {
@@ -64,7 +67,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.2": _STRESSES,
         "1.3": (),
         "1.4": (*_STEPS, MODE_ENERGY.name),
-        "1.5": _IN_HISTORIES,
+        "1.5": (*_IN_HISTORIES, *_OF_CONTACTS, *_IN_STEPS),
     },
     SWEEP: {
         "1.0": (),
@@ -270,6 +273,8 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     HISTORY: _HISTORY,
     f"{HISTORY} steps": (*STEPS, MODE_ENERGY),
     f"{HISTORY} friction": IN_HISTORIES,
+    f"{HISTORY} contacts": CONTACTS,
+    f"{HISTORY} sliding": IN_STEPS,
     SWEEP: _SWEEP,
     f"{SWEEP} segments": _SWEEP_SEGMENTS,
     f"{SWEEP} steps": (*STEP_PLACES, *STEPS),
@@ -334,8 +339,8 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     if kind == HISTORY:
         constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
     if kind in (HISTORY, BOUNCES, COST):
-        more = TABLE[f"{HISTORY} steps"] if kind == HISTORY and has_steps(ds) else ()
-        more += TABLE[f"{HISTORY} friction"] if kind == HISTORY and has_friction(ds) else ()
+        own = ("steps", "friction", "contacts", "sliding") if kind == HISTORY else ()
+        more = [v for word in own if _has_any(ds, word) for v in TABLE[f"{HISTORY} {word}"]]
         return (*(v for v in (*TABLE[kind], *more) if v.name not in later), *constants)
     swept = swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
     dims = tuple(v.dims[0] for v in swept) if "impact" not in ds.sizes else ("impact",)
@@ -344,14 +349,19 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     return (*swept, *(v for v in own if v.name not in later), *derivatives_in(ds, dims), *constants)
 
 
+def _has_any(ds: xr.Dataset, word: str) -> bool:
+    """Whether a history has any of the variables of a table. Some names are in two tables, with other dimensions."""
+    return any(v.name in ds.variables and ds.variables[v.name].dims == v.dims for v in TABLE[f"{HISTORY} {word}"])
+
+
 def has_steps(ds: xr.Dataset) -> bool:
     """Whether a history has any of the variables of an impact on modes."""
-    return any(v.name in ds.variables for v in TABLE[f"{HISTORY} steps"])
+    return _has_any(ds, "steps")
 
 
 def has_friction(ds: xr.Dataset) -> bool:
-    """Whether a history has any of the variables of friction."""
-    return any(v.name in ds.variables for v in TABLE[f"{HISTORY} friction"])
+    """Whether a history has any of the variables of friction in one impact."""
+    return _has_any(ds, "friction")
 
 
 def require(ds: xr.Dataset, names: Iterable[str]) -> None:

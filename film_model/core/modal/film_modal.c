@@ -195,7 +195,7 @@ static int end_run(const film_structure *structure, const film_curve *curve, fil
 int film_plan_step(film_structure *structure, const film_curve *curve, film_modal *s, double *waves) {
     int status;
     s->contact.event = FILM_NO_EVENT;
-    if (s->short_steps > MOST_SHORT_STEPS || s->steps >= FILM_MAX_STEP_LINES) return FILM_TOO_MANY;
+    if (s->short_steps > MOST_SHORT_STEPS || s->steps >= film_most_steps(structure)) return FILM_TOO_MANY;
     if (!isfinite(s->x) || !isfinite(s->v) || !isfinite(s->shift) || !isfinite(s->rate)) return FILM_BAD_NUMBER;
     if (s->contact.branch == FILM_FREE) status = film_plan_flight(structure, curve, s, waves);
     else status = film_plan_contact(structure, curve, s, waves);
@@ -228,10 +228,10 @@ int film_advance(const film_structure *structure, const film_curve *curve, film_
 
 int film_modal_step(film_structure *structure, const film_curve *curve, film_modal *s, double *waves, double dt) {
     if (!(dt >= 0.0)) return FILM_BAD_NUMBER;
-    s->steps = 0;
-    for (int32_t k = 0; k < FILM_MAX_STEP_LINES; k++) {
+    while (s->steps < film_most_steps(structure)) {
         int status = s->has_step ? FILM_OK : film_plan_step(structure, curve, s, waves);
         if (status == FILM_OK) status = film_advance(structure, curve, s, &dt);
+        if (status == FILM_EVENT) s->steps += EVENT_WORK;
         if (status != FILM_OK || (dt == 0.0 && s->has_step)) return status;
     }
     return FILM_TOO_MANY;

@@ -22,7 +22,7 @@ enum {
     FILM_BENDS = 6,      /* numbers of the interpolation of x - sum w_n within a step */
     FILM_MOST_MODES = 10000000,
     FILM_MODES_OF_A_STEP = 100, /* a step takes as long as this many modes in it, 3 to 8 ns each */
-    FILM_MOST_WORK = 150000000  /* largest number of steps of an impact times (modes + FILM_MODES_OF_A_STEP) */
+    FILM_MOST_WORK = 150000000  /* largest `steps` of film_modal times (modes + FILM_MODES_OF_A_STEP) */
 };
 
 /* The modes, and tables for every step size used so far. Not to be shared by threads: step sizes are tabulated on demand. */
@@ -70,7 +70,8 @@ typedef struct {
     int32_t half;                     /* of waves[] that holds the beginning of the step: 0 or 1 */
     int32_t level, flight_level;      /* of the next step; of the shortest steps in flight, -1 before they are known */
     int32_t kind, has_step;           /* FILM_STEP_... */
-    int32_t short_steps, steps;       /* steps of duration 0 in sequence; work of this call or impact in steps */
+    int32_t short_steps, steps;       /* steps of duration 0 in sequence; work in steps, since the impact began or the
+                                         caller of film_modal_step set it to 0 */
     int32_t moving_in, flight_size;   /* 1: the impactor's stop is still to be reported; k of the next step in flight */
 } film_modal;
 
@@ -133,7 +134,8 @@ FILM_API int film_modal_input(const film_structure *structure, const film_curve 
                               double load, double nu_change, double stop_velocity);
 
 /* Forward by dt >= 0 (INFINITY allowed) or to the next event, whichever is first: FILM_OK, FILM_EVENT
- * (state->contact.event), FILM_ENDLESS (it flies away, or rests), or a failure. The state is at time + tau either way. */
+ * (state->contact.event), FILM_ENDLESS (it flies away, or rests), or a failure; FILM_TOO_MANY where state->steps exceeds what
+ * FILM_MOST_WORK allows. The state is at time + tau either way. */
 FILM_API int film_modal_step(film_structure *structure, const film_curve *curve, film_modal *state, double *waves, double dt);
 
 /* The five values of film_motion now: xi, its rate, F, nu, displacement of the struck point; rates in delta_s/t_s. */

@@ -7,7 +7,6 @@
 /* A turn counts as deeper than those before only beyond this factor, as in film_marched.c. */
 static const double DEEPER = 1.0 + 1e-10;
 
-enum { EVENT_WORK = 8 }; /* an event takes as long as this many steps: to find it, and to record it */
 
 static double now_of(const film_modal *s) { return s->time + s->tau; }
 
@@ -81,7 +80,7 @@ int film_modal_go_on(film_structure *structure, const film_curve *curve, double 
                      film_modal_summary *summary, film_modal_record *record) {
     double until = s->contact.branch == FILM_FREE && summary->contacts > 0 ? patience(structure, s) : limit;
     int status = FILM_OK, in_flight = s->contact.branch == FILM_FREE;
-    int32_t most = FILM_MOST_WORK / (structure->modes + FILM_MODES_OF_A_STEP);
+    int32_t most = film_most_steps(structure);
     for (int32_t k = 0; status >= 0; k++) {
         if (!has_room(record)) return FILM_FULL;
         if (k >= most || s->steps >= most) return FILM_TOO_MANY;

@@ -99,6 +99,13 @@ void film_next_event(const film_curve *curve, film_modal *s, double from);
 int film_soft_event(const film_curve *curve, film_modal *s);
 
 /* film_modal.c */
+enum { EVENT_WORK = 8 }; /* an event takes as long as this many steps: to find it, and to record it */
+
+/* Steps after which an impact, or the caller's step, is given up. */
+static inline int32_t film_most_steps(const film_structure *structure) {
+    return FILM_MOST_WORK / (structure->modes + FILM_MODES_OF_A_STEP);
+}
+
 int film_plan_step(film_structure *structure, const film_curve *curve, film_modal *s, double *waves);
 int film_advance(const film_structure *structure, const film_curve *curve, film_modal *s, double *dt);
 

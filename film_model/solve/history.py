@@ -240,13 +240,20 @@ class History:
 
     @cached_property
     def sensor_peaks(self) -> Mapping[str, Mapping[str, float]]:
-        """Largest displacement, velocity and acceleration of each sensor, SI; empty if none is simulated."""
-        from film_model.solve.sensed import SAMPLES, peaks_of
+        """Largest absolute displacement, velocity and acceleration of each sensor, SI; empty if none is simulated. See
+        `film_model.solve.sensed.Peaks`."""
+        from film_model.solve.sensed import MOTION as SENSED
+        from film_model.solve.sensed import Peaks
 
-        if not self.scene.target.sensors or self.vibration is None:
+        sensors, on = self.scene.target.sensors, self.vibration
+        if not sensors or on is None:
             return {}
-        even, events = np.linspace(0.0, self.duration, SAMPLES), [event.time for event in self.events]
-        return peaks_of(self.sensed_si(np.union1d(even, events)))
+        peaks = Peaks(self.scene.target.modes(on.highest))
+        found = peaks.of(on.segments, float(self.problem.scales.force), self.duration)
+        names = [f"maximum_{name}" for name in SENSED]
+        return {
+            s.name: dict(zip(names, values, strict=True)) for s, values in zip(sensors, found.T.tolist(), strict=True)
+        }
 
     @property
     def vibration_energy_by_mode(self) -> NDArray[np.float64] | None:

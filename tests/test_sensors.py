@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+import film_datasets as fd
 import film_model as fm
 from film_model.base.errors import SceneError
 from film_model.targets import Modes
@@ -150,3 +151,46 @@ def test_sensors_without_vibrations_are_left_out():
     assert history.sensor_peaks == {} and "sensors" not in history.to_dict()
     with pytest.raises(ValueError, match="whose vibrations are simulated"):
         history.sensed_si([0.0])
+
+
+@pytest.fixture(scope="module")
+def sensed():
+    """A simply supported plate with two sensors."""
+    return on(plate("simply supported", ["10 mm", "30 mm"], ["50 mm", "10 mm"]), 3e-3)
+
+
+def test_sensors_in_files(sensed, tmp_path, monkeypatch):
+    """Coordinates and units in netCDF, the same bytes without xarray; columns in CSV; and back."""
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
+    ds = fd.to_dataset(sensed)
+    assert fd.validate(ds) == [] and ds["sensor_acceleration"].attrs["units"] == "m s-2"
+    motion = sensed.sensed_si(ds["t"].values)
+    assert np.array_equal(ds["sensor_velocity"].sel(sensor="s1"), motion.velocity[1])
+    assert float(ds["sensor_maximum_velocity"][1]) == sensed.sensor_peaks["s1"]["maximum_velocity"]
+    one, other = fd.write(ds, tmp_path / "one.nc"), fd.write(sensed, tmp_path / "other.nc")
+    assert one.read_bytes() == other.read_bytes()
+    assert fd.history_of(fd.open(one)).sensor_peaks == sensed.sensor_peaks
+    frame = fd.to_frame(ds)
+    assert np.array_equal(frame["sensor_s1_acceleration [m/s^2]"], motion.acceleration[1])
+
+
+def test_sensors_in_sweeps(sensed, tmp_path):
+    """Impacts that share a structure, and one by one: the largest motions are those of `simulate`, to the accuracy."""
+    velocities = np.linspace(1.0, 2.0, 40)
+    for over in (
+        {"impactor.velocity": [f"{v!r} m/s" for v in velocities.tolist()]},
+        {"target.thickness": ["4 mm", "5 mm"]},
+    ):
+        ds = fd.sweep(sensed.scene, over)
+        assert fd.validate(ds) == [] and ds.attrs["sensors"] == "s0 s1"
+        path, (_, *_, last) = next(iter(over.items()))
+        own = fm.simulate(sensed.scene.replace({path: last})).sensor_peaks["s1"]
+        for what, value in own.items():
+            assert float(ds[f"sensor_s1_{what}"][-1]) == pytest.approx(value, rel=1e-3)
+
+
+def test_sensors_of_targets_that_do_not_vibrate_have_no_motion_in_a_sweep():
+    ball = fm.Sphere("5 mm", "1 m/s", material=STEEL)
+    target = fm.Plate(STEEL, "20 mm", size=["2 m", "2 m"], sensors=[{"name": "a", "position": ["1 m", "1 m"]}])
+    ds = fd.sweep(fm.Scene(ball, target, fm.Contact("hertz")), {"impactor.velocity": ["1 m/s", "2 m/s"]})
+    assert np.isnan(ds["sensor_a_maximum_velocity"]).all() and fd.validate(ds) == []

@@ -7,7 +7,7 @@ from examples.reference.markdown import MADE, table, unit, words
 from film_datasets.csv_measurement import CONVERTED, NAMES
 from film_datasets.schema import MEASURED_MOTION
 from film_datasets.sweeps.axis_reading import SPACINGS
-from film_datasets.sweeps.definition import DESIGNS
+from film_datasets.sweeps.designs import DESIGNS
 from film_datasets.sweeps.designs import MOST_SAMPLES
 from film_datasets.sweeps.distributions import DISTRIBUTIONS, EMPIRICAL
 from film_model.cli.main import GROUPS, parser

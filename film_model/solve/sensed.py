@@ -198,6 +198,8 @@ def _responses(on: Modes, dt: float, count: int) -> Array:
     hat, found = (np.expm1(z) / z) ** 2, np.empty((3, len(on.factor), count))
     for k, sensor in np.ndindex(found.shape[:2]):
         gain = on.factor[sensor] * dt / pole.imag * pole**k
-        found[k, sensor, 0] = (gain * begun).imag.sum() + (on.factor[sensor].sum() if k == 2 else 0.0)
-        found[k, sensor, 1:] = ((gain * hat * coarse) @ fine).imag.ravel()[: count - 1]
+        after: Any = (gain * hat * coarse) @ fine
+        found[k, sensor, 0] = (gain * begun).imag.sum()
+        found[k, sensor, 1:] = after.imag.ravel()[: count - 1]
+    found[2, :, 0] += on.factor.sum(axis=1)
     return found

@@ -264,9 +264,8 @@ class Plate(AbstractTarget):
     def modes(self, highest: float) -> Modes:
         """Natural vibrations up to a frequency [rad/s]: in closed form if simply supported, or by Ritz's method."""
         assert self.size is not None
-        others = points_of(self.sensors)
+        bed, others = self.foundation_stiffness or 0.0, points_of(self.sensors)
         if self._simple:
-            bed = self.foundation_stiffness or 0.0
             modes = plate_modes(self.surface_density, self.stiffness, self.size, self._struck, highest, bed, others)
         else:
             modes = panel_modes(self._panel, self._struck, highest, others)

@@ -28,6 +28,7 @@ from film_datasets.schema.motion_variables import (
     spaced,
     stage,
 )
+from film_datasets.schema.sensor_variables import SENSED, peaks_in
 from film_datasets.schema.variable import (
     BYTE,
     FLOAT,
@@ -56,7 +57,7 @@ _STRESSES = (
 )
 
 _STEPS = tuple(variable.name for variable in (*STEP_PLACES, *STEPS))
-_IN_HISTORIES, _IN_SWEEPS = (tuple(v.name for v in variables) for variables in (IN_HISTORIES, IN_SWEEPS))
+_IN_HISTORIES, _IN_SWEEPS, _SENSED = (tuple(v.name for v in them) for them in (IN_HISTORIES, IN_SWEEPS, SENSED))
 
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
     HISTORY: {
@@ -65,6 +66,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.3": (),
         "1.4": (*_STEPS, MODE_ENERGY.name),
         "1.5": _IN_HISTORIES,
+        "1.6": _SENSED,
     },
     SWEEP: {
         "1.0": (),
@@ -74,6 +76,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.4": (),
         "1.5": _STEPS,
         "1.6": _IN_SWEEPS,
+        "1.7": (),
     },
     MEASUREMENT: {
         **{"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter", "input_uncertainty")},
@@ -270,6 +273,7 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     HISTORY: _HISTORY,
     f"{HISTORY} steps": (*STEPS, MODE_ENERGY),
     f"{HISTORY} friction": IN_HISTORIES,
+    f"{HISTORY} sensors": SENSED,
     SWEEP: _SWEEP,
     f"{SWEEP} segments": _SWEEP_SEGMENTS,
     f"{SWEEP} steps": (*STEP_PLACES, *STEPS),
@@ -333,24 +337,29 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     if kind == HISTORY:
         constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
     if kind in (HISTORY, BOUNCES, COST):
-        more = TABLE[f"{HISTORY} steps"] if kind == HISTORY and has_steps(ds) else ()
-        more += TABLE[f"{HISTORY} friction"] if kind == HISTORY and has_friction(ds) else ()
+        parts = (part for part in ("steps", "friction", "sensors") if kind == HISTORY and _has(ds, part))
+        more = (v for part in parts for v in TABLE[f"{HISTORY} {part}"])
         return (*(v for v in (*TABLE[kind], *more) if v.name not in later), *constants)
     swept = swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
     dims = tuple(v.dims[0] for v in swept) if "impact" not in ds.sizes else ("impact",)
     kept, chosen = (str(ds.attrs.get(name, "")).split() for name in ("kept", "variables"))
     own = sweep_variables(kept, chosen, dims)
-    return (*swept, *(v for v in own if v.name not in later), *derivatives_in(ds, dims), *constants)
+    found = (*(v for v in own if v.name not in later), *derivatives_in(ds, dims), *peaks_in(ds, dims))
+    return (*swept, *found, *constants)
 
 
 def has_steps(ds: xr.Dataset) -> bool:
     """Whether a history has any of the variables of an impact on modes."""
-    return any(v.name in ds.variables for v in TABLE[f"{HISTORY} steps"])
+    return _has(ds, "steps")
 
 
 def has_friction(ds: xr.Dataset) -> bool:
     """Whether a history has any of the variables of friction."""
-    return any(v.name in ds.variables for v in TABLE[f"{HISTORY} friction"])
+    return _has(ds, "friction")
+
+
+def _has(ds: xr.Dataset, part: str) -> bool:
+    return any(v.name in ds.variables for v in TABLE[f"{HISTORY} {part}"])
 
 
 def require(ds: xr.Dataset, names: Iterable[str]) -> None:

@@ -27,6 +27,7 @@ COMMANDS = {
     "explore": ("explore", "export-page"),
     "fmu": ("export-fmu", "export-ssp", "check-fmu"),
     "engines": ("contact-for",),
+    "modes": ("modes",),
     "datasets": ("sweep", "plot", "identify"),
     "tolerance": ("tolerance",),
     "tables": ("check", "convert", "summarise", "table"),
@@ -37,7 +38,7 @@ COMMANDS = {
 GROUPS = {
     "simulate": ("new", "run", "bounce", "explain", "explore", "laws", "materials"),
     "data": ("sweep", "tolerance", "identify", "plot", "summarise", "table", "convert", "check"),
-    "other programs": ("export-fmu", "check-fmu", "export-ssp", "export-page", "contact-for"),
+    "other programs": ("export-fmu", "check-fmu", "export-ssp", "export-page", "contact-for", "modes"),
     "how good it is": ("validate", "cost", "hard-cases"),
 }
 """The commands in the order of `--help`."""

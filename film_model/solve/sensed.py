@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from film_model.base.arrays import Array
 from film_model.base.threads import one_thread
@@ -152,7 +153,7 @@ class Peaks:
 
     def __init__(self, modes: Modes) -> None:
         self._modes = modes
-        self._kept = dict[tuple[float, int], Array]()
+        self._kept = dict[tuple[float, int], NDArray[np.complex128]]()
 
     def of(self, steps: Any, unit: float, duration: float) -> Array:
         """Largest absolute displacement, velocity and acceleration of each sensor, SI: (3, sensors). steps: the
@@ -195,11 +196,11 @@ def _responses(on: Modes, dt: float, count: int) -> Array:
         begun = np.where(np.abs(z) < 0.1, small, (np.exp(z) - 1.0 - z) / z**2)
     side = math.isqrt(count - 1) + 1
     coarse, fine = np.exp(np.outer(np.arange(side) * side, z)), np.exp(np.outer(z, np.arange(side)))
-    hat, found = (np.expm1(z) / z) ** 2, np.empty((3, len(on.factor), count))
+    hat, found = (np.expm1(z) / z) ** 2, np.empty((3, len(on.factor), count), np.float64)
     for k, sensor in np.ndindex(found.shape[:2]):
         gain = on.factor[sensor] * dt / pole.imag * pole**k
         after: Any = (gain * hat * coarse) @ fine
-        found[k, sensor, 0] = (gain * begun).imag.sum()
+        found[k, sensor, 0] = float((gain * begun).imag.sum())
         found[k, sensor, 1:] = after.imag.ravel()[: count - 1]
     found[2, :, 0] += on.factor.sum(axis=1)
     return found

@@ -43,7 +43,7 @@ class Modes:
     frequency: Array
     share: Array
     damping_ratio: Array = field(default_factory=lambda: np.zeros(0))
-    factor: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    factor: Array = field(default_factory=lambda: np.zeros((0, 0)), compare=False)
 
     def __post_init__(self) -> None:
         if self.damping_ratio.size == 0:

@@ -25,6 +25,7 @@ COMMANDS = {
     "export-ssp": "film-model export-ssp scene.toml --output impact.ssp",
     "check-fmu": "film-model check-fmu impact.fmu",
     "contact-for": "film-model contact-for mujoco scene.toml --velocity 0.1..2",
+    "spectrum": "film-model spectrum scene.toml --plot spectrum.png",
     "modes": "film-model modes read bracket.unv --node 1201 --direction z --sensors 17,44 --output bracket.csv",
     "sweep": "film-model sweep sweep.toml --output sweep.nc",
     "plot": "film-model plot sweep.nc --quantity maximum_force",

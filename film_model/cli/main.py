@@ -22,6 +22,7 @@ COMMANDS = {
     "new": ("new",),
     "run": ("run",),
     "bounce": ("bounce",),
+    "spectrum": ("spectrum",),
     "studies": ("cost", "hard-cases"),
     "validate": ("validate",),
     "explore": ("explore", "export-page"),
@@ -36,7 +37,7 @@ COMMANDS = {
 """Modules of `film_model.cli`, and the commands that each adds."""
 
 GROUPS = {
-    "simulate": ("new", "run", "bounce", "explain", "explore", "laws", "materials"),
+    "simulate": ("new", "run", "bounce", "spectrum", "explain", "explore", "laws", "materials"),
     "data": ("sweep", "tolerance", "identify", "plot", "summarise", "table", "convert", "check"),
     "other programs": ("export-fmu", "check-fmu", "export-ssp", "export-page", "contact-for", "modes"),
     "how good it is": ("validate", "cost", "hard-cases"),

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from film_model.solve.modal_motion import ModalMotion
     from film_model.solve.relaxed import Relaxed
     from film_model.solve.sensed import Sensed
+    from film_model.solve.spectrum import Spectrum
 
 MOTION: dict[str, tuple[str, str]] = {
     "indentation": ("length", "impactor displacement less target displacement"),
@@ -237,6 +238,12 @@ class History:
         if t.ndim != 1 or not (t >= 0.0).all() or (np.diff(t) < 0.0).any():
             raise ValueError("times must be a list that ascends from 0 s, first touch, or later")
         return sensed(self.scene.target, self.vibration, float(self.problem.scales.force), t)
+
+    def spectrum(self, frequencies: Any = None) -> Spectrum:
+        """The force, and the response of a structure that vibrates, over frequency; see `film_model.solve.spectrum`."""
+        from film_model.solve.spectrum import spectrum
+
+        return spectrum(self, frequencies)
 
     @cached_property
     def sensor_peaks(self) -> Mapping[str, Mapping[str, float]]:

@@ -105,6 +105,13 @@ def _cubic(steps: Any, unit: float) -> Array:
     return force / long ** np.arange(4.0)
 
 
+def force_of_steps(steps: Any, unit: float, times: Array) -> Array:
+    """The contact force of recorded segments at times from first touch on, s, N. unit: of the steps' forces, N."""
+    at = np.searchsorted(steps["time"], times, "right") - 1
+    powers, tau = _cubic(steps, unit)[at], times - steps["time"][at]
+    return ((powers[:, 3] * tau + powers[:, 2]) * tau + powers[:, 1]) * tau + powers[:, 0]
+
+
 def _after(on: Modes, force: Array, moved: Array, rate: Array, tau: Array) -> tuple[Array, Array]:
     """Displacements and rates of the modes per unit of factor, (times, modes), at times tau [s] after a state, under
     Σ force_k t^k [N]."""
@@ -167,12 +174,8 @@ class Peaks:
         size = 1 << count.bit_length()
         if (key := (dt, size)) not in self._kept:
             self._kept[key] = np.fft.rfft(_responses(self._modes, dt, size), 2 * size)
-        times = dt * np.arange(count)
-        at = np.searchsorted(steps["time"], times, "right") - 1
-        powers = _cubic(steps, unit)[at]
-        tau = times - steps["time"][at]
-        force = ((powers[:, 3] * tau + powers[:, 2]) * tau + powers[:, 1]) * tau + powers[:, 0]
-        force[times > duration] = 0.0
+        times: Array = dt * np.arange(float(count))
+        force = np.where(times <= duration, force_of_steps(steps, unit, times), 0.0)
         moved = np.fft.irfft(np.fft.rfft(force, 2 * size) * self._kept[key], 2 * size)
         before, after = moved[..., count - 2], moved[..., count - 1]
         moved[..., count - 1] = before + (duration / dt - (count - 2)) * (after - before)

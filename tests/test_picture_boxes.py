@@ -48,6 +48,7 @@ COMMANDS = {
     "oblique": "run slanted.toml --plot picture.png",
     "strobe": "run slanted.toml --strobe picture.png",
     "bounce": "bounce slab.toml --plot picture.png",
+    "spectrum": "spectrum sensed.toml --plot picture.png",
     "laws": "laws --plot picture.png",
     "regimes": "explain slab.toml --plot picture.png",
     "regimes of a plate": f"explain {SCENES / 'olsson_plate.toml'} --plot picture.png",

@@ -187,9 +187,9 @@ indentation [um], force [N]
 
 ## Vibrations of a structure
 
-`kind = "structure"` with `file = "…"` in `[target]`: one row for each vibration, in any order. Between semicolons numbers may
-have decimal commas, and exponents may be Fortran's, `1.5D+03`. A comment may give the static compliance, which the entry of
-the scene replaces: `# static_compliance = 4.01e-6 m/N`.
+`kind = "structure"` with `file = "…"` in `[target]`: one row for each vibration, in any order. Between semicolons
+numbers may have decimal commas, and exponents may be Fortran's, `1.5D+03`. A comment may give the static compliance,
+which the entry of the scene replaces: `# static_compliance = 4.01e-6 m/N`.
 
 {
         table(

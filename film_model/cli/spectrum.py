@@ -63,7 +63,7 @@ def spectrum(options: argparse.Namespace) -> int:
         print_json(found.to_dict())
     else:
         print(title)
-        print(f"  force down by 10 dB at        {format_si(found.bandwidth, 'frequency', 4)}")
+        print(f"  force down by 10 dB at        {found.bandwidth / 1e3:.4g} kHz")
         print(f"  contact duration              {format_si(history.summary['contact_duration'] or 0.0, 'time', 4)}")
         print_written(options.output, options.plot)
     print_warnings(history.warnings)

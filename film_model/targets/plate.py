@@ -307,7 +307,7 @@ class Plate(AbstractTarget):
         share = constant * impact.motion / max(impact.restitution, 1e-3)
         threshold = (impact.tolerance / share) ** (1.0 / power)
         back, felt = format_si(impact.back, "time", 3), format_si(self.return_time, "time", 3)
-        reason = f"edge waves matter {felt} after the centre of the impulse, contact ends after {back}"
+        reason = f"edge waves matter {felt} after the centre of the impulse, contact without them ends after {back}"
         size = self.reflection_change(impact.motion, impact.restitution, value)
         return Estimate(reason, value, threshold, size)
 

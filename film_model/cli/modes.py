@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from film_model.cli.output import DONE, add_force, check_writable, print_warnings, print_written
@@ -35,6 +34,8 @@ def add_commands(named: Any) -> None:
 
 
 def modes(options: argparse.Namespace) -> int:
+    from pathlib import Path
+
     from film_model.targets.modes_of_programs import read_matrices, read_universal
 
     check_writable(options.output, options.force)

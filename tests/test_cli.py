@@ -363,3 +363,20 @@ def test_a_file_of_another_kind_is_named(command, file, said, tmp_path, monkeypa
     (tmp_path / file).write_text("velocity\n", "utf-8")
     assert main([command, file, "--output" if command != "plot" else "--quantity", "y.nc"]) in (2, 3)
     assert capsys.readouterr().err.startswith(said)
+
+
+def test_of_many_contacts_only_beginnings_and_ends_are_listed(capsys, tmp_path):
+    """A ball on a pane; what the infinite plate's march says is called that."""
+    scene = tmp_path / "rattles.toml"
+    scene.write_text(
+        '[impactor]\nradius = "12.5 mm"\nvelocity = "3 m/s"\nmaterial = "bearing steel"\n[target]\n'
+        'kind = "plate"\nsize = ["300 mm", "300 mm"]\nthickness = "6 mm"\nmaterial = "float glass, annealed"\n'
+        '[contact]\nlaw = "hertz"\n[effects]\ngravity = true\n[solver]\naccuracy = 1e-2\n',
+        encoding="utf-8",
+    )
+    status, out, _ = run(capsys, "run", scene, "--verbose")
+    assert status == 0 and "impulse                       -  not known while the weight" in out
+    events = json.loads(run(capsys, "run", scene, "--json")[1])["events"]
+    ends = [event for event in events if event["name"] in ("contact_begins", "contact_ends")]
+    assert len(ends) > 10 and f"and {len(events) - min(len(ends), 24)} more: --json and files have all" in out
+    assert "reloading begins" not in out and "contact without them ends after" in out

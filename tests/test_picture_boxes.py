@@ -28,6 +28,8 @@ BALL = '[impactor]\nradius = "12 mm"\nvelocity = "2 m/s"\nmaterial = "bearing st
 FILES = {
     "slab.toml": BALL + 'kind = "half-space"\nmaterial = "mild steel"\n',
     "pane.toml": BALL + 'kind = "plate"\nthickness = "6 mm"\nsize = ["300 mm", "300 mm"]\nmaterial = "mild steel"\n',
+    "sensed.toml": BALL + 'kind = "beam"\nlength = "300 mm"\nwidth = "30 mm"\nthickness = "8 mm"\n'
+    'material = "mild steel"\nsensors = [{ name = "a", position = "150 mm" }, { name = "b", position = "20 mm" }]\n',
     "slanted.toml": BALL.replace("[target]", 'angle = "40 deg"\nspin = "-900 rpm"\n[contact]\nfriction = 0.2\n[target]')
     + 'kind = "half-space"\nmaterial = "mild steel"\n',
     "lines.toml": 'scene = "slab.toml"\n[over]\n"target.material" = ["mild steel", "aluminium 6061-T6"]\n'
@@ -41,11 +43,12 @@ FILES = {
 }
 SWEEPS = ("lines", "map", "cloud")
 COMMANDS = {
-    **{f"run {name}": f"run {name} --plot picture.png" for name in ("slab.toml", "pane.toml")},
+    **{f"run {name}": f"run {name} --plot picture.png" for name in ("slab.toml", "pane.toml", "sensed.toml")},
     **{f"run {path.stem}": f"run {path} --plot picture.png" for path in sorted(SCENES.glob("*.toml"))},
     "oblique": "run slanted.toml --plot picture.png",
     "strobe": "run slanted.toml --strobe picture.png",
     "bounce": "bounce slab.toml --plot picture.png",
+    "spectrum": "spectrum sensed.toml --plot picture.png",
     "laws": "laws --plot picture.png",
     "regimes": "explain slab.toml --plot picture.png",
     "regimes of a plate": f"explain {SCENES / 'olsson_plate.toml'} --plot picture.png",

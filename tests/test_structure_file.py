@@ -297,3 +297,16 @@ def test_a_vibration_without_mass_is_named():
     scene = fm.Scene(ball, target, fm.Contact("hertz"))
     with pytest.raises(fm.SimulationError, match=r"at 2800 Hz, has a modal mass of 1.8e-22 kg .*: check modal_mass"):
         fm.simulate(scene)
+
+
+def test_numbers_of_other_programs(written):
+    """Decimal commas between semicolons, exponents of Fortran, and the static compliance in a comment."""
+    head = "# static_compliance = 4.01e-6 m/N\nfrequency [Hz]; mass_normalised_shape [1/sqrt(kg)]\n"
+    text = head + "7,0804D+02; 8,771\n2453.4; -4.6\n"
+    found = read_structure(written(text))
+    assert found.frequency == (708.04, 2453.4) and found.modal_mass[0] == pytest.approx(8.771**-2)
+    assert found.static_compliance == 4.01e-6
+    with pytest.raises(ValueError, match="line 4: the same vibration as in line 2"):
+        read_structure(written(GOOD.replace("0, 0.03, 1, 0\n", "300, 0.02, -0.7, 0.01\n")))
+    with pytest.raises(ValueError, match="static_compliance: "):
+        read_structure(written(text.replace("m/N", "kg")))

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+COORDINATES = ("t", "sensor")
+"""Variables of a history that are coordinates."""
+
+
 @dataclass(frozen=True)
 class Values:
     """One variable: names of its dimensions, values, attributes."""
@@ -50,7 +54,7 @@ class Values:
 
 @dataclass(frozen=True)
 class Contents:
-    """Variables by name and global attributes, of a dataset whose coordinates are `t`."""
+    """Variables by name and global attributes, of a dataset whose coordinates are `t` and `sensor`, if it has them."""
 
     variables: Mapping[str, Values]
     attrs: dict[str, Any]
@@ -63,13 +67,15 @@ class Contents:
         import xarray as xr
 
         data = {name: (one.dims, one.values, one.attrs) for name, one in self.variables.items()}
-        return xr.Dataset({name: one for name, one in data.items() if name != "t"}, {"t": data["t"]}, self.attrs)
+        along = {name: one for name, one in data.items() if name in COORDINATES}
+        return xr.Dataset({name: one for name, one in data.items() if name not in along}, along, self.attrs)
 
     def write(self, path: str | os.PathLike[str], encoding: Mapping[str, Mapping[str, Any]]) -> None:
         """Write a netCDF-4 file, that which xarray writes of the dataset to the last byte."""
         import netCDF4
 
-        ordered = [*(name for name in self.variables if name != "t"), "t"]
+        along = [name for name in self.variables if name in COORDINATES]
+        ordered = [*(name for name in self.variables if name not in along), *along]
         with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
             file.setncatts(self.attrs)
             sizes = {

@@ -41,6 +41,7 @@ from film_model.plot.history import Trace
 from film_model.solve.closed_form import TABLES, ClosedForm
 from film_model.solve.history import MOTION, SUMMARY, Accuracy, Event, History, Samples, stage_names
 from film_model.solve.modal_motion import ModalMotion
+from film_model.solve.sensed import MOTION as SENSED
 from film_model.solve.simulate import simulate_chosen
 
 if TYPE_CHECKING:
@@ -79,12 +80,14 @@ def history_contents(history: History, samples: int, command: str) -> Contents:
     """Variables and attributes of that dataset."""
     if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ValueError(f"samples: {samples!r} must be a whole number, 2 or more")
+    times = _times(history, int(samples))
     columns = {
-        **_motion(history, _times(history, int(samples))),
+        **_motion(history, times),
         **_events(history),
         **{name: np.nan if value is None else value for name, value in history.summary.items()},
         **_closed_form(history),
         **friction_columns(history.oblique),
+        **_sensors(history, times),
         **constants_of(history.scene),
         "contact_law_name": history.problem.law.name,
         "scene_key": scene_key(history.scene.archived_text()),
@@ -98,6 +101,7 @@ def history_contents(history: History, samples: int, command: str) -> Contents:
             *TABLE[HISTORY],
             *TABLE[f"{HISTORY} steps"],
             *TABLE[f"{HISTORY} friction"],
+            *TABLE[f"{HISTORY} sensors"],
             *CONSTANTS,
             SCENE_KEY.over(()),
         )
@@ -288,6 +292,19 @@ def _closed_form(history: History) -> dict[str, Any]:
         "target_compliance": form.compliance,
         **{f"{dim}_{name}": table[name] for dim, table in form.tables.items() for name in table.dtype.names or ()},
         **({} if energies is None else {MODE_ENERGY.name: energies}),
+    }
+
+
+def _sensors(history: History, times: NDArray[np.float64]) -> dict[str, Any]:
+    """The columns of sensors; none without them, or if the target does not vibrate."""
+    peaks = history.sensor_peaks
+    if not peaks:
+        return {}
+    found = history.sensed_si(times)
+    return {
+        "sensor": list(found.names),
+        **{f"sensor_{name}": getattr(found, name) for name in SENSED},
+        **{f"sensor_maximum_{name}": [own[f"maximum_{name}"] for own in peaks.values()] for name in SENSED},
     }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +22,7 @@ from film_datasets.schema import (
     has_friction,
     kind_of,
     require,
+    sensor_words,
     variables_of,
 )
 from film_model.base.units import scene_unit
@@ -96,6 +98,12 @@ def _columns(ds: xr.Dataset) -> list[tuple[Variable, Any]]:
         if v.name not in ds.variables:
             continue
         array = ds[v.name]
+        if array.dims == ("sensor", *rows):  # a column for each sensor
+            words = sensor_words(ds["sensor"].values.tolist())
+            what = v.name.removeprefix("sensor_")
+            found += [
+                (replace(v, name=f"sensor_{word}_{what}"), own) for word, own in zip(words, array.values, strict=True)
+            ]
         if not set(array.dims) <= set(rows) or (not array.dims and kind != SWEEP):
             continue
         words = flag_meanings(array)

@@ -7,8 +7,7 @@ from examples.reference.markdown import MADE, table, unit, words
 from film_datasets.csv_measurement import CONVERTED, NAMES
 from film_datasets.schema import MEASURED_MOTION
 from film_datasets.sweeps.axis_reading import SPACINGS
-from film_datasets.sweeps.definition import DESIGNS
-from film_datasets.sweeps.designs import MOST_SAMPLES
+from film_datasets.sweeps.designs import DESIGNS, MOST_SAMPLES
 from film_datasets.sweeps.distributions import DISTRIBUTIONS, EMPIRICAL
 from film_model.cli.main import GROUPS, parser
 from film_model.solve.history import SUMMARY
@@ -28,6 +27,8 @@ COMMANDS = {
     "export-ssp": "film-model export-ssp scene.toml --output impact.ssp",
     "check-fmu": "film-model check-fmu impact.fmu",
     "contact-for": "film-model contact-for mujoco scene.toml --velocity 0.1..2",
+    "spectrum": "film-model spectrum scene.toml --plot spectrum.png",
+    "modes": "film-model modes read bracket.unv --node 1201 --direction z --sensors 17,44 --output bracket.csv",
     "sweep": "film-model sweep sweep.toml --output sweep.nc",
     "plot": "film-model plot sweep.nc --quantity maximum_force",
     "check": "film-model check sweep.nc",
@@ -189,7 +190,9 @@ indentation [um], force [N]
 
 ## Vibrations of a structure
 
-`kind = "structure"` with `file = "…"` in `[target]`: one row for each vibration, in any order.
+`kind = "structure"` with `file = "…"` in `[target]`: one row for each vibration, in any order. Between semicolons
+numbers may have decimal commas, and exponents may be Fortran's, `1.5D+03`. A comment may give the static compliance,
+which the entry of the scene replaces: `# static_compliance = 4.01e-6 m/N`.
 
 {
         table(

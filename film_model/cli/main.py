@@ -22,12 +22,14 @@ COMMANDS = {
     "new": ("new",),
     "run": ("run",),
     "bounce": ("bounce",),
+    "spectrum": ("spectrum",),
     "studies": ("cost", "hard-cases"),
     "validate": ("validate",),
     "explore": ("explore", "export-page"),
     "fmu": ("export-fmu", "export-ssp", "check-fmu"),
     "engines": ("contact-for",),
     "reference_impacts": ("reference-impacts", "score"),
+    "modes": ("modes",),
     "datasets": ("sweep", "plot", "identify"),
     "tolerance": ("tolerance",),
     "tables": ("check", "convert", "summarise", "table"),
@@ -36,9 +38,9 @@ COMMANDS = {
 """Modules of `film_model.cli`, and the commands that each adds."""
 
 GROUPS = {
-    "simulate": ("new", "run", "bounce", "explain", "cite", "explore", "laws", "materials"),
+    "simulate": ("new", "run", "bounce", "spectrum", "explain", "cite", "explore", "laws", "materials"),
     "data": ("sweep", "tolerance", "identify", "plot", "summarise", "table", "convert", "check"),
-    "other programs": ("export-fmu", "check-fmu", "export-ssp", "export-page", "contact-for"),
+    "other programs": ("export-fmu", "check-fmu", "export-ssp", "export-page", "contact-for", "modes"),
     "how good it is": ("validate", "cost", "hard-cases", "reference-impacts", "score"),
 }
 """The commands in the order of `--help`."""

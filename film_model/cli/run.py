@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 MOST_EVENTS = 24
 """Events in a table; JSON and files contain all of them."""
 
+MOST_CONTACTS, ENDS = 5, ("contact_begins", "contact_ends")
+"""Of more contacts only these events are in the table."""
+
 SHORT = (
     *("maximum_force", "maximum_indentation", "contact_duration", "permanent_indentation"),
     *("rebound_velocity", "coefficient_of_restitution"),
@@ -124,6 +127,8 @@ def _results(history: History, verbose: bool) -> list[str]:
         if value is None and not verbose:
             continue
         text = "-" if value is None else format_si(value, SUMMARY[name][0], 6)
+        if value is None and name == "impulse" and history.vibration is not None:
+            text = f"{text}  not known while the weight or a force presses, too"
         lines.append(f"  {name.replace('_', ' '):30}{text:>16}{history.interval_text(name)}")
     return lines
 
@@ -148,15 +153,17 @@ def _events(history: History) -> list[str]:
     from film_model.base.units import format_si
 
     lines = ["", f"  {'event':24}{'time':>14}{'indentation':>16}{'force':>14}"]
-    for event in history.events[:MOST_EVENTS]:
+    ends = sum(event.name == "contact_ends" for event in history.events)
+    shown = [event for event in history.events if ends <= MOST_CONTACTS or event.name in ENDS]
+    for event in shown[:MOST_EVENTS]:
         numbers = (
             f"{format_si(event.time, 'time', 5):>14}{format_si(event.indentation, 'length', 5):>16}"
             f"{format_si(event.contact_force, 'force', 5):>14}"
         )
         what = f"  ({event.stage})" if event.name == "stage_changes" else ""
         lines.append(f"  {event.name.replace('_', ' '):24}{numbers}{what}")
-    if len(history.events) > MOST_EVENTS:
-        lines.append(f"  and {len(history.events) - MOST_EVENTS} more")
+    if len(history.events) > MOST_EVENTS or len(shown) < len(history.events):
+        lines.append(f"  and {len(history.events) - len(shown[:MOST_EVENTS])} more: --json and files have all")
     return lines
 
 

@@ -90,7 +90,8 @@ def describe(light: Problem, heavy: bool) -> Effect:
     elif heavy and wanted is True:
         reason = f"the scene asks for it; {reason}"
     if pressed is not None and pressed.trial.status >= 0 and not pressed.trial.ends:
-        reason += "; the ball comes to rest on the target"
+        edges, kind = light.scene.target.finite and any_of(light.gamma > 0.0), light.scene.target.kind
+        reason += f"; on an infinite {kind} the ball would come to rest" if edges else "; the ball comes to rest"
     cost = FREE if light.free else f"1 × the segments, {PUSHED}"
     threshold = agreeing(ratio, tolerance / 1.5, size, tolerance)
     return Effect("gravity", "m g/F_m", ratio, threshold, size, state, reason, source, cost)
@@ -101,4 +102,5 @@ def _pressing(ratio: float | None, size: float | None) -> str:
     if ratio is None:
         return "contact does not end without the weight"
     changed = "an unknown amount" if size is None else percent(size)
-    return f"the weight is {100 * ratio:.2g} % of the largest force and changes a result by {changed}"
+    weighs = f"{100 * ratio:.2g} % of" if ratio < 1.0 else f"{ratio:.2g} times"
+    return f"the weight is {weighs} the largest force and changes a result by {changed}"

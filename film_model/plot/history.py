@@ -9,8 +9,8 @@ from __future__ import annotations
 import itertools
 import math
 import os
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -58,6 +58,9 @@ MOST_MARKED = 12
 MOST_STEPS = 5000
 """Up to so many steps in contact each is sampled at its beginning and middle, too."""
 
+MOST_NAMED = 6
+"""Up to so many sensors have their names above their panel."""
+
 WEAKEST = 1e-6
 """Least energy in the spectrum, over the largest."""
 
@@ -76,7 +79,7 @@ class Trace:
 
     energies: J at the samples, by name; empty if they are unknown. spectrum: frequency, Hz, and energy at the end, J,
     of each vibration of the target; None if it does not vibrate, or its vibrations are unknown. friction: time, s, the
-    friction force and its limit, N; None without friction.
+    friction force and its limit, N; None without friction. sensed: acceleration of each sensor at the samples, m/s².
     """
 
     title: str
@@ -89,6 +92,7 @@ class Trace:
     energies: Mapping[str, Any]
     spectrum: tuple[Any, Any] | None = None
     friction: tuple[Any, Any, Any] | None = None
+    sensed: Mapping[str, Any] = field(default_factory=dict[str, Any])
 
     @classmethod
     def of(cls, history: History) -> Trace:
@@ -108,7 +112,11 @@ class Trace:
             if "target" in found and not vibration.damped and vibration.frequency[0] > 0.0:
                 found["vibrations"] = found.pop("target")
         seen = samples, history.duration, history.events, history.summary, found, spectrum
-        return cls(title, law, stages, *seen, friction_over_time(history))
+        sensed = dict[str, Any]()
+        if vibration is not None and scene.target.sensors:
+            motion = history.sensed_si(samples.time)
+            sensed = dict(zip(motion.names, motion.acceleration, strict=True))
+        return cls(title, law, stages, *seen, friction_over_time(history), sensed)
 
 
 def plot_history(history: History | Trace, path: str | os.PathLike[str] | None = None, dpi: float = 200.0) -> Figure:
@@ -121,10 +129,14 @@ def _draw(figure: Figure, trace: Trace) -> None:
     rows, columns = figure.add_gridspec(
         1, 2, width_ratios=(1.35, 1.0), left=LEFT, right=0.985, bottom=0.135, top=0.83, wspace=0.2
     )
-    below = int(bool(trace.energies)) + int(trace.spectrum is not None) + int(trace.friction is not None)
+    over_time: list[tuple[Callable[..., None], tuple[Any, ...]]] = []
+    over_time += [(_energies, (trace,))] if trace.energies else []
+    over_time += [] if trace.friction is None else [(_friction, trace.friction)]
+    over_time += [(_sensors, (trace,))] if trace.sensed else []
+    below = len(over_time) + int(trace.spectrum is not None)
     grid, beside = (
         rows.subgridspec(3, 1, hspace=0.12),
-        columns.subgridspec(1 + below, 1, hspace=(0.0, 0.34, 0.62, 0.9)[below]),
+        columns.subgridspec(1 + below, 1, hspace=(0.0, 0.34, 0.62, 0.9, 1.2)[below]),
     )
     samples = trace.samples
     force = figure.add_subplot(grid[0])
@@ -142,14 +154,10 @@ def _draw(figure: Figure, trace: Trace) -> None:
     for panel, name in ((force, "contact_force"), (depth, "indentation")):
         panel.tick_params(labelbottom=False)
         panel.set(xlabel="", ylim=_reach(trace, name))
-    if trace.energies:
-        panels.append(figure.add_subplot(beside[1], sharex=force))
-        _energies(panels[3], trace)
+    for k, (draw, values) in enumerate(over_time):
+        panels.append(figure.add_subplot(beside[1 + k], sharex=force))
+        draw(panels[-1], *values)
     beneath = panels[3:]
-    if trace.friction is not None:
-        panels.append(figure.add_subplot(beside[len(beneath) + 1], sharex=force))
-        beneath = panels[3:]
-        _friction(panels[-1], *trace.friction)
     if trace.spectrum is not None:
         beneath = [*beneath, figure.add_subplot(beside[below])]
         _spectrum(beneath[-1], *trace.spectrum)
@@ -240,6 +248,17 @@ def _friction(panel: Axes, time: Any, force: Any, limit: Any) -> None:
     panel.plot(time / x_size, force / size, color=HIGHLIGHT, label="friction")
     panel.set(xlabel=f"time ({x_unit})", ylabel=f"friction ({unit})")
     panel.legend(**ABOVE)
+
+
+def _sensors(panel: Axes, trace: Trace) -> None:
+    """The acceleration of each sensor over time."""
+    x_size, x_unit = _unit(trace.samples.time, "time")
+    size, unit = prefixed_unit(np.stack(list(trace.sensed.values())), "acceleration")
+    for k, (name, values) in enumerate(trace.sensed.items()):
+        panel.plot(trace.samples.time / x_size, values / size, color=COLOURS[k % len(COLOURS)], label=plain(name))
+    panel.set(xlabel=f"time ({x_unit})", ylabel=f"sensors ({unit.replace('^2', '²')})")
+    if len(trace.sensed) <= MOST_NAMED:
+        panel.legend(**ABOVE)
 
 
 def _spectrum(panel: Axes, frequency: Any, energy: Any) -> None:

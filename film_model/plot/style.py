@@ -113,7 +113,7 @@ def picture_style(style: str) -> Generator[None]:
 def prefixed_unit(values: Any, dimension: str) -> tuple[float, str]:
     """Size in SI and symbol of a unit in which the largest of the values [SI] of a dimension is easy to read."""
     largest = float(np.abs(values).max(initial=0.0))
-    if dimension not in (*PREFIXED, "velocity"):
+    if dimension not in (*PREFIXED, "velocity", "acceleration"):
         return 1.0, scene_unit(dimension)
     # 0.25 m/s, but 250 nm
     power = 0 if largest == 0.0 else math.floor((math.log10(largest) + (dimension == "velocity")) / 3) * 3

@@ -75,6 +75,7 @@ class ClosedForm:
             segments=modal_steps.segments_of(steps, unit, self.compliance),
             flights=flights,
             energies=np.full(modes.size, np.nan) if energies is None else energies,
+            highest=float(modes["frequency"][-1]) * (1.0 + 1e-9),
         )
 
     def sample(self, problem: Problem, unit: float, times: Array) -> tuple[Array, NDArray[np.int8]]:

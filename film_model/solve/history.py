@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from film_model.solve.modal_motion import ModalMotion
     from film_model.solve.relaxed import Relaxed
     from film_model.solve.sensed import Sensed
+    from film_model.solve.spectrum import Spectrum
 
 MOTION: dict[str, tuple[str, str]] = {
     "indentation": ("length", "impactor displacement less target displacement"),
@@ -247,15 +248,28 @@ class History:
             raise ValueError("times must be a list that ascends from 0 s, first touch, or later")
         return sensed(self.scene.target, self.vibration, float(self.problem.scales.force), t)
 
+    def spectrum(self, frequencies: Any = None) -> Spectrum:
+        """The force, and the response of a structure that vibrates, over frequency; see `film_model.solve.spectrum`."""
+        from film_model.solve.spectrum import spectrum
+
+        return spectrum(self, frequencies)
+
     @cached_property
     def sensor_peaks(self) -> Mapping[str, Mapping[str, float]]:
-        """Largest displacement, velocity and acceleration of each sensor, SI; empty if none is simulated."""
-        from film_model.solve.sensed import SAMPLES, peaks_of
+        """Largest absolute displacement, velocity and acceleration of each sensor, SI; empty if none is simulated. See
+        `film_model.solve.sensed.Peaks`."""
+        from film_model.solve.sensed import MOTION as SENSED
+        from film_model.solve.sensed import Peaks
 
-        if not self.scene.target.sensors or self.vibration is None:
+        sensors, on = self.scene.target.sensors, self.vibration
+        if not sensors or on is None:
             return {}
-        even, events = np.linspace(0.0, self.duration, SAMPLES), [event.time for event in self.events]
-        return peaks_of(self.sensed_si(np.union1d(even, events)))
+        peaks = Peaks(self.scene.target.modes(on.highest))
+        found = peaks.of(on.segments, float(self.problem.scales.force), self.duration)
+        names = [f"maximum_{name}" for name in SENSED]
+        return {
+            s.name: dict(zip(names, values, strict=True)) for s, values in zip(sensors, found.T.tolist(), strict=True)
+        }
 
     @property
     def vibration_energy_by_mode(self) -> NDArray[np.float64] | None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -29,6 +29,7 @@ from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.columns import scene_of_columns
 from film_model.solve import structures, vibration
 from film_model.solve.closed_form import ClosedForm
+from film_model.solve.sensed import Peaks
 from film_model.solve.vibration import Vibration, vibrate
 
 Table = Any  # a structured array of the core
@@ -49,23 +50,24 @@ Modes = tuple[Array, Array, Array, float]
 
 class Followed(NamedTuple):
     """How impacts on the same modes were followed, so that they can be recorded. problem: of one impact, or of all.
-    start: their starts (modal.START_DTYPE)."""
+    start: their starts (modal.START_DTYPE). highest: frequency up to which there are modes, rad/s."""
 
     rows: Index
     problem: Problem
     modes: Modes
     start: Table
+    highest: float
 
     @classmethod
     def one(cls, row: int, problem: Problem, found: Vibration) -> Followed:
         """One impact, from the impact itself."""
         start: Table = np.array([tuple(getattr(found.start, name) for name in _START)], modal.START_DTYPE)
-        return cls(np.array([row]), problem, _modes(found.tables), start)
+        return cls(np.array([row]), problem, _modes(found.tables), start, found.highest)
 
     def without(self, rows: Index) -> Followed:
         """The same except some rows."""
         kept = ~np.isin(self.rows, rows)
-        return Followed(self.rows[kept], self.problem.part(kept), self.modes, self.start[kept])
+        return Followed(self.rows[kept], self.problem.part(kept), self.modes, self.start[kept], self.highest)
 
 
 _START = modal.START_DTYPE.names or ()
@@ -81,6 +83,36 @@ def closed_forms(followed: Followed) -> Iterator[ClosedForm | None]:
     for start in followed.start.tolist():
         found = modal.impact(tables, curve, modal.Start(*start))
         yield ClosedForm.of_modes(tables, found.segments, found.flights) if found.status >= 0 else None
+
+
+def sensor_peaks(followed: Followed) -> Array:
+    """Largest motions of the target's sensors in each impact, which is followed once more, SI: (sensors, 3, impacts);
+    NaN if its record takes more than `modal.MOST_MEMORY`. On each processor some of the impacts."""
+    problem = followed.problem
+    peaks = Peaks(problem.scene.target.modes(followed.highest))
+    curve = curve_of(problem.law).native
+    force = np.broadcast_to(problem.scales.force, followed.rows.shape)
+    lost = np.full((3, len(problem.scene.target.sensors or ())), math.nan)
+
+    def part(places: Index) -> list[Array]:
+        tables, found = modal.Tables(*followed.modes), list[Array]()
+        for place in places.tolist():
+            one = modal.impact(tables, curve, modal.Start(*followed.start[place].item()))
+            kept = one.status >= 0
+            own = peaks.of(one.segments, float(force[place]), float(one.events["time"][-1])) if kept else lost
+            found.append(own.T)
+        return found
+
+    return np.stack(_on_all_processors(part, followed.rows.size), axis=-1)
+
+
+def _on_all_processors(part: Callable[[Index], Sequence[Any]], count: int) -> list[Any]:
+    """What a function gives for the places 0 to count − 1, in parts for each processor."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    workers = min(os.cpu_count() or 1, max(count // TRIED, 1))
+    with ThreadPoolExecutor(workers) as pool:
+        return [one for found in pool.map(part, np.array_split(np.arange(count), workers)) for one in found]
 
 
 class Vibrating(NamedTuple):
@@ -249,7 +281,8 @@ def _refined(
                 fine[done],
                 np.max(errors[done], initial=0.0),
             )
-            followed.append(Followed(rows_of(problem)[done], problem.part(done), run.modes, run.start[done]))
+            own = rows_of(problem)[done], problem.part(done), run.modes, run.start[done]
+            followed.append(Followed(*own, highest * 2.0 ** (k - 2)))
             left, fine, before = left[~done], fine[~done], change[~done]
         if not left.size:
             break
@@ -282,11 +315,7 @@ def _follow(whole: Problem, highest: float, tolerance: Array, limit: float) -> _
     def part(places: Index) -> tuple[NDArray[np.int32], Table]:
         return modal.batch(modal.Tables(*modes), whole.curve.native, start[places])
 
-    from concurrent.futures import ThreadPoolExecutor
-
-    workers = min(os.cpu_count() or 1, max(count // TRIED, 1))
-    with ThreadPoolExecutor(workers) as pool:
-        found = list(pool.map(part, np.array_split(np.arange(count), workers)))
+    found = _on_all_processors(lambda places: [part(places)], count)
     core = cast("Table", np.concatenate([table for _, table in found])["core"].copy())
     for name in ("time_of_maximum_indentation", "time_impactor_stops", "contact_duration"):
         core[name] /= scales.time

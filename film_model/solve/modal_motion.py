@@ -17,6 +17,7 @@ class ModalMotion:
 
     unit: the march's unit of time, s. segments: steps in contact, and flights; flights: the modes' state at the
     beginning of each. A step has 320 bytes in memory, a flight 16 bytes per mode. energies: of each mode at the end.
+    highest: frequency up to which the target's modes were taken, rad/s.
     """
 
     curve: native.Curve = field(repr=False)
@@ -25,6 +26,7 @@ class ModalMotion:
     segments: modal_steps.Table = field(repr=False)
     flights: Array = field(repr=False)
     energies: Array = field(repr=False)
+    highest: float
 
     @property
     def frequency(self) -> Array:

@@ -2,31 +2,45 @@
 
 In a step the force is a cubic of time, in flight 0. Every mode follows it exactly from rest at first touch: by
 Duhamel's integral at Gauss points while the mode turns by less than `TURNED`, and beyond by the polynomial that solves
-its equation, with a free vibration beside it.
+its equation, with a free vibration beside it. The largest motions are those of the same modes under a force that is
+linear between even times, for which Duhamel's integral is one convolution, whatever the number of modes.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from film_model.base.arrays import Array
+from film_model.base.threads import one_thread
 from film_model.solve.modal_motion import ModalMotion
-from film_model.targets import AbstractTarget
-from film_model.targets.sensors import Influence
+from film_model.targets import AbstractTarget, Modes
 
 TURNED = 0.5
-"""Angle up to which six Gauss points integrate to rounding; from which on the polynomial loses three digits at most."""
+"""Angle of a step up to which six Gauss points integrate to rounding, and from which on the polynomial loses at most
+three digits of the motion at its end."""
 
 _POINTS, _WEIGHTS = (np.asarray(part) for part in np.polynomial.legendre.leggauss(6))
 _NODES = (np.polynomial.legendre.leggauss(4)[0] + 1.0) / 2.0
 _POWERS = np.linalg.inv(np.vander(_NODES, increasing=True))
 """Coefficients of θ^k of the cubic with given values at the Gauss nodes of a step."""
 
-SAMPLES = 2001
-"""Evenly spaced times of which the largest values are taken, beside those of the events."""
+MOST_NUMBERS = 1_000_000
+"""Numbers of modes at several times that are computed together: 8 MB."""
+
+IN_CONTACT = 2048
+"""Least number of even times while there is contact, of which the largest motions are taken: a force that is linear
+between them differs by 1e-6 of itself where it is a half-sine."""
+
+MOST_TIMES = 2**14
+"""Number of even times in all, or up to twice as many, where a smaller part of them is in contact."""
+
+SLOW = 1e-4
+"""Angle that a motion of frequency 0 turns by in all: as a vibration it is then exact to SLOW²/6 = 2e-9."""
 
 MOTION = {
     "displacement": ("length", "displacement of the sensor, positive along the impactor's approach"),
@@ -57,67 +71,73 @@ def sensed(target: AbstractTarget, vibration: ModalMotion | None, force: float, 
         raise ValueError("the target has no sensors: give them as [[target.sensors]]")
     if vibration is None:
         raise ValueError("sensors need a target whose vibrations are simulated: see the effect boundary_reflections")
-    highest = float(vibration.frequency[-1]) * (1.0 + 1e-9)
-    found = [_follow(target.influence(highest, sensor), vibration.segments, force, times) for sensor in target.sensors]
-    return Sensed(tuple(sensor.name for sensor in target.sensors), times, *np.array(found).transpose(1, 0, 2))
+    found = _follow(target.modes(vibration.highest), vibration.segments, force, times)
+    return Sensed(tuple(sensor.name for sensor in target.sensors), times, *found)
 
 
-def peaks_of(found: Sensed) -> dict[str, dict[str, float]]:
-    """Largest absolute displacement, velocity and acceleration of each sensor, SI."""
-    return {
-        name: {f"maximum_{what}": float(np.abs(getattr(found, what)[k]).max()) for what in MOTION}
-        for k, name in enumerate(found.names)
-    }
-
-
-def _follow(on: Influence, steps: Any, unit: float, times: Array) -> Array:
-    """Displacement, velocity and acceleration at the times, one row each. unit: of the steps' forces, N."""
+def _follow(on: Modes, steps: Any, unit: float, times: Array) -> Array:
+    """Displacement, velocity and acceleration of each sensor at the times. unit: of the steps' forces, N."""
     moved, rate = np.zeros(on.frequency.size), np.zeros(on.frequency.size)
-    found, first = np.zeros((3, times.size)), 0
+    found, first = np.zeros((3, len(on.factor), times.size)), 0
+    total, damp, square = on.factor.sum(axis=1), 2.0 * on.damping_ratio * on.frequency, on.frequency**2
+    together = max(MOST_NUMBERS // on.frequency.size, 1)
     ends = np.append(steps["time"][1:], np.inf)
     for step, until in zip(steps, ends.tolist(), strict=True):
-        force = unit * (_POWERS @ step["force"]) if step["flight"] < 0 else np.zeros(4)
-        long = float(step["h"]) if np.isfinite(step["h"]) else 1.0  # at rest under a load the force is constant
-        powers = force / long ** np.arange(4.0)
+        powers, begin = _cubic(step, unit), float(step["time"])
         end = int(np.searchsorted(times, until, "right"))
-        for at in range(first, end):
-            tau = float(times[at] - step["time"])
+        for part in range(first, end, together):
+            at = slice(part, min(part + together, end))
+            tau = times[at] - begin
             w, v = _after(on, powers, moved, rate, tau)
-            pushed = float(powers @ tau ** np.arange(4.0))
-            turning = pushed - 2.0 * on.damping_ratio * on.frequency * v - on.frequency**2 * w
-            found[:, at] = [float(on.factor @ part) for part in (w, v, turning)]
+            pushed = np.polynomial.polynomial.polyval(tau, powers)
+            found[0, :, at], found[1, :, at] = on.factor @ w.T, on.factor @ v.T
+            found[2, :, at] = total[:, None] * pushed - on.factor @ (damp * v + square * w).T
         first = end
         if until < np.inf:
-            moved, rate = _after(on, powers, moved, rate, until - float(step["time"]))
+            (moved,), (rate,) = _after(on, powers, moved, rate, np.array([until - begin]))
     return found
 
 
-def _after(on: Influence, force: Array, moved: Array, rate: Array, tau: float) -> tuple[Array, Array]:
-    """Displacements and rates of the modes per unit of factor, tau [s] after a state, under Σ force_k t^k [N]."""
-    omega, drag = on.frequency, on.damping_ratio * on.frequency
+def _cubic(steps: Any, unit: float) -> Array:
+    """Coefficients of the force in one step or several, N/s^k, 0 in flight; at rest under a load it is constant."""
+    long = np.where(np.isfinite(steps["h"]), steps["h"], 1.0)[..., None]
+    force = np.where(steps["flight"][..., None] < 0, unit * (steps["force"] @ _POWERS.T), 0.0)
+    return force / long ** np.arange(4.0)
+
+
+def force_of_steps(steps: Any, unit: float, times: Array) -> Array:
+    """The contact force of recorded segments at times from first touch on, s, N. unit: of the steps' forces, N."""
+    at = np.searchsorted(steps["time"], times, "right") - 1
+    powers, tau = _cubic(steps, unit)[at], times - steps["time"][at]
+    return ((powers[:, 3] * tau + powers[:, 2]) * tau + powers[:, 1]) * tau + powers[:, 0]
+
+
+def _after(on: Modes, force: Array, moved: Array, rate: Array, tau: Array) -> tuple[Array, Array]:
+    """Displacements and rates of the modes per unit of factor, (times, modes), at times tau [s] after a state, under
+    Σ force_k t^k [N]."""
+    omega, drag, tau = on.frequency, on.damping_ratio * on.frequency, tau[:, None]
     if not force.any():
         return _free(omega, drag, moved, rate, tau)
-    slow = omega * tau <= TURNED
-    w, v = np.empty(omega.size), np.empty(omega.size)
-    w[slow], v[slow] = _free(omega[slow], drag[slow], moved[slow], rate[slow], tau)
-    nodes = (_POINTS + 1.0) * (0.5 * tau)
-    pushed = 0.5 * tau * _WEIGHTS * np.polynomial.polynomial.polyval(nodes, force)
-    left, own, damp = (tau - nodes)[:, None], omega[slow], drag[slow]
-    more, faster = _free(own, damp, np.zeros(own.size), np.ones(own.size), left)
-    w[slow] += pushed @ more
-    v[slow] += pushed @ faster
+    w, v = np.empty((2, tau.size, omega.size))
+    slow = omega * tau.max() <= TURNED
+    w[:, slow], v[:, slow] = _free(omega[slow], drag[slow], moved[slow], rate[slow], tau)
+    nodes = (_POINTS + 1.0)[:, None, None] * (0.5 * tau)
+    pushed = 0.5 * tau * _WEIGHTS[:, None, None] * np.polynomial.polynomial.polyval(nodes, force)
+    more, faster = _free(omega[slow], drag[slow], 0.0, 1.0, tau - nodes)
+    w[:, slow] += (pushed * more).sum(axis=0)
+    v[:, slow] += (pushed * faster).sum(axis=0)
     fast = ~slow
     square, damp = omega[fast] ** 2, 2.0 * drag[fast]
     a = [np.zeros(square.size)] * 6
     for k in range(3, -1, -1):  # ω² a_k + 2 ζ ω (k + 1) a_{k+1} + (k + 1)(k + 2) a_{k+2} = force_k
         a[k] = (force[k] - damp * (k + 1) * a[k + 1] - (k + 1) * (k + 2) * a[k + 2]) / square
-    w[fast], v[fast] = _free(omega[fast], drag[fast], moved[fast] - a[0], rate[fast] - a[1], tau)
-    w[fast] += a[0] + tau * (a[1] + tau * (a[2] + tau * a[3]))
-    v[fast] += a[1] + tau * (2.0 * a[2] + tau * 3.0 * a[3])
+    w[:, fast], v[:, fast] = _free(omega[fast], drag[fast], moved[fast] - a[0], rate[fast] - a[1], tau)
+    w[:, fast] += a[0] + tau * (a[1] + tau * (a[2] + tau * a[3]))
+    v[:, fast] += a[1] + tau * (2.0 * a[2] + tau * 3.0 * a[3])
     return w, v
 
 
-def _free(omega: Array, drag: Array, moved: Array, rate: Array, tau: Any) -> tuple[Array, Array]:
+def _free(omega: Array, drag: Array, moved: Any, rate: Any, tau: Any) -> tuple[Array, Array]:
     """Free vibration: w = e^(−ζωt) (w₀ cos ω_d t + (v₀ + ζω w₀) sin(ω_d t)/ω_d); of frequency 0, w₀ + v₀ t."""
     turning = np.sqrt(omega**2 - drag**2)
     sine, cosine = tau * np.sinc(turning * tau / np.pi), np.cos(turning * tau)
@@ -125,3 +145,65 @@ def _free(omega: Array, drag: Array, moved: Array, rate: Array, tau: Any) -> tup
     w = fades * (moved * cosine + (rate + drag * moved) * sine)
     v = fades * (rate * cosine - (omega**2 * moved + drag * rate) * sine)
     return w, v
+
+
+# ---------------------------------------------------------------- the largest motions
+
+
+class Peaks:
+    """The largest motions of a structure's sensors, for any number of impacts on the same modes.
+
+    They are the largest of evenly spaced times from first touch to the last event, `IN_CONTACT` of them in
+    contact or `MOST_TIMES` in all, or up to twice as many. Between them the force is taken as linear; the responses to
+    such a force are exact, and are kept.
+    """
+
+    def __init__(self, modes: Modes) -> None:
+        self._modes = modes
+        self._kept = dict[tuple[float, int], NDArray[np.complex128]]()
+
+    def of(self, steps: Any, unit: float, duration: float) -> Array:
+        """Largest absolute displacement, velocity and acceleration of each sensor, SI: (3, sensors). steps: the
+        recorded segments. unit: of their forces, N. duration: of what is looked at, s."""
+        if duration <= 0.0:
+            return np.zeros((3, len(self._modes.factor)))
+        touching = float(np.minimum(steps["h"], duration)[steps["flight"] < 0].sum())
+        longest = max(touching / IN_CONTACT, duration / MOST_TIMES)
+        dt = 2.0 ** math.floor(math.log2(longest))  # impacts of about equal duration share their responses
+        count = math.ceil(duration / dt) + 1
+        size = 1 << count.bit_length()
+        if (key := (dt, size)) not in self._kept:
+            self._kept[key] = np.fft.rfft(_responses(self._modes, dt, size), 2 * size)
+        times: Array = dt * np.arange(float(count))
+        force = np.where(times <= duration, force_of_steps(steps, unit, times), 0.0)
+        moved = np.fft.irfft(np.fft.rfft(force, 2 * size) * self._kept[key], 2 * size)
+        before, after = moved[..., count - 2], moved[..., count - 1]
+        moved[..., count - 1] = before + (duration / dt - (count - 2)) * (after - before)
+        return np.abs(moved[..., :count]).max(axis=-1)
+
+
+@one_thread
+def _responses(on: Modes, dt: float, count: int) -> Array:
+    """Displacement, velocity and acceleration of each sensor at the times 0, dt, … by a force that rises evenly from 0
+    at −dt to 1 N at time 0 and falls to 0 at dt: (3, sensors, count).
+
+    A mode with the pole s moves by Im(e^{st})/ω_d after an impulse of 1 N·s, hence after the triangle by
+    Im(e^{st} dt (e^{−s dt} − 2 + e^{s dt})/(s dt)²)/ω_d; its derivatives have the factors s and s². The exponentials
+    of all times are products of those of few.
+    """
+    omega = np.maximum(on.frequency, SLOW / (count * dt))
+    pole = -on.damping_ratio * on.frequency + 1j * omega * np.sqrt(1.0 - on.damping_ratio**2)
+    z = pole * dt
+    small = np.polynomial.polynomial.polyval(z, [1.0 / math.factorial(k) for k in range(2, 10)])
+    with np.errstate(over="ignore", invalid="ignore"):
+        begun = np.where(np.abs(z) < 0.1, small, (np.exp(z) - 1.0 - z) / z**2)
+    side = math.isqrt(count - 1) + 1
+    coarse, fine = np.exp(np.outer(np.arange(side) * side, z)), np.exp(np.outer(z, np.arange(side)))
+    hat, found = (np.expm1(z) / z) ** 2, np.empty((3, len(on.factor), count), np.float64)
+    for k, sensor in np.ndindex(found.shape[:2]):
+        gain = on.factor[sensor] * dt / pole.imag * pole**k
+        after: Any = (gain * hat * coarse) @ fine
+        found[k, sensor, 0] = float((gain * begun).imag.sum())
+        found[k, sensor, 1:] = after.imag.ravel()[: count - 1]
+    found[2, :, 0] += on.factor.sum(axis=1)
+    return found

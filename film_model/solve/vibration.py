@@ -94,11 +94,10 @@ class Moment(NamedTuple):
 class Vibration(ModalMotion):
     """An impact on a vibrating target and how it was followed, in the units of the march. `summary` as the core's.
 
-    highest: frequency up to which there are modes, rad/s. start: as given to the core. met: the events, as the core
+    start: as given to the core. met: the events, as the core
     records them. contacts: how many ended.
     """
 
-    highest: float
     start: modal.Start = field(repr=False)
     met: NDArray[Any] = field(repr=False)
     outcome: Outcome

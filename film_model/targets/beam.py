@@ -13,11 +13,11 @@ from film_model.base.fields import Field, choice, measure, mistake
 from film_model.base.materials import REQUIRED_MATERIAL, Material, MaterialLike
 from film_model.base.units import Value
 from film_model.targets.beam_theory import Line, beam_shear_coefficient, line_compliance, line_modes
-from film_model.targets.modes import Modes, Points, pulse_response
+from film_model.targets.modes import Modes, pulse_response
 from film_model.targets.panel_statics import compliance_and_error, panel_compliance
 from film_model.targets.plate_waves import plate_stiffness, shear_around
 from film_model.targets.ritz import Panel, panel_modes
-from film_model.targets.sensors import SENSORS, Sensor, sensor_mistakes
+from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes
 from film_model.targets.stretching import lengthening, stretching
 from film_model.targets.supports import DAMPING, SUPPORTS, damped, one_or
 from film_model.targets.target import (
@@ -167,10 +167,11 @@ class Beam(AbstractTarget):
         """Why the vibrations are unknown: only if the static stiffness is given."""
         return GIVEN_STIFFNESS if self.stiffness_given else ""
 
-    def modes(self, highest: float, others: Points = ()) -> Modes:
+    def modes(self, highest: float) -> Modes:
         """Natural vibrations up to a frequency [rad/s]; in the middle of the width."""
+        others = points_of(self.sensors)
         if self.wide:
-            across = tuple((factor, (at, self.width / 2)) for factor, (at,) in others)
+            across = tuple((at, self.width / 2) for (at,) in others)
             modes = panel_modes(self._strip, (self._struck, self.width / 2), highest, across)
         else:
             modes = line_modes(self._line, self._struck, highest, others)

@@ -61,8 +61,8 @@ def beam_shear_coefficient(poissons_ratio: float) -> float:
 
 @lru_cache(maxsize=64)
 def line_modes(beam: Line, position: float, highest: float, others: Points = ()) -> Modes:
-    """The vibrations of a beam up to the frequency `highest` [rad/s], seen from `position` [m] and other points."""
-    points = ((1.0, (position,)), *others)
+    """The vibrations of a beam struck at `position` [m] up to the frequency `highest` [rad/s]. others: sensors, m."""
+    places = (position, *(at for (at,) in others))
     simple = beam.ends == ("simply supported", "simply supported")
     if math.isinf(beam.shear):
         waves = math.sqrt(highest * math.sqrt(beam.mass / beam.bending)) * beam.length / math.pi
@@ -70,7 +70,7 @@ def line_modes(beam: Line, position: float, highest: float, others: Points = ())
         waves = _wave_number(beam, highest) * beam.length / math.pi
     check_count(waves)
     if simple:
-        return _simple(beam, points, highest, waves)
+        return _simple(beam, places, highest, waves)
     if waves > MOST_WAVES:
         raise TooManyModes(
             f"the vibrations of this beam need {waves:.0f} half-waves, but at most {MOST_WAVES} are allowed: take "
@@ -80,11 +80,11 @@ def line_modes(beam: Line, position: float, highest: float, others: Points = ())
     if math.isinf(beam.shear):
         shapes = line(beam.ends, count)
         frequency = np.sqrt(beam.bending / beam.mass * shapes.bent) * (2.0 / beam.length) ** 2
-        shape = sum(factor * shapes.at(2.0 * at / beam.length - 1.0) for factor, (at,) in points)
-        share = shape**2 * 2.0 / (beam.mass * beam.length)
-        kept = slice(0, shapes.shapes)
-        return sorted_modes(frequency[kept], share[kept], highest)
-    return sorted_modes(*_timoshenko(beam, points, 2 * count + 12), highest)
+        seen = np.array([shapes.at(2.0 * at / beam.length - 1.0) for at in places])[:, : shapes.shapes]
+        products = seen[0] * seen * 2.0 / (beam.mass * beam.length)
+        return sorted_modes(frequency[: shapes.shapes], products[0], highest, products[1:])
+    frequency, products = _timoshenko(beam, places, 2 * count + 12)
+    return sorted_modes(frequency, products[0], highest, products[1:])
 
 
 def _wave_number(beam: Line, frequency: float) -> float:
@@ -94,30 +94,32 @@ def _wave_number(beam: Line, frequency: float) -> float:
     return math.sqrt((slow + turn) / 2 + math.sqrt(((slow - turn) / 2) ** 2 + bent))
 
 
-def _simple(beam: Line, points: Points, highest: float, waves: float) -> Modes:
+def _simple(beam: Line, places: tuple[float, ...], highest: float, waves: float) -> Modes:
     """Modes of a simply supported beam: w = sin(βx), ψ = Ψ cos(βx), β = nπ/L.
 
     Timoshenko: (κGA β² − ρA ω²)(EI β² + κGA − ρI ω²) = (κGA β)². Of the two roots, one is thickness shear.
     """
     n = np.arange(1.0, waves + 2.0)
     beta = n * math.pi / beam.length
-    sines = sum((factor * np.sin(beta * at) for factor, (at,) in points), np.zeros(n.size)) ** 2
+    struck = np.sin(beta * places[0])
+    sines = np.array([struck * np.sin(beta * at) for at in places])
     half = beam.mass * beam.length / 2
     if math.isinf(beam.shear):
-        return sorted_modes(beta**2 * math.sqrt(beam.bending / beam.mass), sines / half, highest)
+        found = sines / half
+        return sorted_modes(beta**2 * math.sqrt(beam.bending / beam.mass), found[0], highest, found[1:])
     last = beam.shear * beam.bending * beta**4  # ρA ρI ω⁴ − middle ω² + last = 0
     middle = beam.mass * (beam.bending * beta**2 + beam.shear) + beam.turning * beam.shear * beta**2
     large = (middle + np.sqrt(middle**2 - 4 * beam.mass * beam.turning * last)) / 2
     square = np.concatenate([last / large, large / (beam.mass * beam.turning)])
     both = np.concatenate([beta, beta])
     turn = (beam.shear * both**2 - beam.mass * square) / (beam.shear * both)
-    share = np.concatenate([sines, sines]) / (half + beam.turning * beam.length / 2 * turn**2)
-    return sorted_modes(np.sqrt(square), share, highest)
+    found = np.hstack([sines, sines]) / (half + beam.turning * beam.length / 2 * turn**2)
+    return sorted_modes(np.sqrt(square), found[0], highest, found[1:])
 
 
 @one_thread
-def _timoshenko(beam: Line, points: Points, degree: int) -> tuple[Array, Array]:
-    """Frequencies and shares of all vibrations of a beam in a space of polynomials.
+def _timoshenko(beam: Line, places: tuple[float, ...], degree: int) -> tuple[Array, Array]:
+    """Frequencies, and shares and factors, one per row, of all vibrations of a beam in a space of polynomials.
 
     The curvature and the shear are Legendre series, w and ψ their integrals. The energy is then diagonal, so slender
     beams are as accurate as thick ones. The supports are conditions on five coefficients.
@@ -140,15 +142,14 @@ def _timoshenko(beam: Line, points: Points, degree: int) -> tuple[Array, Array]:
     bent = space[:, 2:] @ space[:, 2:].T  # each function of the series has the energy ½ J
     shift = beam.bending / (beam.mass * length**4)
     root = np.linalg.inv(np.linalg.cholesky(bent + shift * factor @ factor.T))
-    places = np.array([2.0 * at / length - 1.0 for _, (at,) in points])
-    at = np.array([factor for factor, _ in points]) @ np.polynomial.legendre.legvander(places, degree + 3)
+    at = np.polynomial.legendre.legvander(2.0 * np.array(places) / length - 1.0, degree + 3)
     shapes, size, _ = np.linalg.svd(root @ factor, full_matrices=False)  # more accurate than `eigh`: see line_functions
-    seen = projected(root @ (moved @ at), size[::-1], shapes[:, ::-1])[::-1]
+    seen = np.array([projected(root @ (moved @ row), size[::-1], shapes[:, ::-1])[::-1] for row in at])
     kept = size > 1e-7 * size[0]
-    inverse, seen = size[kept] ** 2, seen[kept]
+    inverse, seen = size[kept] ** 2, seen[:, kept]
     square = 1.0 / inverse - shift
     square[: beam.rigid] = 0.0
-    return np.sqrt(np.maximum(square, 0.0)), seen**2 / inverse
+    return np.sqrt(np.maximum(square, 0.0)), seen[0] * seen / inverse
 
 
 def _integrated(series: Array) -> Array:
@@ -205,7 +206,7 @@ def _one_compliance(beam: Line, position: float) -> float:
 def _sum(beam: Line, position: float) -> float:
     """Compliance of all vibrations in a space of polynomials."""
     if not math.isinf(beam.shear):
-        frequency, share = _timoshenko(beam, ((1.0, (position,)),), _STATIC)
+        frequency, (share,) = _timoshenko(beam, (position,), _STATIC)
     else:
         shapes = polynomials(beam.ends, _STATIC)
         frequency = np.sqrt(beam.bending / beam.mass * shapes.bent) * (2.0 / beam.length) ** 2

@@ -14,8 +14,8 @@ from film_model.base.errors import TooManyModes
 
 Array = NDArray[np.float64]
 
-Points: TypeAlias = tuple[tuple[float, tuple[float, ...]], ...]
-"""Factors and points [m]: a structure is seen as the sum of its displacements there times the factors."""
+Points: TypeAlias = tuple[tuple[float, ...], ...]
+"""Points of a structure, m: its sensors."""
 
 RESOLVED = 10.0
 """Highest frequency for the response to a half-sine over that of the half-sine; the modes above follow statically."""
@@ -36,12 +36,14 @@ class Modes:
 
     frequency: ω_n, rad/s; 0 for a motion of the whole structure that nothing holds. share: φ_n²/M_n, 1/kg: mode shape
     there squared over modal mass. damping_ratio: ζ_n; default 0. The point's displacement is w = Σ w_n with
-    ẅ_n + 2 ζ_n ω_n ẇ_n + ω_n² w_n = (φ_n²/M_n) F.
+    ẅ_n + 2 ζ_n ω_n ẇ_n + ω_n² w_n = (φ_n²/M_n) F. factor: the same of the structure's sensors, one per row:
+    φ_n(sensor) φ_n/M_n, 1/kg, in place of the share.
     """
 
     frequency: Array
     share: Array
     damping_ratio: Array = field(default_factory=lambda: np.zeros(0))
+    factor: Array = field(default_factory=lambda: np.zeros((0, 0)), compare=False)
 
     def __post_init__(self) -> None:
         if self.damping_ratio.size == 0:
@@ -50,10 +52,10 @@ class Modes:
     def below(self, highest: float) -> Modes:
         """Those up to the frequency `highest`, rad/s."""
         count = int(np.searchsorted(self.frequency, highest, side="right"))
-        return Modes(self.frequency[:count], self.share[:count], self.damping_ratio[:count])
+        return Modes(*(part[..., :count] for part in (self.frequency, self.share, self.damping_ratio, self.factor)))
 
     def merged(self) -> Modes:
-        """The same motion of the struck point, with modes of equal frequency and damping as one."""
+        """The same motion of the struck point, without sensors: modes of equal frequency and damping become one."""
         if not self.frequency.size:
             return self
         apart = np.diff(self.frequency) > EQUAL * self.frequency[1:]
@@ -106,9 +108,11 @@ def projected(seen: Array, values: Array, vectors: Array) -> Array:
     return np.where(np.abs(found) > blur * np.linalg.norm(seen), found, 0.0)
 
 
-def sorted_modes(frequency: Array, share: Array, highest: float) -> Modes:
-    """The modes up to the frequency `highest` [rad/s], except those with a node at the struck point."""
+def sorted_modes(frequency: Array, share: Array, highest: float, factor: Array | None = None) -> Modes:
+    """The modes up to the frequency `highest` [rad/s], except those with a node at the struck point. factor: as of
+    `Modes`, one array for each sensor in the shape of the others; default no sensors."""
     order = np.argsort(frequency, axis=None, kind="stable")
+    factors = np.zeros((0, order.size)) if factor is None else factor.reshape(len(factor), order.size)
     frequency, share = frequency.ravel()[order], share.ravel()[order]
     kept = (frequency <= highest) & (share > 1e-20 * share.max())
-    return Modes(frequency[kept], share[kept])
+    return Modes(frequency[kept], share[kept], factor=factors[:, order[kept]])

@@ -30,9 +30,9 @@ def ritz_compliance(panel: Panel, position: tuple[float, float], degree: int = _
     """
     lines = [polynomials(ends, degree) for ends in panel.ends]
     p, q = (indices.ravel() for indices in np.indices([each.bent.size for each in lines]))
-    total, points = 0.0, ((1.0, position),)
-    for block in split(panel, lines, points, p, q):
-        seen, energy = shape_at(panel, lines, points, *block), energy_of(panel, lines, *block)
+    total = 0.0
+    for block in split(panel, lines, position, p, q):
+        seen, energy = shape_at(panel, lines, position, *block), energy_of(panel, lines, *block)
         loose = loose_motions(panel, lines, block)
         energy += float(np.trace(energy)) / energy.shape[0] * loose @ loose.T
         seen = seen - loose @ (loose.T @ seen)

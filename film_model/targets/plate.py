@@ -16,7 +16,7 @@ from film_model.base.units import Value, format_si
 from film_model.targets.bending_stiffness import BendingStiffness
 from film_model.targets.bending_strength import bending_strength, reach_of
 from film_model.targets.layup import LAYUP, Ply, PlyLike, coupling, laminate
-from film_model.targets.modes import Modes, Points
+from film_model.targets.modes import Modes
 from film_model.targets.panel_statics import compliance_and_error
 from film_model.targets.plate_modes import plate_modes
 from film_model.targets.plate_statics import plate_compliance
@@ -29,7 +29,7 @@ from film_model.targets.plate_waves import (
     shear_around,
 )
 from film_model.targets.ritz import Panel, loose, panel_modes
-from film_model.targets.sensors import SENSORS, Sensor, sensor_mistakes
+from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes
 from film_model.targets.stretching import lengthening, mean_square, sliding, stretching
 from film_model.targets.supports import DAMPING, EDGE_STIFFNESS, EDGES, FOUNDATION, damped, four, spring_mistakes
 from film_model.targets.target import (
@@ -261,11 +261,11 @@ class Plate(AbstractTarget):
         """Why the vibrations are unknown: only if the static stiffness is given."""
         return GIVEN_STIFFNESS if self.stiffness_given else ""
 
-    def modes(self, highest: float, others: Points = ()) -> Modes:
+    def modes(self, highest: float) -> Modes:
         """Natural vibrations up to a frequency [rad/s]: in closed form if simply supported, or by Ritz's method."""
         assert self.size is not None
+        bed, others = self.foundation_stiffness or 0.0, points_of(self.sensors)
         if self._simple:
-            bed = self.foundation_stiffness or 0.0
             modes = plate_modes(self.surface_density, self.stiffness, self.size, self._struck, highest, bed, others)
         else:
             modes = panel_modes(self._panel, self._struck, highest, others)
@@ -307,7 +307,7 @@ class Plate(AbstractTarget):
         share = constant * impact.motion / max(impact.restitution, 1e-3)
         threshold = (impact.tolerance / share) ** (1.0 / power)
         back, felt = format_si(impact.back, "time", 3), format_si(self.return_time, "time", 3)
-        reason = f"edge waves matter {felt} after the centre of the impulse, contact ends after {back}"
+        reason = f"edge waves matter {felt} after the centre of the impulse, contact without them ends after {back}"
         size = self.reflection_change(impact.motion, impact.restitution, value)
         return Estimate(reason, value, threshold, size)
 

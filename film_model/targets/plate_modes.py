@@ -23,8 +23,7 @@ def plate_modes(
 
     φ = sin(iπx/a) sin(jπy/b), M = ρ_A a b/4, ω² = (π⁴/ρ_A)(D11 i⁴/a⁴ + 2 (D12 + 2 D66) i²j²/(a²b²) + D22 j⁴/b⁴) +
     k_f/ρ_A on an elastic bed of `foundation` k_f [N/m³]. Modes with a node line through the struck point `position` are
-    omitted; the plate may be seen from other points, too. Valid for thin plates: wavelengths must be long compared with
-    the thickness.
+    omitted. others: sensors, m. Valid for thin plates: wavelengths must be long compared with the thickness.
     """
     (d11, _, d22, _), (a, b) = stiffness, size
     coupling = stiffness[1] + 2 * stiffness[3]
@@ -36,7 +35,8 @@ def plate_modes(
     square = math.pi**4 / mass_per_area * (d11 * u**2 + 2 * coupling * u * v + d22 * v**2)
     if foundation:
         square += foundation / mass_per_area
-    shape = np.zeros(square.shape)
-    for factor, (x, y) in ((1.0, position), *others):
-        shape += factor * np.sin(i * math.pi * x / a)[:, None] * np.sin(j * math.pi * y / b)
-    return sorted_modes(np.sqrt(square), shape**2 * 4 / (mass_per_area * a * b), highest)
+    shape, *elsewhere = (
+        np.sin(i * math.pi * x / a)[:, None] * np.sin(j * math.pi * y / b) for x, y in (position, *others)
+    )
+    factor = np.array([shape * other * 4 / (mass_per_area * a * b) for other in elsewhere])
+    return sorted_modes(np.sqrt(square), shape**2 * 4 / (mass_per_area * a * b), highest, factor)

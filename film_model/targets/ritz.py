@@ -91,13 +91,13 @@ class Panel:
 @lru_cache(maxsize=16)
 @one_thread
 def panel_modes(panel: Panel, position: tuple[float, float], highest: float, others: Points = ()) -> Modes:
-    """The vibrations of a plate up to the frequency `highest` [rad/s], seen from `position` [m] and from other points.
+    """The vibrations of a plate struck at `position` [m] up to the frequency `highest` [rad/s]. others: sensors, m.
 
     TooManyModes beyond MOST_FUNCTIONS.
     """
-    points = ((1.0, position), *others)
+    points = (position, *others)
     if SIMPLE in panel.ends:
-        return sorted_modes(*_strips(panel, points, highest), highest)
+        return _seen_modes(panel, _strips(panel, points, highest), highest)
     waves = [_half_waves(panel, along, highest) for along in (0, 1)]
     for along, number in enumerate(waves):
         if number > (most := MOST_WAVES * (2 if _symmetric(panel, along) else 1)):
@@ -114,27 +114,34 @@ def panel_modes(panel: Panel, position: tuple[float, float], highest: float, oth
         if least * sharpness**2 > most < MOST_FUNCTIONS:  # certainly too many
             continue
         lines = [_line(panel, along, sharpness * highest) for along in (0, 1)]
-        blocks = _blocks(panel, lines, sharpness * highest, points)
+        blocks = _blocks(panel, lines, sharpness * highest, position)
         largest = max(p.size for p, _ in blocks)
         if largest <= most:
             break
     if largest > MOST_FUNCTIONS:
         raise TooManyModes(_too_many(largest))
     found = [_vibrations(panel, lines, block, points) for block in blocks]
-    frequency, share = (np.concatenate(columns) for columns in zip(*found, strict=True))
-    return sorted_modes(frequency, share, highest)
+    return _seen_modes(panel, found, highest)
 
 
-def _strips(panel: Panel, points: Points, highest: float) -> tuple[Array, Array]:
-    """Frequencies, rad/s, and shares of a plate with two opposite edges simply supported, each half-wave alone."""
+def _seen_modes(panel: Panel, found: list[tuple[Array, Array]], highest: float) -> Modes:
+    """The modes of all groups: frequencies, rad/s, and shapes at the struck point and the sensors, one per row."""
+    frequency, seen = (np.concatenate(columns, axis=-1) for columns in zip(*found, strict=True))
+    return sorted_modes(
+        frequency, seen[0] ** 2 / panel.mass_per_area, highest, seen[0] * seen[1:] / panel.mass_per_area
+    )
+
+
+def _strips(panel: Panel, points: Points, highest: float) -> list[tuple[Array, Array]]:
+    """Frequencies, rad/s, and shapes of a plate with two opposite edges simply supported, each half-wave alone."""
     if panel.ends[0] != SIMPLE:
-        panel, points = turned(panel), tuple((factor, point[::-1]) for factor, point in points)
+        panel, points = turned(panel), tuple(point[::-1] for point in points)
     (d11, d12, d22, _), (a, b) = panel.stiffness, panel.size
     # half-waves have at least the energy of the stiffness D11 − D12²/D22: edges that are free let the plate curl
     waves = _half_waves(panel, 0, highest) * (1.0 - d12**2 / (d11 * d22)) ** -0.25
     check_count(waves)
     wave = np.arange(1.0, max(LEAST, int(waves)) + 1.0) * math.pi / a
-    wave = wave[np.max([np.abs(np.sin(wave * point[0])) for _, point in points], axis=0) > NODE]
+    wave = wave[np.abs(np.sin(wave * points[0][0])) > NODE]
     degree, groups = _degrees(panel, wave, highest), 2 if _symmetric(panel, 1) else 1
     if float(np.sum((degree / groups) ** 3)) > MOST_STRIPS:
         raise TooManyModes(
@@ -145,16 +152,15 @@ def _strips(panel: Panel, points: Points, highest: float) -> tuple[Array, Array]
     for size in np.unique(degree):
         ends, exact = panel.ends[1], size <= MOST_DEGREE
         across = polynomials(ends, int(size)) if exact else line(ends, int(SHAPES * size))
-        seen = np.array([factor * across.at(2.0 * y / b - 1.0) for factor, (_, y) in points]) * 2.0 / math.sqrt(a * b)
+        seen = np.array([across.at(2.0 * y / b - 1.0) for _, y in points]) * 2.0 / math.sqrt(a * b)
         for odd in (False, True)[:groups]:
             q = np.flatnonzero(across.odd == odd) if groups == 2 else np.arange(seen.shape[1])
             sides = _across(panel, across, q)
             for k in wave[degree == size]:
-                there = np.sin(k * np.array([point[0] for _, point in points])) @ seen[:, q]
-                if np.abs(there).max() > NODE:
+                there = np.sin(k * np.array([x for x, _ in points]))[:, None] * seen[:, q]
+                if np.abs(there[0]).max() > NODE:
                     found.append(_strip(panel, sides, k, there))
-    frequency, share = (np.concatenate(columns) for columns in zip(*found, strict=True))
-    return frequency, share
+    return found
 
 
 def turned(panel: Panel) -> Panel:
@@ -192,10 +198,10 @@ def _across(panel: Panel, line: Line, q: Index) -> tuple[Array, Array, Array]:
 
 
 def _strip(panel: Panel, across: tuple[Array, Array, Array], k: float, seen: Array) -> tuple[Array, Array]:
-    """Frequencies and shares of half-waves of wave number k. across: of `_across`. seen: the functions at the point."""
+    """Frequencies and shapes of half-waves of wave number k. across: of `_across`. seen: the functions at points."""
     rest, mixed, along = across
     square, moved = _spectrum(rest + k**2 * mixed + k**4 * along, seen, _least(panel))
-    return np.sqrt(np.maximum(square, 0.0) / panel.mass_per_area), moved**2 / panel.mass_per_area
+    return np.sqrt(np.maximum(square, 0.0) / panel.mass_per_area), moved
 
 
 def _least(panel: Panel) -> float:
@@ -235,18 +241,15 @@ def energy_of(panel: Panel, lines: list[Line], p: Index, q: Index) -> Array:
     return found
 
 
-def shape_at(panel: Panel, lines: list[Line], points: Points, p: Index, q: Index) -> Array:
-    """The products, orthonormal in ∫∫w², seen from points."""
+def shape_at(panel: Panel, lines: list[Line], point: tuple[float, ...], p: Index, q: Index) -> Array:
+    """The products, orthonormal in ∫∫w², at a point."""
     a, b = panel.size
-    total = np.zeros(p.size)
-    for factor, position in points:
-        x, y = (own.at(2.0 * at / side - 1.0) for own, at, side in zip(lines, position, panel.size, strict=True))
-        total += factor * x[p] * y[q]
-    return total * (2.0 / math.sqrt(a * b))
+    x, y = (own.at(2.0 * at / side - 1.0) for own, at, side in zip(lines, point, panel.size, strict=True))
+    return x[p] * y[q] * (2.0 / math.sqrt(a * b))
 
 
-def _blocks(panel: Panel, lines: list[Line], highest: float, points: Points) -> list[Block]:
-    """The products up to a frequency, in groups that do not interact; those that are 0 at a point are left out."""
+def _blocks(panel: Panel, lines: list[Line], highest: float, point: tuple[float, ...]) -> list[Block]:
+    """The products up to a frequency, in groups that do not interact; those that are 0 at the point are left out."""
     (d11, d12, d22, d66), (x, y) = panel.stiffness, lines
     a, b = (2.0 / side for side in panel.size)
     own = d11 * a**4 * x.bent[:, None] + d22 * b**4 * y.bent
@@ -255,15 +258,15 @@ def _blocks(panel: Panel, lines: list[Line], highest: float, points: Points) -> 
     kept = own + (a * b) ** 2 * mixed <= panel.mass_per_area * highest**2
     kept[x.shapes :] = kept[:, y.shapes :] = True
     kept[:LEAST] = kept[:, :LEAST] = True  # the first vibrations are accurate however low the frequency
-    return split(panel, lines, points, *np.nonzero(kept))
+    return split(panel, lines, point, *np.nonzero(kept))
 
 
-def split(panel: Panel, lines: list[Line], points: Points, p: Index, q: Index) -> list[Block]:
-    """Products in groups that do not interact; those that are 0 at a point are left out."""
+def split(panel: Panel, lines: list[Line], point: tuple[float, ...], p: Index, q: Index) -> list[Block]:
+    """Products in groups that do not interact; those that are 0 at the point are left out."""
     groups = [_groups(panel, lines, along) for along in (0, 1)]
     key = groups[0][p] * (int(groups[1].max()) + 1) + groups[1][q]
     blocks = [(p[key == group], q[key == group]) for group in np.unique(key)]
-    return [block for block in blocks if np.abs(shape_at(panel, lines, points, *block)).max() > NODE] or blocks[:1]
+    return [block for block in blocks if np.abs(shape_at(panel, lines, point, *block)).max() > NODE] or blocks[:1]
 
 
 def _symmetric(panel: Panel, along: int) -> bool:
@@ -282,31 +285,32 @@ def _groups(panel: Panel, lines: list[Line], along: int) -> Index:
 
 
 def _vibrations(panel: Panel, lines: list[Line], block: Block, points: Points) -> tuple[Array, Array]:
-    """Frequencies, rad/s, and shares of a group of products."""
-    square, moved = _spectrum(energy_of(panel, lines, *block), shape_at(panel, lines, points, *block), _least(panel))
+    """Frequencies, rad/s, and shapes at the points of a group of products."""
+    seen = np.array([shape_at(panel, lines, point, *block) for point in points])
+    square, moved = _spectrum(energy_of(panel, lines, *block), seen, _least(panel))
     square[: loose_motions(panel, lines, block).shape[1]] = 0.0
-    frequency = np.sqrt(np.maximum(square, 0.0) / panel.mass_per_area)
-    return frequency, moved**2 / panel.mass_per_area
+    return np.sqrt(np.maximum(square, 0.0) / panel.mass_per_area), moved
 
 
 def _spectrum(energy: Array, seen: Array, least: float) -> tuple[Array, Array]:
-    """Eigenvalues, ascending, and the components of `seen` along the eigenvectors.
+    """Eigenvalues, ascending, and the components of each row of `seen` along the eigenvectors.
 
     Those of the inverse of energy + shift, from Cholesky's factor of the matrix with a diagonal of ones: `eigh` leaves
     errors of ε times the largest eigenvalue in all of them, of a long strip with free edges 3e-5 of the lowest
     frequency, and a percent of what the vibrations leave of the static compliance. Here the lowest have errors of
     1e-12. The shift, `least` or more, is small beside eigenvalues that are not 0, and leaves the high ones 8 digits.
 
-    A reflection turns `seen` into the first axis, and the reduction to a tridiagonal matrix leaves that axis alone: the
-    first entries of the tridiagonal matrix's eigenvectors are the components (Golub & Welsch 1969), and the
-    eigenvectors of the whole matrix, which take most of the time, are not needed.
+    A reflection turns the first row into the first axis, and the reduction to a tridiagonal matrix leaves that axis
+    alone: the first entries of the tridiagonal matrix's eigenvectors are the components (Golub & Welsch 1969), and the
+    eigenvectors of the whole matrix, which take most of the time, are not needed. The other rows are turned likewise.
     """
     import scipy.linalg  # takes as long as thousands of impacts, and most plates need no spectrum
 
     blas, lapack, linalg = cast("tuple[Any, ...]", (scipy.linalg.blas, scipy.linalg.lapack, scipy.linalg))
-    size = float(np.linalg.norm(seen))
+    (struck, *others), count = seen, seen.shape[1]
+    size = float(np.linalg.norm(struck))
     shift = max(least, SHIFT * float(np.median(np.diag(energy))))
-    energy[np.diag_indices(seen.size)] += shift
+    energy[np.diag_indices(count)] += shift
     scale = 1.0 / np.sqrt(np.diag(energy))
     energy *= np.outer(scale, scale)
     factor, failed = lapack.dpotrf(energy.T, lower=1, clean=0, overwrite_a=1)
@@ -314,18 +318,23 @@ def _spectrum(energy: Array, seen: Array, least: float) -> tuple[Array, Array]:
         raise SimulationError("the stiffness of the plate's edges or bed is too small, or too large, beside its own")
     inverse = lapack.dpotri(factor, lower=1, overwrite_c=1)[0]
     inverse *= np.outer(scale, scale)
-    mirror = seen.copy()
-    mirror[0] += math.copysign(size, seen[0])
+    mirror = struck.copy()
+    mirror[0] += math.copysign(size, struck[0])
     mirror *= math.sqrt(2.0) / np.linalg.norm(mirror)
     turned = blas.dsymv(1.0, inverse, mirror, lower=1)
     turned -= 0.5 * float(mirror @ turned) * mirror
     inverse = blas.dsyr2(-1.0, mirror, turned, lower=1, a=inverse, overwrite_a=1)
-    work = int(lapack.dsytrd_lwork(seen.size, lower=1)[0])
-    _, diagonal, beside, _, _ = lapack.dsytrd(inverse, lower=1, lwork=work, overwrite_a=1)
+    work = int(lapack.dsytrd_lwork(count, lower=1)[0])
+    reduced, diagonal, beside, turns, _ = lapack.dsytrd(inverse, lower=1, lwork=work, overwrite_a=1)
     values, vectors = linalg.eigh_tridiagonal(diagonal, beside, lapack_driver="stemr")
-    found = projected(np.array([size]), values, vectors[:1])[::-1]
+    found = [projected(np.array([-math.copysign(size, struck[0])]), values, vectors[:1])]
+    if others:
+        turned = np.array([row - (mirror @ row) * mirror for row in others]).T
+        if count > 1:
+            turned[1:] = lapack.dormqr("L", "T", reduced[1:, :-1], turns, turned[1:], 64 * count)[0]
+        found += [projected(row, values, vectors) for row in turned.T]
     known = values[::-1] > ROUNDED * values[-1]
-    return 1.0 / values[::-1][known] - shift, found[known]
+    return 1.0 / values[::-1][known] - shift, np.array(found)[:, ::-1][:, known]
 
 
 def loose_motions(panel: Panel, lines: list[Line], block: Block) -> Array:

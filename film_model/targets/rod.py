@@ -7,16 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, cast
 
-import numpy as np
-
 from film_model.base.arrays import either, root
 from film_model.base.errors import raise_all, shown
 from film_model.base.fields import Field, measure, mistake, one_of
 from film_model.base.materials import REQUIRED_MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, format_si
-from film_model.targets.modes import Modes, Points
+from film_model.targets.modes import Modes
 from film_model.targets.rod_modes import rod_compliance, rod_modes
-from film_model.targets.sensors import SENSORS, Influence, Sensor, sensor_mistakes
+from film_model.targets.sensors import SENSORS, Sensor, points_of, sensor_mistakes
 from film_model.targets.supports import DAMPING, damped
 from film_model.targets.target import LENGTH, RADIUS, AbstractTarget, Estimate, Impact, fill_target, missing
 
@@ -145,15 +143,13 @@ class Rod(AbstractTarget):
         """Never missing."""
         return ""
 
-    def influence(self, highest: float, sensor: Sensor) -> Influence:
-        """How a force on the end moves a sensor: the shapes are cos(ω x/c)."""
-        assert sensor.position is not None and self.length is not None
-        modes, delay = self.modes(highest), sensor.position[0] / self.length * self.return_time / 2
-        return Influence(modes.frequency, modes.share * np.cos(modes.frequency * delay), modes.damping_ratio)
-
-    def modes(self, highest: float, others: Points = ()) -> Modes:
+    def modes(self, highest: float) -> Modes:
         """Natural vibrations up to a frequency [rad/s]."""
-        return damped(rod_modes(self.impedance, self.return_time / 2, self._behind, highest), self.damping_ratio)
+        length = cast("float", self.length)
+        places = tuple((x / length,) for (x,) in points_of(self.sensors))
+        return damped(
+            rod_modes(self.impedance, self.return_time / 2, self._behind, highest, places), self.damping_ratio
+        )
 
     @property
     def _behind(self) -> float:

@@ -7,17 +7,18 @@ from functools import lru_cache
 
 import numpy as np
 
-from film_model.targets.modes import Array, Modes, check_count, sorted_modes
+from film_model.targets.modes import Array, Modes, Points, check_count, sorted_modes
 
 EXTENSION = 64
 """Length of the rod that stands for an impedance behind the far end, over that of the rod."""
 
 
-def rod_modes(impedance: float, travel: float, behind: float, highest: float) -> Modes:
+def rod_modes(impedance: float, travel: float, behind: float, highest: float, others: Points = ()) -> Modes:
     """The vibrations up to `highest` [rad/s] of a rod of impedance Z [N·s/m] struck on its end.
 
     travel: L/c, s. behind: impedance behind the far end: 0 of a free end, infinite of a fixed one. The mass of the rod
     is Z L/c. With θ = ω L/c: θ = nπ if free, (n + ½)π if fixed; M is half the mass, or all of it for n = 0.
+    others: sensors, by their distance x over the length L; the shapes are cos(θ x/L).
 
     Another impedance is that of a second rod with the same wave speed, 64 times as long and free at its end. It has no
     damping, but nothing returns from it before 65 times 2L/c, and up to then the motion is exact.
@@ -32,7 +33,9 @@ def rod_modes(impedance: float, travel: float, behind: float, highest: float) ->
     else:
         theta = (n[:, None] * math.pi + _phases(behind / impedance)).ravel()
         mass = _masses(theta, behind / impedance)
-    return sorted_modes(theta / travel, 1.0 / (mass * impedance * travel), highest)
+    share = 1.0 / (mass * impedance * travel)
+    factor = np.array([share * np.cos(theta * place) for (place,) in others])
+    return sorted_modes(theta / travel, share, highest, factor)
 
 
 @lru_cache(maxsize=16)

@@ -4,47 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple, cast
-
-import numpy as np
+from typing import Any, ClassVar, cast
 
 from film_model.base.errors import Mistake, raise_all, shown
 from film_model.base.fields import Field, InUnits, build, fill, measure, mistake, words
 from film_model.base.units import Value
-from film_model.targets.modes import Array, Modes
+from film_model.targets.modes import Points
 
 MOST_SENSORS = 100
 
 _PLACE = measure("length", 0, 1e5)
-
-
-class Influence(NamedTuple):
-    """Motion of a point by a force at the struck one: Σ r_n, r̈_n + 2 ζ_n ω_n ṙ_n + ω_n² r_n = factor_n F.
-
-    frequency: ω_n, rad/s. factor: φ_n(point) φ_n(struck point)/M_n, 1/kg. damping_ratio: ζ_n.
-    """
-
-    frequency: Array
-    factor: Array
-    damping_ratio: Array
-
-
-OTHER = 0.7548776662466927
-"""Factor of a sensor's displacement where a structure is seen from it and from the struck point: any number that leaves
-no vibrations unseen if both are the same point, or one of symmetry."""
-
-
-def influence_of(plus: Modes, minus: Modes, struck: Modes) -> Influence:
-    """The influence from modes seen from both points: 4 g φ ψ = (φ + g ψ)² − (φ − g ψ)², g being `OTHER`.
-
-    No mode need be found again in the other list. struck: modes of the struck point, with their damping; modes that
-    have a node there cancel, so that the damping of the nearest serves them.
-    """
-    frequency = np.concatenate([plus.frequency, minus.frequency])
-    right = np.clip(np.searchsorted(struck.frequency, frequency), 1, struck.frequency.size - 1)
-    nearer = frequency - struck.frequency[right - 1] < struck.frequency[right] - frequency
-    damping = struck.damping_ratio[np.where(nearer, right - 1, right)]
-    return Influence(frequency, np.concatenate([plus.share, -minus.share]) / (4.0 * OTHER), damping)
 
 
 def _read_position(value: object) -> tuple[float, ...]:
@@ -87,6 +56,11 @@ class Sensor(InUnits):
         if (position is None) == (shape is None):
             mistakes.append(mistake(self, "position", "give position, or shape on a structure of given vibrations"))
         raise_all(mistakes)
+
+
+def points_of(sensors: tuple[Sensor, ...] | None) -> Points:
+    """The points of sensors that have positions, m."""
+    return tuple(cast("tuple[float, ...]", sensor.position) for sensor in sensors or ())
 
 
 def replaced(sensor: Sensor, shape: tuple[float, ...]) -> Sensor:

@@ -13,8 +13,8 @@ from film_model.base.errors import Mistake, raise_all, shown
 from film_model.base.fields import Field, measure, mistake, words
 from film_model.base.materials import MATERIAL, Material, MaterialLike
 from film_model.base.units import Value, array_to_si, needed
-from film_model.targets.modes import Modes, Points, pulse_response
-from film_model.targets.sensors import SENSORS, Influence, Sensor, replaced
+from film_model.targets.modes import Modes, pulse_response
+from film_model.targets.sensors import SENSORS, Sensor, replaced
 from film_model.targets.structure_file import MOST_LISTED, read_structure
 from film_model.targets.supports import DAMPING, damped
 from film_model.targets.target import RADIUS, AbstractTarget, Estimate, Impact, fill_target, no_effect
@@ -160,7 +160,9 @@ class Structure(AbstractTarget):
 
     @property
     def _all(self) -> Modes:
-        return Modes(np.array(self.frequency) * HERTZ, 1.0 / np.array(self.modal_mass))
+        share = 1.0 / np.array(self.modal_mass)
+        shapes = [share * np.array(sensor.shape, dtype=np.float64) for sensor in self.sensors or ()]
+        return Modes(np.array(self.frequency) * HERTZ, share, factor=np.array(shapes).reshape(-1, share.size))
 
     @property
     def finite(self) -> bool:
@@ -187,15 +189,9 @@ class Structure(AbstractTarget):
         """Never missing."""
         return ""
 
-    def modes(self, highest: float, others: Points = ()) -> Modes:
+    def modes(self, highest: float) -> Modes:
         """The given vibrations up to the frequency `highest` [rad/s]."""
         return damped(self._all.below(highest), self.damping_ratio)
-
-    def influence(self, highest: float, sensor: Sensor) -> Influence:
-        """How a force at the struck point moves a sensor: its shape is relative to that point."""
-        modes = self.modes(highest)
-        shape = np.array(sensor.shape, dtype=np.float64)[: modes.frequency.size]
-        return Influence(modes.frequency, modes.share * shape, modes.damping_ratio)
 
     def omitted(self, modes: Modes, highest: float) -> float:
         """Static compliance of the vibrations above `highest` [rad/s], m/N: their sum.

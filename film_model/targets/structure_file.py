@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -22,11 +23,18 @@ MOST_LISTED = 100_000
 COLUMNS = ("frequency", "modal_mass", "shape", "mass_normalised_shape", "damping_ratio")
 EXAMPLE = '"frequency [Hz], modal_mass [kg], shape" or "frequency [Hz], mass_normalised_shape [1/sqrt(kg)]"'
 
+_STATIC = re.compile(r"^\s*#\s*static_compliance\s*=\s*(.*?)\s*$", re.MULTILINE)
+"""The line of a CSV file with the static compliance."""
+
+_FORTRAN = re.compile(r"([0-9.])[dD](?=[+-]?[0-9])")
+"""The exponent of a number as Fortran writes it: 1.5D+03."""
+
 _FREQUENCIES = {"Hz": 1.0, "kHz": 1e3, "MHz": 1e6, "rad/s": 0.5 / math.pi, "krad/s": 500.0 / math.pi}
-_ROOTS = {"kg": 1.0, "g": 1000.0**0.5, "t": 0.001**0.5, "Mg": 0.001**0.5}
+ROOTS = {"kg": 1.0, "g": 1000.0**0.5, "t": 0.001**0.5, "Mg": 0.001**0.5}
+"""√kg over the root of a unit of mass."""
 _NORMALISED = {
     written: factor
-    for unit, factor in _ROOTS.items()
+    for unit, factor in ROOTS.items()
     for written in (f"1/sqrt({unit})", f"1/√{unit}", f"{unit}^-0.5", f"{unit}**-0.5", f"{unit}-0.5", f"1/{unit}^0.5")
 }
 
@@ -62,25 +70,39 @@ def read_structure(path: str, shapes: tuple[str, ...] = ()) -> Listed:
         except UnicodeDecodeError as error:
             raise ValueError(f"{shown(path)} is not a text in UTF-8: byte {error.start}") from None
         places, columns = _csv(path, text, shapes)
-        static = None
+        static = _static_of(path, text)
     return _listed(path, places, columns, static, shapes)
 
 
+def _static_of(path: str, text: str) -> float | None:
+    """The static compliance of a CSV file, m/N; None if it has none."""
+    found = _STATIC.search(text)
+    try:
+        return None if found is None else to_si(found[1], "compliance")
+    except ValueError as error:
+        raise ValueError(f"{shown(path)}, static_compliance: {error}") from None
+
+
 def _csv(path: str, text: str, shapes: tuple[str, ...]) -> tuple[list[str], dict[str, list[float]]]:
-    """Where each row is, and the columns in SI units."""
+    """Where each row is, and the columns in SI units. Where semicolons separate, numbers may have decimal commas."""
     rows = rows_of(path, text)
     line, heading = next(rows, (1, []))
+    commas = len(heading) > 1 and ";" in text.splitlines()[line - 1]
     where = dict(_heading(f"{shown(path)}, line {line}", heading, shapes))
     places: list[str] = []
     columns: dict[str, list[float]] = {name: [] for name in where}
+    known: dict[tuple[str, ...], int] = {}
     for line, cells in rows:
         places.append(f"{shown(path)}, line {line}")
+        if (first := known.setdefault(tuple(cell.strip() for cell in cells), line)) != line:
+            raise ValueError(f"{places[-1]}: the same vibration as in line {first}")
         if len(places) > MOST_LISTED:
             raise ValueError(f"{places[-1]}: more than {MOST_LISTED} vibrations")
         if any(cell.strip() for cell in cells[len(heading) :]):
             raise ValueError(f"{places[-1]}: {len(cells)} values for {len(heading)} columns")
         for name, (k, unit) in where.items():
             cell = cells[k].strip() if k < len(cells) else ""
+            cell = _FORTRAN.sub(r"\1e", cell.replace(",", ".") if commas else cell)
             columns[name].append(_value(places[-1], name, cell, unit))
     return places, columns
 

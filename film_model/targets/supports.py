@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
@@ -66,7 +67,7 @@ def damped(modes: Modes, ratio: float | tuple[float, ...] | None) -> Modes:
     given = np.atleast_1d(np.asarray(ratio, dtype=np.float64))
     flexible = modes.frequency > 0.0
     place = np.minimum(np.cumsum(flexible) - 1, given.size - 1)
-    return Modes(modes.frequency, modes.share, np.where(flexible, given[place], 0.0))
+    return replace(modes, damping_ratio=np.where(flexible, given[place], 0.0))
 
 
 def spring_mistakes(owner: object, springs: tuple[float, ...], edges: Edges) -> list[Mistake]:

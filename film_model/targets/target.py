@@ -25,8 +25,8 @@ from film_model.base.arrays import endless
 from film_model.base.errors import Mistake, SimulationError
 from film_model.base.fields import Field, InUnits, fill, measure, mistake
 from film_model.base.materials import Material
-from film_model.targets.modes import Modes, Points
-from film_model.targets.sensors import OTHER, Influence, Sensor, influence_of
+from film_model.targets.modes import Modes
+from film_model.targets.sensors import Sensor
 
 RADIUS = measure("length", 1e-10, 1e3)
 LENGTH = measure("length", 1e-10, 1e5)
@@ -198,15 +198,9 @@ class AbstractTarget(InUnits, ABC):
         """Why the natural vibrations of a structure are unknown, as a clause; empty if they are known."""
         return f"the vibrations of a {self.kind} are not known"
 
-    def modes(self, highest: float, others: Points = ()) -> Modes:
-        """Natural vibrations up to the frequency `highest`, rad/s, seen from the struck point and `others` together."""
+    def modes(self, highest: float) -> Modes:
+        """Natural vibrations up to the frequency `highest`, rad/s, at the struck point and at the sensors."""
         raise SimulationError(self.modes_missing)
-
-    def influence(self, highest: float, sensor: Sensor) -> Influence:
-        """How a force at the struck point moves a sensor, by the vibrations up to the frequency `highest`, rad/s."""
-        assert sensor.position is not None
-        both = [self.modes(highest, ((sign, sensor.position),)) for sign in (OTHER, -OTHER)]
-        return influence_of(both[0], both[1], self.modes(highest))
 
     def omitted(self, modes: Modes, highest: float) -> float:
         """Static compliance of the vibrations above `highest` [rad/s], m/N. modes: those up to it."""

@@ -17,6 +17,7 @@ from film_datasets.schema.motion_variables import (
     WIDE,
     branch_words,
 )
+from film_datasets.schema.sensor_variables import peak_name, peak_variables, sensor_words
 from film_datasets.schema.tables import (
     ADDED,
     ATTRIBUTES,
@@ -99,9 +100,12 @@ __all__ = [
     "has_steps",
     "holds_text",
     "kind_of",
+    "peak_name",
+    "peak_variables",
     "pieces",
     "require",
     "require_impacts",
+    "sensor_words",
     "side_name",
     "sweep_variables",
     "swept_name",

@@ -29,6 +29,7 @@ from film_datasets.schema.motion_variables import (
     spaced,
     stage,
 )
+from film_datasets.schema.sensor_variables import SENSED, peaks_in
 from film_datasets.schema.variable import (
     BYTE,
     FLOAT,
@@ -57,8 +58,8 @@ _STRESSES = (
 )
 
 _STEPS = tuple(variable.name for variable in (*STEP_PLACES, *STEPS))
-_IN_HISTORIES, _IN_SWEEPS, _IN_STEPS, _OF_CONTACTS = (
-    tuple(v.name for v in variables) for variables in (IN_HISTORIES, IN_SWEEPS, IN_STEPS, CONTACTS)
+_IN_HISTORIES, _IN_SWEEPS, _IN_STEPS, _OF_CONTACTS, _SENSED = (
+    tuple(v.name for v in variables) for variables in (IN_HISTORIES, IN_SWEEPS, IN_STEPS, CONTACTS, SENSED)
 )
 
 ADDED: dict[str, dict[str, tuple[str, ...]]] = {
@@ -68,6 +69,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.3": (),
         "1.4": (*_STEPS, MODE_ENERGY.name),
         "1.5": (*_IN_HISTORIES, *_OF_CONTACTS, *_IN_STEPS),
+        "1.6": _SENSED,
     },
     SWEEP: {
         "1.0": (),
@@ -77,6 +79,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
         "1.4": (),
         "1.5": _STEPS,
         "1.6": _IN_SWEEPS,
+        "1.7": (),
     },
     MEASUREMENT: {
         **{"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter", "input_uncertainty")},
@@ -275,6 +278,7 @@ TABLE: dict[str, tuple[Variable, ...]] = {
     f"{HISTORY} friction": IN_HISTORIES,
     f"{HISTORY} contacts": CONTACTS,
     f"{HISTORY} sliding": IN_STEPS,
+    f"{HISTORY} sensors": SENSED,
     SWEEP: _SWEEP,
     f"{SWEEP} segments": _SWEEP_SEGMENTS,
     f"{SWEEP} steps": (*STEP_PLACES, *STEPS),
@@ -339,14 +343,15 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     if kind == HISTORY:
         constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
     if kind in (HISTORY, BOUNCES, COST):
-        own = ("steps", "friction", "contacts", "sliding") if kind == HISTORY else ()
+        own = ("steps", "friction", "contacts", "sliding", "sensors") if kind == HISTORY else ()
         more = [v for word in own if _has_any(ds, word) for v in TABLE[f"{HISTORY} {word}"]]
         return (*(v for v in (*TABLE[kind], *more) if v.name not in later), *constants)
     swept = swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
     dims = tuple(v.dims[0] for v in swept) if "impact" not in ds.sizes else ("impact",)
     kept, chosen = (str(ds.attrs.get(name, "")).split() for name in ("kept", "variables"))
     own = sweep_variables(kept, chosen, dims)
-    return (*swept, *(v for v in own if v.name not in later), *derivatives_in(ds, dims), *constants)
+    found = (*(v for v in own if v.name not in later), *derivatives_in(ds, dims), *peaks_in(ds, dims))
+    return (*swept, *found, *constants)
 
 
 def _has_any(ds: xr.Dataset, word: str) -> bool:

@@ -20,6 +20,7 @@ from film_datasets.schema import (
     branch_words,
     flag_words,
     has_failed,
+    sensor_words,
     side_name,
 )
 from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, Columns
@@ -148,6 +149,7 @@ def global_attributes(sweep: Sweep, command: str, totals: Totals) -> dict[str, A
         "design": sweep.design,
         **({"derivatives": " ".join(entry.path for entry in sweep.derivatives)} if sweep.derivatives else {}),
         **({"variables": " ".join(sweep.chosen)} if sweep.chosen else {}),
+        **({"sensors": " ".join(sensor_words(sweep.sensors))} if sweep.sensors else {}),
         "statuses": "\n".join(f"{code} {status.word}: {status.sentence}" for code, status in _statuses(sweep).items()),
         "warnings": "\n".join([*_warnings(sweep, totals), *effect_warnings(sweep), *sweep_law_warnings(sweep)])
         or "none",

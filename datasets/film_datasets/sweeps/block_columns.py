@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.impacts import ClosedForms, Impacts, simulate_impacts
-from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, side_name
+from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, peak_name, sensor_words, side_name
 from film_datasets.schema.friction_variables import REGIME
 from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.definition import Sweep
@@ -50,6 +50,10 @@ def compute_impacts(sweep: Sweep, values: Sequence[NDArray[Any]]) -> Columns:
         _put(sweep, columns, forms, impacts, index)
         if sweep.derivatives:
             _differentiate(sweep, columns, impacts, numbers, index)
+        for name, peaks in impacts.sensor_peaks().items():
+            word = sensor_words(sweep.sensors)[sweep.sensors.index(name)]
+            for what, largest in peaks.items():
+                columns[peak_name(what, word)][index] = largest
     if sweep.keep == "segments":
         columns |= ragged_columns(forms, count, ragged_dims(sweep.variables))
     return columns

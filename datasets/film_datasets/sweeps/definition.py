@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from film_datasets.impacts import scene_with_numbers
 from film_datasets.scene_constants import common_constants, scene_key
 from film_datasets.schema import CHOOSABLE, CONSTANTS, Variable, derivative_variables, sweep_variables, swept_name
+from film_datasets.schema.sensor_variables import peak_variables, sensor_words
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.axis_reading import read_axes, swept_mistakes
 from film_datasets.sweeps.design_table import is_table, over_of_table
-from film_datasets.sweeps.designs import DESIGNS, GRID, MOST_SAMPLES, SAMPLED, ZIP, points
+from film_datasets.sweeps.designs import DESIGNS, GRID, SAMPLED, ZIP, option_mistakes, points
 from film_datasets.sweeps.distributions import correlated, correlation_factor
 from film_model.base.arrays import Index
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
@@ -157,28 +158,25 @@ class Sweep:
     @cached_property
     def _may_vibrate(self) -> bool:
         """Whether there may be impacts on targets that vibrate."""
-        scenes = (self.combination(number) for number in self.combinations_used)
-        return any(map(edged, itertools.chain(scenes, self._scenes_of_numbers)))
+        return any(map(edged, itertools.chain(self._used_scenes, self._scenes_of_numbers)))
 
     @cached_property
     def _slides(self) -> bool:
         """Whether there may be friction."""
-        scenes = (self.combination(number) for number in self.combinations_used)
-        return any(scene.contact.friction is not None for scene in (*scenes, *self._scenes_of_numbers))
+        scenes = (*self._used_scenes, *self._scenes_of_numbers)
+        return any(scene.contact.friction is not None for scene in scenes)
 
     @cached_property
     def laws(self) -> tuple[str, ...]:
         """Names of the contact laws that may occur, in the order of the flags of `law`."""
-        names: list[str] = []
-        for number in self.combinations_used:
-            contact = self.combination(number).contact
-            names += [ELASTIC, YIELDING, DAMPED] if contact.law == "auto" else [contact.law_name]
+        auto, contacts = (ELASTIC, YIELDING, DAMPED), (scene.contact for scene in self._used_scenes)
+        names = (name for one in contacts for name in (auto if one.law == "auto" else (one.law_name,)))
         return tuple(dict.fromkeys(names))
 
     @cached_property
     def accuracies(self) -> tuple[float | None, ...]:
         """Requested accuracies, each once; None where segments are given instead."""
-        return tuple(dict.fromkeys(self.combination(number).solver.accuracy for number in self.combinations_used))
+        return tuple(dict.fromkeys(scene.solver.accuracy for scene in self._used_scenes))
 
     @cached_property
     def variables(self) -> tuple[Variable, ...]:
@@ -186,7 +184,15 @@ class Sweep:
         swept = tuple(axis.variable((axis.name,) if self.design == GRID else ("impact",)) for axis in self.axes)
         constants = (variable for variable in CONSTANTS if variable.name in self.constants)
         slopes = (derivative_variables(e.path, _cf_unit(e), self.chosen, self.dims) for e in self.derivatives)
-        return (*swept, *sweep_variables(self.kept, self.chosen, self.dims), *itertools.chain(*slopes), *constants)
+        peaks = peak_variables(sensor_words(self.sensors), self.dims)
+        own = sweep_variables(self.kept, self.chosen, self.dims)
+        return (*swept, *own, *itertools.chain(*slopes), *peaks, *constants)
+
+    @cached_property
+    def sensors(self) -> tuple[str, ...]:
+        """Names of the sensors of all targets that may vibrate."""
+        scenes = self._used_scenes if self._may_vibrate else ()
+        return tuple(dict.fromkeys(sensor.name for scene in scenes for sensor in scene.target.sensors or ()))
 
     @cached_property
     def row_variables(self) -> tuple[Variable, ...]:
@@ -197,8 +203,7 @@ class Sweep:
     @cached_property
     def constants(self) -> dict[str, Any]:
         """The values of the schema's `CONSTANTS` that are the same for all impacts."""
-        scenes = (self.combination(number) for number in self.combinations_used)
-        return common_constants(itertools.chain(scenes, self._scenes_of_numbers))
+        return common_constants(itertools.chain(self._used_scenes, self._scenes_of_numbers))
 
     @cached_property
     def scene_key(self) -> int:
@@ -275,6 +280,10 @@ class Sweep:
             self._scenes[number] = self.first.replace(changes) if changes else self.scene
         return self._scenes[number]
 
+    @property
+    def _used_scenes(self) -> Iterator[Scene]:
+        return (self.combination(number) for number in self.combinations_used)
+
     def parts(
         self, values: Sequence[NDArray[Any]], wanted: NDArray[np.bool_]
     ) -> Iterator[tuple[Scene, Index, dict[str, NDArray[Any]]]]:
@@ -317,27 +326,6 @@ class Sweep:
             else:
                 assert first is not None
                 raise SceneError(swept_mistakes(first, [axis.path for axis in self.choice_axes]))
-
-
-def option_mistakes(design: object, samples: object, seed: object) -> list[Mistake]:
-    """Mistakes of a design and of its number of samples and seed."""
-    found: dict[str, str] = {}
-    if design not in DESIGNS:
-        words = ", ".join(f'"{word}"' for word in DESIGNS)
-        hint = did_you_mean(design, DESIGNS) if isinstance(design, str) else ""
-        found["design"] = f"{shown(design)} is not allowed: one of {words} is needed{hint}"
-    elif design not in SAMPLED:
-        given = [key for key, value in (("samples", samples), ("seed", seed)) if value is not None]
-        found |= {key: f'is not for design "{design}"' for key in given}
-    else:
-        most = MOST_SAMPLES[str(design)]
-        if samples is None:
-            found["samples"] = f'missing: design "{design}" needs the number of impacts'
-        elif isinstance(samples, bool) or not isinstance(samples, int) or not 1 <= samples <= most:
-            found["samples"] = f"{shown(samples)} is not allowed: a whole number from 1 to {most} is needed"
-        if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**64):
-            found["seed"] = f"{shown(seed)} is not allowed: a whole number from 0 to 2^64 - 1 is needed"
-    return [Mistake(None, None, key, message) for key, message in found.items()]
 
 
 def _variable_mistakes(given: Any) -> list[Mistake]:

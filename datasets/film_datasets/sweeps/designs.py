@@ -8,6 +8,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from film_model.base.errors import Mistake, did_you_mean, shown
+
 Array = NDArray[np.float64]
 
 GRID, ZIP = "grid", "zip"
@@ -86,3 +88,24 @@ def _offsets(seed: int) -> np.random.PCG64:
 def points(design: str, dimensions: int, samples: int, seed: int) -> Points:
     """The points of a design: one object per process, so that its Sobol engine is shared by all threads."""
     return Points(design, dimensions, samples, seed)
+
+
+def option_mistakes(design: object, samples: object, seed: object) -> list[Mistake]:
+    """Mistakes of a design and of its number of samples and seed."""
+    found: dict[str, str] = {}
+    if design not in DESIGNS:
+        words = ", ".join(f'"{word}"' for word in DESIGNS)
+        hint = did_you_mean(design, DESIGNS) if isinstance(design, str) else ""
+        found["design"] = f"{shown(design)} is not allowed: one of {words} is needed{hint}"
+    elif design not in SAMPLED:
+        given = [key for key, value in (("samples", samples), ("seed", seed)) if value is not None]
+        found |= {key: f'is not for design "{design}"' for key in given}
+    else:
+        most = MOST_SAMPLES[str(design)]
+        if samples is None:
+            found["samples"] = f'missing: design "{design}" needs the number of impacts'
+        elif isinstance(samples, bool) or not isinstance(samples, int) or not 1 <= samples <= most:
+            found["samples"] = f"{shown(samples)} is not allowed: a whole number from 1 to {most} is needed"
+        if seed is not None and (isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**64):
+            found["seed"] = f"{shown(seed)} is not allowed: a whole number from 0 to 2^64 - 1 is needed"
+    return [Mistake(None, None, key, message) for key, message in found.items()]

@@ -11,9 +11,9 @@ from types import MappingProxyType
 from typing import Any
 
 from film_datasets.sweeps.axis_reading import FORMS
-from film_datasets.sweeps.definition import OPTIONS, Sweep, option_mistakes
+from film_datasets.sweeps.definition import OPTIONS, Sweep
 from film_datasets.sweeps.design_table import over_of_file
-from film_datasets.sweeps.designs import GRID, ZIP
+from film_datasets.sweeps.designs import GRID, ZIP, option_mistakes
 from film_model.base.errors import Mistake, SceneError, did_you_mean, shown
 from film_model.scene import Scene
 from film_model.scene.scene import WITH_FILES

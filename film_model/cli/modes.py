@@ -1,0 +1,69 @@
+"""film-model modes: the vibrations of a structure from the program that computed them."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from film_model.cli.output import DONE, add_force, check_writable, print_warnings, print_written
+
+COUPLED = 0.1
+"""Coupling of vibrations by damping from which there is a warning."""
+
+
+def add_commands(named: Any) -> None:
+    """The command and its options."""
+    parser: argparse.ArgumentParser = named.add_parser(
+        "modes", "vibrations from a universal file, or from matrices M and K"
+    )
+    parser.add_argument("what", choices=("read",), help='read: write them as a file for kind = "structure"')
+    parser.add_argument("file", metavar="FILE", help="FILE.unv or .uff (data sets 55); .npz with K, M and C; .mtx of K")
+    parser.add_argument("--mass", metavar="FILE", help="M in Matrix Market format, beside K")
+    parser.add_argument("--damping", metavar="FILE", help="C in Matrix Market format, beside K; optional")
+    parser.add_argument(
+        "--node", type=int, required=True, metavar="N", help="node that is struck; row of matrices, from 1"
+    )
+    parser.add_argument("--direction", choices=("x", "y", "z"), help="of the impact, at nodes")
+    parser.add_argument("--sensors", default="", metavar="N[,N]", help="nodes or rows of sensors: columns shape_N")
+    parser.add_argument(
+        "--mass-unit", choices=("kg", "g", "t"), help="of the model, e.g. t with mm and N (default: the file's, or kg)"
+    )
+    parser.add_argument("--output", required=True, metavar="FILE.csv", help="file of vibrations")
+    add_force(parser, "overwrite an existing file")
+    parser.set_defaults(command=modes)
+
+
+def modes(options: argparse.Namespace) -> int:
+    from pathlib import Path
+
+    from film_model.targets.modes_of_programs import read_matrices, read_universal
+
+    check_writable(options.output, options.force)
+    sensors = _numbers(options.sensors)
+    path = Path(options.file)
+    if path.suffix in (".npz", ".mtx"):
+        mass, damping = (None if name is None else Path(name) for name in (options.mass, options.damping))
+        found = read_matrices(path, mass, damping, options.node, sensors, options.mass_unit)
+    else:
+        if options.direction is None:
+            raise ValueError("--direction: missing: x, y or z is needed at a node")
+        found = read_universal(path, options.node, options.direction, sensors, options.mass_unit)
+    found.write(Path(options.output))
+    low, high = found.frequency[0], found.frequency[-1]
+    print(f"{found.frequency.size} vibrations from {low:.6g} to {high:.6g} Hz")
+    if found.static_compliance is not None:
+        print(f"static compliance {found.static_compliance:.6g} m/N")
+    print_written(options.output)
+    told = f"damping couples vibrations by up to {found.coupling:.2g} of their own: this is neglected"
+    print_warnings([told] if found.coupling > COUPLED else [])
+    return DONE
+
+
+def _numbers(text: str) -> list[int]:
+    try:
+        found = [int(part) for part in text.split(",") if part.strip()]
+    except ValueError:
+        raise ValueError(f'--sensors: "{text}" is not a list of numbers such as 17,44') from None
+    if len(set(found)) < len(found):
+        raise ValueError(f'--sensors: "{text}" names a number twice')
+    return found

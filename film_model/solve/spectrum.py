@@ -1,0 +1,176 @@
+"""An impact over frequency: the spectrum of its force, and how the structure responds at the struck point and sensors.
+
+The force's spectrum is that of a hammer test: a soft tip keeps contact long and excites low frequencies only.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base.arrays import Array
+from film_model.base.errors import SimulationError, TooManyModes
+from film_model.base.units import array_to_si
+from film_model.solve.sensed import force_of_steps
+from film_model.solve.structures import computable, lowest_frequency
+from film_model.targets import AbstractTarget
+
+if TYPE_CHECKING:
+    from film_model.solve.history import History
+
+Complex = NDArray[np.complex128]
+
+SAMPLES = 2**13
+"""Even times of the force, between which it is taken as linear: where it is a half-sine, within 1e-7 of the impulse."""
+
+DROP = 10.0**-0.5
+"""Amplitude over that of frequency 0 at the bandwidth: −10 dB."""
+
+SCAN = 0.05
+"""Step of the frequency, times the time from first touch to the last event, at which the bandwidth is looked for."""
+
+FREQUENCIES, SHOWN = 1000, 2.0
+"""Number of frequencies where none are given, and the largest over the bandwidth."""
+
+REACH = 30.0
+"""Highest natural frequency over the largest of a response, and over the first. At sensors the static part of higher
+ones is missing: on plates up to 0.6 % of the static deflection in the other half, 3 % at 1/60 of the side from the
+force."""
+
+TOGETHER = 1_000_000
+"""Modes times frequencies that are computed together, or ten frequencies: 16 bytes each."""
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """frequency: Hz. force: ∫ F e^(−iωt) dt, N·s, complex. bandwidth: lowest frequency at which its amplitude is 10 dB
+    below that of frequency 0, Hz. points: the struck point, and the sensors. receptance: complex displacement over
+    force at each, m/N, (points, frequencies); empty if the vibrations of the target are not simulated."""
+
+    frequency: Array
+    force: Complex
+    bandwidth: float
+    points: tuple[str, ...]
+    receptance: Complex
+
+    @property
+    def accelerance(self) -> Complex:
+        """Acceleration over force at each point, 1/kg: −ω² times the receptance."""
+        return -((2.0 * math.pi * self.frequency) ** 2) * self.receptance
+
+    @property
+    def acceleration(self) -> Complex:
+        """Spectrum of the acceleration of each point under this impact, m/s."""
+        return self.accelerance * self.force
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON, SI, complex ones as amplitudes in N·s and 1/kg."""
+        accelerance = {name: np.abs(row).tolist() for name, row in zip(self.points, self.accelerance, strict=True)}
+        return {
+            "bandwidth": self.bandwidth,
+            "frequency": self.frequency.tolist(),
+            "force": np.abs(self.force).tolist(),
+            "accelerance": accelerance,
+        }
+
+    def write(self, path: str | os.PathLike[str]) -> None:
+        """As CSV: real and imaginary parts of the force, N·s, and of the receptance of each point, m/N."""
+        columns = {"frequency [Hz]": self.frequency}
+        for name, unit, values in (
+            ("force", "N*s", self.force),
+            *((f"receptance {name}", "m/N", row) for name, row in zip(self.points, self.receptance, strict=True)),
+        ):
+            columns |= {f"{name}, real [{unit}]": values.real, f"{name}, imaginary [{unit}]": values.imag}
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            table = csv.writer(file, lineterminator="\n")
+            table.writerow(columns)
+            table.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+
+
+def spectrum(history: History, frequencies: Any = None) -> Spectrum:
+    """The spectrum of an impact at ascending frequencies, Hz or with units, > 0.
+
+    Default: 1000 even ones up to twice the bandwidth. The response has the natural vibrations up to 30 times the
+    largest frequency, or as many as can be computed; of those above, the static part at the struck point. Raises
+    ValueError for wrong frequencies, and SimulationError if the contact has not ended.
+    """
+    if not history.events or history.events[-1].name != "contact_ends":
+        raise SimulationError("the contact does not end: its force has no spectrum")
+    times = np.linspace(0.0, history.duration, SAMPLES + 1)
+    on, unit = history.vibration, float(history.problem.scales.force)
+    force = history.sample_si(times).contact_force if on is None else force_of_steps(on.segments, unit, times)
+    bandwidth = _bandwidth(times, force)
+    if frequencies is None:
+        f = np.linspace(0.0, SHOWN * bandwidth, FREQUENCIES + 1)[1:]
+    else:
+        f = array_to_si(frequencies, "frequency", bare=True)
+        if f.ndim != 1 or f.size == 0 or not (f > 0.0).all() or (np.diff(f) < 0.0).any():
+            raise ValueError("frequencies must be a list that ascends from more than 0 Hz")
+    target = history.scene.target
+    points = () if on is None else ("struck point", *(sensor.name for sensor in target.sensors or ()))
+    found = np.zeros((0, f.size), np.complex128) if on is None else receptance(target, f)
+    return Spectrum(f, transform(times, force, f), bandwidth, points, found)
+
+
+def transform(times: Array, force: Array, frequency: Array) -> Complex:
+    """∫ F e^(−iωt) dt of a force that is linear between even times from 0 s on, at frequencies, Hz: exact.
+
+    The exponentials of all times are products of those of few.
+    """
+    dt, side = float(times[1] - times[0]), math.isqrt(force.size - 1) + 1
+    rows = np.concatenate([force, np.zeros(side**2 - force.size)]).reshape(side, side)
+    turned = np.exp(-2j * math.pi * dt * np.outer(frequency, np.arange(side)))
+    sums = np.exp(-2j * math.pi * dt * side * np.outer(frequency, np.arange(side))) * (turned @ rows.T)
+    return dt * np.sinc(frequency * dt) ** 2 * sums.sum(axis=1)
+
+
+def receptance(target: AbstractTarget, frequency: Array) -> Complex:
+    """Displacement over force of the struck point and each sensor, m/N, at frequencies > 0, Hz: (points, frequencies).
+
+    Σ φ_n(point) φ_n/(M_n (ω_n² − ω² + 2 i ζ_n ω_n ω)), and the static deflection of the omitted vibrations at the
+    struck point. Without damping it is infinite at natural frequencies. Raises SimulationError where the vibrations up
+    to the largest frequency cannot be computed.
+    """
+    omega = 2.0 * math.pi * frequency
+    try:
+        most = max(float(omega[-1]), lowest_frequency(target))
+        highest = computable(target, REACH * most, 1.0 / most, most)
+    except TooManyModes as error:
+        raise SimulationError(f"up to {float(frequency[-1]):g} Hz: {error}") from None
+    modes = target.modes(highest)
+    factors = np.vstack([modes.share, modes.factor]).astype(np.complex128)
+    found = np.empty((len(factors), omega.size), np.complex128)
+    step = max(TOGETHER // modes.frequency.size, 10)
+    for at in (slice(first, first + step) for first in range(0, omega.size, step)):
+        w = omega[at, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found[:, at] = (
+                factors @ (1.0 / (modes.frequency**2 - w**2 + 2j * modes.damping_ratio * modes.frequency * w)).T
+            )
+    found[0] += target.omitted(modes, highest)
+    return found
+
+
+def _bandwidth(times: Array, force: Array) -> float:
+    """The lowest frequency at which the amplitude is `DROP` times that of frequency 0, Hz."""
+    import scipy.optimize
+
+    root: Any = scipy.optimize.brentq
+    impulse = float(abs(transform(times, force, np.zeros(1))[0]))
+
+    def over(frequency: Any) -> Any:
+        return np.abs(transform(times, force, np.atleast_1d(frequency))) / impulse - DROP
+
+    step = SCAN / float(times[-1])
+    for first in range(0, SAMPLES, 64):
+        f = step * np.arange(first, first + 65)
+        below = np.flatnonzero(over(f) < 0.0)
+        if below.size:
+            return float(root(lambda x: float(over(x)[0]), f[below[0] - 1], f[below[0]]))
+    raise SimulationError("the spectrum of the force does not fall by 10 dB: it jumps")

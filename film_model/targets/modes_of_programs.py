@@ -1,0 +1,208 @@
+"""Natural vibrations from other programs, as a file of vibrations: universal files, and matrices M, K and C."""
+
+from __future__ import annotations
+
+import importlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from film_model.base.arrays import Array
+from film_model.base.errors import shown
+from film_model.base.threads import one_thread
+from film_model.targets.structure_file import ROOTS
+
+DIRECTIONS = ("x", "y", "z")
+
+MOST_ROWS = 3000
+"""Largest matrices: their vibrations take some ten seconds, and the matrices 70 MB each."""
+
+SHIFT = 1e-8
+"""Shift of the eigenvalues over the median of K_ii/M_ii. Where nothing holds the structure, those near the median then
+have errors of ε/SHIFT = 2e-8, and smaller ones smaller errors."""
+
+RIGID = 1e-4
+"""Eigenvalues over the shift below which they are 0 with rounding: a motion that nothing holds."""
+
+MASSLESS = 1e-14
+"""Eigenvalues of (M, K + shift M) over the largest, below which a vibration has no mass and follows statically."""
+
+NEEDS_PYUFF = 'universal files need pyuff: install film-model[modes] (pip install "film-model[modes]")'
+
+
+@dataclass(frozen=True)
+class FoundModes:
+    """Vibrations by ascending frequency, Hz.
+
+    shape: of mass 1 kg, 1/√kg, at the struck point in the first row and at the sensors in the others. damping_ratio:
+    ζ; None if unknown. static_compliance: at the struck point, m/N; None if unknown. sensors: numbers of their nodes or
+    rows. coupling: largest off-diagonal term of the damping over the root of the product of the two diagonal ones; it
+    is neglected.
+    """
+
+    frequency: Array
+    shape: Array
+    damping_ratio: Array | None
+    static_compliance: float | None
+    sensors: tuple[int, ...]
+    coupling: float = 0.0
+
+    def write(self, path: Path) -> None:
+        """As the CSV file that `kind = "structure"` reads; the shapes at sensors are columns shape_17."""
+        columns = {"frequency [Hz]": self.frequency, "mass_normalised_shape [1/sqrt(kg)]": self.shape[0]}
+        if self.damping_ratio is not None:
+            columns["damping_ratio"] = self.damping_ratio
+        columns |= {f"shape_{number}": row for number, row in zip(self.sensors, self.shape[1:], strict=True)}
+        static = [] if self.static_compliance is None else [f"# static_compliance = {self.static_compliance!r} m/N"]
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        lines = [*static, ", ".join(columns), *(", ".join(map(repr, row)) for row in rows)]
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def read_universal(path: Path, node: int, direction: str, sensors: Sequence[int], mass_unit: str | None) -> FoundModes:
+    """The real vibrations (data set 55, analysis type 2) of a universal file at nodes, along x, y or z.
+
+    mass_unit: of the model's consistent units; default from data set 164, else kg. Raises ImportError without pyuff,
+    and ValueError if the file has no such vibrations, or not all nodes.
+    """
+    try:
+        pyuff: Any = importlib.import_module("pyuff")
+    except ImportError as error:
+        raise ImportError(f"{path}: {NEEDS_PYUFF}") from error
+    try:
+        found = pyuff.UFF(str(path)).read_sets()
+    except Exception as error:  # pyuff raises Exception itself
+        raise ValueError(f"{path} cannot be read as a universal file: {error}") from None
+    sets = [found] if isinstance(found, dict) else list(found)
+    modes = [one for one in sets if one.get("type") == 55 and one.get("analysis_type") == 2 and "freq" in one]
+    if not modes:
+        raise ValueError(f"{path} has no real vibrations: data sets 55 of analysis type 2 are needed")
+    unit = _root_of_mass(mass_unit, sets)
+    modes.sort(key=lambda one: float(one["freq"]))
+    columns = [_at_nodes(path, one, (node, *sensors), f"r{DIRECTIONS.index(direction) + 1}") for one in modes]
+    masses = np.array([float(one["modal_m"]) for one in modes])
+    if not (masses > 0.0).all():
+        raise ValueError(f"{path}: a modal mass is {masses.min():g}, more than 0 is needed")
+    damping = np.array([float(one.get("modal_damp_vis", 0.0)) for one in modes])
+    shape = np.array(columns).T / np.sqrt(masses) * unit
+    return FoundModes(np.array([float(one["freq"]) for one in modes]), shape, damping if damping.any() else None, None,
+                      tuple(sensors))  # fmt: skip
+
+
+def _root_of_mass(mass_unit: str | None, sets: Sequence[dict[str, Any]]) -> float:
+    """√kg over the root of the model's unit of mass. Data set 164 has the lengths and forces that are 1 m and 1 N."""
+    if mass_unit is not None:
+        return ROOTS[mass_unit]
+    units = next((one for one in sets if one.get("type") == 164), {"length": 1.0, "force": 1.0})
+    return math.sqrt(units["force"] / units["length"])  # the unit of mass is length/force kg
+
+
+def _at_nodes(path: Path, mode: dict[str, Any], nodes: Sequence[int], component: str) -> list[float]:
+    numbers = np.asarray(mode["node_nums"]).astype(int).tolist()
+    for node in nodes:
+        if node not in numbers:
+            raise ValueError(f"{path}: the vibration at {float(mode['freq']):g} Hz has no node {node}")
+    return [float(np.real(mode[component][numbers.index(node)])) for node in nodes]
+
+
+def read_matrices(path: Path, mass: Path | None, damping: Path | None, row: int, sensors: Sequence[int],
+                  mass_unit: str | None) -> FoundModes:  # fmt: skip
+    """The vibrations of K φ = ω² M φ, all of them, at rows of the matrices, counted from 1.
+
+    path: of a .npz file with K, M and perhaps C, or of K in Matrix Market format, with those of M and C beside it. Of C
+    the modal damping ratios φᵀCφ/(2ω) are taken. The static compliance is that of K, exactly; where nothing holds the
+    structure, the sum over its vibrations. mass_unit: of the matrices' consistent units; default kg. Raises ValueError
+    for matrices that are not symmetric, of different sizes, or not positive.
+    """
+    matrices = _matrices(path, mass, damping)
+    stiffness, inertia = matrices["K"], matrices["M"]
+    points = [number - 1 for number in (row, *sensors)]
+    if min(points) < 0 or max(points) >= len(stiffness):
+        wrong = next(number for number in (row, *sensors) if not 1 <= number <= len(stiffness))
+        raise ValueError(f"{path} has {len(stiffness)} rows: row {wrong} is not one of them")
+    square, shapes = _vibrations(path, stiffness, inertia)
+    omega, unit = np.sqrt(square), ROOTS[mass_unit or "kg"]
+    ratio, coupling = None, 0.0
+    if "C" in matrices:
+        modal = shapes.T @ matrices["C"] @ shapes
+        own = np.diag(modal)
+        if own.min() < -1e-9 * own.max():
+            raise ValueError(f"{path}: the damping is not positive")
+        ratio = np.where(omega > 0.0, np.maximum(own, 0.0) / np.where(omega > 0.0, 2.0 * omega, 1.0), 0.0)
+        damped = own > 1e-9 * own.max()
+        modal, own = modal[np.ix_(damped, damped)], own[damped]
+        coupling = float(np.max(np.abs(modal - np.diag(own)) / np.sqrt(np.outer(own, own)), initial=0.0))
+    struck = points[0]
+    bends = square > 0.0
+    static = float(np.sum(shapes[struck, bends] ** 2 / square[bends]))
+    if bends.all():
+        static = float(np.linalg.solve(stiffness, np.eye(len(stiffness))[struck])[struck])
+    shape = shapes[points] * unit
+    return FoundModes(omega / (2.0 * math.pi), shape, ratio, static * unit**2, tuple(sensors), coupling)
+
+
+@one_thread
+def _vibrations(path: Path, stiffness: Array, inertia: Array) -> tuple[Array, Array]:
+    """ω² by ascending size, and shapes of mass 1, one per column.
+
+    Of the inverse problem M φ = μ (K + shift M) φ, whose largest eigenvalues are exact to rounding: those of (K, M)
+    have errors of ε times the largest ω². Vibrations without mass are left out.
+    """
+    import scipy.linalg
+
+    heavy = np.diag(inertia) > 0.0
+    shift = SHIFT * float(np.median(np.diag(stiffness)[heavy] / np.diag(inertia)[heavy])) if heavy.any() else 0.0
+    held = stiffness + shift * inertia
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(held), np.finfo(np.float64).tiny))
+    try:
+        values, shapes = scipy.linalg.eigh(inertia * np.outer(scale, scale), held * np.outer(scale, scale))
+    except scipy.linalg.LinAlgError:
+        raise ValueError(f"{path}: the stiffness is not positive: its deflections store no energy") from None
+    values, shapes = values[::-1], scale[:, None] * shapes[:, ::-1]
+    if not values[0] > 0.0 or values[-1] < -1e-9 * values[0]:
+        raise ValueError(f"{path}: the mass is not positive")
+    kept = values > MASSLESS * values[0]
+    values, shapes = values[kept], shapes[:, kept] / np.sqrt(values[kept])
+    square = 1.0 / values - shift
+    return np.where(square < RIGID * shift, 0.0, square), shapes
+
+
+def _matrices(path: Path, mass: Path | None, damping: Path | None) -> dict[str, Array]:
+    """K, M and, if given, C, symmetric and of one size."""
+    if path.suffix == ".npz":
+        with np.load(path, allow_pickle=False) as file:
+            found = {name: np.asarray(file[name]) for name in ("K", "M", "C") if name in file.files}
+    else:
+        files = {"K": path, "M": mass, "C": damping}
+        found = {name: _market(file) for name, file in files.items() if file is not None}
+    for name in ("K", "M"):
+        if name not in found:
+            need = "arrays K and M" if path.suffix == ".npz" else "--mass with the file of M"
+            raise ValueError(f"{path}: no matrix {name}: {need} are needed")
+    size = found["K"].shape[:1]
+    for name, matrix in found.items():
+        if matrix.dtype.kind not in "iuf" or matrix.shape != (*size, *size) or not np.isfinite(matrix).all():
+            need = f"finite real numbers in {size[0]} rows and columns are needed"
+            raise ValueError(f"{path}: {name} has the shape {matrix.shape}: {need}")
+        if not 1 <= size[0] <= MOST_ROWS:
+            raise ValueError(
+                f"{path}: {size[0]} rows: 1 to {MOST_ROWS} are allowed; reduce the model, or export its shapes"
+            )
+        if np.abs(matrix - matrix.T).max() > 1e-6 * np.abs(matrix).max():
+            raise ValueError(f"{path}: {name} is not symmetric")
+    return {name: (matrix + matrix.T) / 2.0 for name, matrix in found.items()}
+
+
+def _market(path: Path) -> Any:
+    from scipy.io import mmread
+    from scipy.sparse import issparse
+
+    try:
+        found: Any = mmread(path)
+    except ValueError as error:
+        raise ValueError(f"{shown(str(path))} cannot be read as a matrix: {error}") from None
+    return np.asarray(found.todense() if issparse(found) else found)

@@ -18,9 +18,11 @@ from film_model.base.arrays import Array, Number, either, greater, ratio
 from film_model.base.errors import SimulationError
 from film_model.core import friction as core
 from film_model.core import native
+from film_model.core.springs import radii as radii_of
 from film_model.laws.law import Power
 from film_model.oblique import springs
 from film_model.oblique.result import KINDS, MOTION, REGIMES, Oblique
+from film_model.problem.curve import Curve
 from film_model.problem.problem import Problem
 from film_model.problem.stresses import contact_radius
 from film_model.scene import Scene
@@ -68,12 +70,17 @@ def refuse(problem: Problem) -> None:
 
 
 def exact_force(problem: Problem) -> Power | None:
-    """The force of a law whose friction is exact: one convex power that unloading retraces."""
-    stage, *others = problem.curve.stages
+    """The force of a problem whose friction is exact: of `convex_power`, on a target without vibrations and springs."""
+    return None if problem.vibrates or problem.curve.native.compliance > 0.0 else convex_power(problem.curve)
+
+
+def convex_power(curve: Curve) -> Power | None:
+    """The force of a law that is one convex power, which unloading retraces."""
+    stage, *others = curve.stages
     force = stage.force
     if others or not isinstance(force, Power) or force.constant != 0.0 or stage.damping is not None:
         return None
-    if stage.unloading is not None or problem.vibrates or problem.curve.native.compliance > 0.0:
+    if stage.unloading is not None:
         return None
     convex = force.slope >= 0.0 and force.coefficient >= 0.0 and (force.exponent >= 1.0 or force.coefficient == 0.0)
     return force if convex and not force.origin else None
@@ -144,9 +151,7 @@ def _by_springs(
     columns = (times, first.velocity, first.force, moved, np.full(times.size, np.nan))
     motion = dict(zip(MOTION, columns, strict=True))
     normal = float(np.trapezoid(force, times))
-    slides = given.mass * abs(given.velocity - first.velocity[-1]) >= (1.0 - SLIDING) * given.friction * normal
-    sticks = abs(given.velocity) < given.friction * given.ratio * scene.approach_velocity
-    regime = THROUGHOUT if slides else STICKS if sticks else SLIDES
+    regime = REGIMES[regime_of(scene, given, float(first.velocity[-1]), normal)]
     ends = [float(run.velocity[-1]) for run in runs]
     events = ((0.0, "sticks" if regime == STICKS else "slides"),)
     error = first.estimated / abs(given.velocity)
@@ -158,6 +163,13 @@ def _by_springs(
     return replace(found, low=min(ends), high=max(ends))
 
 
+def regime_of(scene: Scene, given: Sliding, after: Number, impulse: Number) -> Any:
+    """The number of the regime in `REGIMES`, from the sliding velocity after the impact and the normal impulse."""
+    slides = given.mass * abs(given.velocity - after) >= (1.0 - SLIDING) * given.friction * impulse
+    sticks = abs(given.velocity) < given.friction * given.ratio * scene.approach_velocity
+    return either(slides, 2, either(sticks, 0, 1))
+
+
 def _yields(problem: Problem) -> bool:
     core = problem.curve.native
     return any(core.stage[k].unloading != native.RETRACE for k in range(core.stages))
@@ -166,17 +178,10 @@ def _yields(problem: Problem) -> bool:
 def _radii_beyond_yield(scene: Scene, problem: Problem, depth: Array, force: Array) -> list[Array]:
     """The contact radius over time, m: that of the law in loading, and that of an elastic contact with the slope of its
     force; in unloading both shrink as those of a ball in its dent."""
-    turn, found = int(np.argmax(depth)), list[Array]()
-    loading, modulus = slice(0, turn + 1), cast("float", scene.effective_modulus)
-    law, _ = contact_radius(problem.impacts, force[loading], depth[loading])
-    slope = np.gradient(force[loading], depth[loading])
-    left = float(depth[force > 0.0][-1]) if (force > 0.0).any() else 0.0
-    opening = np.sqrt(np.clip((depth - left) / max(depth[turn] - left, 1e-300), 0.0, 1.0))
-    for radius in (np.nan_to_num(np.asarray(law)), np.nan_to_num(slope) / (2.0 * modulus)):
-        whole = float(np.nan_to_num(np.asarray(law))[-1]) * opening
-        whole[loading] = np.maximum(radius, 0.0)
-        found.append(np.where(force > 0.0, whole, 0.0))
-    return found
+    loading = slice(0, int(np.argmax(depth)) + 1)
+    law = np.full(depth.size, np.nan)
+    law[loading], _ = contact_radius(problem.impacts, force[loading], depth[loading])
+    return list(radii_of(force, depth, law, cast("float", scene.effective_modulus)))
 
 
 def results(

@@ -180,7 +180,8 @@ def _radii_beyond_yield(scene: Scene, problem: Problem, depth: Array, force: Arr
     force; in unloading both shrink as those of a ball in its dent."""
     loading = slice(0, int(np.argmax(depth)) + 1)
     law = np.full(depth.size, np.nan)
-    law[loading], _ = contact_radius(problem.impacts, force[loading], depth[loading])
+    indentation = np.maximum(depth[loading], 0.0)  # below 0 between two contacts
+    law[loading], _ = contact_radius(problem.impacts, force[loading], indentation)
     return list(radii_of(force, depth, law, cast("float", scene.effective_modulus)))
 
 

@@ -63,12 +63,15 @@ function entryRow(scene, input, changed) {
   if (input.optional) field.placeholder = input.empty;
   const slider = made("input", { type: "range", min: "0", max: String(STEPS), "aria-label": `${input.label}, slider` });
   let range = input.slider;
+  const present = () => { // a missing mass follows the radius, and so does its slider
+    const value = entriesOf(scene)[input.path];
+    const middle = Math.sqrt(input.slider[0] * input.slider[1]);
+    if (scene.values[input.path] === null && input.logarithmic) range = input.slider.map((/** @type {number} */ end) => (end * value) / middle);
+    return value;
+  };
   const show = () => {
-    const value = scene.values[input.path];
-    const present = entriesOf(scene)[input.path];
-    if (value === null && input.logarithmic) range = input.slider.map((/** @type {number} */ end) => (end * present) / Math.sqrt(input.slider[0] * input.slider[1]));
-    field.value = fieldText(input, value);
-    slider.value = String(sliderPlace(input, range, present));
+    field.value = fieldText(input, scene.values[input.path]);
+    slider.value = String(sliderPlace(input, range, present()));
     slider.setAttribute("aria-valuetext", field.value || field.placeholder);
     field.removeAttribute("aria-invalid");
     error.textContent = "";
@@ -84,6 +87,7 @@ function entryRow(scene, input, changed) {
     changed();
   });
   slider.addEventListener("input", () => {
+    present();
     scene.values[input.path] = sliderValue(input, range, Number(slider.value));
     show();
     changed();
@@ -177,14 +181,16 @@ function kindRow(scene, replaced) {
     const bases = DATA.scenes.filter((/** @type {any} */ entry) => entry.kind === kind);
     const base = bases.find((/** @type {any} */ entry) => entry.table.target.material && entry.table.impactor.velocity);
     const next = sceneOf(base ?? bases[0]);
-    const kept = ["impactor.", "contact.friction", ...(next.base.support ? [] : ["target.material."])];
+    if (lawNames(next).includes(scene.law)) chooseLaw(next, scene.law);
+    const kept = ["impactor.", "contact.", ...(next.base.support ? [] : ["target.material."])];
     for (const [path, value] of Object.entries(scene.values)) {
       if (path in next.values && kept.some((start) => path.startsWith(start))) next.values[path] = value;
     }
     for (const body of next.base.support ? ["impactor"] : ["impactor", "target"]) {
       if (scene.materials[body] && next.materials[body] !== undefined) next.materials[body] = scene.materials[body];
     }
-    next.title = scene.title === scene.base.title ? `Impact on a ${kind}` : scene.title;
+    const titles = [scene.base.title, `Impact on a ${scene.base.kind}`]; // which the reader has not written
+    next.title = titles.includes(scene.title) ? `Impact on a ${kind}` : scene.title;
     Object.assign(scene, next);
     replaced();
   });

@@ -404,6 +404,29 @@ def test_typed_values_with_units(shown, address):
     assert window.inner_text("#summary") == before
 
 
+def test_entries_begin_at_what_they_are(shown, address):
+    """A mass from the density follows the radius; another kind of target keeps what is made and said of the scene."""
+    window = shown(f"{address}#scene=ball-on-plate")
+    window.fill("#entry-impactor-radius", "20 mm")
+    window.keyboard.press("Tab")
+    place = int(window.input_value("#entry-impactor-mass ~ input[type=range]"))
+    moved(window, "#entry-impactor-mass ~ input[type=range]", place + 1)
+    mass = fm.Sphere("20 mm", "1 m/s", material="bearing steel").own_mass
+    assert float(window.input_value("#entry-impactor-mass").split()[0]) == pytest.approx(1e3 * mass, rel=0.01)
+    window.select_option("#material-target", "copper")
+    window.fill("#title", "mine")
+    window.keyboard.press("Tab")
+    window.select_option("#kind", "half-space")
+    kept = [window.input_value(entry) for entry in ("#material-target", "#title", "#law")]
+    assert kept == ["copper", "mine", "auto"]
+    window.fill("#entry-impactor-radius", "ten")
+    window.keyboard.press("Tab")
+    assert window.is_visible("#outdated")
+    window.goto(f"{address}#scene=two-balls&impactor.velocity=0.05")
+    window.wait_for_selector("#failure:not([hidden])")
+    assert window.is_disabled("#csv") and window.is_disabled("#png")
+
+
 def test_every_choice_changes_the_scene(shown, address):
     window = shown(address)
     for selector in ("#kind", "#law", "#material-impactor", "#accuracy", "#linearisation"):

@@ -134,7 +134,7 @@ def test_the_shape_of_the_rebound():
 
 
 def test_radii_of_a_contact_that_yields():
-    """In loading F' = 2 E* a, and the law's; in unloading that of a ball in its dent, however the last force is rounded."""
+    """In loading F' = 2 E* a, and the law's; in unloading a ball's in its dent, however the last force is rounded."""
     depth = np.concatenate([np.linspace(0.0, 1.0, 201) ** 2, np.linspace(1.0, 0.4, 100)[1:]])
     force, law = depth**1.5, np.where(depth > 0.0, 0.9 * np.sqrt(depth), np.nan)
     force[201:] = np.linspace(1.0, 0.0, 100)[1:]

@@ -31,7 +31,7 @@ SOURCES = (
     *platforms.MODES,
     *ONE_IMPACT,
     *platforms.RELAXING,
-    *platforms.core("oblique", "friction", "friction_step", "friction_many"),
+    *platforms.core("oblique", "friction", "friction_step", "friction_many", "radii"),
     *platforms.SLIDING,
 )
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
@@ -39,7 +39,8 @@ FLAGS = platforms.FLAGS
 SHARED = ("-shared",) if sys.platform == "win32" else ("-shared", "-fPIC")
 LINK = () if sys.platform == "win32" else ("-lm",)
 WASM = "film_model/explorer/_film_core.wasm"
-WASM_SOURCES = (*platforms.MARCH, *platforms.MODES, *ONE_IMPACT)
+FRICTION = platforms.core("oblique", "friction", "friction_step", "springs", "radii")
+WASM_SOURCES = (*platforms.MARCH, *platforms.MODES, *ONE_IMPACT, *FRICTION)
 WASM_FLAGS = (
     *("-target", "wasm32-wasi", "-mexec-model=reactor", *FLAGS, "-O2", "-s", f"-I{CORE}"),
     *("-Wl,--export-dynamic", "-Wl,--export=__heap_base"),

@@ -23,6 +23,9 @@ SUMMARIES = """fragments => fragments.map(fragment => {
     const found = filmModel.impact(fragment);
     for (const [name, value] of Object.entries(found.summary ?? {}))
         if (Number.isNaN(value)) found.summary[name] = null;
+    for (const [name, value] of Object.entries(found.oblique?.summary ?? {}))
+        if (Number.isNaN(value)) found.oblique.summary[name] = null;
+    delete found.oblique?.motion;
     let text = null;
     try { text = filmModel.sceneFile(fragment); } catch { }
     return [found, text];

@@ -16,6 +16,7 @@ import film_model as fm
 from film_model.base.errors import SceneError
 from film_model.core import native
 from film_model.effects import rate_hardening
+from film_model.explorer.inputs import ALONG as PATHS
 from film_model.explorer.page import WASM, page, write_page
 from film_model.problem.summary import rounding
 from film_model.studies.regimes import regimes
@@ -41,6 +42,9 @@ SETTLED = rate_hardening.settled
 
 ON_MODES = 1e-9
 """The same on the modes of a target, where each contact amplifies the rounding of those before."""
+
+ALONG = 1e-9
+"""The largest difference of the motion along the surface, over the sliding velocity before."""
 
 SEEDS = 4
 """Parts of the comparison with Python, so that several processes share it."""
@@ -189,7 +193,26 @@ def check(history, factor, found, fragment):
         assert effect["simulated"] == decided[name], (fragment, name)
     if worst <= ON_MODES:
         same_intervals(history, found["intervals"], fragment)
+        if history.oblique is not None or found["oblique"] is not None:
+            assert oblique_off(history, found) <= ALONG + 1e3 * worst, fragment
     return unsure
+
+
+def oblique_off(history, found):
+    """The largest difference of the motion along the surface, over the speeds before; of other values, relative."""
+    ours, summary = history.oblique, found["oblique"]["summary"]
+    assert found["oblique"]["sliding_regime"] == ours.sliding_regime
+    assert [event["name"] for event in found["oblique"]["events"]] == [name for _, name in ours.events]
+    ball, before = history.scene.impactor, ours.motion["sliding_velocity"][0]
+    least = {"rebound_spin": abs(before) / ball.radius, "friction_work": ours.summary["tangential_impulse"] * before}
+    least |= {name: abs(before) for name in ("tangential_rebound_velocity", "contact_point_rebound_velocity")}
+    least |= {"tangential_restitution": abs(before) / (ball.tangential_speed or 1.0), "rebound_angle": 1.0}
+    worst = abs(found["oblique"]["estimated_error"] - ours.estimated)
+    assert [name for name in ours.summary if name not in summary] == []
+    for name, value in ours.summary.items():
+        if value != summary[name] and not (math.isnan(value) and summary[name] is None):
+            worst = max(worst, abs(value - summary[name]) / max(abs(value), least.get(name, 0.0)))
+    return worst
 
 
 def rounded(evidence):
@@ -236,6 +259,7 @@ CHANGES = (
     "&law=hertz&accuracy=0.001",
     "&gravity=true&impactor.radius=0.01",
     "&target_motion=false",
+    "&impactor.angle=0.6&impactor.spin=-100&contact.friction=0.1",
 )
 
 
@@ -259,6 +283,32 @@ def test_targets_that_vibrate_equal_python(shown, tmp_path, kind):
     window.click("#part-restitution > summary")
     window.wait_for_selector("#chart-restitution path")
     assert window.is_hidden("#part-accuracy") is (kind != "static")
+
+
+def test_oblique_impacts_equal_python(shown, everything):
+    """The exact solution, springs under laws that yield or are damped, moving and vibrating targets, and refusals."""
+    address, table = everything
+    chance, fragments = np.random.default_rng(7), []
+    scenes = [scene for scene in table["scenes"] if scene["along"] and not (scene["support"] or {}).get("modes")]
+    for scene in (scenes[k] for k in chance.integers(len(scenes), size=400)):
+        entries = {entry["path"]: entry for entry in scene["inputs"]}
+        along = [f"{path}={chance.uniform(*entries[path]['slider'])}" for path in PATHS]
+        law = chance.choice(["auto", "hertz", "hertz", "tsuji", "elastoplastic"])
+        fragments.append("&".join([f"scene={scene['name']}", f"law={law}", *along]))
+    compared = Counter()
+    for fragment, (found, text) in zip(fragments, shown(address).evaluate(SUMMARIES, fragments), strict=True):
+        assert found["ignored"] == [], fragment
+        if "summary" not in found:
+            if text is not None:
+                with pytest.raises((SceneError, fm.SimulationError)):
+                    fm.simulate(fm.Scene.from_text(text))
+            continue
+        history, factor = simulated(fm.Scene.from_text(text), found)
+        check(history, factor, found, fragment)
+        exact = not math.isnan(history.oblique.motion["stick_radius"][0])
+        assert oblique_off(history, found) <= ALONG, fragment
+        compared[exact] += 1
+    assert min(compared[True], compared[False]) > 100
 
 
 def test_losses_of_materials_equal_python(shown, tmp_path):
@@ -352,6 +402,29 @@ def test_typed_values_with_units(shown, address):
         assert window.get_attribute("#entry-impactor-radius", "aria-invalid") == "true"
         assert window.inner_text("#entry-impactor-radius-error")
     assert window.inner_text("#summary") == before
+
+
+def test_entries_begin_at_what_they_are(shown, address):
+    """A mass from the density follows the radius; another kind of target keeps what is made and said of the scene."""
+    window = shown(f"{address}#scene=ball-on-plate")
+    window.fill("#entry-impactor-radius", "20 mm")
+    window.keyboard.press("Tab")
+    place = int(window.input_value("#entry-impactor-mass ~ input[type=range]"))
+    moved(window, "#entry-impactor-mass ~ input[type=range]", place + 1)
+    mass = fm.Sphere("20 mm", "1 m/s", material="bearing steel").own_mass
+    assert float(window.input_value("#entry-impactor-mass").split()[0]) == pytest.approx(1e3 * mass, rel=0.01)
+    window.select_option("#material-target", "copper")
+    window.fill("#title", "mine")
+    window.keyboard.press("Tab")
+    window.select_option("#kind", "half-space")
+    kept = [window.input_value(entry) for entry in ("#material-target", "#title", "#law")]
+    assert kept == ["copper", "mine", "auto"]
+    window.fill("#entry-impactor-radius", "ten")
+    window.keyboard.press("Tab")
+    assert window.is_visible("#outdated")
+    window.goto(f"{address}#scene=two-balls&impactor.velocity=0.05")
+    window.wait_for_selector("#failure:not([hidden])")
+    assert window.is_disabled("#csv") and window.is_disabled("#png")
 
 
 def test_every_choice_changes_the_scene(shown, address):

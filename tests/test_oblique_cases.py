@@ -2,9 +2,12 @@
 
 import math
 
+import numpy as np
 import pytest
 
 import film_model as fm
+from film_model.core.springs import radii
+from film_model.solve.simulate import simulate_quietly
 
 STEEL = {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3, "density": "7850 kg/m^3"}
 
@@ -128,3 +131,29 @@ def test_the_shape_of_the_rebound():
         if after != 0.0:
             sides = [groups(at(before * factor))[1] for factor in (0.97, 1.03)]
             assert all(abs(side) < abs(after) for side in sides)
+
+
+def test_radii_of_a_contact_that_yields():
+    """In loading F' = 2 E* a, and the law's; in unloading a ball's in its dent, however the last force is rounded."""
+    depth = np.concatenate([np.linspace(0.0, 1.0, 201) ** 2, np.linspace(1.0, 0.4, 100)[1:]])
+    force, law = depth**1.5, np.where(depth > 0.0, 0.9 * np.sqrt(depth), np.nan)
+    force[201:] = np.linspace(1.0, 0.0, 100)[1:]
+    first, second = radii(force, depth, law, 0.75)
+    assert np.array_equal(first[:201], 0.9 * np.sqrt(depth[:201]))
+    assert second[:201] == pytest.approx(np.sqrt(depth[:201]), abs=3e-3)
+    assert first[201:] == pytest.approx(0.9 * np.sqrt((depth[201:] - 0.4) / 0.6), abs=1e-15)
+    force[-1] = 1e-21
+    assert np.array_equal(radii(force, depth, law, 0.75)[0], first)
+
+
+def test_the_bodies_are_apart_before_the_deepest_contact():
+    """The indentation is negative there: on a bracket that vibrates, the second contact is the deepest."""
+    ball = {"radius": "5 mm", "velocity": "1 m/s", "mass": "20 g", "material": "bearing steel", "angle": "0.5 rad"}
+    target = {"kind": "structure", "frequency": ["1.8 kHz", "4.1 kHz"], "modal_mass": ["20 g", "30 g"]}
+    contact = {"law": "elastoplastic", "friction": 0.2}
+    table = {"impactor": ball, "target": target | {"material": "mild steel"}, "contact": contact}
+    history = simulate_quietly(fm.Scene.from_table(table), accuracy=0.01)
+    times = np.linspace(0.0, history.duration, 500)
+    depth = history.sample_si(times).indentation
+    assert depth[: depth.argmax()].min() < 0.0
+    assert history.oblique.summary["friction_work"] > 0.0

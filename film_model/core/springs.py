@@ -45,6 +45,7 @@ def _library() -> Any:
         "film_springs_init": ([pointer, _I, *[_D] * 5], c.c_int),
         "film_springs_follow": ([pointer, _D, i64, pointer, pointer, pointer, pointer], None),
         "film_springs_impact": ([_I, *[_D] * 5, i64, pointer, pointer, pointer], c.c_int),
+        "film_springs_radii": ([i64, *[pointer] * 3, _D, pointer, pointer], None),
         "film_springs_energy": ([pointer], _D),
         "film_springs_size": ([], i64),
     }
@@ -90,3 +91,12 @@ def impact(count: int, numbers: Sequence[float], step: float, force: Array, radi
     at = force.ctypes.data, radius.ctypes.data, c.byref(found)
     status = _library().film_springs_impact(count, *numbers, step, force.size - 1, *at)
     return found if status == native.OK else None
+
+
+def radii(force: Array, depth: Array, law: Array, modulus: float) -> tuple[Array, Array]:
+    """Contact radii of a contact that yields by two models, at recorded forces and depths. law: radii of its law."""
+    force, depth, law = (np.ascontiguousarray(values, np.float64) for values in (force, depth, law))
+    first, second = np.empty(force.size), np.empty(force.size)
+    at = [array.ctypes.data for array in (force, depth, law, first, second)]
+    _library().film_springs_radii(force.size, *at[:3], modulus, *at[3:])
+    return first, second

@@ -14,7 +14,7 @@ from film_model.base.errors import STATUSES, Outcome, SimulationError
 from film_model.base.materials import catalogue
 from film_model.base.unit_symbols import SYMBOLS, parse_unit
 from film_model.base.units import DIMENSIONS, PREFIXED, scene_unit, si_unit
-from film_model.core import modal, native
+from film_model.core import friction, modal, native, springs
 from film_model.core.solving import MOST_SEGMENTS
 from film_model.effects.case import YIELDS
 from film_model.effects.choose import Choice, choose
@@ -27,6 +27,11 @@ from film_model.explorer import formulas, support
 from film_model.explorer.formulas import LEAST_RESTITUTION
 from film_model.explorer.inputs import inputs_of, with_yield_strengths
 from film_model.explorer.laws import laws_of
+from film_model.oblique import friction as oblique
+from film_model.oblique import springs as rows
+from film_model.oblique.result import KINDS as PHASES
+from film_model.oblique.result import OBLIQUE, OPEN, REGIMES
+from film_model.plot import strobe
 from film_model.plot.style import COLOURS
 from film_model.problem.families import TERMS, mean_matrix, series_matrix
 from film_model.problem.law_of_scene import DAMPED, ELASTIC, YIELDING
@@ -59,7 +64,7 @@ class Content:
         free, fixed = _samples()
         texts = [*formulas.result_functions("Free", free), *formulas.result_functions("Fixed", fixed)]
         texts += [formulas.change_function("change", fixed), *formulas.vibrating_functions(fixed)]
-        texts += formulas.hardening_functions(fixed)
+        texts += [*formulas.hardening_functions(fixed), formulas.radius_function("contactRadius", fixed)]
         texts += [formulas.gravity_function("gravityChange", fixed), formulas.mass_function("sphereMass")]
         self._functions |= {text: text for text in texts}
 
@@ -91,6 +96,7 @@ class Content:
             "dimensions": {name: _dimension(name) for name in DIMENSIONS},
             "summary": {name: [dimension, text] for name, (dimension, text) in SUMMARY.items()},
             "motion": {name: [dimension, text] for name, (dimension, text) in MOTION.items()},
+            "oblique": {name: [dimension, text] for name, (dimension, text) in OBLIQUE.items()},
             "computed": COMPUTED,
             "statuses": {str(code): status.sentence for code, status in STATUSES.items()},
             "colours": COLOURS,
@@ -104,7 +110,6 @@ class Content:
 
     def _scene(self, name: str, scene: Scene) -> dict[str, Any]:
         """A scene with what was decided for it."""
-        scene.contact.refuse_friction("a page shows")
         whole, scene = scene, with_yield_strengths(scene)
         choice = choose(scene)
         hardening = change(choose(whole).light, choice.light) if whole.strain_hardening_exponent > 0.0 else 0.0
@@ -131,6 +136,7 @@ class Content:
             "inputs": [entry.to_dict() for entry in inputs],
             "numbers": self._named("numbers", formulas.numbers_function("numbers", scene, paths)),
             "reflections": reflected,
+            "along": self._along(scene, paths),
             "laws": [self._law(found, scene) for found in laws_of(scene)],
             "law": scene.contact.law_name,
             "effects": {switch: getattr(effects, switch) for switch in SWITCHES},
@@ -143,6 +149,12 @@ class Content:
             "warnings": list(choice.warnings),
             "hardening": hardening if hardening > scene.effect_tolerance else None,
         }
+
+    def _along(self, scene: Scene, paths: list[str]) -> dict[str, str] | None:
+        """The functions of an impact with friction; None if the page has none for these bodies."""
+        if "contact.friction" not in paths:
+            return None
+        return {name: self._named(name, text) for name, text in formulas.friction_functions(scene, paths).items()}
 
     def _law(self, found: Any, scene: Scene) -> int:
         """The place of a law in the list of laws."""
@@ -247,12 +259,14 @@ def layout() -> dict[str, Any]:
         "solution": native.Solution,
     }
     structures |= {"modal": modal.Modal, "modal_start": modal.Start, "modal_summary": modal.Summary}
+    structures |= {"normal": friction.Normal, "friction": friction.Result}
     structures |= {"modal_segment": modal.Segment, "modal_event": modal.Event}
     found: dict[str, Any] = {
         name: {field[0]: getattr(kind, field[0]).offset for field in kind._fields_} | {"size": size_of(kind)}
         for name, kind in structures.items()
     }
     return found | {
+        "springs": size_of(springs.Springs),
         "curve": size_of(native.Curve),
         "most_segments": MOST_SEGMENTS,
         "events": native.EVENTS,
@@ -285,5 +299,21 @@ def _constants() -> dict[str, Any]:
         "most_weight": MOST_WEIGHT,
         "not_modelled": NOT_MODELLED,
         "vibration": support.constants(),
+        "friction": _friction(),
         "compared": COMPARED,
+    }
+
+
+def _friction() -> dict[str, Any]:
+    """The numbers of :mod:`film_model.oblique` and of the strobe picture."""
+    return {
+        "springs": rows.SPRINGS,
+        "steps": rows.STEPS,
+        "safety": rows.SAFETY,
+        "closed": oblique.CLOSED,
+        "open": OPEN,
+        "regimes": REGIMES,
+        "phases": PHASES,
+        "balls": strobe.BALLS,
+        "spacing": strobe.SPACING,
     }

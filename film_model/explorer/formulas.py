@@ -27,6 +27,7 @@ from film_model.laws.damping import loss_restitution
 from film_model.laws.example_ball import example_ball
 from film_model.laws.law import SCENE_FIELDS, AbstractLaw, Stage
 from film_model.laws.yielding import yield_velocity
+from film_model.oblique.friction import exact_error, numbers_of, regime_of, results
 from film_model.problem.curve import Curve
 from film_model.problem.families import EDGES, varying
 from film_model.problem.fit import functions_of
@@ -35,9 +36,11 @@ from film_model.problem.model_intervals import family_number, yield_velocities
 from film_model.problem.numbers import Numbers, zener
 from film_model.problem.problem import Impacts, Problem, Trial
 from film_model.problem.scales import Scales, motion_of
+from film_model.problem.stresses import contact_radius
 from film_model.problem.summary import radiated, summary_of
 from film_model.scene import Effects, Scene
 from film_model.scene.columns import scene_of_columns
+from film_model.scene.rolling import Sliding, sliding_of
 
 FROM_SCENE = ("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio", "stressed_poissons_ratio")
 """Properties of a scene, besides its :class:`Numbers`, that laws take."""
@@ -304,3 +307,39 @@ def reflections_function(name: str, template: Scene, paths: Sequence[str]) -> st
     delay = pulse.back / (target.return_time / p.scales.time)
     size = cast("Any", target).reflection_change(pulse.motion, pulse.restitution, delay)
     return r.function(name, "x, p, a", {"change": size})
+
+
+def friction_functions(template: Scene, paths: Sequence[str]) -> dict[str, str]:
+    """Of an impact with friction, from its entries `x`, by what they compute.
+
+    sliding: what friction depends on besides the normal motion `p`. regime: its number, from the sliding velocity
+    `after` and the normal impulse. oblique: the results, from the normal rebound, the sliding velocity after, the
+    largest friction force and its time.
+    """
+    r, scene, given = _slides(template, paths)
+    problem = _problem(r, "p", template)
+    rate, before = numbers_of(given, problem, scene)
+    names = ("friction", "ratio", "modulus", "mass", "velocity", "along")
+    outputs = {name: getattr(given, name) for name in names} | {"spin": scene.impactor.spin, "rate": rate}
+    outputs |= {"before": before, "error": exact_error(problem, before)}
+    found = {"sliding": r.function("sliding", "x, p", outputs)}
+    r, scene, given = _slides(template, paths)
+    regime = regime_of(scene, given, r.symbol("after"), r.symbol("impulse"))
+    found["regime"] = r.function("regime", "x, after, impulse", {"regime": regime})
+    r, scene, given = _slides(template, paths)
+    rebound, after, *peak = (r.symbol(name) for name in ("rebound", "after", "force", "time"))
+    outputs = results(scene, given, rebound, after, (peak[0], peak[1]))
+    return found | {"oblique": r.function("oblique", "x, rebound, after, force, time", outputs)}
+
+
+def _slides(template: Scene, paths: Sequence[str]) -> tuple[Recording, Scene, Sliding]:
+    r = Recording()
+    scene = scene_of_columns(template, cast("Any", r.symbols("x", paths)))
+    return r, scene, cast("Sliding", sliding_of(scene))
+
+
+def radius_function(name: str, template: Scene) -> str:
+    """The contact radius in loading, at a force `F` and an indentation `d`."""
+    r = Recording()
+    radius, _ = contact_radius(_problem(r, "p", template).impacts, r.symbol("F"), r.symbol("d"))
+    return r.function(name, "p, n, F, d", {"radius": radius})

@@ -11,6 +11,8 @@ from film_model.base.fields import Field
 from film_model.base.materials import Material
 from film_model.base.units import scene_unit
 from film_model.scene import Scene
+from film_model.scene.impactor import STEEPEST
+from film_model.scene.rolling import stiffness_ratio
 
 SMALLEST_RADIUS = 1e-10  # m
 
@@ -34,9 +36,21 @@ MATERIAL_ENTRIES = ("youngs_modulus", "poissons_ratio", "density", "yield_streng
 OPTIONAL = ("yield_strength", "loss_factor", *RATE_ENTRIES)
 """Entries that may be missing: infinite for the formulas, so that the material does not yield, harden or damp."""
 
+ALONG = ("impactor.angle", "impactor.spin", "contact.friction")
+"""Entries of an impact at an angle or with spin."""
+
+MOST_FRICTION, MOST_ROLLING = 1.0, 2.0
+"""Ends of the sliders: of friction, and of spin times radius over the velocity."""
+
 
 JUDGED = ("work_of_adhesion", "roughness", "fluid_viscosity")
 """Entries of the contact from which effects are estimated that the page does not judge again."""
+
+EMPTY = {"mass": "from the density", "angle": "0", "spin": "0"}
+"""What stands in the field of an entry that is missing, if not "none"; "0" for the formulas too."""
+
+MAY_BE_0 = ("drop_height", "velocity", "loss_factor", "angle", "friction")
+"""Entries whose least value is 0, not just above it."""
 
 STRENGTHS = ("hardness", "strain_hardening_exponent", "strength_coefficient", "strength_exponent")
 """Entries of a material from which its flow strength follows."""
@@ -44,11 +58,16 @@ STRENGTHS = ("hardness", "strain_hardening_exponent", "strength_coefficient", "s
 
 @dataclass(frozen=True)
 class Input:
-    """One entry: its path in the scene, its field, and its value [SI]; None if it is missing and may be."""
+    """One entry: its path in the scene, its field, and its value [SI]; None if it is missing and may be.
+
+    range: of its slider; by default around the value, or around `present`, which the formulas take if it is missing.
+    """
 
     path: str
     field: Field
     value: float | None
+    range: tuple[float, float] | None = None
+    present: float | None = None
 
     @property
     def of_material(self) -> bool:
@@ -59,13 +78,15 @@ class Input:
         """What the page needs. slider: its range, and whether it is logarithmic."""
         name, low, high = self.path.rsplit(".", 1)[1], self.field.low, self.field.high
         assert low is not None and high is not None
-        value = self.value
+        value = self.present if self.value is None else self.value
         if name == "radius" and low < 0.0:  # a slider does not pass from a ball through a flat to a hollow
             low, high = (SMALLEST_RADIUS, high) if (value or 0.0) > 0.0 else (low, -SMALLEST_RADIUS)
-        logarithmic = value is not None and 0.0 < value < math.inf and low >= 0.0
+        logarithmic = self.range is None and value is not None and 0.0 < value < math.inf and low >= 0.0
         if logarithmic:
             assert value is not None
             slider = [max(low, value * _POSITIVE[0]), min(high, value * _POSITIVE[1])]
+        elif self.range is not None:
+            slider = list(self.range)
         elif high < 0.0:
             slider = [max(low, (value or 0.0) * _POSITIVE[1]), min(high, (value or 0.0) * _POSITIVE[0])]
         else:
@@ -78,12 +99,13 @@ class Input:
             "dimension": self.field.dimension,
             "low": low,
             "high": high,
-            "open": self.field.open_ends or (low == 0.0 and name not in ("drop_height", "velocity", "loss_factor")),
+            "open": self.field.open_ends or (low == 0.0 and name not in MAY_BE_0),
             "slider": slider,
             "logarithmic": logarithmic,
-            "value": None if value is None or math.isinf(value) else value,
-            "optional": name in OPTIONAL or name == "mass",
-            "empty": "from the density" if name == "mass" else "none",
+            "value": None if self.value is None or math.isinf(self.value) else self.value,
+            "optional": name in OPTIONAL or name == "mass" or self.path in ALONG,
+            "empty": EMPTY.get(name, "none"),
+            "missing": 0.0 if EMPTY.get(name) == "0" else None,
         }
 
 
@@ -101,7 +123,21 @@ def with_yield_strengths(scene: Scene) -> Scene:
 def inputs_of(scene: Scene) -> tuple[Input, ...]:
     """The entries of a scene, in the order of scene files."""
     sections = (("impactor", scene.impactor), ("target", scene.target), ("contact", scene.contact))
-    return tuple(found for path, owner in sections for found in _entries(path, owner))
+    found = [entry for path, owner in sections for entry in _entries(path, owner)]
+    return tuple(entry for entry in found if entry.path not in ALONG) + along_of(scene)
+
+
+def along_of(scene: Scene) -> tuple[Input, ...]:
+    """Angle, spin and friction: all of them if friction of these bodies is known, otherwise those that are given."""
+    ball, contact = scene.impactor, scene.contact
+    rolling = MOST_ROLLING * max(scene.impactor.path_speed, scene.approach_velocity) / ball.radius
+    entries = (
+        Input(ALONG[0], ball.FIELDS["angle"], ball.angle, (0.0, STEEPEST)),
+        Input(ALONG[1], ball.FIELDS["spin"], ball.spin, (-rolling, rolling)),
+        Input(ALONG[2], contact.FIELDS["friction"], contact.friction, (0.0, MOST_FRICTION)),
+    )
+    known = contact.effective_modulus is None and stiffness_ratio(scene) is not None
+    return tuple(entry for entry in entries if known or entry.value is not None)
 
 
 def _entries(path: str, owner: Any) -> Iterator[Input]:
@@ -117,4 +153,5 @@ def _entries(path: str, owner: Any) -> Iterator[Input]:
         elif field.low is not None and not isinstance(value, tuple) and name not in JUDGED:
             missing = value is None or (name == "radius" and math.isinf(value))
             if not missing or (name == "mass" and owner.material is not None):
-                yield Input(here, field, None if value is None else float(value))
+                present = owner.own_mass if name == "mass" else None
+                yield Input(here, field, None if value is None else float(value), present=present)

@@ -17,6 +17,7 @@ from film_model.explorer.inputs import Input
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.example_ball import STEEL_BALL, example_ball
 from film_model.laws.law import SCENE_FIELDS, law_fields
+from film_model.oblique.friction import convex_power
 from film_model.problem.curve import Curve, can_be_in_series, curve_of
 from film_model.problem.families import EDGES, Page, page_between, page_of, shared_part
 from film_model.problem.law_of_scene import SceneLaw, law_named
@@ -129,6 +130,9 @@ class PageLaw:
             "clearance": curve.clearance,
             "ratio": curve.unloading_ratio,
             "dissipates": any(rule != native.RETRACE for rule in stages),
+            "power": None
+            if (power := convex_power(curve)) is None
+            else [power.slope, power.coefficient, power.exponent],
             "series": can_be_in_series(self.law, _SOFT),
             "remarks": [*self.law.remarks(), *curve.warnings],
             "shape": None if self.page is None else _shape_data(self.page, varying_of(self.law)),

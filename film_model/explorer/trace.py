@@ -21,12 +21,13 @@ _BINARY: dict[Any, str] = {
     **{np.equal: "{} === {}", np.not_equal: "{} !== {}"},
     **{np.bitwise_and: "{} && {}", np.logical_and: "{} && {}", np.bitwise_or: "{} || {}", np.logical_or: "{} || {}"},
     **{np.minimum: "{1} < {0} ? {1} : {0}", np.maximum: "{1} > {0} ? {1} : {0}", np.power: "Math.pow({}, {})"},
+    np.arctan2: "Math.atan2({}, {})",
 }
 _UNARY: dict[Any, str] = {
     **{np.negative: "-{}", np.positive: "{}", np.absolute: "Math.abs({})", np.sqrt: "Math.sqrt({})"},
     **{np.isnan: "Number.isNaN({})", np.invert: "!{}", np.logical_not: "!{}", np.log: "Math.log({})"},
     **{np.square: "{0} * {0}", np.exp: "Math.exp({})", np.expm1: "Math.expm1({})"},
-    **{np.cos: "Math.cos({})", np.arctan: "Math.atan({})"},
+    **{np.cos: "Math.cos({})", np.sin: "Math.sin({})", np.arctan: "Math.atan({})"},
 }
 _FORMS = _BINARY | _UNARY
 _NAME, _PLACE = re.compile(r"t\d+"), re.compile(r"{(\d)}")

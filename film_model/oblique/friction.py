@@ -18,9 +18,11 @@ from film_model.base.arrays import Array, Number, either, greater, ratio
 from film_model.base.errors import SimulationError
 from film_model.core import friction as core
 from film_model.core import native
+from film_model.core.springs import radii as radii_of
 from film_model.laws.law import Power
 from film_model.oblique import springs
 from film_model.oblique.result import KINDS, MOTION, REGIMES, Oblique
+from film_model.problem.curve import Curve
 from film_model.problem.problem import Problem
 from film_model.problem.stresses import contact_radius
 from film_model.scene import Scene
@@ -71,12 +73,17 @@ def refuse(problem: Problem) -> None:
 
 
 def exact_force(problem: Problem) -> Power | None:
-    """The force of a law whose friction is exact: one convex power that unloading retraces."""
-    stage, *others = problem.curve.stages
+    """The force of a problem whose friction is exact: of `convex_power`, on a target without vibrations and springs."""
+    return None if problem.vibrates or problem.curve.native.compliance > 0.0 else convex_power(problem.curve)
+
+
+def convex_power(curve: Curve) -> Power | None:
+    """The force of a law that is one convex power, which unloading retraces."""
+    stage, *others = curve.stages
     force = stage.force
     if others or not isinstance(force, Power) or force.constant != 0.0 or stage.damping is not None:
         return None
-    if stage.unloading is not None or problem.vibrates or problem.curve.native.compliance > 0.0:
+    if stage.unloading is not None:
         return None
     convex = force.slope >= 0.0 and force.coefficient >= 0.0 and (force.exponent >= 1.0 or force.coefficient == 0.0)
     return force if convex and not force.origin else None
@@ -134,9 +141,9 @@ def _by_springs(
     times = np.linspace(0.0, duration, springs.STEPS + 1)
     seen = sample(times)
     force, depth = np.maximum(seen.contact_force, 0.0), np.asarray(seen.indentation)
-    radii = [radius_of(problem, depth, force)]
+    radii = [radius_in_loading(problem, depth, force)]
     if yields(problem):
-        radii.append(_radius_by_slope(problem, depth, force, radii[0]))
+        radii = [*radii_of(force, depth, radii[0], cast("float", scene.effective_modulus))]
     runs = [
         springs.tangential(springs.Grip(times, force, own), given.modulus, given.friction, given.mass, given.velocity)
         for own in radii
@@ -146,7 +153,7 @@ def _by_springs(
     columns = (times, first.velocity, first.force, moved, np.full(times.size, np.nan))
     motion = dict(zip(MOTION, columns, strict=True))
     normal = float(np.trapezoid(force, times))
-    regime = REGIMES[int(regime_of(scene, given, first.velocity[-1], normal))]
+    regime = REGIMES[regime_of(scene, given, float(first.velocity[-1]), normal)]
     ends = [float(run.velocity[-1]) for run in runs]
     events = ((0.0, "sticks" if regime == STICKS else "slides"),)
     error = first.estimated / abs(given.velocity)
@@ -158,11 +165,11 @@ def _by_springs(
     return replace(found, low=min(ends), high=max(ends))
 
 
-def regime_of(scene: Scene, given: Sliding, after: Number, normal: Number) -> Any:
-    """Place in `REGIMES` of impacts by springs. after: sliding velocity, m/s. normal: impulse of the force, N·s."""
-    slides = given.mass * abs(given.velocity - after) >= (1.0 - SLIDING) * given.friction * normal
+def regime_of(scene: Scene, given: Sliding, after: Number, impulse: Number) -> Any:
+    """Place in `REGIMES` of impacts by springs. after: sliding velocity, m/s. impulse: of the normal force, N·s."""
+    slides = given.mass * abs(given.velocity - after) >= (1.0 - SLIDING) * given.friction * impulse
     sticks = abs(given.velocity) < given.friction * given.ratio * scene.approach_velocity
-    return np.where(slides, REGIMES.index(THROUGHOUT), np.where(sticks, 0, 1))
+    return either(slides, 2, either(sticks, 0, 1))
 
 
 def yields(problem: Problem) -> bool:
@@ -171,31 +178,12 @@ def yields(problem: Problem) -> bool:
     return any(core.stage[k].unloading != native.RETRACE for k in range(core.stages))
 
 
-def radius_of(problem: Problem, depth: Array, force: Array) -> Array:
-    """The contact radius over time, m; arrays (times,) of one impact or (times, impacts).
-
-    √(R δ); where the law yields, in loading its own, and in unloading that of a ball in its dent. The last time is
-    that of the end of contact.
-    """
-    touches = force > 0.0
-    if not yields(problem):
-        radius = np.sqrt(problem.impacts.scene.effective_radius * np.maximum(depth, 0.0))
-        return np.where(touches, radius, 0.0)
-    law = np.nan_to_num(np.asarray(contact_radius(problem.impacts, force, depth)[0]))
-    turn = np.argmax(depth, axis=0, keepdims=True)
-    deepest, widest = (np.take_along_axis(values, turn, 0) for values in (depth, law))
-    opening = np.sqrt(np.clip((depth - depth[-1]) / np.maximum(deepest - depth[-1], 1e-300), 0.0, 1.0))
-    loading = np.arange(len(depth)).reshape(-1, *[1] * (depth.ndim - 1)) <= turn
-    return np.where(touches, np.where(loading, np.maximum(law, 0.0), widest * opening), 0.0)
-
-
-def _radius_by_slope(problem: Problem, depth: Array, force: Array, radius: Array) -> Array:
-    """The same of a law that yields, in loading that of an elastic contact with the slope of its force."""
-    loading = slice(0, int(np.argmax(depth)) + 1)
-    modulus, found = cast("float", problem.scene.effective_modulus), radius.copy()
-    slope = np.nan_to_num(np.gradient(force[loading], depth[loading])) / (2.0 * modulus)
-    found[loading] = np.where(force[loading] > 0.0, np.maximum(slope, 0.0), 0.0)
-    return found
+def radius_in_loading(problem: Problem, depth: Array, force: Array) -> Array:
+    """√(R δ), or the law's own contact radius where it yields, m; arrays (times,) of one impact or (times, impacts)."""
+    depth = np.maximum(depth, 0.0)  # below 0 between two contacts
+    if yields(problem):
+        return np.asarray(contact_radius(problem.impacts, force, depth)[0])
+    return np.where(force > 0.0, np.sqrt(problem.impacts.scene.effective_radius * depth), 0.0)
 
 
 def results(

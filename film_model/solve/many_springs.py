@@ -14,7 +14,7 @@ from film_model.core import native
 from film_model.core import springs as core
 from film_model.core.records import Lines, recorded, sample_many
 from film_model.oblique import springs
-from film_model.oblique.friction import radius_of, regime_of, results, yields
+from film_model.oblique.friction import radius_in_loading, regime_of, results, yields
 from film_model.problem.problem import Problem
 from film_model.problem.scales import motion_of
 from film_model.scene import DEFAULT_ACCURACY, Solver
@@ -79,7 +79,10 @@ class _Motions:
                     values[:, some] = sample_many(curve, lines, ahead[some])
         seen = motion_of(scales, problem.drift[:, None], problem.share[:, None], problem.free, times, values)
         force, depth = np.maximum(seen["contact_force"], 0.0), seen["indentation"]
-        return times, force, np.ascontiguousarray(radius_of(problem, depth.T, force.T).T)
+        radius = np.ascontiguousarray(radius_in_loading(problem, depth.T, force.T).T)
+        if yields(problem):
+            radius = np.array([core.radii(*row, 1.0)[0] for row in zip(force, depth, radius, strict=True)])
+        return times, force, radius
 
 
 def _curves(problem: Problem) -> Iterator[tuple[Index, native.Curve]]:

@@ -46,6 +46,12 @@ FILM_API int film_springs_impact(int32_t count, double modulus, double friction,
 /* Energy of the springs. */
 FILM_API double film_springs_energy(const film_springs *state);
 
+/* Contact radii of a contact that yields, at recorded forces and depths: in loading those of its law, and of an elastic contact with
+ * the slope of its force, F' = 2 modulus a; in unloading both shrink from the law's at the turn, as a ball's in its dent. modulus:
+ * E_star. law: radii of the law, not finite if unknown; read up to the turn only. */
+FILM_API void film_springs_radii(int64_t count, const double *force, const double *depth, const double *law, double modulus,
+                                 double *first, double *second);
+
 /* sizeof film_springs. */
 FILM_API int64_t film_springs_size(void);
 

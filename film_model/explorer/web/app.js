@@ -53,7 +53,9 @@ function render() {
   const { result, reason } = attempt(scene);
   APP.result = result;
   APP.other = reference ? attempt(reference).result : null;
+  byId("heading").textContent = scene.title;
   byId("results").hidden = result === null;
+  for (const id of ["csv", "netcdf", "svg", "png"]) /** @type {HTMLButtonElement} */ (byId(id)).disabled = result === null;
   byId("bar").hidden = result === null;
   const failure = byId("failure");
   failure.hidden = result !== null;
@@ -62,6 +64,7 @@ function render() {
   if (result) {
     showSummary(scene, result, APP.other);
     showMotion(result, APP.other);
+    showOblique(scene, result);
     showBanner(scene, result);
   }
   clearTimeout(APP.timer);
@@ -101,7 +104,6 @@ function tableRow(head, cells) {
 
 /** @param {Scene} scene @param {Result} result @param {Result|null} other */
 function showSummary(scene, result, other) {
-  byId("heading").textContent = scene.title;
   const rows = Object.entries(DATA.summary).map(([name, [dimension, text]]) => {
     const value = result.summary[name];
     const cells = [shown(value, dimension, 6)];
@@ -132,6 +134,23 @@ function showSummary(scene, result, other) {
   byId("intervals").hidden = measured.length === 0;
   byId("intervals").textContent = `Measured values would lie within: ${measured.join("; ")}.`;
   byId("error").textContent = `Law ${result.law.name}. Estimated relative error of every value ≤ ${error}${means}.${ended}`;
+}
+
+/** Results and pictures of the motion along the surface. @param {Scene} scene @param {Result} result */
+function showOblique(scene, result) {
+  const { oblique, summary, motion } = result;
+  byId("along").hidden = oblique === null;
+  if (!oblique) return;
+  const rows = Object.entries(DATA.oblique).filter(([name]) => name in oblique.summary).map(([name, [dimension, text]]) => {
+    const row = tableRow(name.replaceAll("_", " "), [shown(oblique.summary[name], dimension, 6)]);
+    row.title = text;
+    return row;
+  });
+  byId("oblique").replaceChildren(made("tbody", {}, tableRow("sliding regime", [oblique.sliding_regime]), ...rows));
+  const friction = shown(oblique.summary.maximum_friction_force, "force");
+  showChart("chart-friction", frictionChart(scene.values["contact.friction"] ?? 0, motion.motion, oblique), `Friction over time: largest ${friction}`);
+  const angle = shown(oblique.summary.rebound_angle, "angle", 4);
+  showChart("chart-strobe", strobeChart(entriesOf(scene)["impactor.radius"], oblique, summary.rebound_velocity), `Path of the ball: it leaves at ${angle} to the normal`);
 }
 
 /** @param {Result} result @param {Result|null} other */
@@ -200,6 +219,10 @@ function showBanner(scene, result) {
   if (hardening !== null) {
     texts.push(`This page computes without strain hardening, with the flow stress at 8 % strain; film-model run takes the hardening, which changes the summary of the scene as given by about ${percent(hardening)}.`);
   }
+  if (result.choice.problem) texts.push(...examplesOf(result.choice.problem.law, result.n).map((text) => `${text}: give yours.`));
+  if (scene.base.along && scene.values["contact.friction"] === null && FORMULAS[scene.base.along.sliding](entriesOf(scene), result.choice.problem?.p ?? {}).velocity !== 0) {
+    texts.push("Only the normal motion is simulated: give friction for the motion along the surface.");
+  }
   if (!unchanged(scene)) {
     texts.push("Plasticity, rate hardening, gravity, damping of the materials, waves in a half-space and target motion were decided again for your changes; the other effects below were not.");
   }
@@ -240,7 +263,7 @@ function showEffects(scene, result) {
   });
   const head = ["effect", "state", "error if neglected", "basis"].map((text) => made("th", { scope: "col" }, text));
   byId("effects").replaceChildren(made("thead", {}, made("tr", {}, ...head)), made("tbody", {}, ...here, ...judged));
-  const notes = [...result.warnings, ...(result.choice.problem ? examplesOf(result.choice.problem.law, result.n) : [])];
+  const notes = [...result.warnings, ...warningsOf(result.oblique)];
   if (!scene.base.free && result.n.impedance < Infinity) notes.push(`Zener's number λ = ${shortNumber(result.n.zener, 3)}`);
   if (result.n.yield_velocity > 0 && result.n.yield_velocity < Infinity) {
     notes.push(`the contact yields above ${shown(result.n.yield_velocity, "velocity", 4)} on a target that does not move`);
@@ -357,9 +380,9 @@ function impact(fragment) {
   const { scene, ignored } = sceneOfFragment(fragment);
   const { result, reason } = attempt(scene);
   if (!result) return { reason, ignored };
-  const { summary, error, segments, modes, law, warnings, choice } = result;
+  const { summary, error, segments, modes, law, warnings, choice, oblique } = result;
   const strength = choice.n?.strength_factor ?? null;
-  return { summary: { ...summary }, error, segments, modes, law: law.name, warnings, effects: choice.effects, edges: choice.edges, intervals: intervalsOf(scene, result), strength_factor: strength, ignored };
+  return { summary: { ...summary }, error, segments, modes, law: law.name, warnings, effects: choice.effects, edges: choice.edges, intervals: intervalsOf(scene, result), oblique, strength_factor: strength, ignored };
 }
 
 /** Draw everything again, in another size or theme. */

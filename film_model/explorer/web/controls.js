@@ -35,18 +35,17 @@ function fieldText(input, value) {
   return `${shortNumber(value / sizeOf(unit), 12)} ${unit.replaceAll("*", "·")}`;
 }
 
-/** @param {any} input @param {number} place of the slider @returns {number} */
-function sliderValue(input, place) {
-  const [low, high] = input.slider;
+/** @param {any} input @param {number[]} range of the slider @param {number} place of the slider @returns {number} */
+function sliderValue(input, [low, high], place) {
   const share = place / STEPS;
   const value = input.logarithmic ? low * (high / low) ** share : low + (high - low) * share;
-  return Math.min(Math.max(Number(value.toPrecision(3)), low), high);
+  const unit = input.dimension === "angle" ? sizeOf("deg") : 1;
+  return Math.min(Math.max(Number((value / unit).toPrecision(3)) * unit, low), high);
 }
 
-/** @param {any} input @param {number|null} value */
-function sliderPlace(input, value) {
-  const [low, high] = input.slider;
-  if (value === null) return STEPS / 2;
+/** @param {any} input @param {number[]} range of the slider @param {number} value */
+function sliderPlace(input, [low, high], value) {
+  if (!Number.isFinite(value)) return 0;
   const share = input.logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
   return Math.round(STEPS * Math.min(Math.max(share, 0), 1));
 }
@@ -63,10 +62,16 @@ function entryRow(scene, input, changed) {
   const row = made("div", { class: "entry" }, made("label", { for: id }, input.label), field);
   if (input.optional) field.placeholder = input.empty;
   const slider = made("input", { type: "range", min: "0", max: String(STEPS), "aria-label": `${input.label}, slider` });
+  let range = input.slider;
+  const present = () => { // a missing mass follows the radius, and so does its slider
+    const value = entriesOf(scene)[input.path];
+    const middle = Math.sqrt(input.slider[0] * input.slider[1]);
+    if (scene.values[input.path] === null && input.logarithmic) range = input.slider.map((/** @type {number} */ end) => (end * value) / middle);
+    return value;
+  };
   const show = () => {
-    const value = scene.values[input.path];
-    field.value = fieldText(input, value);
-    slider.value = String(sliderPlace(input, value));
+    field.value = fieldText(input, scene.values[input.path]);
+    slider.value = String(sliderPlace(input, range, present()));
     slider.setAttribute("aria-valuetext", field.value || field.placeholder);
     field.removeAttribute("aria-invalid");
     error.textContent = "";
@@ -82,7 +87,8 @@ function entryRow(scene, input, changed) {
     changed();
   });
   slider.addEventListener("input", () => {
-    scene.values[input.path] = sliderValue(input, Number(slider.value));
+    present();
+    scene.values[input.path] = sliderValue(input, range, Number(slider.value));
     show();
     changed();
   });
@@ -175,10 +181,16 @@ function kindRow(scene, replaced) {
     const bases = DATA.scenes.filter((/** @type {any} */ entry) => entry.kind === kind);
     const base = bases.find((/** @type {any} */ entry) => entry.table.target.material && entry.table.impactor.velocity);
     const next = sceneOf(base ?? bases[0]);
+    if (lawNames(next).includes(scene.law)) chooseLaw(next, scene.law);
+    const kept = ["impactor.", "contact.", ...(next.base.support ? [] : ["target.material."])];
     for (const [path, value] of Object.entries(scene.values)) {
-      if (path.startsWith("impactor.") && path in next.values) next.values[path] = value;
+      if (path in next.values && kept.some((start) => path.startsWith(start))) next.values[path] = value;
     }
-    if (scene.materials.impactor && next.materials.impactor !== undefined) next.materials.impactor = scene.materials.impactor;
+    for (const body of next.base.support ? ["impactor"] : ["impactor", "target"]) {
+      if (scene.materials[body] && next.materials[body] !== undefined) next.materials[body] = scene.materials[body];
+    }
+    const titles = [scene.base.title, `Impact on a ${scene.base.kind}`]; // which the reader has not written
+    next.title = titles.includes(scene.title) ? `Impact on a ${kind}` : scene.title;
     Object.assign(scene, next);
     replaced();
   });

@@ -9,7 +9,8 @@ const THEMES = {
 /**
  * @typedef {{name: string, x: ArrayLike<number>, y: ArrayLike<number>, colour: number, dashed?: boolean, marks?: boolean}} Series
  * @typedef {{title: string, x: {label: string, dimension: string, log?: boolean}, y: {label: string, dimension: string,
- *   log?: boolean}, series: Series[], point?: [number, number], cursor?: number}} Chart
+ *   log?: boolean}, series: Series[], point?: [number, number], cursor?: number, equal?: boolean}} Chart equal: lengths along both
+ *   axes are drawn alike
  */
 
 /** @param {string} name @param {Record<string, string|number>} attributes @param {string} [text] */
@@ -66,11 +67,11 @@ function decadeTicks(low, high, count) {
 /**
  * The scale of one axis: values to pixels, and labelled ticks. A linear axis ends at a round value, so that it stays as it
  * is while a slider moves a little. @param {Chart["x"]} axis @param {ArrayLike<number>[]} columns @param {number} from
- * @param {number} to @param {number} count
+ * @param {number} to @param {number} count @param {[number, number]} [ends] of the axis
  */
-function axisOf(axis, columns, from, to, count) {
+function axisOf(axis, columns, from, to, count, ends) {
   const log = axis.log === true;
-  let [low, high] = extent(columns, log);
+  let [low, high] = ends ?? extent(columns, log);
   const unit = log ? DATA.dimensions[axis.dimension].unit : readableUnit(Math.max(Math.abs(low), Math.abs(high)), axis.dimension);
   const size = sizeOf(unit);
   /** @type {number[]} */
@@ -78,11 +79,13 @@ function axisOf(axis, columns, from, to, count) {
   if (log) {
     ticks = decadeTicks(low / size, high / size, count);
   } else {
-    if (low > 0 && low < 0.5 * high) low = 0;
+    if (!ends && low > 0 && low < 0.5 * high) low = 0;
     const step = stepOf(low / size, high / size, count);
     const part = step / (from > to ? 2 : 4);
-    low = Math.floor(low / size / part + 1e-9) * part * size;
-    high = Math.ceil(high / size / part - 1e-9) * part * size;
+    if (!ends) {
+      low = Math.floor(low / size / part + 1e-9) * part * size;
+      high = Math.ceil(high / size / part - 1e-9) * part * size;
+    }
     for (let k = Math.ceil(low / size / step - 1e-9); k * step <= high / size + 1e-9 * step; k++) ticks.push(Number((k * step).toPrecision(12)));
   }
   const width = log ? Math.log(high / low) : high - low;
@@ -93,6 +96,16 @@ function axisOf(axis, columns, from, to, count) {
     text: log && (tick < 1e-2 || tick >= 1e4) ? tick.toExponential(0) : shortNumber(tick, 6),
   }));
   return { place, ticks: marks, label: unit ? `${axis.label} (${unit.replaceAll("*", "·")})` : axis.label };
+}
+
+/** Ends of both axes with the values in their middle, at one scale. @param {ArrayLike<number>[][]} columns @param {number} wide pixels @param {number} high pixels @returns {[number, number][]} */
+function alike(columns, wide, high) {
+  const ranges = columns.map((each) => extent(each, false));
+  const scale = 1.04 * Math.max((ranges[0][1] - ranges[0][0]) / wide, (ranges[1][1] - ranges[1][0]) / high);
+  return ranges.map(([from, to], k) => {
+    const [middle, half] = [(from + to) / 2, (scale * (k ? high : wide)) / 2];
+    return [middle - half, middle + half];
+  });
 }
 
 /** The layers of the charts on the screen, and what each shows: a layer that stays the same is not drawn again. @type {WeakMap<Element, {keys: string[], layers: Element[]}>} */
@@ -125,8 +138,10 @@ function drawChart(root, chart, width, height, theme) {
   const [left, right, bottom] = [56, width - 12, height - 40];
   const legend = legendOf(chart, left, right);
   const top = 24 + 18 * legend.rows;
-  const x = axisOf(chart.x, chart.series.map((s) => s.x), left, right, width < 420 ? 4 : 6);
-  const y = axisOf(chart.y, chart.series.map((s) => s.y), bottom, top, 5);
+  const columns = [chart.series.map((s) => s.x), chart.series.map((s) => s.y)];
+  const ends = chart.equal ? alike(columns, right - left, bottom - top) : [];
+  const x = axisOf(chart.x, columns[0], left, right, width < 420 ? 4 : 6, ends[0]);
+  const y = axisOf(chart.y, columns[1], bottom, top, 5, ends[1]);
   const frame = [chart.title, width, height, theme, top, chart.series.map((s) => [s.name, s.colour, s.dashed])];
   const middle = (top + bottom) / 2;
   root.setAttribute("viewBox", `0 0 ${width} ${height}`);

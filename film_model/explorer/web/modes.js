@@ -221,8 +221,8 @@ function vibrate(scene, problem) {
   }
 }
 
-/** One impact on modes, as `run` of others. @param {Scene} scene @param {any} n @param {Problem} problem @param {number} samples */
-function runOnModes(scene, n, problem, samples) {
+/** One impact on modes, as `run` of others. @param {Scene} scene @param {any} n @param {Problem} problem @param {number} samples @param {boolean} slides with friction */
+function runOnModes(scene, n, problem, samples, slides) {
   const outcome = vibrate(scene, problem);
   const { p, law } = problem;
   const separated = outcome.status === EVENT;
@@ -233,10 +233,12 @@ function runOnModes(scene, n, problem, samples) {
   if (outcome.waited) warnings.push("the target still vibrates so far that it may touch the impactor again");
   CORE.top = outcome.end;
   const last = (outcome.events.at(-1)?.time ?? 0) / p.time;
-  const motion = sampledAt(scene, problem, [last, ...outcome.events.map((event) => event.time / p.time)], samples, (times) => sampleModes(outcome, problem, times));
+  const sample = (/** @type {Float64Array} */ times) => sampleModes(outcome, problem, times);
+  const motion = sampledAt(scene, problem, [last, ...outcome.events.map((event) => event.time / p.time)], samples, sample);
+  const oblique = slides ? obliqueOf(scene, n, problem, summary, outcome.events.at(-1)?.time ?? 0, sample) : null;
   CORE.top = outcome.top;
   const error = outcome.error + law.fit_error;
-  return { summary, warnings, error, counts: [], segments: outcome.count, modes: outcome.structure.count, motion, status: separated ? EVENT : 0, law };
+  return { summary, warnings, error, counts: [], segments: outcome.count, modes: outcome.structure.count, motion, oblique, status: separated ? EVENT : 0, law };
 }
 
 /** The summary in SI, with the energy of the modes. @param {Problem} problem @param {any} outcome @param {any} n */

@@ -6,7 +6,7 @@ const STUDIES = {
     const laws = everyLaw(APP.scene, result.n, problem);
     const rows = laws.map(({ name, found, reason }) =>
       found
-        ? tableRow(name, [shown(found.summary.maximum_force, "force"), shown(found.summary.maximum_indentation, "length"), shown(found.summary.contact_duration, "time"), shown(found.summary.coefficient_of_restitution, "dimensionless", 4)])
+        ? tableRow([name, ...examplesOf(found.law, result.n).map((text) => text.replace(`law ${name}: `, ""))].join(", "), [shown(found.summary.maximum_force, "force"), shown(found.summary.maximum_indentation, "length"), shown(found.summary.contact_duration, "time"), shown(found.summary.coefficient_of_restitution, "dimensionless", 4)])
         : made("tr", {}, made("th", { scope: "row" }, name), made("td", { colspan: "4" }, reason)),
     );
     const head = ["law", "largest force", "largest indentation", "contact", "restitution"].map((text) => made("th", { scope: "col" }, text));

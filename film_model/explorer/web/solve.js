@@ -13,7 +13,8 @@ class Unsupported extends Error {}
 function entriesOf(scene) {
   /** @type {Record<string, number>} */
   const entries = {};
-  for (const [path, value] of Object.entries(scene.values)) entries[path] = value ?? Infinity;
+  const missing = Object.fromEntries(scene.base.inputs.map((/** @type {any} */ input) => [input.path, input.missing]));
+  for (const [path, value] of Object.entries(scene.values)) entries[path] = value ?? missing[path] ?? Infinity;
   for (const body of ["impactor", "target"]) {
     if (`${body}.mass` in scene.values && scene.values[`${body}.mass`] === null) {
       const radius = entries[`${body}.radius`];
@@ -276,7 +277,7 @@ function simulate(scene, samples) {
     throw new Unsupported(`${scene.base.given.reason}, which this page cannot simulate: it shows the scene as given only`);
   }
   const choice = choose(scene, n);
-  return { n, choice, ...run(scene, choice.n, choice.problem, samples) };
+  return { n, choice, ...run(scene, choice.n, choice.problem, samples, true) };
 }
 
 /**
@@ -295,7 +296,8 @@ function givenResult(scene) {
   const { error, segments, warnings, stage } = given;
   const status = given.ended ? EVENT : 0;
   const choice = { n: null, problem: null, effects: {}, edges: null };
-  return { n: numbersOf(scene), choice, summary, error, segments, modes: 0, warnings, counts: [], status, law: { name: given.law }, motion: { motion, stage } };
+  const oblique = null;
+  return { oblique, n: numbersOf(scene), choice, summary, error, segments, modes: 0, warnings, counts: [], status, law: { name: given.law }, motion: { motion, stage } };
 }
 
 /** The summary in SI. @param {Scene} scene @param {any} p @param {any} core @param {any} n */
@@ -320,9 +322,9 @@ function intervalsOf(scene, { n, choice: { problem }, summary }) {
   });
 }
 
-/** One impact under decided effects. @param {Scene} scene @param {any} n @param {Problem} problem @param {number} samples */
-function run(scene, n, problem, samples) {
-  if (problem.vibrates) return runOnModes(scene, n, problem, samples);
+/** One impact under decided effects. @param {Scene} scene @param {any} n @param {Problem} problem @param {number} samples @param {boolean} [slides] with friction */
+function run(scene, n, problem, samples, slides = false) {
+  if (problem.vibrates) return runOnModes(scene, n, problem, samples, slides);
   const solver = scene.solver;
   const mesh = solved(problem, solver);
   const record = recorded(problem, solver.linearisation, mesh.counts);
@@ -335,10 +337,12 @@ function run(scene, n, problem, samples) {
     warnings.push(`law ${law.name}: its unloading returns more energy than its loading stored (${share} % of the impact energy)`);
   }
   const ends = [record.events.at(-1).time || record.end.time, ...record.events.map((/** @type {any} */ e) => e.time)];
-  const motion = sampledAt(scene, problem, ends, samples, (times) => CORE.sample(problem.curve, record, times));
+  const sample = (/** @type {Float64Array} */ times) => CORE.sample(problem.curve, record, times);
+  const motion = sampledAt(scene, problem, ends, samples, sample);
+  const oblique = slides ? obliqueOf(scene, n, problem, summary, ends[0] * p.time, sample) : null;
   CORE.top = record.top;
   const error = mesh.estimated + law.fit_error;
-  return { summary, warnings, error, counts: mesh.counts, segments: record.count - 1, modes: 0, motion, status: record.status, law };
+  return { summary, warnings, error, counts: mesh.counts, segments: record.count - 1, modes: 0, motion, oblique, status: record.status, law };
 }
 
 /**

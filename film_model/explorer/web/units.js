@@ -66,6 +66,7 @@ const PREFIXES = new Map([[-15, "f"], [-12, "p"], [-9, "n"], [-6, "µ"], [-3, "m
 function readableUnit(value, dimension) {
   const { unit, prefixed } = DATA.dimensions[dimension];
   const size = Math.abs(value);
+  if (dimension === "angle") return "deg";
   if (dimension === "mass" && size > 0 && size < 1) return size < 1e-3 ? "mg" : "g";
   if (!(prefixed || dimension === "velocity") || !size || !Number.isFinite(size)) return unit;
   const power = Math.floor((Math.log10(size) + (dimension === "velocity" ? 1 : 1e-9)) / 3) * 3;

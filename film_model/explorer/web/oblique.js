@@ -1,0 +1,196 @@
+// The motion along the surface of an impact with friction: film_model/oblique, by the same C and the recorded formulas.
+
+/**
+ * What friction did. motion: columns over time, SI. low, high: sliding velocity after under two models of a contact that yields.
+ * @typedef {{summary: Record<string, number>, sliding_regime: string, events: {name: string, time: number}[], estimated_error: number,
+ *   motion: {time: Float64Array, sliding_velocity: Float64Array, friction_force: Float64Array}, low: number, high: number,
+ *   before: {along: number, away: number, spin: number}}} Oblique
+ */
+
+/**
+ * The motion along the surface; null without friction, or if nothing slides.
+ * @param {Scene} scene @param {any} n @param {Problem} problem @param {Record<string, number>} summary @param {number} duration s
+ * @param {(times: Float64Array) => {values: Float64Array}} sample the normal motion at times of the march @returns {Oblique|null}
+ */
+function obliqueOf(scene, n, problem, summary, duration, sample) {
+  const { along } = scene.base;
+  if (!along || scene.values["contact.friction"] === null) return null;
+  const x = entriesOf(scene);
+  const given = FORMULAS[along.sliding](x, problem.p);
+  if (given.velocity === 0) return null;
+  if (Number.isNaN(summary.rebound_velocity)) throw new Unsupported("friction needs a contact that ends");
+  const found =
+    given.friction === 0 ? frictionless(given)
+    : exactFriction(given, problem) ?? frictionOfSprings(scene, n, problem, given, FORMULAS[along.regime], x, duration, sample);
+  const { regimes } = DATA.constants.friction;
+  return {
+    summary: FORMULAS[along.oblique](x, summary.rebound_velocity, found.after, ...found.peak),
+    sliding_regime: regimes[found.regime],
+    events: found.events,
+    estimated_error: found.error,
+    motion: found.motion,
+    low: found.low ?? found.after,
+    high: found.high ?? found.after,
+    before: { along: given.along, away: -n.speed, spin: given.spin },
+  };
+}
+
+/** @param {any} given */
+function frictionless({ velocity }) {
+  const motion = { time: Float64Array.of(0), sliding_velocity: Float64Array.of(velocity), friction_force: Float64Array.of(0) };
+  return { after: velocity, peak: [0, 0], regime: 2, events: [{ name: "slides", time: 0 }], error: 0, motion, low: velocity, high: velocity };
+}
+
+/** Exact between events, for a law that is one convex power; null for others. @param {any} given @param {Problem} problem */
+function exactFriction(given, { law, p, vibrates, compliance }) {
+  if (!law.power || vibrates || compliance > 0) return null;
+  const { layout, c, top } = CORE;
+  const { normal, friction: outcome } = layout;
+  const [start, result, count] = [CORE.allocate(normal.size), CORE.allocate(outcome.size), CORE.allocate(8)];
+  const [slope, coefficient, exponent] = law.power;
+  const values = { slope, coefficient, exponent: coefficient ? exponent : 1, approach: p.approach, gamma: p.gamma, load: p.load };
+  for (const [name, value] of Object.entries(values)) CORE.view().setFloat64(start + normal[name], value, true);
+  let [room, status, rows] = [512, FULL, 0];
+  for (const above = CORE.top; status === FULL && room < 1e5; room *= 4) {
+    CORE.top = above;
+    rows = CORE.allocate(48 * room);
+    status = c.film_friction(start, given.rate, given.before, result, rows, 4, room, count);
+  }
+  CORE.top = top;
+  const view = CORE.view();
+  const number = (/** @type {string} */ name) => view.getFloat64(result + outcome[name], true);
+  const { closed, phases } = DATA.constants.friction;
+  if (status !== 0 || number("closure") > closed) return null;
+  const columns = new Float64Array(c.memory.buffer, rows, 6 * view.getInt32(count, true)).slice();
+  const column = (/** @type {number} */ which, /** @type {number} */ unit) => Float64Array.from({ length: columns.length / 6 }, (_, k) => columns[6 * k + which] * unit);
+  const unit = given.friction * given.ratio;
+  const events = Array.from({ length: view.getInt32(result + outcome.phases, true) }, (_, k) => ({
+    name: phases[view.getInt32(result + outcome.kinds + 4 * k, true)],
+    time: view.getFloat64(result + outcome.begins + 8 * k, true) * p.time,
+  }));
+  const whole = events.length === 1 && events[0].name === "slides";
+  return {
+    after: number("velocity") * unit * p.velocity,
+    peak: [number("force") * given.friction * p.force, number("time_of_force") * p.time],
+    regime: whole ? 2 : events[0].name === "sticks" ? 0 : 1,
+    events,
+    error: given.error,
+    motion: { time: column(0, p.time), sliding_velocity: column(3, unit * p.velocity), friction_force: column(4, given.friction * p.force) },
+    low: undefined,
+    high: undefined,
+  };
+}
+
+/**
+ * By springs beside each other that slip, under two models of the stiffness along the surface if the law yields.
+ * @param {Scene} scene @param {any} n @param {Problem} problem @param {any} given @param {(...values: any[]) => any} regimeOf
+ * @param {any} x @param {number} duration @param {(times: Float64Array) => {values: Float64Array}} sample
+ */
+function frictionOfSprings(scene, n, problem, given, regimeOf, x, duration, sample) {
+  const { p, law } = problem;
+  const { springs, steps, safety } = DATA.constants.friction;
+  const time = Float64Array.from({ length: steps + 1 }, (_, k) => (k === steps ? duration : k * (duration / steps)));
+  const { values } = sample(time.map((t) => t / p.time));
+  const convert = FORMULAS[scene.base.free ? "motionFree" : "motionFixed"];
+  const normal = Array.from(time, (t, k) => convert(p, t, values, 5 * k));
+  const force = Float64Array.from(normal, (row) => Math.max(row.contact_force, 0));
+  const depth = Float64Array.from(normal, (row) => row.indentation);
+  const radii = law.dissipates ? radiiBeyondYield(force, depth, force.map((F, k) => FORMULAS.contactRadius(p, n, F, depth[k]).radius), n.effective_modulus)
+    : [force.map((F, k) => (F > 0 ? Math.sqrt(n.effective_radius * Math.max(depth[k], 0)) : 0))];
+  const runs = radii.map((radius) => followSprings(springs, given, time, force, radius));
+  const [{ velocity, friction }] = runs;
+  const even = (/** @type {Float64Array} */ column) => column.filter((_, k) => k % 2 === 0);
+  const coarse = followSprings(springs / 2, given, even(time), even(force), even(radii[0]));
+  const error = Math.max(...coarse.velocity.map((v, k) => Math.abs(velocity[2 * k] - v)));
+  const ends = runs.map((run) => run.velocity[steps]);
+  const most = friction.reduce((best, q, k) => (Math.abs(q) > Math.abs(friction[best]) ? k : best), 0);
+  const impulse = force.reduce((sum, F, k) => sum + (k ? 0.5 * (F + force[k - 1]) * (time[k] - time[k - 1]) : 0), 0);
+  const { regime } = regimeOf(x, ends[0], impulse);
+  return {
+    after: ends[0],
+    peak: [Math.abs(friction[most]), time[most]],
+    regime,
+    events: [{ name: regime === 0 ? "sticks" : "slides", time: 0 }],
+    error: (safety * error) / Math.abs(given.velocity),
+    motion: { time, sliding_velocity: velocity, friction_force: friction },
+    low: Math.min(...ends),
+    high: Math.max(...ends),
+  };
+}
+
+/** Contact radii of a contact that yields, by two models. @param {Float64Array} force @param {Float64Array} depth @param {Float64Array} law @param {number} modulus */
+function radiiBeyondYield(force, depth, law, modulus) {
+  const { top, c } = CORE;
+  const given = [force, depth, law].map((column) => CORE.numbersAt(Array.from(column)));
+  const found = [0, 1].map(() => CORE.allocate(8 * force.length));
+  c.film_springs_radii(BigInt(force.length), ...given, modulus, ...found);
+  const radii = found.map((place) => new Float64Array(c.memory.buffer, place, force.length).slice());
+  CORE.top = top;
+  return radii;
+}
+
+/** Sliding velocity and friction force at the times. @param {number} count @param {any} given @param {Float64Array} time @param {Float64Array} force @param {Float64Array} radius */
+function followSprings(count, { modulus, friction, mass, velocity }, time, force, radius) {
+  const { layout, top, c } = CORE;
+  const state = CORE.allocate(layout.springs);
+  const steps = time.length - 1;
+  const status = c.film_springs_init(state, count, modulus, Math.max(...radius), friction, mass, velocity);
+  if (status !== 0) throw new Failure(status);
+  const columns = [force, radius].map((column) => CORE.numbersAt(Array.from(column.subarray(1))));
+  const found = [0, 1].map(() => CORE.allocate(8 * steps));
+  c.film_springs_follow(state, time[1] - time[0], BigInt(steps), ...columns, ...found);
+  const [v, q] = found.map((place) => new Float64Array(c.memory.buffer, place, steps));
+  const run = { velocity: Float64Array.of(velocity, ...v), friction: Float64Array.of(0, ...q) };
+  CORE.top = top;
+  return run;
+}
+
+/** What must be known of the results. @param {Oblique|null} oblique @returns {string[]} */
+function warningsOf(oblique) {
+  if (!oblique) return [];
+  const { low, high, motion, estimated_error: error } = oblique;
+  const { open } = DATA.constants.friction;
+  const texts = error > open ? [`friction: the sliding velocity is known to ${percent(error)} of that before only`] : [];
+  if (high - low > open * Math.abs(motion.sliding_velocity[0])) {
+    const [from, to] = [low, high].map((value) => shown(value, "velocity", 3));
+    texts.push(`friction: how stiff a contact that yields is along the surface is not known; two models give a sliding velocity after the impact of ${from} and ${to}`);
+  }
+  return texts;
+}
+
+/** Friction over time between its limits. @param {number} friction @param {Record<string, Float64Array>} normal motion @param {Oblique} oblique @returns {Chart} */
+function frictionChart(friction, normal, { motion }) {
+  const limit = normal.contact_force.map((force) => friction * Math.max(force, 0));
+  return {
+    title: "Friction",
+    x: { label: "time", dimension: "time" },
+    y: { label: "friction", dimension: "force" },
+    series: [
+      { name: "friction", x: motion.time, y: motion.friction_force, colour: 0 },
+      { name: "limits ±µF", x: normal.time, y: limit, colour: 1, dashed: true },
+      { name: "", x: normal.time, y: limit.map((value) => -value), colour: 1, dashed: true },
+    ],
+  };
+}
+
+/**
+ * The ball as a strobe sees it, at even times before and after the impact; a radius shows how far it has turned.
+ * @param {number} radius @param {Oblique} oblique @param {number} rebound @returns {Chart}
+ */
+function strobeChart(radius, { before, summary }, rebound) {
+  const { balls, spacing } = DATA.constants.friction;
+  const after = { along: summary.tangential_rebound_velocity, away: -rebound, spin: summary.rebound_spin };
+  const interval = (spacing * radius) / Math.max(...[before, after].map(({ along, away }) => Math.hypot(along, away)));
+  const places = Array.from({ length: 2 * balls + 1 }, (_, k) => {
+    const [time, path] = [(k - balls) * interval, k > balls ? after : before];
+    return { x: path.along * time, z: radius + path.away * time, turn: path.spin * time };
+  });
+  /** @type {Series[]} */
+  const series = places.map(({ x, z, turn }, k) => {
+    const angles = Array.from({ length: 65 }, (_, j) => turn + (Math.PI * j) / 32);
+    const name = k === 0 ? "before" : k === balls + 1 ? "after" : "";
+    return { name, x: [x, ...angles.map((a) => x + radius * Math.sin(a))], y: [z, ...angles.map((a) => z - radius * Math.cos(a))], colour: k > balls ? 1 : 0 };
+  });
+  series.push({ name: "centre", x: places.map(({ x }) => x), y: places.map(({ z }) => z), colour: 2, dashed: true });
+  return { title: `Path, one picture every ${shown(interval, "time", 3)}`, x: { label: "along the surface", dimension: "length" }, y: { label: "height", dimension: "length" }, series, equal: true };
+}

@@ -87,6 +87,7 @@ def _instances() -> list[Any]:
         *(fm.ImpactComponent(scene), fm.bounce(scene), fm.simulate_batch(scene, velocity=["1 m/s", "2 m/s"])),
         *(fm.SceneError([]), fm.SimulationError("no"), fm.ImpactWarning("take care")),
         *(fd.tolerance(scene, speed, samples=64), fd.TABLE["impact_history"][0]),
+        fd.Score("hertz-half-space-0.4", 3, {"maximum_force": 0.01}),
     ]
 
 

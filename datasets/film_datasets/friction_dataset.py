@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from film_datasets.schema import has_friction, require
+from film_datasets.schema import has, require
 from film_datasets.schema.friction_variables import ERROR, HIGH, IN_HISTORIES, LOW, REGIME
 from film_model.oblique.result import KINDS, MOTION, OBLIQUE, REGIMES, Oblique
 
@@ -31,7 +31,7 @@ def friction_columns(oblique: Oblique | None) -> dict[str, Any]:
 
 def read_friction(ds: xr.Dataset) -> Oblique | None:
     """The tangential part of the impact of a dataset; None without it. Raises ValueError if a variable is missing."""
-    if not has_friction(ds):
+    if not has(ds, "friction"):
         return None
     require(ds, (variable.name for variable in IN_HISTORIES))
     values = {name: float(ds[name]) for name in OBLIQUE}

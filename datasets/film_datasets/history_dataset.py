@@ -32,7 +32,7 @@ from film_datasets.schema import (
     content_sha256,
     flag_meanings,
     flag_words,
-    has_steps,
+    has,
     require,
 )
 from film_model.base.errors import Outcome
@@ -159,7 +159,7 @@ def history_of(ds: xr.Dataset) -> History:
     require(ds, (v.name for v in TABLE[HISTORY] if v.name not in SUMMARY))
     choice = choice_of(ds)
     scene, problem = choice.scene, choice.problem
-    if problem.relaxation is not None or (problem.vibrates and not has_steps(ds) and _is_older(ds)):
+    if problem.relaxation is not None or (problem.vibrates and not has(ds, "steps") and _is_older(ds)):
         return simulate_chosen(choice, scene.solver)
     form = ClosedForm(tables_of(ds), float(ds["target_compliance"]))
     lines, names, modes = form.tables["segment"], stage_names(problem), None

@@ -19,7 +19,7 @@ from film_datasets.schema import (
     Variable,
     dimension_of_unit,
     flag_meanings,
-    has_friction,
+    has,
     kind_of,
     require,
     sensor_words,
@@ -81,7 +81,7 @@ def left_out(ds: xr.Dataset) -> list[str]:
     """What a table of the dataset does not hold, in words."""
     kept = str(ds.attrs.get("kept", "")).split()
     if kind_of(ds) == HISTORY:
-        return ["segments", *(["friction"] if has_friction(ds) else [])]
+        return ["segments", *(["friction"] if has(ds, "friction") else [])]
     return [what for what in ("segments", "samples") if what in kept]
 
 

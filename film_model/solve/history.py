@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_model.base import units
-from film_model.base.errors import Outcome, did_you_mean, shown
+from film_model.base.errors import Outcome, SimulationError, did_you_mean, shown
 from film_model.base.late import Late
 from film_model.core import native
 from film_model.effects.choose import Choice
@@ -249,10 +249,20 @@ class History:
         return sensed(self.scene.target, self.vibration, float(self.problem.scales.force), t)
 
     def spectrum(self, frequencies: Any = None) -> Spectrum:
-        """The force, and the response of a structure that vibrates, over frequency; see `film_model.solve.spectrum`."""
-        from film_model.solve.spectrum import spectrum
+        """The force, and the response of a structure that vibrates, over frequency; see `film_model.solve.spectrum`.
 
-        return spectrum(self, frequencies)
+        Raises SimulationError if the contact has not ended, and ValueError for wrong frequencies.
+        """
+        from film_model.solve.sensed import force_of_steps
+        from film_model.solve.spectrum import SAMPLES, spectrum_of
+
+        if not self.events or self.events[-1].name != "contact_ends":
+            raise SimulationError("the contact does not end: its force has no spectrum")
+        times, on = np.linspace(0.0, self.duration, SAMPLES + 1), self.vibration
+        if on is None:
+            return spectrum_of(times, self.sample_si(times).contact_force, None, frequencies)
+        force = force_of_steps(on.segments, float(self.problem.scales.force), times)
+        return spectrum_of(times, force, self.scene.target, frequencies)
 
     @cached_property
     def sensor_peaks(self) -> Mapping[str, Mapping[str, float]]:

@@ -9,7 +9,7 @@ import csv
 import math
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +17,8 @@ from numpy.typing import NDArray
 from film_model.base.arrays import Array
 from film_model.base.errors import SimulationError, TooManyModes
 from film_model.base.units import array_to_si
-from film_model.solve.sensed import force_of_steps
 from film_model.solve.structures import computable, lowest_frequency
 from film_model.targets import AbstractTarget
-
-if TYPE_CHECKING:
-    from film_model.solve.history import History
 
 Complex = NDArray[np.complex128]
 
@@ -93,18 +89,13 @@ class Spectrum:
             table.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
 
 
-def spectrum(history: History, frequencies: Any = None) -> Spectrum:
-    """The spectrum of an impact at ascending frequencies, Hz or with units, > 0.
+def spectrum_of(times: Array, force: Array, target: AbstractTarget | None, frequencies: Any = None) -> Spectrum:
+    """The spectrum of a force at ascending frequencies, Hz or with units, > 0, and the response of the target if given.
 
-    Default: 1000 even ones up to twice the bandwidth. The response has the natural vibrations up to 30 times the
-    largest frequency, or as many as can be computed; of those above, the static part at the struck point. Raises
-    ValueError for wrong frequencies, and SimulationError if the contact has not ended.
+    times: s, even from 0 on. Default: 1000 even frequencies up to twice the bandwidth. The response has the natural
+    vibrations up to 30 times the largest frequency, or as many as can be computed; of those above, the static part at
+    the struck point. Raises ValueError for wrong frequencies.
     """
-    if not history.events or history.events[-1].name != "contact_ends":
-        raise SimulationError("the contact does not end: its force has no spectrum")
-    times = np.linspace(0.0, history.duration, SAMPLES + 1)
-    on, unit = history.vibration, float(history.problem.scales.force)
-    force = history.sample_si(times).contact_force if on is None else force_of_steps(on.segments, unit, times)
     bandwidth = _bandwidth(times, force)
     if frequencies is None:
         f = np.linspace(0.0, SHOWN * bandwidth, FREQUENCIES + 1)[1:]
@@ -112,9 +103,8 @@ def spectrum(history: History, frequencies: Any = None) -> Spectrum:
         f = array_to_si(frequencies, "frequency", bare=True)
         if f.ndim != 1 or f.size == 0 or not (f > 0.0).all() or (np.diff(f) < 0.0).any():
             raise ValueError("frequencies must be a list that ascends from more than 0 Hz")
-    target = history.scene.target
-    points = () if on is None else ("struck point", *(sensor.name for sensor in target.sensors or ()))
-    found = np.zeros((0, f.size), np.complex128) if on is None else receptance(target, f)
+    points = () if target is None else ("struck point", *(sensor.name for sensor in target.sensors or ()))
+    found = np.zeros((0, f.size), np.complex128) if target is None else receptance(target, f)
     return Spectrum(f, transform(times, force, f), bandwidth, points, found)
 
 

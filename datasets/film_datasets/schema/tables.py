@@ -344,7 +344,7 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
         constants += tuple(v.over(()) for v in (SCENE_KEY,) if v.name in ds.variables)
     if kind in (HISTORY, BOUNCES, COST):
         own = ("steps", "friction", "contacts", "sliding", "sensors") if kind == HISTORY else ()
-        more = [v for word in own if _has_any(ds, word) for v in TABLE[f"{HISTORY} {word}"]]
+        more = [v for word in own if has(ds, word) for v in TABLE[f"{HISTORY} {word}"]]
         return (*(v for v in (*TABLE[kind], *more) if v.name not in later), *constants)
     swept = swept_variables(str(ds.attrs.get("swept", "")).split(), ds)
     dims = tuple(v.dims[0] for v in swept) if "impact" not in ds.sizes else ("impact",)
@@ -354,19 +354,12 @@ def variables_of(ds: xr.Dataset) -> tuple[Variable, ...]:
     return (*swept, *found, *constants)
 
 
-def _has_any(ds: xr.Dataset, word: str) -> bool:
-    """Whether a history has any of the variables of a table. Some names are in two tables, with other dimensions."""
-    return any(v.name in ds.variables and ds.variables[v.name].dims == v.dims for v in TABLE[f"{HISTORY} {word}"])
+def has(ds: xr.Dataset, part: str) -> bool:
+    """Whether a history has any of the variables of a part: "steps", "friction", "contacts", "sliding", "sensors".
 
-
-def has_steps(ds: xr.Dataset) -> bool:
-    """Whether a history has any of the variables of an impact on modes."""
-    return _has_any(ds, "steps")
-
-
-def has_friction(ds: xr.Dataset) -> bool:
-    """Whether a history has any of the variables of friction in one impact."""
-    return _has_any(ds, "friction")
+    Some names are in two parts, with other dimensions.
+    """
+    return any(v.name in ds.variables and ds.variables[v.name].dims == v.dims for v in TABLE[f"{HISTORY} {part}"])
 
 
 def require(ds: xr.Dataset, names: Iterable[str]) -> None:

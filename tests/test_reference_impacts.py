@@ -189,7 +189,7 @@ def test_a_reference_scores_as_it_is(tmp_path):
     ("name", "text", "said"),
     [
         ("other.csv", "time [s], force [N]\n0,0\n1,2\n", 'case "other" is not in the suite'),
-        ("hertz-half-space-4.csv", "", 'did you mean "hertz-half-space-0.4"'),
+        ("hertz-half-space-4.csv", "time [s], force [N]\n0,0\n1,2\n", 'did you mean "hertz-half-space-0.4"'),
         (f"{ELASTIC}.csv", "time [s], force [m]\n0,0\n1,2\n", "force [m]"),
         (f"{ELASTIC}.csv", "time [s], colour\n0,0\n1,2\n", "colour"),
         (f"{ELASTIC}.csv", "time [s], force [N]\n-1,0\n1,2\n", "before first touch"),

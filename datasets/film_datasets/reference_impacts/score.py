@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from film_datasets.csv_measurement import from_csv
-from film_datasets.reference_impacts.cases import Case
 from film_datasets.reference_impacts.suite import chosen, scene_of
 from film_model.base.errors import Mistake, SceneError
 from film_model.solve.history import MOTION, History
@@ -50,14 +49,13 @@ def score(path: str | os.PathLike[str], case: str | None = None) -> list[Score]:
         raise ValueError(f"{given}: has no files CASE.csv")
     if case is not None and given.is_dir():
         raise ValueError(f"case: names the case of one file, and {given} is a folder")
-    wanted = [chosen([case or file.stem])[0] for file in files]
-    return [_score(file, one) for file, one in zip(files, wanted, strict=True)]
+    return [_score(file, case or file.stem) for file in files]
 
 
-def _score(file: Path, case: Case) -> Score:
+def _score(file: Path, name: str) -> Score:
+    measured, case = from_csv(file), chosen([name])[0]
     if case.group == "bouncing":
         raise ValueError(f"{file}: case {case.name} is a series of bounces, which has no history to compare")
-    measured = from_csv(file)
     if measured.attrs["measured"] != "history":
         raise SceneError([Mistake(str(file), None, "", 'a column "time" is needed: these are impacts, not a history')])
     times = measured["t"].values

@@ -38,6 +38,7 @@ def test_examples_in_docstrings(thing, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     scene = fm.Scene(fm.Sphere("10 mm", "1 m/s", material="bearing steel"), fm.HalfSpace("mild steel"))
     (tmp_path / "measured.csv").write_text("velocity [m/s], restitution\n0.2, 0.61\n0.5, 0.50\n1, 0.42\n")
+    (tmp_path / "hertz-half-space-0.4.csv").write_text("time [us], contact_force [N]\n0, 0\n10, 50\n20, 90\n")
     known = {"fm": fm, "fd": fd, "fmu_wrapper": fmu_wrapper, "scene": scene}
     runner, said = doctest.DocTestRunner(optionflags=FLAGS), []
     for test in doctest.DocTestFinder(recurse=False).find(thing, globs=known):

@@ -22,7 +22,7 @@ def plot_scores(
     """The errors of each quantity on a logarithmic axis, one dot for each case, and their medians; of several codes in
     rows below each other, by their names. Files, errors and dpi: see `picture`.
 
-    >>> figure = fd.plot_scores(fd.score("results"), "score.png")
+    >>> figure = fd.plot_scores(fd.score("hertz-half-space-0.4.csv"), "score.png")
     """
     codes = scores if isinstance(scores, Mapping) else {"": scores}
     names = list(dict.fromkeys(name for each in codes.values() for name in by_quantity(each)))

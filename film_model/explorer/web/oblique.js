@@ -54,7 +54,7 @@ function exactFriction(given, { law, p, vibrates, compliance }) {
   for (const above = CORE.top; status === FULL && room < 1e5; room *= 4) {
     CORE.top = above;
     rows = CORE.allocate(48 * room);
-    status = c.film_friction(start, given.rate, given.before, result, rows, 4, room, count);
+    status = c.film_friction(start, given.rate, given.before, 0, result, rows, 4, room, count);
   }
   CORE.top = top;
   const view = CORE.view();

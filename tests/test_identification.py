@@ -309,12 +309,7 @@ def test_a_target_that_vibrates(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_intervals_contain_the_true_values(tmp_path: Path) -> None:
-    assert min(covered(8, tmp_path)) >= 7
-
-
-@pytest.mark.slow
-def test_intervals_contain_the_true_values_in_a_hundred_trials(tmp_path: Path) -> None:
-    assert min(covered(100, tmp_path)) >= 95
+    assert min(covered(40, tmp_path)) >= 37
 
 
 @pytest.mark.slow

@@ -39,6 +39,7 @@ FILES = {
     "cloud.toml": 'scene = "slab.toml"\ndesign = "sobol"\nsamples = 256\n[over]\n"impactor.radius" = "10 mm ± 1 mm"\n'
     '"impactor.velocity" = "1 m/s ± 0.3 m/s"\n'
     '"target.material.yield_strength" = { normal = ["250 MPa", "12 MPa"] }\n',
+    "force.csv": "time [us], contact_force [N]\n0, 0\n10, 50\n20, 90\n",
     "measured.csv": "velocity [m/s], restitution\n0.2, 0.61\n0.5, 0.50\n1, 0.42\n2, 0.36\n",
 }
 SWEEPS = ("lines", "map", "cloud")
@@ -83,7 +84,8 @@ def drawn(figure):
     draw_text = renderer.draw_text
 
     def recorded(*arguments, mtext=None, **options):
-        found[id(mtext)] = mtext
+        if mtext is not None:  # of several lines none has its text
+            found[id(mtext)] = mtext
         draw_text(*arguments, mtext=mtext, **options)
 
     renderer.draw_text = recorded

@@ -37,12 +37,12 @@ class Normal(c.Structure):
 
 
 class Result(c.Structure):
-    """film_friction_result: what friction did."""
+    """film_friction_result: what friction did. regime: place in `film_model.oblique.result.REGIMES`."""
 
     _fields_ = (
         [(name, _D) for name in ("velocity", "force", "time_of_force", "duration", "closure")]
         + [("begins", _D * _EVENTS), ("kinds", _I * _EVENTS)]
-        + [("phases", _I), ("steps", _I)]
+        + [(name, _I) for name in ("phases", "steps", "regime", "reserved")]
     )
 
     @property

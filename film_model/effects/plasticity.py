@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from film_model.base.arrays import any_of, either
-from film_model.core import native
 from film_model.effects.effect import (
     FREE,
     NOT_JUDGED,
@@ -57,12 +56,6 @@ class Shortened(AbstractLaw):
         return (*stages[:-2], replace(last, end=self.end))
 
 
-def dissipates(problem: Problem) -> bool:
-    """Whether the law has an unloading branch of its own."""
-    core = problem.curve.native
-    return any(core.stage[k].unloading != native.RETRACE for k in range(core.stages))
-
-
 def needed(problem: Problem) -> Any:
     """Whether an impact keeps its law: not, if law "auto" took the one that yields, and Hertz's does as well."""
     scene = problem.scene
@@ -81,7 +74,7 @@ def left_out(problem: Problem) -> Any:
     """Change of the summary of many impacts whose law does not yield because the scene says so; 0 for the others."""
     scene, impacts = problem.scene, problem.impacts
     fixed, yields = scene.contact.law != "auto" or scene.effects.plasticity is False, reaches_yield(impacts.scene)
-    if not fixed or yields is None or not any_of(yields & can_yield(impacts.scene)) or dissipates(problem):
+    if not fixed or yields is None or not any_of(yields & can_yield(impacts.scene)) or not problem.curve.reversible:
         return impacts.column(0.0)
     return either(yields, change(problem.again(law=YIELDING), problem), 0.0)
 
@@ -93,7 +86,7 @@ def describe(problem: Problem, kept: bool, damps: bool = False) -> tuple[Effect,
     """
     scene, law, yields = problem.scene, problem.law, reaches_yield(problem.scene)
     wanted, tolerance, auto = scene.effects.plasticity, scene.effect_tolerance, scene.contact.law == "auto"
-    modulus, strength, yielding = scene.effective_modulus, problem.impacts.yield_strength, dissipates(problem)
+    modulus, strength, yielding = scene.effective_modulus, problem.impacts.yield_strength, not problem.curve.reversible
     size, ratio, limit, cost = 0.0 if yields is False else None, None, 0.0, FREE
     able = can_yield(scene)
     if modulus is not None and able and (yields or (yielding and yields is not False)):

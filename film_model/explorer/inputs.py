@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from film_model.base.fields import Field
 from film_model.base.materials import Material
@@ -13,8 +13,7 @@ from film_model.base.units import scene_unit
 from film_model.scene import Scene
 from film_model.scene.impactor import STEEPEST
 from film_model.scene.rolling import stiffness_ratio
-
-SMALLEST_RADIUS = 1e-10  # m
+from film_model.targets.target import RADIUS
 
 _POSITIVE = (1.0 / 20.0, 20.0)
 """Least and largest value of a slider over the value of the scene."""
@@ -80,7 +79,8 @@ class Input:
         assert low is not None and high is not None
         value = self.present if self.value is None else self.value
         if name == "radius" and low < 0.0:  # a slider does not pass from a ball through a flat to a hollow
-            low, high = (SMALLEST_RADIUS, high) if (value or 0.0) > 0.0 else (low, -SMALLEST_RADIUS)
+            least = cast("float", RADIUS.low)
+            low, high = (least, high) if (value or 0.0) > 0.0 else (low, -least)
         logarithmic = self.range is None and value is not None and 0.0 < value < math.inf and low >= 0.0
         if logarithmic:
             assert value is not None

@@ -11,7 +11,6 @@ import numpy as np
 
 from film_model.base.fields import measure
 from film_model.base.units import DIMENSIONS
-from film_model.core import native
 from film_model.explorer.formulas import LEAST_RESTITUTION, entry_of, example_function, problem_function, varying_of
 from film_model.explorer.inputs import Input
 from film_model.laws import LAWS, AbstractLaw
@@ -116,7 +115,6 @@ class PageLaw:
     def to_dict(self, function: str, place: int) -> dict[str, Any]:
         """What the page needs of it. place: of its curve among the curves of the page."""
         curve, kind = self.curve, LAWS[self.name]
-        stages = [curve.native.stage[k].unloading for k in range(curve.native.stages)]
         return {
             "name": self.name,
             "summary": kind.summary,
@@ -129,7 +127,7 @@ class PageLaw:
             "fit_error": curve.fit_error,
             "clearance": curve.clearance,
             "ratio": curve.unloading_ratio,
-            "dissipates": any(rule != native.RETRACE for rule in stages),
+            "dissipates": not curve.reversible,
             "power": None
             if (power := convex_power(curve)) is None
             else [power.slope, power.coefficient, power.exponent],

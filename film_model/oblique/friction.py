@@ -78,7 +78,7 @@ def exact_force(problem: Problem) -> Power | None:
 
 
 def convex_power(curve: Curve) -> Power | None:
-    """The force of a law that is one convex power, which unloading retraces."""
+    """The force of a law that is one convex power, which unloading retraces; of a line the exponent is 1."""
     stage, *others = curve.stages
     force = stage.force
     if others or not isinstance(force, Power) or force.constant != 0.0 or stage.damping is not None:
@@ -86,7 +86,9 @@ def convex_power(curve: Curve) -> Power | None:
     if stage.unloading is not None:
         return None
     convex = force.slope >= 0.0 and force.coefficient >= 0.0 and (force.exponent >= 1.0 or force.coefficient == 0.0)
-    return force if convex and not force.origin else None
+    if not convex or force.origin:
+        return None
+    return force if force.coefficient else replace(force, exponent=1.0)
 
 
 def numbers_of(given: Sliding, problem: Problem, scene: Scene) -> tuple[Number, Number]:
@@ -105,8 +107,7 @@ def exact_error(problem: Problem, before: Number) -> Number:
 def _exactly(scene: Scene, given: Sliding, problem: Problem, force: Power, rebound: float) -> Oblique | None:
     """The exact motion; None if an event was missed."""
     scales, unit = problem.scales, given.friction * given.ratio
-    exponent = force.exponent if force.coefficient else 1.0
-    normal = core.Normal(force.slope, force.coefficient, exponent, problem.approach, problem.gamma, problem.load)
+    normal = core.Normal(force.slope, force.coefficient, force.exponent, problem.approach, problem.gamma, problem.load)
     rate, before = numbers_of(given, problem, scene)
     status, found, rows = core.impact(normal, rate, before)
     if status != native.OK or found.closure > CLOSED:
@@ -119,13 +120,11 @@ def _exactly(scene: Scene, given: Sliding, problem: Problem, force: Power, rebou
         "sliding_displacement": D * unit * scales.length,
         "stick_radius": np.sqrt(scene.effective_radius * c * scales.length),
     }
-    kinds = [kind for _, kind in found.events]
-    regime = THROUGHOUT if kinds == [core.SLIDES] else STICKS if kinds[0] == core.STICKS else SLIDES
     events = tuple((time * scales.time, KINDS[kind]) for time, kind in found.events)
     peak = found.force * given.friction * scales.force, found.time_of_force * scales.time
     after = found.velocity * unit * scales.velocity
     summary = results(scene, given, rebound, after, peak)
-    return Oblique(summary, regime, events, motion, exact_error(problem, before))
+    return Oblique(summary, REGIMES[found.regime], events, motion, exact_error(problem, before))
 
 
 def _without_friction(scene: Scene, given: Sliding, problem: Problem, rebound: float) -> Oblique:
@@ -142,7 +141,7 @@ def _by_springs(
     seen = sample(times)
     force, depth = np.maximum(seen.contact_force, 0.0), np.asarray(seen.indentation)
     radii = [radius_in_loading(problem, depth, force)]
-    if yields(problem):
+    if not problem.curve.reversible:
         radii = [*radii_of(force, depth, radii[0], cast("float", scene.effective_modulus))]
     runs = [
         springs.tangential(springs.Grip(times, force, own), given.modulus, given.friction, given.mass, given.velocity)
@@ -172,16 +171,10 @@ def regime_of(scene: Scene, given: Sliding, after: Number, impulse: Number) -> A
     return either(slides, 2, either(sticks, 0, 1))
 
 
-def yields(problem: Problem) -> bool:
-    """Whether unloading does not retrace loading."""
-    core = problem.curve.native
-    return any(core.stage[k].unloading != native.RETRACE for k in range(core.stages))
-
-
 def radius_in_loading(problem: Problem, depth: Array, force: Array) -> Array:
     """√(R δ), or the law's own contact radius where it yields, m; arrays (times,) of one impact or (times, impacts)."""
     depth = np.maximum(depth, 0.0)  # below 0 between two contacts
-    if yields(problem):
+    if not problem.curve.reversible:
         return np.asarray(contact_radius(problem.impacts, force, depth)[0])
     return np.where(force > 0.0, np.sqrt(problem.impacts.scene.effective_radius * depth), 0.0)
 

@@ -132,8 +132,7 @@ def _exactly(
 def _normals(problem: Problem, force: Power, count: int) -> NDArray[Any]:
     """The normal motions for the core."""
     normal: NDArray[Any] = np.empty(count, core.NORMAL_DTYPE)
-    normal["slope"], normal["coefficient"] = force.slope, force.coefficient
-    normal["exponent"] = force.exponent if force.coefficient else 1.0
+    normal["slope"], normal["coefficient"], normal["exponent"] = force.slope, force.coefficient, force.exponent
     normal["approach"], normal["gamma"], normal["load"] = problem.approach, problem.gamma, problem.load
     return normal
 

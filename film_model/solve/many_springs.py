@@ -14,7 +14,7 @@ from film_model.core import native
 from film_model.core import springs as core
 from film_model.core.records import Lines, recorded, sample_many
 from film_model.oblique import springs
-from film_model.oblique.friction import radius_in_loading, regime_of, results, yields
+from film_model.oblique.friction import radius_in_loading, regime_of, results
 from film_model.problem.problem import Problem
 from film_model.problem.scales import motion_of
 from film_model.scene import DEFAULT_ACCURACY, Solver
@@ -46,7 +46,7 @@ def by_springs(problem: Problem, normal: Normal, solver: Solver) -> Iterator[tup
     a record are left out.
     """
     accuracy = solver.accuracy or DEFAULT_ACCURACY
-    tolerance = max(accuracy, springs.MODELLED) if yields(problem) else accuracy
+    tolerance = accuracy if problem.curve.reversible else max(accuracy, springs.MODELLED)
     for begin in range(0, normal.status.size, AT_ONCE):
         places = np.arange(begin, min(begin + AT_ONCE, normal.status.size))
         part, motion = problem.part(places), normal.of(places)
@@ -80,7 +80,7 @@ class _Motions:
         seen = motion_of(scales, problem.drift[:, None], problem.share[:, None], problem.free, times, values)
         force, depth = np.maximum(seen["contact_force"], 0.0), seen["indentation"]
         radius = np.ascontiguousarray(radius_in_loading(problem, depth.T, force.T).T)
-        if yields(problem):
+        if not problem.curve.reversible:
             radius = np.array([core.radii(*row, 1.0)[0] for row in zip(force, depth, radius, strict=True)])
         return times, force, radius
 

@@ -9,6 +9,7 @@ import csv
 import math
 import os
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from film_model.base.arrays import Array
 from film_model.base.errors import SimulationError, TooManyModes
+from film_model.base.files import written_whole
 from film_model.base.units import array_to_si
 from film_model.solve.structures import computable, lowest_frequency
 from film_model.targets import AbstractTarget
@@ -83,7 +85,7 @@ class Spectrum:
             *((f"receptance {name}", "m/N", row) for name, row in zip(self.points, self.receptance, strict=True)),
         ):
             columns |= {f"{name}, real [{unit}]": values.real, f"{name}, imaginary [{unit}]": values.imag}
-        with open(path, "w", encoding="utf-8", newline="") as file:
+        with written_whole(Path(path)) as beside, beside.open("w", encoding="utf-8", newline="") as file:
             table = csv.writer(file, lineterminator="\n")
             table.writerow(columns)
             table.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))

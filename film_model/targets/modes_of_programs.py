@@ -13,6 +13,7 @@ import numpy as np
 
 from film_model.base.arrays import Array
 from film_model.base.errors import shown
+from film_model.base.files import written_whole
 from film_model.base.threads import one_thread
 from film_model.targets.structure_file import ROOTS
 
@@ -60,7 +61,8 @@ class FoundModes:
         static = [] if self.static_compliance is None else [f"# static_compliance = {self.static_compliance!r} m/N"]
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
         lines = [*static, ", ".join(columns), *(", ".join(map(repr, row)) for row in rows)]
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        with written_whole(path) as beside:
+            beside.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def read_universal(path: Path, node: int, direction: str, sensors: Sequence[int], mass_unit: str | None) -> FoundModes:

@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeAlias, cast
 import numpy as np
 
 from film_model.oblique import springs
-from film_model.oblique.friction import results
+from film_model.oblique.friction import radius_in_loading, results
 from film_model.problem.problem import Problem
 from film_model.scene import STANDARD_GRAVITY, Scene
 from film_model.scene.rolling import sliding_of
@@ -119,7 +119,7 @@ def second_friction(history: History) -> Second:
         times = np.linspace(0.0, history.duration, STEPS + 1)
         seen = history.sample_si(times)
         force = np.maximum(seen.contact_force, 0.0)
-        radius = np.sqrt(scene.effective_radius * np.maximum(seen.indentation, 0.0)) * (force > 0.0)
+        radius = radius_in_loading(history.problem, np.asarray(seen.indentation), force)
         run = springs.tangential(springs.Grip(times, force, radius), given.modulus, given.friction, given.mass, before)
         after, error = float(run.velocity[-1]), run.estimated
         how = f"{springs.SPRINGS} springs beside each other in {STEPS} steps"

@@ -383,6 +383,8 @@ int film_friction(const film_normal *normal, double rate, double velocity, int c
         next_phase(&in, event);
     }
     if (rows && in.status == FILM_OK) write_row(&in, 0.0, 0.0, in.now.D, in.now.v, 0.0, 0.0);
+    int throughout = result->phases == 1 && result->kinds[0] == FILM_SLIDES;
+    result->regime = throughout ? FILM_SLIDES_THROUGHOUT : result->kinds[0] == FILM_STICKS ? FILM_STICKS_FIRST : FILM_SLIDES_FIRST;
     scale_back(&in, depth, a, factor);
     if (count) *count = in.count;
     return in.status != FILM_OK || isfinite(result->velocity + result->force) ? in.status : FILM_BAD_NUMBER;

@@ -21,6 +21,7 @@ enum {
 };
 
 enum { FILM_STICKS, FILM_SLIPS, FILM_REVERSES, FILM_SLIDES }; /* phases: how they begin */
+enum { FILM_STICKS_FIRST, FILM_SLIDES_FIRST, FILM_SLIDES_THROUGHOUT }; /* regimes */
 
 /* The normal motion, in units of film_core.h. slope, coefficient >= 0; exponent >= 1; approach > 0. */
 typedef struct {
@@ -29,12 +30,12 @@ typedef struct {
 
 /* What friction did. velocity: D' when contact ends. force, time_of_force: largest |q|, and when. duration: of the contact.
  * closure: error of the stuck path's first point, retraced, over the smaller of |D'| at first touch and approach: 0 if exact
- * or if nothing is retraced. begins, kinds: of the phases. steps: Taylor steps taken. */
+ * or if nothing is retraced. begins, kinds: of the phases. steps: Taylor steps taken. regime: one of those above. */
 typedef struct {
     double velocity, force, time_of_force, duration, closure;
     double begins[FILM_FRICTION_EVENTS];
     int32_t kinds[FILM_FRICTION_EVENTS];
-    int32_t phases, steps;
+    int32_t phases, steps, regime, reserved;
 } film_friction_result;
 
 /* One impact, with D' = velocity at first touch. coarse: 1 for errors up to 1e-8 of a velocity above 0.01 approach, in half the steps. rows: room for `room` rows of time, z, D, D', q and the depth c outside which
@@ -42,8 +43,6 @@ typedef struct {
  * FILM_OK; FILM_BAD_NUMBER for numbers out of range; FILM_TOO_MANY events or steps; FILM_FULL: more rows than room. */
 FILM_API int film_friction(const film_normal *normal, double rate, double velocity, int coarse, film_friction_result *result,
                            double *rows, int32_t per_step, int32_t room, int32_t *count);
-
-enum { FILM_STICKS_FIRST, FILM_SLIDES_FIRST, FILM_SLIDES_THROUGHOUT }; /* regimes */
 
 /* Of one impact of many. steps: 0 where none was needed. */
 typedef struct {

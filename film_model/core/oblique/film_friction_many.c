@@ -93,8 +93,7 @@ static void one(const film_normal *normal, double rate, double velocity, const d
     int coarse = table && fabs(velocity) > FEWEST * approach;
     to->status = film_friction(normal, rate, velocity, coarse, &found, NULL, 1, 0, NULL);
     to->velocity = found.velocity, to->force = found.force, to->time_of_force = found.time_of_force;
-    to->closure = found.closure, to->steps = found.steps;
-    to->regime = found.kinds[0] == FILM_STICKS ? FILM_STICKS_FIRST : found.phases > 1 ? FILM_SLIDES_FIRST : FILM_SLIDES_THROUGHOUT;
+    to->closure = found.closure, to->steps = found.steps, to->regime = found.regime;
 }
 
 void film_friction_many(int64_t count, const film_normal *normals, const double *rates, const double *velocities,

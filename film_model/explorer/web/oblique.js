@@ -48,7 +48,7 @@ function exactFriction(given, { law, p, vibrates, compliance }) {
   const { normal, friction: outcome } = layout;
   const [start, result, count] = [CORE.allocate(normal.size), CORE.allocate(outcome.size), CORE.allocate(8)];
   const [slope, coefficient, exponent] = law.power;
-  const values = { slope, coefficient, exponent: coefficient ? exponent : 1, approach: p.approach, gamma: p.gamma, load: p.load };
+  const values = { slope, coefficient, exponent, approach: p.approach, gamma: p.gamma, load: p.load };
   for (const [name, value] of Object.entries(values)) CORE.view().setFloat64(start + normal[name], value, true);
   let [room, status, rows] = [512, FULL, 0];
   for (const above = CORE.top; status === FULL && room < 1e5; room *= 4) {
@@ -68,11 +68,10 @@ function exactFriction(given, { law, p, vibrates, compliance }) {
     name: phases[view.getInt32(result + outcome.kinds + 4 * k, true)],
     time: view.getFloat64(result + outcome.begins + 8 * k, true) * p.time,
   }));
-  const whole = events.length === 1 && events[0].name === "slides";
   return {
     after: number("velocity") * unit * p.velocity,
     peak: [number("force") * given.friction * p.force, number("time_of_force") * p.time],
-    regime: whole ? 2 : events[0].name === "sticks" ? 0 : 1,
+    regime: view.getInt32(result + outcome.regime, true),
     events,
     error: given.error,
     motion: { time: column(0, p.time), sliding_velocity: column(3, unit * p.velocity), friction_force: column(4, given.friction * p.force) },

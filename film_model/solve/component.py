@@ -182,7 +182,7 @@ class ImpactComponent:
         return self._motion.tables if isinstance(self._motion, OnModes) else None
 
     def follow(self, vibrations: modal.Tables, rest: float, tolerance: float) -> None:
-        """Start anew with other vibrations of the target, such as those that an FMU contains.
+        """Restart with other vibrations of the target, such as those that an FMU contains.
 
         rest: compliance of those omitted, m/N. tolerance: of the core's steps. Raises SimulationError if the target
         does not vibrate.

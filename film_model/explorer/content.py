@@ -283,7 +283,7 @@ def size_of(kind: Any) -> int:
 def _constants() -> dict[str, Any]:
     return {
         "first_segments": FIRST_SEGMENTS,
-        "trial_segments": 4 * TRIAL_SEGMENTS,  # the page has lines only, Python's trial their shorter ways
+        "trial_segments": 4 * TRIAL_SEGMENTS,  # the page marches lines only; the trial in Python takes shorter ways
         "grazing": GRAZING,
         "deeper": DEEPER,
         "sure": SURE,

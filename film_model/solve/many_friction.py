@@ -24,7 +24,7 @@ from film_model.scene.rolling import sliding_of
 from film_model.solve.many_springs import Normal, by_springs
 
 COARSE = 10.0 * core.COARSE_ERROR
-"""Coarse steps and the table meet accuracies down to this."""
+"""Accuracy from which coarse steps and the table serve."""
 
 
 @dataclass(frozen=True)

@@ -39,6 +39,8 @@ FILES = {
     "cloud.toml": 'scene = "slab.toml"\ndesign = "sobol"\nsamples = 256\n[over]\n"impactor.radius" = "10 mm ± 1 mm"\n'
     '"impactor.velocity" = "1 m/s ± 0.3 m/s"\n'
     '"target.material.yield_strength" = { normal = ["250 MPa", "12 MPa"] }\n',
+    "motions.csv": "time [us], a [m/s^2], b [g]\n"
+    + "\n".join(f"{5 * k}, {min(k % 40, 15) * 9}, {-(k % 23)}" for k in range(100)),
     "force.csv": "time [us], contact_force [N]\n0, 0\n10, 50\n20, 90\n",
     "measured.csv": "velocity [m/s], restitution\n0.2, 0.61\n0.5, 0.50\n1, 0.42\n2, 0.36\n",
 }
@@ -57,6 +59,7 @@ COMMANDS = {
     "engines": "contact-for yade slab.toml --velocity 0.1..2 --plot picture.png",
     "score": "score force.csv --case hertz-half-space-0.4 --plot picture.png",
     "fit": "identify measured.csv slab.toml --fit contact.yield_strength --plot picture.png",
+    "force from sensors": "identify --force-from motions.csv sensed.toml --plot picture.png",
     "tolerance": "tolerance cloud.toml --plot picture.png",
     **{name: f"plot {name}.nc --output picture.png --quantity maximum_force" for name in SWEEPS},
     **{

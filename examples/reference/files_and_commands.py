@@ -153,6 +153,17 @@ time [us], force [N]
 20, 188
 ```
 
+## Measured motions of sensors
+
+For `film-model identify --force-from` and `film_datasets.identify_force`: even times, and a column for each sensor of
+`[[target.sensors]]`, under its name. The unit says whether it is a displacement, a velocity or an acceleration.
+
+```text
+time [us], corner [m/s^2], wall [g]
+0, 0.3, 0.01
+5, 0.1, -0.02
+```
+
 ## Measured impacts
 
 For the same commands: one row for each impact. Cells may be empty, except velocities.

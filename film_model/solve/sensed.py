@@ -173,7 +173,7 @@ class Peaks:
         count = math.ceil(duration / dt) + 1
         size = 1 << count.bit_length()
         if (key := (dt, size)) not in self._kept:
-            self._kept[key] = np.fft.rfft(_responses(self._modes, dt, size), 2 * size)
+            self._kept[key] = np.fft.rfft(responses(self._modes, dt, size), 2 * size)
         times: Array = dt * np.arange(float(count))
         force = np.where(times <= duration, force_of_steps(steps, unit, times), 0.0)
         moved = np.fft.irfft(np.fft.rfft(force, 2 * size) * self._kept[key], 2 * size)
@@ -183,7 +183,7 @@ class Peaks:
 
 
 @one_thread
-def _responses(on: Modes, dt: float, count: int) -> Array:
+def responses(on: Modes, dt: float, count: int) -> Array:
     """Displacement, velocity and acceleration of each sensor at the times 0, dt, … by a force that rises evenly from 0
     at −dt to 1 N at time 0 and falls to 0 at dt: (3, sensors, count).
 

@@ -27,6 +27,14 @@ SENSED = (
     ),
 )
 
+FORCE_INTERVAL = ("contact_force_low", "contact_force_high")
+
+IDENTIFIED = tuple(
+    number(name, ("t",), "force", f"{word} end of the interval of the contact force", "if it was identified", True)
+    for name, word in zip(FORCE_INTERVAL, ("lower", "upper"), strict=True)
+)
+"""Variables of a measured history that was identified from the motion of sensors."""
+
 
 def sensor_words(names: Iterable[str]) -> tuple[str, ...]:
     """Names of sensors as parts of names of variables: letters, digits and _."""

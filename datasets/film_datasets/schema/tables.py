@@ -29,7 +29,7 @@ from film_datasets.schema.motion_variables import (
     spaced,
     stage,
 )
-from film_datasets.schema.sensor_variables import SENSED, peaks_in
+from film_datasets.schema.sensor_variables import FORCE_INTERVAL, IDENTIFIED, SENSED, peaks_in
 from film_datasets.schema.variable import (
     BYTE,
     FLOAT,
@@ -84,6 +84,7 @@ ADDED: dict[str, dict[str, tuple[str, ...]]] = {
     MEASUREMENT: {
         **{"1.0": (), "1.1": (), "1.2": ("row_number", "complete", "held_out", "matter", "input_uncertainty")},
         "1.3": ("impactor_angle", "impactor_spin", *OBLIQUE),
+        "1.4": FORCE_INTERVAL,
     },
     BOUNCES: {"1.0": ()},
     COST: {"1.0": ()},
@@ -199,6 +200,7 @@ _MEASURED_HISTORY = (
         number(name, ("t",), dimension, f"measured {spaced(name)}", f"{what}; {_ABSENT}", True)
         for name, (dimension, what) in MEASURED_MOTION.items()
     ),
+    *IDENTIFIED,
 )
 
 _MEASURED_IMPACTS = (

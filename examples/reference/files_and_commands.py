@@ -213,6 +213,7 @@ which the entry of the scene replaces: `# static_compliance = 4.01e-6 m/N`.
                 ("`modal_mass`", "`kg`", "of the shape in the next column"),
                 ("`shape`", "", "deflection of that shape at the struck point, along the impact"),
                 ("`shape_…`", "", "deflection at a sensor that names this column; optional"),
+                ("`strain_…`", "`1/m`", "strain at a sensor that names this column, of the same shape; optional"),
                 ("`mass_normalised_shape`", "`1/sqrt(kg)`", "replaces both: the shape whose modal mass is 1"),
                 ("`damping_ratio`", "", "optional"),
             ],

@@ -140,12 +140,16 @@ def _sensors(history: History) -> list[str]:
     if not history.sensor_peaks:
         return ["  sensors                       no motion: the vibrations of the target are not simulated"]
     from film_model.base.units import format_si
-    from film_model.solve.sensed import MOTION
+    from film_model.solve.sensed import MOTION, STRAIN
 
     lines = list[str]()
     for name, peaks in history.sensor_peaks.items():
         texts = (format_si(peaks[f"maximum_{what}"], kind, 4) for what, (kind, _) in MOTION.items())
         lines.append(f"  {f'sensor {name}, largest':30}{', '.join(texts)}")
+        known = {what: peaks[key] for what in STRAIN if (key := f"maximum_{what}") in peaks}
+        if known:
+            texts = (f"{what.replace('_', ' ')} {format_si(own, STRAIN[what][0], 4)}" for what, own in known.items())
+            lines.append(f"  {'':30}{', '.join(texts)}")
     return lines
 
 

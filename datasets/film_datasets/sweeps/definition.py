@@ -184,7 +184,8 @@ class Sweep:
         swept = tuple(axis.variable((axis.name,) if self.design == GRID else ("impact",)) for axis in self.axes)
         constants = (variable for variable in CONSTANTS if variable.name in self.constants)
         slopes = (derivative_variables(e.path, _cf_unit(e), self.chosen, self.dims) for e in self.derivatives)
-        peaks = peak_variables(sensor_words(self.sensors), self.dims)
+        strained = any(sensor.strain for scene in self._used_scenes for sensor in scene.target.sensors or ())
+        peaks = peak_variables(sensor_words(self.sensors), self.dims, strained)
         own = sweep_variables(self.kept, self.chosen, self.dims)
         return (*swept, *own, *itertools.chain(*slopes), *peaks, *constants)
 

@@ -130,15 +130,16 @@ def sensor_mistakes(
     if sides is None:
         return [mistake(owner, "sensors", "need a target with edges: an infinite one has no vibrations")]
     found: list[Mistake] = []
+    thickness: float | None = owner.whole_thickness
     for sensor in sensors:
         if sensor.strain not in (True, False):
             found.append(mistake(owner, "sensors", f"{shown(sensor.name)}: strain = true is needed, not a column"))
-        elif sensor.strain and owner.whole_thickness is None:
+        elif sensor.strain and thickness is None:
             wrong = f"{shown(sensor.name)}: strain needs a plate or a beam of known thickness"
             found.append(mistake(owner, "sensors", wrong))
-        elif sensor.strain and sensor.position and singular and len(sensor.position) == len(singular):
-            near, thickness = math.dist(sensor.position, singular), float(owner.whole_thickness)
-            if near < thickness:
+        elif sensor.strain and thickness and len(sensor.position or ()) == len(singular):
+            near = math.dist(sensor.position or (), singular)
+            if singular and near < thickness:
                 wrong = f"{shown(sensor.name)}: strain needs a distance of the thickness, {thickness:g} m, "
                 wrong += f"from the contact, where the moment of plate theory is infinite, not {near:g} m"
                 found.append(mistake(owner, "sensors", wrong))

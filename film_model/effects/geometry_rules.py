@@ -85,6 +85,11 @@ def small_slope(case: Case, rule: Rule) -> Effect:
     """
     scene = case.scene
     modulus, radius = scene.effective_modulus, scene.effective_radius
+    if scene.nose is not None:
+        beyond = case.contact_radius / scene.impactor.radius
+        if beyond > 1.0:
+            return rule.failing(f"the {scene.impactor.shape} is pressed in beyond its base", beyond, 1.0)
+        return rule.unjudged("known for balls only", beyond)
     if modulus is None:
         return rule.unjudged("missing: an effective modulus")
     if case.indentation > DEEPEST * radius:

@@ -46,9 +46,9 @@ LARGE = 0.15
 
 
 def impedance_of(scene: Scene, yielding: bool) -> Any:
-    """The impedance by which a half-space takes up the energy of waves, N s/m; infinite if that is unknown. Of one
+    """The impedance by which a half-space takes up the energy of waves, N s/m; infinite if unknown (a cone). Of one
     impact, or of a scene with arrays. yielding: the law yields."""
-    if scene.effective_modulus is None:
+    if scene.effective_modulus is None or scene.nose is not None:
         return math.inf
     impedance = scene.target.radiation_impedance(duration(scene))
     ratio = yield_velocities(scene) if yielding else None
@@ -146,7 +146,12 @@ def remarks(problem: Problem) -> tuple[str, ...]:
 def settled(effect: Effect, problem: Problem) -> Effect:
     """The estimated effect with what was decided about it. problem: what is simulated."""
     scene, simulated = problem.scene, problem.gamma > 0.0
-    if effect.name != "wave_losses" or scene.target.gives_way or (effect.change is None and not simulated):
+    if (
+        effect.name != "wave_losses"
+        or scene.target.gives_way
+        or scene.nose is not None
+        or (effect.change is None and not simulated)
+    ):
         return effect
     if pressed(problem) and not simulated:
         why = "the weight makes the impact last longer than its velocity says"

@@ -110,6 +110,8 @@ class Content:
 
     def _scene(self, name: str, scene: Scene) -> dict[str, Any]:
         """A scene with what was decided for it."""
+        if not scene.is_round:
+            raise SimulationError("the page shows contacts of balls, and this is another: use film-model run")
         whole, scene = scene, with_yield_strengths(scene)
         choice = choose(scene)
         hardening = change(choose(whole).light, choice.light) if whole.strain_hardening_exponent > 0.0 else 0.0

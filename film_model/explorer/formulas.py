@@ -225,6 +225,7 @@ def _problem(
     numbers = recording.symbols("n", FROM_SCENE)
     strength = numbers["yield_strength"]  # infinite if there is none
     varied: Any = SimpleNamespace(**numbers | {"yield_strength": either(strength < math.inf, strength, math.nan)})
+    varied.nose = varied.oval = None
     varied.rate_hardening = RateHardening(
         **{name.removeprefix("rate_"): n for name, n in recording.symbols("n", RATE_LAW).items()}
     )

@@ -65,8 +65,11 @@ def sliding_of(scene: Scene, at_rest: bool = False) -> Sliding | None:
 
     Raises SimulationError if the stiffness along the surface is not known.
     """
-    friction, velocity = scene.contact.friction, sliding_before(scene)
-    if friction is None or (not at_rest and all_of(velocity == 0.0)):
+    friction = scene.contact.friction
+    if friction is None:
+        return None
+    velocity = sliding_before(scene)
+    if not at_rest and all_of(velocity == 0.0):
         return None
     ratio = stiffness_ratio(scene)
     if ratio is None or scene.contact.effective_modulus is not None:

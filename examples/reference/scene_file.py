@@ -23,6 +23,7 @@ _SAID_ELSEWHERE = re.compile(
 
 EXAMPLES = {
     "shape": '"shell"',
+    "half_angle": '"70 deg"',
     "friction": "0.2",
     "roughness": '"0.8 um"',
     "fluid_viscosity": '"1 mPa*s"',

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Literal, cast
 
 from film_model.base.arrays import cosine, root, sine
@@ -51,7 +51,7 @@ class Sphere(InUnits):
         "material": MATERIAL,
         "angle": measure("angle", 0, STEEPEST),
         **TURNING,
-        "shape": Field(choice(*SHAPES, *VOLUMES).read, "the name of a shape is needed"),
+        "shape": replace(choice(*SHAPES, *VOLUMES), required=False),
         "half_angle": measure("angle", 1e-3, STEEPEST),
         "second_radius": measure("length", 1e-10, 1e3),
         "length": measure("length", 1e-10, 1e3),

@@ -34,7 +34,7 @@ def air_drag(case: Case, rule: Rule) -> Effect:
     slowed = math.sqrt(-math.expm1(-value) / value)
     why = (
         f"a sphere falls through air at {format_si(final, 'velocity', 2)} at most, and from this height reaches "
-        f"{format_si(slowed * ball.path_speed, 'velocity', 2)}, not {format_si(ball.path_speed, 'velocity', 2)}: "
+        f"{format_si(slowed * ball.path_speed, 'velocity')}, not {format_si(ball.path_speed, 'velocity')}: "
         "give the velocity"
     )
     return rule.sized(case.tolerance, value, None, 1.0 - slowed**2, why)

@@ -114,7 +114,8 @@ def material_damping(case: Case, rule: Rule) -> Effect:
     value = scene.loss_factor or 0.0
     own = loss_restitution(value)
     share, left = 1.0 - own**2, case.restitution * own
-    why = f"the materials dissipate {100 * share:.2g} % of the elastic energy: restitution about {left:.2g}"
+    why = f"the materials dissipate {100 * share:.2g} % of the elastic energy"
+    why += "" if case.vibrates else f": restitution about {left:.2g}"
     size = share * (1.0 - case.fraction)
     if missing:
         given = sum(soft[part] for part in known) / total

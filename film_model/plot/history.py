@@ -325,7 +325,7 @@ def _key(figure: Figure, trace: Trace, names: list[str]) -> None:
     ]
     for name in names if len(names) > 1 else []:
         keys.append(Line2D([], [], ls=LINES[name], color="0.2", label=name.replace("_", " ")))
-    place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (LEFT - 0.012, 0.0), "ncols": min(len(keys), 5)}
+    place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (LEFT - 0.012, 0.078), "ncols": min(len(keys), 5)}
     figure.legend(handles=keys, **place, frameon=False, fontsize=8)
 
 

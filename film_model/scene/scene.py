@@ -326,7 +326,7 @@ class Scene:
 
     def _mistakes(self) -> list[Mistake]:
         """Mistakes that concern several parts of the scene."""
-        found: dict[str, str] = {}
+        found = mistakes_of_shape(self)
         contact, target, name = self.contact, self.target, self.contact.law_name
         if self.impactor.own_mass is None:
             found["impactor.mass"] = f"missing: {self.impactor.mass_needed}"
@@ -334,11 +334,11 @@ class Scene:
             found["target.mass"] = "missing: give mass, or a material (the mass is then density × sphere volume)"
         if target.free and self.approach_velocity <= 0:
             found["target.velocity"] = f"{target.velocity:g} m/s must be < the impactor's {self.impactor.speed:g} m/s"
-        found |= mistakes_of_shape(self)
         if contact.needs("effective_modulus") and self.effective_modulus is None:
             both = (("impactor", self.impactor), ("target", target))
             missing = " and ".join(f"{part}.material" for part, body in both if body.material is None)
-            found["contact.effective_modulus"] = f"missing: give {missing}, or effective_modulus"
+            rule = ', or unloading = "retrace"' if contact.unloading_name == "brake" else ""
+            found["contact.effective_modulus"] = f"missing: give {missing}, or effective_modulus{rule}"
         if contact.needs("poissons_ratio") and self.poissons_ratio is None:
             found["contact.poissons_ratio"] = f'missing: law "{name}" needs it: give a material, or poissons_ratio'
         if contact.needs("work_of_adhesion") and not self.work_of_adhesion:

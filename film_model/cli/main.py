@@ -53,7 +53,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit status."""
     # Sums are then the same on any number of processors, and NumPy starts no threads, a quarter of its time to import.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    given = (sys.argv[1:] if arguments is None else arguments) or ["--help"]
+    given = sys.argv[1:] if arguments is None else arguments
+    if not given:
+        parser().print_help(sys.stderr)
+        sys.exit(WRONG)
     options = parser(*given[:1]).parse_args(given)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # "?" for characters that the encoding lacks

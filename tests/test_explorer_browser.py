@@ -261,13 +261,18 @@ CHANGES = (
     "&target_motion=false",
     "&impactor.angle=0.6&impactor.spin=-100&contact.friction=0.1",
 )
+SCALED = (
+    "&target.thickness=0.002&target.material.youngs_modulus=7e10&target.material.density=2700",
+    "&target.thickness=0.0012&accuracy=0.001",
+)
+"""Changes of a plate with which its vibrations scale."""
 
 
 @pytest.mark.parametrize("kind", HELD)
 def test_targets_that_vibrate_equal_python(shown, tmp_path, kind):
     damped = {} if kind == "static" else {"damping_ratio": 0.02}
     write_page(tmp_path / "impact.html", fm.Scene.from_table({"impactor": BALL, "target": HELD[kind] | damped}))
-    fragments = ["scene=scene" + change for change in CHANGES]
+    fragments = ["scene=scene" + change for change in (*CHANGES, *(SCALED if kind == "plate" else ()))]
     window = shown((tmp_path / "impact.html").as_uri())
     compared = 0
     for fragment, (found, text) in zip(fragments, window.evaluate(SUMMARIES, fragments), strict=True):

@@ -121,7 +121,7 @@ class Content:
         inputs = list(inputs_of(scene))
         if held is not None:
             scene = support.fixed_to(choice)
-            inputs = [entry for entry in inputs if support.may_change(entry.path)]
+            inputs = [entry for entry in inputs if support.may_change(entry.path, held)]
             inputs += support.damping_of(scene.target) if held["modes"] else []
         paths = [entry.path for entry in inputs]
         target = scene.target

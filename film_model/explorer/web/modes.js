@@ -8,7 +8,7 @@ const TOO_MANY = -5; // status of a march with too many segments
  */
 function supportNow(scene) {
   const { support } = scene.base;
-  const ratios = Object.entries(support?.scales ?? {}).map(([path, value]) => scene.values[path] / value);
+  const ratios = Object.entries(support?.scales ?? {}).map(([path, value]) => Number(scene.values[path]) / value);
   if (!ratios.some((ratio) => ratio !== 1)) return support;
   const [thickness, modulus, density] = ratios;
   const [rate, mass] = [thickness * Math.sqrt(modulus / density), thickness * density];

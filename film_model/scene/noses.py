@@ -22,6 +22,9 @@ VOLUMES: Mapping[str, Volume | None] = {
 }
 """Shapes other than balls → volume, m³, from the radius and the entries of `OWN`; None: the mass is needed."""
 
+NOSE, OVAL = "Sneddon 1965", "Johnson 1985, section 4.2"
+"""Sources of the contacts of cones and flat ends, and of ellipses."""
+
 OWN = {"cone": ("half_angle",), "cylinder": ("length",), "ellipsoid": ("second_radius", "length")}
 """Shapes → entries that only they have. A length is needed for the mass alone."""
 

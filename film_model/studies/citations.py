@@ -28,7 +28,7 @@ _NAMED = re.compile(r"([^\W\d_a-z][\w-]+)(?:(?:, [^\W\d_][\w-]+)* & [\w-]+| et a
 
 
 def citations(history: History) -> str:
-    """BibTeX entries of the package, of FILM, and of the law, the shape, the effects and the friction that were simulated."""
+    """BibTeX of the package, of FILM, and of the law, the shape, the effects and the friction that were simulated."""
     law = history.problem.law  # or a rule of unloading around its law
     sources = [METHOD, getattr(law, "law", law).source, law.source]
     sources += [NOSE] if history.scene.nose is not None else [OVAL] if history.scene.oval is not None else []

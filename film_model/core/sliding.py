@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import Any
 
 from film_model.core import native
-from film_model.core.springs import Springs
+from film_model.core.springs import Array, Springs
 
 _D = c.c_double
 
@@ -24,7 +24,7 @@ def _library() -> Any:
     lib, pointer = native.library(), c.c_void_p
     lib.film_slide_init.argtypes = [pointer, _D, _D, _D]
     lib.film_slide_init.restype = c.c_int
-    lib.film_slide.argtypes = [pointer, pointer, pointer, _D, pointer]
+    lib.film_slide.argtypes = [pointer, pointer, pointer, _D, pointer, c.c_int32, pointer]
     lib.film_slide.restype = c.c_int
     lib.film_slide_size.restype = c.c_int64
     if lib.film_slide_size() != c.sizeof(Sliding):
@@ -40,6 +40,10 @@ def begin(friction: float, mass: float, velocity: float) -> Sliding:
     return made
 
 
-def slide(curve: native.Curve, mesh: native.Mesh, begun: native.State, dt: float, sliding: Sliding) -> int:
-    """Advance `sliding` in place by dt, in which the normal motion leads on from `begun`; the core's status."""
-    return _library().film_slide(c.byref(curve), c.byref(mesh), c.byref(begun), dt, c.byref(sliding))
+def slide(
+    curve: native.Curve, mesh: native.Mesh, begun: native.State, dt: float, friction: Array, sliding: Sliding
+) -> int:
+    """Advance `sliding` in place by dt, in which the normal motion leads on from `begun`; the core's status.
+    friction: pairs of speed and coefficient, (pairs, 2); none for that of the start."""
+    table = friction.ctypes.data, len(friction)
+    return _library().film_slide(c.byref(curve), c.byref(mesh), c.byref(begun), dt, *table, c.byref(sliding))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from film_model.base.errors import SimulationError
 from film_model.core import native, springs
 from film_model.core import sliding as core
@@ -63,6 +65,7 @@ class SteppedFriction:
         self._given, self._ball, scales = given, given.impactor, problem.scales
         self._along, self._spin = float(given.along), float(given.impactor.spin)
         self._velocity = float(given.ratio) * scales.velocity
+        self._table = np.empty((0, 2)) if given.table is None else given.pairs / (self._velocity, 1.0)
         self._force, self._time = scales.force, scales.time
         self._mass = 1.0 / float(given.parameter * scene.effective_mass)
         self.begin()
@@ -86,7 +89,7 @@ class SteppedFriction:
         status."""
         force, torque, _ = self._pushes
         self._gained = (self._gained[0] + force * dt * self._time, self._gained[1] + torque * dt * self._time)
-        return core.slide(curve, mesh, begin, dt, self._core)
+        return core.slide(curve, mesh, begin, dt, self._table, self._core)
 
     @property
     def outputs(self) -> SlidingOutputs:

@@ -18,6 +18,7 @@ from film_model.effects.choose import Choice
 from film_model.effects.decided import decisions_of
 from film_model.problem.summary import SUMMARY
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
+from film_model.scene.friction_table import FrictionTable
 from film_model.scene.paths import field_at, refuse_twice, unit_of
 from film_model.solve.chain import slopes
 from film_model.solve.slopes import NO_DERIVATIVE, SMOOTH, STEP, TARGET, Pairs, Slopes
@@ -166,6 +167,8 @@ def _entry(scene: Scene, path: object) -> Entry:
     for section in sections:
         owner = getattr(owner, section)
     value = getattr(owner, "parameters", {}).get(name, getattr(owner, name, None))
+    if isinstance(value, FrictionTable):
+        raise ValueError("is a table: there is no derivative by it")
     if value is None or not math.isfinite(value):
         raise ValueError("is not given in the scene: give it there first")
     if name == "yield_strength" and getattr(owner, "hardness", None) is not None:

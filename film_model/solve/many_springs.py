@@ -14,7 +14,7 @@ from film_model.core import native
 from film_model.core import springs as core
 from film_model.core.records import Lines, recorded, sample_many
 from film_model.oblique import springs
-from film_model.oblique.friction import radius_in_loading, regime_of, results
+from film_model.oblique.friction import SLIDING, normal_impulse, radius_in_loading, regime_of, results
 from film_model.problem.problem import Problem
 from film_model.problem.scales import motion_of
 from film_model.scene import DEFAULT_ACCURACY, Solver
@@ -103,22 +103,27 @@ def _followed(
     scene = problem.impacts.scene
     given = sliding_of(scene, at_rest=True)
     assert given is not None
-    names = ("modulus", "friction", "mass", "velocity")
+    names, alike = ("modulus", "mass", "velocity"), given.table is not None
     numbers = np.array([column(getattr(given, name), count) for name in names]).T
-    after, peak, when, apart, impulse = np.full((5, count), np.nan)
+    pairs = given.pairs if alike else np.stack([np.zeros(count), column(given.friction, count)], axis=1)[:, None]
+    after, peak, when, apart, slack = np.full((5, count), np.nan)
     left = np.arange(count)
     for level in springs.LEVELS:
         times, force, radius = motions.at(left, 8 * level)
         for row, t, f, r in zip(left.tolist(), times, force, radius, strict=True):
             step = float(t[1])
-            run = core.impact(level, numbers[row].tolist(), step, f, r)
+            run, *_ = core.impact(level, numbers[row].tolist(), pairs if alike else pairs[row], step, f, r)
             if run is not None:
                 after[row], peak[row], apart[row] = run.velocity, run.force, springs.SAFETY * run.apart
-                when[row], impulse[row] = t[run.step], np.trapezoid(f, dx=step)
-        left = left[apart[left] > tolerance * abs(numbers[left, 3])]
+                when[row], slack[row] = t[run.step], run.slack
+        left = left[apart[left] > tolerance * abs(numbers[left, 2])]
         if left.size == 0:
             break
+    if given.table is not None:
+        impulse = column(normal_impulse(scene, problem, rebound, motions.durations), count) / numbers[:, 1]
+        for row in np.flatnonzero(slack <= SLIDING).tolist():
+            after[row] = given.table.slid(float(numbers[row, 2]), float(impulse[row]))
     found = results(scene, given, rebound, after, (peak, when))
     summary = {name: column(value, count) for name, value in found.items()}
     with np.errstate(divide="ignore", invalid="ignore"):
-        return after == after, summary, regime_of(scene, given, after, impulse), apart / abs(numbers[:, 3])
+        return after == after, summary, regime_of(scene, given, slack), apart / abs(numbers[:, 2])

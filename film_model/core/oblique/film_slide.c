@@ -45,7 +45,8 @@ int film_slide_init(film_sliding *sliding, double friction, double mass, double 
     return film_springs_init(&sliding->springs, FILM_MOST_SPRINGS, 0.125, 1.0, friction, mass, velocity);
 }
 
-int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state *from, double dt, film_sliding *sliding) {
+int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state *from, double dt, const double *friction, int32_t rows,
+               film_sliding *sliding) {
     film_state state = *from;
     if (!(dt >= 0.0 && dt < INFINITY)) return FILM_BAD_NUMBER;
     if (state.branch == FILM_FREE) {
@@ -58,6 +59,7 @@ int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state 
     for (double k = 1.0; k <= count; k += 1.0) {
         int status = follow(curve, mesh, &state, from->time + dt * (k / count));
         if (status < 0) return status;
+        film_springs_take(&sliding->springs, dt / count, friction, rows);
         advance(sliding, grip_of(curve, &state), dt / count);
     }
     return FILM_OK;

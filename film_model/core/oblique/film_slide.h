@@ -22,8 +22,9 @@ typedef struct {
 FILM_API int film_slide_init(film_sliding *sliding, double friction, double mass, double velocity);
 
 /* From a state of the normal motion on by dt, in which only its end may be an event: FILM_OK, FILM_TOO_MANY steps, or what
- * film_step fails with. */
-FILM_API int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state *from, double dt, film_sliding *sliding);
+ * film_step fails with. friction, rows: as in film_springs.h; 0 rows: that of film_slide_init. */
+FILM_API int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state *from, double dt, const double *friction,
+                        int32_t rows, film_sliding *sliding);
 
 /* sizeof film_sliding. */
 FILM_API int64_t film_slide_size(void);

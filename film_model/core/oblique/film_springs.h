@@ -27,21 +27,27 @@ FILM_API int film_springs_init(film_springs *state, int32_t count, double modulu
  * rule of the midpoint: half a step with the friction force before, half with that after. */
 FILM_API void film_springs_step(film_springs *state, double time, double force, double radius);
 
-/* `steps` steps over a recorded normal motion, with sliding velocity and friction force after each. */
-FILM_API void film_springs_follow(film_springs *state, double time, int64_t steps, const double *force, const double *radius,
-                                  double *velocity, double *friction);
+/* A coefficient of friction over the sliding speed: `rows` pairs (speed, coefficient) of increasing speed, with lines between and
+ * constant beyond; one pair for a constant one. */
+FILM_API double film_friction_at(const double *table, int32_t rows, double speed);
+
+/* The coefficient of the next step: that at the speed which the present friction force leads to, with an error of its square. */
+FILM_API void film_springs_take(film_springs *state, double time, const double *table, int32_t rows);
 
 /* One impact: velocity at the end; force, step: largest |q|, and after how many steps; apart: largest difference of the velocity, at
- * any time, to that of half as many springs in half as many steps. */
+ * any time, to that of half as many springs in half as many steps; slack: what the friction force lacks to its limit, a share of the
+ * impulses; 0 if the contact slides throughout. */
 typedef struct {
-    double velocity, force, apart;
+    double velocity, force, apart, slack;
     int64_t step;
 } film_springs_impact_result;
 
-/* An impact from first touch on in steps of a time; force, radius: before the first step and after each. steps: even. count: of
- * springs, even. FILM_OK or FILM_BAD_NUMBER as film_springs_init. */
-FILM_API int film_springs_impact(int32_t count, double modulus, double friction, double mass, double velocity, double time,
-                                 int64_t steps, const double *force, const double *radius, film_springs_impact_result *result);
+/* An impact from first touch on in steps of a time; force, radius: before the first step and after each. friction, rows: as above.
+ * steps: even. count: of springs, even. velocities, forces: room for the sliding velocity and friction force at the times of `force`,
+ * or null. FILM_OK or FILM_BAD_NUMBER as film_springs_init. */
+FILM_API int film_springs_impact(int32_t count, double modulus, double mass, double velocity, const double *friction, int32_t rows,
+                                 double time, int64_t steps, const double *force, const double *radius,
+                                 film_springs_impact_result *result, double *velocities, double *forces);
 
 /* Energy of the springs. */
 FILM_API double film_springs_energy(const film_springs *state);

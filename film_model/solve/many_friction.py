@@ -21,10 +21,7 @@ from film_model.problem.problem import Problem
 from film_model.scene import DEFAULT_ACCURACY, Scene, Solver
 from film_model.scene.columns import scene_of_columns
 from film_model.scene.rolling import sliding_of
-from film_model.solve.many_springs import Normal, by_springs
-
-COARSE = 10.0 * core.COARSE_ERROR
-"""Accuracy from which coarse steps and the table serve."""
+from film_model.solve.many_springs import COARSE, Normal, by_springs
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import ctypes as c
 from functools import lru_cache
 from typing import Any
 
-from film_model.core import native
+from film_model.core import modal, native
 from film_model.core.springs import Array, Springs
 
 _D = c.c_double
@@ -26,6 +26,8 @@ def _library() -> Any:
     lib.film_slide_init.restype = c.c_int
     lib.film_slide.argtypes = [pointer, pointer, pointer, _D, pointer, c.c_int32, pointer]
     lib.film_slide.restype = c.c_int
+    lib.film_slide_on_modes.argtypes = [pointer, pointer, pointer, pointer, _D, pointer, c.c_int32, pointer]
+    lib.film_slide_on_modes.restype = c.c_int
     lib.film_slide_size.restype = c.c_int64
     if lib.film_slide_size() != c.sizeof(Sliding):
         raise ImportError("the core was built from other sources: install the package again (pip install .)")
@@ -47,3 +49,10 @@ def slide(
     friction: pairs of speed and coefficient, (pairs, 2); none for that of the start."""
     table = friction.ctypes.data, len(friction)
     return _library().film_slide(c.byref(curve), c.byref(mesh), c.byref(begun), dt, *table, c.byref(sliding))
+
+
+def slide_on_modes(motion: modal.Motion, dt: float, friction: Array, sliding: Sliding) -> int:
+    """Advance both motions by dt, in the structure's unit, or to the next event; the core's status."""
+    table = friction.ctypes.data, len(friction)
+    with motion.tables.lock:
+        return _library().film_slide_on_modes(*motion.pointers(), dt, *table, c.byref(sliding))

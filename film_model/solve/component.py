@@ -310,15 +310,12 @@ class ImpactComponent:
 
     def _advance(self, dt: float) -> int:
         """Forward by dt or to the next event, with friction beside it; the core's status."""
-        motion = self._motion
-        if self._friction is None or not isinstance(motion, OnLines):
+        motion, before = self._motion, self._motion.time
+        if self._friction is None:
             return motion.step(dt)
-        begin = native.State.from_buffer_copy(motion.contact)
-        status = motion.step(dt)
-        if status < 0:
-            return status
-        slid = self._friction.follow(self.problem.curve.native, motion.mesh, begin, motion.time - begin.time)
-        return slid if slid < 0 else status
+        status = motion.slide(dt, self._friction)
+        self._friction.gain((motion.time - before) * motion.clock)
+        return status
 
     def _where(self) -> str:
         """When the motion failed; between viscoelastic contacts, how much of the surface has not recovered."""

@@ -1,5 +1,6 @@
 /* See film_slide.h. */
 #include "oblique/film_slide.h"
+#include "modal/film_modal_parts.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,13 +25,19 @@ static grip grip_of(const film_curve *curve, const film_state *state) {
     return now;
 }
 
-static void advance(film_sliding *sliding, grip now, double h) {
+static void advance(film_sliding *sliding, grip now, double h, const double *friction, int32_t rows) {
     film_springs *s = &sliding->springs;
+    film_springs_take(s, h, friction, rows);
     double force = s->q, before = s->v, push = s->push;
     film_springs_step(s, h, now.force, now.slope);
     double moved = (before + 0.5 * h * (push - force / s->mass)) * h;
     sliding->impulse += 0.5 * h * (force + s->q);
     sliding->work += s->mass * (0.5 * (before - s->v) * (before + s->v) + push * moved);
+}
+
+static double steps_for(const film_sliding *sliding, grip now, double dt) {
+    double rate = sqrt(fmax(now.slope, 1.0) / fmin(sliding->springs.mass, 1.0));
+    return ceil(dt / fmin(LONGEST, OF_A_PERIOD / rate));
 }
 
 static int follow(const film_curve *curve, const film_mesh *mesh, film_state *state, double time) {
@@ -50,19 +57,54 @@ int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state 
     film_state state = *from;
     if (!(dt >= 0.0 && dt < INFINITY)) return FILM_BAD_NUMBER;
     if (state.branch == FILM_FREE) {
-        advance(sliding, (grip){0.0, 0.0}, dt);
+        advance(sliding, (grip){0.0, 0.0}, dt, friction, rows);
         return FILM_OK;
     }
-    double slope = fmax(grip_of(curve, &state).slope, 1.0), rate = sqrt(slope / fmin(sliding->springs.mass, 1.0));
-    double count = ceil(dt / fmin(LONGEST, OF_A_PERIOD / rate));
+    double count = steps_for(sliding, grip_of(curve, &state), dt);
     if (!(count <= FILM_MOST_SLIDE_STEPS)) return FILM_TOO_MANY;
     for (double k = 1.0; k <= count; k += 1.0) {
         int status = follow(curve, mesh, &state, from->time + dt * (k / count));
         if (status < 0) return status;
-        film_springs_take(&sliding->springs, dt / count, friction, rows);
-        advance(sliding, grip_of(curve, &state), dt / count);
+        advance(sliding, grip_of(curve, &state), dt / count, friction, rows);
     }
     return FILM_OK;
+}
+
+/* Beside a planned step of a structure, of which `time` passes. */
+static int slide_step(const film_structure *structure, const film_curve *curve, film_modal step, const double *waves, double time,
+                      const double *friction, int32_t rows, film_sliding *sliding) {
+    double begin = step.tau, dt = time / step.unit, values[5];
+    if (step.contact.branch == FILM_FREE) {
+        advance(sliding, (grip){0.0, 0.0}, dt, friction, rows);
+        return FILM_OK;
+    }
+    double count = steps_for(sliding, grip_of(curve, &step.contact), dt);
+    if (!(count <= FILM_MOST_SLIDE_STEPS)) return FILM_TOO_MANY;
+    for (double k = 1.0; k <= count; k += 1.0) {
+        step.tau = begin + time * (k / count);
+        film_modal_motion(structure, curve, &step, waves, values);
+        step.contact.xi = values[0], step.contact.force = values[2];
+        advance(sliding, grip_of(curve, &step.contact), dt / count, friction, rows);
+    }
+    return FILM_OK;
+}
+
+int film_slide_on_modes(film_structure *structure, const film_curve *curve, film_modal *state, double *waves, double dt,
+                        const double *friction, int32_t rows, film_sliding *sliding) {
+    if (!(dt >= 0.0 && dt < INFINITY)) return FILM_BAD_NUMBER;
+    while (state->steps < film_most_steps(structure)) { /* as film_modal_step */
+        int status = state->has_step ? FILM_OK : film_plan_step(structure, curve, state, waves);
+        if (status != FILM_OK) return status;
+        film_modal step = *state;
+        double left = dt;
+        status = film_advance(structure, curve, state, &dt);
+        if (status == FILM_EVENT) state->steps += EVENT_WORK;
+        if (status < 0) return status;
+        int slid = slide_step(structure, curve, step, waves, left - dt, friction, rows, sliding);
+        if (slid < 0) return slid;
+        if (status != FILM_OK || (dt == 0.0 && state->has_step)) return status;
+    }
+    return FILM_TOO_MANY;
 }
 
 int64_t film_slide_size(void) { return (int64_t)sizeof(film_sliding); }

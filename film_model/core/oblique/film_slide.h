@@ -7,6 +7,7 @@
 #ifndef FILM_SLIDE_H
 #define FILM_SLIDE_H
 
+#include "modal/film_modal.h"
 #include "oblique/film_springs.h"
 
 enum { FILM_MOST_SLIDE_STEPS = 1000000 /* in one call */ };
@@ -25,6 +26,11 @@ FILM_API int film_slide_init(film_sliding *sliding, double friction, double mass
  * film_step fails with. friction, rows: as in film_springs.h; 0 rows: that of film_slide_init. */
 FILM_API int film_slide(const film_curve *curve, const film_mesh *mesh, const film_state *from, double dt, const double *friction,
                         int32_t rows, film_sliding *sliding);
+
+/* Both motions forward, the normal one as film_modal_step, to the last bit, and with its status, on a structure whose surface does
+ * not move along itself; or FILM_TOO_MANY steps in one of the structure's. dt: in its unit. */
+FILM_API int film_slide_on_modes(film_structure *structure, const film_curve *curve, film_modal *state, double *waves, double dt,
+                                 const double *friction, int32_t rows, film_sliding *sliding);
 
 /* sizeof film_sliding. */
 FILM_API int64_t film_slide_size(void);

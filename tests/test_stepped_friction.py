@@ -134,6 +134,23 @@ def test_what_has_no_friction_in_steps_is_refused(entries, sentence):
         fm.ImpactComponent(scene().replace(entries))
 
 
+@pytest.mark.parametrize("law", ["hertz", "elastoplastic"])
+@pytest.mark.parametrize("psi", [0.3, 1.5, 3.0, 4.7, 8.0])
+def test_phases_are_those_of_the_exact_motion(law, psi):
+    """Within 1 % of the duration; elastic in its dent, a ball sticks and slips as one on a half-space."""
+    history, _ = after(scene(psi=psi))
+    component, begun = fm.ImpactComponent(on := scene(law, psi)), []
+    phases = [component.sliding.phase]
+    duration = fm.simulate(on).duration
+    for _ in range(9):
+        begun += component.step(1.02 * duration / 9).sliding
+        phases.append(component.sliding.phase)
+    assert [name for _, name in begun] == [name for _, name in history.oblique.events]
+    times = [time / history.duration for time, _ in history.oblique.events]
+    assert [time / duration for time, _ in begun] == pytest.approx(times, abs=0.01)
+    assert phases[0] == phases[-1] == "free" and set(phases[1:-1]) <= {"sticks", "slips", "slides"}
+
+
 @pytest.mark.parametrize("psi", [0.7, 8.0])
 def test_on_a_beam_that_vibrates(psi):
     """Within the estimate of simulate, whatever the steps; the normal motion is that without friction, to the bit."""

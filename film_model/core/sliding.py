@@ -9,13 +9,19 @@ from typing import Any
 from film_model.core import modal, native
 from film_model.core.springs import Array, Springs
 
-_D = c.c_double
+_D, _I, _EVENTS = c.c_double, c.c_int32, 32
 
 
 class Sliding(c.Structure):
-    """film_sliding: springs that slip, and what they have done."""
+    """film_sliding: springs that slip, and what they have done. phase: place in `film_model.oblique.result.KINDS`, −1
+    without contact. begins, kinds: of phases that began in the last call, after so much of its time."""
 
-    _fields_ = (("impulse", _D), ("work", _D), ("springs", Springs))
+    _fields_ = (
+        *((name, _D) for name in ("impulse", "work", "passed")),
+        *(("begins", _D * _EVENTS), ("kinds", _I * _EVENTS)),
+        *((name, _I) for name in ("events", "phase", "sign", "cut", "partly", "reserved")),
+        ("springs", Springs),
+    )
 
 
 @lru_cache(maxsize=1)

@@ -26,7 +26,7 @@ class Springs(c.Structure):
     _fields_ = (
         [(name, _D) for name in ("stiffness", "width", "friction", "mass", "v", "q", "push", "radius")]
         + [("u", _D * MOST)]
-        + [("count", _I), ("reserved", _I)]
+        + [(name, _I) for name in ("count", "reserved", "watched", "cut")]
     )
 
 

@@ -11,6 +11,7 @@ from film_model.base.arrays import Array
 from film_model.core import sliding as core
 from film_model.core import springs
 from film_model.oblique.friction import refuse
+from film_model.oblique.result import KINDS
 from film_model.problem.problem import Problem
 from film_model.scene.rolling import sliding_of
 
@@ -18,7 +19,7 @@ from film_model.scene.rolling import sliding_of
 class SlidingOutputs(NamedTuple):
     """Motion along the surface at one time, SI. sliding_velocity: of the contacting point relative to the support.
     tangential_velocity: of the centre. friction_force: against sliding. tangential_impulse: of the friction force.
-    friction_work: dissipated."""
+    friction_work: dissipated. phase: "sticks", "slips" at the rim, "slides", or "free" without contact."""
 
     sliding_velocity: float
     tangential_velocity: float
@@ -26,6 +27,7 @@ class SlidingOutputs(NamedTuple):
     friction_force: float
     tangential_impulse: float
     friction_work: float
+    phase: str
 
 
 class Pushes(NamedTuple):
@@ -80,6 +82,12 @@ class SteppedFriction:
         self.core.springs.push = rate * self._time / self._velocity
         self._pushes = pushes
 
+    def begun(self, time: float) -> list[tuple[float, str]]:
+        """Times, s, and names of the phases that began in the last step. time: at its begin, s."""
+        count = self.core.events
+        times, kinds = self.core.begins[:count], self.core.kinds[:count]
+        return [(time + begin * self._time, KINDS[kind]) for begin, kind in zip(times, kinds, strict=True)]
+
     def gain(self, dt: float) -> None:
         """A time, s, in which what acts has acted."""
         force, torque, _ = self._pushes
@@ -99,6 +107,7 @@ class SteppedFriction:
             now.springs.q * self._force,
             impulse,
             work,
+            "free" if now.phase < 0 else KINDS[now.phase],
         )
 
     def save(self) -> SavedSliding:

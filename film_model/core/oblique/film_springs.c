@@ -48,6 +48,11 @@ void film_springs_step(film_springs *state, double time, double force, double ra
      * evenly, as the indentation of a sphere does */
     double grown = fmax(square - state->radius * state->radius, 0.0);
     for (int32_t j = old; j < touch; j++) state->u[j] -= moved * fmax(1.0 - (square - width * (j + 0.5) * (j + 0.5)) / grown, 0.0);
+    state->cut = 0;
+    for (int32_t j = 0; state->watched && j < touch; j++) {
+        double r = j + 0.5, most = (square - width * r * r) * per_share, u = state->u[j] + moved;
+        state->cut += (u > most) - (u < -most);
+    }
     for (int32_t j = 0; j < touch; j++) { /* comparisons that compilers turn into vectors; sums apart, in order */
         double r = j + 0.5, most = (square - width * r * r) * per_share, u = state->u[j] + moved;
         u = u < -most ? -most : u;
@@ -59,6 +64,8 @@ void film_springs_step(film_springs *state, double time, double force, double ra
     state->v += 0.5 * time * (state->push - state->q / state->mass);
     state->radius = radius;
 }
+
+int32_t film_springs_touching(const film_springs *state) { return touching(state, state->radius); }
 
 double film_springs_energy(const film_springs *state) {
     double sum = 0.0;

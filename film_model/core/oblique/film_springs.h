@@ -11,11 +11,12 @@
 enum { FILM_MOST_SPRINGS = 256 }; /* most springs */
 
 /* stiffness: of one spring. width: distance of the springs. mass: m_t. v: sliding velocity, also where nothing touches.
- * q: friction force. push: acceleration by what else acts. radius: of the contact, now. u: deflections. */
+ * q: friction force. push: acceleration by what else acts. radius: of the contact, now. u: deflections. cut: if watched is 1, how
+ * many springs slipped in the last step, negative if against their direction at first. */
 typedef struct {
     double stiffness, width, friction, mass, v, q, push, radius;
     double u[FILM_MOST_SPRINGS];
-    int32_t count, reserved;
+    int32_t count, reserved, watched, cut;
 } film_springs;
 
 /* Springs up to the radius `largest`, that do not touch; a step to a larger one doubles their distance. modulus: G_star. count: 1 to FILM_MOST_SPRINGS. FILM_OK, or
@@ -48,6 +49,9 @@ typedef struct {
 FILM_API int film_springs_impact(int32_t count, double modulus, double mass, double velocity, const double *friction, int32_t rows,
                                  double time, int64_t steps, const double *force, const double *radius,
                                  film_springs_impact_result *result, double *velocities, double *forces);
+
+/* How many springs touch. */
+FILM_API int32_t film_springs_touching(const film_springs *state);
 
 /* Energy of the springs. */
 FILM_API double film_springs_energy(const film_springs *state);

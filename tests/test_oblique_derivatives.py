@@ -60,6 +60,23 @@ def test_of_a_contact_that_sticks_is_that_of_impacts_beside_and_of_springs(angle
         assert other == pytest.approx(one, rel=5e-3, abs=1e-3 * SPEED)
 
 
+def test_of_a_law_that_yields_and_of_targets_that_vibrate():
+    """v₁ − 3.5 µ (1 + e) V_n; none on targets that vibrate."""
+    changes = {"contact.law": "elastoplastic", "target.material.yield_strength": "1 GPa"}
+    scene = slanted("75 deg").replace(changes)
+    history = fm.simulate(scene, derivatives=["contact.friction"])
+    restitution = history.summary["coefficient_of_restitution"]
+    exact = -3.5 * (1.0 + restitution) * SPEED * math.cos(math.radians(75.0))
+    found = history.derivatives
+    assert found.values["contact_point_rebound_velocity"]["contact.friction"] == pytest.approx(exact, rel=2e-5)
+    beam = fm.Beam(STEEL, length="200 mm", width="20 mm", thickness="5 mm", position="90 mm")
+    shaken = fm.simulate(
+        fm.Scene(scene.impactor, beam, fm.Contact("hertz", friction=FRICTION)), derivatives=["impactor.angle"]
+    )
+    assert shaken.derivatives.values["rebound_angle"]["impactor.angle"] is None
+    assert any("no derivatives along the surface" in said for said in shaken.derivatives.warnings)
+
+
 def test_where_the_contact_slides_otherwise_beside(capsys, tmp_path):
     """ψ₁ = 1: one-sided; and the command prints them."""
     limit = math.atan(FRICTION * 1.7 / (2.0 * 0.7))

@@ -203,7 +203,9 @@ def derivatives_of(
     Raises SimulationError for a number with which too many natural vibrations of the target change.
     """
     found, along = slopes_of(choice, solver, entries, vibration), None
-    if slides:
+    if slides and vibration is not None:
+        along = Slopes.none(len(entries), len(OBLIQUE))
+    elif slides:
         (decision,) = decisions_of(choice.problem)
         along = slopes_along(pairs_of(decision.put_into(choice.scene), {}, entries, 1, None))
     parts = [(SUMMARY, found)] + ([] if along is None else [(OBLIQUE, along)])

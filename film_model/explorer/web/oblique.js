@@ -140,6 +140,21 @@ function followSprings(count, { modulus, friction, mass, velocity }, time, force
   return run;
 }
 
+/** Sliding velocity, m/s, and friction force, N, at ascending times, with lines between the computed ones; none without friction. @param {ArrayLike<number>} times @param {Oblique|null} oblique @returns {Record<string, Float64Array>} */
+function alongAt(times, oblique) {
+  if (!oblique) return {};
+  const { time, sliding_velocity, friction_force } = oblique.motion;
+  const at = (/** @type {Float64Array} */ column) => {
+    let k = 1;
+    return Float64Array.from(times, (t) => {
+      while (k < time.length - 1 && time[k] < t) k++;
+      const part = k < time.length ? Math.min(Math.max((t - time[k - 1]) / (time[k] - time[k - 1]), 0), 1) : 0;
+      return part > 0 ? column[k - 1] + part * (column[k] - column[k - 1]) : column[k - 1];
+    });
+  };
+  return { sliding_velocity: at(sliding_velocity), friction_force: at(friction_force) };
+}
+
 /** What must be known of the results. @param {Oblique|null} oblique @returns {string[]} */
 function warningsOf(oblique) {
   if (!oblique) return [];

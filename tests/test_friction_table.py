@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import film_datasets as fd
 import film_model as fm
 import fmu_wrapper
 from film_model.explorer.page import page
@@ -59,6 +60,15 @@ def test_friction_stays_within_the_limit_of_its_speed_and_alike_rows_are_a_coeff
     assert alike.summary["contact_point_rebound_velocity"] == pytest.approx(after, abs=alike.estimated * before)
 
 
+def test_a_sweep_varies_the_angle_or_puts_coefficients_in_its_place():
+    scene = slanted("30 deg")
+    over = fd.sweep(scene, {"impactor.angle": ["30 deg", "75 deg"]})
+    assert float(over.rebound_spin[0]) == pytest.approx(fm.simulate(scene).oblique.summary["rebound_spin"], rel=1e-3)
+    constant = fd.sweep(scene, {"contact.friction": [0.1, 0.3]})
+    exact = fm.simulate(slanted("30 deg", 0.3)).oblique.summary["rebound_spin"]
+    assert float(constant.rebound_spin[1]) == pytest.approx(exact, rel=1e-7)
+
+
 def test_a_scene_file_keeps_it():
     scene = slanted("30 deg")
     assert fm.Scene.from_text(scene.to_toml(), "scene") == scene
@@ -88,5 +98,7 @@ def test_what_has_one_coefficient_only_refuses_a_table(tmp_path):
         fmu_wrapper.export(scene, tmp_path / "x.fmu")
     with pytest.raises(fm.SimulationError, match="the page has one coefficient of friction"):
         page(scene)
+    with pytest.raises(fm.SceneError, match="the scene has no number to begin with: give one"):
+        fd.identify(fd.load("oblique_impacts"), scene, ["contact.friction"])
     with pytest.raises(fm.SceneError, match="is a table: there is no derivative by it"):
         fm.simulate(scene, derivatives=["contact.friction"])

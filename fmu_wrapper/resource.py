@@ -173,7 +173,7 @@ def _of_scene(problem: Problem) -> dict[str, float]:
     scene = problem.scene
     sliding = sliding_of(scene, at_rest=True)
     return {
-        "friction": scene.contact.friction or 0.0,
+        "friction": scene.contact.one_friction("an FMU has") or 0.0,
         "initial_tangential_velocity": 0.0 if sliding is None else float(sliding.along),
         "initial_spin": scene.impactor.spin or 0.0,
         "mass": problem.mass,

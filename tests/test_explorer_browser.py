@@ -495,13 +495,13 @@ def test_the_parameters_of_a_law(shown, address):
 
 
 def test_the_netcdf_file_holds_the_motion_of_the_csv(shown, address, tmp_path):
-    window, saved = shown(f"{address}#scene=ball-on-plate"), {}
+    window, saved = shown(f"{address}#scene=ball-on-plate&impactor.angle=0.6&contact.friction=0.2"), {}
     for button in ("csv", "netcdf"):
         with window.expect_download() as download:
             window.click(f"#{button}")
         saved[button] = tmp_path / download.value.suggested_filename
         download.value.save_as(saved[button])
-    rows = np.genfromtxt(saved["csv"], delimiter=",", names=True, usecols=range(11), deletechars="")
+    rows = np.genfromtxt(saved["csv"], delimiter=",", names=True, usecols=range(13), deletechars="")
     with xr.open_dataset(saved["netcdf"], decode_times=False) as ds:
         assert ds.t.dims == ("t",) and ds.contact_force.attrs["units"] == "N"
         assert len(ds.data_vars) == len(rows.dtype.names) - 1
@@ -509,6 +509,11 @@ def test_the_netcdf_file_holds_the_motion_of_the_csv(shown, address, tmp_path):
             assert ds[name].values.tolist() == rows[column].tolist(), name
         scene = fm.Scene.from_text(ds.attrs["scene_toml"])
     assert scene.target.kind == "plate"
+    motion = fm.simulate(scene).oblique.motion
+    for name, size in (("sliding_velocity_(m/s)", 1e-3), ("friction_force_(N)", 5e-3)):
+        column = motion[name.partition("_(")[0]]
+        exact = np.interp(rows["time_(s)"], motion["time"], column)
+        assert rows[name] == pytest.approx(exact, abs=size * abs(column).max())
     assert fm.simulate(scene).summary["maximum_force"] > 0.999 * rows["contact_force_(N)"].max()
 
 

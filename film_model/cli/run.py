@@ -173,15 +173,14 @@ def _events(history: History) -> list[str]:
 
 def _derivatives(history: History) -> str:
     """The derivatives as text, those by each number together: in SI, and as per cent of the value for 1 %."""
-    from film_model.problem.summary import SUMMARY
-
     found, lines = history.derivatives, list[str]()
+    along = {} if history.oblique is None else history.oblique.summary
     if found is None:
         return ""
     for path, entry in found.entries.items():
         lines += ["", f"  {f'derivatives by {path} = {entry.text}':50}{'per 1 %':>12}"]
-        for name in SUMMARY:
-            slope, value = found.values[name][path], history.summary[name]
+        for name, value in {**history.summary, **along}.items():
+            slope = found.values[name][path]
             if slope is None:
                 continue
             share = f"{slope * entry.value / value:.4f} %" if value else "-"

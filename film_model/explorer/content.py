@@ -261,14 +261,13 @@ def layout() -> dict[str, Any]:
         "solution": native.Solution,
     }
     structures |= {"modal": modal.Modal, "modal_start": modal.Start, "modal_summary": modal.Summary}
-    structures |= {"normal": friction.Normal, "friction": friction.Result}
+    structures |= {"normal": friction.Normal, "friction": friction.Result, "springs": springs.Impact}
     structures |= {"modal_segment": modal.Segment, "modal_event": modal.Event}
     found: dict[str, Any] = {
         name: {field[0]: getattr(kind, field[0]).offset for field in kind._fields_} | {"size": size_of(kind)}
         for name, kind in structures.items()
     }
     return found | {
-        "springs": size_of(springs.Springs),
         "curve": size_of(native.Curve),
         "most_segments": MOST_SEGMENTS,
         "events": native.EVENTS,

@@ -217,7 +217,7 @@ def cross_compile(name: str) -> bytes:
 
 
 def linked(suffix: str) -> list[str]:
-    """Arguments that link a library against the system without compiling libraries first, of which zig has sources only.
+    """Arguments that link a library with the system and compile no other library first, of which zig has sources only.
 
     Linux and macOS need no functions of the compiler's own library. Windows takes what its C library lacks from there
     (sincos), and is spared that of mingw-w64, a minute of work: `WINDOWS_START` contains what this binary needs of it.

@@ -143,6 +143,7 @@ def main() -> None:
     output: Path = parser.parse_args().output.resolve()
     if run("git", "status", "--porcelain", cwd=ROOT):
         sys.exit("commit first: a release is made of what git has")
+    os.environ.pop("PYTHONPATH", None)  # so that new environments find the wheels, not this folder
     output.mkdir(parents=True)
     with tempfile.TemporaryDirectory() as made:
         tmp = Path(made)

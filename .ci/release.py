@@ -172,7 +172,7 @@ def main() -> None:
             force = run(bin_ / "film-model", "run", SCENE, "--plot", tmp / "impact.png", "--force", cwd=tmp)
             print(f"{python}: {force.splitlines()[0]}", flush=True)
         bill = output / f"film-model-{__version__}.cdx.json"
-        run(tools / "cyclonedx-py", "environment", bin_ / "python", "--pyproject", ROOT / "pyproject.toml", "-o", bill)
+        run(tools / "cyclonedx-py", "environment", bin_ / "python", "--output-reproducible", "-o", bill)
         for target, core in cores.items():
             print(f"{target}: {check_core(core, target)}", flush=True)
     sums = [f"{hashlib.sha256(one.read_bytes()).hexdigest()}  {one.name}" for one in sorted(output.iterdir())]

@@ -154,14 +154,11 @@ class CustomBuildHook(BuildHookInterface):
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         if target := os.environ.get("FILM_TARGET"):
-            core, fmu = (
-                str(Path(name).with_suffix(suffix_for(target))) for name in (LIBRARY, platforms.built_library())
-            )
+            tag, suffix = TARGETS[target], suffix_for(target)
+            core, fmu = (str(Path(name).with_suffix(suffix)) for name in (LIBRARY, platforms.built_library()))
             zig = [sys.executable, "-m", "ziglang", "cc", *FLAGS, "-s", "-shared", "-target", target]
-            zig += platforms.linked(suffix_for(target))
-            self.run([*zig, f"-I{CORE}", *SOURCES], core)
-            self.run([*zig, *platforms.arguments(Path(self.root))], fmu)
-            tag = TARGETS[target]
+            for name, arguments in ((core, [f"-I{CORE}", *SOURCES]), (fmu, platforms.arguments(Path(self.root)))):
+                self.run([*zig, *platforms.linked(Path(name).name), *arguments], name)
         else:
             own, core, fmu = system_compiler(), LIBRARY, platforms.built_library()
             compiler = own or zig_compiler()

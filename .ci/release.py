@@ -76,10 +76,11 @@ def libraries(wheel: Path, target: str, folder: Path) -> tuple[Path, Path]:
 
 
 def exported(binary: lief.Binary) -> set[str]:
-    """Names of the functions that a library exports."""
-    if isinstance(binary, lief.PE.Binary):
-        return {entry.name for entry in binary.get_export().entries}
-    return {symbol.name.removeprefix("_") for symbol in binary.exported_symbols}
+    """Names of the functions that a library offers, without those that compilers add to every library."""
+    names = {str(getattr(symbol, "name", symbol)) for symbol in binary.exported_functions}
+    if isinstance(binary, lief.MachO.Binary):
+        names = {name.removeprefix("_") for name in names} - {"_mh_dylib_header", "__dso_handle"}
+    return names
 
 
 def check(library: Path, target: str, functions: set[str]) -> str:

@@ -144,6 +144,8 @@ def main() -> None:
     output: Path = parser.parse_args().output.resolve()
     if run("git", "status", "--porcelain", cwd=ROOT):
         sys.exit("commit first: a release is made of what git has")
+    if not (pythons := [*filter(shutil.which, PYTHONS)]):
+        sys.exit(f"none of {', '.join(PYTHONS)} is on PATH")
     os.environ.pop("PYTHONPATH", None)  # so that new environments find the wheels, not this folder
     output.mkdir(parents=True)
     with tempfile.TemporaryDirectory() as made:
@@ -168,10 +170,10 @@ def main() -> None:
                 assert f'"{tag}"' in said.split("constrains the platform tag to")[-1], said
         run(tools / "twine", "check", "--strict", *output.iterdir())
         print(write_recipe(output, sources, tools))
-        for python in filter(shutil.which, PYTHONS):
+        for python in pythons:
             bin_ = environment(tmp / python, python, "--find-links", output, f"film-model[plot]=={__version__}")
             force = run(bin_ / "film-model", "run", SCENE, "--plot", tmp / "impact.png", "--force", cwd=tmp)
-            print(f"{python}: {force.splitlines()[0]}", flush=True)
+            print(f"{python}: {next(line for line in force.splitlines() if 'maximum force' in line)}", flush=True)
         bill = output / f"film-model-{__version__}.cdx.json"
         run(tools / "cyclonedx-py", "environment", bin_ / "python", "--output-reproducible", "-o", bill)
         for target, core in cores.items():

@@ -34,7 +34,7 @@ SOURCES = (
     *platforms.core("oblique", "friction", "friction_step", "friction_many", "radii"),
     *platforms.SLIDING,
 )
-LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+LIBRARY = f"{CORE}/_film_core" + Path(platforms.built_library()).suffix
 FLAGS = platforms.FLAGS
 SHARED = ("-shared",) if sys.platform == "win32" else ("-shared", "-fPIC")
 LINK = () if sys.platform == "win32" else ("-lm",)
@@ -47,6 +47,15 @@ WASM_FLAGS = (
 )
 OLDEST_GLIBC = (2, 17)  # the oldest that Python's package index serves on all processors (manylinux2014)
 OLDEST_MACOS = "11.0"  # the first on ARM processors; nothing in the C sources needs a newer one
+TARGETS = {  # systems that zig compiles for from any other, if FILM_TARGET names one: its name there, tag of its wheel
+    "x86_64-linux-gnu.2.17": "manylinux_2_17_x86_64",
+    "aarch64-linux-gnu.2.17": "manylinux_2_17_aarch64",
+    "x86_64-linux-musl": "musllinux_1_2_x86_64",
+    "aarch64-linux-musl": "musllinux_1_2_aarch64",
+    "x86_64-macos.11.0": "macosx_11_0_x86_64",
+    "aarch64-macos.11.0": "macosx_11_0_arm64",
+    "x86_64-windows-gnu": "win_amd64",
+}
 PROBE = "#include <math.h>\ndouble probe(double x) { return sqrt(x); }\n"
 
 
@@ -124,6 +133,11 @@ def system_compiler() -> list[str] | None:
     return next((c for c in (chosen, ["cc"], ["gcc"], ["clang"]) if c and works(c)), None)
 
 
+def suffix_for(target: str) -> str:
+    """The suffix of shared libraries of a target of `TARGETS`."""
+    return next((suffix for word, suffix in (("windows", ".dll"), ("macos", ".dylib")) if word in target), ".so")
+
+
 def zig_compiler() -> list[str]:
     """Zig's C compiler, for any processor of this kind and for old systems where that is one of glibc or macOS."""
     processor, target = platforms.this_platform().split("-")[0], None
@@ -139,14 +153,22 @@ class CustomBuildHook(BuildHookInterface):
         return ["fmpy>=0.3.20", "ziglang"] if has_zig() or not system_compiler() else ["fmpy>=0.3.20"]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        own = system_compiler()
-        compiler, fmu = own or zig_compiler(), platforms.built_library()
-        old = ["-include", str(Path(self.root, platforms.RUNTIME, "old_glibc.h"))] if own else []
-        self.compile(compiler, LIBRARY, [*old, f"-I{CORE}", *SOURCES])
-        self.compile(compiler, fmu, [*old, *platforms.arguments(Path(self.root))])
+        if target := os.environ.get("FILM_TARGET"):
+            tag, suffix = TARGETS[target], suffix_for(target)
+            core, fmu = (str(Path(name).with_suffix(suffix)) for name in (LIBRARY, platforms.built_library()))
+            zig = [sys.executable, "-m", "ziglang", "cc", *FLAGS, "-s", "-shared", "-target", target]
+            for name, arguments in ((core, [f"-I{CORE}", *SOURCES]), (fmu, platforms.arguments(Path(self.root)))):
+                self.run([*zig, *platforms.linked(Path(name).name), *arguments], name)
+        else:
+            own, core, fmu = system_compiler(), LIBRARY, platforms.built_library()
+            compiler = own or zig_compiler()
+            old = ["-include", str(Path(self.root, platforms.RUNTIME, "old_glibc.h"))] if own else []
+            self.compile(compiler, core, [*old, f"-I{CORE}", *SOURCES])
+            self.compile(compiler, fmu, [*old, *platforms.arguments(Path(self.root))])
+            tag = wheel_tag([Path(self.root, name).read_bytes() for name in (core, fmu)])
         build_data["pure_python"] = False
-        build_data["tag"] = f"py3-none-{wheel_tag([Path(self.root, name).read_bytes() for name in (LIBRARY, fmu)])}"
-        build_data["artifacts"] += [f"/{LIBRARY}", f"/{fmu}"]
+        build_data["tag"] = f"py3-none-{tag}"
+        build_data["artifacts"] += [f"/{core}", f"/{fmu}"]
         if importlib.util.find_spec("ziglang"):
             self.compile_for_browsers()
             build_data["artifacts"] += [f"/{WASM}"]

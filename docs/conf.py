@@ -18,6 +18,8 @@ author = copyright = "film-model contributors"
 version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
 
+exclude_patterns = ["paper"]  # for a journal, in its own Markdown
+
 myst_enable_extensions = ["dollarmath"]
 myst_fence_as_directive = ["math"]
 myst_heading_anchors = 3

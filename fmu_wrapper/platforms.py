@@ -212,20 +212,20 @@ def cross_compile(name: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         built = Path(folder, "film_fmu" + platform.suffix)
         command = [sys.executable, "-m", "ziglang", "cc", *FLAGS, "-s", "-shared", "-target", platform.target]
-        run(name, [*command, *_linked(platform), *arguments(ROOT), "-o", str(built)])
+        run(name, [*command, *linked(built.name), *arguments(ROOT), "-o", str(built)])
         return built.read_bytes()
 
 
-def _linked(platform: Platform) -> list[str]:
-    """Arguments that link against the system without compiling libraries first, of which zig has sources only.
+def linked(library: str) -> list[str]:
+    """Arguments that link a library of this name with the system, and compile no other, of which zig has sources only.
 
     Linux and macOS need no functions of the compiler's own library. Windows takes what its C library lacks from there
     (sincos), and is spared that of mingw-w64, a minute of work: `WINDOWS_START` contains what this binary needs of it.
     """
-    if platform.suffix == ".so":
+    if library.endswith(".so"):
         return ["-fPIC", "-rtlib=none", "-lm"]
-    if platform.suffix == ".dylib":
-        return ["-fPIC", "-rtlib=none", "-install_name", f"@rpath/film_fmu{platform.suffix}"]
+    if library.endswith(".dylib"):
+        return ["-fPIC", "-rtlib=none", "-install_name", f"@rpath/{library}"]
     headers = package_folder("ziglang") / "lib" / "libc" / "include" / "any-windows-any"
     return [
         *("-nostdlib", "-rtlib=compiler-rt", "-Wl,-e,DllMainCRTStartup", *(f"-l{name}" for name in WINDOWS_PARTS)),

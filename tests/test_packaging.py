@@ -51,6 +51,18 @@ def test_a_linux_wheel_promises_what_its_libraries_keep():
         assert library.header.machine_type.name.lower() == promised[2]
 
 
+def test_wheels_of_other_systems_promise_what_they_are_compiled_for():
+    """.ci/release.py compares the libraries with their tags; FMUs are compiled for the same systems."""
+    glibc, macos = ("_".join(map(str, hatch_build.OLDEST_GLIBC)), hatch_build.OLDEST_MACOS.replace(".", "_"))
+    for target, tag in hatch_build.TARGETS.items():
+        processor, system, *_ = target.split("-")
+        named = {"x86_64": "x86_64|amd64", "aarch64": "aarch64|arm64"}[processor]
+        libc = "musllinux_1_2" if target.endswith("musl") else f"manylinux_{glibc}"
+        oldest = {"linux": libc, "windows": "win"}.get(system.partition(".")[0], f"macosx_{macos}")
+        assert re.fullmatch(f"{oldest}_({named})", tag), target
+    assert {one.target for one in platforms.PLATFORMS.values()} <= hatch_build.TARGETS.keys()
+
+
 @linux
 @pytest.mark.skipif(platforms.this_platform() not in platforms.PLATFORMS, reason="old versions are named for these")
 def test_libraries_load_with_the_oldest_glibc():

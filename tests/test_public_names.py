@@ -1,0 +1,15 @@
+"""Names that the stability promise covers, against those stored in public_names.json.
+
+A name that is gone fails, one that is new does not: `python tests/public_names.py` writes the file before a release.
+"""
+
+import json
+
+import public_names
+
+
+def test_no_public_name_is_gone_or_renamed():
+    stored, now = json.loads(public_names.STORED.read_text(encoding="utf-8")), public_names.names()
+    gone = {group: sorted({*names} - {*now.get(group, ())}) for group, names in stored.items()}
+    assert not {group: names for group, names in gone.items() if names}
+    assert now.keys() == stored.keys() and all(len(names) > 1 for names in stored.values())

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from film_model.base.arrays import all_of, exponential, logarithm
+from film_model.base.arrays import all_of, any_of, exponential, greater, lesser, logarithm
 from film_model.laws.law import AbstractLaw, Family, Power, Stage, Unloading
 from film_model.laws.yielding import LEAST_YIELD_STRAIN, MOST_YIELD_STRAIN, limit_point
 
@@ -18,8 +18,13 @@ FITTED_STRAIN = 0.019  # S_y/E
 FITTED_EXPONENT = 0.4  # n
 FITTED_DEPTH = 1810.0  # w
 MOST_EXPONENT = 0.6  # n
+FITTED_SHARE = 0.66  # h
+MOST_SHARE = 0.8  # h
 RATIO = 0.3  # Poisson's ratio whose C enters the shape
 
+FLATTENED, SUNK = (2.0 - 4.0 / math.pi) / (3.0 * math.pi / 8.0), 8.0 / (3.0 * math.pi)
+"""Curvature that a uniform pressure gives an elastic surface, and its depth at the centre, over those of Hertz's
+pressure of the same mean: Johnson 1985, Contact Mechanics, 3.4."""
 
 @dataclass(frozen=True)
 class Constants:
@@ -37,6 +42,7 @@ class Constants:
     stiffening_hardened: float = 0.603
     rounding: float = 0.1641  # of the exponent of unloading
     lateness: float = 0.2434
+    stays_elastic: float = 2.755  # s; of the harder of two bodies, as fit_pairs.py prints it
 
     def beyond(self, w: Any) -> Any:
         """1 + ((w − 1)/onset)²: Hertz's value and slope at first yield."""
@@ -50,16 +56,31 @@ class Constants:
         """Of unloading."""
         return 1.5 - self.rounding * self.reached(w)
 
+    def elastic_share(self, strengths: Any, moduli: Any) -> Any:
+        """h of two bodies, at most `MOST_SHARE`. strengths: s, moduli: m, of the harder over the softer one."""
+        yields = greater(self.stays_elastic - greater(strengths, 1.0), 0.0) / (self.stays_elastic - 1.0)
+        return lesser((1.0 - yields**4.0) / (1.0 + moduli), MOST_SHARE)
+
 
 FITTED = Constants()
 
 
+class Pressed(NamedTuple):
+    """The softer body. widening: ω, reached: g, pressure: P, slope: P′ over √w_s, without hardening of the pressure."""
+
+    widening: Any
+    reached: Any
+    pressure: Any
+    slope: Any
+
+
 @dataclass(frozen=True)
 class Plastic:
-    """Beyond first yield. yield_strain: of `scaled_strain`; exponent: n."""
+    """Beyond first yield. yield_strain: of `scaled_strain`; exponent: n; share: h."""
 
     yield_strain: Any
     exponent: Any
+    share: Any = 0.0
     constants: Constants = FITTED
 
     @property
@@ -77,31 +98,63 @@ class Plastic:
 
     @property
     def spread(self) -> Any:
-        """How the widening grows."""
+        """How the softer body's contact widens."""
         return self.constants.spread * exponential(-self.constants.spread_hardened * self.exponent)
+
+    def pressed(self, softer: Any) -> Pressed:
+        """At w_s."""
+        own = self.constants
+        beyond = own.beyond(softer)
+        widening = 1.0 + self.spread * logarithm(beyond)
+        radius = (softer * widening) ** 0.5
+        most = own.pressure / (1.0 + (own.pressure_flattened * self.first_radius * (1.0 - self.share) * radius) ** 1.5)
+        bend = own.pressure_bend
+        bent = 1.0 + (softer**0.5 - 1.0) / (bend * most)
+        fallen = bent**-bend
+        strained = 1.0 + own.strain * (radius - 1.0) ** 2.0 / radius
+        hardens = own.strain_exponent * self.exponent
+        hardened = strained**hardens
+        mean = 1.0 + most * (1.0 - fallen)
+        slope = fallen / bent + mean * hardens * own.strain * (1.0 - 1.0 / (radius * radius)) / strained
+        return Pressed(widening, 1.0 - beyond**-own.lateness, mean * hardened, slope * hardened)
+
+    def at(self, w: Any) -> Pressed:
+        """At w: one step of Newton's method to α_s."""
+        if not any_of(self.share > 0.0):
+            return self.pressed(w)
+        now, flat = self.pressed(w), None
+        flat = self.share * (1.0 - (1.0 - FLATTENED) * now.reached)
+        own = (now.widening * w) ** 0.5
+        missing = self.radius_of(now, w) - (1.0 - self.share) * own - flat * now.pressure
+        step = missing / (1.0 - self.share + flat * now.slope)
+        return self.pressed(w * (1.0 + step / own) ** 2.0)
+
+    def radius_of(self, now: Pressed, w: Any) -> Any:
+        """α."""
+        flat, sunk = (1.0 - (1.0 - end) * now.reached for end in (FLATTENED, SUNK))
+        half = 0.5 * self.share * now.pressure * (sunk * now.widening - flat)
+        return (now.widening * w + half * half) ** 0.5 - half
 
     def widening(self, w: Any) -> Any:
         """a²/(R δ)."""
-        return 1.0 + self.spread * logarithm(self.constants.beyond(w))
+        return self.contact_radius(w) ** 2.0 / w
 
     def contact_radius(self, w: Any) -> Any:
         """a over that at first yield."""
-        return (w * self.widening(w)) ** 0.5
+        return self.radius_of(self.at(w), w)
 
     def force(self, w: Any) -> Any:
         """f."""
-        own, radius = self.constants, self.contact_radius(w)
-        most = own.pressure / (1.0 + (own.pressure_flattened * self.first_radius * radius) ** 1.5)
-        bend = own.pressure_bend
-        mean = 1.0 + most * (1.0 - (1.0 + (w**0.5 - 1.0) / (bend * most)) ** -bend)
-        strained = 1.0 + own.strain * (radius - 1.0) ** 2.0 / radius
-        return radius * radius * mean * strained ** (own.strain_exponent * self.exponent)
+        now = self.at(w)
+        radius = self.radius_of(now, w)
+        return radius * radius * now.pressure
 
     def secant(self, w: Any) -> Any:
         """f_m/(w_m − w_f) of unloading."""
-        own = self.constants
-        stiffening = own.stiffening * exponential(-own.stiffening_hardened * self.exponent)
-        return self.contact_radius(w) * (1.0 + stiffening * own.reached(w))
+        own, now = self.constants, self.at(w)
+        stiffer = 1.0 + own.stiffening * exponential(-own.stiffening_hardened * self.exponent) * now.reached
+        sunk = 1.0 - (1.0 - SUNK) * now.reached
+        return self.radius_of(now, w) * stiffer / (1.0 - self.share + self.share * sunk * stiffer)
 
 
 def pressure_factor(poissons_ratio: Any) -> Any:
@@ -158,13 +211,17 @@ class Elastoplastic(AbstractLaw):
         "computed for a/R and n up to 0.4, S_y/E up to 0.019 and δ up to 1810 δ_Y; ends where a = R"
     )
     shaped_by: ClassVar[tuple[str, ...]] = ("effective_modulus", "yield_strength", "poissons_ratio")
-    shaped_beside: ClassVar[Mapping[str, tuple[float, float]]] = {"strain_hardening_exponent": (0.0, MOST_EXPONENT)}
+    shaped_beside: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "strain_hardening_exponent": (0.0, MOST_EXPONENT),
+        "elastic_share": (0.0, MOST_SHARE),
+    }
 
     effective_modulus: float
     radius: float
     yield_strength: float
     poissons_ratio: float
     strain_hardening_exponent: float = 0.0
+    elastic_share: float = 0.0
 
     def __post_init__(self) -> None:
         strain = self.yield_strength / self.effective_modulus
@@ -175,6 +232,8 @@ class Elastoplastic(AbstractLaw):
         n = self.strain_hardening_exponent
         if not all_of((n >= 0.0) & (n <= MOST_EXPONENT)):
             raise ValueError(f"law elastoplastic: the strain hardening exponent must be from 0 to {MOST_EXPONENT}")
+        if not all_of((self.elastic_share >= 0.0) & (self.elastic_share <= MOST_SHARE)):
+            raise ValueError(f"law elastoplastic: the elastic share must be from 0 to {MOST_SHARE}")
 
     @property
     def shape(self) -> float:
@@ -182,7 +241,7 @@ class Elastoplastic(AbstractLaw):
         return scaled_strain(self.yield_strength / self.effective_modulus, self.poissons_ratio)
 
     def of_shape(self, shape: float) -> Elastoplastic:
-        return Elastoplastic(1.0, 1.0, shape, RATIO, self.strain_hardening_exponent)
+        return Elastoplastic(1.0, 1.0, shape, RATIO, self.strain_hardening_exponent, self.elastic_share)
 
     def outside(self, depth: float) -> str:
         strain, said = self.yield_strength / self.effective_modulus, list[str]()
@@ -190,9 +249,14 @@ class Elastoplastic(AbstractLaw):
             said.append(f"S_y/E is {strain:.3g}, computed was up to {FITTED_STRAIN}")
         if self.strain_hardening_exponent > FITTED_EXPONENT:
             said.append(f"n is {self.strain_hardening_exponent:.3g}, computed was up to {FITTED_EXPONENT}")
+        if self.elastic_share > FITTED_SHARE:
+            said.append(
+                f"the harder body has {self.elastic_share:.3g} of the compliance or more, computed was up to "
+                f"{FITTED_SHARE}"
+            )
         if depth > FITTED_DEPTH:
             said.append(f"the indentation is {depth:.3g} of that at first yield, computed was up to {FITTED_DEPTH:.4g}")
-        plastic = Plastic(self.shape, self.strain_hardening_exponent)
+        plastic = Plastic(self.shape, self.strain_hardening_exponent, self.elastic_share)
         radius = plastic.first_radius * plastic.contact_radius(depth)
         if radius > FITTED_RADIUS:
             said.append(f"the contact radius is {radius:.3g} of the ball's, computed was up to {FITTED_RADIUS}")
@@ -203,7 +267,7 @@ class Elastoplastic(AbstractLaw):
         return limit_point(self.effective_modulus, self.radius, strength)
 
     def stages(self) -> tuple[Stage, ...]:
-        plastic = Plastic(self.shape, self.strain_hardening_exponent)
+        plastic = Plastic(self.shape, self.strain_hardening_exponent, self.elastic_share)
         unloading = Unloading(secant=plastic.secant, exponent=FITTED.exponent)
         return (
             Stage("elastic", 0.0, 1.0, Power(coefficient=1.0, exponent=1.5, origin=0.0)),

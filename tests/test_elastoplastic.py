@@ -1,6 +1,7 @@
 """Law elastoplastic: against the finite elements that it is fitted to, over materials, in sweeps, far from yield."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,10 +17,11 @@ from film_model.problem.mixtures import mixed_numbers, mixture_of
 from film_model.solve.batch import simulate_many
 
 MASS, MATERIALS = 0.01, 200
+EXPONENT, SHARE = "strain_hardening_exponent", "elastic_share"
 
 
-def law_of(strain, exponent=0.0, ratio=0.3):
-    return fm.Elastoplastic(*SPHERE, strain * SPHERE[0], ratio, exponent)
+def law_of(strain, exponent=0.0, ratio=0.3, share=0.0):
+    return fm.Elastoplastic(*SPHERE, strain * SPHERE[0], ratio, exponent, share)
 
 
 def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material():
@@ -50,13 +52,20 @@ def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material(
     assert (np.diff(restitution, axis=0) < 1e-9).all()
 
 
-@pytest.mark.parametrize("strain", [2.3e-6, 1.7e-4, 2.2e-3, 8.7e-3, 0.06])
-def test_curves_of_a_family_and_of_a_mixture_are_the_law(strain):
+@pytest.mark.parametrize(
+    ("strain", "beside"),
+    [
+        *((strain, [EXPONENT]) for strain in (2.3e-6, 1.7e-4, 2.2e-3, 8.7e-3, 0.06)),
+        *((strain, [SHARE]) for strain in (1.7e-4, 2.2e-3, 0.06)),
+        (8.7e-3, [EXPONENT, SHARE]),
+    ],
+)
+def test_curves_of_a_family_and_of_a_mixture_are_the_law(strain, beside):
     """Force, unloading and end, between the nodes of every page."""
-    for exponent in (0.013, 0.31, 0.59):
-        law = law_of(strain, exponent)
+    for exponent, share in ((0.013, 0.77), (0.31, 0.04), (0.59, 0.43)):
+        law = replace(law_of(strain), **{n: v for n, v in ((EXPONENT, exponent), (SHARE, share)) if n in beside})
         *_, last = law.stages()
-        page = mixture_of(law)
+        page = mixture_of(law, beside)
         (row,) = mixed_numbers(page, lambda _, law=law: law, 1)
         for curve in (page.at(row), curve_of(law).native):
             stage = curve.stages - 1

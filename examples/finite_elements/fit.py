@@ -5,7 +5,6 @@ Prints the constants of film_model/laws/elastoplastic.py, then the errors of fit
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,7 +12,8 @@ from scipy.integrate import cumulative_simpson
 from scipy.optimize import least_squares
 
 import film_datasets as fd
-from film_model.laws.elastoplastic import FITTED, Constants, Plastic, pressure_factor, scaled_strain
+from film_model.base.flow_stress import flow_of_yield
+from film_model.laws.elastoplastic import COMPARED_STRAIN, FITTED, Constants, Plastic, pressure_factor, scaled_strain
 from film_model.studies.finite_elements import FASTEST, first_pressure
 
 Arrays = dict[str, np.ndarray]
@@ -37,6 +37,16 @@ WEIGHT_OF_FAST = 0.3
 """Of runs above `FASTEST`: few impacts are as fast."""
 
 
+def elastic_shares(ds: xr.Dataset, constants: Constants) -> np.ndarray:
+    """h of each run: 0 of a rigid ball."""
+    if "strength_ratio" not in ds:
+        return np.zeros(ds.sizes["run"])
+    strengths, moduli, n = (ds[name].values for name in ("strength_ratio", "modulus_ratio", "hardening_exponent"))
+    softer = ds["stiffness_ratio"].values * (1.0 + 1.0 / moduli)  # E/Y
+    flows = (flow_of_yield(y, n, e, COMPARED_STRAIN) for y, e in ((strengths, moduli * softer), (1.0, softer)))
+    return constants.elastic_share(next(flows) / next(flows), moduli)
+
+
 def predicted(ds: xr.Dataset, constants: Constants = FITTED) -> Arrays:
     """What the law says of each run, in the dataset's units: by the energy, since nothing depends on time."""
     ratio, stiffness, n, v = (
@@ -45,9 +55,7 @@ def predicted(ds: xr.Dataset, constants: Constants = FITTED) -> Arrays:
     )
     factor = pressure_factor(ratio)
     unit = factor / first_pressure(ratio)
-    share: Any = 0.0
-    if "strength_ratio" in ds:  # two bodies that yield
-        share = constants.elastic_share(ds["strength_ratio"].values, ds["modulus_ratio"].values)[:, None]
+    share = elastic_shares(ds, constants)[:, None]
     law = Plastic(scaled_strain((1 - ratio**2) / stiffness, ratio), n, share, constants)
     work = 0.4 + cumulative_simpson(law.force(DEPTHS) * DEPTHS, x=np.log(DEPTHS), initial=0.0)
     reached = 0.4 * (v / unit**2.5) ** 2

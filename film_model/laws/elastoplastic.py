@@ -20,11 +20,13 @@ FITTED_DEPTH = 1810.0  # w
 MOST_EXPONENT = 0.6  # n
 FITTED_SHARE = 0.66  # h
 MOST_SHARE = 0.8  # h
+COMPARED_STRAIN = 0.005
 RATIO = 0.3  # Poisson's ratio whose C enters the shape
 
 FLATTENED, SUNK = (2.0 - 4.0 / math.pi) / (3.0 * math.pi / 8.0), 8.0 / (3.0 * math.pi)
 """Curvature that a uniform pressure gives an elastic surface, and its depth at the centre, over those of Hertz's
 pressure of the same mean: Johnson 1985, Contact Mechanics, 3.4."""
+
 
 @dataclass(frozen=True)
 class Constants:
@@ -42,7 +44,7 @@ class Constants:
     stiffening_hardened: float = 0.603
     rounding: float = 0.1641  # of the exponent of unloading
     lateness: float = 0.2434
-    stays_elastic: float = 2.755  # s; of the harder of two bodies, as fit_pairs.py prints it
+    stays_elastic: float = 2.692  # s; of the harder of two bodies, as fit_pairs.py prints it
 
     def beyond(self, w: Any) -> Any:
         """1 + ((w − 1)/onset)²: Hertz's value and slope at first yield."""
@@ -57,7 +59,8 @@ class Constants:
         return 1.5 - self.rounding * self.reached(w)
 
     def elastic_share(self, strengths: Any, moduli: Any) -> Any:
-        """h of two bodies, at most `MOST_SHARE`. strengths: s, moduli: m, of the harder over the softer one."""
+        """h of two bodies, at most `MOST_SHARE`. strengths: s, moduli: m, of the harder over the softer one, the
+        strengths at the plastic strain `COMPARED_STRAIN`."""
         yields = greater(self.stays_elastic - greater(strengths, 1.0), 0.0) / (self.stays_elastic - 1.0)
         return lesser((1.0 - yields**4.0) / (1.0 + moduli), MOST_SHARE)
 
@@ -244,6 +247,8 @@ class Elastoplastic(AbstractLaw):
         return Elastoplastic(1.0, 1.0, shape, RATIO, self.strain_hardening_exponent, self.elastic_share)
 
     def outside(self, depth: float) -> str:
+        if not depth > 1.0:
+            return ""
         strain, said = self.yield_strength / self.effective_modulus, list[str]()
         if strain > FITTED_STRAIN:
             said.append(f"S_y/E is {strain:.3g}, computed was up to {FITTED_STRAIN}")
@@ -260,7 +265,7 @@ class Elastoplastic(AbstractLaw):
         radius = plastic.first_radius * plastic.contact_radius(depth)
         if radius > FITTED_RADIUS:
             said.append(f"the contact radius is {radius:.3g} of the ball's, computed was up to {FITTED_RADIUS}")
-        return " and ".join(said) if depth > 1.0 else ""
+        return " and ".join(said)
 
     def scales(self, energy: float) -> tuple[float, float]:
         strength = pressure_factor(self.poissons_ratio) * self.yield_strength

@@ -11,16 +11,17 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from film_model.base.arrays import either, endless, greater, lesser, root
+from film_model.base.arrays import either, endless, lesser, root
 from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
 from film_model.base.fields import build, key_text, mistake, table_of
+from film_model.base.flow_stress import flow_of_yield
 from film_model.base.late import Late
 from film_model.base.materials import Material
 from film_model.base.rate_law import RateHardening, rate_constants
 from film_model.base.text import Text
 from film_model.base.units import format_si
 from film_model.laws import AbstractLaw
-from film_model.laws.elastoplastic import FITTED
+from film_model.laws.elastoplastic import COMPARED_STRAIN, FITTED
 from film_model.scene.contact import Contact, contact_table
 from film_model.scene.impactor import Sphere
 from film_model.scene.options import DEFAULT_TOLERANCE, Effects, Solver
@@ -235,20 +236,22 @@ class Scene:
 
     @cached_property
     def elastic_share(self) -> float:
-        """h of law elastoplastic: the part of the compliance of the body that yields later, or not at all, for what it
-        stays elastic; 0 if no strength, or one of the materials, is unknown."""
-        one, two, known = self.impactor.material, self.target.material, self._yielding
-        if one is None or two is None or not known:
+        """h of law elastoplastic: the part of the compliance of the body that yields later, or not at all, as far as it
+        stays elastic. 0 if a material, or the strength of both, is unknown."""
+        one, two = self.impactor.material, self.target.material
+        if one is None or two is None or not self._yielding:
             return 0.0
-        stiff = [m.youngs_modulus / (1 - m.poissons_ratio**2) for m in (one, two)]
-        if len(known) == 1:  # the other body never yields
-            first: Any = known[0] is one
-            higher = math.inf
-        else:
-            strengths: list[Any] = [m.initial_strength for m in known]
-            first, higher = strengths[0] <= strengths[1], greater(*strengths)
-        moduli = either(first, stiff[1], stiff[0]) / either(first, stiff[0], stiff[1])
-        return FITTED.elastic_share(higher / self.yield_strength, moduli)
+        strengths: list[Any] = [math.inf if m.initial_strength is None else m.initial_strength for m in (one, two)]
+        moduli = [m.youngs_modulus for m in (one, two)]
+        stiff = [m.youngs_modulus / (1.0 - m.poissons_ratio**2) for m in (one, two)]
+        flows = [
+            flow_of_yield(strength, m.hardening_exponent, m.youngs_modulus, COMPARED_STRAIN)
+            for strength, m in zip(strengths, (one, two), strict=True)
+        ]
+        first = strengths[0] <= strengths[1]
+        given = self.yield_strength, self.strain_hardening_exponent, either(first, *moduli)
+        ratio = either(first, *reversed(flows)) / flow_of_yield(*given, COMPARED_STRAIN)
+        return FITTED.elastic_share(ratio, either(first, *reversed(stiff)) / either(first, *stiff))
 
     @cached_property
     def rate_hardening(self) -> RateHardening | None:

@@ -93,7 +93,7 @@ class Plastic:
 
     @property
     def end(self) -> Any:
-        """w at which a = R, to 1e-4: each step gains a digit."""
+        """w at which a = R, to 1e-4, or 1e-3 if h > 0: each step gains a digit."""
         parabola = w = self.first_radius**-2.0
         for _ in range(4):
             w = parabola / self.widening(w)

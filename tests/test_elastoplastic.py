@@ -72,7 +72,7 @@ def test_the_part_of_the_harder_body_follows_from_both_materials():
     assert share(None, soft, effective_modulus="100 GPa") == 0.0
     assert share(steel(None), soft) == share(soft, steel(1400)) == 0.5  # as stiff, and elastic
     assert share(steel(1400, "630 GPa"), soft) == pytest.approx(0.25, rel=1e-15)
-    assert share(steel(None, "630 TPa"), soft) < 4e-4 and share(steel(None, "1 GPa"), soft) == MOST_SHARE
+    assert share(steel(None, "90 TPa"), soft) < 3e-3 and share(steel(None, "1 GPa"), soft) == MOST_SHARE
     yields = share(steel(750), soft)
     assert yields == pytest.approx(0.5 * (1.0 - (1.192 / 1.692) ** 4.0), rel=1e-12)
     assert share(steel(750, exponent=0.2), soft) > yields > share(steel(750), steel(500, exponent=0.2))

@@ -104,6 +104,11 @@ class Plastic:
         """How the softer body's contact widens."""
         return self.constants.spread * exponential(-self.constants.spread_hardened * self.exponent)
 
+    @property
+    def hardens(self) -> Any:
+        """Exponent of the hardening of the pressure."""
+        return self.constants.strain_exponent * self.exponent
+
     def pressed(self, softer: Any) -> Pressed:
         """At w_s."""
         own = self.constants
@@ -115,10 +120,9 @@ class Plastic:
         bent = 1.0 + (softer**0.5 - 1.0) / (bend * most)
         fallen = bent**-bend
         strained = 1.0 + own.strain * (radius - 1.0) ** 2.0 / radius
-        hardens = own.strain_exponent * self.exponent
-        hardened = strained**hardens
+        hardened = strained**self.hardens
         mean = 1.0 + most * (1.0 - fallen)
-        slope = fallen / bent + mean * hardens * own.strain * (1.0 - 1.0 / (radius * radius)) / strained
+        slope = fallen / bent + mean * self.hardens * own.strain * (1.0 - 1.0 / (radius * radius)) / strained
         return Pressed(widening, 1.0 - beyond**-own.lateness, mean * hardened, slope * hardened)
 
     def at(self, w: Any) -> Pressed:

@@ -60,8 +60,8 @@ def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material(
 
 def test_the_part_of_the_harder_body_follows_from_both_materials():
     def share(ball, slab, **contact):
-        scene = fm.Scene(fm.Sphere("5 mm", "1 m/s", mass="4 g", material=ball), fm.HalfSpace(slab), fm.Contact(**contact))
-        return scene.elastic_share
+        sphere = fm.Sphere("5 mm", "1 m/s", mass="4 g", material=ball)
+        return fm.Scene(sphere, fm.HalfSpace(slab), fm.Contact(**contact)).elastic_share
 
     def steel(strength, modulus="210 GPa", exponent=None):
         strength = strength and f"{strength} MPa"
@@ -177,7 +177,8 @@ def test_shot_peening_is_simulated_and_warned_of(material):
 def test_the_law_ends_where_the_contact_is_as_wide_as_the_ball(strain):
     for exponent, share in ((0.0, 0.0), (0.3, 0.0), (0.6, 0.0), (0.3, 0.5), (0.0, 0.8)):
         plastic = Plastic(strain, exponent, share)
-        assert plastic.first_radius * plastic.contact_radius(plastic.end) == pytest.approx(1.0, abs=1e-3 if share else 1e-4)
+        radius = plastic.first_radius * plastic.contact_radius(plastic.end)
+        assert radius == pytest.approx(1.0, abs=1e-3 if share else 1e-4)
 
 
 def test_a_wide_contact_and_values_that_were_not_computed_are_named():

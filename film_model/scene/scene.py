@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from film_model.base.arrays import either, endless, lesser, root
-from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
-from film_model.base.fields import build, key_text, mistake, table_of
+from film_model.base.errors import Mistake, SceneError, raise_all, shown
+from film_model.base.fields import mistake, table_of
 from film_model.base.flow_stress import flow_of_yield
 from film_model.base.late import Late
 from film_model.base.materials import Material
@@ -25,6 +25,7 @@ from film_model.laws.elastoplastic import COMPARED_STRAIN, FITTED
 from film_model.scene.contact import Contact, contact_table
 from film_model.scene.impactor import Sphere
 from film_model.scene.options import DEFAULT_TOLERANCE, Effects, Solver
+from film_model.scene.sections import parts_of
 from film_model.scene.toml import change_table, placed, read_text, text_from_table, toml_table
 from film_model.targets import TARGETS, AbstractTarget
 
@@ -106,7 +107,7 @@ class Scene:
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Scene:
         """Make a scene from nested tables laid out as in a scene file."""
-        parts, mistakes = _parts(table)
+        parts, mistakes = parts_of(table)
         missing = [key for key in ("impactor", "target") if key not in table]
         mistakes += [Mistake(None, None, key, f"missing: a section [{key}] is needed") for key in missing]
         if not isinstance(parts.get("title", ""), str):
@@ -380,41 +381,3 @@ def _class_names(kind: type) -> str:
 
 def _name(material: Material | None) -> str:
     return material.name if material is not None else ""
-
-
-def _parts(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[Mistake]]:
-    """The parts of a scene from its sections, and their mistakes."""
-    makers: dict[str, Callable[[dict[str, Any]], Any]] = {
-        "impactor": lambda section: build(Sphere, section),
-        "target": _target,
-        "contact": lambda section: Contact(**section),
-        "effects": lambda section: build(Effects, section),
-        "solver": lambda section: build(Solver, section),
-    }
-    mistakes: list[Mistake] = []
-    parts: dict[str, Any] = {}
-    for key, value in table.items():
-        if key == "title":
-            parts[key] = value
-        elif key not in makers:
-            hint = did_you_mean(key, ["title", *makers])
-            mistakes.append(Mistake(None, None, key_text(key), f"unknown key{hint}"))
-        elif not isinstance(value, Mapping):
-            mistakes.append(Mistake(None, None, key, f"{shown(value)} is not allowed: a section [{key}] is needed"))
-        else:
-            try:
-                parts[key] = makers[key](dict(cast("Mapping[str, Any]", value)))
-            except SceneError as error:
-                mistakes += [found.moved(key) for found in error.mistakes]
-    return parts, mistakes
-
-
-def _target(section: dict[str, Any]) -> AbstractTarget:
-    kind = section.pop("kind", None)
-    if isinstance(kind, str) and kind in TARGETS:
-        return build(TARGETS[kind], section)
-    need = ", ".join(f'"{known}"' for known in TARGETS) + " is needed"
-    if kind is None:
-        raise SceneError([Mistake(None, None, "Target.kind", f"missing: {need}")])
-    hint = did_you_mean(kind, TARGETS) if isinstance(kind, str) else ""
-    raise SceneError([Mistake(None, None, "Target.kind", f"{shown(kind)} is not allowed: {need}{hint}")])

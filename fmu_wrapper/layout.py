@@ -66,8 +66,9 @@ class Stresses(c.Structure):
     _fields_ = tuple(
         (name, _D)
         for name in (
-            *("radius", "hertz", "first_radius", "onset", "spread", "widening"),
-            *("hertzian", "shallow", "shear", "depth"),
+            *("radius", "hertz", "first_radius", "onset", "spread", "lateness", "pressure", "pressure_flattened"),
+            *("pressure_bend", "strain", "hardens", "share", "flattened", "sunk"),
+            *("widening", "hertzian", "shallow", "shear", "depth"),
         )
     )
 

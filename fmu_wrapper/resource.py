@@ -14,6 +14,7 @@ from film_model.base.errors import SimulationError
 from film_model.base.units import scene_unit
 from film_model.core import native
 from film_model.core.modal import LEVELS, Tables
+from film_model.laws.elastoplastic import FLATTENED, SUNK
 from film_model.laws.hertz import hertz_stiffness
 from film_model.problem import stresses
 from film_model.problem.curve import curve_of
@@ -223,7 +224,11 @@ def _stresses(problem: Problem) -> Stresses:
     known.widening = problem.impacts.law.value("widening")
     plastic = stresses.plastic_contact(problem.impacts)
     if plastic is not None:
-        known.first_radius, known.onset, known.spread = plastic.first_radius, plastic.constants.onset, plastic.spread
+        own = plastic.constants
+        for name in ("onset", "lateness", "pressure", "pressure_flattened", "pressure_bend", "strain"):
+            setattr(known, name, getattr(own, name))
+        known.first_radius, known.spread, known.share = plastic.first_radius, plastic.spread, plastic.share
+        known.hardens, known.flattened, known.sunk = plastic.hardens, FLATTENED, SUNK
     if scene.oval is not None:
         known.radius *= scene.oval.spread
     elif scene.stressed_poissons_ratio is not None:

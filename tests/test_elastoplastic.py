@@ -1,6 +1,7 @@
 """Law elastoplastic: against the finite elements that it is fitted to, over materials, in sweeps, far from yield."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from cases import SPHERE, scene
 
 import film_model as fm
 from film_model.core import families, native
-from film_model.laws.elastoplastic import Plastic, pressure_factor
+from film_model.laws.elastoplastic import MOST_SHARE, Plastic, pressure_factor
 from film_model.laws.yielding import limit_point
 from film_model.problem.curve import curve_of
 from film_model.problem.families import page_of
@@ -16,21 +17,25 @@ from film_model.problem.mixtures import mixed_numbers, mixture_of
 from film_model.solve.batch import simulate_many
 
 MASS, MATERIALS = 0.01, 200
+EXPONENT, SHARE = "strain_hardening_exponent", "elastic_share"
 
 
-def law_of(strain, exponent=0.0, ratio=0.3):
-    return fm.Elastoplastic(*SPHERE, strain * SPHERE[0], ratio, exponent)
+def law_of(strain, exponent=0.0, ratio=0.3, share=0.0):
+    return fm.Elastoplastic(*SPHERE, strain * SPHERE[0], ratio, exponent, share)
 
 
-def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material():
+@pytest.mark.parametrize("harder", ["rigid", "elastic"])
+def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material(harder):
     rng = np.random.default_rng(11)
     modulus, ratio = np.exp(rng.uniform(np.log(5e9), np.log(5e11), MATERIALS)), rng.uniform(0.1, 0.45, MATERIALS)
     strength = modulus * np.exp(rng.uniform(np.log(3e-4), np.log(2e-2), MATERIALS))
     exponent, speeds = rng.uniform(0.0, 0.6, MATERIALS), np.append([1.01, 1.02], np.geomspace(1.04, 150.0, 24))
     critical = np.sqrt(0.8 * math.prod(limit_point(modulus, 0.01, pressure_factor(ratio) * strength)) / MASS)
+    one = fm.Material("one", "100 GPa", 0.3, "7850 kg/m^3", "1 GPa", strain_hardening_exponent=0.1)
+    other = None if harder == "rigid" else fm.Material("other", "100 GPa", 0.3, "7850 kg/m^3")
     base = fm.Scene(
-        fm.Sphere("10 mm", velocity="1 m/s", mass=f"{MASS} kg"),
-        fm.HalfSpace(fm.Material("one", "100 GPa", 0.3, "7850 kg/m^3", "1 GPa", strain_hardening_exponent=0.1)),
+        fm.Sphere("10 mm", velocity="1 m/s", mass=f"{MASS} kg", material=other),
+        fm.HalfSpace(one),
         fm.Contact("elastoplastic", effective_modulus="100 GPa", poissons_ratio=0.3),
         fm.Effects(gravity=False, target_motion=False),
     )
@@ -39,8 +44,11 @@ def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material(
         "contact.effective_modulus": np.tile(modulus, speeds.size),
         "contact.poissons_ratio": np.tile(ratio, speeds.size),
         "target.material.yield_strength": np.tile(strength, speeds.size),
-        "target.material.strain_hardening_exponent": np.tile(exponent, speeds.size),
     }
+    if harder == "rigid":
+        columns["target.material.strain_hardening_exponent"] = np.tile(exponent, speeds.size)
+    else:
+        columns["impactor.material.youngs_modulus"] = np.tile(1e10 * 100.0 ** (exponent / 0.6), speeds.size)
     result = simulate_many(base, columns)
     assert not (result.status < 0).any() and len(result.problems) <= 5
     restitution = result.summary["coefficient_of_restitution"].reshape(speeds.size, MATERIALS)
@@ -50,13 +58,57 @@ def test_restitution_falls_with_velocity_from_1_at_first_yield_for_any_material(
     assert (np.diff(restitution, axis=0) < 1e-9).all()
 
 
-@pytest.mark.parametrize("strain", [2.3e-6, 1.7e-4, 2.2e-3, 8.7e-3, 0.06])
-def test_curves_of_a_family_and_of_a_mixture_are_the_law(strain):
+def test_the_part_of_the_harder_body_follows_from_both_materials():
+    def share(ball, slab, **contact):
+        sphere = fm.Sphere("5 mm", "1 m/s", mass="4 g", material=ball)
+        return fm.Scene(sphere, fm.HalfSpace(slab), fm.Contact(**contact)).elastic_share
+
+    def steel(strength, modulus="210 GPa", exponent=None):
+        strength = strength and f"{strength} MPa"
+        return fm.Material("one", modulus, 0.3, "7850 kg/m^3", strength, strain_hardening_exponent=exponent)
+
+    soft = steel(500)
+    assert share(soft, soft) == share(steel(None), steel(None)) == 0.0
+    assert share(None, soft, effective_modulus="100 GPa") == 0.0
+    assert share(steel(None), soft) == share(soft, steel(1400)) == 0.5  # as stiff, and elastic
+    assert share(steel(1400, "630 GPa"), soft) == pytest.approx(0.25, rel=1e-15)
+    assert share(steel(None, "90 TPa"), soft) < 3e-3 and share(steel(None, "1 GPa"), soft) == MOST_SHARE
+    yields = share(steel(750), soft)
+    assert yields == pytest.approx(0.5 * (1.0 - (1.192 / 1.692) ** 4.0), rel=1e-12)
+    assert share(steel(750, exponent=0.2), soft) > yields > share(steel(750), steel(500, exponent=0.2))
+    assert share(steel(750), steel(250), law="elastoplastic", yield_strength="500 MPa") == yields
+    assert share(steel(501), soft) == pytest.approx(0.5 * 4.0 * 0.002 / 1.692, rel=0.01)  # from 0 without a jump
+
+
+def test_with_a_rigid_body_the_law_is_that_of_one_sphere():
+    w = np.geomspace(1.0, 1800.0, 50)
+    for strain, exponent in ((2e-4, 0.0), (8e-3, 0.3)):
+        one, near = Plastic(strain, exponent), Plastic(strain, exponent, 1e-9)
+        z, c = (w - 1.0) / 1.762, one.constants
+        alpha = np.sqrt(w * (1.0 + c.spread * math.exp(-1.505 * exponent) * np.log(1.0 + z * z)))
+        most = c.pressure / (1.0 + (0.5506 * one.first_radius * alpha) ** 1.5)
+        mean = 1.0 + most * (1.0 - (1.0 + (np.sqrt(w) - 1.0) / (0.5068 * most)) ** -0.5068)
+        force = alpha**2 * mean * (1.0 + 0.5642 * (alpha - 1.0) ** 2 / alpha) ** (0.7185 * exponent)
+        np.testing.assert_allclose(one.force(w), force, rtol=1e-13)
+        np.testing.assert_allclose(one.contact_radius(w), alpha, rtol=1e-13)
+        for name in ("force", "secant", "contact_radius"):
+            np.testing.assert_allclose(getattr(near, name)(w), getattr(one, name)(w), rtol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("strain", "beside"),
+    [
+        *((strain, [EXPONENT]) for strain in (2.3e-6, 1.7e-4, 2.2e-3, 8.7e-3, 0.06)),
+        *((strain, [SHARE]) for strain in (1.7e-4, 2.2e-3, 0.06)),
+        (8.7e-3, [EXPONENT, SHARE]),
+    ],
+)
+def test_curves_of_a_family_and_of_a_mixture_are_the_law(strain, beside):
     """Force, unloading and end, between the nodes of every page."""
-    for exponent in (0.013, 0.31, 0.59):
-        law = law_of(strain, exponent)
+    for exponent, share in ((0.013, 0.77), (0.31, 0.04), (0.59, 0.43)):
+        law = replace(law_of(strain), **{n: v for n, v in ((EXPONENT, exponent), (SHARE, share)) if n in beside})
         *_, last = law.stages()
-        page = mixture_of(law)
+        page = mixture_of(law, beside)
         (row,) = mixed_numbers(page, lambda _, law=law: law, 1)
         for curve in (page.at(row), curve_of(law).native):
             stage = curve.stages - 1
@@ -123,9 +175,10 @@ def test_shot_peening_is_simulated_and_warned_of(material):
 
 @pytest.mark.parametrize("strain", [1e-6, 1e-4, 2e-3, 2e-2, 0.1])
 def test_the_law_ends_where_the_contact_is_as_wide_as_the_ball(strain):
-    for exponent in (0.0, 0.3, 0.6):
-        plastic = Plastic(strain, exponent)
-        assert plastic.first_radius * plastic.contact_radius(plastic.end) == pytest.approx(1.0, abs=1e-4)
+    for exponent, share in ((0.0, 0.0), (0.3, 0.0), (0.6, 0.0), (0.3, 0.5), (0.0, 0.8)):
+        plastic = Plastic(strain, exponent, share)
+        radius = plastic.first_radius * plastic.contact_radius(plastic.end)
+        assert radius == pytest.approx(1.0, abs=1e-3 if share else 1e-4)
 
 
 def test_a_wide_contact_and_values_that_were_not_computed_are_named():
@@ -133,8 +186,11 @@ def test_a_wide_contact_and_values_that_were_not_computed_are_named():
     assert law.outside(0.9) == ""
     said = law.outside(0.9 * law.stages()[-1].end)
     assert "S_y/E is 0.03" in said and "n is 0.5" in said and "the contact radius is 0.9" in said
+    assert "the harder body has 0.7 of the compliance" in law_of(0.002, share=0.7).outside(2.0)
     with pytest.raises(ValueError, match=r"strain hardening exponent must be from 0 to 0\.6"):
         law_of(0.002, 0.7)
+    with pytest.raises(ValueError, match=r"elastic share must be from 0 to 0\.8"):
+        law_of(0.002, share=0.9)
 
 
 @pytest.mark.parametrize(("speed", "off"), [(0.1, 0.002), (1.0, 0.006), (20.0, 0.05)])

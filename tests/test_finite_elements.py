@@ -12,6 +12,8 @@ import pytest
 import film_datasets as fd
 import film_model as fm
 from film_model.laws.elastoplastic import FITTED
+from film_model.laws.yielding import limit_point
+from film_model.solve.batch import simulate_many
 from film_model.studies import finite_elements
 
 FOLDER = Path(__file__).parent.parent / "examples" / "finite_elements"
@@ -203,21 +205,63 @@ def test_published_pairs():
     assert ds["held_out"].values.tolist() == (index % every == every - 1).tolist()
 
 
-PAIRS = {  # median and largest error of pairs that the rule is not fitted to: of the law, and with the rule
-    "coefficient_of_restitution": (0.03, 0.11, 0.008, 0.04),
-    "largest_force": (0.008, 0.06, 0.015, 0.035),
-    "largest_depth": (0.008, 0.05, 0.008, 0.015),
-    "largest_radius": (0.02, 0.08, 0.01, 0.035),
-    "residual_depth": (0.035, 0.15, 0.015, 0.03),
+PAIRS = {  # median and 90th percentile of the errors of pairs that the law is not fitted to
+    "coefficient_of_restitution": (0.005, 0.02),
+    "largest_force": (0.014, 0.023),
+    "largest_depth": (0.005, 0.01),
+    "largest_radius": (0.005, 0.017),
+    "residual_depth": (0.009, 0.017),
 }
 
 
+def test_two_bodies_that_yield_against_the_law():
+    ds = fd.load("finite_element_pairs")
+    held, found = ds["held_out"].values == 1, fit.errors(ds)
+    for name, (median, most) in PAIRS.items():
+        size = np.abs(found[name][held])
+        assert np.median(size) < median and np.quantile(size, 0.9) < most, name
+    rigid = fit.errors(ds.drop_vars("strength_ratio"))["coefficient_of_restitution"]
+    assert np.median(np.abs(rigid)) > 0.018  # if the harder body were rigid
+
+
 @pytest.mark.slow
-def test_two_bodies_that_yield_against_the_law_and_with_the_rule_for_the_harder():
-    _, law, ruled = fit_pairs.main()
-    held = fd.load("finite_element_pairs")["held_out"].values == 1
-    for name, (median, most, median_ruled, most_ruled) in PAIRS.items():
-        size, better = np.abs(law[name][held]), np.abs(ruled[name][held])
-        assert np.median(size) < median and size.max() < most, name
-        assert np.median(better) < median_ruled and better.max() < most_ruled, name
-    assert np.median(np.abs(law["coefficient_of_restitution"])) > 0.01  # a reader is told so
+def test_the_constant_of_two_bodies_is_the_fitted_one():
+    best, _, _ = fit_pairs.main()
+    assert astuple(best) == pytest.approx(astuple(FITTED), rel=2e-3)
+
+
+def test_pairs_without_hardening_are_simulated_by_the_law():
+    """Together, from the materials of both bodies: within the errors of `fit.predicted`; and as each alone."""
+    ds = fd.load("finite_element_pairs")
+    ds = ds.isel(run=ds["hardening_exponent"].values == 0.0)
+    modulus, radius, mass = finite_elements.MODULUS, finite_elements.RADIUS, finite_elements.MASS
+    moduli, strengths, ball_softer = (ds[name].values for name in ("modulus_ratio", "strength_ratio", "softer"))
+    strength = modulus * (1.0 - 0.3**2) / ds["stiffness_ratio"].values
+    soft = modulus * (1.0 - 0.3**2) * (1.0 + 1.0 / moduli)
+    length, force = limit_point(modulus, radius, finite_elements.first_pressure(0.3) * strength)
+    columns = {"impactor.velocity": ds["velocity_ratio"].values * np.sqrt(0.8 * length * force / mass)}
+    for path, own in (("impactor", ball_softer == 1), ("target", ball_softer == 0)):
+        columns[f"{path}.material.youngs_modulus"] = np.where(own, soft, moduli * soft)
+        columns[f"{path}.material.yield_strength"] = np.where(own, strength, strengths * strength)
+    one = fm.Material("one", "100 GPa", 0.3, "7850 kg/m^3", "1 GPa")
+    base = fm.Scene(
+        fm.Sphere(f"{radius} m", "1 m/s", mass=f"{mass} kg", material=one),
+        fm.HalfSpace(one),
+        fm.Contact("elastoplastic"),
+        fm.Effects(gravity=False, wave_losses=False),
+    )
+    found, said = simulate_many(base, columns), fit.predicted(ds)
+    assert ds.sizes["run"] > 20 and not (found.status < 0).any()
+    for name, entry, unit in (
+        ("coefficient_of_restitution", "coefficient_of_restitution", 1.0),
+        ("maximum_force", "largest_force", force),
+        ("contact_radius", "largest_radius", np.sqrt(radius * length)),
+    ):
+        np.testing.assert_allclose(found.summary[name] / unit, said[entry], rtol=5e-4, err_msg=name)
+    for row in (0, 7):
+        own = {
+            path: f"{float(values[row])!r} {'m/s' if 'velocity' in path else 'Pa'}" for path, values in columns.items()
+        }
+        alone = fm.simulate(base.replace(own), accuracy=1e-8).summary
+        for name in ("coefficient_of_restitution", "maximum_force", "permanent_indentation"):
+            assert found.summary[name][row] == pytest.approx(alone[name], rel=2e-4), name

@@ -3,7 +3,8 @@
 Prints the constants of film_model/laws/elastoplastic.py, then the errors of fitted and of held-out runs.
 """
 
-from dataclasses import astuple, fields
+from collections.abc import Sequence
+from dataclasses import fields, replace
 
 import numpy as np
 import xarray as xr
@@ -11,7 +12,8 @@ from scipy.integrate import cumulative_simpson
 from scipy.optimize import least_squares
 
 import film_datasets as fd
-from film_model.laws.elastoplastic import FITTED, Constants, Plastic, pressure_factor, scaled_strain
+from film_model.base.flow_stress import flow_of_yield
+from film_model.laws.elastoplastic import COMPARED_STRAIN, FITTED, Constants, Plastic, pressure_factor, scaled_strain
 from film_model.studies.finite_elements import FASTEST, first_pressure
 
 Arrays = dict[str, np.ndarray]
@@ -28,8 +30,21 @@ TOLERANCES = {
 DEPTHS = np.geomspace(1.0, 6000.0, 400)
 """w at which the work is known."""
 
+OF_PAIRS = "stays_elastic"
+"""The constant that is fitted to pairs of bodies that yield."""
+
 WEIGHT_OF_FAST = 0.3
 """Of runs above `FASTEST`: few impacts are as fast."""
+
+
+def elastic_shares(ds: xr.Dataset, constants: Constants) -> np.ndarray:
+    """h of each run: 0 of a rigid ball."""
+    if "strength_ratio" not in ds:
+        return np.zeros(ds.sizes["run"])
+    strengths, moduli, n = (ds[name].values for name in ("strength_ratio", "modulus_ratio", "hardening_exponent"))
+    softer = ds["stiffness_ratio"].values * (1.0 + 1.0 / moduli)  # E/Y
+    flows = (flow_of_yield(y, n, e, COMPARED_STRAIN) for y, e in ((strengths, moduli * softer), (1.0, softer)))
+    return constants.elastic_share(next(flows) / next(flows), moduli)
 
 
 def predicted(ds: xr.Dataset, constants: Constants = FITTED) -> Arrays:
@@ -40,7 +55,8 @@ def predicted(ds: xr.Dataset, constants: Constants = FITTED) -> Arrays:
     )
     factor = pressure_factor(ratio)
     unit = factor / first_pressure(ratio)
-    law = Plastic(scaled_strain((1 - ratio**2) / stiffness, ratio), n, constants)
+    share = elastic_shares(ds, constants)[:, None]
+    law = Plastic(scaled_strain((1 - ratio**2) / stiffness, ratio), n, share, constants)
     work = 0.4 + cumulative_simpson(law.force(DEPTHS) * DEPTHS, x=np.log(DEPTHS), initial=0.0)
     reached = 0.4 * (v / unit**2.5) ** 2
     log_w = [np.interp(energy, own, np.log(DEPTHS)) for energy, own in zip(reached, work, strict=True)]
@@ -64,27 +80,28 @@ def errors(ds: xr.Dataset, constants: Constants = FITTED) -> Arrays:
     return {name: (found[name] - ds[name].values) / over[name] for name in found}
 
 
-def fitted(ds: xr.Dataset) -> Constants:
-    """The constants that make the sum of the fourth powers of the errors over their tolerances least."""
+def fitted(ds: xr.Dataset, names: Sequence[str]) -> Constants:
+    """The constants of these names that make the sum of the fourth powers of the errors over their tolerances least."""
     fitted_to = ds.isel(run=ds["held_out"].values == 0)
-    start = np.array(astuple(FITTED))
+    start = np.array([getattr(FITTED, name) for name in names])
     weight = np.where(fitted_to["velocity_ratio"].values > FASTEST, WEIGHT_OF_FAST, 1.0)
 
     def differences(trial: np.ndarray) -> np.ndarray:
-        found = errors(fitted_to, Constants(*trial))
+        found = errors(fitted_to, replace(FITTED, **dict(zip(names, trial.tolist(), strict=True))))
         over = np.concatenate([weight * found[name] / tolerance for name, tolerance in TOLERANCES.items()])
         return over * np.abs(over)
 
     best = least_squares(differences, start, x_scale=np.maximum(np.abs(start), 0.1)).x
-    return Constants(*(float(f"{value:.4g}") for value in best))
+    return replace(FITTED, **{name: float(f"{value:.4g}") for name, value in zip(names, best.tolist(), strict=True)})
 
 
 def main() -> tuple[Constants, Arrays]:
     """Print constants and errors; return them."""
     ds = fd.load("finite_element_impacts")
-    best = fitted(ds)
-    for field in fields(best):
-        print(f"    {field.name}: float = {getattr(best, field.name)}")
+    names = [field.name for field in fields(FITTED) if field.name != OF_PAIRS]
+    best = fitted(ds, names)
+    for name in names:
+        print(f"    {name}: float = {getattr(best, name)}")
     found, held, fast = errors(ds, best), ds["held_out"].values == 1, ds["velocity_ratio"].values > FASTEST
     for title, rows in (("fitted", ~held & ~fast), ("held out", held & ~fast), ("faster", fast)):
         print(f"{title}: {rows.sum()} runs; median, 95th percentile and largest |error|")

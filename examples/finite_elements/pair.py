@@ -26,7 +26,7 @@ FINE, COARSE = Mesh(elements=18, slowness=40.0), Mesh(elements=13, slowness=40.0
 @dataclass(frozen=True)
 class Pair:
     """V/V_Y; E*(1 − ν²)/Y; n and ν of both; strength and modulus of the harder over those of the softer; which is the
-    ball."""
+    ball; n of the harder if it differs."""
 
     velocity: float
     stiffness: float
@@ -35,6 +35,7 @@ class Pair:
     moduli: float = 1.0
     soft_ball: bool = False
     poisson: float = 0.3
+    hardening_of_harder: float | None = None
 
     @property
     def single(self) -> Impact:
@@ -56,8 +57,9 @@ def strike(pair: Pair, mesh: Mesh = FINE) -> dict:
     impact = pair.single
     depth, a = expected(impact)
     soft = pair.stiffness * (1.0 + 1.0 / pair.moduli)
+    harder = pair.hardening if pair.hardening_of_harder is None else pair.hardening_of_harder
     bodies = [[soft, pair.poisson, pair.hardening, 1.0],
-              [soft * pair.moduli, pair.poisson, pair.hardening, pair.strengths]]  # fmt: skip
+              [soft * pair.moduli, pair.poisson, harder, pair.strengths]]  # fmt: skip
     ball, flat = bodies if pair.soft_ball else bodies[::-1]
     least = min(soft, soft * pair.moduli / pair.strengths)
     wave = math.sqrt(least * (1 - pair.poisson) / (1 + pair.poisson) / (1 - 2 * pair.poisson))

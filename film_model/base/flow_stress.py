@@ -41,9 +41,9 @@ def flow_of_hardness(hardness: Any) -> Any:
     return hardness / CONSTRAINT
 
 
-def flow_of_yield(strength: Any, exponent: Any, modulus: Any) -> Any:
-    """Flow stress at the representative strain, Pa."""
-    return strength * exponential(exponent * logarithm(1.0 + modulus * REPRESENTATIVE_STRAIN / strength))
+def flow_of_yield(strength: Any, exponent: Any, modulus: Any, strain: float = REPRESENTATIVE_STRAIN) -> Any:
+    """Flow stress at a plastic strain, Pa."""
+    return strength * exponential(exponent * logarithm(1.0 + modulus * strain / strength))
 
 
 def yield_of_flow(flow: Any, exponent: Any, modulus: Any) -> Any:

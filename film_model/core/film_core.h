@@ -99,7 +99,7 @@ typedef struct {
     int32_t nodes, varying;
     const double *numbers;
 } film_family;
-enum { FILM_MAX_NODES = 48 };
+enum { FILM_MAX_NODES = 96 };
 enum { FILM_CHORD = 0, FILM_WORK_PRESERVING = 1 };
 
 /* Gradings of the nodes of a leg: positions as a function of s, the fraction of segments. docs/method.md, section 4.

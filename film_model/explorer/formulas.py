@@ -25,7 +25,7 @@ from film_model.effects.trial import change
 from film_model.explorer.trace import Recording
 from film_model.laws.damping import loss_restitution
 from film_model.laws.example_ball import example_ball
-from film_model.laws.law import SCENE_FIELDS, AbstractLaw, Stage
+from film_model.laws.law import AbstractLaw, Stage
 from film_model.laws.yielding import yield_velocity
 from film_model.oblique.friction import exact_error, numbers_of, regime_of, results
 from film_model.problem.curve import Curve
@@ -42,7 +42,10 @@ from film_model.scene import Effects, Scene
 from film_model.scene.columns import scene_of_columns
 from film_model.scene.rolling import Sliding, sliding_of
 
-FROM_SCENE = ("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio", "stressed_poissons_ratio")
+FROM_SCENE = (
+    *("effective_modulus", "effective_radius", "yield_strength", "poissons_ratio", "elastic_share"),
+    "stressed_poissons_ratio",
+)
 """Properties of a scene, besides its :class:`Numbers`, that laws take."""
 
 RATE_LAW = tuple(f"rate_{name}" for name in RateHardening._fields)
@@ -138,7 +141,8 @@ def problem_function(name: str, template: Scene, law: AbstractLaw, fixed: frozen
     problem = impacts.problem(recording.symbol("impedance"), recording.symbol("load"))
     outputs = {entry: getattr(problem.scales, entry) for entry in (*_SCALES, "energy")}
     outputs |= {entry: getattr(problem, entry) for entry in (*_PROBLEM, *_START)}
-    outputs["widening"] = getattr(law, "law", law).widening  # of the law below a rule of unloading
+    own: Any = getattr(unknown, "law", unknown)  # the law below a rule of unloading
+    outputs |= {"widening": own.widening, "elastic_share": getattr(own, "elastic_share", 0.0)}
     outputs["stop_velocity"] = replace(problem, free=True).stop_velocity  # -0 with the drift 0 of other targets
     return recording.function(name, "n, impedance, load", outputs)
 
@@ -182,7 +186,7 @@ def law_symbols(recording: Recording, law: AbstractLaw, fixed: frozenset[str], l
             unknown = law_symbols(recording, value, fixed, live)
         elif name in live and name != "restitution":
             unknown = recording.symbol(own_entry(name))
-        elif name in SCENE_FIELDS and name not in fixed:
+        elif entry_of(name) in FROM_SCENE and name not in fixed:
             unknown = recording.symbol(f'n["{entry_of(name)}"]')
         object.__setattr__(made, name, unknown)
     return made
@@ -229,7 +233,7 @@ def _problem(
     varied.rate_hardening = RateHardening(
         **{name.removeprefix("rate_"): n for name, n in recording.symbols("n", RATE_LAW).items()}
     )
-    law = SceneLaw(cast("Any", None), {"widening": recording.symbol(f"{owner}.widening")}, None, {})
+    law = SceneLaw(cast("Any", None), recording.symbols(owner, ("widening", "elastic_share")), None, {})
     impacts = Impacts(template, law, _numbers(recording), varied=varied)
     values: dict[str, Any] = {**recording.symbols(owner, _PROBLEM), "given": (1.0, 0.0, 0.0), "damping": float(damped)}
     return Problem(impacts, cast("Any", None), curve, scales, **values, free=template.target.free, vibrates=vibrates)

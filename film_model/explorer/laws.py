@@ -11,11 +11,18 @@ import numpy as np
 
 from film_model.base.fields import measure
 from film_model.base.units import DIMENSIONS
-from film_model.explorer.formulas import LEAST_RESTITUTION, entry_of, example_function, problem_function, varying_of
+from film_model.explorer.formulas import (
+    FROM_SCENE,
+    LEAST_RESTITUTION,
+    entry_of,
+    example_function,
+    problem_function,
+    varying_of,
+)
 from film_model.explorer.inputs import Input
 from film_model.laws import LAWS, AbstractLaw
 from film_model.laws.example_ball import STEEL_BALL, example_ball
-from film_model.laws.law import SCENE_FIELDS, law_fields
+from film_model.laws.law import law_fields
 from film_model.oblique.friction import convex_power
 from film_model.problem.curve import Curve, can_be_in_series, curve_of
 from film_model.problem.families import EDGES, Page, page_between, page_of, shared_part
@@ -30,6 +37,9 @@ ALL_SHAPES = float(EDGES[0]), float(EDGES[-1])
 
 _PROBES = (0.7, 1.3)
 """Factors on a value: if the curve stays the same, the value may change on the page."""
+
+ZERO = 0.1
+"""A value in place of 0, of which a factor says nothing."""
 
 _SOFT = 1e6
 """Compliance of a spring in the law's scales, with which a law is tried that is to follow a static stiffness."""
@@ -134,7 +144,9 @@ class PageLaw:
             "series": can_be_in_series(self.law, _SOFT),
             "remarks": [*self.law.remarks(), *curve.warnings],
             "shape": None if self.page is None else _shape_data(self.page, varying_of(self.law)),
-            "needs": [entry_of(name) for name in SCENE_FIELDS if name in law_fields(kind) and name not in self.fixed],
+            "needs": [
+                entry_of(name) for name in law_fields(kind) if entry_of(name) in FROM_SCENE and name not in self.fixed
+            ],
             "derived": self.derived,
             "live": [
                 entry.to_dict() | ({"value": None, "optional": True, "empty": "example"} if self.derived else {})
@@ -187,7 +199,7 @@ def _values(law: AbstractLaw) -> dict[str, Any]:
     """The values that a law, and the law inside it, take from the scene."""
     inner = getattr(law, "law", None)
     found = _values(inner) if isinstance(inner, AbstractLaw) else {}
-    return found | {name: value for name, value in vars(law).items() if name in SCENE_FIELDS}
+    return found | {name: value for name, value in vars(law).items() if entry_of(name) in FROM_SCENE}
 
 
 def _changed(law: AbstractLaw, name: str, factor: float) -> AbstractLaw:
@@ -196,12 +208,14 @@ def _changed(law: AbstractLaw, name: str, factor: float) -> AbstractLaw:
         if isinstance(value, AbstractLaw):
             changes[field] = _changed(value, name, factor)
         elif field == name:
-            changes[field] = value * factor
+            changes[field] = (value or ZERO) * factor
     return replace(law, **changes)  # type: ignore[type-var]
 
 
 def _shapes(law: AbstractLaw, name: str, probes: tuple[float, ...] = _PROBES) -> bool:
     """Whether the dimensionless curve depends on a value; of a law with a shape, what it does not compute from n."""
+    if page_of(law) is not None and name in (*law.shaped_by, *law.shaped_beside):
+        return False
     try:
         base = _rest(law)
         return any(_rest(_changed(law, name, factor)) != base for factor in probes)

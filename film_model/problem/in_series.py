@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -49,8 +50,9 @@ def _fall_of_page(law: AbstractLaw, page: Page) -> float:
     """The steepest fall of the laws of a page, of which one is given."""
     number, laws = int(page_number(law.shape)), [law.of_shape(ANY_SHAPE)]
     if page.marks is not None:
-        ((name, ends),) = law.shaped_beside.items()
-        laws = [replace(laws[0], **{name: value}) for value in np.linspace(*ends, 3).tolist()]  # type: ignore[type-var]
+        ends = (np.linspace(*ends, 3).tolist() for ends in law.shaped_beside.values())
+        numbers = (dict(zip(law.shaped_beside, values, strict=True)) for values in product(*ends))
+        laws = [replace(laws[0], **each) for each in numbers]  # type: ignore[type-var]
     return max(_fall_of(each, float(EDGES[number]), float(EDGES[number + 1])) for each in laws)
 
 

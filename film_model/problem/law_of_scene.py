@@ -33,6 +33,7 @@ _FROM_SCENE = {
     "yield_strength": "yield_strength",
     "poissons_ratio": "poissons_ratio",
     "strain_hardening_exponent": "strain_hardening_exponent",
+    "elastic_share": "elastic_share",
     "work_of_adhesion": "work_of_adhesion",
 }
 """Fields of laws that are taken from the scene → properties of the scene."""

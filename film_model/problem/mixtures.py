@@ -1,17 +1,18 @@
-"""Families of curves of laws whose last stage depends on one more number beside the shape, such as Poisson's ratio.
+"""Families of curves of laws whose last stage depends on more numbers beside the shape, such as Poisson's ratio.
 
 The force at any indentation, and what else depends on these numbers, is interpolated between the law's own values at
 few indentations, the marks: a sum of them times functions of the indentation that are the same for all laws of the
 family. Marks and functions are found by cross approximation with full pivoting (Goreinov, Tyrtyshnikov & Zamarashkin
-1997, Linear Algebra Appl. 261:1) of the values of laws at Chebyshev nodes in both numbers. The core sums the curve of a
-law from its values at the marks.
+1997, Linear Algebra Appl. 261:1) of the values of laws at Chebyshev nodes in all these numbers. The core sums the curve
+of a law from its values at the marks.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import lru_cache
+from itertools import cycle, islice
 from typing import Any
 
 import numpy as np
@@ -43,23 +44,28 @@ from film_model.problem.families import (
     whole_of,
 )
 
-MOST_MARKS, SMALL = 48, 1e-13
-"""Largest number of marks (FILM_MAX_NODES), of which laws need 20 to 30; remaining difference at which no more are
+MOST_MARKS, SMALL = 96, 1e-13
+"""Largest number of marks (FILM_MAX_NODES), of which laws need 20 to 90; remaining difference at which no more are
 needed, over the largest force on a piece."""
 
-BESIDE = 10
-"""Chebyshev nodes in the number beside the shape: from 6 on, only rounding is left of the error under jackson-green,
-1e-14 to 5e-14."""
+BESIDE = {1: 12, 2: 7}
+"""Chebyshev nodes in each number beside the shape, of which there are one or two. From 6 on, only rounding is left of
+the error under jackson-green, 1e-14 to 5e-14; under elastoplastic, these leave 1e-11 where S_y/E is above 1e-4."""
+
+TOGETHER = 512
+"""Laws that are evaluated at the marks at once: their arrays stay in the processor's cache."""
 
 
-def mixture_of(law: AbstractLaw) -> Page:
-    """The page of a law for any value of its number beside the shape. ValueError if the shape is outside all pages."""
+def mixture_of(law: AbstractLaw, names: Iterable[str]) -> Page:
+    """The page of a law for any values of some of its numbers beside the shape. ValueError if the shape is outside all
+    pages."""
     number = int(page_number(law.shape))
-    ((name, (low, high)),) = law.shaped_beside.items()
     if not 0 <= number < LAST_PAGE:
         raise ValueError(f"law {law.name!r}: a shape of {law.shape:g} is outside of all pages")
-    middle = replace(law.of_shape(ANY_SHAPE), **{name: 0.5 * (low + high)})  # type: ignore[type-var]
-    return _between(middle, float(EDGES[number]), float(EDGES[number + 1]))
+    names = tuple(sorted(names))
+    middle = {name: 0.5 * sum(law.shaped_beside[name]) for name in names}
+    one = replace(law.of_shape(ANY_SHAPE), **middle)  # type: ignore[type-var]
+    return _between(one, names, float(EDGES[number]), float(EDGES[number + 1]))
 
 
 def mixed_numbers(page: Page, law_at: Callable[[Any], AbstractLaw], count: int) -> Array:
@@ -71,8 +77,10 @@ def mixed_numbers(page: Page, law_at: Callable[[Any], AbstractLaw], count: int) 
     marks = page.marks
     assert marks is not None
     found = np.empty((count, page.family.nodes + 1))
-    last: Any = law_at((slice(None), None)).stages()[-1]
-    found[:, :-1], found[:, -1:] = values_at(last, marks), last.end
+    for first in range(0, count, TOGETHER):
+        rows = slice(first, first + TOGETHER)
+        last: Any = law_at((rows, None)).stages()[-1]
+        found[rows, :-1], found[rows, -1:] = values_at(last, marks), last.end
 
     def alone(place: int) -> list[Array]:
         one: Any = law_at(place).stages()[-1]
@@ -84,21 +92,25 @@ def mixed_numbers(page: Page, law_at: Callable[[Any], AbstractLaw], count: int) 
 
 
 @lru_cache(maxsize=16)
-def _between(law: AbstractLaw, low: float, high: float) -> Page:
-    """The page for shapes from low to high. law: any of its laws with `ANY_SHAPE`."""
-    ((name, (least, most)),) = law.shaped_beside.items()
+def _between(law: AbstractLaw, beside: tuple[str, ...], low: float, high: float) -> Page:
+    """The page for shapes from low to high. law: any of its laws with `ANY_SHAPE`. beside: the numbers that vary."""
 
-    def law_at(x: Any, y: Any) -> Any:
+    def law_at(*places: Any) -> Any:
         """That between the ends of the page, at −1, and 1."""
-        shape: Any = low * (high / low) ** (0.5 * (1.0 + x))
-        return replace(law.of_shape(shape), **{name: least + 0.5 * (most - least) * (1.0 + y)})  # type: ignore[type-var]
+        shape: Any = low * (high / low) ** (0.5 * (1.0 + places[0]))
+        numbers = dict[str, Any]()
+        for name, y in zip(beside, places[1:], strict=True):
+            least, most = law.shaped_beside[name]
+            numbers[name] = least + 0.5 * (most - least) * (1.0 + y)
+        return replace(law.of_shape(shape), **numbers)  # type: ignore[type-var]
 
-    x, y = np.polynomial.chebyshev.chebpts1(NODES), np.polynomial.chebyshev.chebpts1(BESIDE)
-    every = law_at(np.repeat(x, BESIDE)[:, None], np.tile(y, NODES)[:, None]).stages()
-    middle = law_at(0.0, 0.0).stages()
+    nodes = [NODES] + [BESIDE[len(beside)]] * len(beside)
+    grid = np.meshgrid(*map(np.polynomial.chebyshev.chebpts1, nodes), indexing="ij")
+    every = law_at(*(axis.reshape(-1, 1) for axis in grid)).stages()
+    middle = law_at(*[0.0] * len(nodes)).stages()
     if shared_part(every) != shared_part(middle):
         raise ValueError(f"law {law.name!r}: {ONLY}")
-    names = varying((law_at(-1.0, -1.0).stages()[-1], law_at(1.0, 1.0).stages()[-1]))
+    names = varying((law_at(*[-1.0] * len(nodes)).stages()[-1], law_at(*[1.0] * len(nodes)).stages()[-1]))
     edges = edges_of(middle[-1], float(every[-1].end.max()))
     xi = nodes_of(edges)
     table = values_at(every[-1], dict.fromkeys(names, xi.ravel()))
@@ -119,11 +131,12 @@ def _between(law: AbstractLaw, low: float, high: float) -> Page:
     points = {name: xi.ravel()[place[number == k]] for k, name in enumerate(names)}
     page = Page(whole, family, error, steepest, points)
 
-    def off(x: float, y: float) -> float:
-        one = law_at(x, y)
+    def off(*places: float) -> float:
+        one = law_at(*places)
         return difference(page.at(mixed_numbers(page, lambda _: one, 1)[0]), one.stages()[-1])
 
-    return replace(page, fit_error=max(error, *(off(*both) for both in zip(CHECKED, reversed(CHECKED), strict=True))))
+    checked = zip(*islice(cycle((CHECKED, CHECKED[::-1])), len(nodes)), strict=True)
+    return replace(page, fit_error=max(error, *(off(*each) for each in checked)))
 
 
 def _cross(values: Array) -> tuple[Index, Index, Array]:

@@ -38,8 +38,8 @@ class OwnCurves(NamedTuple):
         shaped = law.rule is None and bool(kind.shaped_by)
         if not shaped:
             return cls(varied=varied_of(law, count))
-        if fitted and fitted_by(law):
-            page = mixture_of(law.at(0))
+        if fitted and (beside := fitted_by(law)):
+            page = mixture_of(law.at(0), beside)
             return cls(page, mixed_numbers(page, law.at, count))
         return cls(page_of(law.at(0)), law.on_arrays(lambda law, _: (law.shape,), count)[0])
 

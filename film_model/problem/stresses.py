@@ -25,17 +25,18 @@ SHALLOW = 1e-3
 
 
 def plastic_contact(impacts: Impacts) -> Plastic | None:
-    """The contact beyond yield, that of law elastoplastic with strength, ν and n of the impacts' law.
+    """The contact beyond yield, that of law elastoplastic with strength, ν, n and h of the impacts' law.
 
-    n = 0 for a law without. None if the strength or Poisson's ratio is unknown.
+    n = 0 and h = 0 for a law without. None if the strength or Poisson's ratio is unknown.
     """
     scene, strength = impacts.scene, impacts.yield_strength
-    poisson, exponent = (impacts.law.value(name) for name in ("poissons_ratio", "strain_hardening_exponent"))
+    names = ("poissons_ratio", "strain_hardening_exponent", "elastic_share")
+    poisson, exponent, share = (impacts.law.value(name) for name in names)
     poisson = scene.poissons_ratio if poisson is None else poisson
     if strength is None or poisson is None or scene.effective_modulus is None:
         return None
     strain = scaled_strain(strength / scene.effective_modulus, poisson)
-    return Plastic(strain, 0.0 if exponent is None else exponent)
+    return Plastic(strain, 0.0 if exponent is None else exponent, 0.0 if share is None else share)
 
 
 def contact_radius(impacts: Impacts, force: Number, indentation: Number) -> tuple[Number, Any]:

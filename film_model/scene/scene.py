@@ -12,19 +12,22 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from film_model.base.arrays import either, endless, lesser, root
-from film_model.base.errors import Mistake, SceneError, did_you_mean, raise_all, shown
-from film_model.base.fields import build, key_text, mistake, table_of
+from film_model.base.errors import Mistake, SceneError, raise_all, shown
+from film_model.base.fields import mistake, table_of
+from film_model.base.flow_stress import flow_of_yield
 from film_model.base.late import Late
 from film_model.base.materials import Material
 from film_model.base.rate_law import RateHardening, rate_constants
 from film_model.base.text import Text
 from film_model.base.units import format_si
 from film_model.laws import AbstractLaw
+from film_model.laws.elastoplastic import COMPARED_STRAIN, FITTED
 from film_model.scene.contact import Contact, contact_table
 from film_model.scene.impactor import Sphere
 from film_model.scene.noses import Nose, Oval, mistakes_of_shape, nose_of, oval_of, relative_radius
 from film_model.scene.options import DEFAULT_TOLERANCE, Effects, Solver
-from film_model.scene.toml import change_table, placed, read_text, target_from_table, text_from_table, toml_table
+from film_model.scene.sections import parts_of
+from film_model.scene.toml import change_table, placed, read_text, text_from_table, toml_table
 from film_model.targets import TARGETS, AbstractTarget
 
 NO_FILES = "a scene that is stored with results has its tables inside, and no other file is read"
@@ -105,7 +108,7 @@ class Scene:
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Scene:
         """Make a scene from nested tables laid out as in a scene file."""
-        parts, mistakes = _parts(table)
+        parts, mistakes = parts_of(table)
         missing = [key for key in ("impactor", "target") if key not in table]
         mistakes += [Mistake(None, None, key, f"missing: a section [{key}] is needed") for key in missing]
         if not isinstance(parts.get("title", ""), str):
@@ -247,6 +250,25 @@ class Scene:
         return 0.0 if found is None else found
 
     @cached_property
+    def elastic_share(self) -> float:
+        """h of law elastoplastic: the part of the compliance of the body that yields later, or not at all, as far as it
+        stays elastic. 0 if a material, or the strength of both, is unknown."""
+        one, two = self.impactor.material, self.target.material
+        if one is None or two is None or not self._yielding:
+            return 0.0
+        strengths: list[Any] = [math.inf if m.initial_strength is None else m.initial_strength for m in (one, two)]
+        moduli = [m.youngs_modulus for m in (one, two)]
+        stiff = [m.youngs_modulus / (1.0 - m.poissons_ratio**2) for m in (one, two)]
+        flows = [
+            flow_of_yield(strength, m.hardening_exponent, m.youngs_modulus, COMPARED_STRAIN)
+            for strength, m in zip(strengths, (one, two), strict=True)
+        ]
+        first = strengths[0] <= strengths[1]
+        given = self.yield_strength, self.strain_hardening_exponent, either(first, *moduli)
+        ratio = either(first, *reversed(flows)) / flow_of_yield(*given, COMPARED_STRAIN)
+        return FITTED.elastic_share(ratio, either(first, *reversed(stiff)) / either(first, *stiff))
+
+    @cached_property
     def rate_hardening(self) -> RateHardening | None:
         """The rate law of the body that yields first; None if it is unknown, with nan where it is for some of many
         impacts."""
@@ -371,30 +393,3 @@ def _class_names(kind: type) -> str:
 
 def _name(material: Material | None) -> str:
     return material.name if material is not None else ""
-
-
-def _parts(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[Mistake]]:
-    """The parts of a scene from its sections, and their mistakes."""
-    makers: dict[str, Callable[[dict[str, Any]], Any]] = {
-        "impactor": lambda section: build(Sphere, section),
-        "target": target_from_table,
-        "contact": lambda section: Contact(**section),
-        "effects": lambda section: build(Effects, section),
-        "solver": lambda section: build(Solver, section),
-    }
-    mistakes: list[Mistake] = []
-    parts: dict[str, Any] = {}
-    for key, value in table.items():
-        if key == "title":
-            parts[key] = value
-        elif key not in makers:
-            hint = did_you_mean(key, ["title", *makers])
-            mistakes.append(Mistake(None, None, key_text(key), f"unknown key{hint}"))
-        elif not isinstance(value, Mapping):
-            mistakes.append(Mistake(None, None, key, f"{shown(value)} is not allowed: a section [{key}] is needed"))
-        else:
-            try:
-                parts[key] = makers[key](dict(cast("Mapping[str, Any]", value)))
-            except SceneError as error:
-                mistakes += [found.moved(key) for found in error.mistakes]
-    return parts, mistakes

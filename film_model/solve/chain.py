@@ -22,7 +22,6 @@ from film_model.effects.edge_effects import edged, infinite_unless_judged
 from film_model.effects.many import FEW, curve_keys
 from film_model.effects.rate_hardening import factor_at
 from film_model.problem.problem import TRIAL_SEGMENTS, Impacts
-from film_model.problem.varied import fitted_by
 from film_model.scene import Solver
 from film_model.solve.accuracy import mesh_of
 from film_model.solve.core_slopes import AHEAD, COARSE, FINE, CoreSlopes, Gradient, Stencil
@@ -77,7 +76,7 @@ def _chains(pairs: Pairs, how: _How) -> Iterator[tuple[Index, _Chain]]:
     step = np.where(pairs.fits(how.stencil.offsets * scale), pairs.step * scale, 0.0).reshape(-1, numbers)
     impacts = _beside(pairs, step, how.stencil)
     count, each = len(step), how.stencil.offsets.size
-    shared, fitted = (_stacked(keys, count) for keys in (curve_keys(impacts), [*fitted_by(impacts.law).values()]))
+    shared = _stacked(curve_keys(impacts), count)
     other = (shared != shared[:, :1]).any(axis=2)
     smooth = np.ones(count, np.bool_)
     if other.any():  # stencils that need more than one curve are left out
@@ -85,7 +84,7 @@ def _chains(pairs: Pairs, how: _How) -> Iterator[tuple[Index, _Chain]]:
         smooth = ~other[:, 1 + numbers * each :].any(axis=1)
         impacts = _beside(pairs, step, how.stencil)
     value = pairs.value.reshape(-1, numbers)
-    for rows in _alike(np.concatenate([shared[:, 0], fitted[:, 0]], axis=1), smooth):
+    for rows in _alike(shared[:, 0], smooth):
         width = impacts.numbers.mass.size // count
         part = impacts if rows.size == count else impacts.part((rows[:, None] * width + np.arange(width)).ravel())
         yield rows, _Chain(part, value[rows], step[rows], how, pairs.strength is not None)

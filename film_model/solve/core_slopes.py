@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from film_model.base.arrays import Array, Index, Mask
 from film_model.core import native
-from film_model.problem.curve import Curve
-from film_model.problem.families import page_between
+from film_model.laws import AbstractLaw
+from film_model.problem.mixtures import mixed_numbers, mixture_of
 from film_model.problem.own_curves import OwnCurves
 from film_model.problem.problem import Problem
 from film_model.problem.varied import fitted_by
@@ -86,7 +86,7 @@ class CoreSlopes:
     """Impacts that share a curve but for its numbers, by the numbers of the core.
 
     moved: problem of each of `count` impacts, each followed by those beside it in numbers of the scene. The core's
-    numbers are those of its start, those that vary of its curve, and, at the end, those for which it is fitted again.
+    numbers are those of its start, those that vary of its curve, and, at the end, those beside its shape.
     step: of the numbers of the scene, relative.
     """
 
@@ -96,7 +96,8 @@ class CoreSlopes:
             raise ValueError("the curve of one impact is not that of its page")
         start = np.ascontiguousarray(moved.start).view(np.float64).reshape(count, -1, len(_START))
         self._fitted = tuple(fitted_by(moved.impacts.law)) if moved.own.varied is None else ()
-        self._law, self._varied, self._curves = moved.law, moved.own.varied, dict[tuple[float, ...], Curve]()
+        self._law, self._varied = moved.law, moved.own.varied
+        self._mixture = mixture_of(moved.law, self._fitted) if self._fitted else None
         own: list[Array] = []
         if moved.own.varied is not None:
             own = list(moved.own.varied.values.T)
@@ -122,7 +123,7 @@ class CoreSlopes:
         numbers = np.repeat(own[:, None], 1 + self.axes.size * each, axis=1)
         for k, axis in enumerate(self.axes.tolist()):
             numbers[:, 1 + k * each : 1 + (k + 1) * each, axis] += step[:, k : k + 1] * stencil.offsets
-        status, table = self._march(mesh, numbers, each)
+        status, table = self._march(mesh, numbers)
         smooth = (status[:, 0] >= 0) & ((status == status[:, :1]) & (table["stage"] == table["stage"][:, :1])).all(
             axis=1
         )
@@ -135,39 +136,25 @@ class CoreSlopes:
             smooth &= ~stencil.kinked(itself, beside, _size(itself, own[:, :1])).any(axis=(0, 2))
         return Gradient(status[:, 0], itself[..., 0], by, smooth)
 
-    def _march(self, mesh: native.Mesh, numbers: Array, each: int) -> tuple[NDArray[np.int32], NDArray[Any]]:
-        """Statuses and the core's summaries, (impacts, those beside), `each` in each number."""
-        shape = numbers.shape[:2]
-        fits = int((self.axes >= numbers.shape[2] - len(self._fitted)).sum()) * each
-        if not fits:
-            status, table = self._on_curve(mesh, numbers)
-            return status.reshape(shape), table.reshape(shape)
-        status, table = np.empty(shape, np.int32), np.empty(shape, native.SUMMARY_DTYPE)
-        together = shape[1] - fits
-        for lanes in (slice(together), *(slice(lane, lane + 1) for lane in range(together, shape[1]))):
-            found = self._on_curve(mesh, numbers[:, lanes])
-            status[:, lanes], table[:, lanes] = (column.reshape(status[:, lanes].shape) for column in found)
-        return status, table
-
-    def _on_curve(self, mesh: native.Mesh, numbers: Array) -> tuple[NDArray[np.int32], NDArray[Any]]:
-        """The same of impacts that share the numbers for which the curve is fitted."""
+    def _march(self, mesh: native.Mesh, numbers: Array) -> tuple[NDArray[np.int32], NDArray[Any]]:
+        """Statuses and the core's summaries, (impacts, those beside)."""
         rows = numbers.reshape(-1, numbers.shape[2])
         start = np.ascontiguousarray(rows[:, : len(_START)]).view(native.START_DTYPE)[:, 0]
-        own, curve, varied = rows[:, len(_START) :], self.curve, self._varied
-        if varied is not None:
-            return OwnCurves(varied=varied._replace(values=own)).march(curve, mesh, start)
-        if self._fitted:
-            curve = self._curve_at(tuple(own[0, 1:].tolist()))
-        return OwnCurves(curve.page, own[:, 0] if own.size else None).march(curve, mesh, start)
+        status, table = self._curves(rows[:, len(_START) :]).march(self.curve, mesh, start)
+        return status.reshape(numbers.shape[:2]), table.reshape(numbers.shape[:2])
 
-    def _curve_at(self, values: tuple[float, ...]) -> Curve:
-        """The curve that is fitted to some values."""
-        page = self.curve.page
-        if values not in self._curves and page is not None:
-            law = replace(cast("Any", self._law), **dict(zip(self._fitted, values, strict=True))).of_shape(1e-3)
-            made = page_between(law, page.family.low, page.family.high)
-            self._curves[values] = replace(self.curve, page=made)
-        return self._curves.get(values, self.curve)
+    def _curves(self, own: Array) -> OwnCurves:
+        """The curves of impacts. own: the numbers of the core that follow those of its start."""
+        if self._varied is not None:
+            return OwnCurves(varied=self._varied._replace(values=own))
+        if self._mixture is None:
+            return OwnCurves(self.curve.page, own[:, 0] if own.size else None)
+
+        def law_at(place: Any) -> AbstractLaw:
+            shape, *values = (column[place] for column in own.T)
+            return replace(cast("Any", self._law.of_shape(shape)), **dict(zip(self._fitted, values, strict=True)))
+
+        return OwnCurves(self._mixture, mixed_numbers(self._mixture, law_at, len(own)))
 
     def values(self, gradient: Gradient, places: Index) -> Array:
         """(values of the core's summary, impacts, those beside): to first order."""

@@ -213,7 +213,7 @@ def scene_of(law: str, row: Row) -> Scene:
         scene = Scene(Sphere(f"{row.radius!r} m", **ball), _target(row), Contact(AUTO, **given), effects)
     if law == AUTO:
         return scene
-    if law == ELASTIC:
+    if law in (ELASTIC, YIELDING):
         return Scene(scene.impactor, scene.target, Contact(law, **given), effects)
     return Scene(scene.impactor, scene.target, Contact(_law_of(law, scene)), effects)
 

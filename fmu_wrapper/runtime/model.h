@@ -44,11 +44,12 @@ typedef struct {
 
 /* What Python's film_model/problem/stresses.py computes, in numbers; 0 for what is unknown. radius: m; hertz: force over the
  * indentation to the power 1.5 of an elastic contact, N/m^1.5; first_radius: contact radius at first yield over the ball's;
- * onset, spread: of law elastoplastic; widening: a^2/(R delta) of the law's own contact where it is not Hertz's; shear, depth:
- * largest shear stress and its place below the surface, over the peak pressure and the contact radius. The others are the
- * constants there. */
+ * onset to sunk: of the contact of law elastoplastic (laws/elastoplastic.py), hardens being the exponent of its hardening;
+ * widening: a^2/(R delta) of the law's own contact where it is not Hertz's; shear, depth: largest shear stress and its place
+ * below the surface, over the peak pressure and the contact radius. The others are the constants there. */
 typedef struct {
-    double radius, hertz, first_radius, onset, spread, widening, hertzian, shallow, shear, depth;
+    double radius, hertz, first_radius, onset, spread, lateness, pressure, pressure_flattened, pressure_bend, strain, hardens;
+    double share, flattened, sunk, widening, hertzian, shallow, shear, depth;
 } model_stresses;
 
 /* The data of an export: resources/model.film, written by fmu_wrapper/resource.py, with fmu_wrapper/layout.py, this structure

@@ -9,14 +9,47 @@ static const double PI = 3.14159265358979323846;
 /* A parameter over its value at the export, on which the numbers are based. */
 static double ratio_of(const model *m, int parameter) { return m->memory.value[parameter] / m->data->start[parameter]; }
 
+/* `Pressed` and what follows from it, of law elastoplastic. */
+typedef struct {
+    double widening, reached, pressure, slope;
+} pressed_body;
+
+static pressed_body pressed(const model_stresses *s, double first_radius, double w) {
+    double z = (w - 1.0) / s->onset, widening = 1.0 + s->spread * log1p(z * z), radius = sqrt(w * widening);
+    double wide = s->pressure_flattened * first_radius * (1.0 - s->share) * radius, bend = s->pressure_bend;
+    double most = s->pressure / (1.0 + wide * sqrt(wide)), bent = 1.0 + (sqrt(w) - 1.0) / (bend * most), fallen = pow(bent, -bend);
+    double strained = 1.0 + s->strain * (radius - 1.0) * (radius - 1.0) / radius, hardened = pow(strained, s->hardens);
+    double mean = 1.0 + most * (1.0 - fallen);
+    double slope = fallen / bent + mean * s->hardens * s->strain * (1.0 - 1.0 / (radius * radius)) / strained;
+    return (pressed_body){widening, 1.0 - pow(1.0 + z * z, -s->lateness), mean * hardened, slope * hardened};
+}
+
+static double part_of(double end, double reached) { return 1.0 - (1.0 - end) * reached; }
+
+static double radius_of(const model_stresses *s, pressed_body now, double w) {
+    double excess = part_of(s->sunk, now.reached) * now.widening - part_of(s->flattened, now.reached);
+    double half = 0.5 * s->share * now.pressure * excess;
+    return sqrt(now.widening * w + half * half) - half;
+}
+
+/* The contact radius over that at first yield. */
+static double plastic_radius(const model_stresses *s, double first_radius, double w) {
+    pressed_body now = pressed(s, first_radius, w);
+    double flat = s->share * part_of(s->flattened, now.reached), own = sqrt(now.widening * w);
+    double missing = radius_of(s, now, w) - (1.0 - s->share) * own - flat * now.pressure;
+    double longer = 1.0 + missing / (1.0 - s->share + flat * now.slope) / own;
+    if (s->share > 0.0) now = pressed(s, first_radius, w * longer * longer);
+    return radius_of(s, now, w);
+}
+
 /* a^2/(R delta) of a contact that is not Hertz's; 0: unknown. */
 static double widening(const model *m, double radius, double indentation) {
     const model_stresses *s = &m->data->stresses;
     if (s->widening > 0.0) return fmin(s->widening, radius / indentation);
     double root = s->first_radius * ratio_of(m, YIELD_STRENGTH) / ratio_of(m, EFFECTIVE_MODULUS), first = root * root * radius;
     if (!(first > 0.0)) return 0.0;
-    double beyond = (fmax(indentation / first, 1.0) - 1.0) / s->onset;
-    return fmin(1.0 + s->spread * log1p(beyond * beyond), radius / indentation);
+    double w = fmax(indentation / first, 1.0), wide = plastic_radius(s, root, w);
+    return fmin(wide * wide / w, radius / indentation);
 }
 
 static double *output(model_record *record, unsigned reference) { return &record->value[reference - SETTABLE]; }

@@ -151,7 +151,8 @@ def _contents(
     sources = [one for one in code if one.endswith(".c")]
 
     def described(token: str) -> bytes:
-        return model_description(data, version, token, names, description, experiment, sources)
+        sensors = [sensor.name for sensor in scene.target.sensors or ()][: data.modes.sensors]
+        return model_description(data, version, token, names, description, experiment, sources, sensors)
 
     text = scene.archived_text()
     unnamed = described("") + resource.finished(data, "") + text.encode()

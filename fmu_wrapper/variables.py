@@ -49,7 +49,7 @@ Co-Simulation; with events; with the events of a contact, at whose beginning the
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable. Its index in `VARIABLES` is its value reference.
+    """One variable. Its index in `VARIABLES` is its value reference; those of sensors follow these.
 
     type: one of the four. dimension: of `film_model.base.units`, None for whole numbers and enumerations. causality: by
     kind of FMU; kinds that do not have the variable are left out. low, high: range of values that may be set, or that
@@ -365,13 +365,13 @@ STATES = ("indentation", "impactor_velocity", "target_displacement")
 EVENT_TIMES = {variable.name: variable.event for variable in VARIABLES if variable.event is not None}
 """Outputs that are times of events, and the events, in the order of events at one time."""
 
-
 OF_FRICTION = (
     *("friction", "initial_tangential_velocity", "initial_spin"),
     *("tangential_force", "torque", "tangential_support_velocity"),
     *("sliding_velocity", "tangential_velocity", "spin", "friction_force", "tangential_impulse", "friction_work"),
 )
 """Variables of FMUs with friction only."""
+
 
 LEFT = tuple(
     v.name

@@ -35,7 +35,7 @@ static double odd(void) {
 }
 
 static unsigned some_reference(void) {
-    return likely(95) ? (unsigned)whole(0, VARIABLES - 1) : likely(50) ? (unsigned)VARIABLES : 4294967295u;
+    return likely(95) ? (unsigned)whole(0, VARIABLES - 1) : likely(80) ? (unsigned)(VARIABLES + whole(0, 7)) : 4294967295u;
 }
 
 /* Check the status and the messages of a call. name: of the function. */

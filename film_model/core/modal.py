@@ -121,6 +121,7 @@ def _library() -> Any:
         "film_modal_motion": ([pointer] * 5, None),
         "film_modal_work": ([pointer, _D], _D),
         "film_modal_energies": ([pointer] * 4, None),
+        "film_modal_sensed": ([pointer] * 3 + [_I, pointer, pointer], None),
         "film_modal_impact": ([pointer] * 7, c.c_int),
         "film_modal_go_on": ([pointer, pointer, _D, *[pointer] * 4], c.c_int),
         "film_modal_batch": ([pointer, pointer, i64, *[pointer] * 4], None),
@@ -298,6 +299,13 @@ class Motion:
         """ξ, ξ', f, ν and displacement of the struck point now."""
         _library().film_modal_motion(*self._at(), self._values.ctypes.data)
         return self._values
+
+    def sensed(self, weights: Array) -> Array:
+        """Displacement, velocity and acceleration of points of the structure now: (3, points). weights: (points,
+        modes), the deflection of each mode there over that at the struck point."""
+        found, structure, _, *own = np.empty((len(weights), 3)), *self._at()
+        _library().film_modal_sensed(structure, *own, len(weights), weights.ctypes.data, found.ctypes.data)
+        return found.T
 
     def save(self) -> bytes:
         """The whole state."""

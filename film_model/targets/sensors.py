@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, cast
 
@@ -61,6 +62,15 @@ class Sensor(InUnits):
 def points_of(sensors: tuple[Sensor, ...] | None) -> Points:
     """The points of sensors that have positions, m."""
     return tuple(cast("tuple[float, ...]", sensor.position) for sensor in sensors or ())
+
+
+def sensor_words(names: Iterable[str]) -> tuple[str, ...]:
+    """Names of sensors as parts of names of variables: letters, digits and _, distinct from each other."""
+    words = list[str]()
+    for name in names:
+        word = re.sub(r"\W", "_", name, flags=re.ASCII)
+        words.append(word if word not in words else f"{word}_{len(words)}")
+    return tuple(words)
 
 
 def replaced(sensor: Sensor, shape: tuple[float, ...]) -> Sensor:

@@ -161,11 +161,11 @@ int instance_reset(instance *i, const char *function) {
 /* ---------------------------------------------------------------- variables */
 
 static int of_type(const instance *i, const char *function, unsigned reference, int type, int or_type) {
-    if (reference >= VARIABLES) return instance_error(i, function, "no variable has the value reference %u", reference);
-    int is = VARIABLE[reference].type;
-    if (is == type || is == or_type) return GOOD;
     static const char *const types[] = {"a real number", "a whole number", "an enumeration"};
-    return instance_error(i, function, "%s is %s; use the function for that type", VARIABLE[reference].name, types[is]);
+    int sensed = model_is_sensed(&i->model, reference), is = sensed ? REAL : reference < VARIABLES ? VARIABLE[reference].type : -1;
+    if (is < 0) return instance_error(i, function, "no variable has the value reference %u", reference);
+    if (is == type || is == or_type) return GOOD;
+    return instance_error(i, function, "%s is %s; use the function for that type", model_name(&i->model, reference), types[is]);
 }
 
 int instance_get(instance *i, const char *function, unsigned reference, int type, int or_type, double *value) {
@@ -175,7 +175,7 @@ int instance_get(instance *i, const char *function, unsigned reference, int type
 
 int instance_set(instance *i, const char *function, unsigned reference, int type, int or_type, double value) {
     if (of_type(i, function, reference, type, or_type) != GOOD) return ERROR;
-    if (VARIABLE[reference].role[i->data->kind] == PARAMETER && !(i->state.mode & (INSTANTIATED | INITIALIZATION)))
+    if (reference < VARIABLES && VARIABLE[reference].role[i->data->kind] == PARAMETER && !(i->state.mode & (INSTANTIATED | INITIALIZATION)))
         return instance_error(i, function, "%s can only be set before the end of Initialization Mode", VARIABLE[reference].name);
     int integrated = i->model_exchange && i->state.mode == CONTINUOUS;
     int status = integrated && model_is_state(&i->model, reference) ? model_set_state(&i->model, reference, value)

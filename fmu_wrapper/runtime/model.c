@@ -40,9 +40,10 @@ void model_free(model *m) {
     free(m->nodes);
     free(m->own);
     free(m->tables);
+    free(m->sensed);
     free(m->modal);
     free(m->relax);
-    m->nodes = m->tables = NULL;
+    m->nodes = m->tables = m->sensed = NULL;
     m->own = NULL;
     m->modal = NULL;
     m->relax = NULL;
@@ -51,6 +52,7 @@ void model_free(model *m) {
 /* ---------------------------------------------------------------- parameters and inputs */
 
 int model_set(model *m, unsigned reference, double value) {
+    if (model_is_sensed(m, reference)) return model_error(m, "the motion of a sensor is an output and cannot be set");
     if (reference >= VARIABLES) return model_error(m, "no variable has the value reference %u", reference);
     const film_variable *variable = &VARIABLE[reference];
     if (variable->role[m->data->kind] == ABSENT || (reference < SETTABLE && !m->data->available[reference]))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from film_datasets.schema.motion_variables import number
-from film_datasets.schema.variable import TEXT, Variable, flag_words
+from film_datasets.schema.variable import TEXT, Variable
 from film_model.solve.sensed import MOTION
 
 if TYPE_CHECKING:
@@ -26,11 +25,6 @@ SENSED = (
         for name, (kind, _) in MOTION.items()
     ),
 )
-
-
-def sensor_words(names: Iterable[str]) -> tuple[str, ...]:
-    """Names of sensors as parts of names of variables: letters, digits and _."""
-    return flag_words([re.sub(r"\W", "_", name, flags=re.ASCII) for name in names])
 
 
 def peak_name(what: str, word: str) -> str:

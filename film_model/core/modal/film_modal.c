@@ -311,6 +311,26 @@ void film_modal_energies(const film_structure *structure, const film_modal *s, c
     }
 }
 
+void film_modal_sensed(const film_structure *structure, const film_modal *s, const double *waves, int32_t sensors,
+                       const double *weights, double *sensed) {
+    const double *begin = waves + begins_at(structure, s);
+    int within = s->has_step && s->tau > 0.0;
+    double force = within && s->kind == FILM_STEP_CONTACT ? film_force_at(s, s->tau / s->h) : s->last_force;
+    double push = s->mass / (s->unit * s->unit) * force;
+    memset(sensed, 0, 3 * sizeof(double) * (size_t)sensors);
+    for (int32_t i = 0; i < structure->modes; i++) {
+        double w = begin[i], u = begin[structure->modes + i];
+        if (within) film_moved_mode(structure, s, waves, i, s->tau, &w, &u);
+        double a = structure->share[i] * push - structure->drag[i] * u - structure->square[i] * w;
+        for (int32_t k = 0; k < sensors; k++) {
+            double weight = weights[(size_t)k * (size_t)structure->modes + (size_t)i];
+            sensed[3 * k] += weight * w;
+            sensed[3 * k + 1] += weight * u;
+            sensed[3 * k + 2] += weight * a;
+        }
+    }
+}
+
 void film_modal_sample(const film_structure *structure, const film_curve *curve, const film_modal_segment *segments,
                        int32_t segment_count, const double *flights, const double *times, int64_t count, double *values,
                        int8_t *branches) {

@@ -151,6 +151,11 @@ FILM_API double film_modal_work(const film_modal *state, double force);
 /* Energy of each mode now, over F_s delta_s. */
 FILM_API void film_modal_energies(const film_structure *structure, const film_modal *state, const double *waves, double *energies);
 
+/* Displacement, velocity and acceleration of `sensors` points of the structure now, 3 numbers each, in delta_s and the structure's
+ * unit of time. weights: n numbers a point, the deflection of each mode there over that at the struck point. */
+FILM_API void film_modal_sensed(const film_structure *structure, const film_modal *state, const double *waves, int32_t sensors,
+                                const double *weights, double *sensed);
+
 /* One impact, until the impactor is out of reach of the structure or has waited as long as it was in contact before and
  * for the longest period: FILM_EVENT when contact has ended, FILM_ENDLESS when it rests under its load, FILM_OK at the time
  * limit, or a failure. record may be NULL;

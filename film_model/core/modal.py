@@ -60,7 +60,7 @@ class Modal(c.Structure):
         [("contact", State)]
         + [
             (name, _D)
-            for name in ("time", "time_low", "x", "v", "shift", "rate", "load", "rest", "mass", "unit", "stop")
+            for name in ("time", "time_low", "x", "v", "since", "shift", "rate", "load", "rest", "mass", "unit", "stop")
         ]
         + [(name, _D) for name in ("speed", "tolerance", "last_force", "last_slope", "spent", "peak", "h", "tau")]
         + [("force", _D * _NODES), ("bend", _D * _BENDS)]

@@ -128,6 +128,8 @@ typedef struct {
     int32_t importer_integrates;   /* Model Exchange */
     int32_t announced;             /* of validity: what has been logged */
     int32_t varied;                /* the inputs in use have changed since the start */
+    int32_t unsummed;              /* 1: of a vibrating target, only the sum of xi and shift is known */
+    int32_t padding;
 } model_memory;
 
 typedef struct {

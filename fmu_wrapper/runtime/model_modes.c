@@ -41,11 +41,10 @@ int model_update_modes(model *m) {
     return status < 0 ? model_core_error(m, status) : 0;
 }
 
-/* The motion now into the state that outputs and events are made from. */
-static void show(model *m) {
+static void show_all(model *m) {
     model_memory *now = &m->memory;
     double values[5];
-    m->sensed_known = 0;
+    now->unsummed = 0;
     film_modal_motion(&m->structure, m->curve, m->modal, waves_of(m), values);
     memcpy(&now->state, &m->modal->contact, sizeof now->state);
     now->state.time = m->modal->time + m->modal->tau;
@@ -55,6 +54,29 @@ static void show(model *m) {
     now->state.shift = values[4];
     now->state.spent = film_modal_work(m->modal, values[2]);
     now->recoil = values[3] - values[1];
+}
+
+/* The motion now into the state that outputs and events are made from. Between contacts xi is the impactor's displacement, with no
+ * shift or recoil, until modes_sum adds up the modes. */
+static void show(model *m) {
+    model_memory *now = &m->memory;
+    double x, nu;
+    m->sensed_known = 0;
+    if (!film_modal_jumps(m->modal, &x, &nu)) {
+        show_all(m);
+        return;
+    }
+    memcpy(&now->state, &m->modal->contact, sizeof now->state);
+    now->state.time = m->modal->time + m->modal->tau;
+    now->state.xi = x;
+    now->state.nu = nu;
+    now->state.force = now->state.shift = now->recoil = 0.0;
+    now->state.spent = film_modal_work(m->modal, 0.0);
+    now->unsummed = 1;
+}
+
+void modes_sum(model *m) {
+    if (m->memory.unsummed) show_all(m);
 }
 
 int model_is_sensed(const model *m, unsigned reference) {

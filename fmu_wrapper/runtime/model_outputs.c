@@ -98,9 +98,16 @@ static int get_constant(const model *m, unsigned reference, double *value) {
     return 1;
 }
 
+/* Whether an output is known without what the target does. */
+static int of_impactor(unsigned reference) {
+    return reference == IMPACTOR_VELOCITY || reference == IMPACTOR_DISPLACEMENT || reference == KINETIC_ENERGY ||
+           reference == IMPACTOR_ACCELERATION || reference == CONTACT_FORCE;
+}
+
 static int get_motion(model *m, unsigned reference, double *value) {
     const model_memory *now = &m->memory;
     motion current;
+    if (!of_impactor(reference)) modes_sum(m);
     if (compute_motion(m, &current, 0) < 0) return -1;
     double recoil = mobility(m) * current.force + current.recoil, mass = now->value[MASS];
     double target_velocity = now->value[SUPPORT_VELOCITY] + recoil;
@@ -213,6 +220,7 @@ int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
     if (!model_depends(m, unknown, known)) return 0;
     *partial = 1.0;
     if (sensed) return 0;
+    modes_sum(m);
     if (compute_motion(m, &current, 1) < 0) return -1;
     double mass = m->memory.value[MASS], force = 0.0;
     if (known == INDENTATION) force = current.stiffness;

@@ -37,6 +37,7 @@ int modes_begin(model *m, const film_modal_start *start, double xi);
 int modes_input(model *m, double load, double nu_change, double stop_velocity);
 int modes_step(model *m, double dt);
 double modes_sensed(model *m, unsigned reference); /* of a sensor, SI */
+void modes_sum(model *m); /* before the motion of the target is read */
 void modes_renew_work(model *m); /* at the beginning of a communication step: its work is limited */
 
 /* Viscoelastic bodies, likewise. */

@@ -51,7 +51,8 @@ typedef struct {
 typedef struct {
     film_state contact;               /* branch, dent and direction; xi and nu (rate of xi) at the last event */
     double time, time_low;            /* when the step began, and what rounding drops */
-    double x, v;                      /* of the impactor, when the step began */
+    double x, v;                      /* of the impactor `since` after the step began: 0, but in a jump with new inputs */
+    double since;
     double shift, rate;               /* sums of w_n and w_n' then */
     double load, rest, mass, unit;    /* as in film_modal_start */
     double stop;                      /* velocity of the impactor at which FILM_IMPACTOR_STOPS is reported */
@@ -141,6 +142,10 @@ FILM_API int film_modal_step(film_structure *structure, const film_curve *curve,
 /* The five values of film_motion now: xi, its rate, F, nu, displacement of the struck point; rates in delta_s/t_s. */
 FILM_API void film_modal_motion(const film_structure *structure, const film_curve *curve, const film_modal *state,
                                 const double *waves, double values[5]);
+
+/* Whether the impactor moves freely in a jump, so that only what the structure does needs a sum over all modes; then its x, and v in
+ * delta_s/t_s, now. */
+FILM_API int film_modal_jumps(const film_modal *state, double *x, double *nu);
 
 /* Force and derivatives on the current branch at an indentation and its rate, as film_force. */
 FILM_API film_contact film_modal_force(const film_curve *curve, const film_modal *state, double xi, double rate);

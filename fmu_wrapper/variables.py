@@ -41,6 +41,8 @@ EVENT_KINDS = {
 }
 """Items of the enumerations in the order of the core's codes, which are their values."""
 
+TUNABLE = ("gravity", "friction", "damping", "dissipation_time", "hysteresis_damping", "restitution")
+"""Parameters that may change between steps; those of damping serve the contacts that begin after that."""
 
 CHANGES = ("any_time", "in_model_exchange", "at_steps", "at_events", "at_contacts")
 """When real variables change: at any time; the same, of variables of Model Exchange only; with the steps of
@@ -77,7 +79,8 @@ class Variable:
 
 def _parameter(name: str, dimension: str, low: float, high: float, description: str, *kinds: Kind) -> Variable:
     causality = dict.fromkeys(kinds or ("impact",), "parameter")
-    return Variable(name, Real, dimension, causality, "fixed", description, low, high)
+    variability = "tunable" if name in TUNABLE else "fixed"
+    return Variable(name, Real, dimension, causality, variability, description, low, high)
 
 
 def _segments(name: str, description: str) -> Variable:

@@ -129,7 +129,7 @@ typedef struct {
     int32_t announced;             /* of validity: what has been logged */
     int32_t varied;                /* the inputs in use have changed since the start */
     int32_t unsummed;              /* 1: of a vibrating target, only the sum of xi and shift is known */
-    int32_t padding;
+    int32_t retuned;               /* 1: a tunable parameter has changed, which the law's damping may not follow yet */
 } model_memory;
 
 typedef struct {
@@ -165,12 +165,15 @@ void model_free(model *m);
 /* All functions below that return int return 0, or -1 with m->message, unless noted otherwise. */
 
 int model_set(model *m, unsigned reference, double value);
+/* The same of a tunable parameter in a running simulation. */
+int model_tune(model *m, unsigned reference, double value);
 int model_get(model *m, unsigned reference, double *value);
 /* Let an input of an impact change at a constant rate in the next step of Co-Simulation; its mean moves the impactor.
  * order: of the time derivative; only 1 is known, here and of outputs. */
 int model_set_input_rate(model *m, unsigned reference, int order, double rate);
 /* Time derivative of a real output in Co-Simulation. */
 int model_output_rate(model *m, unsigned reference, int order, double *rate);
+int model_is_parameter(const model *m, unsigned reference);
 /* Whether this is the motion of a sensor of this FMU; and the name of a variable for messages. */
 int model_is_sensed(const model *m, unsigned reference);
 const char *model_name(const model *m, unsigned reference);

@@ -129,7 +129,7 @@ static const char *refusal(const model *m) {
     if (m->data->kind == CONTACT || m->memory.importer_integrates)
         return "it is known in Initialization Mode, and of an impact in Co-Simulation";
     if (vibrates(m)) return "on a target that vibrates it is known in Initialization Mode only";
-    return m->memory.varied ? "it is known while external_force and support_velocity are those of the start" : NULL;
+    return m->memory.varied ? "it is known while inputs and tunable parameters are those of the start" : NULL;
 }
 
 static int slopes_by(model *m, unsigned known, int initial, model_slopes *slopes) {

@@ -187,6 +187,8 @@ def _validity(data: Data) -> list[str]:
             name = "velocity at first touch" if v.name == "initial_velocity" else v.name
             ends = [(below, "below", low), (above, "above", high)]
             rows += [(name, f"{side} {format_si(at, v.dimension, 3)}", what) for what, side, at in ends if what]
+    if data.also[1] > 0.0:
+        rows.append(("velocity at first touch", f"below {format_si(data.also[1], 'velocity', 3)}", "nothing again"))
     limits = (("yields, but the law is elastic", data.limit[0]), ("is too wide for the law", data.limit[1]))
     rows += [
         ("indentation", f"above {format_si(at, 'length', 3)}", f"the contact {what}")

@@ -98,6 +98,7 @@ class Data(c.Structure):
         ("speed", _D),
         ("nominal", _D * len(STATES)),
         ("valid", (_D * 2) * _SETTABLE),
+        ("also", _D * 2),
         ("reason", (c.c_char * REASON) * 2 * _SETTABLE),
         ("limit", _D * LIMITS),
         ("limit_power", (_D * len(SCALING)) * LIMITS),

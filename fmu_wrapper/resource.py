@@ -207,6 +207,7 @@ def _put_validity(data: Data, validity: Validity) -> None:
         data.valid[k][:] = (found.low, found.high)
         for side, reason in enumerate((found.below, found.above)):
             data.reason[k][side].value = reason.encode()[: REASON - 1]
+    data.also[:] = validity.also
     data.limit[:] = (validity.elastic, validity.narrow)
     for k, powers in enumerate(({"radius": 1.0, "effective_modulus": -2.0}, {"radius": 1.0})):
         for name, power in powers.items():

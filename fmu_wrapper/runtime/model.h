@@ -76,6 +76,7 @@ typedef struct {
     double speed; /* typical relative velocity, m/s */
     double nominal[STATES];
     double valid[SETTABLE][2];
+    double also[2]; /* m/s: slower velocities at first touch that are valid too */
     char reason[SETTABLE][2][LONGEST_REASON];
     double limit[LIMITS], limit_power[LIMITS][SCALINGS]; /* m: of an elastic law, of a narrow contact */
     model_stresses stresses;

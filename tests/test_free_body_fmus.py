@@ -13,11 +13,11 @@ NAMES = ("impactor_velocity", "target_velocity", "maximum_force", "maximum_inden
 
 
 def on(law="auto", **changes):
-    return fm.Scene(
-        BALL, fm.Body("structural steel S235", "15 mm"), fm.Contact(LAWS["thornton"] if law == "thornton" else law)
-    ).replace(changes)
+    law = LAWS[law] if law == "thornton" else law
+    return fm.Scene(BALL, fm.Body("structural steel S235", "15 mm"), fm.Contact(law)).replace(changes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("version", "law"), [(2, "auto"), (3, "elastoplastic"), (2, "thornton")])
 @pytest.mark.filterwarnings("ignore::film_model.ImpactWarning")
 def test_an_fmu_has_the_motion_of_both_bodies(made, version, law):

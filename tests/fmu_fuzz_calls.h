@@ -148,7 +148,7 @@ static void call_get(player *p) {
         CALL(p, fmi3GetInt64, p->u.c, from, n, ask ? items : NULL, values);
     }
     for (int k = 0; status == GOOD && k < count; k++) {
-        snprintf(detail, sizeof detail, "getting %s", VARIABLE[references[k]].name);
+        snprintf(detail, sizeof detail, "getting %s", model_name(&((instance *)p->u.c)->model, references[k]));
         if (type == REAL) HOLD(isfinite(reals[k]));
         else HOLD(type == WHOLE || p->u.version == 2 ? wholes[k] >= -2 : items[k] >= 0 && items[k] < 7);
     }

@@ -66,12 +66,14 @@ class Validity:
 
     ranges: by parameter, the others being as exported; a range ends where an effect that is not simulated begins to
     matter. elastic: indentation [m] at which the materials yield although the law is elastic. narrow: indentation [m]
-    from which the contact is too wide for the law. Both are infinite if there is no such limit.
+    from which the contact is too wide for the law. Both are infinite if there is no such limit. also: slower velocities
+    at first touch, m/s, for which they hold too: below yield, another strength does not matter. 0 and 0: none.
     """
 
     ranges: dict[str, Range]
     elastic: float
     narrow: float
+    also: tuple[float, float]
 
 
 def served(scene: Scene, kind: Kind = "impact") -> Scene:
@@ -139,12 +141,13 @@ def validity_of(scene: Scene) -> Validity:
     if getattr(type(law), "family", "") in ("elastic", "damped") and reaches_yield(scene) is not None:
         assert scene.effective_modulus is not None and scene.yield_strength is not None
         elastic = yield_point(scene.effective_modulus, scene.effective_radius, scene.yield_strength)[0]
-    return Validity(_ranges(scene), elastic, narrow)
+    ranges, also = _ranges(scene)
+    return Validity(ranges, elastic, narrow, also)
 
 
 @lru_cache(maxsize=64)
-def _ranges(scene: Scene) -> dict[str, Range]:
-    """Ranges of validity; none for an impactor at rest, whose effects are not assessed."""
+def _ranges(scene: Scene) -> tuple[dict[str, Range], tuple[float, float]]:
+    """Ranges of validity, and the slower velocities; none for an impactor at rest, whose effects are not assessed."""
     own, highest = choose(scene), None
     if own.problem.vibrates and own.problem.approach > 0.0:
         highest = modes_for(own.problem, scene.solver.accuracy or DEFAULT_ACCURACY, []).highest
@@ -154,7 +157,24 @@ def _ranges(scene: Scene) -> dict[str, Range]:
         (low, below), (high, above) = ends
         if below or above:
             found[name] = Range(low, high, below, above)
-    return found
+    slow = found.get("initial_velocity")
+    return found, (0.0, 0.0) if slow is None or not slow.below else _slower(scene, slow.low, own, highest)
+
+
+def _slower(scene: Scene, bad: float, own: Choice, highest: float | None) -> tuple[float, float]:
+    """The next range of velocities below one that ends at `bad`; 0 and 0 if there is none."""
+
+    def fails(velocity: float) -> str:
+        return _new(scene, "initial_velocity", velocity, own, highest)
+
+    good = next((v for v in (bad / STRIDE**k for k in range(1, STRIDES + 1)) if not fails(v)), 0.0)
+    if good == 0.0:
+        return 0.0, 0.0
+    bad = min(bad, good * STRIDE)
+    for _ in range(HALVINGS):
+        middle = math.sqrt(good * bad)
+        good, bad = (good, middle) if fails(middle) else (middle, bad)
+    return _end(scene, "initial_velocity", good, 1.0 / STRIDE, own, highest)[0], good
 
 
 def _values(scene: Scene) -> dict[str, float]:

@@ -29,6 +29,7 @@ from fmu_wrapper.checking_contact import compared_contact
 from fmu_wrapper.checking_slopes import compared_slopes
 from fmu_wrapper.cosimulation import EXCHANGE_SOLVER, run
 from fmu_wrapper.findings import STEPS_TOLERANCE, Finding
+from fmu_wrapper.free_body import as_structure
 from fmu_wrapper.instance import Fmu, opened
 from fmu_wrapper.resource import Data, component_of, has_exchange, segments_of, vibrations_of
 from fmu_wrapper.variables import KINDS, reference
@@ -97,6 +98,7 @@ def check(path: str | os.PathLike[str], scene: Scene | None = None) -> Report:
         if KINDS[fmu.data.kind] == "contact":
             return Report(str(path), problems, tuple(compared_contact(fmu)))
         scene = fmu.scene() if scene is None else scene
+        scene = as_structure(scene) if scene.target.free else scene
         experiment, version = fmu.description.defaultExperiment, fmu.version
         stop, usual = float(experiment.stopTime), float(experiment.stepSize)
         stored = _stored_results(fmu)

@@ -23,6 +23,7 @@ from fmu_wrapper.layout import DAMPING
 from fmu_wrapper.model_description import Experiment
 from fmu_wrapper.powers import damping_power
 from fmu_wrapper.resource import Data, has, has_exchange, mode_frequencies
+from fmu_wrapper.sensor_variables import of_sensors
 from fmu_wrapper.variables import KINDS, VARIABLES, reference, settable
 
 COUPLINGS = (
@@ -145,7 +146,7 @@ def documentation(
     warnings = history.warnings if history is not None else choice.warnings
     parts += [f"<p><strong>Warning:</strong> {html.escape(warning)}</p>" for warning in warnings]
     parts += ["<h2>Steps</h2>", *_steps(kind, data, history, experiment)]
-    parts += ["<h2>Variables</h2>", _table(("name", "unit", "causality", "meaning"), _variable_rows(data))]
+    parts += ["<h2>Variables</h2>", _table(("name", "unit", "causality", "meaning"), _variable_rows(data, scene))]
     parts += ["<h2>Scene</h2>", f"<pre>{html.escape(scene.archived_text())}</pre>"]
     page = (
         f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{html.escape(title)}</title>\n'
@@ -186,6 +187,8 @@ def _validity(data: Data) -> list[str]:
             name = "velocity at first touch" if v.name == "initial_velocity" else v.name
             ends = [(below, "below", low), (above, "above", high)]
             rows += [(name, f"{side} {format_si(at, v.dimension, 3)}", what) for what, side, at in ends if what]
+    if data.also[1] > 0.0:
+        rows.append(("velocity at first touch", f"below {format_si(data.also[1], 'velocity', 3)}", "nothing again"))
     limits = (("yields, but the law is elastic", data.limit[0]), ("is too wide for the law", data.limit[1]))
     rows += [
         ("indentation", f"above {format_si(at, 'length', 3)}", f"the contact {what}")
@@ -272,11 +275,11 @@ def _effect_rows(choice: Choice) -> list[tuple[str, ...]]:
     return [(effect.name.replace("_", " "), effect.state, effect.reason) for effect in choice.effects]
 
 
-def _variable_rows(data: Data) -> list[tuple[str, ...]]:
-    kind = KINDS[data.kind]
-    rows: list[tuple[str, ...]] = []
-    for k, v in enumerate(VARIABLES):
-        if has(data, v.name) and v.causality[kind] not in ("local", "independent"):
+def _variable_rows(data: Data, scene: Scene) -> list[tuple[str, ...]]:
+    kind, sensors = KINDS[data.kind], (scene.target.sensors or ())[: data.modes.sensors]
+    sensed, rows = of_sensors(sensor.name for sensor in sensors), list[tuple[str, ...]]()
+    for k, v in enumerate((*VARIABLES, *sensed)):
+        if (v in sensed or has(data, v.name)) and v.causality[kind] not in ("local", "independent"):
             unit = scene_unit(v.dimension) if v.dimension else ""
             start = f" = {data.start[k]:g}" if k < settable() and v.causality[kind] == "parameter" else ""
             rows.append((v.name + start, unit, v.causality[kind], v.description))

@@ -31,6 +31,7 @@ from fmu_wrapper import platforms, resource
 from fmu_wrapper.archive import zipped
 from fmu_wrapper.assumptions import segments_for_speeds, served, validity_of
 from fmu_wrapper.documentation import documentation
+from fmu_wrapper.free_body import as_structure
 from fmu_wrapper.model_description import Experiment, FmiVersion, Names, model_description, printable
 from fmu_wrapper.related import related_files
 from fmu_wrapper.terminals import terminals_and_icons
@@ -64,10 +65,12 @@ def export(
     where an assumption of the export does not hold. A parameter is left out if the law's stages depend on it, or if a
     user's law has a damping that is not a power of it.
 
-    Raises ValueError for an invalid argument; FileExistsError; SimulationError as `simulate` does, for an impact on a
-    free body and for a contact of viscoelastic bodies; ImportError if matplotlib or ziglang is missing.
+    Raises ValueError for an invalid argument; FileExistsError; SimulationError as `simulate` does, of a free body as
+    `as_structure`, and for a contact of viscoelastic bodies; ImportError if matplotlib or ziglang is missing.
     """
     target = Path(path)
+    if scene.target.free and kind == "impact":
+        scene = as_structure(scene)
     _check_friction(scene, kind)
     if fmi_version not in (2, 3):
         raise ValueError(f"fmi_version: {fmi_version!r} is not allowed: 2 or 3 is needed")
@@ -76,11 +79,6 @@ def export(
     if target.suffix != ".fmu":
         raise ValueError(f"{target}: the file name of an FMU must end in .fmu")
     check_replaceable(target, overwrite)
-    if scene.target.free and kind == "impact":
-        raise SimulationError(
-            "an impact on a free body cannot be exported, because a free body has no impedance; kind contact is the "
-            "force between the two bodies"
-        )
     try:
         gap = units.to_si(initial_gap, "length", bare=True)
     except ValueError as error:
@@ -151,7 +149,8 @@ def _contents(
     sources = [one for one in code if one.endswith(".c")]
 
     def described(token: str) -> bytes:
-        return model_description(data, version, token, names, description, experiment, sources)
+        sensors = [sensor.name for sensor in scene.target.sensors or ()][: data.modes.sensors]
+        return model_description(data, version, token, names, description, experiment, sources, sensors)
 
     text = scene.archived_text()
     unnamed = described("") + resource.finished(data, "") + text.encode()

@@ -44,7 +44,7 @@ def _variables() -> str:
         "",
         "typedef struct {",
         "    const char *name, *unit;",
-        "    int type, changes, role[KINDS];",
+        "    int type, changes, tunable, role[KINDS];",
         "    double low, high;",
         "} film_variable;",
         "",
@@ -64,7 +64,7 @@ def _variable(v: Variable) -> str:
     low = repr(float(v.low)) if checked and v.low is not None else "-1e300"
     high = repr(float(v.high)) if checked and v.high is not None else "1e300"
     unit = "" if v.dimension is None else scene_unit(v.dimension)
-    what = f"{_TYPES.get(v.type, 'ENUMERATION')}, {v.changes.upper()}"
+    what = f"{_TYPES.get(v.type, 'ENUMERATION')}, {v.changes.upper()}, {int(v.variability == 'tunable')}"
     return f'    {{"{v.name}", "{unit}", {what}, {{{roles}}}, {low}, {high}}},'
 
 

@@ -8,6 +8,7 @@ from collections.abc import Generator, Iterable, Mapping
 from contextlib import contextmanager
 from ctypes import c_double
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,8 @@ from film_model.scene import Scene
 from film_model.scene.toml import toml_table
 from fmu_wrapper import platforms, resource
 from fmu_wrapper.damage import check_loads, described, sound
-from fmu_wrapper.variables import VARIABLES, reference
+from fmu_wrapper.sensor_variables import of_sensors
+from fmu_wrapper.variables import VARIABLES, Variable
 
 Row = dict[str, float]
 
@@ -49,6 +51,20 @@ class Fmu:
         if law not in ("auto", *LAWS):
             raise ValueError(f"{self.path}: law {law!r} is not in film-model's list: pass the scene that was exported")
         return Scene.from_stored_text(text, f"{self.path}: scene.toml")
+
+    @cached_property
+    def sensors(self) -> tuple[str, ...]:
+        """Names of the sensors whose motion it has."""
+        if not self.data.modes.sensors:
+            return ()
+        text = Path(self.folder, "resources", "scene.toml").read_text("utf-8")
+        target: Any = toml_table(text, f"{self.path}: scene.toml")["target"]
+        return tuple(sensor["name"] for sensor in target["sensors"])
+
+    @cached_property
+    def variables(self) -> dict[str, tuple[int, Variable]]:
+        """Value references and variables by name."""
+        return {v.name: (k, v) for k, v in enumerate((*VARIABLES, *of_sensors(self.sensors)))}
 
     def log(self, *arguments: Any) -> None:
         """Callback for messages; the last two texts among the arguments are category and message."""
@@ -143,7 +159,7 @@ class Slave:
 
     def set(self, name: str, value: float) -> None:
         """Set one variable."""
-        k, v = reference(name), VARIABLES[reference(name)]
+        k, v = self.fmu.variables[name]
         if self.version == 2:
             (self.instance.setReal if v.type == "Real" else self.instance.setInteger)(
                 [k], [value if v.type == "Real" else int(value)]
@@ -158,9 +174,9 @@ class Slave:
         wanted, read = tuple(names), Row()
         by_type: dict[str, list[str]] = {}
         for name in wanted:
-            by_type.setdefault(VARIABLES[reference(name)].type, []).append(name)
+            by_type.setdefault(self.fmu.variables[name][1].type, []).append(name)
         for kind, group in by_type.items():
-            references = [reference(name) for name in group]
+            references = [self.fmu.variables[name][0] for name in group]
             if kind == "Real":
                 values = (
                     self.instance.getReal(references) if self.version == 2 else self.instance.getFloat64(references)

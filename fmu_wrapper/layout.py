@@ -7,7 +7,7 @@ import ctypes as c
 from film_model.core import native, relaxing
 from fmu_wrapper.variables import STATES, settable
 
-MAGIC = b"FILMFMU3"
+MAGIC = b"FILMFMU4"
 SCALING = (
     *("radius", "effective_modulus", "yield_strength", "yield_pressure", "hardness", "stiffness", "power_stiffness"),
 )
@@ -45,7 +45,10 @@ class Family(c.Structure):
 class Modes(c.Structure):
     """model_modes of runtime/model.h."""
 
-    _fields_ = (("longest", _D), ("rest", _D), ("tolerance", _D), ("count", _I), ("levels", _I))
+    _fields_ = (
+        *((name, _D) for name in ("longest", "rest", "tolerance")),
+        *((name, _I) for name in ("count", "levels", "sensors", "padding")),
+    )
 
 
 class Relaxing(c.Structure):
@@ -96,6 +99,7 @@ class Data(c.Structure):
         ("speed", _D),
         ("nominal", _D * len(STATES)),
         ("valid", (_D * 2) * _SETTABLE),
+        ("also", _D * 2),
         ("reason", (c.c_char * REASON) * 2 * _SETTABLE),
         ("limit", _D * LIMITS),
         ("limit_power", (_D * len(SCALING)) * LIMITS),

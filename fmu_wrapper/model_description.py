@@ -15,6 +15,7 @@ from film_model.scene import Scene
 from film_model.version import __version__
 from fmu_wrapper.nominals import nominals
 from fmu_wrapper.resource import Data, has, has_exchange
+from fmu_wrapper.sensor_variables import of_sensors
 from fmu_wrapper.variables import (
     EVENT_KINDS,
     KINDS,
@@ -29,7 +30,6 @@ from fmu_wrapper.variables import (
     Variable,
     Whole,
     reference,
-    settable,
 )
 
 FmiVersion = Literal[2, 3]
@@ -108,9 +108,13 @@ def model_description(
     description: str,
     experiment: Experiment,
     sources: Iterable[str] = (),
+    sensors: Iterable[str] = (),
 ) -> bytes:
-    """Content of the file. sources: names of the C files in the FMU (FMI 2.0 lists them here)."""
+    """Content of the file. sources: names of the C files in the FMU (FMI 2.0 lists them here). sensors: names."""
+    sensed = of_sensors(sensors)
     chosen = [v for v in VARIABLES if has(data, v.name) and (version == 3 or not _is_indicator(v))]
+    chosen += sensed
+    numbers = {v.name: k for k, v in enumerate((*VARIABLES, *sensed))}
     root = ET.Element(
         "fmiModelDescription",
         {
@@ -142,10 +146,11 @@ def model_description(
         stepSize=repr(experiment.step_size),
     )
     variables = ET.SubElement(root, "ModelVariables")
-    sizes = nominals(data, experiment.stop_time)
+    sizes = nominals(data, experiment.stop_time, sensed)
     for v in chosen:
-        (_variable_2 if version == 2 else _variable_3)(variables, v, data, chosen, sizes)
-    _structure(root, data, chosen, version)
+        head = _head(v, KINDS[data.kind], numbers[v.name])
+        (_variable_2 if version == 2 else _variable_3)(variables, v, head, data, chosen, sizes)
+    _structure(root, data, chosen, numbers, version)
     ET.indent(root)
     return ET.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n"
 
@@ -222,7 +227,7 @@ def _types(root: ET.Element, chosen: list[Variable], version: FmiVersion) -> Non
 
 def _number(v: Variable, data: Data, values: dict[str, str], sizes: dict[str, float]) -> dict[str, str]:
     """Attributes of a variable's value: unit, range, start, nominal. sizes: nominal values."""
-    k, kind = reference(v.name), KINDS[data.kind]
+    kind = KINDS[data.kind]
     text = (lambda x: str(int(x))) if v.type == Whole else repr
     if v.dimension is not None and v.dimension != "dimensionless":
         values["unit"] = fmi_unit(v.dimension)
@@ -234,15 +239,14 @@ def _number(v: Variable, data: Data, values: dict[str, str], sizes: dict[str, fl
     if v.name in sizes:
         values["nominal"] = repr(sizes[v.name])
     if v.causality[kind] in ("parameter", "input"):
-        assert k < settable()
-        values["start"] = text(data.start[k])
+        values["start"] = text(data.start[reference(v.name)])
     return values
 
 
-def _head(v: Variable, kind: Kind) -> dict[str, str]:
+def _head(v: Variable, kind: Kind, number: int) -> dict[str, str]:
     head = {
         "name": v.name,
-        "valueReference": str(reference(v.name)),
+        "valueReference": str(number),
         "description": v.description,
         "causality": v.causality[kind],
         "variability": v.variability,
@@ -254,8 +258,10 @@ def _head(v: Variable, kind: Kind) -> dict[str, str]:
     return head
 
 
-def _variable_2(parent: ET.Element, v: Variable, data: Data, chosen: list[Variable], sizes: dict[str, float]) -> None:
-    element = ET.SubElement(parent, "ScalarVariable", _head(v, KINDS[data.kind]))
+def _variable_2(
+    parent: ET.Element, v: Variable, head: dict[str, str], data: Data, chosen: list[Variable], sizes: dict[str, float]
+) -> None:
+    element = ET.SubElement(parent, "ScalarVariable", head)
     if v.type in ITEMS:
         ET.SubElement(element, "Enumeration", declaredType=v.type)
         return
@@ -263,8 +269,9 @@ def _variable_2(parent: ET.Element, v: Variable, data: Data, chosen: list[Variab
     ET.SubElement(element, "Real" if v.type == Real else "Integer", _number(v, data, rate, sizes))
 
 
-def _variable_3(parent: ET.Element, v: Variable, data: Data, chosen: list[Variable], sizes: dict[str, float]) -> None:
-    head = _head(v, KINDS[data.kind])
+def _variable_3(
+    parent: ET.Element, v: Variable, head: dict[str, str], data: Data, _: list[Variable], sizes: dict[str, float]
+) -> None:
     if v.type in ITEMS:
         ET.SubElement(parent, "Enumeration", {**head, "declaredType": v.type})
         return
@@ -277,7 +284,9 @@ def _index(chosen: list[Variable], name: str | None) -> int:
     return 1 + next(k for k, v in enumerate(chosen) if v.name == name)
 
 
-def _structure(root: ET.Element, data: Data, chosen: list[Variable], version: FmiVersion) -> None:
+def _structure(
+    root: ET.Element, data: Data, chosen: list[Variable], numbers: dict[str, int], version: FmiVersion
+) -> None:
     kind, exchange = KINDS[data.kind], has_exchange(data)
     structure = ET.SubElement(root, "ModelStructure")
     outputs = [v for v in chosen if v.causality[kind] == "output"]
@@ -288,7 +297,7 @@ def _structure(root: ET.Element, data: Data, chosen: list[Variable], version: Fm
 
     def place(v: Variable | str) -> str:
         name = v if isinstance(v, str) else v.name
-        return str(_index(chosen, name) if version == 2 else reference(name))
+        return str(_index(chosen, name) if version == 2 else numbers[name])
 
     def row(v: Variable, names: Iterable[str]) -> dict[str, str]:
         places = sorted((place(name) for name in names), key=int)

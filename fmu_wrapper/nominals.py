@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 from fmu_wrapper.loading_curve import loading_force
 from fmu_wrapper.resource import Data
-from fmu_wrapper.variables import KINDS, RIGID, STATES, VARIABLES, Real, reference, settable
+from fmu_wrapper.variables import KINDS, RIGID, STATES, VARIABLES, Real, Variable, reference, settable
 
 
-def nominals(data: Data, stop_time: float) -> dict[str, float]:
+def nominals(data: Data, stop_time: float, sensed: Iterable[Variable] = ()) -> dict[str, float]:
     """Nominal values > 0 by name, SI, of all real variables but event indicators, whose size has no meaning.
 
-    A parameter's is the size of its start value. stop_time: of the default experiment, s.
+    A parameter's is the size of its start value. stop_time: of the default experiment, s. sensed: variables of sensors.
     """
     sizes, found = _sizes(data, stop_time), dict[str, float]()
-    for k, v in enumerate(VARIABLES):
+    for k, v in enumerate((*VARIABLES, *sensed)):
         if v.type != Real or v.dimension is None:
             continue
         given = abs(data.start[k]) if k < settable() and v.causality.get(KINDS[data.kind]) == "parameter" else 0.0

@@ -22,6 +22,7 @@ from film_model.problem.problem import Problem
 from film_model.scene import STANDARD_GRAVITY, Scene
 from film_model.scene.rolling import sliding_of
 from film_model.solve.component import ImpactComponent
+from film_model.solve.sensed import weights_of
 from film_model.solve.vibration import Vibration
 from fmu_wrapper.assumptions import Validity
 from fmu_wrapper.layout import (
@@ -134,7 +135,7 @@ def model_data(
     data.curve = curve_of(problem.law).native
     _put_family(data, problem)
     if vibration is not None:
-        _put_modes(data, problem, vibration)
+        _put_modes(data, problem, vibration, weights_of(scene.target, vibration.tables, vibration.highest))
     _put_relaxation_and_friction(data, problem, tolerance)
     return data
 
@@ -186,8 +187,8 @@ def _of_scene(problem: Problem) -> dict[str, float]:
     }
 
 
-def _put_modes(data: Data, problem: Problem, vibration: Vibration) -> None:
-    """The modes of a vibrating target; `rest` is the compliance of the others."""
+def _put_modes(data: Data, problem: Problem, vibration: Vibration, weights: NDArray[np.float64]) -> None:
+    """The modes of a vibrating target and its sensors; `rest` is the compliance of the others."""
     tables, start, count = vibration.tables, vibration.start, vibration.modes
     if count > MOST_MODES:
         raise SimulationError(
@@ -195,8 +196,8 @@ def _put_modes(data: Data, problem: Problem, vibration: Vibration) -> None:
             "coarser accuracy"
         )
     rest = start.rest * problem.scales.length / problem.scales.force
-    data.modes = Modes(tables.longest, rest, start.tolerance, count, LEVELS)
-    data.tail += np.concatenate([tables.frequency, tables.share, tables.ratio]).tobytes()
+    data.modes = Modes(tables.longest, rest, start.tolerance, count, LEVELS, len(weights))
+    data.tail += np.concatenate([weights.ravel(), tables.frequency, tables.share, tables.ratio]).tobytes()
     data.size = c.sizeof(Data) + len(data.tail)
 
 
@@ -207,6 +208,7 @@ def _put_validity(data: Data, validity: Validity) -> None:
         data.valid[k][:] = (found.low, found.high)
         for side, reason in enumerate((found.below, found.above)):
             data.reason[k][side].value = reason.encode()[: REASON - 1]
+    data.also[:] = validity.also
     data.limit[:] = (validity.elastic, validity.narrow)
     for k, powers in enumerate(({"radius": 1.0, "effective_modulus": -2.0}, {"radius": 1.0})):
         for name, power in powers.items():

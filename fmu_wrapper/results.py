@@ -20,8 +20,10 @@ from film_model.core import native
 from film_model.core.comparison import dents
 from film_model.scene import Scene
 from film_model.solve.history import MOTION, SUMMARY
+from film_model.solve.sensed import MOTION as SENSED
 from fmu_wrapper import resource
 from fmu_wrapper.instance import Fmu, Row
+from fmu_wrapper.sensor_variables import of_sensors
 from fmu_wrapper.stepping import ALONG
 from fmu_wrapper.variables import STRESSES, reference
 
@@ -31,7 +33,7 @@ def dataset(fmu: Fmu, rows: list[Row], events: list[Row], interface: str, starts
     touch = next((event["time"] for event in events if event["kind"] == native.EVENTS.index("contact_begins")), 0.0)
     summary = _summary(events, touch, rows[-1]["largest_force"], fmu.data) | _stresses(rows)
     columns = {
-        **_motion(rows, events, touch),
+        **_motion(rows, events, touch, fmu.sensors),
         **_contacts(rows, events, touch),
         **{name: math.nan if value is None else value for name, value in summary.items()},
         **_scales(fmu.data),
@@ -42,11 +44,12 @@ def dataset(fmu: Fmu, rows: list[Row], events: list[Row], interface: str, starts
     }
     meanings = {"stages": tuple(f"stage_{k}" for k in range(fmu.data.curve.stages))}
     arrays: dict[str, Any] = {}
-    more = (*TABLE[f"{HISTORY} contacts"], *TABLE[f"{HISTORY} sliding"], *CONSTANTS)
+    more = (*TABLE[f"{HISTORY} contacts"], *TABLE[f"{HISTORY} sliding"], *TABLE[f"{HISTORY} sensors"], *CONSTANTS)
     for v in (*TABLE[HISTORY], *(v for v in more if v.name in columns)):
         values = np.zeros(0) if "segment" in v.dims else columns[v.name]
         arrays[v.name] = (v.dims, np.asarray(values, dtype=v.dtype), v.attributes(meanings))
-    ds = xr.Dataset({name: value for name, value in arrays.items() if name != "t"}, coords={"t": arrays["t"]})
+    coordinates = {name: arrays.pop(name) for name in ("t", "sensor") if name in arrays}
+    ds = xr.Dataset(arrays, coords=coordinates)
     ds.attrs = _attributes(fmu, interface, starts, max(int(row["validity"]) for row in rows))
     ds.attrs["content_sha256"] = content_sha256(ds)
     return ds
@@ -74,12 +77,18 @@ def _text(fmu: Fmu, name: str) -> str:
     return Path(fmu.folder, "resources", name).read_text("utf-8")
 
 
-def _motion(rows: list[Row], events: list[Row], touch: float) -> dict[str, Any]:
-    """Columns of motion and events. Of two rows at one time, before and after an event, the second is used."""
+def _motion(rows: list[Row], events: list[Row], touch: float, sensors: tuple[str, ...]) -> dict[str, Any]:
+    """Columns of motion, sensors and events. Of two rows at one time, before and after an event, the second is used."""
     last = [row for row, following in itertools.pairwise(rows) if following["time"] != row["time"]] + rows[-1:]
     columns: dict[str, Any] = {
         name: np.array([row[name] for row in last]) for name in (*MOTION, "stage", *ALONG) if name in last[0]
     }
+    if sensors:
+        names = [v.name for v in of_sensors(sensors)]
+        columns["sensor"] = sensors
+        for k, what in enumerate(SENSED):
+            columns[f"sensor_{what}"] = [[row[name] for row in last] for name in names[k :: len(SENSED)]]
+            columns[f"sensor_maximum_{what}"] = [math.nan] * len(sensors)  # it may be between the rows
     columns["t"] = np.array([row["time"] for row in last]) - touch
     columns["event_time"] = np.array([event["time"] - touch for event in events])
     columns["event_kind"] = [event["kind"] for event in events]

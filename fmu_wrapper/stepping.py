@@ -15,6 +15,7 @@ from film_model.core import native
 from film_model.solve.history import MOTION
 from fmu_wrapper import resource
 from fmu_wrapper.instance import Fmu, Row, Slave, started
+from fmu_wrapper.sensor_variables import of_sensors
 from fmu_wrapper.variables import EVENT_TIMES, STRESSES
 
 _EVENT_OUTPUTS = (*EVENT_TIMES, "event_count", "last_event", "time_of_last_event", "stage", "phase", "contact_count")
@@ -33,7 +34,8 @@ def value_at(time: float, value: Any) -> float:
 
 
 def _recorded(fmu: Fmu) -> tuple[str, ...]:
-    return (*RECORDED, *ALONG) if resource.has(fmu.data, "friction") else RECORDED
+    along = ALONG if resource.has(fmu.data, "friction") else ()
+    return (*RECORDED, *along, *(v.name for v in of_sensors(fmu.sensors)))
 
 
 # ---------------------------------------------------------------- Co-Simulation

@@ -41,6 +41,8 @@ EVENT_KINDS = {
 }
 """Items of the enumerations in the order of the core's codes, which are their values."""
 
+TUNABLE = ("gravity", "friction", "damping", "dissipation_time", "hysteresis_damping", "restitution")
+"""Parameters that may change between steps; those of damping serve the contacts that begin after that."""
 
 CHANGES = ("any_time", "in_model_exchange", "at_steps", "at_events", "at_contacts")
 """When real variables change: at any time; the same, of variables of Model Exchange only; with the steps of
@@ -49,7 +51,7 @@ Co-Simulation; with events; with the events of a contact, at whose beginning the
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable. Its index in `VARIABLES` is its value reference.
+    """One variable. Its index in `VARIABLES` is its value reference; those of sensors follow these.
 
     type: one of the four. dimension: of `film_model.base.units`, None for whole numbers and enumerations. causality: by
     kind of FMU; kinds that do not have the variable are left out. low, high: range of values that may be set, or that
@@ -77,7 +79,8 @@ class Variable:
 
 def _parameter(name: str, dimension: str, low: float, high: float, description: str, *kinds: Kind) -> Variable:
     causality = dict.fromkeys(kinds or ("impact",), "parameter")
-    return Variable(name, Real, dimension, causality, "fixed", description, low, high)
+    variability = "tunable" if name in TUNABLE else "fixed"
+    return Variable(name, Real, dimension, causality, variability, description, low, high)
 
 
 def _segments(name: str, description: str) -> Variable:
@@ -365,13 +368,13 @@ STATES = ("indentation", "impactor_velocity", "target_displacement")
 EVENT_TIMES = {variable.name: variable.event for variable in VARIABLES if variable.event is not None}
 """Outputs that are times of events, and the events, in the order of events at one time."""
 
-
 OF_FRICTION = (
     *("friction", "initial_tangential_velocity", "initial_spin"),
     *("tangential_force", "torque", "tangential_support_velocity"),
     *("sliding_velocity", "tangential_velocity", "spin", "friction_force", "tangential_impulse", "friction_work"),
 )
 """Variables of FMUs with friction only."""
+
 
 LEFT = tuple(
     v.name

@@ -73,7 +73,8 @@ static void parameters(const resources *r, int version) {
                 }
                 forward(u, steps, NULL);
                 get_all(u, values);
-                HOLD(set(u, k, value) == ERROR && strstr(last_message, VARIABLE[k].name));
+                int tuned = set(u, k, value) == GOOD && get(u, k) == value;
+                HOLD(tuned ? VARIABLE[k].tunable : strstr(last_message, VARIABLE[k].name) != NULL);
             }
             snprintf(detail, sizeof detail, "%s", VARIABLE[k].name);
             changed[k] = usual[k];

@@ -35,7 +35,7 @@ static double odd(void) {
 }
 
 static unsigned some_reference(void) {
-    return likely(95) ? (unsigned)whole(0, VARIABLES - 1) : likely(50) ? (unsigned)VARIABLES : 4294967295u;
+    return likely(95) ? (unsigned)whole(0, VARIABLES - 1) : likely(80) ? (unsigned)(VARIABLES + whole(0, 7)) : 4294967295u;
 }
 
 /* Check the status and the messages of a call. name: of the function. */
@@ -148,7 +148,7 @@ static void call_get(player *p) {
         CALL(p, fmi3GetInt64, p->u.c, from, n, ask ? items : NULL, values);
     }
     for (int k = 0; status == GOOD && k < count; k++) {
-        snprintf(detail, sizeof detail, "getting %s", VARIABLE[references[k]].name);
+        snprintf(detail, sizeof detail, "getting %s", model_name(&((instance *)p->u.c)->model, references[k]));
         if (type == REAL) HOLD(isfinite(reals[k]));
         else HOLD(type == WHOLE || p->u.version == 2 ? wholes[k] >= -2 : items[k] >= 0 && items[k] < 7);
     }

@@ -11,6 +11,7 @@ import tempfile
 import zipfile
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from cases import STEEL, TARGETS, scene
 
@@ -18,8 +19,10 @@ import film_model as fm
 from fmu_wrapper import export
 from fmu_wrapper.platforms import this_platform
 
+SENSORS = [{"name": "tip", "shape": [1.0, -0.5, 2.0]}, {"name": "side", "shape": [0.5, 0.0, 1.0]}]
 
-def on_structure(law: str, **options: float | str) -> fm.Scene:
+
+def on_structure(law: str, **options: Any) -> fm.Scene:
     """The ball on a structure of three vibrations, of which the first is a motion as a whole if they are not damped."""
     frequency = ["300 Hz" if options else "0 Hz", "1.7 kHz", "9 kHz"]
     mass = ["0.3 kg", "0.2 kg", "0.4 kg"]
@@ -66,7 +69,7 @@ CASES = {
     "tsuji on a plate": ("impact", scene("tsuji", "plate"), 0.0),
     "hunt-crossley on a rod": ("impact", scene("hunt-crossley", "rod"), "2 um"),
     "kuwabara-kono, dropped": ("impact", replace(scene("kuwabara-kono"), effects=fm.Effects(gravity=True)), "0.05 mm"),
-    "vibrations": ("impact", on_structure("hertz", static_compliance="3e-6 m/N"), "1 um"),
+    "vibrations": ("impact", on_structure("hertz", static_compliance="3e-6 m/N", sensors=SENSORS), "1 um"),
     "vibrations that fade, big-alabo, dropped": (
         "impact",
         replace(on_structure("big-alabo", damping_ratio=0.05), effects=fm.Effects(gravity=True)),

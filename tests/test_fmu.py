@@ -658,7 +658,7 @@ def test_bad_arguments(tmp_path, made):
     with pytest.raises(ValueError, match=r"must end in \.fmu"):
         fmu_wrapper.export(ball(), tmp_path / "impact.zip")
     with pytest.raises(fm.SimulationError, match=r"free body cannot be exported.* kind contact is the force"):
-        fmu_wrapper.export(scene("hertz", "body"), path)
+        fmu_wrapper.export(scene("tsuji", "body"), path)
     assert not path.exists()
     fmu_wrapper.export(ball(), path)
     with pytest.raises(FileExistsError):

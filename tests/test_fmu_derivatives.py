@@ -350,7 +350,7 @@ def test_what_has_no_derivative_is_refused_in_a_sentence(made):
             slave.set("external_force", 5.0)
             assert derivative(slave, "maximum_force", "mass") > 0.0
             slave.step(stop_of(fmu), 1e-6)
-            assert "while external_force and support_velocity are those of the start" in refusal(
+            assert "while inputs and tunable parameters are those of the start" in refusal(
                 slave, "maximum_force", "mass"
             )
         with started(fmu, False, {}, True) as slave:

@@ -1,6 +1,7 @@
 """The component on vibrating targets: the events of `simulate`, steps of any size, and inputs against an integrator."""
 
 import copy
+import ctypes
 import math
 import pickle
 import random
@@ -14,6 +15,7 @@ from test_modal_engine import BAR, FEW, OLSSON, QUIET, STEEL, bar, struck
 
 import film_model as fm
 from film_model.base.errors import Outcome
+from film_model.core.modal import Modal
 from film_model.effects.choose import problem_of
 from film_model.solve import structures, vibration
 
@@ -53,6 +55,24 @@ def test_events_equal_those_of_simulate(case):
         assert ours.time == pytest.approx(theirs.time, rel=1e-15)
         assert ours.contact_force == pytest.approx(theirs.contact_force, rel=1e-13, abs=1e-12)
         assert ours.target_displacement == pytest.approx(theirs.target_displacement, rel=1e-13, abs=1e-20)
+
+
+def test_new_inputs_between_contacts_leave_the_vibrations_alone():
+    """A step out of the structure's reach takes as long as with few vibrations: they go on as they were."""
+    component = fm.ImpactComponent(on(FADING))
+    before = component.step(5e-3).outputs
+    assert before.phase == "separated" and before.indentation < -5e-4
+    vibrations, gained, moved = component.save().core[ctypes.sizeof(Modal) :], 0.0, 0.0
+    for k in range(50):
+        after = component.step(1e-5, external_force=k - 20.0).outputs
+        moved += (before.impactor_velocity + gained) * 1e-5 + 0.5 * (k - 20.0) / 0.05 * 1e-10
+        gained += (k - 20.0) / 0.05 * 1e-5
+    assert component.save().core[ctypes.sizeof(Modal) :] == vibrations
+    assert after.impactor_velocity == pytest.approx(before.impactor_velocity + gained, rel=1e-13)
+    assert after.impactor_displacement == pytest.approx(before.impactor_displacement + moved, rel=1e-13)
+    rings = fm.ImpactComponent(on(FADING)).step(component.time).outputs
+    assert after.target_displacement == pytest.approx(rings.target_displacement, rel=1e-10)
+    assert after.target_velocity == pytest.approx(rings.target_velocity, rel=1e-10)
 
 
 @for_each_scene

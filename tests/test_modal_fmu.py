@@ -8,14 +8,16 @@ import pytest
 from cases import combinations
 from fmu_resources import on_structure
 from test_component import values
-from test_modal_component import RINGING, SCENES, on
+from test_modal_component import LISTED, RINGING, SCENES, on
 from test_modal_engine import OLSSON
 
+import film_datasets as fd
 import film_model as fm
 import fmu_wrapper
 from film_model.cli.main import main
 from film_model.core.modal import Tables
 from film_model.solve.history import MOTION
+from film_model.solve.sensed import MOTION as MOTION_OF_SENSORS
 from fmu_wrapper import resource
 from fmu_wrapper.assumptions import FEW
 from fmu_wrapper.instance import opened, started
@@ -242,3 +244,41 @@ def test_a_run_has_the_summary_of_all_contacts_on_the_vibrating_target(made):
         assert np.isnan(found) or found == pytest.approx(value, rel=1e-9, abs=1e-15), name
     known = {name for name in history.summary if not np.isnan(float(ds[name]))}
     assert history.summary.keys() - known == {"energy_absorbed", "energy_radiated", "impulse"}
+
+
+SENSORS = [{"name": "tip", "shape": [1.0, -0.5, 0.25]}, {"name": "far side", "shape": [0.0, 2.0, 1.0]}]
+SENSING = on(fm.Structure(**LISTED, damping_ratio=0.02, sensors=SENSORS))
+
+
+@pytest.mark.parametrize(("version", "mode"), [(2, "steps"), (3, "events")])
+def test_sensors_are_outputs(made, version, mode):
+    """By the names of tables, with the motion of the history, also after the last contact; the support moves them."""
+    history, path = fm.simulate(SENSING), made(SENSING, version)
+    ds = fmu_wrapper.run(path, mode=mode, stop_time=2.0 * history.duration)
+    assert fd.validate(ds) == [] and ds["sensor"].values.tolist() == ["tip", "far side"]
+    expected = history.sensed_si(np.maximum(ds["t"].values, 0.0))
+    for what in MOTION_OF_SENSORS:  # where contact begins and ends, the cubic of the force is not 0 but for its error
+        ours, off = getattr(expected, what), 1e-5 if what == "acceleration" else 1e-11
+        assert np.abs(ds[f"sensor_{what}"].values - ours).max() < off * np.abs(ours).max()
+    names = tuple(f"sensor_far_side_{what}" for what in MOTION_OF_SENSORS)
+    with opened(path) as fmu, started(fmu, False, {}) as slave:
+        slave.step(0.0, 1e-4)
+        before, saved = slave.get(names), slave.save()
+        slave.set("support_velocity", 0.25)
+        assert slave.get(names[1:2])[names[1]] == before[names[1]] + 0.25
+        slave.step(1e-4, 1e-4)
+        moved = slave.get(names)
+        slave.restore(saved)
+        assert slave.get(names) == before
+        number = fmu.variables[names[1]][0]
+        slope = slave.instance.getDirectionalDerivative([number], [reference("support_velocity")], [1.0])
+        assert list(slope) == [1.0]
+        with pytest.raises(Exception, match=r"FMI|fmi"):
+            slave.set(names[0], 0.0)
+        assert fmu.messages[-1].endswith("the motion of a sensor is an output and cannot be set")
+    component = fm.ImpactComponent(fmu_wrapper.served(SENSING))
+    component.step(1e-4)
+    component.step(1e-4, support_velocity=0.25)
+    assert list(moved.values()) == pytest.approx(
+        [getattr(component.sensed, what)[1] for what in MOTION_OF_SENSORS], rel=1e-9
+    )

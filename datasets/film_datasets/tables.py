@@ -22,11 +22,11 @@ from film_datasets.schema import (
     has,
     kind_of,
     require,
-    sensor_words,
     variables_of,
 )
 from film_model.base.units import scene_unit
 from film_model.solve.history import SUMMARY
+from film_model.targets.sensors import sensor_words
 
 if TYPE_CHECKING:
     import pandas as pd

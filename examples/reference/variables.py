@@ -24,7 +24,8 @@ def fmu_page() -> str:
 
 {MADE}Names are the same in FMI 2.0 and 3.0. The two kinds are `--kind impact` and `--kind contact`; – means that the
 kind does not have the variable. A parameter exists if the scene's law or target has it. Values are SI; directions are
-positive into the target. [FMUs](../fmus.md) says what an FMU simulates.
+positive into the target. Sensors on a target that vibrates have outputs such as `sensor_tip_displacement`,
+`sensor_tip_velocity` and `sensor_tip_acceleration`. [FMUs](../fmus.md) says what an FMU simulates.
 
 {table(("variable", *KINDS, "unit", "meaning", "range"), rows)}
 ## Phases

@@ -60,7 +60,7 @@ class Modal(c.Structure):
         [("contact", State)]
         + [
             (name, _D)
-            for name in ("time", "time_low", "x", "v", "shift", "rate", "load", "rest", "mass", "unit", "stop")
+            for name in ("time", "time_low", "x", "v", "since", "shift", "rate", "load", "rest", "mass", "unit", "stop")
         ]
         + [(name, _D) for name in ("speed", "tolerance", "last_force", "last_slope", "spent", "peak", "h", "tau")]
         + [("force", _D * _NODES), ("bend", _D * _BENDS)]
@@ -121,6 +121,7 @@ def _library() -> Any:
         "film_modal_motion": ([pointer] * 5, None),
         "film_modal_work": ([pointer, _D], _D),
         "film_modal_energies": ([pointer] * 4, None),
+        "film_modal_sensed": ([pointer] * 3 + [_I, pointer, pointer], None),
         "film_modal_impact": ([pointer] * 7, c.c_int),
         "film_modal_go_on": ([pointer, pointer, _D, *[pointer] * 4], c.c_int),
         "film_modal_batch": ([pointer, pointer, i64, *[pointer] * 4], None),
@@ -299,6 +300,13 @@ class Motion:
         """ξ, ξ', f, ν and displacement of the struck point now."""
         _library().film_modal_motion(*self.pointers(), self._values.ctypes.data)
         return self._values
+
+    def sensed(self, weights: Array) -> Array:
+        """Displacement, velocity and acceleration of points of the structure now: (3, points). weights: (points,
+        modes), the deflection of each mode there over that at the struck point."""
+        found, structure, _, *own = np.empty((len(weights), 3)), *self._at()
+        _library().film_modal_sensed(structure, *own, len(weights), weights.ctypes.data, found.ctypes.data)
+        return found.T
 
     def save(self) -> bytes:
         """The whole state."""

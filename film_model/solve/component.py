@@ -6,6 +6,8 @@ import warnings as python_warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from film_model.base import units
 from film_model.base.errors import ImpactWarning, SimulationError
 from film_model.base.late import Late
@@ -18,6 +20,7 @@ from film_model.solve.accuracy import Linearisation, mesh_for, mesh_of, raise_fa
 from film_model.solve.history import Event, stage_name
 from film_model.solve.motions import OnLines, OnMemory, OnModes, modes_for
 from film_model.solve.relaxed import tolerance_for
+from film_model.solve.sensed import Sensed
 from film_model.solve.vibration import unused_options
 
 DEFAULT_SEGMENTS = (24, 48)  # used if the impactor starts at rest: there is no impact on which to try meshes
@@ -246,6 +249,19 @@ class ImpactComponent:
             native.PHASES[phase],
             contacts,
         )
+
+    @property
+    def sensed(self) -> Sensed | None:
+        """Motion of the target's sensors now, SI; None without sensors, or where the target does not vibrate.
+
+        As of `history.sensed_si`; the support moves them as a whole.
+        """
+        sensors, motion, length = self.scene.target.sensors, self._motion, self.problem.scales.length
+        if not sensors or not isinstance(motion, OnModes):
+            return None
+        moved, rate, acceleration = length * motion.sensed()
+        names, own = tuple(sensor.name for sensor in sensors), (self._support_displacement, self._support_velocity)
+        return Sensed(names, np.array(self.time), moved + own[0], rate + own[1], acceleration)
 
     @property
     def sliding(self) -> SlidingOutputs | None:

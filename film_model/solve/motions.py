@@ -8,10 +8,12 @@ from abc import ABC, abstractmethod
 from dataclasses import replace
 from typing import Generic, TypeAlias, TypeVar
 
+from film_model.base.arrays import Array
 from film_model.core import modal, native, relaxing
 from film_model.core import sliding as core
 from film_model.oblique.stepped import SteppedFriction
 from film_model.problem.problem import Problem
+from film_model.solve.sensed import weights_of
 from film_model.solve.vibration import Vibration, vibrate
 
 _NOW = struct.Struct("9d")  # the first fields of film_state: time … force_peak
@@ -143,7 +145,8 @@ class _InOneMotion(ABC, Generic[Motion]):
 
 
 class OnModes(_InOneMotion[modal.Motion]):
-    """A contact on a target's natural vibrations: as many, and in steps as short, as the impact `found` needs."""
+    """A contact on a target's natural vibrations: as many, and in steps as short, as the impact `found` needs. weights:
+    of `weights_of`."""
 
     clock = 1.0
 
@@ -151,6 +154,7 @@ class OnModes(_InOneMotion[modal.Motion]):
         self._start = modal.Start.from_buffer_copy(found.start)
         self._start.load = problem.load
         self.tables, self._curve = found.tables, found.curve
+        self.weights = weights_of(problem.scene.target, found.tables, found.highest)
 
     def follow(self, tables: modal.Tables, rest: float, tolerance: float) -> None:
         """From the next `begin`, other vibrations; rest: compliance of the omitted ones, in the units of the march."""
@@ -170,6 +174,10 @@ class OnModes(_InOneMotion[modal.Motion]):
     def time(self) -> float:
         """Time since the start, s."""
         return self._motion.state.time + self._motion.state.tau
+
+    def sensed(self) -> Array:
+        """Displacement, velocity and acceleration of each sensor now: (3, sensors)."""
+        return self._motion.sensed(self.weights)
 
     @property
     def contact(self) -> native.State:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from film_model.base.arrays import Array
 from film_model.base.threads import one_thread
+from film_model.core.modal import Tables
 from film_model.solve.modal_motion import ModalMotion
 from film_model.targets import AbstractTarget, Modes
 
@@ -67,8 +68,8 @@ def quantities_of(target: AbstractTarget) -> dict[str, tuple[str, str]]:
 
 @dataclass(frozen=True)
 class Sensed:
-    """Motion of a target's sensors at given times, SI: arrays of the shape (sensors, times). Strains are empty if no
-    sensor has them, and NaN where one has none."""
+    """Motion of a target's sensors at given times, SI: arrays of the shape (sensors, times); (sensors,) now. Strains are
+    empty if no sensor has them, and NaN where one has none."""
 
     names: tuple[str, ...]
     time: Array
@@ -138,6 +139,17 @@ def _cubic(steps: Any, unit: float) -> Array:
     long = np.where(np.isfinite(steps["h"]), steps["h"], 1.0)[..., None]
     force = np.where(steps["flight"][..., None] < 0, unit * (steps["force"] @ _POWERS.T), 0.0)
     return force / long ** np.arange(4.0)
+
+
+def weights_of(target: AbstractTarget, tables: Tables, highest: float) -> Array:
+    """Deflection of each mode in use at the sensors over that at the struck point: (sensors, modes). highest: frequency
+    up to which the target's modes are in use, rad/s; a mode that stands for those above moves no sensor."""
+    found = np.zeros((len(target.sensors or ()), tables.count))
+    if not target.sensors:
+        return found
+    modes = target.modes(highest).merged()
+    found[:, : modes.frequency.size] = modes.factor / modes.share
+    return found
 
 
 def force_of_steps(steps: Any, unit: float, times: Array) -> Array:

@@ -57,12 +57,13 @@ class Modes:
         return Modes(*(part[..., :count] for part in parts))
 
     def merged(self) -> Modes:
-        """The same motion of the struck point, without sensors: modes of equal frequency and damping become one."""
+        """The same motion of the struck point and of the sensors: modes of equal frequency and damping become one."""
         if not self.frequency.size:
             return self
         apart = np.diff(self.frequency) > EQUAL * self.frequency[1:]
         first = np.flatnonzero(np.concatenate([[True], apart | (np.diff(self.damping_ratio) != 0.0)]))
-        return Modes(self.frequency[first], np.add.reduceat(self.share, first), self.damping_ratio[first])
+        factor = np.add.reduceat(self.factor, first, axis=1) if len(self.factor) else self.factor
+        return Modes(self.frequency[first], np.add.reduceat(self.share, first), self.damping_ratio[first], factor)
 
     @property
     def compliance(self) -> float:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, cast
 
@@ -85,6 +86,15 @@ def with_strains(modes: Modes, sensors: tuple[Sensor, ...] | None) -> Modes:
     """The modes whose rows for strains, which follow those of the sensors, are apart."""
     count = len(sensors or ())
     return replace(modes, factor=modes.factor[:count], strain=modes.factor[count:])
+
+
+def sensor_words(names: Iterable[str]) -> tuple[str, ...]:
+    """Names of sensors as parts of names of variables: letters, digits and _, distinct from each other."""
+    words = list[str]()
+    for name in names:
+        word = re.sub(r"\W", "_", name, flags=re.ASCII)
+        words.append(word if word not in words else f"{word}_{len(words)}")
+    return tuple(words)
 
 
 def replaced(sensor: Sensor, shape: tuple[float, ...], strain: tuple[float, ...] | None = None) -> Sensor:

@@ -199,7 +199,8 @@ fmi3Status fmi3GetOutputDerivatives(REFERENCES, const fmi3Int32 orders[], fmi3Fl
 static fmi3Status dependencies(instance *i, const char *function, fmi3ValueReference dependent, size_t *count, size_t elements[],
                                fmi3ValueReference independents[], size_t of[], fmi3DependencyKind kinds[]) {
     *count = 0;
-    if (dependent >= VARIABLES || VARIABLE[dependent].role[i->data->kind] != OUTPUT || model_depends(&i->model, dependent, TIME) < 0)
+    int known_output = model_is_sensed(&i->model, dependent) || (dependent < VARIABLES && VARIABLE[dependent].role[i->data->kind] == OUTPUT);
+    if (!known_output || model_depends(&i->model, dependent, TIME) < 0)
         return (fmi3Status)instance_error(i, function, "value reference %u is not a real output", dependent);
     for (unsigned known = 0; known < VARIABLES; known++) {
         if (model_depends(&i->model, dependent, known) != 1) continue;

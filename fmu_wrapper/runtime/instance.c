@@ -90,8 +90,7 @@ instance *instance_new(const char *function, const instance_options *options, co
         error = "this FMU is for Co-Simulation, because its target vibrates or follows the force by a static stiffness, its "
                 "bodies are viscoelastic, or it has friction";
     if (error) {
-        instance_error(&none, function, "%s", error);
-        instance_free(i);
+        instance_error(&none, function, "%s", error), instance_free(i);
         return NULL;
     }
     memcpy(i->name, name, strlen(name) + 1);
@@ -161,11 +160,11 @@ int instance_reset(instance *i, const char *function) {
 /* ---------------------------------------------------------------- variables */
 
 static int of_type(const instance *i, const char *function, unsigned reference, int type, int or_type) {
-    if (reference >= VARIABLES) return instance_error(i, function, "no variable has the value reference %u", reference);
-    int is = VARIABLE[reference].type;
-    if (is == type || is == or_type) return GOOD;
     static const char *const types[] = {"a real number", "a whole number", "an enumeration"};
-    return instance_error(i, function, "%s is %s; use the function for that type", VARIABLE[reference].name, types[is]);
+    int sensed = model_is_sensed(&i->model, reference), is = sensed ? REAL : reference < VARIABLES ? VARIABLE[reference].type : -1;
+    if (is < 0) return instance_error(i, function, "no variable has the value reference %u", reference);
+    if (is == type || is == or_type) return GOOD;
+    return instance_error(i, function, "%s is %s; use the function for that type", model_name(&i->model, reference), types[is]);
 }
 
 int instance_get(instance *i, const char *function, unsigned reference, int type, int or_type, double *value) {
@@ -175,11 +174,12 @@ int instance_get(instance *i, const char *function, unsigned reference, int type
 
 int instance_set(instance *i, const char *function, unsigned reference, int type, int or_type, double value) {
     if (of_type(i, function, reference, type, or_type) != GOOD) return ERROR;
-    if (VARIABLE[reference].role[i->data->kind] == PARAMETER && !(i->state.mode & (INSTANTIATED | INITIALIZATION)))
-        return instance_error(i, function, "%s can only be set before the end of Initialization Mode", VARIABLE[reference].name);
-    int integrated = i->model_exchange && i->state.mode == CONTINUOUS;
-    int status = integrated && model_is_state(&i->model, reference) ? model_set_state(&i->model, reference, value)
-                                                                    : model_set(&i->model, reference, value);
+    int running = !(i->state.mode & (INSTANTIATED | INITIALIZATION)), tuned = running && model_is_parameter(&i->model, reference);
+    if (tuned && !(VARIABLE[reference].tunable && i->state.mode & (STEPPING | EVENT)))
+        return instance_error(i, function, "%s can only be set before the end of Initialization Mode%s", VARIABLE[reference].name,
+                              VARIABLE[reference].tunable ? ", and between steps or in Event Mode" : "");
+    int state = i->model_exchange && i->state.mode == CONTINUOUS && model_is_state(&i->model, reference);
+    int status = (state ? model_set_state : tuned ? model_tune : model_set)(&i->model, reference, value);
     return status < 0 ? report_model_error(i, function) : GOOD;
 }
 

@@ -40,9 +40,10 @@ void model_free(model *m) {
     free(m->nodes);
     free(m->own);
     free(m->tables);
+    free(m->sensed);
     free(m->modal);
     free(m->relax);
-    m->nodes = m->tables = NULL;
+    m->nodes = m->tables = m->sensed = NULL;
     m->own = NULL;
     m->modal = NULL;
     m->relax = NULL;
@@ -51,6 +52,7 @@ void model_free(model *m) {
 /* ---------------------------------------------------------------- parameters and inputs */
 
 int model_set(model *m, unsigned reference, double value) {
+    if (model_is_sensed(m, reference)) return model_error(m, "the motion of a sensor is an output and cannot be set");
     if (reference >= VARIABLES) return model_error(m, "no variable has the value reference %u", reference);
     const film_variable *variable = &VARIABLE[reference];
     if (variable->role[m->data->kind] == ABSENT || (reference < SETTABLE && !m->data->available[reference]))
@@ -64,6 +66,14 @@ int model_set(model *m, unsigned reference, double value) {
     m->memory.value[reference] = value;
     if (reference == INDENTATION) m->memory.indentation = value;
     if (reference == RELATIVE_VELOCITY) m->memory.rate = value;
+    return 0;
+}
+
+int model_tune(model *m, unsigned reference, double value) {
+    model_memory *now = &m->memory;
+    if (model_set(m, reference, value) < 0) return -1;
+    now->initialized = now->retuned = now->varied = 1;
+    now->actual.validity |= model_validity_of_parameters(m);
     return 0;
 }
 
@@ -100,6 +110,27 @@ static double damping_of(const model *m) {
         next = sum;
     }
     return (1.0 - e) * exp(m->data->restitution[0] + z * next - after);
+}
+
+/* The same over the march's unit, for all parameters. */
+static double damper_of(const model *m) {
+    return model_scaled(m, damping_of(m), m->data->damping_power, DAMPINGS) * m->memory.velocity / m->memory.force;
+}
+
+static int bad_damping(model *m) {
+    return model_error(m, "the parameters give an invalid damping of %g N*s/m; initial_velocity must be > 0 m/s if the law's "
+                          "damping depends on it", damper_of(m) * m->memory.force / m->memory.velocity);
+}
+
+int model_follow_tuning(model *m) {
+    model_memory *now = &m->memory;
+    int planned = vibrates(m) && m->modal->has_step && m->modal->kind != FILM_STEP_JUMP; /* with the damping before */
+    if (!now->retuned || now->state.branch != FILM_FREE || planned) return 0;
+    now->retuned = 0;
+    if (damper_of(m) == now->state.damper) return 0;
+    int status = film_damp(&now->state, damper_of(m));
+    if (vibrates(m)) film_damp(&m->modal->contact, now->state.damper);
+    return status < 0 ? bad_damping(m) : 0;
 }
 
 static int update_mesh(model *m) {
@@ -152,10 +183,7 @@ int model_initialize(model *m, double time) {
     int status = film_init(m->curve, &now->state, -gap / now->length, start, gamma, now->load,
                            contact ? -1e300 : -now->support / now->velocity); /* a contact alone has no impactor that stops */
     if (status < 0) return model_core_error(m, status);
-    double damping = model_scaled(m, damping_of(m), m->data->damping_power, DAMPINGS);
-    if (film_damp(&now->state, damping * now->velocity / now->force) < 0)
-        return model_error(m, "the parameters give an invalid damping of %g N*s/m; initial_velocity must be > 0 m/s if the law's "
-                              "damping depends on it", damping);
+    if (film_damp(&now->state, damper_of(m)) < 0) return bad_damping(m);
     now->recoil = 0.0;
     status = begin_beside(m, start, -gap / now->length, gamma);
     if (status < 0) return model_core_error(m, status);
@@ -164,7 +192,7 @@ int model_initialize(model *m, double time) {
     now->actual.stage = FILM_FREE;
     now->actual.validity = model_validity_of_parameters(m);
     memcpy(&now->reported, &now->actual, sizeof now->reported);
-    now->announced = 0;
+    now->announced = now->retuned = 0;
     now->step_force = now->impulse = now->released = now->external = 0.0;
     memcpy(now->first_inputs, &value[EXTERNAL_FORCE], sizeof now->first_inputs);
     memset(now->input_rates, 0, sizeof now->input_rates);
@@ -244,6 +272,7 @@ static int impact_step(model *m, double end, int stop_at_events, int *stopped) {
         double time = now->start_time + state->time * clock;
         time = fmin(fmax(time, now->time), end);
         model_record_event(m, state, time, state->nu * now->velocity + now->support, &now->actual);
+        if (model_follow_tuning(m) < 0) return -1;
         if (stop_at_events) {
             now->time = time;
             *stopped = 1;
@@ -283,6 +312,7 @@ int model_step(model *m, double end, int stop_at_events, int *stopped) {
     double since = now->time, velocity = now->state.nu * now->velocity + now->support;
     double displacement = (now->state.xi + now->state.shift) * now->length + now->support_displacement;
     *stopped = 0;
+    if (model_follow_tuning(m) < 0) return -1;
     if (m->data->kind == CONTACT) return contact_step(m, end);
     int moving = move_inputs(now, 0.5 * (end - since));
     int status = impact_step(m, end, stop_at_events, stopped);

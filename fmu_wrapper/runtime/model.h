@@ -23,12 +23,14 @@ typedef struct {
     int32_t nodes, varying;
 } model_family;
 
-/* A target that vibrates: count > 0, and 3 count numbers follow model_data (after those of the family): natural frequencies
- * [rad/s], ascending, shares [1/kg] and damping ratios. rest: compliance of the omitted modes, m/N. */
+/* A target that vibrates: count > 0, and (sensors + 3) count numbers follow model_data (after those of the family): the weights of
+ * film_modal_sensed, natural frequencies [rad/s], ascending, shares [1/kg] and damping ratios. rest: compliance of the omitted
+ * modes, m/N. The value references of the sensors follow those of the variables, SENSED a sensor. */
 typedef struct {
     double longest, rest, tolerance; /* of film_structure [s], film_modal_start */
-    int32_t count, levels;
+    int32_t count, levels, sensors, padding;
 } model_modes;
+enum { SENSED = 3, MOST_SENSORS = 100 }; /* displacement, velocity and acceleration of a sensor */
 
 /* Viscoelastic bodies: tolerance > 0. law: rates in 1/s; tolerance: of film_relax. */
 typedef struct {
@@ -75,6 +77,7 @@ typedef struct {
     double speed; /* typical relative velocity, m/s */
     double nominal[STATES];
     double valid[SETTABLE][2];
+    double also[2]; /* m/s: slower velocities at first touch that are valid too */
     char reason[SETTABLE][2][LONGEST_REASON];
     double limit[LIMITS], limit_power[LIMITS][SCALINGS]; /* m: of an elastic law, of a narrow contact */
     model_stresses stresses;
@@ -127,6 +130,8 @@ typedef struct {
     int32_t importer_integrates;   /* Model Exchange */
     int32_t announced;             /* of validity: what has been logged */
     int32_t varied;                /* the inputs in use have changed since the start */
+    int32_t unsummed;              /* 1: of a vibrating target, only the sum of xi and shift is known */
+    int32_t retuned;               /* 1: a tunable parameter has changed, which the law's damping may not follow yet */
 } model_memory;
 
 typedef struct {
@@ -137,6 +142,8 @@ typedef struct {
     double *nodes;
     film_structure structure; /* of a vibrating target, with its memory */
     double *tables;
+    double *sensed;           /* of film_modal_sensed, if known: the motion of the sensors now */
+    int32_t sensed_known;
     film_modal *modal;        /* its state, followed by the modes; saved beside model_memory */
     film_relax *relax;        /* state of viscoelastic bodies, followed by its FILM_RELAX_STEPS steps; saved likewise */
     char message[240]; /* of the last error */
@@ -160,12 +167,18 @@ void model_free(model *m);
 /* All functions below that return int return 0, or -1 with m->message, unless noted otherwise. */
 
 int model_set(model *m, unsigned reference, double value);
+/* The same of a tunable parameter in a running simulation. */
+int model_tune(model *m, unsigned reference, double value);
 int model_get(model *m, unsigned reference, double *value);
 /* Let an input of an impact change at a constant rate in the next step of Co-Simulation; its mean moves the impactor.
  * order: of the time derivative; only 1 is known, here and of outputs. */
 int model_set_input_rate(model *m, unsigned reference, int order, double rate);
 /* Time derivative of a real output in Co-Simulation. */
 int model_output_rate(model *m, unsigned reference, int order, double *rate);
+int model_is_parameter(const model *m, unsigned reference);
+/* Whether this is the motion of a sensor of this FMU; and the name of a variable for messages. */
+int model_is_sensed(const model *m, unsigned reference);
+const char *model_name(const model *m, unsigned reference);
 /* Whether an output depends directly on a variable: 1 or 0; -1: not a real output. */
 int model_depends(const model *m, unsigned unknown, unsigned known);
 

@@ -21,6 +21,7 @@ void model_save_beside(const model *m, void *to) {
 void model_restore_beside(model *m, const void *from) {
     if (m->relax) memcpy(m->relax, from, relaxing_size(((const film_relax *)from)->steps));
     if (m->modal) memcpy(m->modal, from, model_modal_size(m->data));
+    m->sensed_known = 0;
 }
 
 int model_is_beside(const model_data *data, const void *saved, size_t size) {

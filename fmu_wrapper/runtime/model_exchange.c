@@ -95,6 +95,7 @@ int model_apply_events(model *m) {
     int jumped = m->data->kind == CONTACT && indicators[2] <= 0.0; /* the indentation went back, against its rate */
     for (int k = 0; k < MAX_SWITCHES; k++, jumped = 0) {
         load_states(m);
+        if (model_follow_tuning(m) < 0) return -1;
         if (jumped) now->state.nu = -now->state.direction;
         int status = film_switch(m->curve, &now->state);
         if (status < 0) return model_core_error(m, status);

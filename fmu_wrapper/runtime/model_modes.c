@@ -34,16 +34,17 @@ int model_update_modes(model *m) {
     if (m->modal && m->structure.longest == longest) return 0;
     if (!m->tables) m->tables = malloc(film_structure_size(modes->count, modes->levels) * sizeof *m->tables);
     if (!m->modal) m->modal = calloc(1, model_modal_size(m->data));
-    if (!m->tables || !m->modal) return model_error(m, "no memory for %d natural vibrations", (int)modes->count);
+    if (!m->sensed) m->sensed = calloc((size_t)(SENSED * modes->sensors + 1), sizeof *m->sensed);
+    if (!m->tables || !m->modal || !m->sensed) return model_error(m, "no memory for %d natural vibrations", (int)modes->count);
     int status = film_structure_init(&m->structure, modes->count, numbers, numbers + count, numbers + 2 * count, longest,
                                      modes->levels, m->tables);
     return status < 0 ? model_core_error(m, status) : 0;
 }
 
-/* The motion now into the state that outputs and events are made from. */
-static void show(model *m) {
+static void show_all(model *m) {
     model_memory *now = &m->memory;
     double values[5];
+    now->unsummed = 0;
     film_modal_motion(&m->structure, m->curve, m->modal, waves_of(m), values);
     memcpy(&now->state, &m->modal->contact, sizeof now->state);
     now->state.time = m->modal->time + m->modal->tau;
@@ -53,6 +54,50 @@ static void show(model *m) {
     now->state.shift = values[4];
     now->state.spent = film_modal_work(m->modal, values[2]);
     now->recoil = values[3] - values[1];
+}
+
+/* The motion now into the state that outputs and events are made from. Between contacts xi is the impactor's displacement, with no
+ * shift or recoil, until modes_sum adds up the modes. */
+static void show(model *m) {
+    model_memory *now = &m->memory;
+    double x, nu;
+    m->sensed_known = 0;
+    if (!film_modal_jumps(m->modal, &x, &nu)) {
+        show_all(m);
+        return;
+    }
+    memcpy(&now->state, &m->modal->contact, sizeof now->state);
+    now->state.time = m->modal->time + m->modal->tau;
+    now->state.xi = x;
+    now->state.nu = nu;
+    now->state.force = now->state.shift = now->recoil = 0.0;
+    now->state.spent = film_modal_work(m->modal, 0.0);
+    now->unsummed = 1;
+}
+
+void modes_sum(model *m) {
+    if (m->memory.unsummed) show_all(m);
+}
+
+int model_is_sensed(const model *m, unsigned reference) {
+    return vibrates(m) && reference >= VARIABLES && reference - VARIABLES < (unsigned)(SENSED * m->data->modes.sensors);
+}
+
+const char *model_name(const model *m, unsigned reference) {
+    return model_is_sensed(m, reference) ? "the motion of a sensor" : reference < VARIABLES ? VARIABLE[reference].name : "the unknown";
+}
+
+double modes_sensed(model *m, unsigned reference) {
+    const model_memory *now = &m->memory;
+    const model_modes *modes = &m->data->modes;
+    unsigned at = reference - VARIABLES;
+    const double of_support[SENSED] = {now->support_displacement, now->value[SUPPORT_VELOCITY], 0.0};
+    if (!m->sensed_known) {
+        const double *weights = numbers_of(m->data) - (size_t)modes->sensors * (size_t)modes->count;
+        film_modal_sensed(&m->structure, m->modal, waves_of(m), modes->sensors, weights, m->sensed);
+        m->sensed_known = 1;
+    }
+    return m->sensed[at] * now->length + of_support[at % SENSED];
 }
 
 void modes_renew_work(model *m) { m->modal->steps = 0; }

@@ -98,9 +98,16 @@ static int get_constant(const model *m, unsigned reference, double *value) {
     return 1;
 }
 
+/* Whether an output is known without what the target does. */
+static int of_impactor(unsigned reference) {
+    return reference == IMPACTOR_VELOCITY || reference == IMPACTOR_DISPLACEMENT || reference == KINETIC_ENERGY ||
+           reference == IMPACTOR_ACCELERATION || reference == CONTACT_FORCE;
+}
+
 static int get_motion(model *m, unsigned reference, double *value) {
     const model_memory *now = &m->memory;
     motion current;
+    if (!of_impactor(reference)) modes_sum(m);
     if (compute_motion(m, &current, 0) < 0) return -1;
     double recoil = mobility(m) * current.force + current.recoil, mass = now->value[MASS];
     double target_velocity = now->value[SUPPORT_VELOCITY] + recoil;
@@ -123,11 +130,16 @@ static int get_motion(model *m, unsigned reference, double *value) {
 
 static int get_output(model *m, unsigned reference, double *value) {
     const model_memory *now = &m->memory;
+    int sensed = model_is_sensed(m, reference);
     if (reference < SETTABLE && VARIABLE[reference].role[m->data->kind] != OUTPUT) {
         *value = now->value[reference];
         return 0;
     }
     if (!now->initialized && model_initialize(m, now->start_time) < 0) return -1;
+    if (sensed) {
+        *value = modes_sensed(m, reference);
+        return 0;
+    }
     if (model_of_friction(reference)) {
         *value = sliding_output(m, reference);
         return 0;
@@ -144,6 +156,7 @@ static int get_output(model *m, unsigned reference, double *value) {
 static int is_exchanged(unsigned reference) { return reference < VARIABLES && VARIABLE[reference].changes == IN_MODEL_EXCHANGE; }
 
 int model_has(const model *m, unsigned reference) {
+    if (model_is_sensed(m, reference)) return 1;
     return reference < VARIABLES && VARIABLE[reference].role[m->data->kind] != ABSENT &&
            (reference >= SETTABLE || m->data->available[reference]) && (slides(m) || !model_of_friction(reference)) &&
            (model_has_exchange(m->data) || !is_exchanged(reference));
@@ -154,7 +167,7 @@ int model_get(model *m, unsigned reference, double *value) {
     if (!model_has(m, reference))
         return model_error(m, "this FMU has no variable with value reference %u", reference);
     if (get_output(m, reference, value) < 0) return -1;
-    return isfinite(*value) ? 0 : model_not_finite(m, VARIABLE[reference].name);
+    return isfinite(*value) ? 0 : model_not_finite(m, model_name(m, reference));
 }
 
 static int is_state(unsigned reference) {
@@ -162,11 +175,12 @@ static int is_state(unsigned reference) {
 }
 
 int model_is_parameter(const model *m, unsigned reference) {
-    return model_has(m, reference) && VARIABLE[reference].role[m->data->kind] == PARAMETER;
+    return reference < VARIABLES && model_has(m, reference) && VARIABLE[reference].role[m->data->kind] == PARAMETER;
 }
 
 int model_depends(const model *m, unsigned unknown, unsigned known) {
     int exchange = model_has_exchange(m->data);
+    if (model_is_sensed(m, unknown)) return (unknown - VARIABLES) % SENSED == 1 && known == SUPPORT_VELOCITY; /* the velocity */
     if (!exchange && is_exchanged(unknown)) return -1;
     if (model_of_friction(unknown)) return slides(m) ? 0 : -1;
     if (!exchange && is_state(known)) return model_depends(m, unknown, TIME); /* they are no states there */
@@ -196,13 +210,17 @@ int model_depends(const model *m, unsigned unknown, unsigned known) {
 int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
     motion current;
     *partial = 0.0;
-    if (unknown >= VARIABLES || VARIABLE[unknown].role[m->data->kind] != OUTPUT || model_depends(m, unknown, known) < 0)
-        return model_error(m, "%s is not a real output", unknown < VARIABLES ? VARIABLE[unknown].name : "the unknown");
+    int sensed = model_is_sensed(m, unknown);
+    if (!sensed && (unknown >= VARIABLES || VARIABLE[unknown].role[m->data->kind] != OUTPUT || model_depends(m, unknown, known) < 0))
+        return model_error(m, "%s is not a real output", model_name(m, unknown));
     int state = is_state(known) && model_has_exchange(m->data);
     if (known >= VARIABLES || (VARIABLE[known].role[m->data->kind] != INPUT && !(m->data->kind == IMPACT && state)))
         return model_error(m, "%s is neither an input, a state nor a parameter", known < VARIABLES ? VARIABLE[known].name : "the known");
     if (!m->memory.initialized && model_initialize(m, m->memory.start_time) < 0) return -1;
     if (!model_depends(m, unknown, known)) return 0;
+    *partial = 1.0;
+    if (sensed) return 0;
+    modes_sum(m);
     if (compute_motion(m, &current, 1) < 0) return -1;
     double mass = m->memory.value[MASS], force = 0.0;
     if (known == INDENTATION) force = current.stiffness;
@@ -222,7 +240,7 @@ int model_partial(model *m, unsigned unknown, unsigned known, double *partial) {
     case RATE_OF_IMPACTOR_VELOCITY:
     case IMPACTOR_ACCELERATION: *partial = ((known == EXTERNAL_FORCE ? 1.0 : 0.0) - force) / mass; break;
     case KINETIC_ENERGY: *partial = mass * current.velocity; break;
-    default: *partial = 1.0; break;
+    default: break;
     }
     return isfinite(*partial) ? 0 : model_not_finite(m, VARIABLE[unknown].name);
 }

@@ -15,7 +15,6 @@ int model_not_finite(model *m, const char *name);
 /* Whether this FMU has the variable; whether it is a discrete output that is a real number. */
 int model_has(const model *m, unsigned reference);
 int model_is_discrete(unsigned reference);
-int model_is_parameter(const model *m, unsigned reference);
 
 /* Partial derivative of an output with respect to an input or state. */
 int model_partial(model *m, unsigned unknown, unsigned known, double *partial);
@@ -36,6 +35,8 @@ int model_validity_at(const model *m, double indentation);
 int modes_begin(model *m, const film_modal_start *start, double xi);
 int modes_input(model *m, double load, double nu_change, double stop_velocity);
 int modes_step(model *m, double dt);
+double modes_sensed(model *m, unsigned reference); /* of a sensor, SI */
+void modes_sum(model *m); /* before the motion of the target is read */
 void modes_renew_work(model *m); /* at the beginning of a communication step: its work is limited */
 
 /* Viscoelastic bodies, likewise. */
@@ -75,6 +76,9 @@ static inline double load_of(const model *m) {
     const double *value = m->memory.value;
     return (value[MASS] * value[GRAVITY] + value[EXTERNAL_FORCE]) / m->memory.force;
 }
+
+/* The damping after a change of parameters, from the next contact on: now or, in a contact, not yet. */
+int model_follow_tuning(model *m);
 
 /* Write the event that `state` reports into a record. time: s; velocity: of the impactor, m/s. */
 void model_record_event(const model *m, const film_state *state, double time, double velocity, model_record *record);

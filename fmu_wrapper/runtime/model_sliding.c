@@ -25,6 +25,7 @@ void sliding_input(model *m) {
     model_memory *now = &m->memory;
     const double *value = now->value;
     double rate = value[TANGENTIAL_FORCE] / value[MASS] + value[TORQUE] * m->data->friction.lever / inertia_of(m);
+    now->sliding.springs.friction = value[FRICTION];
     now->sliding.springs.v -= (value[TANGENTIAL_SUPPORT_VELOCITY] - now->tangential_support) / velocity_unit(m);
     now->sliding.springs.push = rate * now->time_scale / velocity_unit(m);
     now->tangential_support = value[TANGENTIAL_SUPPORT_VELOCITY];

@@ -129,7 +129,7 @@ static const char *refusal(const model *m) {
     if (m->data->kind == CONTACT || m->memory.importer_integrates)
         return "it is known in Initialization Mode, and of an impact in Co-Simulation";
     if (vibrates(m)) return "on a target that vibrates it is known in Initialization Mode only";
-    return m->memory.varied ? "it is known while external_force and support_velocity are those of the start" : NULL;
+    return m->memory.varied ? "it is known while inputs and tunable parameters are those of the start" : NULL;
 }
 
 static int slopes_by(model *m, unsigned known, int initial, model_slopes *slopes) {
@@ -158,7 +158,11 @@ static int slopes_by(model *m, unsigned known, int initial, model_slopes *slopes
 
 int model_derivative(model *m, unsigned unknown, unsigned known, int initial, model_slopes *slopes, double *derivative) {
     if (!model_is_parameter(m, known)) return model_partial(m, unknown, known, derivative);
-    const char *by = VARIABLE[known].name, *of = unknown < VARIABLES ? VARIABLE[unknown].name : "the unknown";
+    if (initial && model_is_sensed(m, unknown)) { /* the target is at rest */
+        *derivative = 0.0;
+        return 0;
+    }
+    const char *by = VARIABLE[known].name, *of = model_name(m, unknown);
     if (unknown >= VARIABLES || !is_unknown(m, unknown, initial))
         return model_error(m, "%s has no derivative by the parameter %s%s", of, by,
                            initial ? "" : " after Initialization Mode: only what events and contacts leave has one");

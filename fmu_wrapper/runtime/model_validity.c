@@ -15,7 +15,8 @@ int model_validity_at(const model *m, double indentation) {
 }
 
 static int is_beyond(const model *m, int parameter, double value) {
-    const double *valid = m->data->valid[parameter];
+    const double *valid = m->data->valid[parameter], *also = m->data->also;
+    if (parameter == INITIAL_VELOCITY && value >= also[0] && value <= also[1]) return 0;
     return m->data->kind == IMPACT && m->data->available[parameter] && (value < valid[0] || value > valid[1]);
 }
 

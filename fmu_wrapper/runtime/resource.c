@@ -13,9 +13,9 @@
 #include <windows.h>
 #endif
 
-static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '3'};
+static const char MAGIC[8] = {'F', 'I', 'L', 'M', 'F', 'M', 'U', '4'};
 static const char NAME[] = "model.film";
-enum { LONGEST_PATH = 4096, LARGEST_FILE = 1 << 24, MOST_VARYING = 1 << 13, MOST_MODES = 20000 };
+enum { LONGEST_PATH = 4096, LARGEST_FILE = 1 << 25, MOST_VARYING = 1 << 13, MOST_MODES = 20000 };
 
 static const double LEAST_TOLERANCE = 1e-14; /* of a step; for less, rounding makes its steps too short */
 
@@ -50,6 +50,8 @@ static int bad_modes(const model_data *data) {
     size_t count = (size_t)modes->count;
     if (count == 0) return 0;
     const double *numbers = (const double *)((const unsigned char *)data + data->size) - 3 * count;
+    for (size_t k = 1; k <= (size_t)modes->sensors * count; k++)
+        if (!isfinite(*(numbers - k))) return 1;
     double time = sqrt(data->start[MASS] * data->length_scale / data->force_scale);
     return data->kind != IMPACT || !(modes->longest >= time && modes->longest < 2.0 * time) ||
            !(modes->tolerance >= LEAST_TOLERANCE && modes->tolerance <= 1.0) ||
@@ -100,7 +102,9 @@ static size_t family_size(const model_data *data) {
 
 /* Bytes of the modes that follow those. */
 static size_t modes_size(const model_data *data) {
-    return data->modes.count > 0 && data->modes.count <= MOST_MODES ? 3 * sizeof(double) * (size_t)data->modes.count : 0;
+    const model_modes *modes = &data->modes;
+    int sound = modes->count > 0 && modes->count <= MOST_MODES && modes->sensors >= 0 && modes->sensors <= MOST_SENSORS;
+    return sound ? (size_t)(modes->sensors + 3) * sizeof(double) * (size_t)modes->count : 0;
 }
 
 model_data *model_read_data(const char *folder, char *message, size_t room) {
@@ -124,7 +128,7 @@ model_data *model_read_data(const char *folder, char *message, size_t room) {
     if (memcmp(data->magic, MAGIC, sizeof MAGIC) != 0)
         return fault(data, file, message, room, "%s was not written by this version of film-model", path);
     if (data->size != size || size != sizeof *data + family_size(data) + modes_size(data) ||
-        data->modes.count < 0 || data->modes.count > MOST_MODES)
+        data->modes.count < 0 || data->modes.count > MOST_MODES || data->modes.sensors < 0 || data->modes.sensors > MOST_SENSORS)
         return fault(data, file, message, room, "%s is damaged: it must have %u bytes", path, (unsigned)data->size);
     size_t head = offsetof(model_data, token);
     if (data->checksum != model_checksum((const unsigned char *)data + head, size - head) ||

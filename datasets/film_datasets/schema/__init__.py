@@ -17,7 +17,7 @@ from film_datasets.schema.motion_variables import (
     WIDE,
     branch_words,
 )
-from film_datasets.schema.sensor_variables import FORCE_INTERVAL, peak_name, peak_variables, sensor_words
+from film_datasets.schema.sensor_variables import FORCE_INTERVAL, peak_name, peak_variables
 from film_datasets.schema.tables import (
     ADDED,
     ATTRIBUTES,
@@ -104,7 +104,6 @@ __all__ = [
     "pieces",
     "require",
     "require_impacts",
-    "sensor_words",
     "side_name",
     "sweep_variables",
     "swept_name",

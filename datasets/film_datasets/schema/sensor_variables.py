@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from film_datasets.schema.motion_variables import number, spaced
-from film_datasets.schema.variable import TEXT, Variable, flag_words
+from film_datasets.schema.variable import TEXT, Variable
 from film_model.solve.sensed import MOTION, STRAIN
 
 if TYPE_CHECKING:
@@ -41,11 +40,6 @@ IDENTIFIED = tuple(
     for name, word in zip(FORCE_INTERVAL, ("lower", "upper"), strict=True)
 )
 """Variables of a measured history that was identified from the motion of sensors."""
-
-
-def sensor_words(names: Iterable[str]) -> tuple[str, ...]:
-    """Names of sensors as parts of names of variables: letters, digits and _."""
-    return flag_words([re.sub(r"\W", "_", name, flags=re.ASCII) for name in names])
 
 
 def peak_name(what: str, word: str) -> str:

@@ -20,7 +20,6 @@ from film_datasets.schema import (
     branch_words,
     flag_words,
     has_failed,
-    sensor_words,
     side_name,
 )
 from film_datasets.sweeps.block_columns import ENERGY_GAINS, ESTIMATED, MISSED, Columns
@@ -32,6 +31,7 @@ from film_model.core.modal import MOST_MEMORY
 from film_model.core.native import MAX_STAGES
 from film_model.laws import LAWS, AbstractLaw
 from film_model.solve.slopes import NO_DERIVATIVE
+from film_model.targets.sensors import sensor_words
 
 COMMENT = (
     "status says how each impact ended; an impact that failed has NaN for its summary and harms no other. With "

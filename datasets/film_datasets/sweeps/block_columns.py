@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from film_datasets.impacts import ClosedForms, Impacts, simulate_impacts
-from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, peak_name, sensor_words, side_name
+from film_datasets.schema import OUT_OF_RANGE, accuracy_name, derivative_name, peak_name, side_name
 from film_datasets.schema.friction_variables import REGIME
 from film_datasets.sweeps.block import Block
 from film_datasets.sweeps.definition import Sweep
@@ -20,6 +20,7 @@ from film_model.base.errors import NO_VELOCITY
 from film_model.problem.summary import SUMMARY
 from film_model.solve.history import MOTION
 from film_model.solve.slopes import NO_DERIVATIVE
+from film_model.targets.sensors import sensor_words
 
 ESTIMATED, MISSED, ENERGY_GAINS = "estimated", "missed", "energy_gains"
 """Columns besides the variables: the largest estimated error for each of `Sweep.accuracies`, the number of impacts that

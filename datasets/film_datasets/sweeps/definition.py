@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from film_datasets.impacts import scene_with_numbers
 from film_datasets.scene_constants import common_constants, scene_key
 from film_datasets.schema import CHOOSABLE, CONSTANTS, Variable, derivative_variables, sweep_variables, swept_name
-from film_datasets.schema.sensor_variables import peak_variables, sensor_words
+from film_datasets.schema.sensor_variables import peak_variables
 from film_datasets.sweeps.axis import Axis
 from film_datasets.sweeps.axis_reading import read_axes, swept_mistakes
 from film_datasets.sweeps.design_table import is_table, over_of_table
@@ -33,6 +33,7 @@ from film_model.scene.paths import number_text
 from film_model.scene.scene import NO_FILES
 from film_model.scene.toml import toml_table
 from film_model.solve.derivatives import Entry, entries_of
+from film_model.targets.sensors import sensor_words
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -126,7 +126,7 @@ static void stop_step(const film_structure *structure, const film_curve *curve, 
     s->x = x;
     s->v = v;
     add_time(&s->time, &s->time_low, t);
-    s->tau = 0.0;
+    s->tau = s->since = 0.0;
 }
 
 int film_modal_input(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves, double load,
@@ -134,12 +134,14 @@ int film_modal_input(const film_structure *structure, const film_curve *curve, f
     if (!isfinite(load) || !isfinite(nu_change) || !isfinite(stop_velocity)) return FILM_BAD_NUMBER;
     double stop = time_unit_velocity(s, stop_velocity);
     if (load == s->load && nu_change == 0.0 && stop == s->stop) return FILM_OK;
-    stop_step(structure, curve, s, waves);
-    s->has_step = 0;
-    s->event_at = INFINITY;
-    s->flight_level = -1;
+    if (!film_turn_jump(structure, s, load, time_unit_velocity(s, nu_change))) {
+        stop_step(structure, curve, s, waves);
+        s->has_step = 0;
+        s->event_at = INFINITY;
+        s->flight_level = -1;
+        s->v += time_unit_velocity(s, nu_change);
+    }
     s->load = s->contact.load = load;
-    s->v += time_unit_velocity(s, nu_change);
     s->stop = stop;
     if (s->v > s->stop) s->moving_in = 1;
     return FILM_OK;
@@ -148,7 +150,8 @@ int film_modal_input(const film_structure *structure, const film_curve *curve, f
 /* ---------------------------------------------------------------- steps */
 
 /* To the end of the step. */
-static void finish_step(const film_curve *curve, film_modal *s) {
+static void finish_step(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves) {
+    if (s->kind == FILM_STEP_JUMP && s->ends == ENDS_NODE) film_end_jump(structure, s, waves);
     if (s->kind == FILM_STEP_CONTACT && s->h > 0.0) {
         s->spent += work_of_step(s, 1.0);
         raise_peak(curve, s, 1.0);
@@ -157,7 +160,7 @@ static void finish_step(const film_curve *curve, film_modal *s) {
     }
     s->short_steps = s->h > 0.0 ? 0 : s->short_steps + 1;
     add_time(&s->time, &s->time_low, s->h);
-    s->tau = 0.0;
+    s->tau = s->since = 0.0;
     s->has_step = 0;
     s->x = s->end_x;
     s->v = s->end_v;
@@ -207,7 +210,7 @@ int film_plan_step(film_structure *structure, const film_curve *curve, film_moda
 }
 
 /* Forward by *dt at most, within the planned step; *dt becomes the rest. */
-int film_advance(const film_structure *structure, const film_curve *curve, film_modal *s, double *dt) {
+int film_advance(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves, double *dt) {
     double to = fmin(s->event_at, s->h);
     s->contact.event = FILM_NO_EVENT;
     if (s->tau + *dt < to) {
@@ -222,7 +225,7 @@ int film_advance(const film_structure *structure, const film_curve *curve, film_
         if (is_damped(curve, &s->contact)) raise_peak(curve, s, to / s->h);
         return film_soft_event(curve, s);
     }
-    finish_step(curve, s);
+    finish_step(structure, curve, s, waves);
     return s->ends == ENDS_NODE ? FILM_OK : end_run(structure, curve, s);
 }
 
@@ -230,7 +233,7 @@ int film_modal_step(film_structure *structure, const film_curve *curve, film_mod
     if (!(dt >= 0.0)) return FILM_BAD_NUMBER;
     while (s->steps < film_most_steps(structure)) {
         int status = s->has_step ? FILM_OK : film_plan_step(structure, curve, s, waves);
-        if (status == FILM_OK) status = film_advance(structure, curve, s, &dt);
+        if (status == FILM_OK) status = film_advance(structure, curve, s, waves, &dt);
         if (status == FILM_EVENT) s->steps += EVENT_WORK;
         if (status != FILM_OK || (dt == 0.0 && s->has_step)) return status;
     }
@@ -288,6 +291,13 @@ void film_modal_motion(const film_structure *structure, const film_curve *curve,
     if (s->contact.event == FILM_CONTACT_BEGINS) values[0] = s->contact.xi;
 }
 
+int film_modal_jumps(const film_modal *s, double *x, double *nu) {
+    if (!s->has_step || s->kind != FILM_STEP_JUMP || !(s->tau > 0.0)) return 0;
+    film_ball_at(s, s->tau, x, nu);
+    *nu *= s->unit;
+    return 1;
+}
+
 film_contact film_modal_force(const film_curve *curve, const film_modal *s, double xi, double rate) {
     film_line line = s->contact.line;
     line.branch = s->contact.branch;
@@ -308,6 +318,26 @@ void film_modal_energies(const film_structure *structure, const film_modal *s, c
         double w = begin[i], u = begin[structure->modes + i];
         if (s->has_step && s->tau > 0.0) film_moved_mode(structure, s, waves, i, s->tau, &w, &u);
         energies[i] = 0.5 * (u * u + structure->square[i] * w * w) * per / structure->share[i];
+    }
+}
+
+void film_modal_sensed(const film_structure *structure, const film_modal *s, const double *waves, int32_t sensors,
+                       const double *weights, double *sensed) {
+    const double *begin = waves + begins_at(structure, s);
+    int within = s->has_step && s->tau > 0.0;
+    double force = within && s->kind == FILM_STEP_CONTACT ? film_force_at(s, s->tau / s->h) : s->last_force;
+    double push = s->mass / (s->unit * s->unit) * force;
+    memset(sensed, 0, 3 * sizeof(double) * (size_t)sensors);
+    for (int32_t i = 0; i < structure->modes; i++) {
+        double w = begin[i], u = begin[structure->modes + i];
+        if (within) film_moved_mode(structure, s, waves, i, s->tau, &w, &u);
+        double a = structure->share[i] * push - structure->drag[i] * u - structure->square[i] * w;
+        for (int32_t k = 0; k < sensors; k++) {
+            double weight = weights[(size_t)k * (size_t)structure->modes + (size_t)i];
+            sensed[3 * k] += weight * w;
+            sensed[3 * k + 1] += weight * u;
+            sensed[3 * k + 2] += weight * a;
+        }
     }
 }
 

@@ -51,7 +51,8 @@ typedef struct {
 typedef struct {
     film_state contact;               /* branch, dent and direction; xi and nu (rate of xi) at the last event */
     double time, time_low;            /* when the step began, and what rounding drops */
-    double x, v;                      /* of the impactor, when the step began */
+    double x, v;                      /* of the impactor `since` after the step began: 0, but in a jump with new inputs */
+    double since;
     double shift, rate;               /* sums of w_n and w_n' then */
     double load, rest, mass, unit;    /* as in film_modal_start */
     double stop;                      /* velocity of the impactor at which FILM_IMPACTOR_STOPS is reported */
@@ -142,6 +143,10 @@ FILM_API int film_modal_step(film_structure *structure, const film_curve *curve,
 FILM_API void film_modal_motion(const film_structure *structure, const film_curve *curve, const film_modal *state,
                                 const double *waves, double values[5]);
 
+/* Whether the impactor moves freely in a jump, so that only what the structure does needs a sum over all modes; then its x, and v in
+ * delta_s/t_s, now. */
+FILM_API int film_modal_jumps(const film_modal *state, double *x, double *nu);
+
 /* Force and derivatives on the current branch at an indentation and its rate, as film_force. */
 FILM_API film_contact film_modal_force(const film_curve *curve, const film_modal *state, double xi, double rate);
 
@@ -150,6 +155,11 @@ FILM_API double film_modal_work(const film_modal *state, double force);
 
 /* Energy of each mode now, over F_s delta_s. */
 FILM_API void film_modal_energies(const film_structure *structure, const film_modal *state, const double *waves, double *energies);
+
+/* Displacement, velocity and acceleration of `sensors` points of the structure now, 3 numbers each, in delta_s and the structure's
+ * unit of time. weights: n numbers a point, the deflection of each mode there over that at the struck point. */
+FILM_API void film_modal_sensed(const film_structure *structure, const film_modal *state, const double *waves, int32_t sensors,
+                                const double *weights, double *sensed);
 
 /* One impact, until the impactor is out of reach of the structure or has waited as long as it was in contact before and
  * for the longest period: FILM_EVENT when contact has ended, FILM_ENDLESS when it rests under its load, FILM_OK at the time

@@ -89,13 +89,16 @@ static double earliest(const film_structure *structure, const film_modal *s, con
     return wait >= away ? INFINITY : wait;
 }
 
-/* The modes after `h` of flight, and the state's end with them. */
-static void jump(const film_structure *structure, film_modal *s, double *waves, double h) {
-    int32_t n = structure->modes;
-    double *end = waves + ends_at(structure, s);
+/* A jump of this length, which may be infinite. */
+static void jump(film_modal *s, double h) {
     s->kind = FILM_STEP_JUMP;
     s->h = h;
-    s->steps += JUMP_WORK;
+    if (h < INFINITY) s->steps += JUMP_WORK;
+}
+
+void film_end_jump(const film_structure *structure, film_modal *s, double *waves) {
+    int32_t n = structure->modes;
+    double *end = waves + ends_at(structure, s), h = s->h;
     s->end_shift = s->end_rate = 0.0;
     for (int32_t i = 0; i < n; i++) {
         film_moved_mode(structure, s, waves, i, h, &end[i], &end[n + i]);
@@ -140,7 +143,8 @@ static double find_touch(const film_modal *s, double blur) {
 /* Ends the flight at the touch near h, by Newton's method on the sum of the modes. */
 static void land(const film_structure *structure, film_modal *s, double *waves, double h) {
     for (int k = 0; k < TOUCH_STEPS; k++) {
-        jump(structure, s, waves, h);
+        jump(s, h);
+        film_end_jump(structure, s, waves);
         if (s->end_x - s->end_shift > s->contact.xi_free && s->contact.damper > 0.0) break;
         double rate = s->end_v - s->end_rate, more = (s->contact.xi_free - (s->end_x - s->end_shift)) / rate;
         if (!(rate > 0.0) || fabs(more) <= LANDING * s->unit || !(h + more >= 0.0) || fabs(more) > 0.1 * h) break;
@@ -151,6 +155,19 @@ static void land(const film_structure *structure, film_modal *s, double *waves, 
 
 static double worthwhile_jump(const film_structure *structure, const film_modal *s) {
     return JUMP_STEPS * ldexp(structure->longest, -s->flight_level);
+}
+
+int film_turn_jump(const film_structure *structure, film_modal *s, double load, double v_change) {
+    double x, v, wait;
+    if (!s->has_step || s->kind != FILM_STEP_JUMP || s->ends != ENDS_NODE || structure->rigid > 0) return 0;
+    film_ball_at(s, s->tau, &x, &v);
+    wait = meeting(s, x, v + v_change, load / (s->unit * s->unit), s->reach);
+    if (!(wait > worthwhile_jump(structure, s))) return 0;
+    s->x = x;
+    s->v = v + v_change;
+    s->since = s->tau;
+    s->h = s->tau + wait;
+    return 1;
 }
 
 int film_leaves(const film_structure *structure, const film_modal *s, const double *waves) {
@@ -170,9 +187,7 @@ int film_plan_flight(film_structure *structure, const film_curve *curve, film_mo
     s->ends = ENDS_NODE;
     s->event_at = INFINITY;
     if (wait > worthwhile) {
-        s->kind = FILM_STEP_JUMP;
-        s->h = wait;
-        if (wait < INFINITY) jump(structure, s, waves, wait);
+        jump(s, wait);
         return FILM_OK;
     }
     s->kind = FILM_STEP_FLIGHT;

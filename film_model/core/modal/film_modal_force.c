@@ -99,6 +99,7 @@ double film_indentation(const film_curve *curve, const film_line *line, double r
 
 /* x and v of the impactor tau after the beginning of the step. */
 void film_ball_at(const film_modal *s, double tau, double *x, double *v) {
+    tau -= s->since;
     double per = 1.0 / (s->unit * s->unit), gained = s->load * tau, moved = 0.5 * s->load * tau * tau;
     *v = s->v;
     *x = s->x;

@@ -92,7 +92,7 @@ int film_modal_go_on(film_structure *structure, const film_curve *curve, double 
         double dt = fmax(until - now_of(s), 0.0);
         int fallen = in_flight && s->load > 0.0 && summary->contacts > 0 && film_leaves(structure, s, waves);
         if (s->h == INFINITY || fallen) status = FILM_ENDLESS; /* out of reach, or at rest; a fall back is another impact */
-        else status = film_advance(structure, curve, s, &dt);
+        else status = film_advance(structure, curve, s, waves, &dt);
         if (status < 0 || status == FILM_ENDLESS) break;
         if (status == FILM_EVENT) {
             s->steps += EVENT_WORK;

@@ -107,12 +107,18 @@ static inline int32_t film_most_steps(const film_structure *structure) {
 }
 
 int film_plan_step(film_structure *structure, const film_curve *curve, film_modal *s, double *waves);
-int film_advance(const film_structure *structure, const film_curve *curve, film_modal *s, double *dt);
+int film_advance(const film_structure *structure, const film_curve *curve, film_modal *s, double *waves, double *dt);
 
 /* film_modal_flight.c */
 /* Whether an impactor in a planned flight leaves the modes' reach, and only the load may bring it back. */
 int film_leaves(const film_structure *structure, const film_modal *s, const double *waves);
 
 int film_plan_flight(film_structure *structure, const film_curve *curve, film_modal *s, double *waves);
+
+/* The modes at the end of a jump, which are not needed before. */
+void film_end_jump(const film_structure *structure, film_modal *s, double *waves);
+
+/* Whether a jump goes on under a new load and velocity, with the modes as they were; it then does. */
+int film_turn_jump(const film_structure *structure, film_modal *s, double load, double v_change);
 
 #endif

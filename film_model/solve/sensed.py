@@ -68,8 +68,8 @@ def quantities_of(target: AbstractTarget) -> dict[str, tuple[str, str]]:
 
 @dataclass(frozen=True)
 class Sensed:
-    """Motion of a target's sensors at given times, SI: arrays of the shape (sensors, times); (sensors,) now. Strains are
-    empty if no sensor has them, and NaN where one has none."""
+    """Motion of a target's sensors at given times, SI: arrays of the shape (sensors, times); (sensors,) now. Strains
+    are empty if no sensor has them, and NaN where one has none."""
 
     names: tuple[str, ...]
     time: Array

@@ -33,6 +33,7 @@ SOURCES = (
     *platforms.RELAXING,
     *platforms.core("oblique", "friction", "friction_step", "friction_many", "radii"),
     *platforms.SLIDING,
+    *platforms.core("chain", "chain"),
 )
 LIBRARY = f"{CORE}/_film_core" + {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 FLAGS = platforms.FLAGS

@@ -89,7 +89,7 @@ def run(
     gravity: float,
     limit: float,
     tolerance: float,
-    times: Array,
+    times: Any,
 ) -> Run:
     """Follow a chain. contacts: curve, units of indentation and force, factor of the damping, and gap of each. limit,
     times: of the end and of the samples, ascending; limit may be infinite."""
@@ -97,7 +97,7 @@ def run(
     given = (Contact * max(len(contacts), 1))(
         *(Contact(c.addressof(curve), *numbers) for curve, *numbers in contacts)
     )
-    mass, velocity, times = (np.ascontiguousarray(column, np.float64) for column in (mass, velocity, times))
+    mass, velocity, times = (np.ascontiguousarray(column, dtype=np.float64) for column in (mass, velocity, times))
     chain = Chain(
         *(n, len(contacts), mass.ctypes.data, velocity.ctypes.data, c.addressof(given)),
         *(gravity, limit, tolerance, MOST_STEPS, 0),

@@ -1,0 +1,377 @@
+"""simulate_chain(chain) → ChainMotion: how bodies in a row collide."""
+
+from __future__ import annotations
+
+import math
+import os
+import warnings as python_warnings
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from film_model.base import units
+from film_model.base.errors import STATUSES, ImpactWarning, SimulationError, shown
+from film_model.base.late import Late
+from film_model.base.units import format_si
+from film_model.core import chaining, native
+from film_model.laws import LAWS, AbstractLaw
+from film_model.laws.yielding import yield_point
+from film_model.problem.curve import Curve, curve_of
+from film_model.problem.law_of_scene import ELASTIC, YIELDING, SceneLaw, can_yield
+from film_model.scene import STANDARD_GRAVITY, Scene
+from film_model.scene.chain import Chain
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+FINEST = 1e-14
+"""Tolerance of a step, over approach velocity and indentation: elastic chains then keep energy to 1e-12."""
+
+COARSER, CLOSER = 0.01, 1e-3
+"""Tolerance of the run that is compared with, over the accuracy asked for, and of each later one over the one before."""
+
+BODIES: dict[str, tuple[str, str]] = {
+    "mass": ("mass", "mass of the body"),
+    "initial_velocity": ("velocity", "velocity at the start"),
+    "final_velocity": ("velocity", "velocity at the end"),
+}
+"""Values of each body, with dimension and meaning."""
+
+CONTACTS: dict[str, tuple[str, str]] = {
+    "largest_force": ("force", "largest contact force"),
+    "time_of_largest_force": ("time", "time of the largest contact force"),
+    "largest_indentation": ("length", "largest indentation"),
+    "contact_begins": ("time", "when contact first begins"),
+    "contact_ends": ("time", "when contact last ends"),
+    "energy_absorbed": ("energy", "work done on the contact, less what it gave back"),
+}
+"""Values of each contact, likewise. Contact k is behind body k; the last one may be that with the half-space."""
+
+
+class _Contact(NamedTuple):
+    """A contact in SI: the scene of its two bodies, its law and curve, δ_s [m], F_s [N], damping [N s/m], gap [m]."""
+
+    scene: Scene
+    law: AbstractLaw
+    curve: Curve
+    length: float
+    force: float
+    damping: float
+    gap: float
+
+
+class EnergyBalance(NamedTuple):
+    """Energies, J. weight: work of gravity. absorbed: by all contacts; while they touch, also what they store. error:
+    kinetic energy before + weight - absorbed - kinetic energy after, which is 0 but for the error of the solution."""
+
+    kinetic_before: float
+    kinetic_after: float
+    weight: float
+    absorbed: float
+    error: float
+
+
+class _Column:
+    """A value of all bodies or contacts as an array of quantities."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.dimension, self.__doc__ = (BODIES | CONTACTS)[name]
+
+    def __get__(self, instance: ChainMotion | None, owner: type) -> Any:
+        return self if instance is None else units.quantity(instance.values[self.name], self.dimension)
+
+
+@dataclass(frozen=True)
+class ChainMotion:
+    """The motion of a chain, from `simulate_chain`.
+
+    laws: names, of each contact. end: time at which the simulation ends, s. values: the values of `BODIES` and
+    `CONTACTS`, SI arrays, nan where one does not exist; as attributes of the same names they have units. counts: how
+    often each contact began. estimated: relative error of final velocities and largest forces, from a second run.
+
+    >>> motion = fm.simulate_chain(cradle)
+    >>> f"{motion.largest_force[0].to('N'):.1f~P}"
+    '1245.8 N'
+    """
+
+    chain: Chain
+    laws: tuple[str, ...]
+    outcome: str
+    end: float
+    values: dict[str, Array] = field(compare=False)
+    counts: tuple[int, ...]
+    energy: EnergyBalance
+    estimated: float
+    warnings: tuple[str, ...]
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...  # the values of `BODIES` and `CONTACTS`, added below the class
+        def plot(self, path: str | os.PathLike[str] | None = None) -> Figure: ...
+        def to_dataset(self, samples: int = 201) -> xr.Dataset: ...
+    else:
+        plot = Late("film_model.methods:plot_chain")
+        to_dataset = Late("film_model.methods:chain_to_dataset")
+
+    def __repr__(self) -> str:
+        return f"ChainMotion({len(self.values['mass'])} bodies; {self.outcome})"
+
+    def sample_si(self, times: Any) -> dict[str, Array]:
+        """Motion at ascending times [s] from 0 to the end, SI: displacement and velocity (bodies, times), indentation
+        and contact_force (contacts, times). It is computed anew, as exactly as the results.
+        """
+        at = np.atleast_1d(np.asarray(times, np.float64))
+        if not (at[0] >= 0.0 and at[-1] <= self.end and (np.diff(at) >= 0.0).all()):
+            raise ValueError(f"times: must ascend from 0 s to the end, {self.end:g} s")
+        contacts = _contacts_of(self.chain)
+        scales, count = _Scales.of(self.chain, contacts), len(contacts)
+        values = _runner(self.chain, contacts, scales)(FINEST, at / scales.time).samples.transpose(1, 2, 0)
+        moved = values[0] * scales.length  # behind the last body: its displacement
+        moved[:count] += np.array([contact.gap for contact in contacts])[:, None]
+        return {
+            "displacement": np.cumsum(moved[::-1], axis=0)[::-1],
+            "velocity": values[1] * scales.velocity,
+            "indentation": values[0, :count] * scales.length,
+            "contact_force": values[2, :count] * scales.force,
+        }
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain values for JSON, SI: title, laws, outcome, end, bodies and contacts, energy, accuracy and warnings."""
+        rows = {
+            key: [
+                {name: _or_none(self.values[name][k]) for name in names} for k in range(len(self.values[next(iter(names))]))
+            ]
+            for key, names in (("bodies", BODIES), ("contacts", CONTACTS))
+        }
+        for row, law, count in zip(rows["contacts"], self.laws, self.counts, strict=True):
+            row |= {"law": law, "count": count}
+        return {
+            "title": self.chain.title,
+            "outcome": self.outcome,
+            "end": self.end,
+            **rows,
+            "energy": self.energy._asdict(),
+            "accuracy": {"requested": self.chain.accuracy, "estimated": self.estimated},
+            "warnings": list(self.warnings),
+        }
+
+
+for _name in (*BODIES, *CONTACTS):
+    setattr(ChainMotion, _name, _Column(_name))
+
+
+def _or_none(value: float) -> float | None:
+    return None if math.isnan(value) else float(value)
+
+
+class _Scales(NamedTuple):
+    """Units of a run in SI."""
+
+    mass: float
+    length: float
+    velocity: float
+
+    @property
+    def time(self) -> float:
+        return self.length / self.velocity
+
+    @property
+    def energy(self) -> float:
+        return self.mass * self.velocity**2
+
+    @property
+    def force(self) -> float:
+        return self.energy / self.length
+
+    @classmethod
+    def of(cls, chain: Chain, contacts: list[_Contact]) -> _Scales:
+        mass = max(body.own_mass or 0.0 for body in chain.bodies)
+        return cls(mass, max(contact.length for contact in contacts), _speed(chain))
+
+
+def simulate_chain(chain: Chain) -> ChainMotion:
+    """The motion of bodies in a row, each contact by its law with its own history.
+
+    The equations of motion are integrated by DOP853 (order 8) with a step that ends where a contact begins, turns,
+    changes its stage or ends. `accuracy` is met by comparison with a run of a coarser tolerance. Momentum is kept to
+    rounding, and the energy of elastic chains to 1e-12. Effects that `simulate` decides (waves, rate hardening,
+    vibrations of the half-space, viscosity) are not simulated. Bodies of a chain are spheres that move along one line.
+
+    Raises SceneError if a law lacks an entry; SimulationError if no body approaches another, for a law whose damping
+    depends on the velocity of approach, and if a law ends before the motion turns. Each entry of `warnings` is issued
+    as an ImpactWarning.
+    """
+    done = simulate_chain_quietly(chain)
+    for sentence in done.warnings:
+        python_warnings.warn(sentence, ImpactWarning, stacklevel=2)
+    return done
+
+
+def simulate_chain_quietly(chain: Chain) -> ChainMotion:
+    """As :func:`simulate_chain`, without Python warnings."""
+    if not isinstance(chain, Chain):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise TypeError(f"simulate_chain takes a Chain, not {shown(chain)}")
+    contacts = _contacts_of(chain)
+    scales = _Scales.of(chain, contacts)
+    run = _runner(chain, contacts, scales)
+    fine, tolerance = run(FINEST), max(chain.accuracy * COARSER, FINEST * 10.0)
+    _raise_failure(fine, contacts, scales)
+    while (estimated := _difference(run(tolerance), fine)) > chain.accuracy and tolerance > FINEST * 10.0:
+        tolerance = max(tolerance * CLOSER, FINEST * 10.0)
+    values = _values(chain, fine, scales)
+    said = _warnings(contacts, values, estimated, chain.accuracy)
+    ended = "contact is open everywhere, and no neighbours approach"
+    outcome = f"followed for {format_si(fine.time * scales.time, 'time', 5)}"
+    return ChainMotion(
+        chain=chain,
+        laws=tuple(contact.law.name for contact in contacts),
+        outcome=ended if fine.status == native.EVENT else outcome,
+        end=fine.time * scales.time,
+        values=values,
+        counts=tuple(fine.contacts["count"].tolist()),
+        energy=_balance(chain, fine, scales, values),
+        estimated=estimated,
+        warnings=said,
+    )
+
+
+def _speed(chain: Chain) -> float:
+    """The largest velocity of approach at the start, or after the fall of a chain with weight, m/s."""
+    row = chain.row
+    after = [body.velocity for body in row[1:]] + ([0.0] if chain.target is not None else [])
+    fastest = max(0.0, *(body.velocity - other for body, other in zip(row, after, strict=False)))
+    fall = 2.0 * STANDARD_GRAVITY * row[-1].gap if chain.gravity else 0.0
+    if fastest == fall == 0.0:
+        raise SimulationError("no body of the chain approaches the next one: give a velocity, or gravity and a gap")
+    return math.sqrt(fastest**2 + fall)
+
+
+def _contacts_of(chain: Chain) -> list[_Contact]:
+    made, speed = dict[int, tuple[Any, ...]](), _speed(chain)
+    scenes = chain.pairs(speed)
+    for scene in scenes:
+        if id(scene) not in made:
+            made[id(scene)] = _law_in(scene, speed)
+    return [_Contact(scene, *made[id(scene)], body.gap) for scene, body in zip(scenes, chain.row, strict=False)]
+
+
+def _law_in(scene: Scene, speed: float) -> tuple[AbstractLaw, Curve, float, float, float]:
+    """Law, curve, δ_s, F_s and damping of a contact."""
+    given: Any = scene.contact.law
+    if given == "auto":
+        given = YIELDING if scene.yield_strength is not None and can_yield(scene) else ELASTIC
+    for part in (scene.impactor, scene.target):
+        if part.material is not None and part.material.prony is not None:
+            raise SimulationError("the relaxation of a viscoelastic material is not simulated in a chain")
+    law = SceneLaw.of(scene, LAWS[given] if isinstance(given, str) else given).at()
+    length, force = law.scales(scene.kinetic_energy)
+    damping, twice = (law.damping_factor(scene.effective_mass, v, length) for v in (speed, 2.0 * speed))
+    if damping != twice:
+        raise SimulationError(
+            f'the damping of contact law "{law.name}" depends on the velocity of approach, which differs from contact '
+            "to contact in a chain: give a law whose damping does not, such as tsuji"
+        )
+    return law, curve_of(law), length, force, damping
+
+
+def _runner(chain: Chain, contacts: list[_Contact], scales: _Scales) -> Callable[..., chaining.Run]:
+    row = chain.row
+    mass = np.array([body.own_mass for body in row]) / scales.mass
+    velocity = np.array([body.velocity for body in row]) / scales.velocity
+    given = [
+        (
+            contact.curve.native,
+            contact.length / scales.length,
+            contact.force / scales.force,
+            contact.damping * scales.velocity / contact.force,
+            contact.gap / scales.length,
+        )
+        for contact in contacts
+    ]
+    gravity = STANDARD_GRAVITY * scales.time / scales.velocity if chain.gravity else 0.0
+    limit = math.inf if chain.duration is None else chain.duration / scales.time
+
+    def run(tolerance: float, times: Any = ()) -> chaining.Run:
+        return chaining.run(mass, velocity, given, gravity=gravity, limit=limit, tolerance=tolerance, times=times)
+
+    return run
+
+
+def _raise_failure(run: chaining.Run, contacts: list[_Contact], scales: _Scales) -> None:
+    if run.status >= 0:
+        return
+    at = format_si(run.time * scales.time, "time", 4)
+    if run.status == native.TOO_MANY:
+        raise SimulationError(
+            f"the chain takes more than {chaining.MOST_STEPS} steps; at {at}: give a shorter duration"
+        )
+    raise SimulationError(f"contact {run.failed + 1}, {contacts[run.failed].law.name}: {STATUSES[run.status].sentence}; at {at}")
+
+
+def _difference(coarse: chaining.Run, fine: chaining.Run) -> float:
+    """Of velocities over the largest, and of the largest forces over each of those above a millionth of the largest."""
+    if coarse.status < 0:
+        return math.inf
+    forces, speeds = fine.contacts["largest_force"], np.abs(fine.velocity).max(initial=0.0)
+    force = np.abs(coarse.contacts["largest_force"] - forces) / np.maximum(forces, 1e-6 * forces.max(initial=0.0))
+    return float(max(np.abs(coarse.velocity - fine.velocity).max() / speeds, np.nan_to_num(force).max(initial=0.0)))
+
+
+def _values(chain: Chain, run: chaining.Run, scales: _Scales) -> dict[str, Array]:
+    row, found = chain.row, run.contacts
+    return {
+        "mass": np.array([body.own_mass for body in row], np.float64),
+        "initial_velocity": np.array([body.velocity for body in row]),
+        "final_velocity": run.velocity * scales.velocity,
+        "largest_force": found["largest_force"] * scales.force,
+        "time_of_largest_force": found["time_of_largest_force"] * scales.time,
+        "largest_indentation": found["largest_indentation"] * scales.length,
+        "contact_begins": found["begins"] * scales.time,
+        "contact_ends": np.where(found["touching"] == 0, found["ends"], math.nan) * scales.time,
+        "energy_absorbed": found["work"] * scales.energy,
+    }
+
+
+def _balance(chain: Chain, run: chaining.Run, scales: _Scales, values: dict[str, Array]) -> EnergyBalance:
+    mass = values["mass"]
+    before, after = (0.5 * float(mass @ values[f"{when}_velocity"] ** 2) for when in ("initial", "final"))
+    weight = 0.0
+    if chain.gravity:
+        gaps = np.array([body.gap for body in chain.row])
+        moved = np.cumsum((run.indentation * scales.length + gaps)[::-1])[::-1]
+        weight = STANDARD_GRAVITY * float(mass @ moved)
+    absorbed = float(values["energy_absorbed"].sum())
+    return EnergyBalance(before, after, weight, absorbed, before + weight - absorbed - after)
+
+
+def _warnings(
+    contacts: list[_Contact], values: dict[str, Array], estimated: float, accuracy: float
+) -> tuple[str, ...]:
+    found = dict[str, None]()
+    for number, contact in enumerate(contacts, 1):
+        force, depth = (float(values[name][number - 1]) for name in ("largest_force", "largest_indentation"))
+        outside = contact.law.outside(depth / contact.length)
+        found |= dict.fromkeys((*contact.curve.warnings, *contact.law.remarks()))
+        if outside:
+            found[f"contact {number}: {outside}"] = None
+        scene, law = contact.scene, contact.law
+        if getattr(law, "family", "") == "elastic" and scene.yield_strength and scene.effective_modulus:
+            _, most = yield_point(scene.effective_modulus, scene.effective_radius, scene.yield_strength)
+            if force > most and not any("yields above" in sentence for sentence in found):
+                found[
+                    f"contact {number} yields above {format_si(most, 'force', 3)}, its force reaches "
+                    f"{format_si(force, 'force', 3)}: law {law.name} is elastic"
+                ] = None
+    if estimated > accuracy:
+        found[
+            f"accuracy {accuracy:g} is not reached: estimated relative error {estimated:.1e}; collisions that follow "
+            "each other amplify every error"
+        ] = None
+    return tuple(found)

@@ -94,9 +94,7 @@ def run(
     """Follow a chain. contacts: curve, units of indentation and force, factor of the damping, and gap of each. limit,
     times: of the end and of the samples, ascending; limit may be infinite."""
     lib, n = _library(), mass.size
-    given = (Contact * max(len(contacts), 1))(
-        *(Contact(c.addressof(curve), *numbers) for curve, *numbers in contacts)
-    )
+    given = (Contact * max(len(contacts), 1))(*(Contact(c.addressof(curve), *numbers) for curve, *numbers in contacts))
     mass, velocity, times = (np.ascontiguousarray(column, dtype=np.float64) for column in (mass, velocity, times))
     chain = Chain(
         *(n, len(contacts), mass.ctypes.data, velocity.ctypes.data, c.addressof(given)),

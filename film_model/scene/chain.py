@@ -35,6 +35,9 @@ CHAIN_ACCURACY = 1e-9
 
 MOST_BODIES = 10_000
 
+_SECTIONS = {"effects": ("gravity",), "solver": ("accuracy", "duration")}
+"""Sections of a file, and the entries of a chain that are in them."""
+
 
 def _contact_of(value: object) -> Contact:
     if isinstance(value, Contact):
@@ -99,8 +102,8 @@ class Chain(InUnits):
     bodies: in the order in which they lie; positive directions point to the last. contact: the law of all contacts
     that have none of their own; "auto" is elastoplastic where a yield strength is known, else hertz. target: a
     HalfSpace behind the last body; default none. gravity: whether weight acts, towards the last body. duration: s;
-    default until contact is open everywhere and no neighbours approach. accuracy: relative to the largest, of final
-    velocities and of the largest force of each contact; default 1e-9.
+    default until contact is open everywhere and no neighbours approach. accuracy: of final velocities over that of
+    approach, and relative, of the largest force of each contact; default 1e-9.
 
     >>> ball = {"radius": "10 mm", "material": "bearing steel"}
     >>> cradle = fm.Chain([{**ball, "velocity": "1 m/s"}, {**ball, "count": 2}], "hertz")
@@ -158,14 +161,16 @@ class Chain(InUnits):
         row = self.row
         found = list[Mistake]()
         if len(row) + (self.target is not None) < 2 or len(row) > MOST_BODIES:
-            found.append(Mistake(None, None, "bodies", f"{len(row)}: 2 to {MOST_BODIES} are needed, or 1 and a target"))
+            found.append(
+                Mistake(None, None, "bodies", f"there are {len(row)}: 2 to {MOST_BODIES} are needed, or a target")
+            )
         found += [
             Mistake(None, None, f"bodies[{n}].mass", "missing: give mass, or a material")
             for n, body in enumerate(self.bodies, 1)
             if body.own_mass is None
         ]
         if self.gravity and self.target is None:
-            found.append(Mistake(None, None, "gravity", "is true: weight needs a target that the chain falls onto"))
+            found.append(Mistake(None, None, "Chain.gravity", "is true: weight needs a target to fall onto"))
         return found
 
     def pairs(self, speed: float) -> list[Scene]:
@@ -176,17 +181,14 @@ class Chain(InUnits):
         row, known, found = self.row, dict[tuple[int, int], Scene](), list[Scene]()
         places = [n for n, body in enumerate(self.bodies, 1) for _ in range(body.count)]
         for k, one in enumerate(row if self.target is not None else row[:-1]):
-            key = id(one), id(row[k + 1]) if k + 1 < len(row) else 0
+            last = k + 1 == len(row)
+            key = places[k], 0 if last else places[k + 1]
             if key not in known:
                 try:
-                    known[key] = self._pair(one, row[k + 1] if k + 1 < len(row) else None, speed)
+                    known[key] = self._pair(one, None if last else row[k + 1], speed)
                 except SceneError as error:
-                    names = {"impactor": f"bodies[{places[k]}]"}
-                    if k + 1 < len(row):
-                        names["target"] = f"bodies[{places[k + 1]}]"
-                    moved = (m.key.partition(".")[2].partition(".") for m in error.mistakes)
-                    keys = [f"{names.get(owner, owner)}.{rest}" for owner, _, rest in moved]
-                    raise SceneError(replace(m, key=key) for m, key in zip(error.mistakes, keys, strict=True)) from None
+                    other = "target" if last else f"bodies[{key[1]}]"
+                    raise SceneError(_renamed(m, f"bodies[{key[0]}]", other) for m in error.mistakes) from None
             found.append(known[key])
         return found
 
@@ -215,23 +217,24 @@ class Chain(InUnits):
     @classmethod
     def from_table(cls, table: Mapping[str, Any]) -> Chain:
         """Make a chain from nested tables laid out as in its file."""
-        sections = {"effects": ("gravity",), "solver": ("accuracy", "duration")}
-        entries: dict[str, Any] = {"bodies": table.get("bodies", ())}
-        mistakes = list[Mistake]()
+        known: dict[str, type] = {
+            "title": str,
+            "bodies": list,
+            **dict.fromkeys(("contact", "target", *_SECTIONS), dict),
+        }
+        entries, mistakes = dict[str, Any](bodies=()), list[Mistake]()
+        value: Any
         for key, value in table.items():
-            kind, need = (list, "sections [[bodies]] are needed") if key == "bodies" else (dict, f"a section [{key}]")
-            kind, need = (str, "a text is needed") if key == "title" else (kind, need)
-            if key not in ("title", "bodies", "contact", "target", *sections):
-                hint = did_you_mean(key, ["title", "bodies", "contact", "target", *sections])
-                mistakes.append(Mistake(None, None, key_text(key), f"unknown key{hint}"))
-            elif not isinstance(value, kind):
-                mistakes.append(Mistake(None, None, key, f"{shown(value)} is not allowed: {need}"))
-            elif key in sections:
-                for name in value:
-                    if name not in sections[key]:
-                        what = f"unknown key of a chain; known are {', '.join(sections[key])}"
-                        mistakes.append(Mistake(None, None, f"{key}.{key_text(name)}", what))
-                entries |= {name: value[name] for name in value if name in sections[key]}
+            if key not in known:
+                mistakes.append(Mistake(None, None, key_text(key), f"unknown key{did_you_mean(key, known)}"))
+            elif not isinstance(value, known[key]):
+                need = {"title": "a text is", "bodies": "sections [[bodies]] are"}.get(key, f"a section [{key}] is")
+                mistakes.append(Mistake(None, None, key, f"{shown(value)} is not allowed: {need} needed"))
+            elif key in _SECTIONS:
+                entries |= {name: value[name] for name in value if name in _SECTIONS[key]}
+                what = f"unknown key of a chain; known are {', '.join(_SECTIONS[key])}"
+                others = (name for name in value if name not in _SECTIONS[key])
+                mistakes += [Mistake(None, None, f"{key}.{key_text(name)}", what) for name in others]
             elif key in ("contact", "target"):
                 try:
                     entries[key] = Contact(**value) if key == "contact" else _half_space(value)
@@ -243,9 +246,8 @@ class Chain(InUnits):
         try:
             return cls(**entries)
         except SceneError as error:
-            names = {name: f"{section}.{name}" for section, known in sections.items() for name in known}
-            moved = (m.moved("") if m.key.startswith("Chain.") else m for m in error.mistakes)
-            raise SceneError(replace(m, key=names.get(m.key, m.key)) for m in moved) from None
+            names = {f"Chain.{name}": f"{key}.{name}" for key, inside in _SECTIONS.items() for name in inside}
+            raise SceneError(replace(m, key=names.get(m.key, m.key)) for m in error.mistakes) from None
 
     def to_table(self) -> dict[str, Any]:
         """Nested tables, as in the file, from which :meth:`from_table` makes the same chain, to the last bit."""
@@ -254,13 +256,22 @@ class Chain(InUnits):
         sections |= {"bodies": [table_of(body) for body in self.bodies], "contact": contact_table(self.contact)}
         if self.target is not None:
             sections["target"] = {"kind": self.target.kind, **own["target"]}
-        sections["effects"] = {"gravity": self.gravity}
-        sections["solver"] = {name: own[name] for name in ("accuracy", "duration") if name in own}
-        return sections
+        return sections | {
+            key: {name: own[name] for name in inside if name in own} for key, inside in _SECTIONS.items()
+        }
 
     def to_toml(self) -> str:
         """The text of a file from which :meth:`from_text` makes the same chain, to the last bit."""
         return text_from_table(self.to_table())
+
+
+def _renamed(mistake: Mistake, one: str, other: str) -> Mistake:
+    """A mistake of the scene of two bodies, with the names that they have in the chain."""
+    key, message = (
+        text.replace("impactor.", f"{one}.").replace("target.", f"{other}.")
+        for text in (mistake.key.removeprefix("Scene."), mistake.message)
+    )
+    return replace(mistake, key=key, message=message)
 
 
 def _half_space(section: Mapping[str, Any]) -> HalfSpace:
@@ -269,4 +280,3 @@ def _half_space(section: Mapping[str, Any]) -> HalfSpace:
         what = f'{shown(kind)} is not supported behind a chain: "{HalfSpace.kind}" is needed'
         raise SceneError([Mistake(None, None, "Target.kind", what)])
     return build(HalfSpace, {name: value for name, value in section.items() if name != "kind"})
-

@@ -89,6 +89,9 @@ class Scene:
         if "over" in table and "impactor" not in table:
             why = 'this is a sweep: give it to "film-model sweep" or "film-model tolerance"'
             raise placed([Mistake(None, None, "over", why)], text, name)
+        if "bodies" in table:
+            why = 'this is a chain: "film-model run" and Chain.from_toml read it'
+            raise placed([Mistake(None, None, "bodies", why)], text, name)
         for key in WITH_FILES:
             section = table.get(key)
             if isinstance(section, dict) and "file" in section:

@@ -147,9 +147,11 @@ _PATH = re.compile(rf"{_PART}(?:\s*\.\s*{_PART})*")
 
 
 def lines_of_keys(text: str) -> dict[str, int]:
-    """The line of every key, by its path, which tomllib does not report. Keys of an inline table have its line."""
+    """The line of every key, by its path, which tomllib does not report. Keys of an inline table have its line; those
+    of the second section [[bodies]] are bodies[2].radius, too."""
     lines: dict[str, int] = {}
-    section, quotes = "", ""
+    section, quotes, place = "", "", ""
+    count = dict[str, int]()
     for number, whole_line in enumerate(text.split("\n"), 1):
         line = whole_line.strip()
         if quotes:  # inside a text of several lines
@@ -162,8 +164,15 @@ def lines_of_keys(text: str) -> dict[str, int]:
             keys = [key_text(_unquoted(part)) for part in re.findall(_PART, path[0])]
             if rest.startswith("]" if header else "="):
                 section = "" if header else section
+                if header:
+                    place = ".".join(keys)
+                    count[place] = count.get(place, 0) + 1
+                    place = f"{place}[{count[place]}]"
+                    lines[place] = number
                 for key in (keys[0], ".".join(keys)):
                     lines.setdefault(f"{section}.{key}".lstrip("."), number)
+                    if not header:
+                        lines.setdefault(f"{place}.{key}", number)
                 section = ".".join(keys) if header else section
         quotes = next((q for q in ('"""', "'''") if line.count(q) % 2), "")
     return lines

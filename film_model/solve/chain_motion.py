@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import warnings as python_warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -34,7 +34,7 @@ FINEST = 1e-14
 """Tolerance of a step, over approach velocity and indentation: elastic chains then keep energy to 1e-12."""
 
 COARSER, CLOSER = 0.01, 1e-3
-"""Tolerance of the run that is compared with, over the accuracy asked for, and of each later one over the one before."""
+"""Tolerance of the run that is compared with, over the accuracy asked for; of each later one over the one before."""
 
 BODIES: dict[str, tuple[str, str]] = {
     "mass": ("mass", "mass of the body"),
@@ -123,6 +123,18 @@ class ChainMotion:
     def __repr__(self) -> str:
         return f"ChainMotion({len(self.values['mass'])} bodies; {self.outcome})"
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """From when to when to look, s: the duration that was asked for, or while forces act, as if each contact took as
+        long after its largest force as before."""
+        if self.chain.duration is not None:
+            return 0.0, self.end
+        begins, peaks = (self.values[name] for name in ("contact_begins", "time_of_largest_force"))
+        if np.isnan(begins).all():
+            return 0.0, self.end
+        first, last = float(np.nanmin(begins)), min(self.end, float(np.nanmax(2.0 * peaks - begins)))
+        return max(0.0, first - 0.05 * (last - first)), last
+
     def sample_si(self, times: Any) -> dict[str, Array]:
         """Motion at ascending times [s] from 0 to the end, SI: displacement and velocity (bodies, times), indentation
         and contact_force (contacts, times). It is computed anew, as exactly as the results.
@@ -142,14 +154,14 @@ class ChainMotion:
             "contact_force": values[2, :count] * scales.force,
         }
 
+    def rows(self, names: Iterable[str]) -> list[dict[str, Any]]:
+        """The values of these names, SI, a row for each body or contact; None where one does not exist."""
+        columns = ([None if math.isnan(value) else value for value in self.values[name].tolist()] for name in names)
+        return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
+
     def to_dict(self) -> dict[str, Any]:
         """Plain values for JSON, SI: title, laws, outcome, end, bodies and contacts, energy, accuracy and warnings."""
-        rows = {
-            key: [
-                {name: _or_none(self.values[name][k]) for name in names} for k in range(len(self.values[next(iter(names))]))
-            ]
-            for key, names in (("bodies", BODIES), ("contacts", CONTACTS))
-        }
+        rows = {key: self.rows(names) for key, names in (("bodies", BODIES), ("contacts", CONTACTS))}
         for row, law, count in zip(rows["contacts"], self.laws, self.counts, strict=True):
             row |= {"law": law, "count": count}
         return {
@@ -167,10 +179,6 @@ for _name in (*BODIES, *CONTACTS):
     setattr(ChainMotion, _name, _Column(_name))
 
 
-def _or_none(value: float) -> float | None:
-    return None if math.isnan(value) else float(value)
-
-
 class _Scales(NamedTuple):
     """Units of a run in SI."""
 
@@ -180,6 +188,7 @@ class _Scales(NamedTuple):
 
     @property
     def time(self) -> float:
+        """Length over velocity."""
         return self.length / self.velocity
 
     @property
@@ -254,7 +263,7 @@ def _speed(chain: Chain) -> float:
 
 
 def _contacts_of(chain: Chain) -> list[_Contact]:
-    made, speed = dict[int, tuple[Any, ...]](), _speed(chain)
+    made, speed = dict[int, tuple[AbstractLaw, Curve, float, float, float]](), _speed(chain)
     scenes = chain.pairs(speed)
     for scene in scenes:
         if id(scene) not in made:
@@ -309,19 +318,19 @@ def _raise_failure(run: chaining.Run, contacts: list[_Contact], scales: _Scales)
         return
     at = format_si(run.time * scales.time, "time", 4)
     if run.status == native.TOO_MANY:
-        raise SimulationError(
-            f"the chain takes more than {chaining.MOST_STEPS} steps; at {at}: give a shorter duration"
-        )
-    raise SimulationError(f"contact {run.failed + 1}, {contacts[run.failed].law.name}: {STATUSES[run.status].sentence}; at {at}")
+        why = f"the chain takes more than {chaining.MOST_STEPS} steps; at {at}: give a shorter duration"
+        raise SimulationError(why)
+    law, why = contacts[run.failed].law.name, STATUSES[run.status].sentence
+    raise SimulationError(f"contact {run.failed + 1}, law {law}: {why}; at {at}")
 
 
 def _difference(coarse: chaining.Run, fine: chaining.Run) -> float:
-    """Of velocities over the largest, and of the largest forces over each of those above a millionth of the largest."""
+    """Of velocities over that of approach, and of the largest forces over each that is above a millionth of all."""
     if coarse.status < 0:
         return math.inf
-    forces, speeds = fine.contacts["largest_force"], np.abs(fine.velocity).max(initial=0.0)
-    force = np.abs(coarse.contacts["largest_force"] - forces) / np.maximum(forces, 1e-6 * forces.max(initial=0.0))
-    return float(max(np.abs(coarse.velocity - fine.velocity).max() / speeds, np.nan_to_num(force).max(initial=0.0)))
+    forces = fine.contacts["largest_force"]
+    force = np.abs(coarse.contacts["largest_force"] - forces) / np.maximum(forces, 1e-6 * forces.max(initial=1e-300))
+    return float(max(np.abs(coarse.velocity - fine.velocity).max(), force.max(initial=0.0)))
 
 
 def _values(chain: Chain, run: chaining.Run, scales: _Scales) -> dict[str, Array]:
@@ -351,9 +360,7 @@ def _balance(chain: Chain, run: chaining.Run, scales: _Scales, values: dict[str,
     return EnergyBalance(before, after, weight, absorbed, before + weight - absorbed - after)
 
 
-def _warnings(
-    contacts: list[_Contact], values: dict[str, Array], estimated: float, accuracy: float
-) -> tuple[str, ...]:
+def _warnings(contacts: list[_Contact], values: dict[str, Array], estimated: float, accuracy: float) -> tuple[str, ...]:
     found = dict[str, None]()
     for number, contact in enumerate(contacts, 1):
         force, depth = (float(values[name][number - 1]) for name in ("largest_force", "largest_indentation"))

@@ -22,6 +22,7 @@ static const double MARGIN = 0.9, SHRINK = 0.1, GROW = 6.0; /* of the next step:
 typedef struct {
     const film_chain *of;
     int32_t n, first, last; /* bodies; contacts that are integrated, with the bodies beside them */
+    int known;              /* 1: `sign` and `force` are those of y and of first .. last */
     double *y, *trial, *slope, *force, *sign, *sign_now, *watch, time;
     film_state *state;
     film_chain_summary *result;
@@ -31,6 +32,10 @@ size_t film_chain_size(int32_t bodies) {
     size_t n = (size_t)bodies;
     return n * ((2 * PARTS + PARTS * STAGES + 1 + 3 * SIGNS) * sizeof(double) + sizeof(film_state));
 }
+
+/* fmax and fmin of numbers, which compilers inline. */
+static double greater(double a, double b) { return a > b ? a : b; }
+static double lesser(double a, double b) { return a < b ? a : b; }
 
 static double rate(const chain *c, const double *y, int32_t k) {
     const double *v = y + V * c->n;
@@ -103,15 +108,15 @@ static double error_of(const chain *c, double h) {
     if (c->last < c->first) return 0.0;
     for (int part = D; part <= V; part++)
         for (int32_t k = c->first; k <= (part == D ? c->last : last_body(c)); k++) {
-            double five = 0.0, three = 0.0, unit = part == D && k < c->of->contacts ? c->of->contact[k].length : 1.0;
             if (part == D && k >= c->of->contacts) continue;
+            double five = 0.0, three = 0.0, unit = part == D ? c->of->contact[k].length : 1.0;
             for (int s = 0; s < STAGES; s++) {
                 double slope = c->slope[(s * PARTS + part) * c->n + k];
                 five += FIFTH[s] * slope;
                 three += THIRD[s] * slope;
             }
-            fifth = fmax(fifth, fabs(five / unit));
-            third = fmax(third, fabs(three / unit));
+            fifth = greater(fifth, fabs(five / unit));
+            third = greater(third, fabs(three / unit));
         }
     return fifth == 0.0 ? 0.0 : fabs(h) * fifth * fifth / sqrt(fifth * fifth + 0.01 * third * third) / c->of->tolerance;
 }
@@ -127,7 +132,7 @@ static void signs_of(const chain *c, const double *y, int32_t k, double *sign) {
     s->xi = y[D * c->n + k] / at->length;
     s->nu = rate(c, y, k);
     film_indicators(at->curve, s, 1e-3, indicators); /* late by 1e-3 of its 1e-10: LATE */
-    for (int j = TURN; j <= NEAR; j++) sign[j] = fmax(fmin(indicators[j], 1.0), -1.0);
+    for (int j = TURN; j <= NEAR; j++) sign[j] = greater(lesser(indicators[j], 1.0), -1.0);
     if (s->damper == 0.0 || !touching(c, k)) return;
     const double *mass = c->of->mass;
     double own = (force_before(c, k) - c->force[k]) / mass[k], next = 0.0;
@@ -150,7 +155,7 @@ static double watched(const chain *c) {
     double least = 1.0;
     for (int32_t i = SIGNS * c->first; i < SIGNS * (c->last + 1) && i < SIGNS * c->of->contacts; i++) {
         if (c->sign[i] > 0.0 && c->sign_now[i] < 0.0) c->watch[i] = 1.0;
-        if (c->watch[i] != 0.0) least = fmin(least, c->sign_now[i]);
+        if (c->watch[i] != 0.0) least = lesser(least, c->sign_now[i]);
     }
     return least;
 }
@@ -215,6 +220,7 @@ static void let_go(chain *c, int32_t k) {
     *d = s->xi_free * at->length;
     s->branch = FILM_FREE;
     s->phase = FILM_SEPARATED;
+    c->known = 0;
     c->result[k].ends = c->time;
 }
 
@@ -229,26 +235,31 @@ static void watch_largest(chain *c) {
     }
 }
 
-/* When free contact k touches if nothing pushes its bodies; INFINITY: they do not approach. */
+/* When free contact k touches if nothing pushes its bodies; INFINITY: they do not approach. A damped contact may have let go
+ * inside its dent, and then has to leave it first. */
 static double touch_time(const chain *c, int32_t k) {
     double v = rate(c, c->y, k), g = k + 1 < c->n ? 0.0 : c->of->gravity;
     double gap = (c->state[k].xi_free + 2.0 * LATE) * c->of->contact[k].length - c->y[D * c->n + k];
-    if (g > 0.0) return gap > 0.0 ? 2.0 * gap / (v + sqrt(v * v + 2.0 * g * gap)) : 0.0;
-    return v > c->of->tolerance ? fmax(gap, 0.0) / v : INFINITY;
+    if (g == 0.0) return v > c->of->tolerance ? greater(gap, 0.0) / v : INFINITY;
+    double square = v * v + 2.0 * g * gap;
+    if (v < 0.0) return square > 0.0 ? (sqrt(square) - v) / g : -v / g;
+    return gap > 0.0 ? 2.0 * gap / (v + sqrt(square)) : 0.0;
 }
 
 /* The contacts that are integrated: from the one before the first that touches to the one after the last; and the longest
  * free motion of the others. */
 static double choose_window(chain *c) {
     double free_time = INFINITY;
+    int32_t first = c->first, last = c->last;
     c->first = c->n, c->last = -1;
     for (int32_t k = 0; k < c->of->contacts; k++) {
         if (!touching(c, k)) continue;
         if (c->first == c->n) c->first = k > 0 ? k - 1 : 0;
         c->last = k + 1 < c->n ? k + 1 : k;
     }
+    c->known &= first == c->first && last == c->last;
     for (int32_t k = 0; k < c->of->contacts; k++)
-        if (k < c->first || k > c->last) free_time = fmin(free_time, touch_time(c, k));
+        if (k < c->first || k > c->last) free_time = lesser(free_time, touch_time(c, k));
     return free_time;
 }
 
@@ -283,13 +294,16 @@ static int64_t sample(const chain *c, double h, int64_t done, int64_t count, con
 static int switch_contacts(chain *c, int32_t *failed, int *begun) {
     *begun = 0;
     for (int32_t k = 0; k < c->of->contacts; k++) {
-        double sign[SIGNS];
-        if (!touching(c, k) && c->y[D * c->n + k] < c->state[k].xi_free * c->of->contact[k].length) continue;
-        signs_of(c, c->y, k, sign);
+        double *sign = c->sign + SIGNS * k;
+        if (k < c->first || k > c->last) {
+            if (c->y[D * c->n + k] < c->state[k].xi_free * c->of->contact[k].length) continue;
+            signs_of(c, c->y, k, sign);
+        }
         if (sign[TURN] > 0.0 && sign[FAR] > 0.0 && sign[NEAR] > 0.0) {
             if (touching(c, k)) let_go(c, k);
             continue;
         }
+        c->known = 0;
         int status = switch_contact(c, k);
         *begun |= c->state[k].event == FILM_CONTACT_BEGINS;
         *failed = k;
@@ -305,7 +319,7 @@ static int advance(chain *c, double *h, double free_time, int64_t *done, int64_t
     int begun;
     length = fmin(fmin(length, free_time), left);
     if (c->last >= c->first) slopes(c, c->y, c->slope);
-    signs_in(c, c->y, c->sign);
+    if (!c->known) signs_in(c, c->y, c->sign);
     for (;;) {
         step(c, length);
         error = error_of(c, length);
@@ -325,7 +339,9 @@ static int advance(chain *c, double *h, double free_time, int64_t *done, int64_t
     if (*done > before) step(c, length);
     memcpy(c->y, c->trial, PARTS * (size_t)c->n * sizeof(double));
     c->time = length == left ? c->of->limit : c->time + length;
-    signs_in(c, c->y, c->sign_now);
+    if (*done > before) signs_in(c, c->y, c->sign_now); /* those of the step to the event otherwise */
+    memcpy(c->sign, c->sign_now, (size_t)(SIGNS * c->n) * sizeof(double));
+    c->known = 1;
     watch_largest(c);
     int status = switch_contacts(c, failed, &begun);
     if (begun) *h = fmin(*h, BEGIN * pow(c->of->tolerance, 0.4));
